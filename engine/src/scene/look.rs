@@ -1,0 +1,1 @@
+//! The look file: what glTF cannot say.

@@ -1,0 +1,325 @@
+//! The scene as plain CPU data: what was read from glTF, the look and image files, before any GPU sees it.
+//!
+//! Nothing in this folder knows wgpu. Conventions: Y up, right-handed, metres, radians, linear Rec.709.
+
+pub mod import;
+pub mod look;
+
+use glam::{Affine3A, Mat4, Vec2, Vec3, Vec4};
+
+/// Everything that is rendered.
+#[derive(Debug, Clone, Default)]
+pub struct Scene {
+    /// Geometry in object space; instances refer to it by index.
+    pub meshes: Vec<Mesh>,
+    /// Meshes placed in the world.
+    pub instances: Vec<Instance>,
+    /// Surface descriptions; triangles refer to them by index. Never empty once a mesh is present.
+    pub materials: Vec<Material>,
+    /// Decoded pictures; [`TextureRef`] refers to them by index.
+    pub images: Vec<Image>,
+    /// Punctual lights (KHR_lights_punctual), in the world.
+    pub lights: Vec<PunctualLight>,
+    /// Cameras of the file, in its order.
+    pub cameras: Vec<Camera>,
+    /// Light from infinitely far away.
+    pub environment: Environment,
+}
+
+/// An indexed triangle mesh in object space. All attribute vectors are as long as `positions`, or empty where
+/// the mesh has no such attribute (`normals` is never empty).
+#[derive(Debug, Clone, Default)]
+pub struct Mesh {
+    /// Name in the file, or a made-up one.
+    pub name: String,
+    /// Metres, object space; finite.
+    pub positions: Vec<Vec3>,
+    /// Unit length, object space.
+    pub normals: Vec<Vec3>,
+    /// Unit tangent and handedness (+1 or -1) as glTF defines; present where a material has a normal map or the file had tangents.
+    pub tangents: Vec<Vec4>,
+    /// TEXCOORD_0.
+    pub uv0: Vec<Vec2>,
+    /// TEXCOORD_1.
+    pub uv1: Vec<Vec2>,
+    /// COLOR_0, linear RGBA.
+    pub colors: Vec<Vec4>,
+    /// Vertex indices of each triangle; all in range, no two equal.
+    pub triangles: Vec<[u32; 3]>,
+    /// Index into [`Scene::materials`] of each triangle; as long as `triangles`.
+    pub triangle_materials: Vec<u32>,
+}
+
+/// A mesh placed in the world.
+#[derive(Debug, Clone)]
+pub struct Instance {
+    /// Name of the node in the file.
+    pub name: String,
+    /// Index into [`Scene::meshes`].
+    pub mesh: u32,
+    /// Object to world; invertible. May mirror and scale non-uniformly.
+    pub transform: Affine3A,
+}
+
+/// A metallic-roughness material with the extensions that are supported. Textures multiply their factors.
+#[derive(Debug, Clone)]
+pub struct Material {
+    /// Name in the file or the look; unique within the scene.
+    pub name: String,
+    /// Linear RGBA factor.
+    pub base_color: Vec4,
+    /// RGBA, sRGB-encoded colour.
+    pub base_color_texture: Option<TextureRef>,
+    /// 0 dielectric .. 1 metal.
+    pub metallic: f32,
+    /// Perceptual roughness; GGX alpha is its square.
+    pub roughness: f32,
+    /// Linear: G roughness, B metallic.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Tangent-space normal map, linear.
+    pub normal_texture: Option<TextureRef>,
+    /// Factor on the normal map's x and y.
+    pub normal_scale: f32,
+    /// Radiance, W/m²/sr: emissive factor times emissive strength.
+    pub emission: Vec3,
+    /// RGB, sRGB-encoded colour.
+    pub emission_texture: Option<TextureRef>,
+    /// KHR_materials_specular: weight of the dielectric's specular lobe.
+    pub specular: f32,
+    /// Weight in the A channel, linear.
+    pub specular_texture: Option<TextureRef>,
+    /// KHR_materials_specular: tint of the dielectric's F0.
+    pub specular_color: Vec3,
+    /// RGB, sRGB-encoded colour.
+    pub specular_color_texture: Option<TextureRef>,
+    /// Index of refraction of the dielectric.
+    pub ior: f32,
+    /// What the base colour's alpha means.
+    pub alpha_mode: AlphaMode,
+    /// Both sides reflect and emit; otherwise the back reflects like the front but emits nothing.
+    pub double_sided: bool,
+    /// KHR_materials_unlit: the base colour is shown as it is.
+    pub unlit: bool,
+}
+
+impl Default for Material {
+    /// glTF's default material.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: Vec4::ONE,
+            base_color_texture: None,
+            metallic: 1.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            emission: Vec3::ZERO,
+            emission_texture: None,
+            specular: 1.0,
+            specular_texture: None,
+            specular_color: Vec3::ONE,
+            specular_color_texture: None,
+            ior: 1.5,
+            alpha_mode: AlphaMode::Opaque,
+            double_sided: false,
+            unlit: false,
+        }
+    }
+}
+
+/// What the alpha of a material's base colour means (glTF 2.0, section 3.9.4).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    Opaque,
+    /// Present where alpha is at least `cutoff`.
+    Mask {
+        /// The threshold.
+        cutoff: f32,
+    },
+    /// Alpha is coverage.
+    Blend,
+}
+
+/// Use of an image by a material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TextureRef {
+    /// Index into [`Scene::images`].
+    pub image: u32,
+    /// 0 for TEXCOORD_0, 1 for TEXCOORD_1.
+    pub uv_set: u32,
+    /// How the image repeats and is filtered.
+    pub sampler: Sampler,
+    /// KHR_texture_transform: `uv' = transform * (u, v, 1)`, the two rows of the affine map.
+    pub transform: [Vec3; 2],
+}
+
+/// glTF sampler: how an image is read outside [0, 1] and between texels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct Sampler {
+    /// Along u.
+    pub wrap_u: Wrap,
+    /// Along v.
+    pub wrap_v: Wrap,
+    /// glTF's magnification filter.
+    pub filter: Filter,
+}
+
+/// glTF wrap mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Wrap {
+    /// Tiles.
+    #[default]
+    Repeat,
+    /// Tiles, every other one mirrored.
+    Mirror,
+    /// The edge texel goes on.
+    Clamp,
+}
+
+/// Texel filter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Filter {
+    /// Bilinear.
+    #[default]
+    Linear,
+    /// Nearest texel.
+    Nearest,
+}
+
+/// A decoded picture, row 0 on top.
+#[derive(Debug, Clone)]
+pub struct Image {
+    /// Where it came from, for messages.
+    pub name: String,
+    /// Texels along u.
+    pub width: u32,
+    /// Texels along v.
+    pub height: u32,
+    /// 8-bit RGBA, `width * height * 4` bytes, as stored in the file.
+    pub rgba8: Vec<u8>,
+    /// RGB is sRGB-encoded (colour), not linear (data). An image used as both appears twice.
+    pub srgb: bool,
+}
+
+/// A light of KHR_lights_punctual, in world space. Numbers are radiometric one to one: candela is W/sr, lux is W/m².
+#[derive(Debug, Clone)]
+pub struct PunctualLight {
+    /// Name in the file.
+    pub name: String,
+    /// Linear colour times intensity.
+    pub intensity: Vec3,
+    /// World position, metres (not used by a directional light).
+    pub position: Vec3,
+    /// Unit direction in which the light shines (not used by a point light).
+    pub direction: Vec3,
+    /// Distance at which glTF's range window reaches zero; infinite where the file gives none.
+    pub range: f32,
+    /// Its shape.
+    pub kind: LightKind,
+}
+
+/// Shape of a punctual light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LightKind {
+    /// Intensity W/sr in all directions.
+    Point,
+    /// Intensity W/sr inside a cone; angles in radians from the axis.
+    Spot {
+        /// Full intensity inside.
+        inner_angle: f32,
+        /// Zero outside.
+        outer_angle: f32,
+    },
+    /// Irradiance W/m² on a perpendicular surface.
+    Directional,
+}
+
+/// A camera in the world. It looks along its local -Z, +Y is up.
+#[derive(Debug, Clone)]
+pub struct Camera {
+    /// Name of the camera or of its node.
+    pub name: String,
+    /// Camera to world, rigid (scale removed).
+    pub transform: Affine3A,
+    /// What it sees.
+    pub projection: Projection,
+    /// Radius of the lens, metres; 0 is a pinhole.
+    pub aperture_radius: f32,
+    /// Distance of the plane in focus, metres.
+    pub focus_distance: f32,
+}
+
+/// Projection of a camera. The picture's own aspect ratio is used; the vertical extent is kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Projection {
+    /// Vertical field of view, radians.
+    Perspective {
+        /// Radians.
+        y_fov: f32,
+    },
+    /// Half of the height of the view, metres.
+    Orthographic {
+        /// Metres.
+        y_mag: f32,
+    },
+}
+
+/// Light from infinitely far away, seen by the camera too.
+#[derive(Debug, Clone)]
+pub enum Environment {
+    /// The same radiance from everywhere; black is none.
+    Constant(Vec3),
+    /// An equirectangular picture.
+    Image {
+        /// Linear radiance.
+        image: FloatImage,
+        /// Degrees about +Y, counter-clockwise seen from above: direction (x, y, z) reads
+        /// u = frac(atan2(x, -z) / 2π + rotation / 360), v = acos(y) / π.
+        rotation: f32,
+        /// Factor on the radiance.
+        intensity: f32,
+    },
+}
+
+impl Default for Environment {
+    fn default() -> Self {
+        Self::Constant(Vec3::ZERO)
+    }
+}
+
+/// A linear floating-point picture, row 0 on top.
+#[derive(Debug, Clone)]
+pub struct FloatImage {
+    /// Texels along u.
+    pub width: u32,
+    /// Texels along v.
+    pub height: u32,
+    /// Linear Rec.709 per texel, `width * height` of them; finite and not negative.
+    pub rgb: Vec<[f32; 3]>,
+}
+
+impl Scene {
+    /// Number of triangles with instances counted.
+    pub fn instanced_triangles(&self) -> u64 {
+        self.instances
+            .iter()
+            .map(|i| self.meshes[i.mesh as usize].triangles.len() as u64)
+            .sum()
+    }
+
+    /// World-space bounds of all instances as (min, max); `None` for an empty scene.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let mut bounds: Option<(Vec3, Vec3)> = None;
+        for instance in &self.instances {
+            let matrix = Mat4::from(instance.transform);
+            for &p in &self.meshes[instance.mesh as usize].positions {
+                let p = matrix.transform_point3(p);
+                let (lo, hi) = bounds.unwrap_or((p, p));
+                bounds = Some((lo.min(p), hi.max(p)));
+            }
+        }
+        bounds
+    }
+}

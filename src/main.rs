@@ -1,0 +1,2 @@
+//! patina
+fn main() {}

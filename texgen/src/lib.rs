@@ -1,0 +1,1 @@
+//! User textures in WGSL to one procedural-texture kernel. Knows naga; knows neither wgpu nor the engine.
