@@ -5,7 +5,6 @@
 //! not know which materials the scene has or which parameters a texture takes: `procedural` brings those together.
 //! `docs/look-file.md` is the reference for users.
 
-mod error;
 mod parse;
 mod reader;
 #[cfg(test)]
@@ -15,21 +14,21 @@ mod value;
 use std::path::{Path, PathBuf};
 
 use glam::{Affine3A, Vec3};
+use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle};
 
-pub use error::{LookError, Problem};
-pub use reader::{closest, color, image_path, link_text};
+pub use reader::{color, link_text};
 pub use value::{Field, Span, Spanned, Value};
 
 /// The most AO tables a look may have: the hit of a path carries this many occlusion values.
 pub const MAX_AO: usize = 4;
 
 /// A look file, parsed. Paths in it are relative to the file itself; see [`Look::resolve`].
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Look {
     /// Where the text came from.
     pub path: PathBuf,
-    /// The whole file; every [`Span`] points into it.
-    pub text: String,
+    /// The whole text; every [`Span`] points into it.
+    pub file: SourceFile,
     /// Replaces the scene's environment.
     pub environment: Option<Spanned<EnvironmentLook>>,
     /// Overrides of a glTF camera, or a camera of its own.
@@ -153,7 +152,7 @@ pub struct Link {
     /// Name of the node.
     pub node: String,
     /// Components picked from its result (`x`, `rgb`, ...); `None` takes it whole.
-    pub swizzle: Option<String>,
+    pub swizzle: Option<Swizzle>,
 }
 
 /// A constant or a link.
@@ -285,6 +284,22 @@ pub struct Include {
     pub transform: Affine3A,
 }
 
+/// Why there is no look.
+#[derive(Debug, thiserror::Error)]
+pub enum LookError {
+    /// The file can't be read.
+    #[error("can't read the look {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The file has mistakes.
+    #[error(transparent)]
+    Invalid(#[from] Diagnostics),
+}
+
 impl Look {
     /// Reads and parses a look file.
     ///
@@ -295,32 +310,35 @@ impl Look {
             path: path.to_owned(),
             source,
         })?;
-        Self::parse(path, &text)
+        Ok(Self::parse(path, &text)?)
     }
 
     /// Parses the text of a look file that lies, or would lie, at `path`.
     ///
     /// # Errors
-    /// All mistakes of the text.
-    pub fn parse(path: &Path, text: &str) -> Result<Self, LookError> {
-        let (look, reader) = parse::parse(path, text);
-        look.check(reader.problems).map(|()| look)
+    /// All mistakes of the text, in its order.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, Diagnostics> {
+        let (look, mut reader) = parse::parse(path, text);
+        if reader.problems.is_empty() {
+            return Ok(look);
+        }
+        let start = |d: &Diagnostic| d.labels.first().map_or(0, |label| label.span.start);
+        reader.problems.sort_by_key(start);
+        Err(reader.problems.into_iter().collect())
     }
 
-    /// `Err` with every problem's place if there is one.
-    ///
-    /// # Errors
-    /// The problems, in the order of the file.
-    pub fn check(&self, mut problems: Vec<Problem>) -> Result<(), LookError> {
-        if problems.is_empty() {
-            return Ok(());
+    /// A look that says nothing, as if read from `path`.
+    pub fn empty(path: &Path, file: SourceFile) -> Self {
+        Self {
+            path: path.to_owned(),
+            file,
+            environment: None,
+            camera: CameraLook::default(),
+            ao: Vec::new(),
+            nodes: Vec::new(),
+            materials: Vec::new(),
+            includes: Vec::new(),
         }
-        problems.sort_by_key(|p| p.span.start);
-        Err(LookError::Invalid {
-            path: self.path.clone(),
-            text: self.text.clone(),
-            problems,
-        })
     }
 
     /// A path written in the look, made relative to where the look lies.

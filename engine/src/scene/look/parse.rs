@@ -6,9 +6,10 @@
 use std::path::Path;
 
 use glam::{Affine3A, EulerRot, Quat, Vec3};
+use texgen::{SourceFile, did_you_mean};
 use toml_edit::Document;
 
-use super::reader::{Reader, closest, is_name, unit};
+use super::reader::{Reader, is_name, unit};
 use super::value::{Field, Span, Spanned, Value, fields};
 use super::{
     AlphaLook, AoDirection, AoLook, AoSettings, BlendLook, CameraLook, EnvironmentLook, Include,
@@ -19,12 +20,9 @@ use super::{
 const MAX_BYTES: usize = 16 << 20;
 
 pub(super) fn parse(path: &Path, text: &str) -> (Look, Reader) {
-    let mut reader = Reader::default();
-    let mut look = Look {
-        path: path.to_owned(),
-        text: text.to_owned(),
-        ..Look::default()
-    };
+    let file = SourceFile::new("look", path.display().to_string(), text);
+    let mut reader = Reader::new(file.clone());
+    let mut look = Look::empty(path, file);
     if text.len() > MAX_BYTES {
         reader.problem(&(0..0), "a look file of more than 16 MiB is not read");
         return (look, reader);
@@ -548,7 +546,7 @@ fn unknown_name<'n>(
         return;
     }
     let message = format!("there is no {what} called `{}`", wanted.value);
-    match closest(&wanted.value, names) {
+    match did_you_mean(&wanted.value, names) {
         Some(near) => {
             reader.problem_with_note(&wanted.span, message, format!("did you mean `{near}`?"))
         }

@@ -4,23 +4,29 @@
 //! Nothing here knows which tables a look has.
 
 use glam::Vec3;
+use texgen::{Diagnostic, SourceFile, Swizzle, did_you_mean};
 
 use super::value::{Field, Span, Spanned, Value};
-use super::{Input, Link, Problem};
+use super::{Input, Link};
 
 /// Collects the problems of one look file.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Reader {
-    pub(super) problems: Vec<Problem>,
+    pub(super) file: SourceFile,
+    pub(super) problems: Vec<Diagnostic>,
 }
 
 impl Reader {
+    pub(super) fn new(file: SourceFile) -> Self {
+        Self {
+            file,
+            problems: Vec::new(),
+        }
+    }
+
     pub(super) fn problem(&mut self, span: &Span, message: impl Into<String>) {
-        self.problems.push(Problem {
-            span: span.clone(),
-            message: message.into(),
-            note: None,
-        });
+        let problem = Diagnostic::error(message).with_label(&self.file, span.clone(), "");
+        self.problems.push(problem);
     }
 
     pub(super) fn problem_with_note(
@@ -29,11 +35,8 @@ impl Reader {
         message: impl Into<String>,
         note: impl Into<String>,
     ) {
-        self.problems.push(Problem {
-            span: span.clone(),
-            message: message.into(),
-            note: Some(note.into()),
-        });
+        let problem = Diagnostic::error(message).with_label(&self.file, span.clone(), "");
+        self.problems.push(problem.with_note(note));
     }
 
     fn wrong_kind(&mut self, value: &Spanned<Value>, wanted: &str) {
@@ -46,7 +49,7 @@ impl Reader {
     /// A key that `table` doesn't have.
     pub(super) fn unknown_key(&mut self, key: &Spanned<String>, table: &str, known: &[&str]) {
         let message = format!("{table} has no key `{}`", key.value);
-        let note = match closest(&key.value, known.iter().copied()) {
+        let note = match did_you_mean(&key.value, known.iter().copied()) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("it has: {}", known.join(", ")),
         };
@@ -189,7 +192,9 @@ pub(super) fn unit(x: f32) -> bool {
 pub fn color(value: &Value) -> Result<Vec3, String> {
     const WANTED: &str = "expected a colour: \"#rrggbb\" (sRGB) or [r, g, b] (linear)";
     match value {
-        Value::Text(text) => hex_color(text).ok_or_else(|| WANTED.to_owned()),
+        Value::Text(text) => texgen::color_from_hex(text)
+            .map(|rgba| Vec3::from_slice(&rgba))
+            .ok_or_else(|| WANTED.to_owned()),
         Value::List(list) if list.len() == 3 => {
             let mut rgb = [0.0; 3];
             for (slot, item) in rgb.iter_mut().zip(list) {
@@ -199,38 +204,6 @@ pub fn color(value: &Value) -> Result<Vec3, String> {
             Ok(Vec3::from(rgb))
         }
         _ => Err(format!("{WANTED}, found {}", value.kind())),
-    }
-}
-
-fn hex_color(text: &str) -> Option<Vec3> {
-    let digits = text.strip_prefix('#')?;
-    if !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
-        return None;
-    }
-    let channel = |at: usize, len: usize| u8::from_str_radix(&digits[at..at + len], 16).ok();
-    let [r, g, b] = match digits.len() {
-        3 => [
-            channel(0, 1)? * 17,
-            channel(1, 1)? * 17,
-            channel(2, 1)? * 17,
-        ],
-        6 => [channel(0, 2)?, channel(2, 2)?, channel(4, 2)?],
-        _ => return None,
-    };
-    Some(Vec3::new(
-        srgb_to_linear(r),
-        srgb_to_linear(g),
-        srgb_to_linear(b),
-    ))
-}
-
-/// The electro-optical transfer function of IEC 61966-2-1.
-fn srgb_to_linear(encoded: u8) -> f32 {
-    let c = f32::from(encoded) / 255.0;
-    if c <= 0.04045 {
-        c / 12.92
-    } else {
-        ((c + 0.055) / 1.055).powf(2.4)
     }
 }
 
@@ -245,17 +218,14 @@ pub fn link_text(text: &str) -> Result<Link, String> {
             "`{text}` is neither the name of a node, as in \"rust_mask\" or \"rust_mask.x\", nor a colour, as in \"#7a3b12\""
         ));
     }
-    if let Some(swizzle) = swizzle {
-        let of = |set: &str| swizzle.chars().all(|c| set.contains(c));
-        if swizzle.is_empty() || swizzle.len() > 4 || !(of("xyzw") || of("rgba")) {
-            return Err(format!(
-                "`.{swizzle}` is not a swizzle: one to four of x y z w, or of r g b a"
-            ));
-        }
-    }
+    let swizzle = match swizzle.map(str::parse::<Swizzle>) {
+        Some(Err(error)) => return Err(error.to_string()),
+        Some(Ok(swizzle)) => Some(swizzle),
+        None => None,
+    };
     Ok(Link {
         node: node.to_owned(),
-        swizzle: swizzle.map(str::to_owned),
+        swizzle,
     })
 }
 
@@ -265,44 +235,4 @@ pub(super) fn is_name(text: &str) -> bool {
         && text
             .chars()
             .all(|c| c.is_alphanumeric() || c == '_' || c == '-')
-}
-
-/// Whether a string looks like an image file rather than a link, for messages.
-pub fn image_path(text: &str) -> bool {
-    let lower = text.to_ascii_lowercase();
-    [
-        ".png", ".jpg", ".jpeg", ".hdr", ".exr", ".webp", ".bmp", ".tga",
-    ]
-    .iter()
-    .any(|ending| lower.ends_with(ending))
-}
-
-/// The name nearest to a mistyped one, if any is near: at most a third of its letters differ.
-pub fn closest<'n>(wrong: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    let limit = (wrong.chars().count() / 3).max(1);
-    names
-        .map(|name| (edit_distance(wrong, name, limit), name))
-        .filter(|&(distance, _)| distance <= limit)
-        .min()
-        .map(|(_, name)| name)
-}
-
-/// Levenshtein's distance without regard to case; `limit + 1` stands for anything above `limit`.
-fn edit_distance(a: &str, b: &str, limit: usize) -> usize {
-    let a: Vec<char> = a.chars().flat_map(char::to_lowercase).collect();
-    let b: Vec<char> = b.chars().flat_map(char::to_lowercase).collect();
-    if a.len().abs_diff(b.len()) > limit {
-        return limit + 1;
-    }
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.iter().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, cb) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(ca != cb);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }

@@ -8,23 +8,20 @@ fn parse(text: &str) -> Look {
 
 /// Line, column and text of every mistake.
 fn problems(text: &str) -> Vec<(usize, usize, String)> {
-    match Look::parse(Path::new("test.look.toml"), text) {
-        Err(LookError::Invalid { problems, .. }) => problems
-            .into_iter()
-            .map(|p| {
-                let before = &text[..p.span.start];
-                let line = before.matches('\n').count() + 1;
-                let column = before.len() - before.rfind('\n').map_or(0, |at| at + 1) + 1;
-                (
-                    line,
-                    column,
-                    format!("{} | {}", p.message, p.note.unwrap_or_default()),
-                )
-            })
-            .collect(),
-        Err(other) => panic!("{other}"),
-        Ok(_) => Vec::new(),
-    }
+    let Err(diagnostics) = Look::parse(Path::new("test.look.toml"), text) else {
+        return Vec::new();
+    };
+    diagnostics
+        .iter()
+        .map(|d| {
+            let place = d.location().expect("every mistake has a place");
+            (
+                place.line,
+                place.column,
+                format!("{} | {}", d.message, d.notes.join(" | ")),
+            )
+        })
+        .collect()
 }
 
 #[track_caller]
@@ -245,10 +242,15 @@ fn mistakes_are_shown_with_line_and_caret() {
         "# é\n[camera]\nposotion = [1, 2, 3]",
     )
     .unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "error: [camera] has no key `posotion`\n --> a.look.toml:3:1\n3 | posotion = [1, 2, 3]\n  | ^^^^^^^^\n  = did you mean `position`?"
-    );
+    let shown = error.to_string();
+    for part in [
+        "--> a.look.toml:3:1",
+        "3 | posotion = ",
+        "  | ^^^^^^^^",
+        "did you mean `position`?",
+    ] {
+        assert!(shown.contains(part), "{shown}");
+    }
 }
 
 #[test]
