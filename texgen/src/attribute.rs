@@ -1,0 +1,109 @@
+//! What a texture can ask the renderer for at a hit: attributes (`readAttr`) and globals (`readGlobal`).
+//!
+//! The one table of names; the prelude, the host functions and the documentation's table are compared with it by tests.
+
+use std::fmt;
+
+/// Something `readAttr(NAME)` reads at the hit.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Attribute {
+    /// One of [`BUILTIN_ATTRIBUTES`], by its place there.
+    Builtin(BuiltinAttribute),
+    /// A custom mesh attribute, with its leading underscore (glTF `_WETNESS`).
+    Custom(String),
+}
+
+impl Attribute {
+    /// The name as a texture writes it.
+    pub fn name(&self) -> &str {
+        match self {
+            Attribute::Builtin(builtin) => builtin.name(),
+            Attribute::Custom(name) => name,
+        }
+    }
+}
+
+impl fmt::Display for Attribute {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl From<BuiltinAttribute> for Attribute {
+    fn from(builtin: BuiltinAttribute) -> Self {
+        Attribute::Builtin(builtin)
+    }
+}
+
+macro_rules! named_enum {
+    ($(#[$outer:meta])* $name:ident, $list:ident, $list_doc:literal: $($variant:ident $doc:literal,)*) => {
+        $(#[$outer])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum $name {
+            $(#[doc = $doc] $variant,)*
+        }
+
+        #[doc = $list_doc]
+        pub const $list: &[$name] = &[$($name::$variant,)*];
+
+        impl $name {
+            /// The name as a texture writes it.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $($name::$variant => stringify!($variant),)*
+                }
+            }
+
+            /// One sentence for users: what the four components hold, with units.
+            pub fn description(self) -> &'static str {
+                match self {
+                    $($name::$variant => $doc,)*
+                }
+            }
+
+            /// The one of that name.
+            pub fn from_name(name: &str) -> Option<Self> {
+                $list.iter().copied().find(|candidate| candidate.name() == name)
+            }
+        }
+    };
+}
+
+named_enum! {
+    /// An attribute that every hit has, whatever the mesh.
+    BuiltinAttribute, BUILTIN_ATTRIBUTES, "All built-in attributes, in the order of the prelude's constants.":
+    WorldPos "Position in the world, metres; w = 1.",
+    LocalPos "Position in the object's own space, before its node's transform; w = 1.",
+    Normal "Shading normal in the world, unit length, on the side of the viewer; w = 0.",
+    GeomNormal "Normal of the triangle itself in the world, unit length, on the side of the viewer; w = 0.",
+    LocalNormal "Shading normal in the object's own space, unit length; w = 0.",
+    Tangent "Tangent in the world, unit length; w = handedness of the bitangent, +1 or -1.",
+    Bitangent "Bitangent in the world, unit length; w = 0.",
+    TexCoord0 "First texture coordinates (u, v, 0, 1); v = 0 is the top row of an image.",
+    TexCoord1 "Second texture coordinates (u, v, 0, 1); equal to the first where the mesh has one set only.",
+    Color0 "Vertex colour, linear; (1, 1, 1, 1) where the mesh has none.",
+    ViewDir "Direction from the hit towards where the ray came from, in the world, unit length; w = 0.",
+    AO "Ambient occlusion of the node's first AO slot in every component: 0 = fully open, 1 = fully occluded.",
+    AO1 "Ambient occlusion of the node's second AO slot, like AO.",
+    Curvature "Mean curvature in 1/metres in every component: positive on ridges, negative in creases.",
+    Footprint "Size of the pixel's footprint here: x = width in metres in the world, y = width in uv of TexCoord0.",
+    InstanceId "Number of the instance in every component, exact up to 16 million.",
+    ObjectRandom "Four random numbers in [0, 1), constant over an instance and stable between renders.",
+    MaterialId "Number of the material in every component.",
+    FrontFacing "1 in every component where the front of the triangle is seen, 0 where the back is.",
+    Bounce "Number of bounces before this hit in every component: 0 for what the camera sees.",
+    RayKind "What found this hit, in every component: 0 = camera ray, 1 = bounce, 2 = shadow ray.",
+    Time "Time of the frame in seconds in every component.",
+}
+
+named_enum! {
+    /// A setting of the whole render, read by `readGlobal(NAME)`.
+    Global, GLOBALS, "All globals, in the order of the prelude's constants.":
+    Time "Time of the frame in seconds in every component.",
+    FrameIndex "Number of the frame in every component, from 0.",
+    SampleIndex "Number of the sample of this pixel in every component, from 0.",
+    Resolution "Image size in pixels: width, height, 1/width, 1/height.",
+    CameraPos "Position of the camera in the world, metres; w = 1.",
+    SceneMin "Least corner of the scene's bounds in the world, metres; w = 1.",
+    SceneMax "Greatest corner of the scene's bounds in the world, metres; w = 1.",
+}

@@ -1,0 +1,1 @@
+// What the host supplies to the generated kernel, doing nothing.

@@ -1,0 +1,43 @@
+//! What a texture shows to the outside: its parameters, their types, ranges and defaults, and its output.
+//! Plain data; `parse` fills it from naga's module and `metadata` from the `@param` lines.
+
+use crate::value::{ParameterType, Value};
+
+/// One parameter of `userProc`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// The name in `userProc`'s signature and in a look file.
+    pub name: String,
+    /// Its type.
+    pub ty: ParameterType,
+    /// What a user interface shows; the name where the file gives none.
+    pub label: String,
+    /// The value of a node that sets none. `None` for images only: they must be set.
+    pub default: Option<Value>,
+    /// The values that make sense, for sliders; nothing enforces it.
+    pub range: Option<(f32, f32)>,
+    /// The values one usually wants, for sliders: inside `range`.
+    pub soft_range: Option<(f32, f32)>,
+    /// Unit as shown to people (`m`, `1/m`, ...).
+    pub unit: Option<String>,
+    /// How a user interface edits it.
+    pub widget: Widget,
+}
+
+/// How a user interface edits a parameter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Widget {
+    /// A number field or slider, as the type demands.
+    #[default]
+    Plain,
+    /// A colour picker; components are linear Rec.709.
+    Color,
+    /// Shown in degrees, kept in radians.
+    Angle,
+    /// A logarithmic slider.
+    Log,
+    /// Shown in percent, kept as a fraction.
+    Percent,
+    /// A whole number without meaning: a button that draws another one.
+    Seed,
+}
