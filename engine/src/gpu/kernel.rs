@@ -76,10 +76,10 @@ impl Kernel {
     pub fn new(gpu: &Gpu, source: &Source, entry: &str, trust: Trust) -> Result<Self, GpuError> {
         let failed = |message: String| GpuError::Kernel { label: entry.to_owned(), message };
         let module = naga::front::wgsl::parse_str(&source.text)
-            .map_err(|e| failed(located(source, e.location(&source.text), &e.emit_to_string(&source.text))))?;
+            .map_err(|e| failed(located(source, e.labels().next().map(|(span, _)| span), e.message())))?;
         let info = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty())
             .validate(&module)
-            .map_err(|e| failed(located(source, e.location(&source.text), &e.emit_to_string(&source.text))))?;
+            .map_err(|e| failed(located(source, e.spans().last().map(|(span, _)| *span), &error_chain(e.as_inner()))))?;
         let index = module
             .entry_points
             .iter()
@@ -211,11 +211,20 @@ impl BoundKernel {
     }
 }
 
-fn located(source: &Source, location: Option<naga::SourceLocation>, message: &str) -> String {
-    match location.and_then(|l| source.origin(l.line_number)) {
-        Some((file, line)) => format!("{file}:{line}: {message}"),
-        None => message.to_owned(),
+fn located(source: &Source, span: Option<naga::Span>, message: &str) -> String {
+    span.and_then(|s| s.to_range()).and_then(|range| source.locate(range, message)).unwrap_or_else(|| message.to_owned())
+}
+
+/// An error with its causes, one after the other.
+fn error_chain(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        text.push_str(": ");
+        text.push_str(&inner.to_string());
+        cause = inner.source();
     }
+    text
 }
 
 fn binding_type(inner: &TypeInner, space: AddressSpace) -> Option<wgpu::BindingType> {

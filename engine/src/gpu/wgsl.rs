@@ -2,7 +2,9 @@
 //!
 //! A source map remembers where each line came from, so that an error points at the file that was written.
 
-use std::collections::HashSet;
+use std::{collections::HashSet, ops::Range};
+
+use texgen::{GeneratedKernel, SourceMap};
 
 /// The text of a kernel and where its lines came from.
 #[derive(Debug, Clone, Default)]
@@ -11,6 +13,8 @@ pub struct Source {
     pub text: String,
     /// File and 1-based line of each line of `text`.
     pub origins: Vec<(String, u32)>,
+    /// Where the generated kernel begins, and how its places map to the users' files.
+    generated: Option<(usize, SourceMap)>,
 }
 
 impl Source {
@@ -24,16 +28,21 @@ impl Source {
         source
     }
 
-    /// Appends foreign text (the generated texture kernel) whose lines come from `origins`.
-    pub fn append(&mut self, text: &str, origins: impl IntoIterator<Item = (String, u32)>) {
-        let lines = text.lines().count();
-        self.origins.extend(origins.into_iter().take(lines));
-        self.text.push_str(text);
-        if !text.ends_with('\n') {
-            self.text.push('\n');
+    /// Appends the generated texture kernel, whose lines belong to the users' files.
+    pub fn append_generated(&mut self, kernel: &GeneratedKernel) {
+        self.generated = Some((self.text.len(), kernel.source_map.clone()));
+        self.text.push_str(&kernel.wgsl);
+    }
+
+    /// An error's text with the place where it was written: `span` is a byte range of the composed text.
+    pub fn locate(&self, span: Range<usize>, message: &str) -> Option<String> {
+        if let Some((start, map)) = &self.generated
+            && span.start >= *start
+        {
+            return Some(map.diagnostic(span.start - start..span.end - start, message).render());
         }
-        let total = self.text.lines().count();
-        self.origins.resize(total, ("generated".to_owned(), 0));
+        let line = self.text.get(..span.start)?.matches('\n').count();
+        self.origins.get(line).map(|(file, line)| format!("{file}:{line}: {message}"))
     }
 
     fn include(&mut self, file: &str, seen: &mut HashSet<String>) {
@@ -52,11 +61,6 @@ impl Source {
                 self.origins.push((file.to_owned(), number as u32 + 1));
             }
         }
-    }
-
-    /// `file:line` of a 1-based line of the composed text.
-    pub fn origin(&self, line: u32) -> Option<&(String, u32)> {
-        self.origins.get(line.checked_sub(1)? as usize)
     }
 }
 

@@ -84,12 +84,7 @@ impl GpuMaterial {
                 0.0
             }
         };
-        if head_flags != 0 {
-            flags |= PROGRAM;
-        }
-        if head_flags & HEAD_EMITS != 0 {
-            flags |= PROGRAM_EMITS;
-        }
+        flags |= program_flags(head_flags);
         Self {
             base_color: material.base_color.to_array(),
             emission: material.emission,
@@ -114,6 +109,21 @@ impl GpuMaterial {
             .map(|t| GpuTextureSlot::new(t.as_ref())),
         }
     }
+}
+
+/// Byte offset of the flags in a [`GpuMaterial`].
+pub const FLAGS_OFFSET: u64 = std::mem::offset_of!(GpuMaterial, flags) as u64;
+
+/// The flags of a material that follow from its texture program's head.
+pub fn program_flags(head_flags: u32) -> u32 {
+    let mut flags = 0;
+    if head_flags != 0 {
+        flags |= PROGRAM;
+    }
+    if head_flags & HEAD_EMITS != 0 {
+        flags |= PROGRAM_EMITS;
+    }
+    flags
 }
 
 /// Whether a hit may be transparent, so that its alpha must be looked up during traversal.

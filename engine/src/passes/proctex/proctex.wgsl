@@ -194,7 +194,11 @@ fn proctex(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) wor
             break;
         }
         // One side is chosen at random, so a blend costs one material and is right on average.
-        let mask = saturate(patina_link(head_word(material, HEAD_MASK)).x);
+        var mask = bitcast<f32>(head_word(material, HEAD_MASK_VALUE));
+        if ((flags & HEAD_CONSTANT_MASK) == 0u) {
+            mask = patina_link(head_word(material, HEAD_MASK)).x;
+        }
+        mask = saturate(mask);
         if (choice < mask) {
             choice /= mask;
             material = head_word(material, HEAD_OVER);
