@@ -2,4 +2,5 @@
 //!
 //! It knows `texgen`, never prints, and reports every failure as a value.
 
+pub mod procedural;
 pub mod scene;
