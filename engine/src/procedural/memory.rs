@@ -141,7 +141,10 @@ mod tests {
         memory.store(0, &[1]);
         memory.store(1, &[9; 41]);
         assert!(memory.head(1, HEAD_PROGRAM) > memory.head(0, HEAD_PROGRAM));
-        assert_eq!(memory.words().len() as u32, memory.head(1, HEAD_PROGRAM) + 82);
+        assert_eq!(
+            memory.words().len() as u32,
+            memory.head(1, HEAD_PROGRAM) + 82
+        );
     }
 
     #[test]

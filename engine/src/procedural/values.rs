@@ -46,7 +46,13 @@ pub(super) fn argument(value: &Written, ty: ParameterType) -> Result<Argument, B
         (_, ParameterType::Image) => image(value).map(Argument::Image),
         (look::Value::Text(text), _) if !text.starts_with('#') => {
             if !ty.is_linkable() {
-                return bad(value, format!("a parameter of type {ty} can't be driven by a node: {}", wanted(ty)));
+                return bad(
+                    value,
+                    format!(
+                        "a parameter of type {ty} can't be driven by a node: {}",
+                        wanted(ty)
+                    ),
+                );
             }
             match link_text(text) {
                 Ok(link) => Ok(Argument::Link(link)),
@@ -88,7 +94,10 @@ fn constant(value: &Written, ty: ParameterType) -> Result<Value, BadArgument> {
                 return mismatch(value, ty);
             };
             if items.len() != count as usize {
-                return bad(value, format!("expected {count} values, found {}", items.len()));
+                return bad(
+                    value,
+                    format!("expected {count} values, found {}", items.len()),
+                );
             }
             let ty = element.parameter_type();
             let items = items.iter().map(|item| constant(item, ty));
@@ -113,12 +122,18 @@ fn wanted(ty: ParameterType) -> String {
         Mat4 => "four columns of four numbers".into(),
         Image => "the path of an image, or { file = \"a.png\", ... }".into(),
         Ramp => "stops, as in [[0.0, \"#20100a\"], [1.0, \"#c46a2a\"]]".into(),
-        Array(element, count) => format!("a list of {count} values of type {}", element.parameter_type()),
+        Array(element, count) => format!(
+            "a list of {count} values of type {}",
+            element.parameter_type()
+        ),
     }
 }
 
 fn mismatch<T>(value: &Written, ty: ParameterType) -> Result<T, BadArgument> {
-    bad(value, format!("expected {}, found {}", wanted(ty), value.value.kind()))
+    bad(
+        value,
+        format!("expected {}, found {}", wanted(ty), value.value.kind()),
+    )
 }
 
 fn number(value: &Written, ty: ParameterType) -> Result<f32, BadArgument> {
@@ -129,7 +144,11 @@ fn number(value: &Written, ty: ParameterType) -> Result<f32, BadArgument> {
     }
 }
 
-fn integer(value: &Written, ty: ParameterType, range: RangeInclusive<i64>) -> Result<i64, BadArgument> {
+fn integer(
+    value: &Written,
+    ty: ParameterType,
+    range: RangeInclusive<i64>,
+) -> Result<i64, BadArgument> {
     match value.value {
         look::Value::Integer(i) if range.contains(&i) => Ok(i),
         _ => mismatch(value, ty),
@@ -153,7 +172,10 @@ fn vector<const N: usize>(value: &Written, ty: ParameterType) -> Result<[f32; N]
             }
             Ok(out)
         }
-        look::Value::List(items) => bad(value, format!("expected {}, found {} values", wanted(ty), items.len())),
+        look::Value::List(items) => bad(
+            value,
+            format!("expected {}, found {} values", wanted(ty), items.len()),
+        ),
         _ => Ok([number(value, ty)?; N]),
     }
 }
@@ -162,13 +184,19 @@ fn hex(value: &Written, ty: ParameterType) -> Result<Option<[f32; 4]>, BadArgume
     match &value.value {
         look::Value::Text(text) => match texgen::color_from_hex(text) {
             Some(rgba) => Ok(Some(rgba)),
-            None => bad(value, format!("`{text}` is not a colour: expected {}", wanted(ty))),
+            None => bad(
+                value,
+                format!("`{text}` is not a colour: expected {}", wanted(ty)),
+            ),
         },
         _ => Ok(None),
     }
 }
 
-fn matrix<const N: usize>(value: &Written, ty: ParameterType) -> Result<[[f32; N]; N], BadArgument> {
+fn matrix<const N: usize>(
+    value: &Written,
+    ty: ParameterType,
+) -> Result<[[f32; N]; N], BadArgument> {
     let look::Value::List(columns) = &value.value else {
         return mismatch(value, ty);
     };
@@ -205,7 +233,12 @@ fn ramp(value: &Written) -> Result<Ramp, BadArgument> {
             }
             match stops {
                 Some(stops) => (stops, interpolation),
-                None => return bad(value, "a ramp needs `stops`, as in stops = [[0.0, \"#000\"], [1.0, \"#fff\"]]"),
+                None => {
+                    return bad(
+                        value,
+                        "a ramp needs `stops`, as in stops = [[0.0, \"#000\"], [1.0, \"#fff\"]]",
+                    );
+                }
             }
         }
         _ => (value, Interpolation::Linear),
@@ -217,7 +250,10 @@ fn ramp(value: &Written) -> Result<Ramp, BadArgument> {
         return bad(stops, "a ramp needs at least one stop");
     }
     let stops = items.iter().map(stop).collect::<Result<_, _>>()?;
-    Ok(Ramp { stops, interpolation })
+    Ok(Ramp {
+        stops,
+        interpolation,
+    })
 }
 
 fn stop(item: &Written) -> Result<(f32, [f32; 4]), BadArgument> {
@@ -257,23 +293,36 @@ fn image(value: &Written) -> Result<ImageArgument, BadArgument> {
     match &value.value {
         look::Value::Text(path) => argument.file.value.clone_from(path),
         look::Value::Table(fields) => {
-            const WRAPS: [(&str, Wrap); 3] =
-                [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp)];
+            const WRAPS: [(&str, Wrap); 3] = [
+                ("repeat", Wrap::Repeat),
+                ("mirror", Wrap::Mirror),
+                ("clamp", Wrap::Clamp),
+            ];
             for field in fields {
                 let v = &field.value;
                 match (field.key.value.as_str(), &v.value) {
                     ("file", look::Value::Text(path)) => argument.file = v.with(path.clone()),
                     ("file", _) => return bad(v, "expected the path of an image"),
-                    ("color_space", _) => argument.srgb = word(v, &[("srgb", true), ("linear", false)])?,
+                    ("color_space", _) => {
+                        argument.srgb = word(v, &[("srgb", true), ("linear", false)])?
+                    }
                     ("wrap", _) => {
                         argument.sampler.wrap_u = word(v, &WRAPS)?;
                         argument.sampler.wrap_v = argument.sampler.wrap_u;
                     }
                     ("filter", _) => {
-                        argument.sampler.filter =
-                            word(v, &[("linear", Filter::Linear), ("nearest", Filter::Nearest)])?;
+                        argument.sampler.filter = word(
+                            v,
+                            &[("linear", Filter::Linear), ("nearest", Filter::Nearest)],
+                        )?;
                     }
-                    _ => return unknown_key(&field.key, "an image", &["file", "color_space", "wrap", "filter"]),
+                    _ => {
+                        return unknown_key(
+                            &field.key,
+                            "an image",
+                            &["file", "color_space", "wrap", "filter"],
+                        );
+                    }
                 }
             }
         }
@@ -293,7 +342,10 @@ fn word<T: Copy>(value: &Written, words: &[(&str, T)]) -> Result<T, BadArgument>
     match found {
         Some(&(_, meaning)) => Ok(meaning),
         None => {
-            let list: Vec<_> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
+            let list: Vec<_> = words
+                .iter()
+                .map(|(word, _)| format!("\"{word}\""))
+                .collect();
             bad(value, format!("expected {}", list.join(" or ")))
         }
     }
@@ -302,6 +354,10 @@ fn word<T: Copy>(value: &Written, words: &[(&str, T)]) -> Result<T, BadArgument>
 fn unknown_key<T>(key: &Spanned<String>, what: &str, known: &[&str]) -> Result<T, BadArgument> {
     Err(BadArgument {
         span: key.span.clone(),
-        message: format!("{what} has no key `{}`: it has {}", key.value, known.join(", ")),
+        message: format!(
+            "{what} has no key `{}`: it has {}",
+            key.value,
+            known.join(", ")
+        ),
     })
 }
