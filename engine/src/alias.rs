@@ -15,14 +15,28 @@ pub struct AliasCell {
 pub fn alias_table(weights: &[f64]) -> Vec<AliasCell> {
     let count = weights.len();
     let total: f64 = weights.iter().sum();
-    let probability = |w: f64| if total > 0.0 { w / total } else { 1.0 / count as f64 };
-    let mut scaled: Vec<f64> = weights.iter().map(|&w| probability(w) * count as f64).collect();
+    let probability = |w: f64| {
+        if total > 0.0 {
+            w / total
+        } else {
+            1.0 / count as f64
+        }
+    };
+    let mut scaled: Vec<f64> = weights
+        .iter()
+        .map(|&w| probability(w) * count as f64)
+        .collect();
     let mut cells: Vec<AliasCell> = weights
         .iter()
         .enumerate()
-        .map(|(i, &w)| AliasCell { threshold: 1.0, alias: i as u32, probability: probability(w) as f32 })
+        .map(|(i, &w)| AliasCell {
+            threshold: 1.0,
+            alias: i as u32,
+            probability: probability(w) as f32,
+        })
         .collect();
-    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..count).partition(|&i| scaled[i] < 1.0);
+    let (mut small, mut large): (Vec<usize>, Vec<usize>) =
+        (0..count).partition(|&i| scaled[i] < 1.0);
     while let (Some(&s), Some(&l)) = (small.last(), large.last()) {
         small.pop();
         cells[s].threshold = scaled[s] as f32;
@@ -58,6 +72,10 @@ mod tests {
 
     #[test]
     fn no_weight_at_all_is_uniform() {
-        assert!(alias_table(&[0.0; 4]).iter().all(|c| (c.probability - 0.25).abs() < 1e-7));
+        assert!(
+            alias_table(&[0.0; 4])
+                .iter()
+                .all(|c| (c.probability - 0.25).abs() < 1e-7)
+        );
     }
 }

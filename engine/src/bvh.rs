@@ -36,10 +36,14 @@ pub struct SceneBvh {
 #[derive(Debug, thiserror::Error)]
 pub enum BvhError {
     /// Nothing to render.
-    #[error("the scene holds no triangle that is placed in the world; check that its default scene refers to a mesh")]
+    #[error(
+        "the scene holds no triangle that is placed in the world; check that its default scene refers to a mesh"
+    )]
     Empty,
     /// Deeper than the traversal kernel's stack.
-    #[error("the geometry needs a hierarchy of {depth} levels, more than the {STACK_SIZE} that can be traversed; merge or split meshes whose triangles differ extremely in size")]
+    #[error(
+        "the geometry needs a hierarchy of {depth} levels, more than the {STACK_SIZE} that can be traversed; merge or split meshes whose triangles differ extremely in size"
+    )]
     TooDeep {
         /// Levels.
         depth: usize,
@@ -54,7 +58,11 @@ impl SceneBvh {
     pub fn build(scene: &Scene) -> Result<Self, BvhError> {
         let blas: Vec<CwBvh> = scene.meshes.par_iter().map(build_mesh).collect();
         let placed: Vec<u32> = (0..scene.instances.len() as u32)
-            .filter(|&i| !scene.meshes[scene.instances[i as usize].mesh as usize].triangles.is_empty())
+            .filter(|&i| {
+                !scene.meshes[scene.instances[i as usize].mesh as usize]
+                    .triangles
+                    .is_empty()
+            })
             .collect();
         if placed.is_empty() {
             return Err(BvhError::Empty);
@@ -66,10 +74,18 @@ impl SceneBvh {
                 instance_bounds(instance, &blas[instance.mesh as usize].total_aabb)
             })
             .collect();
-        let tlas = build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
+        let tlas = build_cwbvh(
+            &boxes,
+            BvhBuildParams::medium_build(),
+            &mut Duration::default(),
+        );
 
         let mut result = Self {
-            instance_order: tlas.primitive_indices.iter().map(|&i| placed[i as usize]).collect(),
+            instance_order: tlas
+                .primitive_indices
+                .iter()
+                .map(|&i| placed[i as usize])
+                .collect(),
             ..Self::default()
         };
         result.append(&tlas, 0);
@@ -78,7 +94,8 @@ impl SceneBvh {
         for bvh in blas {
             result.mesh_first_triangle.push(first_triangle);
             let used = !bvh.primitive_indices.is_empty();
-            result.mesh_roots.push(used.then(|| result.append(&bvh, first_triangle)));
+            let root = used.then(|| result.append(&bvh, first_triangle));
+            result.mesh_roots.push(root);
             deepest = deepest.max(depth(&bvh));
             first_triangle += bvh.primitive_indices.len() as u32;
             result.triangle_order.push(bvh.primitive_indices);
@@ -108,13 +125,21 @@ fn build_mesh(mesh: &Mesh) -> CwBvh {
         .iter()
         .map(|t| {
             let [a, b, c] = t.map(|i| Vec3A::from(mesh.positions[i as usize]));
-            Triangle { v0: a, v1: b, v2: c }
+            Triangle {
+                v0: a,
+                v1: b,
+                v2: c,
+            }
         })
         .collect();
     if triangles.is_empty() {
         return CwBvh::default();
     }
-    build_cwbvh(&triangles, BvhBuildParams::medium_build(), &mut Duration::default())
+    build_cwbvh(
+        &triangles,
+        BvhBuildParams::medium_build(),
+        &mut Duration::default(),
+    )
 }
 
 /// World bounds of an instance, a little widened because its corners are rounded.
@@ -122,18 +147,34 @@ fn instance_bounds(instance: &Instance, object: &Aabb) -> Aabb {
     let (lo, hi) = (Vec3::from(object.min), Vec3::from(object.max));
     let mut bounds = Aabb::empty();
     for corner in 0..8 {
-        let pick = |axis: usize, bit: usize| if corner & bit == 0 { lo[axis] } else { hi[axis] };
-        let p = instance.transform.transform_point3a(Vec3A::new(pick(0, 1), pick(1, 2), pick(2, 4)));
+        let pick = |axis: usize, bit: usize| {
+            if corner & bit == 0 {
+                lo[axis]
+            } else {
+                hi[axis]
+            }
+        };
+        let p =
+            instance
+                .transform
+                .transform_point3a(Vec3A::new(pick(0, 1), pick(1, 2), pick(2, 4)));
         bounds.extend(p);
     }
     let slack = (bounds.max.abs().max(bounds.min.abs())) * 1e-6;
-    Aabb { min: bounds.min - slack, max: bounds.max + slack }
+    Aabb {
+        min: bounds.min - slack,
+        max: bounds.max + slack,
+    }
 }
 
 /// Levels of nodes below and including the root.
 fn depth(bvh: &CwBvh) -> usize {
     let mut deepest = 0;
-    let mut stack = if bvh.nodes.is_empty() { vec![] } else { vec![(0u32, 1usize)] };
+    let mut stack = if bvh.nodes.is_empty() {
+        vec![]
+    } else {
+        vec![(0u32, 1usize)]
+    };
     while let Some((index, level)) = stack.pop() {
         deepest = deepest.max(level);
         let node = &bvh.nodes[index as usize];

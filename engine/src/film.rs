@@ -17,7 +17,12 @@ pub struct Film {
 
 impl Film {
     /// From the GPU's two buffers of `vec4f`.
-    pub(crate) fn from_gpu(width: u32, height: u32, sum: &[[f32; 4]], squares: &[[f32; 4]]) -> Self {
+    pub(crate) fn from_gpu(
+        width: u32,
+        height: u32,
+        sum: &[[f32; 4]],
+        squares: &[[f32; 4]],
+    ) -> Self {
         let rgb = |v: &[f32; 4]| [v[0], v[1], v[2]];
         Self {
             width,
@@ -30,7 +35,11 @@ impl Film {
 
     /// Mean radiance of each pixel; black where there is no sample.
     pub fn mean(&self) -> Vec<[f32; 3]> {
-        self.sum.iter().zip(&self.samples).map(|(s, &n)| s.map(|v| if n == 0 { 0.0 } else { v / n as f32 })).collect()
+        self.sum
+            .iter()
+            .zip(&self.samples)
+            .map(|(s, &n)| s.map(|v| if n == 0 { 0.0 } else { v / n as f32 }))
+            .collect()
     }
 
     /// Standard error of each pixel's mean, from the spread of its samples; infinite below two samples.
@@ -48,7 +57,12 @@ impl Film {
                 (variance / n).sqrt() as f32
             })
         };
-        self.sum.iter().zip(&self.sum_squares).zip(&self.samples).map(pixel).collect()
+        self.sum
+            .iter()
+            .zip(&self.sum_squares)
+            .zip(&self.samples)
+            .map(pixel)
+            .collect()
     }
 }
 
@@ -59,7 +73,13 @@ mod tests {
     #[test]
     fn error_of_known_samples() {
         // Samples 1 and 3: mean 2, variance 2, standard error 1.
-        let film = Film { width: 1, height: 1, samples: vec![2], sum: vec![[4.0; 3]], sum_squares: vec![[10.0; 3]] };
+        let film = Film {
+            width: 1,
+            height: 1,
+            samples: vec![2],
+            sum: vec![[4.0; 3]],
+            sum_squares: vec![[10.0; 3]],
+        };
         assert_eq!(film.mean(), vec![[2.0; 3]]);
         assert!((film.standard_error()[0][0] - 1.0).abs() < 1e-6);
     }

@@ -49,12 +49,60 @@ pub struct Frame {
     user_image_base: u32,
 }
 
+impl Frame {
+    /// Byte offset of each member, for comparison with its WGSL twin.
+    pub fn offsets() -> Vec<(&'static str, usize)> {
+        macro_rules! offsets {
+            ($($member:ident),* $(,)?) => { vec![$((stringify!($member), std::mem::offset_of!(Frame, $member))),*] };
+        }
+        offsets![
+            camera_right,
+            width,
+            camera_up,
+            height,
+            camera_back,
+            blocks_x,
+            camera_position,
+            capacity,
+            half_height,
+            orthographic,
+            aperture_radius,
+            focus_distance,
+            first_pixel,
+            first_sample,
+            wave_size,
+            padded_pixels,
+            seed,
+            max_depth,
+            light_count,
+            environment_probability,
+            environment_scale,
+            environment_turn,
+            environment_size,
+            distribution_size,
+            bounds_center,
+            bounds_radius,
+            pixel_spread,
+            time,
+            sample_limit,
+            user_image_base
+        ]
+    }
+}
+
 /// Pixels along the side of a block.
 const BLOCK: u32 = 8;
 
 impl Frame {
     /// For a picture of a scene. `capacity` is the number of path slots of a wave.
-    pub fn new(size: (u32, u32), camera: &Camera, max_depth: u32, seed: u32, capacity: u32, scene: &GpuScene) -> Self {
+    pub fn new(
+        size: (u32, u32),
+        camera: &Camera,
+        max_depth: u32,
+        seed: u32,
+        capacity: u32,
+        scene: &GpuScene,
+    ) -> Self {
         let (width, height) = size;
         let blocks = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
         let axes = Mat3::from(camera.transform.matrix3);

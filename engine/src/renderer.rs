@@ -108,8 +108,17 @@ impl Renderer {
     ///
     /// # Errors
     /// If the scene is empty, too large for the device, or a kernel (a user's texture) does not build.
-    pub fn new(gpu: &Gpu, scene: &Scene, procedural: &Procedural, settings: &RenderSettings) -> Result<Self, RenderError> {
-        let capacity = if gpu.is_cpu() { CPU_CAPACITY } else { GPU_CAPACITY };
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        procedural: &Procedural,
+        settings: &RenderSettings,
+    ) -> Result<Self, RenderError> {
+        let capacity = if gpu.is_cpu() {
+            CPU_CAPACITY
+        } else {
+            GPU_CAPACITY
+        };
         Self::with_capacity(gpu, scene, procedural, settings, capacity)
     }
 
@@ -117,20 +126,42 @@ impl Renderer {
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn with_capacity(gpu: &Gpu, scene: &Scene, procedural: &Procedural, settings: &RenderSettings, capacity: u32) -> Result<Self, RenderError> {
+    pub fn with_capacity(
+        gpu: &Gpu,
+        scene: &Scene,
+        procedural: &Procedural,
+        settings: &RenderSettings,
+        capacity: u32,
+    ) -> Result<Self, RenderError> {
         let (width, height) = (settings.width, settings.height);
         if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
             return Err(RenderError::Size { width, height });
         }
         let capacity = capacity.next_multiple_of(64).max(64);
         let mut resources = Resources::default();
-        let gpu_scene = GpuScene::new(gpu, scene, procedural.textures(), |m| edits::head_flags(procedural, m), &mut resources)?;
+        let gpu_scene = GpuScene::new(
+            gpu,
+            scene,
+            procedural.textures(),
+            |m| edits::head_flags(procedural, m),
+            &mut resources,
+        )?;
         wave::allocate(gpu, capacity, &mut resources)?;
         let pixels = u64::from(width) * u64::from(height);
         for name in ["film_sum", "film_sum_squares"] {
-            resources.set_buffer(name, gpu.empty_buffer("the picture", pixels * 16, wgpu::BufferUsages::STORAGE)?);
+            resources.set_buffer(
+                name,
+                gpu.empty_buffer("the picture", pixels * 16, wgpu::BufferUsages::STORAGE)?,
+            );
         }
-        resources.set_buffer("frame", gpu.empty_buffer("frame", size_of::<Frame>() as u64, wgpu::BufferUsages::UNIFORM)?);
+        resources.set_buffer(
+            "frame",
+            gpu.empty_buffer(
+                "frame",
+                size_of::<Frame>() as u64,
+                wgpu::BufferUsages::UNIFORM,
+            )?,
+        );
         edits::allocate(gpu, procedural, &mut resources)?;
         let kernels = Kernels::new(gpu, procedural)?;
         let bound = kernels.bind(gpu, &resources);
@@ -139,7 +170,14 @@ impl Renderer {
             gpu: gpu.clone(),
             settings: settings.clone(),
             procedural: procedural.clone(),
-            frame: Frame::new((width, height), &settings.camera, settings.max_depth, settings.seed, capacity, &gpu_scene),
+            frame: Frame::new(
+                (width, height),
+                &settings.camera,
+                settings.max_depth,
+                settings.seed,
+                capacity,
+                &gpu_scene,
+            ),
             scene: gpu_scene,
             resources,
             kernels,
@@ -181,8 +219,12 @@ impl Renderer {
             self.seconds += start.elapsed().as_secs_f64();
         }
         let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
-        let done = |paths: u64| (u128::from(paths) * u128::from(pixels) / u128::from(padded)) as u64;
-        Ok(Progress { samples_done: done(self.position), samples_total: done(total) })
+        let done =
+            |paths: u64| (u128::from(paths) * u128::from(pixels) / u128::from(padded)) as u64;
+        Ok(Progress {
+            samples_done: done(self.position),
+            samples_total: done(total),
+        })
     }
 
     /// Renders up to `target_spp` samples per pixel.
@@ -197,9 +239,22 @@ impl Renderer {
     /// The passes of a wave.
     fn render_wave(&mut self) -> Result<(), GpuError> {
         let queue = self.gpu.queue();
-        queue.write_buffer(self.resources.buffer("frame"), 0, bytemuck::bytes_of(&self.frame));
-        queue.write_buffer(self.resources.buffer("queues"), 0, bytemuck::cast_slice(&wave::fresh_queues()));
-        let mut encoder = self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("wave") });
+        queue.write_buffer(
+            self.resources.buffer("frame"),
+            0,
+            bytemuck::bytes_of(&self.frame),
+        );
+        queue.write_buffer(
+            self.resources.buffer("queues"),
+            0,
+            bytemuck::cast_slice(&wave::fresh_queues()),
+        );
+        let mut encoder =
+            self.gpu
+                .device()
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                    label: Some("wave"),
+                });
         let sizes = self.resources.buffer("dispatch_sizes");
         let bound = &self.bound;
         let timer = &mut self.timer;
@@ -223,7 +278,10 @@ impl Renderer {
             }
             run(&bound.brdf, per(Queue::Active));
             run(&bound.advance[After::Brdf as usize], Extent::One);
-            run(&bound.traverse[Rays::Occlusion as usize], per(Queue::Shadow));
+            run(
+                &bound.traverse[Rays::Occlusion as usize],
+                per(Queue::Shadow),
+            );
         }
         run(&bound.accumulate, paths);
 
@@ -244,7 +302,12 @@ impl Renderer {
 
     /// Forgets all samples: the next wave starts the picture anew.
     pub fn restart(&mut self) {
-        let mut encoder = self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("restart") });
+        let mut encoder =
+            self.gpu
+                .device()
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                    label: Some("restart"),
+                });
         for name in ["film_sum", "film_sum_squares"] {
             encoder.clear_buffer(self.resources.buffer(name), 0, None);
         }
@@ -259,9 +322,18 @@ impl Renderer {
     pub fn film(&self) -> Result<Film, RenderError> {
         let (width, height) = (self.settings.width, self.settings.height);
         let bytes = u64::from(width) * u64::from(height) * 16;
-        let sum = self.gpu.read_buffer(self.resources.buffer("film_sum"), 0, bytes)?;
-        let squares = self.gpu.read_buffer(self.resources.buffer("film_sum_squares"), 0, bytes)?;
-        Ok(Film::from_gpu(width, height, &bytemuck::pod_collect_to_vec::<_, [f32; 4]>(&sum), &bytemuck::pod_collect_to_vec::<_, [f32; 4]>(&squares)))
+        let sum = self
+            .gpu
+            .read_buffer(self.resources.buffer("film_sum"), 0, bytes)?;
+        let squares = self
+            .gpu
+            .read_buffer(self.resources.buffer("film_sum_squares"), 0, bytes)?;
+        Ok(Film::from_gpu(
+            width,
+            height,
+            &bytemuck::pod_collect_to_vec::<_, [f32; 4]>(&sum),
+            &bytemuck::pod_collect_to_vec::<_, [f32; 4]>(&squares),
+        ))
     }
 
     /// Figures so far.
@@ -269,7 +341,9 @@ impl Renderer {
     /// # Errors
     /// What the driver reports.
     pub fn stats(&self) -> Result<Stats, RenderError> {
-        let bytes = self.gpu.read_buffer(self.resources.buffer("queues"), 0, wave::QUEUE_HEADER * 4)?;
+        let bytes =
+            self.gpu
+                .read_buffer(self.resources.buffer("queues"), 0, wave::QUEUE_HEADER * 4)?;
         let totals = wave::Totals::new(&bytemuck::pod_collect_to_vec::<_, u32>(&bytes));
         let times = self.timer.totals();
         let all: f64 = times.values().map(|(ms, _)| ms).sum();
@@ -278,16 +352,37 @@ impl Renderer {
             .labels()
             .filter_map(|label| {
                 let (milliseconds, dispatches) = *times.get(label)?;
-                Some(PassStats { name: label.to_owned(), milliseconds, share: if all > 0.0 { milliseconds / all } else { 0.0 }, dispatches })
+                Some(PassStats {
+                    name: label.to_owned(),
+                    milliseconds,
+                    share: if all > 0.0 { milliseconds / all } else { 0.0 },
+                    dispatches,
+                })
             })
             .collect();
-        let tracing: f64 = ["closest", "occlusion", "ao"].iter().filter_map(|n| times.get(*n)).map(|(ms, _)| ms * 1e-3).sum();
+        let tracing: f64 = ["closest", "occlusion", "ao"]
+            .iter()
+            .filter_map(|n| times.get(*n))
+            .map(|(ms, _)| ms * 1e-3)
+            .sum();
         let rays = totals.rays + totals.ao_rays;
         let tracing = if tracing > 0.0 { tracing } else { self.seconds };
-        let rate = |count: u64, seconds: f64| if seconds > 0.0 { count as f64 / seconds } else { 0.0 };
+        let rate = |count: u64, seconds: f64| {
+            if seconds > 0.0 {
+                count as f64 / seconds
+            } else {
+                0.0
+            }
+        };
         let padded = u64::from(self.frame.padded_pixels);
-        let samples = self.position * u64::from(self.settings.width) * u64::from(self.settings.height) / padded;
-        let mut memory: Vec<(String, u64)> = self.resources.buffer_sizes().map(|(n, b)| (n.to_owned(), b)).collect();
+        let samples =
+            self.position * u64::from(self.settings.width) * u64::from(self.settings.height)
+                / padded;
+        let mut memory: Vec<(String, u64)> = self
+            .resources
+            .buffer_sizes()
+            .map(|(n, b)| (n.to_owned(), b))
+            .collect();
         memory.push(("image layers".to_owned(), self.scene.image_bytes));
         memory.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
         Ok(Stats {

@@ -62,7 +62,15 @@ impl RayHit {
 
     /// A ray to be traced.
     pub fn new(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
-        Self { origin, t_min: 0.0, direction, t_max, barycentrics: Vec2::ZERO, triangle: Self::MISS, instance: 0 }
+        Self {
+            origin,
+            t_min: 0.0,
+            direction,
+            t_max,
+            barycentrics: Vec2::ZERO,
+            triangle: Self::MISS,
+            instance: 0,
+        }
     }
 }
 
@@ -87,14 +95,38 @@ pub struct GpuAoTable {
 pub fn allocate(gpu: &Gpu, capacity: u32, resources: &mut Resources) -> Result<(), GpuError> {
     let capacity = u64::from(capacity);
     let storage = wgpu::BufferUsages::STORAGE;
-    resources.set_buffer("rays", gpu.empty_buffer("rays", 2 * capacity * size_of::<RayHit>() as u64, storage)?);
-    resources.set_buffer("paths", gpu.empty_buffer("paths", capacity * PATH_FIELDS * 16, storage)?);
-    resources.set_buffer("queues", gpu.empty_buffer("queues", (QUEUE_HEADER + capacity * QUEUE_LISTS) * 4, storage)?);
+    resources.set_buffer(
+        "rays",
+        gpu.empty_buffer("rays", 2 * capacity * size_of::<RayHit>() as u64, storage)?,
+    );
+    resources.set_buffer(
+        "paths",
+        gpu.empty_buffer("paths", capacity * PATH_FIELDS * 16, storage)?,
+    );
+    resources.set_buffer(
+        "queues",
+        gpu.empty_buffer(
+            "queues",
+            (QUEUE_HEADER + capacity * QUEUE_LISTS) * 4,
+            storage,
+        )?,
+    );
     resources.set_buffer(
         "dispatch_sizes",
-        gpu.empty_buffer("dispatch sizes", QUEUE_COUNT * 12, storage | wgpu::BufferUsages::INDIRECT)?,
+        gpu.empty_buffer(
+            "dispatch sizes",
+            QUEUE_COUNT * 12,
+            storage | wgpu::BufferUsages::INDIRECT,
+        )?,
     );
-    resources.set_buffer("ao_tables", gpu.empty_buffer("AO tables", 4 * size_of::<GpuAoTable>() as u64, wgpu::BufferUsages::UNIFORM)?);
+    resources.set_buffer(
+        "ao_tables",
+        gpu.empty_buffer(
+            "AO tables",
+            4 * size_of::<GpuAoTable>() as u64,
+            wgpu::BufferUsages::UNIFORM,
+        )?,
+    );
     Ok(())
 }
 
@@ -120,6 +152,10 @@ impl Totals {
     /// From the header's words.
     pub fn new(words: &[u32]) -> Self {
         let pair = |i: usize| u64::from(words[i]) | u64::from(words[i + 1]) << 32;
-        Self { rays: pair(9), ao_rays: pair(13), invalid: u64::from(words[15]) }
+        Self {
+            rays: pair(9),
+            ao_rays: pair(13),
+            invalid: u64::from(words[15]),
+        }
     }
 }

@@ -49,12 +49,16 @@ impl Resources {
     /// # Panics
     /// If there is none: names are fixed in the engine and every kernel is bound in tests.
     pub fn buffer(&self, name: &str) -> &wgpu::Buffer {
-        self.buffers.get(name).unwrap_or_else(|| panic!("no buffer is named `{name}`"))
+        self.buffers
+            .get(name)
+            .unwrap_or_else(|| panic!("no buffer is named `{name}`"))
     }
 
     /// Bytes of each buffer, by name.
     pub fn buffer_sizes(&self) -> impl Iterator<Item = (&'static str, u64)> {
-        self.buffers.iter().map(|(name, buffer)| (*name, buffer.size()))
+        self.buffers
+            .iter()
+            .map(|(name, buffer)| (*name, buffer.size()))
     }
 
     fn get(&self, name: &str) -> wgpu::BindingResource<'_> {
@@ -74,12 +78,29 @@ impl Kernel {
     /// # Errors
     /// With file and line, if the text is not valid or the driver refuses it.
     pub fn new(gpu: &Gpu, source: &Source, entry: &str, trust: Trust) -> Result<Self, GpuError> {
-        let failed = |message: String| GpuError::Kernel { label: entry.to_owned(), message };
-        let module = naga::front::wgsl::parse_str(&source.text)
-            .map_err(|e| failed(located(source, e.labels().next().map(|(span, _)| span), e.message())))?;
-        let info = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty())
-            .validate(&module)
-            .map_err(|e| failed(located(source, e.spans().last().map(|(span, _)| *span), &error_chain(e.as_inner()))))?;
+        let failed = |message: String| GpuError::Kernel {
+            label: entry.to_owned(),
+            message,
+        };
+        let module = naga::front::wgsl::parse_str(&source.text).map_err(|e| {
+            failed(located(
+                source,
+                e.labels().next().map(|(span, _)| span),
+                e.message(),
+            ))
+        })?;
+        let info = naga::valid::Validator::new(
+            naga::valid::ValidationFlags::all(),
+            naga::valid::Capabilities::empty(),
+        )
+        .validate(&module)
+        .map_err(|e| {
+            failed(located(
+                source,
+                e.spans().last().map(|(span, _)| *span),
+                &error_chain(e.as_inner()),
+            ))
+        })?;
         let index = module
             .entry_points
             .iter()
@@ -90,12 +111,19 @@ impl Kernel {
         let mut entries = Vec::new();
         let mut bindings = Vec::new();
         for (handle, global) in module.global_variables.iter() {
-            let Some(binding) = &global.binding else { continue };
+            let Some(binding) = &global.binding else {
+                continue;
+            };
             if uses[handle].is_empty() {
                 continue;
             }
-            let ty = binding_type(&module.types[global.ty].inner, global.space)
-                .ok_or_else(|| failed(format!("global `{:?}` has a type that can't be bound", global.name)))?;
+            let ty =
+                binding_type(&module.types[global.ty].inner, global.space).ok_or_else(|| {
+                    failed(format!(
+                        "global `{:?}` has a type that can't be bound",
+                        global.name
+                    ))
+                })?;
             entries.push(wgpu::BindGroupLayoutEntry {
                 binding: binding.binding,
                 visibility: wgpu::ShaderStages::COMPUTE,
@@ -107,7 +135,10 @@ impl Kernel {
 
         let device = gpu.device();
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(entry), entries: &entries });
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(entry),
+            entries: &entries,
+        });
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(entry),
             bind_group_layouts: &[Some(&layout)],
@@ -121,10 +152,15 @@ impl Kernel {
             Trust::User => device.create_shader_module(descriptor),
             // SAFETY: the engine's kernels index only what their queues and tables hold, and their loops end.
             Trust::Engine => unsafe {
-                device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())
+                device.create_shader_module_trusted(
+                    descriptor,
+                    wgpu::ShaderRuntimeChecks::unchecked(),
+                )
             },
         };
-        gpu.shared.shader_modules_created.fetch_add(1, Ordering::Relaxed);
+        gpu.shared
+            .shader_modules_created
+            .fetch_add(1, Ordering::Relaxed);
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry),
             layout: Some(&pipeline_layout),
@@ -140,7 +176,12 @@ impl Kernel {
         if let Some(error) = pollster::block_on(scope.pop()) {
             return Err(failed(error.to_string()));
         }
-        Ok(Self { label: entry.to_owned(), pipeline, layout, bindings })
+        Ok(Self {
+            label: entry.to_owned(),
+            pipeline,
+            layout,
+            bindings,
+        })
     }
 
     /// The entry point's name.
@@ -158,14 +199,21 @@ impl Kernel {
         let entries: Vec<_> = self
             .bindings
             .iter()
-            .map(|(binding, name)| wgpu::BindGroupEntry { binding: *binding, resource: resources.get(name) })
+            .map(|(binding, name)| wgpu::BindGroupEntry {
+                binding: *binding,
+                resource: resources.get(name),
+            })
             .collect();
         let group = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(&self.label),
             layout: &self.layout,
             entries: &entries,
         });
-        BoundKernel { label: self.label.clone(), pipeline: self.pipeline.clone(), group }
+        BoundKernel {
+            label: self.label.clone(),
+            pipeline: self.pipeline.clone(),
+            group,
+        }
     }
 }
 
@@ -195,8 +243,16 @@ impl BoundKernel {
     }
 
     /// Records one dispatch as a pass of its own.
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, extent: Extent<'_>, timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>) {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(&self.label), timestamp_writes: timestamps });
+    pub fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        extent: Extent<'_>,
+        timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(&self.label),
+            timestamp_writes: timestamps,
+        });
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.group, &[]);
         match extent {
@@ -212,7 +268,9 @@ impl BoundKernel {
 }
 
 fn located(source: &Source, span: Option<naga::Span>, message: &str) -> String {
-    span.and_then(|s| s.to_range()).and_then(|range| source.locate(range, message)).unwrap_or_else(|| message.to_owned())
+    span.and_then(|s| s.to_range())
+        .and_then(|range| source.locate(range, message))
+        .unwrap_or_else(|| message.to_owned())
 }
 
 /// An error with its causes, one after the other.
@@ -228,24 +286,34 @@ fn error_chain(error: &dyn std::error::Error) -> String {
 }
 
 fn binding_type(inner: &TypeInner, space: AddressSpace) -> Option<wgpu::BindingType> {
-    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    let buffer = |ty| wgpu::BindingType::Buffer {
+        ty,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
     match space {
         AddressSpace::Uniform => Some(buffer(wgpu::BufferBindingType::Uniform)),
-        AddressSpace::Storage { access } => {
-            Some(buffer(wgpu::BufferBindingType::Storage { read_only: !access.contains(StorageAccess::STORE) }))
-        }
+        AddressSpace::Storage { access } => Some(buffer(wgpu::BufferBindingType::Storage {
+            read_only: !access.contains(StorageAccess::STORE),
+        })),
         AddressSpace::Handle => match inner {
-            TypeInner::Image { dim: ImageDimension::D2, arrayed, class: ImageClass::Sampled { kind, multi: false } } => {
-                Some(wgpu::BindingType::Texture {
-                    sample_type: match kind {
-                        ScalarKind::Uint => wgpu::TextureSampleType::Uint,
-                        ScalarKind::Sint => wgpu::TextureSampleType::Sint,
-                        _ => wgpu::TextureSampleType::Float { filterable: false },
-                    },
-                    view_dimension: if *arrayed { wgpu::TextureViewDimension::D2Array } else { wgpu::TextureViewDimension::D2 },
-                    multisampled: false,
-                })
-            }
+            TypeInner::Image {
+                dim: ImageDimension::D2,
+                arrayed,
+                class: ImageClass::Sampled { kind, multi: false },
+            } => Some(wgpu::BindingType::Texture {
+                sample_type: match kind {
+                    ScalarKind::Uint => wgpu::TextureSampleType::Uint,
+                    ScalarKind::Sint => wgpu::TextureSampleType::Sint,
+                    _ => wgpu::TextureSampleType::Float { filterable: false },
+                },
+                view_dimension: if *arrayed {
+                    wgpu::TextureViewDimension::D2Array
+                } else {
+                    wgpu::TextureViewDimension::D2
+                },
+                multisampled: false,
+            }),
             _ => None,
         },
         _ => None,
@@ -268,7 +336,19 @@ mod tests {
             .iter()
             .map(|(_, g)| binding_type(&module.types[g.ty].inner, g.space).expect("bindable"))
             .collect();
-        assert!(matches!(types[0], wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Storage { read_only: true }, .. }));
-        assert!(matches!(types[1], wgpu::BindingType::Texture { view_dimension: wgpu::TextureViewDimension::D2Array, .. }));
+        assert!(matches!(
+            types[0],
+            wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only: true },
+                ..
+            }
+        ));
+        assert!(matches!(
+            types[1],
+            wgpu::BindingType::Texture {
+                view_dimension: wgpu::TextureViewDimension::D2Array,
+                ..
+            }
+        ));
     }
 }

@@ -105,11 +105,20 @@ impl AdapterDescription {
         let usable = if !flags.contains(needs) {
             Err("it lacks compute shaders, indirect dispatch or texture view formats".to_owned())
         } else if limits.max_storage_buffers_per_shader_stage < REQUIRED_STORAGE_BUFFERS {
-            Err(format!("a kernel can bind {} storage buffers, {REQUIRED_STORAGE_BUFFERS} are needed", limits.max_storage_buffers_per_shader_stage))
+            Err(format!(
+                "a kernel can bind {} storage buffers, {REQUIRED_STORAGE_BUFFERS} are needed",
+                limits.max_storage_buffers_per_shader_stage
+            ))
         } else if limits.max_compute_invocations_per_workgroup < REQUIRED_INVOCATIONS {
-            Err(format!("workgroups hold {} threads, {REQUIRED_INVOCATIONS} are needed", limits.max_compute_invocations_per_workgroup))
+            Err(format!(
+                "workgroups hold {} threads, {REQUIRED_INVOCATIONS} are needed",
+                limits.max_compute_invocations_per_workgroup
+            ))
         } else if limits.max_storage_buffer_binding_size < REQUIRED_STORAGE_BINDING {
-            Err(format!("storage bindings hold {} bytes, {REQUIRED_STORAGE_BINDING} are needed", limits.max_storage_buffer_binding_size))
+            Err(format!(
+                "storage bindings hold {} bytes, {REQUIRED_STORAGE_BINDING} are needed",
+                limits.max_storage_buffer_binding_size
+            ))
         } else {
             Ok(())
         };
@@ -117,7 +126,9 @@ impl AdapterDescription {
             index,
             name: info.name.clone(),
             backend: info.backend.to_string(),
-            driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+            driver: format!("{} {}", info.driver, info.driver_info)
+                .trim()
+                .to_owned(),
             device_type: device_type_name(info.device_type).to_owned(),
             max_storage_binding: limits.max_storage_buffer_binding_size,
             max_buffer: limits.max_buffer_size,
@@ -161,7 +172,11 @@ struct Shared {
 impl Gpu {
     /// All adapters of the machine, the usual choice first.
     pub fn adapters() -> Vec<AdapterDescription> {
-        adapters_by_preference().iter().enumerate().map(|(i, a)| AdapterDescription::new(i, a)).collect()
+        adapters_by_preference()
+            .iter()
+            .enumerate()
+            .map(|(i, a)| AdapterDescription::new(i, a))
+            .collect()
     }
 
     /// Opens an adapter with everything that it offers.
@@ -170,11 +185,17 @@ impl Gpu {
     /// If there is none, none that fits the choice and the passes' needs, or the driver refuses.
     pub fn new(choice: &DeviceChoice) -> Result<Self, GpuError> {
         let adapters = adapters_by_preference();
-        let descriptions: Vec<_> = adapters.iter().enumerate().map(|(i, a)| AdapterDescription::new(i, a)).collect();
+        let descriptions: Vec<_> = adapters
+            .iter()
+            .enumerate()
+            .map(|(i, a)| AdapterDescription::new(i, a))
+            .collect();
         let chosen = descriptions.iter().find(|d| match choice {
             DeviceChoice::Best => d.usable.is_ok(),
             DeviceChoice::Index(index) => d.index == *index && d.usable.is_ok(),
-            DeviceChoice::Name(name) => d.name.to_lowercase().contains(&name.to_lowercase()) && d.usable.is_ok(),
+            DeviceChoice::Name(name) => {
+                d.name.to_lowercase().contains(&name.to_lowercase()) && d.usable.is_ok()
+            }
         });
         let Some(description) = chosen else {
             if descriptions.is_empty() {
@@ -205,7 +226,10 @@ impl Gpu {
             required_limits: adapter.limits(),
             ..Default::default()
         }))
-        .map_err(|e| GpuError::Open { name: description.name.clone(), reason: e.to_string() })?;
+        .map_err(|e| GpuError::Open {
+            name: description.name.clone(),
+            reason: e.to_string(),
+        })?;
         let first_error = Arc::new(Mutex::new(None));
         let keep = |slot: &Arc<Mutex<Option<String>>>, message: String| {
             if let Ok(mut first) = slot.lock() {
@@ -269,7 +293,9 @@ impl Gpu {
     /// That error.
     pub fn check(&self) -> Result<(), GpuError> {
         match self.shared.first_error.lock() {
-            Ok(mut first) => first.take().map_or(Ok(()), |message| Err(GpuError::Driver(message))),
+            Ok(mut first) => first
+                .take()
+                .map_or(Ok(()), |message| Err(GpuError::Driver(message))),
             Err(_) => Ok(()),
         }
     }
@@ -279,7 +305,9 @@ impl Gpu {
     /// # Errors
     /// What the driver reported.
     pub fn wait(&self) -> Result<(), GpuError> {
-        self.device().poll(wgpu::PollType::wait_indefinitely()).map_err(|e| GpuError::Driver(e.to_string()))?;
+        self.device()
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|e| GpuError::Driver(e.to_string()))?;
         self.check()
     }
 
@@ -288,7 +316,8 @@ impl Gpu {
     /// # Errors
     /// If it is larger than one binding of this device.
     pub fn storage_buffer(&self, label: &str, contents: &[u8]) -> Result<wgpu::Buffer, GpuError> {
-        let buffer = self.empty_buffer(label, contents.len() as u64, wgpu::BufferUsages::STORAGE)?;
+        let buffer =
+            self.empty_buffer(label, contents.len() as u64, wgpu::BufferUsages::STORAGE)?;
         if !contents.is_empty() {
             self.queue().write_buffer(&buffer, 0, contents);
         }
@@ -299,9 +328,17 @@ impl Gpu {
     ///
     /// # Errors
     /// If it is larger than one binding of this device.
-    pub fn empty_buffer(&self, label: &str, bytes: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, GpuError> {
+    pub fn empty_buffer(
+        &self,
+        label: &str,
+        bytes: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, GpuError> {
         let size = bytes.next_multiple_of(16).max(16);
-        let limit = self.description().max_storage_binding.min(self.description().max_buffer);
+        let limit = self
+            .description()
+            .max_storage_binding
+            .min(self.description().max_buffer);
         if size > limit {
             return Err(GpuError::TooLarge {
                 what: label.to_owned(),
@@ -322,14 +359,23 @@ impl Gpu {
     ///
     /// # Errors
     /// What the driver reported.
-    pub fn read_buffer(&self, buffer: &wgpu::Buffer, offset: u64, bytes: u64) -> Result<Vec<u8>, GpuError> {
+    pub fn read_buffer(
+        &self,
+        buffer: &wgpu::Buffer,
+        offset: u64,
+        bytes: u64,
+    ) -> Result<Vec<u8>, GpuError> {
         let staging = self.device().create_buffer(&wgpu::BufferDescriptor {
             label: Some("read-back"),
             size: bytes,
             usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let mut encoder = self.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read-back") });
+        let mut encoder = self
+            .device()
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                label: Some("read-back"),
+            });
         encoder.copy_buffer_to_buffer(buffer, offset, &staging, 0, bytes);
         self.queue().submit([encoder.finish()]);
         let outcome = Arc::new(OnceLock::new());
@@ -344,7 +390,9 @@ impl Gpu {
             Some(Err(e)) => return Err(GpuError::Driver(e.to_string())),
             None => return Err(GpuError::Driver("a read-back did not finish".to_owned())),
         }
-        let view = staging.get_mapped_range(..).map_err(|e| GpuError::Driver(e.to_string()))?;
+        let view = staging
+            .get_mapped_range(..)
+            .map_err(|e| GpuError::Driver(e.to_string()))?;
         let data = view.to_vec();
         drop(view);
         staging.unmap();

@@ -27,12 +27,20 @@ impl Timer {
                 ty: wgpu::QueryType::Timestamp,
                 count: 2 * CAPACITY,
             });
-            let buffer = gpu.empty_buffer("pass timestamps", u64::from(2 * CAPACITY) * 8, wgpu::BufferUsages::QUERY_RESOLVE)?;
+            let buffer = gpu.empty_buffer(
+                "pass timestamps",
+                u64::from(2 * CAPACITY) * 8,
+                wgpu::BufferUsages::QUERY_RESOLVE,
+            )?;
             Some((set, buffer))
         } else {
             None
         };
-        Ok(Self { queries, labels: Vec::new(), totals: BTreeMap::new() })
+        Ok(Self {
+            queries,
+            labels: Vec::new(),
+            totals: BTreeMap::new(),
+        })
     }
 
     /// Whether times are measured.
@@ -70,7 +78,9 @@ impl Timer {
     /// # Errors
     /// What the driver reported.
     pub fn collect(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
-        let Some((_, buffer)) = &self.queries else { return Ok(()) };
+        let Some((_, buffer)) = &self.queries else {
+            return Ok(());
+        };
         if self.labels.is_empty() {
             return Ok(());
         }
@@ -78,7 +88,8 @@ impl Timer {
         let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
         let milliseconds = f64::from(gpu.queue().get_timestamp_period()) * 1e-6;
         for (label, pair) in self.labels.drain(..).zip(ticks.chunks_exact(2)) {
-            self.totals.entry(label).or_default().0 += pair[1].saturating_sub(pair[0]) as f64 * milliseconds;
+            self.totals.entry(label).or_default().0 +=
+                pair[1].saturating_sub(pair[0]) as f64 * milliseconds;
         }
         Ok(())
     }

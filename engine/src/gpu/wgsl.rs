@@ -39,10 +39,15 @@ impl Source {
         if let Some((start, map)) = &self.generated
             && span.start >= *start
         {
-            return Some(map.diagnostic(span.start - start..span.end - start, message).render());
+            return Some(
+                map.diagnostic(span.start - start..span.end - start, message)
+                    .render(),
+            );
         }
         let line = self.text.get(..span.start)?.matches('\n').count();
-        self.origins.get(line).map(|(file, line)| format!("{file}:{line}: {message}"))
+        self.origins
+            .get(line)
+            .map(|(file, line)| format!("{file}:{line}: {message}"))
     }
 
     fn include(&mut self, file: &str, seen: &mut HashSet<String>) {

@@ -40,12 +40,30 @@ impl GpuEnvironment {
     pub fn new(gpu: &Gpu, environment: &Environment) -> Result<Self, GpuError> {
         match environment {
             Environment::Constant(radiance) => {
-                let white = FloatImage { width: 1, height: 1, rgb: vec![[1.0; 3]] };
-                let weights: Vec<f64> = (0..CONSTANT_ROWS).map(|j| row_sine(j, CONSTANT_ROWS)).collect();
+                let white = FloatImage {
+                    width: 1,
+                    height: 1,
+                    rgb: vec![[1.0; 3]],
+                };
+                let weights: Vec<f64> = (0..CONSTANT_ROWS)
+                    .map(|j| row_sine(j, CONSTANT_ROWS))
+                    .collect();
                 let emits = radiance.max_element() > 0.0;
-                Self::upload(gpu, &white, [1, CONSTANT_ROWS], &weights, radiance.to_array(), 0.0, emits)
+                Self::upload(
+                    gpu,
+                    &white,
+                    [1, CONSTANT_ROWS],
+                    &weights,
+                    radiance.to_array(),
+                    0.0,
+                    emits,
+                )
             }
-            Environment::Image { image, rotation, intensity } => {
+            Environment::Image {
+                image,
+                rotation,
+                intensity,
+            } => {
                 let limit = gpu.device().limits().max_texture_dimension_2d;
                 if image.width.max(image.height) > limit {
                     return Err(GpuError::TooLarge {
@@ -58,22 +76,59 @@ impl GpuEnvironment {
                 let table = [image.width.min(MAX_TABLE.0), image.height.min(MAX_TABLE.1)];
                 let weights = table_weights(image, table);
                 let emits = *intensity > 0.0 && weights.iter().any(|&w| w > 0.0);
-                Self::upload(gpu, image, table, &weights, [*intensity; 3], rotation / 360.0, emits)
+                Self::upload(
+                    gpu,
+                    image,
+                    table,
+                    &weights,
+                    [*intensity; 3],
+                    rotation / 360.0,
+                    emits,
+                )
             }
         }
     }
 
-    fn upload(gpu: &Gpu, image: &FloatImage, table_size: [u32; 2], weights: &[f64], scale: [f32; 3], turn: f32, emits: bool) -> Result<Self, GpuError> {
+    fn upload(
+        gpu: &Gpu,
+        image: &FloatImage,
+        table_size: [u32; 2],
+        weights: &[f64],
+        scale: [f32; 3],
+        turn: f32,
+        emits: bool,
+    ) -> Result<Self, GpuError> {
         let texels: Vec<[f32; 4]> = image.rgb.iter().map(|c| [c[0], c[1], c[2], 1.0]).collect();
         let cells: Vec<[u32; 4]> = alias_table(weights)
             .iter()
-            .map(|c| [c.alias, c.threshold.to_bits(), (c.probability * weights.len() as f32).to_bits(), 0])
+            .map(|c| {
+                [
+                    c.alias,
+                    c.threshold.to_bits(),
+                    (c.probability * weights.len() as f32).to_bits(),
+                    0,
+                ]
+            })
             .collect();
         let float = wgpu::TextureFormat::Rgba32Float;
         let uint = wgpu::TextureFormat::Rgba32Uint;
         Ok(Self {
-            image: filled_texture(gpu, "environment image", image.width, image.height, float, bytemuck::cast_slice(&texels)),
-            table: filled_texture(gpu, "environment table", table_size[0], table_size[1], uint, bytemuck::cast_slice(&cells)),
+            image: filled_texture(
+                gpu,
+                "environment image",
+                image.width,
+                image.height,
+                float,
+                bytemuck::cast_slice(&texels),
+            ),
+            table: filled_texture(
+                gpu,
+                "environment table",
+                table_size[0],
+                table_size[1],
+                uint,
+                bytemuck::cast_slice(&cells),
+            ),
             size: [image.width, image.height],
             table_size,
             scale,

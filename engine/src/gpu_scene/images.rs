@@ -40,22 +40,38 @@ impl GpuImages {
     /// If the images need more layers than the device has, or the driver is out of memory.
     pub fn new(gpu: &Gpu, scene: &Scene, arguments: &[TextureRef]) -> Result<Self, GpuError> {
         let limits = gpu.device().limits();
-        let fitted: Vec<std::borrow::Cow<'_, Image>> =
-            scene.images.iter().map(|image| fit(image, limits.max_texture_dimension_2d.min(32768))).collect();
+        let fitted: Vec<std::borrow::Cow<'_, Image>> = scene
+            .images
+            .iter()
+            .map(|image| fit(image, limits.max_texture_dimension_2d.min(32768)))
+            .collect();
         let sizes: Vec<(u32, u32)> = fitted.iter().map(|i| (i.width, i.height)).collect();
-        let (side, layers, places) = place_all(&sizes, limits.max_texture_dimension_2d, limits.max_texture_array_layers);
+        let (side, layers, places) = place_all(
+            &sizes,
+            limits.max_texture_dimension_2d,
+            limits.max_texture_array_layers,
+        );
         if layers > limits.max_texture_array_layers {
             return Err(GpuError::TooLarge {
                 what: "the image textures' array".to_owned(),
                 needed: u64::from(layers) * u64::from(side) * u64::from(side) * 4,
-                limit: u64::from(limits.max_texture_array_layers) * u64::from(side) * u64::from(side) * 4,
+                limit: u64::from(limits.max_texture_array_layers)
+                    * u64::from(side)
+                    * u64::from(side)
+                    * 4,
                 remedy: "use fewer or smaller images",
             });
         }
-        let scope = gpu.device().push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let scope = gpu
+            .device()
+            .push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
             label: Some("image layers"),
-            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: layers },
+            size: wgpu::Extent3d {
+                width: side,
+                height: side,
+                depth_or_array_layers: layers,
+            },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -64,15 +80,29 @@ impl GpuImages {
             view_formats: &[wgpu::TextureFormat::Rgba8UnormSrgb],
         });
         if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(GpuError::Driver(format!("{layers} layers of {side} x {side} texels for images: {error}")));
+            return Err(GpuError::Driver(format!(
+                "{layers} layers of {side} x {side} texels for images: {error}"
+            )));
         }
         for (image, place) in fitted.iter().zip(&places) {
-            upload(gpu, &texture, place, image.width, image.height, 4, &image.rgba8);
+            upload(
+                gpu,
+                &texture,
+                place,
+                image.width,
+                image.height,
+                4,
+                &image.rgba8,
+            );
             // Lets the driver take over the staged texels instead of keeping all images twice.
             gpu.queue().submit([]);
         }
 
-        let mut rows: Vec<[u32; 4]> = fitted.iter().zip(&places).map(|(image, place)| row(image, *place)).collect();
+        let mut rows: Vec<[u32; 4]> = fitted
+            .iter()
+            .zip(&places)
+            .map(|(image, place)| row(image, *place))
+            .collect();
         let user_base = rows.len() as u32;
         for argument in arguments {
             let mut entry = rows[argument.image as usize];
@@ -99,7 +129,12 @@ impl GpuImages {
 
 /// `ImageRect` in `images.wgsl`, packed.
 fn row(image: &Image, place: Place) -> [u32; 4] {
-    [place.x | place.y << 16, image.width | image.height << 16, place.layer | u32::from(image.srgb) << 31, 0]
+    [
+        place.x | place.y << 16,
+        image.width | image.height << 16,
+        place.layer | u32::from(image.srgb) << 31,
+        0,
+    ]
 }
 
 /// The image itself, or a smaller one where the device can't hold it.
@@ -112,12 +147,26 @@ fn fit(image: &Image, limit: u32) -> std::borrow::Cow<'_, Image> {
         ((f64::from(image.width) * scale) as u32).clamp(1, limit),
         ((f64::from(image.height) * scale) as u32).clamp(1, limit),
     );
-    tracing::warn!("image `{}` is larger than the device allows and is reduced to {width} x {height}", image.name);
-    let Some(buffer) = image::RgbaImage::from_raw(image.width, image.height, image.rgba8.clone()) else {
+    tracing::warn!(
+        "image `{}` is larger than the device allows and is reduced to {width} x {height}",
+        image.name
+    );
+    let Some(buffer) = image::RgbaImage::from_raw(image.width, image.height, image.rgba8.clone())
+    else {
         return std::borrow::Cow::Borrowed(image);
     };
-    let small = image::imageops::resize(&buffer, width, height, image::imageops::FilterType::Triangle);
-    std::borrow::Cow::Owned(Image { width, height, rgba8: small.into_raw(), ..image.clone() })
+    let small = image::imageops::resize(
+        &buffer,
+        width,
+        height,
+        image::imageops::FilterType::Triangle,
+    );
+    std::borrow::Cow::Owned(Image {
+        width,
+        height,
+        rgba8: small.into_raw(),
+        ..image.clone()
+    })
 }
 
 /// Side of a layer, number of layers and the place of each image, tallest first on shelves.
@@ -136,7 +185,14 @@ fn place_all(sizes: &[(u32, u32)], max_side: u32, max_layers: u32) -> (u32, u32,
 fn place_on(sizes: &[(u32, u32)], side: u32) -> (u32, Vec<Place>) {
     let mut order: Vec<usize> = (0..sizes.len()).collect();
     order.sort_by_key(|&i| std::cmp::Reverse((sizes[i].1, sizes[i].0)));
-    let mut places = vec![Place { layer: 0, x: 0, y: 0 }; sizes.len()];
+    let mut places = vec![
+        Place {
+            layer: 0,
+            x: 0,
+            y: 0
+        };
+        sizes.len()
+    ];
     let (mut layer, mut x, mut y, mut shelf) = (0, 0, 0, 0);
     for i in order {
         let (width, height) = sizes[i];
@@ -158,33 +214,81 @@ fn place_on(sizes: &[(u32, u32)], side: u32) -> (u32, Vec<Place>) {
     (layer + 1, places)
 }
 
-fn upload(gpu: &Gpu, texture: &wgpu::Texture, place: &Place, width: u32, height: u32, texel: u32, bytes: &[u8]) {
+fn upload(
+    gpu: &Gpu,
+    texture: &wgpu::Texture,
+    place: &Place,
+    width: u32,
+    height: u32,
+    texel: u32,
+    bytes: &[u8],
+) {
     gpu.queue().write_texture(
         wgpu::TexelCopyTextureInfo {
             texture,
             mip_level: 0,
-            origin: wgpu::Origin3d { x: place.x, y: place.y, z: place.layer },
+            origin: wgpu::Origin3d {
+                x: place.x,
+                y: place.y,
+                z: place.layer,
+            },
             aspect: wgpu::TextureAspect::All,
         },
         bytes,
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * texel), rows_per_image: Some(height) },
-        wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(width * texel),
+            rows_per_image: Some(height),
+        },
+        wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
     );
 }
 
 fn upload_table(gpu: &Gpu, rows: &mut Vec<[u32; 4]>) -> wgpu::TextureView {
     let height = (rows.len() as u32).div_ceil(TABLE_WIDTH).max(1);
     rows.resize((height * TABLE_WIDTH) as usize, [0, 1 | 1 << 16, 0, 0]);
-    let texture = flat_texture(gpu, "image table", TABLE_WIDTH, height, wgpu::TextureFormat::Rgba32Uint);
-    upload(gpu, &texture, &Place { layer: 0, x: 0, y: 0 }, TABLE_WIDTH, height, 16, bytemuck::cast_slice(rows));
+    let texture = flat_texture(
+        gpu,
+        "image table",
+        TABLE_WIDTH,
+        height,
+        wgpu::TextureFormat::Rgba32Uint,
+    );
+    upload(
+        gpu,
+        &texture,
+        &Place {
+            layer: 0,
+            x: 0,
+            y: 0,
+        },
+        TABLE_WIDTH,
+        height,
+        16,
+        bytemuck::cast_slice(rows),
+    );
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// A texture that kernels read texel by texel.
-pub(super) fn flat_texture(gpu: &Gpu, label: &str, width: u32, height: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
+pub(super) fn flat_texture(
+    gpu: &Gpu,
+    label: &str,
+    width: u32,
+    height: u32,
+    format: wgpu::TextureFormat,
+) -> wgpu::Texture {
     gpu.device().create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
@@ -195,9 +299,28 @@ pub(super) fn flat_texture(gpu: &Gpu, label: &str, width: u32, height: u32, form
 }
 
 /// A texture of 16-byte texels with contents.
-pub(super) fn filled_texture(gpu: &Gpu, label: &str, width: u32, height: u32, format: wgpu::TextureFormat, texels: &[u8]) -> wgpu::TextureView {
+pub(super) fn filled_texture(
+    gpu: &Gpu,
+    label: &str,
+    width: u32,
+    height: u32,
+    format: wgpu::TextureFormat,
+    texels: &[u8],
+) -> wgpu::TextureView {
     let texture = flat_texture(gpu, label, width, height, format);
-    upload(gpu, &texture, &Place { layer: 0, x: 0, y: 0 }, width, height, 16, texels);
+    upload(
+        gpu,
+        &texture,
+        &Place {
+            layer: 0,
+            x: 0,
+            y: 0,
+        },
+        width,
+        height,
+        16,
+        texels,
+    );
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
@@ -207,12 +330,18 @@ mod tests {
 
     #[test]
     fn placed_images_lie_inside_their_layer_and_never_overlap() {
-        let sizes: Vec<(u32, u32)> = (1..60u32).map(|i| (1 + (i * 37) % 300, 1 + (i * 91) % 256)).collect();
+        let sizes: Vec<(u32, u32)> = (1..60u32)
+            .map(|i| (1 + (i * 37) % 300, 1 + (i * 91) % 256))
+            .collect();
         let (side, layers, places) = place_all(&sizes, 8192, 256);
         for (i, (a, &(aw, ah))) in places.iter().zip(&sizes).enumerate() {
             assert!(a.layer < layers && a.x + aw <= side && a.y + ah <= side);
             for (b, &(bw, bh)) in places.iter().zip(&sizes).skip(i + 1) {
-                let apart = a.layer != b.layer || a.x + aw <= b.x || b.x + bw <= a.x || a.y + ah <= b.y || b.y + bh <= a.y;
+                let apart = a.layer != b.layer
+                    || a.x + aw <= b.x
+                    || b.x + bw <= a.x
+                    || a.y + ah <= b.y
+                    || b.y + bh <= a.y;
                 assert!(apart, "images overlap");
             }
         }

@@ -35,32 +35,78 @@ pub struct GpuLight {
     spare: [u32; 2],
 }
 
+impl GpuLight {
+    /// Byte offset of each member, for comparison with its WGSL twin.
+    pub fn offsets() -> Vec<(&'static str, usize)> {
+        macro_rules! offsets {
+            ($($member:ident),* $(,)?) => { vec![$((stringify!($member), std::mem::offset_of!(GpuLight, $member))),*] };
+        }
+        offsets![
+            position,
+            kind,
+            direction,
+            range,
+            intensity,
+            probability,
+            alias_index,
+            alias_threshold,
+            spot_scale,
+            spot_outer,
+            triangle,
+            instance
+        ]
+    }
+}
+
 /// Gathers the lights and tells each emissive material its pdf per area.
 ///
 /// `driven` says whether a texture program decides a material's emission; such surfaces are found by BSDF samples only.
 /// `radius` is that of a sphere around the scene, metres.
-pub fn gather(scene: &Scene, bvh: &SceneBvh, radius: f32, driven: impl Fn(u32) -> bool, materials: &mut [GpuMaterial]) -> Vec<GpuLight> {
+pub fn gather(
+    scene: &Scene,
+    bvh: &SceneBvh,
+    radius: f32,
+    driven: impl Fn(u32) -> bool,
+    materials: &mut [GpuMaterial],
+) -> Vec<GpuLight> {
     let strength: Vec<f32> = scene
         .materials
         .iter()
         .enumerate()
-        .map(|(i, m)| if driven(i as u32) || m.unlit { 0.0 } else { average_emission(m, &scene.images) })
+        .map(|(i, m)| {
+            if driven(i as u32) || m.unlit {
+                0.0
+            } else {
+                average_emission(m, &scene.images)
+            }
+        })
         .collect();
     let mut lights = Vec::new();
     let mut weights = Vec::new();
     for (place, &source) in bvh.instance_order.iter().enumerate() {
         let instance = &scene.instances[source as usize];
         let mesh = &scene.meshes[instance.mesh as usize];
-        if !mesh.triangle_materials.iter().any(|&m| strength[m as usize] > 0.0) {
+        if !mesh
+            .triangle_materials
+            .iter()
+            .any(|&m| strength[m as usize] > 0.0)
+        {
             continue;
         }
         let first = bvh.mesh_first_triangle[instance.mesh as usize];
-        for (offset, &t) in bvh.triangle_order[instance.mesh as usize].iter().enumerate() {
+        for (offset, &t) in bvh.triangle_order[instance.mesh as usize]
+            .iter()
+            .enumerate()
+        {
             let material = mesh.triangle_materials[t as usize] as usize;
             if strength[material] <= 0.0 {
                 continue;
             }
-            let [a, b, c] = mesh.triangles[t as usize].map(|v| instance.transform.transform_point3(mesh.positions[v as usize]));
+            let [a, b, c] = mesh.triangles[t as usize].map(|v| {
+                instance
+                    .transform
+                    .transform_point3(mesh.positions[v as usize])
+            });
             let area = 0.5 * (b - a).cross(c - a).length();
             // A triangle without area can't be hit, nor can a point on it be sampled.
             if area <= 0.0 || !area.is_finite() {
@@ -114,7 +160,10 @@ fn punctual(light: &PunctualLight, radius: f32) -> (GpuLight, f64) {
             entry.kind = POINT;
             luminance * sphere
         }
-        LightKind::Spot { inner_angle, outer_angle } => {
+        LightKind::Spot {
+            inner_angle,
+            outer_angle,
+        } => {
             entry.kind = SPOT;
             entry.spot_outer = outer_angle.cos();
             entry.spot_scale = 1.0 / (inner_angle.cos() - outer_angle.cos()).max(1e-4);
@@ -137,7 +186,9 @@ fn average_emission(material: &Material, images: &[Image]) -> f32 {
     if material.emission.max_element() <= 0.0 {
         return 0.0;
     }
-    let mean = material.emission_texture.map_or(Vec3::ONE, |t| mean_color(&images[t.image as usize]));
+    let mean = material
+        .emission_texture
+        .map_or(Vec3::ONE, |t| mean_color(&images[t.image as usize]));
     // A picture that is black on average may still hold light that rounding lost.
     luminance(material.emission * mean).max(luminance(material.emission) * 1e-4)
 }
@@ -155,12 +206,21 @@ fn mean_color(image: &Image) -> Vec3 {
         .collect();
     let mut sum = glam::DVec3::ZERO;
     for texel in image.rgba8.chunks_exact(4) {
-        sum += Vec3::new(decode[texel[0] as usize], decode[texel[1] as usize], decode[texel[2] as usize]).as_dvec3();
+        sum += Vec3::new(
+            decode[texel[0] as usize],
+            decode[texel[1] as usize],
+            decode[texel[2] as usize],
+        )
+        .as_dvec3();
     }
     (sum / (image.rgba8.len() / 4).max(1) as f64).as_vec3()
 }
 
 /// Sign of a transform's determinant: -1 where it mirrors.
 pub fn handedness(matrix: &Mat3) -> f32 {
-    if matrix.determinant() < 0.0 { -1.0 } else { 1.0 }
+    if matrix.determinant() < 0.0 {
+        -1.0
+    } else {
+        1.0
+    }
 }

@@ -31,7 +31,12 @@ pub struct GpuTextureSlot {
 impl GpuTextureSlot {
     fn new(texture: Option<&TextureRef>) -> Self {
         match texture {
-            None => Self { row_u: Vec3::X, image: IMAGE_NONE, row_v: Vec3::Y, sampler: 0 },
+            None => Self {
+                row_u: Vec3::X,
+                image: IMAGE_NONE,
+                row_v: Vec3::Y,
+                sampler: 0,
+            },
             Some(t) => Self {
                 row_u: t.transform[0],
                 image: t.image,
@@ -60,6 +65,29 @@ pub struct GpuMaterial {
     flags: u32,
     spare: [u32; 2],
     textures: [GpuTextureSlot; 6],
+}
+
+impl GpuMaterial {
+    /// Byte offset of each member, for comparison with its WGSL twin.
+    pub fn offsets() -> Vec<(&'static str, usize)> {
+        macro_rules! offsets {
+            ($($member:ident),* $(,)?) => { vec![$((stringify!($member), std::mem::offset_of!(GpuMaterial, $member))),*] };
+        }
+        offsets![
+            base_color,
+            emission,
+            light_pdf,
+            specular_color,
+            specular,
+            metallic,
+            roughness,
+            dielectric_f0,
+            alpha_cutoff,
+            normal_scale,
+            flags,
+            textures
+        ]
+    }
 }
 
 impl GpuMaterial {

@@ -15,7 +15,9 @@ use crate::{
     scene::{Mesh, Scene, TextureRef},
 };
 
-use self::{environment::GpuEnvironment, images::GpuImages, lights::GpuLight, materials::GpuMaterial};
+use self::{
+    environment::GpuEnvironment, images::GpuImages, lights::GpuLight, materials::GpuMaterial,
+};
 
 const TRIANGLE_ALPHA: u32 = 1 << 31;
 const TRIANGLE_HAS_UV: u32 = 1 << 30;
@@ -49,6 +51,23 @@ pub struct GpuInstance {
     handedness: f32,
     random: f32,
     source: u32,
+}
+
+impl GpuInstance {
+    /// Byte offset of each member, for comparison with its WGSL twin.
+    pub fn offsets() -> Vec<(&'static str, usize)> {
+        macro_rules! offsets {
+            ($($member:ident),* $(,)?) => { vec![$((stringify!($member), std::mem::offset_of!(GpuInstance, $member))),*] };
+        }
+        offsets![
+            world_from_object,
+            object_from_world,
+            root,
+            handedness,
+            random,
+            source
+        ]
+    }
 }
 
 /// What the frame needs to know about the scene, and its memory.
@@ -89,21 +108,44 @@ impl GpuScene {
         let center = (lo + hi) * 0.5;
         let radius = (0.5 * (hi - lo).length()).max(1e-6);
 
-        let mut materials: Vec<GpuMaterial> =
-            scene.materials.iter().enumerate().map(|(i, m)| GpuMaterial::new(m, head_flags(i as u32))).collect();
+        let mut materials: Vec<GpuMaterial> = scene
+            .materials
+            .iter()
+            .enumerate()
+            .map(|(i, m)| GpuMaterial::new(m, head_flags(i as u32)))
+            .collect();
         let driven = |m: u32| head_flags(m) & materials::HEAD_EMITS != 0;
         let lights: Vec<GpuLight> = lights::gather(scene, &bvh, radius, driven, &mut materials);
         let (triangles, vertices) = geometry(scene, &bvh);
         let images = GpuImages::new(gpu, scene, arguments)?;
         let environment = GpuEnvironment::new(gpu, &scene.environment)?;
 
-        resources.set_buffer("nodes", gpu.storage_buffer("the geometry's hierarchy", bytemuck::cast_slice(&bvh.nodes))?);
-        resources.set_buffer("triangles", gpu.storage_buffer("triangles", bytemuck::cast_slice(&triangles))?);
-        resources.set_buffer("vertices", gpu.storage_buffer("vertices", bytemuck::cast_slice(&vertices))?);
-        resources.set_buffer("instances", gpu.storage_buffer("instances", bytemuck::cast_slice(&instances(scene, &bvh)))?);
-        resources.set_buffer("materials", gpu.storage_buffer("materials", bytemuck::cast_slice(&materials))?);
+        resources.set_buffer(
+            "nodes",
+            gpu.storage_buffer("the geometry's hierarchy", bytemuck::cast_slice(&bvh.nodes))?,
+        );
+        resources.set_buffer(
+            "triangles",
+            gpu.storage_buffer("triangles", bytemuck::cast_slice(&triangles))?,
+        );
+        resources.set_buffer(
+            "vertices",
+            gpu.storage_buffer("vertices", bytemuck::cast_slice(&vertices))?,
+        );
+        resources.set_buffer(
+            "instances",
+            gpu.storage_buffer("instances", bytemuck::cast_slice(&instances(scene, &bvh)))?,
+        );
+        resources.set_buffer(
+            "materials",
+            gpu.storage_buffer("materials", bytemuck::cast_slice(&materials))?,
+        );
         // At least one entry, so that the array binding is never shorter than its element.
-        let light_bytes = if lights.is_empty() { vec![0; size_of::<GpuLight>()] } else { bytemuck::cast_slice(&lights).to_vec() };
+        let light_bytes = if lights.is_empty() {
+            vec![0; size_of::<GpuLight>()]
+        } else {
+            bytemuck::cast_slice(&lights).to_vec()
+        };
         resources.set_buffer("lights", gpu.storage_buffer("lights", &light_bytes)?);
         resources.set_view("image_table", images.table.clone());
         resources.set_view("image_layers", images.layers.clone());
@@ -216,16 +258,31 @@ impl VertexLayout {
         heap.reserve(mesh.positions.len() * self.stride as usize);
         for (i, p) in mesh.positions.iter().enumerate() {
             let normal = mesh.normals.get(i).copied().unwrap_or(Vec3::Y);
-            heap.push([p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), octahedral(normal)]);
+            heap.push([
+                p.x.to_bits(),
+                p.y.to_bits(),
+                p.z.to_bits(),
+                octahedral(normal),
+            ]);
             if self.stride >= 2 {
                 let uv = mesh.uv0.get(i).copied().unwrap_or(Vec2::ZERO);
                 let tangent = mesh.tangents.get(i).copied().unwrap_or(Vec4::X);
-                heap.push([uv.x.to_bits(), uv.y.to_bits(), octahedral(tangent.truncate()), u32::from(tangent.w >= 0.0)]);
+                heap.push([
+                    uv.x.to_bits(),
+                    uv.y.to_bits(),
+                    octahedral(tangent.truncate()),
+                    u32::from(tangent.w >= 0.0),
+                ]);
             }
             if self.stride >= 3 {
                 let uv = mesh.uv1.get(i).copied().unwrap_or(Vec2::ZERO);
                 let color = mesh.colors.get(i).copied().unwrap_or(Vec4::ONE);
-                heap.push([uv.x.to_bits(), uv.y.to_bits(), unorm16(color.x, color.y), unorm16(color.z, color.w)]);
+                heap.push([
+                    uv.x.to_bits(),
+                    uv.y.to_bits(),
+                    unorm16(color.x, color.y),
+                    unorm16(color.z, color.w),
+                ]);
             }
         }
     }

@@ -23,7 +23,9 @@ pub enum RenderEditError {
     #[error(transparent)]
     Render(#[from] RenderError),
     /// Emission decides which triangles are lights, and that table is made when the scene is loaded.
-    #[error("`{material}` can't begin or cease to be driven in its emission while rendering; change the look and load it again")]
+    #[error(
+        "`{material}` can't begin or cease to be driven in its emission while rendering; change the look and load it again"
+    )]
     Emission {
         /// The material.
         material: String,
@@ -39,15 +41,28 @@ impl From<GpuError> for RenderEditError {
 /// Flags of a material's head among the programs; 0 for a material without one.
 pub(super) fn head_flags(procedural: &Procedural, material: u32) -> u32 {
     let word = material as usize * HEAD_WORDS as usize + HEAD_FLAGS as usize;
-    procedural.programs().get(word).copied().filter(|_| procedural.is_procedural(material)).unwrap_or(0)
+    procedural
+        .programs()
+        .get(word)
+        .copied()
+        .filter(|_| procedural.is_procedural(material))
+        .unwrap_or(0)
 }
 
 /// Creates the buffers of programs, arguments and AO tables, with room to grow.
-pub(super) fn allocate(gpu: &Gpu, procedural: &Procedural, resources: &mut Resources) -> Result<(), GpuError> {
-    for (name, words) in [("programs", procedural.programs()), ("args", procedural.args())] {
+pub(super) fn allocate(
+    gpu: &Gpu,
+    procedural: &Procedural,
+    resources: &mut Resources,
+) -> Result<(), GpuError> {
+    for (name, words) in [
+        ("programs", procedural.programs()),
+        ("args", procedural.args()),
+    ] {
         let bytes = (words.len() as u64 * 4 * 3 / 2).max(1024);
         let buffer = gpu.empty_buffer(name, bytes, wgpu::BufferUsages::STORAGE)?;
-        gpu.queue().write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+        gpu.queue()
+            .write_buffer(&buffer, 0, bytemuck::cast_slice(words));
         resources.set_buffer(name, buffer);
     }
     write_ao(gpu, procedural, resources);
@@ -61,7 +76,11 @@ fn write_ao(gpu: &Gpu, procedural: &Procedural, resources: &Resources) {
     for (table, settings) in tables.iter_mut().zip(procedural.ao()).take(used) {
         *table = ao_table(settings);
     }
-    gpu.queue().write_buffer(resources.buffer("ao_tables"), 0, bytemuck::cast_slice(&tables));
+    gpu.queue().write_buffer(
+        resources.buffer("ao_tables"),
+        0,
+        bytemuck::cast_slice(&tables),
+    );
 }
 
 fn ao_table(settings: &AoSettings) -> GpuAoTable {
@@ -82,7 +101,12 @@ impl Renderer {
     ///
     /// # Errors
     /// Unknown names, a value of another type, or the device.
-    pub fn set_argument(&mut self, node: &str, parameter: &str, value: texgen::Value) -> Result<(), RenderEditError> {
+    pub fn set_argument(
+        &mut self,
+        node: &str,
+        parameter: &str,
+        value: texgen::Value,
+    ) -> Result<(), RenderEditError> {
         self.edit(|p| p.set_value(node, parameter, value))
     }
 
@@ -90,7 +114,12 @@ impl Renderer {
     ///
     /// # Errors
     /// Unknown names, a type that does not fit, a circle, or the device.
-    pub fn set_link(&mut self, node: &str, parameter: &str, link: &str) -> Result<(), RenderEditError> {
+    pub fn set_link(
+        &mut self,
+        node: &str,
+        parameter: &str,
+        link: &str,
+    ) -> Result<(), RenderEditError> {
         self.edit(|p| p.set_link(node, parameter, link))
     }
 
@@ -114,23 +143,33 @@ impl Renderer {
     ///
     /// # Errors
     /// Unknown names, a type that does not fit, an emission that would begin or cease to be driven, or the device.
-    pub fn set_output_link(&mut self, material: &str, output: Output, link: Option<&str>) -> Result<(), RenderEditError> {
+    pub fn set_output_link(
+        &mut self,
+        material: &str,
+        output: Output,
+        link: Option<&str>,
+    ) -> Result<(), RenderEditError> {
         let before = self.procedural.clone();
         self.procedural.set_output_link(material, output, link)?;
         let count = self.material_count();
         if (0..count).any(|m| before.drives_emission(m) != self.procedural.drives_emission(m)) {
             self.procedural = before;
-            return Err(RenderEditError::Emission { material: material.to_owned() });
+            return Err(RenderEditError::Emission {
+                material: material.to_owned(),
+            });
         }
         for m in 0..count {
             let flags = |p: &Procedural| materials::program_flags(head_flags(p, m));
             if flags(&before) != flags(&self.procedural) {
                 let buffer = self.resources.buffer("materials");
-                let offset = u64::from(m) * size_of::<materials::GpuMaterial>() as u64 + materials::FLAGS_OFFSET;
+                let offset = u64::from(m) * size_of::<materials::GpuMaterial>() as u64
+                    + materials::FLAGS_OFFSET;
                 let former = self.gpu.read_buffer(buffer, offset, 4)?;
                 let mut word: u32 = bytemuck::pod_read_unaligned(&former);
                 word = word & !materials::program_flags(u32::MAX) | flags(&self.procedural);
-                self.gpu.queue().write_buffer(buffer, offset, bytemuck::bytes_of(&word));
+                self.gpu
+                    .queue()
+                    .write_buffer(buffer, offset, bytemuck::bytes_of(&word));
             }
         }
         self.write_changes()
@@ -142,10 +181,14 @@ impl Renderer {
     }
 
     fn material_count(&self) -> u32 {
-        (self.resources.buffer("materials").size() / size_of::<materials::GpuMaterial>() as u64) as u32
+        (self.resources.buffer("materials").size() / size_of::<materials::GpuMaterial>() as u64)
+            as u32
     }
 
-    fn edit(&mut self, change: impl FnOnce(&mut Procedural) -> Result<(), EditError>) -> Result<(), RenderEditError> {
+    fn edit(
+        &mut self,
+        change: impl FnOnce(&mut Procedural) -> Result<(), EditError>,
+    ) -> Result<(), RenderEditError> {
         change(&mut self.procedural)?;
         self.write_changes()
     }
@@ -160,7 +203,9 @@ impl Renderer {
         if changes.kernel || needs_kernels {
             self.kernels.rebuild_texture(&self.gpu, &self.procedural)?;
         }
-        let fits = |name: &str, words: &[u32]| self.resources.buffer(name).size() >= words.len() as u64 * 4;
+        let fits = |name: &str, words: &[u32]| {
+            self.resources.buffer(name).size() >= words.len() as u64 * 4
+        };
         if !fits("programs", self.procedural.programs()) || !fits("args", self.procedural.args()) {
             allocate(&self.gpu, &self.procedural, &mut self.resources)?;
             self.bound = self.kernels.bind(&self.gpu, &self.resources);
@@ -181,7 +226,11 @@ impl Renderer {
     fn write_ranges(&self, name: &str, words: &[u32], ranges: &[Range<u32>]) {
         for range in ranges {
             let words = &words[range.start as usize..range.end as usize];
-            self.gpu.queue().write_buffer(self.resources.buffer(name), u64::from(range.start) * 4, bytemuck::cast_slice(words));
+            self.gpu.queue().write_buffer(
+                self.resources.buffer(name),
+                u64::from(range.start) * 4,
+                bytemuck::cast_slice(words),
+            );
         }
     }
 }

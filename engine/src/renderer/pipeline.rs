@@ -6,9 +6,7 @@ use crate::{
         kernel::{BoundKernel, Kernel, Resources},
     },
     passes::{
-        accumulate, advance,
-        advance::After,
-        ao, brdf, classify, proctex, raygen, traverse,
+        accumulate, advance, advance::After, ao, brdf, classify, proctex, raygen, traverse,
         traverse::Rays,
     },
     procedural::Procedural,
@@ -41,7 +39,10 @@ impl Kernels {
                 advance::kernel(gpu, After::Classify)?,
                 advance::kernel(gpu, After::Brdf)?,
             ],
-            traverse: [traverse::kernel(gpu, Rays::Closest)?, traverse::kernel(gpu, Rays::Occlusion)?],
+            traverse: [
+                traverse::kernel(gpu, Rays::Closest)?,
+                traverse::kernel(gpu, Rays::Occlusion)?,
+            ],
             brdf: brdf::kernel(gpu)?,
             accumulate: accumulate::kernel(gpu)?,
             texture: if procedural.is_empty() {
@@ -57,12 +58,20 @@ impl Kernels {
     }
 
     /// Replaces the one generated kernel, or makes the texture kernels if a program is there for the first time.
-    pub(super) fn rebuild_texture(&mut self, gpu: &Gpu, procedural: &Procedural) -> Result<(), GpuError> {
+    pub(super) fn rebuild_texture(
+        &mut self,
+        gpu: &Gpu,
+        procedural: &Procedural,
+    ) -> Result<(), GpuError> {
         let proctex = proctex::kernel(gpu, &procedural.kernel())?;
         match &mut self.texture {
             Some(texture) => texture.proctex = proctex,
             None => {
-                self.texture = Some(TextureKernels { classify: classify::kernel(gpu)?, ao: ao::kernel(gpu)?, proctex });
+                self.texture = Some(TextureKernels {
+                    classify: classify::kernel(gpu)?,
+                    ao: ao::kernel(gpu)?,
+                    proctex,
+                });
             }
         }
         Ok(())
@@ -112,13 +121,22 @@ pub(super) struct BoundTexture {
 impl Bound {
     /// Labels in the order in which a wave runs them.
     pub(super) fn labels(&self) -> impl Iterator<Item = &str> {
-        let texture = self.texture.iter().flat_map(|t| [&t.classify, &t.ao, &t.proctex]);
+        let texture = self
+            .texture
+            .iter()
+            .flat_map(|t| [&t.classify, &t.ao, &t.proctex]);
         let [after_raygen, after_classify, after_brdf] = &self.advance;
         let [closest, occlusion] = &self.traverse;
         [&self.raygen, after_raygen, closest]
             .into_iter()
             .chain(texture)
-            .chain([after_classify, &self.brdf, after_brdf, occlusion, &self.accumulate])
+            .chain([
+                after_classify,
+                &self.brdf,
+                after_brdf,
+                occlusion,
+                &self.accumulate,
+            ])
             .map(BoundKernel::label)
     }
 }

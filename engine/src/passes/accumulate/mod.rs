@@ -11,5 +11,10 @@ use crate::gpu::{
 /// # Errors
 /// If the driver refuses it.
 pub fn kernel(gpu: &Gpu) -> Result<Kernel, GpuError> {
-    Kernel::new(gpu, &Source::of("accumulate/accumulate.wgsl"), "accumulate", Trust::Engine)
+    Kernel::new(
+        gpu,
+        &Source::of("accumulate/accumulate.wgsl"),
+        "accumulate",
+        Trust::Engine,
+    )
 }

@@ -33,11 +33,11 @@ fn add_total(word: u32, count: u32) {
 // After raygen: bounce 0 reads what raygen appended.
 @compute @workgroup_size(1)
 fn start() {
-    let active = hand_over(QUEUE_ACTIVE);
-    size_dispatch(QUEUE_ACTIVE, active);
+    let live = hand_over(QUEUE_ACTIVE);
+    size_dispatch(QUEUE_ACTIVE, live);
     // raygen appended as bounce -1.
     atomicStore(&queues[WORD_BOUNCE], 0u);
-    add_total(WORD_RAYS, active);
+    add_total(WORD_RAYS, live);
 }
 
 // After classify.
@@ -55,10 +55,10 @@ fn texture() {
 // After brdf.
 @compute @workgroup_size(1)
 fn bounce() {
-    let active = hand_over(QUEUE_ACTIVE);
+    let live = hand_over(QUEUE_ACTIVE);
     let shadow = hand_over(QUEUE_SHADOW);
-    size_dispatch(QUEUE_ACTIVE, active);
+    size_dispatch(QUEUE_ACTIVE, live);
     size_dispatch(QUEUE_SHADOW, shadow);
     atomicAdd(&queues[WORD_BOUNCE], 1u);
-    add_total(WORD_RAYS, active + shadow);
+    add_total(WORD_RAYS, live + shadow);
 }

@@ -27,5 +27,10 @@ pub fn kernel(gpu: &Gpu, after: After) -> Result<Kernel, GpuError> {
         After::Classify => "texture",
         After::Brdf => "bounce",
     };
-    Kernel::new(gpu, &Source::of("advance/advance.wgsl"), entry, Trust::Engine)
+    Kernel::new(
+        gpu,
+        &Source::of("advance/advance.wgsl"),
+        entry,
+        Trust::Engine,
+    )
 }

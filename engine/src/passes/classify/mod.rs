@@ -11,5 +11,10 @@ use crate::gpu::{
 /// # Errors
 /// If the driver refuses it.
 pub fn kernel(gpu: &Gpu) -> Result<Kernel, GpuError> {
-    Kernel::new(gpu, &Source::of("classify/classify.wgsl"), "classify", Trust::Engine)
+    Kernel::new(
+        gpu,
+        &Source::of("classify/classify.wgsl"),
+        "classify",
+        Trust::Engine,
+    )
 }

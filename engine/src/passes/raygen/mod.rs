@@ -11,5 +11,10 @@ use crate::gpu::{
 /// # Errors
 /// If the driver refuses it.
 pub fn kernel(gpu: &Gpu) -> Result<Kernel, GpuError> {
-    Kernel::new(gpu, &Source::of("raygen/raygen.wgsl"), "raygen", Trust::Engine)
+    Kernel::new(
+        gpu,
+        &Source::of("raygen/raygen.wgsl"),
+        "raygen",
+        Trust::Engine,
+    )
 }

@@ -24,5 +24,10 @@ pub fn kernel(gpu: &Gpu, rays: Rays) -> Result<Kernel, GpuError> {
         Rays::Closest => "closest",
         Rays::Occlusion => "occlusion",
     };
-    Kernel::new(gpu, &Source::of("traverse/traverse.wgsl"), entry, Trust::Engine)
+    Kernel::new(
+        gpu,
+        &Source::of("traverse/traverse.wgsl"),
+        entry,
+        Trust::Engine,
+    )
 }
