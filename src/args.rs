@@ -22,13 +22,13 @@ Examples:
   A quick look at a scene, written to helmet-render.png:
     patina render helmet.glb --spp 16 --size 640x360
   With procedural textures, as a PNG one stop brighter and as linear floats:
-    patina render helmet.glb --look helmet.look.toml --spp 256 --exposure 1 -o helmet.png -o helmet.exr
+    patina render helmet.glb --look rust.look.toml --exposure 1 -o helmet.png -o helmet.exr
   Through a camera of the scene, direct light only, on the second device:
     patina render room.gltf --camera Door --max-depth 1 --device 1
   Where the time goes, for people and for programs:
     patina render room.gltf --stats --stats-json room.json
 
-Ctrl-C ends the render after the running wave and writes what has been rendered; a second Ctrl-C aborts.
+Ctrl-C ends the render early and writes what has been rendered; a second one aborts.
 
 Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
