@@ -7,10 +7,10 @@ use engine::scene::{self, Camera, Instance, Material, Mesh, Projection, Scene};
 use engine::{bench, load};
 use glam::{Affine3A, Vec2, Vec3};
 
-use crate::console;
 use crate::exit::Failure;
 use crate::job::BenchTraverseJob;
 use crate::progress::Bar;
+use crate::{console, devices};
 
 /// Measures the traversal kernel and prints millions of rays per second.
 ///
@@ -30,16 +30,13 @@ pub(crate) fn traverse(job: &BenchTraverseJob) -> Result<(), Failure> {
     let report = bench::traverse(&gpu, &scene).map_err(Failure::because)?;
     bar.finish();
 
-    let device = gpu.description();
     console::print(&format!(
-        "{name}: {} triangles\n{} ({}, {})\n\n\
+        "{name}: {} triangles\n{}\n\n\
          primary rays   {:8.2} Mrays/s\n\
          bounce rays    {:8.2} Mrays/s\n\
          shadow rays    {:8.2} Mrays/s",
         console::grouped(scene.instanced_triangles()),
-        device.name,
-        device.backend,
-        device.driver,
+        devices::title(gpu.description()),
         report.primary,
         report.bounce,
         report.shadow

@@ -46,6 +46,19 @@ pub(crate) fn bytes(count: u64) -> String {
     }
 }
 
+/// A rate with three digits or so: 950, 27.2 k, 1.31 M. What is no positive number is shown as 0.
+pub(crate) fn short(rate: f64) -> String {
+    if rate >= 999.5e6 {
+        format!("{:.3} G", rate / 1.0e9)
+    } else if rate >= 999.5e3 {
+        format!("{:.2} M", rate / 1.0e6)
+    } else if rate >= 999.5 {
+        format!("{:.1} k", rate / 1.0e3)
+    } else {
+        format!("{:.0}", rate.max(0.0))
+    }
+}
+
 /// A count with thousands separated by commas.
 pub(crate) fn grouped(count: u64) -> String {
     let digits = count.to_string();
@@ -70,6 +83,16 @@ mod tests {
         assert_eq!(bytes(1536), "1.5 KiB");
         assert_eq!(bytes(128 << 20), "128.0 MiB");
         assert_eq!(bytes(u64::MAX), "16777216.0 TiB");
+    }
+
+    #[test]
+    fn rates_are_shown_with_few_digits() {
+        assert_eq!(short(f64::NAN), "0");
+        assert_eq!(short(-3.0), "0");
+        assert_eq!(short(950.4), "950");
+        assert_eq!(short(27_156.1), "27.2 k");
+        assert_eq!(short(1.314e6), "1.31 M");
+        assert_eq!(short(2.5e9), "2.500 G");
     }
 
     #[test]

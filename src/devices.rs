@@ -31,18 +31,29 @@ pub(crate) fn run() -> Result<(), Failure> {
     Ok(())
 }
 
+/// A device with its interface and driver, in one line.
+pub(crate) fn title(adapter: &AdapterDescription) -> String {
+    let about = known(&[&adapter.backend, &adapter.driver]);
+    format!("{} ({about})", adapter.name)
+}
+
+/// The parts that are not empty; drivers don't tell everything.
+fn known(parts: &[&str]) -> String {
+    let known: Vec<_> = parts
+        .iter()
+        .copied()
+        .filter(|part| !part.is_empty())
+        .collect();
+    known.join(", ")
+}
+
 fn list(adapters: &[AdapterDescription]) -> String {
     let mut text = String::new();
     for adapter in adapters {
         let facts = [
             (
                 "driver",
-                [&adapter.backend, &adapter.device_type, &adapter.driver]
-                    .into_iter()
-                    .filter(|part| !part.is_empty())
-                    .cloned()
-                    .collect::<Vec<_>>()
-                    .join(", "),
+                known(&[&adapter.backend, &adapter.device_type, &adapter.driver]),
             ),
             (
                 "memory",

@@ -1,10 +1,13 @@
 //! The progress bar of a render: samples, samples per second, remaining time. Silent where stderr isn't a terminal.
 
+use std::fmt::Write;
 use std::io::{self, IsTerminal};
 use std::time::Duration;
 
 use engine::renderer::Progress;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+
+use crate::console;
 
 /// A line on the terminal that follows one render.
 pub(crate) struct Bar {
@@ -47,7 +50,10 @@ impl Bar {
             self.started = true;
             self.bar.disable_steady_tick();
             self.bar.set_style(
-                style("{bar:32} {human_pos}/{human_len} samples  {per_sec}  {eta} left")
+                style("{bar:32} {human_pos}/{human_len} samples  {rate}  {eta} left")
+                    .with_key("rate", |state: &ProgressState, text: &mut dyn Write| {
+                        let _ = write!(text, "{} samples/s", console::short(state.per_sec()));
+                    })
                     .progress_chars("=> "),
             );
             self.bar.set_length(progress.samples_total);

@@ -9,9 +9,9 @@ use engine::gpu::AdapterDescription;
 use engine::renderer::Stats;
 use serde::Serialize;
 
-use crate::console;
 use crate::job::RenderJob;
 use crate::output::{self, OutputError};
+use crate::{console, devices};
 
 /// Figures of one render. Its JSON form is read by other programs: fields are added, never renamed.
 #[derive(Debug, Serialize)]
@@ -50,6 +50,8 @@ pub(crate) struct Seconds {
 
 #[derive(Debug, Serialize)]
 struct Device {
+    #[serde(skip)]
+    title: String,
     name: String,
     backend: String,
     driver: String,
@@ -69,6 +71,7 @@ impl Report {
             scene: job.scene.display().to_string(),
             look: job.look.as_ref().map(|look| look.display().to_string()),
             device: Device {
+                title: devices::title(device),
                 name: device.name.clone(),
                 backend: device.backend.clone(),
                 driver: device.driver.clone(),
@@ -88,11 +91,7 @@ impl Report {
     pub(crate) fn table(&self) -> String {
         let mut text = String::new();
         let stats = &self.stats;
-        let _ = writeln!(
-            text,
-            "\n{} ({}, {})",
-            self.device.name, self.device.backend, self.device.driver
-        );
+        let _ = writeln!(text, "\n{}", self.device.title);
         let _ = writeln!(
             text,
             "{}x{}, {} of {} samples per pixel\n",
