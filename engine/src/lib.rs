@@ -3,6 +3,7 @@
 //! It knows `texgen`, never prints, and reports every failure as a value.
 
 pub mod alias;
+pub mod bench;
 pub mod bvh;
 pub mod film;
 pub mod frame;

@@ -54,7 +54,7 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
     }
     let world_origin = frame.camera_position + frame.camera_right * origin.x + frame.camera_up * origin.y;
     let world_direction = normalize(
-        frame.camera_right * direction.x + frame.camera_up * direction.y + frame.camera_back * -direction.z);
+        frame.camera_right * direction.x + frame.camera_up * direction.y + frame.camera_back * direction.z);
     rays[slot] = RayHit(world_origin, 0.0, world_direction, 1e30, vec2f(0.0), MISS, 0u);
     path_write(PATH_THROUGHPUT, slot, vec4f(1.0, 1.0, 1.0, 0.0));
     queue_append(QUEUE_ACTIVE, slot);
