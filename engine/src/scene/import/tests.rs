@@ -1,0 +1,1 @@
+//! Whole files in miniature: JSON in, scene out.
