@@ -2,5 +2,6 @@
 //!
 //! It knows `texgen`, never prints, and reports every failure as a value.
 
+pub mod load;
 pub mod procedural;
 pub mod scene;
