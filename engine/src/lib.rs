@@ -9,6 +9,7 @@ pub mod film;
 pub mod frame;
 pub mod gpu;
 pub mod gpu_scene;
+pub mod load;
 pub mod passes;
 pub mod procedural;
 pub mod renderer;

@@ -83,7 +83,7 @@ named_enum! {
     TexCoord1 "Second texture coordinates (u, v, 0, 1); equal to the first where the mesh has one set only.",
     Color0 "Vertex colour, linear; (1, 1, 1, 1) where the mesh has none.",
     ViewDir "Direction from the hit towards where the ray came from, in the world, unit length; w = 0.",
-    AO "Ambient occlusion of the node's first AO slot in every component: 0 = fully open, 1 = fully occluded.",
+    AO "Ambient occlusion of the node's first AO slot in every component: 1 = open, 0 = fully occluded.",
     AO1 "Ambient occlusion of the node's second AO slot, like AO.",
     Curvature "Mean curvature in 1/metres in every component: positive on ridges, negative in creases.",
     Footprint "Size of the pixel's footprint here: x = width in metres in the world, y = width in uv of TexCoord0.",

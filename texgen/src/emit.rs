@@ -1,12 +1,27 @@
-//! The generated kernel's text.
+//! The generated kernel's text: the runtime, one section per texture, and the loop over a program's instructions.
+//!
+//! A section depends on its own texture only, so an edit of a file changes its section and nothing else. No constant
+//! and no link of the graph is in the text. The `program` module describes the format of instructions.
 
+use std::collections::{BTreeSet, HashSet};
+use std::fmt::Write;
+
+use crate::args;
+use crate::attribute::{Attribute, BuiltinAttribute};
+use crate::diagnostic::Diagnostics;
 use crate::library::Library;
-use crate::source_map::SourceMap;
+use crate::parse;
+use crate::rewrite::{Piece, array_reader, element_reader};
+use crate::source_map::{Segment, SourceMap};
+use crate::texture::TextureType;
+use crate::value::{ElementType, OutputType, ParameterType};
 
 /// WGSL text without bindings, to be put into one module with the host's functions (see [`HOST_STUB`]).
 #[derive(Clone, Debug)]
 pub struct GeneratedKernel {
-    /// The text.
+    /// The text. Its interface to the host: `fn patina_run_program(offset: u32)` runs the program that begins at
+    /// that word of the program buffer, after which `fn patina_link(word: u32) -> vec4f` reads results
+    /// (see [`link_word`](crate::link_word)) and `patina_overrun` tells whether a loop was cut.
     pub wgsl: String,
     /// From places in the text to places in the users' files.
     pub source_map: SourceMap,
@@ -16,13 +31,345 @@ pub struct GeneratedKernel {
 /// kernel to validate the whole.
 pub const HOST_STUB: &str = include_str!("host_stub.wgsl");
 
-pub(crate) fn emit(_library: &Library, stack_slots: u32) -> GeneratedKernel {
-    let wgsl = format!(
-        "var<private> patina_stack: array<vec4f, {}>;\n",
-        stack_slots.max(1)
-    );
-    GeneratedKernel {
-        wgsl,
+/// The part of the kernel that is the same for all libraries.
+const RUNTIME: &str = include_str!("runtime.wgsl");
+
+/// Iterations that the loops of one node may use at one hit.
+pub const LOOP_LIMIT: u32 = 16_384;
+
+pub(crate) fn emit(library: &Library, stack_slots: u32) -> GeneratedKernel {
+    let mut emitter = Emitter {
+        text: String::new(),
         source_map: SourceMap::default(),
+        custom: library.custom_attributes(),
+    };
+    emitter.runtime(stack_slots);
+    emitter.array_readers(library);
+    let names = section_names(library);
+    for (texture, name) in library.textures().iter().zip(&names) {
+        emitter.section(texture, name);
     }
+    emitter.run_program(library, &names);
+    GeneratedKernel {
+        wgsl: emitter.text,
+        source_map: emitter.source_map,
+    }
+}
+
+/// Emits a kernel of this texture alone and has naga check it, so that what `parse` accepts never fails later.
+pub(crate) fn try_out(texture: &TextureType) -> Result<(), Diagnostics> {
+    let library = Library::new(vec![texture.clone()]).map_err(Diagnostics::from)?;
+    let kernel = library.emit(1);
+    match parse::check(&format!("{}\n{HOST_STUB}", kernel.wgsl)) {
+        Ok(_) => Ok(()),
+        Err(problem) => {
+            let span = problem
+                .labels
+                .first()
+                .map_or(0..0, |(span, _)| span.clone());
+            let mut diagnostic = kernel.source_map.diagnostic(span, &problem.message);
+            if diagnostic.labels.is_empty() {
+                diagnostic = diagnostic.with_label(texture.file(), 0..0, "");
+            }
+            Err(diagnostic
+                .with_note("the texture is valid, but not as a part of the kernel: please report this together with the file")
+                .into())
+        }
+    }
+}
+
+/// A WGSL name for each texture's section: letters, digits and single underscores. A name is followed by two
+/// underscores in front of the file's own names, so no two textures' names can meet.
+fn section_names(library: &Library) -> Vec<String> {
+    let mut taken: HashSet<String> = HashSet::new();
+    library
+        .textures()
+        .iter()
+        .map(|texture| {
+            let mut base = String::new();
+            for c in texture.name().chars() {
+                let c = if c.is_ascii_alphanumeric() { c } else { '_' };
+                if c != '_' || !(base.is_empty() || base.ends_with('_')) {
+                    base.push(c);
+                }
+            }
+            let base = base.trim_end_matches('_');
+            let base = match base.chars().next() {
+                Some(first) if first.is_ascii_alphabetic() && !base.starts_with("patina") => {
+                    base.to_owned()
+                }
+                _ => format!("t_{base}").trim_end_matches('_').to_owned(),
+            };
+            // A local of the file that looks like a prefixed name would capture it.
+            let clashes = |name: &str| texture.file().text().contains(&format!("{name}__"));
+            let mut name = base.clone();
+            let mut number = 2;
+            while taken.contains(&name) || clashes(&name) {
+                name = format!("{base}_{number}");
+                number += 1;
+            }
+            taken.insert(name.clone());
+            name
+        })
+        .collect()
+}
+
+struct Emitter {
+    text: String,
+    source_map: SourceMap,
+    custom: Vec<String>,
+}
+
+impl Emitter {
+    fn line(&mut self, line: &str) {
+        self.text.push_str(line);
+        self.text.push('\n');
+    }
+
+    fn runtime(&mut self, stack_slots: u32) {
+        self.line("// Generated by Patina from user textures: edit those, not this.");
+        self.line("");
+        let runtime = RUNTIME
+            .replace("STACK_SLOTS", &stack_slots.max(1).to_string())
+            .replace("LOOP_LIMIT", &format!("{LOOP_LIMIT}u"));
+        self.text.push_str(&runtime);
+    }
+
+    /// Readers for the array parameters that occur.
+    fn array_readers(&mut self, library: &Library) {
+        let parameters = library.textures().iter().flat_map(TextureType::parameters);
+        let arrays: Vec<(ElementType, u32)> = parameters
+            .filter_map(|parameter| match parameter.ty {
+                ParameterType::Array(element, count) => Some((element, count)),
+                _ => None,
+            })
+            .collect();
+        let mut done: BTreeSet<String> = BTreeSet::new();
+        for (element, count) in arrays {
+            let ty = element.parameter_type();
+            let size = args::words_of(ty);
+            let reader = element_reader(element);
+            if done.insert(reader.clone()) {
+                self.line("");
+                self.line("// One element of an array that begins at word `at` of the fake stack.");
+                self.line(&format!(
+                    "fn {reader}(at: u32, count: u32, i: u32) -> {ty} {{"
+                ));
+                self.line(&format!(
+                    "    return patina_arg_{ty}(at + {size}u * min(i, count - 1u));"
+                ));
+                self.line("}");
+            }
+            let reader = array_reader(element, count);
+            if done.insert(reader.clone()) {
+                self.line("");
+                self.line(&format!("fn {reader}(at: u32) -> array<{ty}, {count}> {{"));
+                self.line(&format!("    var values: array<{ty}, {count}>;"));
+                self.line(&format!("    for (var i = 0u; i < {count}u; i++) {{"));
+                self.line(&format!(
+                    "        values[i] = patina_arg_{ty}(at + {size}u * i);"
+                ));
+                self.line("    }");
+                self.line("    return values;");
+                self.line("}");
+            }
+        }
+    }
+
+    fn section(&mut self, texture: &TextureType, name: &str) {
+        self.line("");
+        self.line(&format!(
+            "// ==== {} ==== {}",
+            comment_safe(texture.name()),
+            comment_safe(texture.file().path())
+        ));
+        self.line("");
+        self.source(texture, name);
+        self.line("");
+        self.call(texture, name);
+    }
+
+    /// The user's text with its edits.
+    fn source(&mut self, texture: &TextureType, name: &str) {
+        let file = texture.file();
+        let text = file.text();
+        let mut at = if text.starts_with('\u{feff}') {
+            '\u{feff}'.len_utf8()
+        } else {
+            0
+        };
+        for edit in &texture.rewrite().edits {
+            self.copy(texture, at..edit.span.start);
+            let start = self.text.len();
+            for piece in &edit.pieces {
+                match piece {
+                    Piece::Text(text) => self.text.push_str(text),
+                    Piece::Prefix => {
+                        self.text.push_str(name);
+                        self.text.push_str("__");
+                    }
+                    Piece::CustomIndex(attribute) => {
+                        let index = self.custom.binary_search(attribute).unwrap_or(0);
+                        let _ = write!(self.text, "{index}u");
+                    }
+                }
+            }
+            let generated = start..self.text.len();
+            self.source_map.push(Segment {
+                generated,
+                file: file.clone(),
+                source: edit.span.clone(),
+            });
+            at = edit.span.end;
+        }
+        self.copy(texture, at..text.len());
+        if !self.text.ends_with('\n') {
+            self.text.push('\n');
+        }
+    }
+
+    fn copy(&mut self, texture: &TextureType, source: std::ops::Range<usize>) {
+        let file = texture.file();
+        let start = self.text.len();
+        self.text.push_str(&file.text()[source.clone()]);
+        self.source_map.push(Segment {
+            generated: start..self.text.len(),
+            file: file.clone(),
+            source,
+        });
+    }
+
+    /// The function that loads a node's arguments and calls `userProc`.
+    fn call(&mut self, texture: &TextureType, name: &str) {
+        let offsets = args::offsets(texture);
+        let linkable: Vec<usize> = (0..offsets.len())
+            .filter(|&i| texture.parameters()[i].ty.is_linkable())
+            .collect();
+        self.line(&format!(
+            "fn patina_call_{name}(args: u32, at: ptr<function, u32>) -> vec4f {{"
+        ));
+        for (i, (parameter, offset)) in texture.parameters().iter().zip(&offsets).enumerate() {
+            let word = format!("args + {offset}u");
+            let value = match parameter.ty {
+                ParameterType::Image => format!("sam2D(patina_arg_word({word}))"),
+                ParameterType::Ramp => format!("ramp1D(patina_arg_word({word}))"),
+                ParameterType::Array(..) => word,
+                ty => format!("patina_arg_{ty}({word})"),
+            };
+            let keyword = if parameter.ty.is_linkable() {
+                "var"
+            } else {
+                "let"
+            };
+            self.line(&format!(
+                "    {keyword} p{i} = {value}; // {}",
+                parameter.name
+            ));
+        }
+        for word in 0..linkable.len().div_ceil(32) {
+            self.line(&format!("    let links{word} = patina_program_word(*at);"));
+            self.line("    *at += 1u;");
+        }
+        for (word, group) in linkable.chunks(32).enumerate() {
+            self.line(&format!("    if links{word} != 0u {{"));
+            for (bit, &i) in group.iter().enumerate() {
+                let value = match texture.parameters()[i].ty {
+                    ParameterType::F32 => "patina_next_link(at).x",
+                    ParameterType::I32 => "i32(round(patina_next_link(at).x))",
+                    ParameterType::U32 => "u32(round(patina_next_link(at).x))",
+                    ParameterType::Bool => "patina_next_link(at).x > 0.5",
+                    ParameterType::Vec2 => "patina_next_link(at).xy",
+                    ParameterType::Vec3 => "patina_next_link(at).xyz",
+                    _ => "patina_next_link(at)",
+                };
+                self.line(&format!(
+                    "        if (links{word} & {}u) != 0u {{ p{i} = {value}; }}",
+                    1u32 << bit
+                ));
+            }
+            self.line("    }");
+        }
+        if reads_occlusion(texture) {
+            self.line("    let occlusion = patina_program_word(*at);");
+            self.line("    *at += 1u;");
+            self.line(
+                "    patina_occlusion = vec2u(occlusion & 0xffu, (occlusion >> 8u) & 0xffu);",
+            );
+        }
+        if texture.rewrite().guards_loops {
+            self.line("    patina_loops = 0u;");
+        }
+        let arguments: Vec<String> = (0..offsets.len()).map(|i| format!("p{i}")).collect();
+        self.line(&format!(
+            "    let result = {name}__userProc({});",
+            arguments.join(", ")
+        ));
+        self.line(match texture.output() {
+            OutputType::F32 => "    return vec4f(result);",
+            OutputType::Vec2 => "    return vec4f(result, 0.0, 1.0);",
+            OutputType::Vec3 => "    return vec4f(result, 1.0);",
+            OutputType::Vec4 => "    return result;",
+        });
+        self.line("}");
+    }
+
+    fn run_program(&mut self, library: &Library, names: &[String]) {
+        self.line("");
+        self.line("// ==== programs ====");
+        self.line("");
+        self.line("// Runs the program at word `offset` of the program buffer: one instruction after the other, each one");
+        self.line("// texture with its arguments, its result into a slot of the stack.");
+        self.line("fn patina_run_program(offset: u32) {");
+        self.line("    var at = offset + 1u;");
+        self.line(
+            "    for (var remaining = patina_program_word(offset); remaining > 0u; remaining--) {",
+        );
+        self.line("        let head = patina_program_word(at);");
+        self.line("        let args = patina_program_word(at + 1u);");
+        self.line("        at += 2u;");
+        self.line("        var result = vec4f(0.0, 0.0, 0.0, 1.0);");
+        self.line("        switch head & 0xffffu {");
+        for (number, (texture, name)) in library.textures().iter().zip(names).enumerate() {
+            self.line(&format!("            case {number}u: {{"));
+            self.line(&format!(
+                "                result = patina_call_{name}(args, &at);"
+            ));
+            if texture.rewrite().guards_loops {
+                self.line(&format!(
+                    "                if patina_loops > patina_loop_limit {{ patina_overrun = {}u; }}",
+                    number + 1
+                ));
+            }
+            self.line("            }");
+        }
+        self.line("            default: {}");
+        self.line("        }");
+        self.line("        patina_stack[head >> 16u] = result;");
+        self.line("    }");
+        self.line("}");
+    }
+}
+
+/// Whether instructions of this texture carry a word with AO slots.
+pub(crate) fn reads_occlusion(texture: &TextureType) -> bool {
+    [BuiltinAttribute::AO, BuiltinAttribute::AO1]
+        .iter()
+        .any(|&attribute| {
+            texture
+                .attributes()
+                .contains(&Attribute::Builtin(attribute))
+        })
+}
+
+/// Text that can't end a line comment.
+fn comment_safe(text: &str) -> String {
+    text.chars()
+        .map(|c| {
+            if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') {
+                ' '
+            } else {
+                c
+            }
+        })
+        .collect()
 }

@@ -4,10 +4,13 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::args::{self, FakeStack};
 use crate::library::Library;
-use crate::program::Program;
+use crate::program::{self, Program};
+use crate::suggest::did_you_mean;
 use crate::swizzle::Swizzle;
-use crate::value::{OutputType, Value};
+use crate::texture::TextureType;
+use crate::value::{OutputType, ParameterType, Value};
 
 /// A node of a [`Graph`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -114,6 +117,20 @@ pub enum GraphError {
         /// The names around the circle; the first is repeated at the end.
         nodes: Vec<String>,
     },
+    /// A program that no kernel's stack can hold.
+    #[error("the graph needs {slots} results at once: at most 65535 are possible; simplify it")]
+    TooManySlots {
+        /// Slots it needs.
+        slots: u32,
+    },
+    /// A number that is no AO slot.
+    #[error("`{node}` asks for AO slot {slot}: there are the slots 0 to 3")]
+    OcclusionSlot {
+        /// The node.
+        node: String,
+        /// The number.
+        slot: u32,
+    },
     /// An image parameter without an image.
     #[error(
         "parameter `{parameter}` of `{node}` is an image and has none: set `{parameter}` to an image file"
@@ -132,11 +149,45 @@ fn hint(suggestion: &Option<String>) -> String {
         .map_or(String::new(), |name| format!("; did you mean `{name}`?"))
 }
 
+/// AO slots a node can choose from.
+const OCCLUSION_SLOTS: u32 = 4;
+
+/// A link to another node's result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Link {
+    /// The node it comes from.
+    pub source: NodeId,
+    /// The components it takes; all where there is none.
+    pub swizzle: Option<Swizzle>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Node {
+    pub(crate) name: String,
+    /// Type number of its texture.
+    pub(crate) texture: usize,
+    pub(crate) occlusion: [u32; 2],
+    /// Offset of its block in the fake stack.
+    pub(crate) block: u32,
+    pub(crate) inputs: Vec<Input>,
+}
+
+/// What a node's parameter gets.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Input {
+    /// Set by the user; else the texture's default holds.
+    value: Option<Value>,
+    pub(crate) link: Option<Link>,
+    /// Where a ramp's stops lie in the fake stack.
+    piece: Range<usize>,
+}
+
 /// Nodes, links, and the fake stack that holds all constants.
 #[derive(Clone, Debug)]
 pub struct Graph {
     library: Arc<Library>,
-    args: Vec<u32>,
+    stack: FakeStack,
+    nodes: Vec<Node>,
     by_name: HashMap<String, NodeId>,
 }
 
@@ -145,7 +196,8 @@ impl Graph {
     pub fn new(library: Arc<Library>) -> Self {
         Self {
             library,
-            args: Vec::new(),
+            stack: FakeStack::default(),
+            nodes: Vec::new(),
             by_name: HashMap::new(),
         }
     }
@@ -155,22 +207,70 @@ impl Graph {
         &self.library
     }
 
+    /// The same graph over other versions of its textures, as after a file was edited: values and links of
+    /// parameters that are still there are kept, and so are all [`NodeId`]s. The fake stack is laid out anew.
+    ///
+    /// # Errors
+    /// A texture in use is gone; a value or link that doesn't fit any more.
+    pub fn with_library(&self, library: Arc<Library>) -> Result<Self, GraphError> {
+        let mut new = Self::new(library);
+        for node in &self.nodes {
+            new.add_node(&node.name, self.texture_of(node).name(), node.occlusion)?;
+        }
+        for (id, node) in self.ids().zip(&self.nodes) {
+            for (parameter, input) in self.texture_of(node).parameters().iter().zip(&node.inputs) {
+                if new.texture(id).parameter(&parameter.name).is_none() {
+                    continue;
+                }
+                if let Some(value) = &input.value {
+                    new.set_value(id, &parameter.name, value.clone())?;
+                }
+                if let Some(link) = input.link {
+                    new.set_link(id, &parameter.name, link.source, link.swizzle)?;
+                }
+            }
+        }
+        Ok(new)
+    }
+
     /// Adds a node with its texture's default values. `occlusion` are the AO slots (0 to 3) that the texture
     /// reads as `AO` and `AO1`.
     ///
     /// # Errors
-    /// Unknown texture; a node of that name exists.
+    /// Unknown texture; a node of that name exists; no such AO slot.
     pub fn add_node(
         &mut self,
         name: &str,
         texture: &str,
         occlusion: [u32; 2],
     ) -> Result<NodeId, GraphError> {
-        let _ = (name, occlusion);
-        Err(GraphError::UnknownTexture {
-            name: texture.to_owned(),
-            suggestion: self.library.suggest(texture).map(str::to_owned),
-        })
+        let Some(texture) = self.library.index_of(texture) else {
+            return Err(GraphError::UnknownTexture {
+                name: texture.to_owned(),
+                suggestion: self.library.suggest(texture).map(str::to_owned),
+            });
+        };
+        if self.by_name.contains_key(name) {
+            return Err(GraphError::DuplicateNode {
+                name: name.to_owned(),
+            });
+        }
+        check_occlusion(name, occlusion)?;
+        let id = NodeId(self.nodes.len() as u32);
+        let library = self.library.clone();
+        let texture_type = &library.textures()[texture];
+        self.nodes.push(Node {
+            name: name.to_owned(),
+            texture,
+            occlusion,
+            block: self.stack.push_block(args::block_words(texture_type)),
+            inputs: vec![Input::default(); texture_type.parameters().len()],
+        });
+        self.by_name.insert(name.to_owned(), id);
+        for (place, parameter) in texture_type.parameters().iter().enumerate() {
+            self.store(id, place, parameter.default.as_ref());
+        }
+        Ok(id)
     }
 
     /// The node of that name.
@@ -178,25 +278,81 @@ impl Graph {
         self.by_name.get(name).copied()
     }
 
-    /// What a node gives.
-    pub fn output(&self, node: NodeId) -> OutputType {
-        let _ = node;
-        OutputType::F32
+    /// All nodes in the order in which they were added.
+    pub fn ids(&self) -> impl ExactSizeIterator<Item = NodeId> + use<> {
+        (0..self.nodes.len() as u32).map(NodeId)
     }
 
-    /// Sets a parameter to a constant, in place of any link. A `F32` is widened for vector parameters and a
-    /// `Vec3` for `vec4f` (alpha 1).
+    /// A node's name.
+    pub fn name(&self, node: NodeId) -> &str {
+        &self.nodes[node.index()].name
+    }
+
+    /// A node's texture.
+    pub fn texture(&self, node: NodeId) -> &TextureType {
+        self.texture_of(&self.nodes[node.index()])
+    }
+
+    /// What a node gives.
+    pub fn output(&self, node: NodeId) -> OutputType {
+        self.texture(node).output()
+    }
+
+    /// The AO slots that a node's texture reads as `AO` and `AO1`.
+    pub fn occlusion(&self, node: NodeId) -> [u32; 2] {
+        self.nodes[node.index()].occlusion
+    }
+
+    /// A parameter's constant, set or by default; `None` for an image without one and where the texture has no
+    /// such parameter.
+    pub fn value(&self, node: NodeId, parameter: &str) -> Option<&Value> {
+        let (place, declared) = self.texture(node).parameter(parameter)?;
+        self.nodes[node.index()].inputs[place]
+            .value
+            .as_ref()
+            .or(declared.default.as_ref())
+    }
+
+    /// A parameter's link, if it has one.
+    pub fn link(&self, node: NodeId, parameter: &str) -> Option<Link> {
+        let (place, _) = self.texture(node).parameter(parameter)?;
+        self.nodes[node.index()].inputs[place].link
+    }
+
+    /// Sets a parameter to a constant, in place of any link. Whole numbers, numbers and vectors are widened: a
+    /// number for a vector is every component, a `Vec3` for `vec4f` gets a 1.
     ///
     /// # Errors
-    /// Unknown parameter; wrong type; a value that is not finite.
+    /// Unknown parameter; wrong type; a value that is not finite. The graph is unchanged then.
     pub fn set_value(
         &mut self,
         node: NodeId,
         parameter: &str,
         value: Value,
     ) -> Result<Edit, GraphError> {
-        let _ = (node, parameter, value);
-        Ok(Edit::default())
+        let place = self.place(node, parameter)?;
+        let ty = self.texture(node).parameters()[place].ty;
+        let found = value.type_name();
+        let Some(value) = widened(value, ty) else {
+            return Err(GraphError::ValueType {
+                node: self.name(node).to_owned(),
+                parameter: parameter.to_owned(),
+                expected: ty.to_string(),
+                found,
+            });
+        };
+        if let Some(problem) = args::problem(&value) {
+            return Err(GraphError::BadValue {
+                node: self.name(node).to_owned(),
+                parameter: parameter.to_owned(),
+                problem,
+            });
+        }
+        let words = self.store(node, place, Some(&value));
+        let input = &mut self.nodes[node.index()].inputs[place];
+        let program = input.link.take().is_some();
+        input.value = Some(value);
+        Ok(Edit { words, program })
     }
 
     /// Links a parameter to another node's output.
@@ -210,8 +366,31 @@ impl Graph {
         source: NodeId,
         swizzle: Option<Swizzle>,
     ) -> Result<Edit, GraphError> {
-        let _ = (node, parameter, source, swizzle);
-        Ok(Edit::default())
+        let place = self.place(node, parameter)?;
+        let expected = self.texture(node).parameters()[place].ty;
+        let found = self.link_output(source, swizzle)?;
+        if let Err(remedy) = link_fits(found, expected) {
+            return Err(GraphError::LinkType {
+                node: self.name(node).to_owned(),
+                parameter: parameter.to_owned(),
+                expected: expected.to_string(),
+                source_node: self.name(source).to_owned(),
+                found: found.to_string(),
+                remedy,
+            });
+        }
+        if let Some(path) = self.path(source, node) {
+            let mut nodes: Vec<String> = path.iter().map(|&id| self.name(id).to_owned()).collect();
+            nodes.insert(0, self.name(node).to_owned());
+            return Err(GraphError::Cycle { nodes });
+        }
+        let link = Some(Link { source, swizzle });
+        let input = &mut self.nodes[node.index()].inputs[place];
+        let program = std::mem::replace(&mut input.link, link) != link;
+        Ok(Edit {
+            words: Vec::new(),
+            program,
+        })
     }
 
     /// Takes a link away: the parameter has its constant again.
@@ -219,27 +398,203 @@ impl Graph {
     /// # Errors
     /// Unknown parameter.
     pub fn clear_link(&mut self, node: NodeId, parameter: &str) -> Result<Edit, GraphError> {
-        let _ = (node, parameter);
-        Ok(Edit::default())
+        let place = self.place(node, parameter)?;
+        let link = self.nodes[node.index()].inputs[place].link.take();
+        Ok(Edit {
+            words: Vec::new(),
+            program: link.is_some(),
+        })
     }
 
     /// Sets the AO slots (0 to 3) that the node's texture reads as `AO` and `AO1`.
-    pub fn set_occlusion(&mut self, node: NodeId, occlusion: [u32; 2]) -> Edit {
-        let _ = (node, occlusion);
-        Edit::default()
+    ///
+    /// # Errors
+    /// No such AO slot.
+    pub fn set_occlusion(&mut self, node: NodeId, occlusion: [u32; 2]) -> Result<Edit, GraphError> {
+        check_occlusion(self.name(node), occlusion)?;
+        let old = std::mem::replace(&mut self.nodes[node.index()].occlusion, occlusion);
+        let program = old != occlusion && crate::emit::reads_occlusion(self.texture(node));
+        Ok(Edit {
+            words: Vec::new(),
+            program,
+        })
+    }
+
+    /// What a link from `source` through `swizzle` gives.
+    ///
+    /// # Errors
+    /// A swizzle that names components which the source doesn't have.
+    pub fn link_output(
+        &self,
+        source: NodeId,
+        swizzle: Option<Swizzle>,
+    ) -> Result<OutputType, GraphError> {
+        let output = self.output(source);
+        let Some(swizzle) = swizzle else {
+            return Ok(output);
+        };
+        let inside = swizzle
+            .components()
+            .iter()
+            .all(|&component| usize::from(component) < output.components());
+        inside
+            .then(|| OutputType::from_components(swizzle.components().len()))
+            .flatten()
+            .ok_or_else(|| GraphError::LinkSwizzle {
+                source_node: self.name(source).to_owned(),
+                found: output.to_string(),
+                swizzle: swizzle.to_string(),
+            })
     }
 
     /// The fake stack: constants of all nodes.
     pub fn args(&self) -> &[u32] {
-        &self.args
+        self.stack.words()
     }
 
     /// Compiles the part of the graph below `roots`.
     ///
     /// # Errors
-    /// An image parameter below the roots without an image.
+    /// An image parameter below the roots without an image; more than 65,535 results at once.
     pub fn compile(&self, roots: &[NodeId]) -> Result<Program, GraphError> {
-        let _ = roots;
-        Ok(Program::default())
+        program::compile(self, roots)
+    }
+
+    pub(crate) fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    pub(crate) fn texture_of(&self, node: &Node) -> &TextureType {
+        &self.library.textures()[node.texture]
+    }
+
+    fn place(&self, node: NodeId, parameter: &str) -> Result<usize, GraphError> {
+        let texture = self.texture(node);
+        texture
+            .parameter(parameter)
+            .map(|(place, _)| place)
+            .ok_or_else(|| {
+                let names = texture
+                    .parameters()
+                    .iter()
+                    .map(|parameter| parameter.name.as_str());
+                GraphError::UnknownParameter {
+                    texture: texture.name().to_owned(),
+                    name: parameter.to_owned(),
+                    suggestion: did_you_mean(parameter, names).map(str::to_owned),
+                }
+            })
+    }
+
+    /// Writes a value into the fake stack; returns the words that changed.
+    fn store(&mut self, node: NodeId, place: usize, value: Option<&Value>) -> Vec<Range<usize>> {
+        let offset = self.nodes[node.index()].block + args::offsets(self.texture(node))[place];
+        let mut changed = Vec::new();
+        match value {
+            Some(Value::Ramp(ramp)) => {
+                let words = args::encode_ramp(ramp);
+                let input = &mut self.nodes[node.index()].inputs[place];
+                if input.piece.len() < words.len() {
+                    self.stack.release(std::mem::take(&mut input.piece));
+                    input.piece = self.stack.allocate(words.len());
+                    changed.extend(self.stack.write(offset, &[input.piece.start as u32]));
+                }
+                changed.extend(self.stack.write(input.piece.start as u32, &words));
+            }
+            Some(value) => {
+                let mut words = Vec::new();
+                args::encode(value, &mut words);
+                changed.extend(self.stack.write(offset, &words));
+            }
+            None => changed.extend(self.stack.write(offset, &[args::NO_IMAGE])),
+        }
+        changed
+    }
+
+    /// The nodes from `from` to `to` along links, each reading the next one; both included.
+    fn path(&self, from: NodeId, to: NodeId) -> Option<Vec<NodeId>> {
+        let mut reader: HashMap<NodeId, Option<NodeId>> = HashMap::from([(from, None)]);
+        let mut open = vec![from];
+        while let Some(node) = open.pop() {
+            if node == to {
+                let mut path = vec![node];
+                let mut at = node;
+                while let Some(Some(before)) = reader.get(&at).copied() {
+                    path.push(before);
+                    at = before;
+                }
+                path.reverse();
+                return Some(path);
+            }
+            for link in self.nodes[node.index()]
+                .inputs
+                .iter()
+                .filter_map(|input| input.link)
+            {
+                if let std::collections::hash_map::Entry::Vacant(entry) = reader.entry(link.source)
+                {
+                    entry.insert(Some(node));
+                    open.push(link.source);
+                }
+            }
+        }
+        None
+    }
+}
+
+fn check_occlusion(node: &str, occlusion: [u32; 2]) -> Result<(), GraphError> {
+    match occlusion.into_iter().find(|&slot| slot >= OCCLUSION_SLOTS) {
+        Some(slot) => Err(GraphError::OcclusionSlot {
+            node: node.to_owned(),
+            slot,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// `value` as one of type `ty`, if that loses nothing.
+fn widened(value: Value, ty: ParameterType) -> Option<Value> {
+    let value = match (value, ty) {
+        (Value::F32(v), ParameterType::Vec2) => Value::Vec2([v; 2]),
+        (Value::F32(v), ParameterType::Vec3) => Value::Vec3([v; 3]),
+        (Value::F32(v), ParameterType::Vec4) => Value::Vec4([v; 4]),
+        (Value::F32(v), ParameterType::I32) if v.fract() == 0.0 && v.abs() < 1e9 => {
+            Value::I32(v as i32)
+        }
+        (Value::F32(v), ParameterType::U32) if v.fract() == 0.0 && (0.0..1e9).contains(&v) => {
+            Value::U32(v as u32)
+        }
+        (Value::I32(v), ParameterType::F32) => Value::F32(v as f32),
+        (Value::I32(v), ParameterType::U32) => Value::U32(u32::try_from(v).ok()?),
+        (Value::U32(v), ParameterType::F32) => Value::F32(v as f32),
+        (Value::U32(v), ParameterType::I32) => Value::I32(i32::try_from(v).ok()?),
+        (Value::Vec3([x, y, z]), ParameterType::Vec4) => Value::Vec4([x, y, z, 1.0]),
+        (Value::Array(values), ParameterType::Array(element, _)) => Value::Array(
+            values
+                .into_iter()
+                .map(|value| widened(value, element.parameter_type()))
+                .collect::<Option<_>>()?,
+        ),
+        (value, _) => value,
+    };
+    value.fits(ty).then_some(value)
+}
+
+/// Whether a link that gives `found` can drive a parameter of type `expected`: the same type, a number for
+/// everything, `vec3f` for `vec4f`. Else what to do.
+fn link_fits(found: OutputType, expected: ParameterType) -> Result<(), String> {
+    let wanted = match expected {
+        ParameterType::F32 | ParameterType::I32 | ParameterType::U32 | ParameterType::Bool => 1,
+        ParameterType::Vec2 => 2,
+        ParameterType::Vec3 => 3,
+        ParameterType::Vec4 => 4,
+        _ => return Err("it can't be linked, give it a constant".into()),
+    };
+    match found.components() {
+        1 => Ok(()),
+        3 if wanted == 4 => Ok(()),
+        given if given == wanted => Ok(()),
+        given if given > wanted => Err(format!("take a part of it, like `.{}`", &"xyz"[..wanted])),
+        _ => Err("take one component of it, like `.x`, or link a texture that gives more".into()),
     }
 }

@@ -6,7 +6,7 @@ use crate::attribute::Attribute;
 use crate::diagnostic::Diagnostic;
 use crate::emit::{self, GeneratedKernel};
 use crate::suggest::did_you_mean;
-use crate::texture::TextureType;
+use crate::texture::{TextureType, custom_names};
 
 /// Texture types by number and name.
 #[derive(Clone, Debug, Default)]
@@ -75,13 +75,7 @@ impl Library {
     /// Names of the custom mesh attributes that some texture reads, sorted: the host's
     /// `patina_attr_custom(index)` gets the index into this list.
     pub fn custom_attributes(&self) -> Vec<String> {
-        self.attributes()
-            .into_iter()
-            .filter_map(|attribute| match attribute {
-                Attribute::Custom(name) => Some(name),
-                Attribute::Builtin(_) => None,
-            })
-            .collect()
+        custom_names(&self.attributes())
     }
 
     /// The kernel's text for programs that need at most `stack_slots` slots (at least one is made).

@@ -13,10 +13,14 @@
 //!
 //! Links lie here and not in the fake stack because slot numbers differ from program to program.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
-use crate::attribute::Attribute;
+use crate::attribute::{Attribute, BuiltinAttribute};
+use crate::emit::reads_occlusion;
+use crate::graph::{Graph, GraphError, NodeId};
+use crate::schedule::{self, Dag};
 use crate::swizzle::Swizzle;
+use crate::value::ParameterType;
 
 /// A compiled program: data for the generated kernel.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -48,4 +52,127 @@ pub fn link_word(slot: u32, swizzle: Option<Swizzle>) -> u32 {
             })
         }
     }
+}
+
+/// See [`Graph::compile`].
+pub(crate) fn compile(graph: &Graph, roots: &[NodeId]) -> Result<Program, GraphError> {
+    let (nodes, dag) = reachable(graph, roots);
+    for &id in &nodes {
+        require_images(graph, id)?;
+    }
+    let schedule = schedule::schedule(&dag);
+    if schedule.slots_needed > u32::from(u16::MAX) {
+        return Err(GraphError::TooManySlots {
+            slots: schedule.slots_needed,
+        });
+    }
+    let slot_of: HashMap<NodeId, u32> = nodes
+        .iter()
+        .copied()
+        .zip(schedule.slots.iter().copied())
+        .collect();
+
+    let mut program = Program {
+        words: vec![nodes.len() as u32],
+        slots_needed: schedule.slots_needed,
+        ..Program::default()
+    };
+    for &at in &schedule.order {
+        let node = &graph.nodes()[nodes[at].index()];
+        let texture = graph.texture_of(node);
+        program
+            .words
+            .push(node.texture as u32 | schedule.slots[at] << 16);
+        program.words.push(node.block);
+        let links: Vec<_> = node
+            .inputs
+            .iter()
+            .zip(texture.parameters())
+            .filter(|(_, parameter)| parameter.ty.is_linkable())
+            .map(|(input, _)| input.link)
+            .collect();
+        for group in links.chunks(32) {
+            let mask = group.iter().enumerate().fold(0, |mask, (bit, link)| {
+                mask | u32::from(link.is_some()) << bit
+            });
+            program.words.push(mask);
+        }
+        for link in links.into_iter().flatten() {
+            program
+                .words
+                .push(link_word(slot_of[&link.source], link.swizzle));
+        }
+        if reads_occlusion(texture) {
+            program
+                .words
+                .push(node.occlusion[0] | node.occlusion[1] << 8);
+            for (attribute, slot) in [BuiltinAttribute::AO, BuiltinAttribute::AO1]
+                .into_iter()
+                .zip(node.occlusion)
+            {
+                if texture.attributes().contains(&attribute.into()) {
+                    program.occlusion_mask |= 1 << slot;
+                }
+            }
+        }
+        program
+            .attributes
+            .extend(texture.attributes().iter().cloned());
+    }
+    program.results = roots.iter().map(|root| slot_of[root]).collect();
+    Ok(program)
+}
+
+/// The nodes below the roots, roots included, and their links by place in that list.
+fn reachable(graph: &Graph, roots: &[NodeId]) -> (Vec<NodeId>, Dag) {
+    let mut places: HashMap<NodeId, usize> = HashMap::new();
+    let mut nodes: Vec<NodeId> = Vec::new();
+    let mut place_of = |id: NodeId, nodes: &mut Vec<NodeId>| {
+        *places.entry(id).or_insert_with(|| {
+            nodes.push(id);
+            nodes.len() - 1
+        })
+    };
+    let mut root_places: Vec<usize> = roots
+        .iter()
+        .map(|&root| place_of(root, &mut nodes))
+        .collect();
+    root_places.sort_unstable();
+    root_places.dedup();
+    let mut inputs: Vec<Vec<usize>> = Vec::new();
+    while inputs.len() < nodes.len() {
+        let node = &graph.nodes()[nodes[inputs.len()].index()];
+        let mut list: Vec<usize> = Vec::new();
+        for link in node.inputs.iter().filter_map(|input| input.link) {
+            let place = place_of(link.source, &mut nodes);
+            if !list.contains(&place) {
+                list.push(place);
+            }
+        }
+        inputs.push(list);
+    }
+    (
+        nodes,
+        Dag {
+            inputs,
+            roots: root_places,
+        },
+    )
+}
+
+fn require_images(graph: &Graph, id: NodeId) -> Result<(), GraphError> {
+    let images = graph
+        .texture(id)
+        .parameters()
+        .iter()
+        .filter(|parameter| parameter.ty == ParameterType::Image);
+    for parameter in images {
+        if graph.value(id, &parameter.name).is_none() {
+            return Err(GraphError::MissingValue {
+                node: graph.name(id).to_owned(),
+                parameter: parameter.name.clone(),
+            });
+        }
+    }
+    Ok(())
 }

@@ -1,22 +1,36 @@
 //! A texture type: one user file, parsed, checked and ready to be emitted any number of times.
+//!
+//! The order of the checks: constructs that textures can't have (`refuse`), attributes (`reads`), WGSL itself
+//! (`parse`, by naga), the signature of `userProc` (`signature`), its documentation (`metadata`); then the edits for
+//! the kernel are worked out (`rewrite`) and the result is tried out.
 
 use std::collections::BTreeSet;
 
 use crate::attribute::{Attribute, Global};
-use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile};
+use crate::emit;
 use crate::interface::Parameter;
-use crate::value::OutputType;
+use crate::metadata;
+use crate::parse;
+use crate::reads::{self, Source};
+use crate::refuse::{self, MAX_FILE_BYTES};
+use crate::rewrite::{self, Rewrite};
+use crate::scope::Outline;
+use crate::signature;
+use crate::value::{OutputType, ParameterType};
 
 /// A valid user texture.
 #[derive(Clone, Debug)]
 pub struct TextureType {
-    pub(crate) file: SourceFile,
-    pub(crate) docs: String,
-    pub(crate) parameters: Vec<Parameter>,
-    pub(crate) output: OutputType,
-    pub(crate) attributes: BTreeSet<Attribute>,
-    pub(crate) globals: BTreeSet<Global>,
-    pub(crate) warnings: Diagnostics,
+    file: SourceFile,
+    docs: String,
+    parameters: Vec<Parameter>,
+    output: OutputType,
+    attributes: BTreeSet<Attribute>,
+    globals: BTreeSet<Global>,
+    private_bytes: u32,
+    warnings: Diagnostics,
+    rewrite: Rewrite,
 }
 
 impl TextureType {
@@ -25,7 +39,72 @@ impl TextureType {
     /// # Errors
     /// Everything that is wrong with the file, each with its place and a remedy.
     pub fn parse(file: SourceFile) -> Result<Self, Diagnostics> {
-        Err(Diagnostic::error(format!("texture `{}` can't be parsed yet", file.name())).into())
+        if file.text().len() > MAX_FILE_BYTES {
+            return Err(Diagnostic::error(format!(
+                "a texture of {} bytes is too long: at most {MAX_FILE_BYTES} are read",
+                file.text().len()
+            ))
+            .with_label(&file, 0..0, "")
+            .with_note("tables belong into images, ramps or `array<T, N>` parameters")
+            .into());
+        }
+        // A byte-order mark is no WGSL; blanks of its length keep all positions.
+        let text = match file.text().strip_prefix('\u{feff}') {
+            Some(rest) => format!("   {rest}"),
+            None => file.text().to_owned(),
+        };
+        let outline = Outline::new(&text);
+        let mut problems = refuse::refused(&file, &outline);
+        let (reads, read_problems) = reads::find_reads(&file, &outline);
+        problems.extend(read_problems);
+        let attributes: BTreeSet<Attribute> = reads
+            .iter()
+            .filter_map(|read| match &read.source {
+                Source::Attribute(attribute) => Some(attribute.clone()),
+                Source::Global(_) => None,
+            })
+            .collect();
+        let globals: BTreeSet<Global> = reads
+            .iter()
+            .filter_map(|read| match read.source {
+                Source::Global(global) => Some(global),
+                Source::Attribute(_) => None,
+            })
+            .collect();
+
+        let custom = custom_names(&attributes);
+        let module = match parse::parse(&file, &outline, &custom) {
+            Ok(module) if problems.is_empty() => module,
+            Ok(_) => return Err(problems),
+            Err(found) => {
+                add_new_places(&mut problems, found);
+                return Err(problems);
+            }
+        };
+        let (mut parameters, output) = signature::read(&file, &outline, &module)?;
+        let docs = metadata::read_docs(&file, &outline, &mut parameters, &mut problems);
+        let (errors, warnings): (Vec<Diagnostic>, Vec<Diagnostic>) = problems
+            .into_iter()
+            .partition(|problem| problem.severity == Severity::Error);
+        if !errors.is_empty() {
+            return Err(errors.into_iter().chain(warnings).collect());
+        }
+        let private_bytes = signature::private_bytes(&file, &outline, &module)?;
+        let types: Vec<ParameterType> = parameters.iter().map(|parameter| parameter.ty).collect();
+        let rewrite = rewrite::rewrite(&outline, &reads, &types);
+        let texture = Self {
+            file: file.clone(),
+            docs,
+            parameters,
+            output,
+            attributes,
+            globals,
+            private_bytes,
+            warnings: warnings.into_iter().collect(),
+            rewrite,
+        };
+        emit::try_out(&texture)?;
+        Ok(texture)
     }
 
     /// The texture's name: what a look file calls it.
@@ -48,6 +127,14 @@ impl TextureType {
         &self.parameters
     }
 
+    /// Place and description of the parameter of that name.
+    pub fn parameter(&self, name: &str) -> Option<(usize, &Parameter)> {
+        self.parameters
+            .iter()
+            .enumerate()
+            .find(|(_, parameter)| parameter.name == name)
+    }
+
     /// What `userProc` returns.
     pub fn output(&self) -> OutputType {
         self.output
@@ -63,8 +150,48 @@ impl TextureType {
         &self.globals
     }
 
+    /// Bytes of local variables in all its functions, as naga lays them out: what it may need per thread.
+    pub fn private_bytes(&self) -> u32 {
+        self.private_bytes
+    }
+
     /// What is odd but not wrong: unknown keys in `@param` lines and the like.
     pub fn warnings(&self) -> &Diagnostics {
         &self.warnings
     }
+
+    pub(crate) fn rewrite(&self) -> &Rewrite {
+        &self.rewrite
+    }
+}
+
+/// Names of the custom attributes among `attributes`, sorted.
+pub(crate) fn custom_names(attributes: &BTreeSet<Attribute>) -> Vec<String> {
+    attributes
+        .iter()
+        .filter_map(|attribute| match attribute {
+            Attribute::Custom(name) => Some(name.clone()),
+            Attribute::Builtin(_) => None,
+        })
+        .collect()
+}
+
+/// Adds naga's errors where nothing was found before: what this crate says about a place is more helpful.
+fn add_new_places(problems: &mut Diagnostics, found: Diagnostics) {
+    let known: Vec<_> = problems
+        .iter()
+        .flat_map(|problem| &problem.labels)
+        .map(|label| label.span.clone())
+        .collect();
+    for problem in found {
+        let overlaps = problem.labels.iter().any(|label| {
+            known.iter().any(|span| {
+                span.start < label.span.end.max(label.span.start + 1) && label.span.start < span.end
+            })
+        });
+        if !overlaps && (known.is_empty() || !problem.labels.is_empty()) {
+            problems.push(problem);
+        }
+    }
+    problems.sort();
 }

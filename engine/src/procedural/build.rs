@@ -346,7 +346,7 @@ impl<'a> Builder<'a> {
         match self.images.handle(scene, &path, image.srgb, image.sampler) {
             Ok(handle) => Some(handle),
             Err(error) => {
-                let message = format!("can't read the image {}: {error}", path.display());
+                let message = format!("the image {}: {error}", path.display());
                 let note = "paths are relative to the look file";
                 self.problem(&image.file.span, message, Some(note.to_owned()));
                 None

@@ -5,12 +5,8 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
-use crate::scene::{Image, Sampler, Scene, TextureRef};
-
-/// Texels along one side of an image, at most.
-const MAX_SIDE: u32 = 16_384;
-/// Bytes that decoding one image may take.
-const MAX_ALLOC: u64 = 2 << 30;
+use crate::scene::import::load_picture;
+use crate::scene::{Sampler, Scene, TextureRef};
 
 /// Loads images and hands out texture handles.
 #[derive(Debug, Default)]
@@ -27,13 +23,13 @@ impl Images {
         path: &Path,
         srgb: bool,
         sampler: Sampler,
-    ) -> Result<u32, image::ImageError> {
+    ) -> Result<u32, String> {
         let key = (path.to_owned(), srgb);
         let image = match self.by_path.get(&key) {
             Some(&image) => image,
             None => {
                 let image = scene.images.len() as u32;
-                scene.images.push(load(path, srgb)?);
+                scene.images.push(load_picture(path, srgb)?);
                 self.by_path.insert(key, image);
                 image
             }
@@ -50,21 +46,4 @@ impl Images {
             self.textures.len() - 1
         }) as u32)
     }
-}
-
-fn load(path: &Path, srgb: bool) -> Result<Image, image::ImageError> {
-    let mut reader = image::ImageReader::open(path)?.with_guessed_format()?;
-    let mut limits = image::Limits::default();
-    limits.max_image_width = Some(MAX_SIDE);
-    limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(MAX_ALLOC);
-    reader.limits(limits);
-    let pixels = reader.decode()?.into_rgba8();
-    Ok(Image {
-        name: path.display().to_string(),
-        width: pixels.width(),
-        height: pixels.height(),
-        rgba8: pixels.into_raw(),
-        srgb,
-    })
 }

@@ -26,6 +26,7 @@ mod triangles;
 
 pub use environment::load_environment_image;
 pub use error::ImportError;
+pub(crate) use images::load_picture;
 pub use lights_cameras::default_camera;
 
 use super::{Material, Scene};

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 
 /// Longest side of a picture, texels.
 pub(super) const MAX_SIDE: u32 = 16384;
@@ -49,6 +50,23 @@ pub(super) fn load(
         images.push(Image { srgb, ..image });
     }
     Ok(images)
+}
+
+/// Reads one picture file by itself: PNG, JPEG or WebP.
+///
+/// # Errors
+/// One sentence without the path.
+pub(crate) fn load_picture(path: &Path, srgb: bool) -> Result<Image, String> {
+    let bytes =
+        files::read_file(path, MAX_FILE).map_err(|error| format!("cannot read it: {error}"))?;
+    let decoded = decode_guarded(&bytes, &Budget::new(MAX_DECODED))?;
+    Ok(Image {
+        name: path.display().to_string(),
+        width: decoded.width(),
+        height: decoded.height(),
+        rgba8: decoded.into_rgba8().into_raw(),
+        srgb,
+    })
 }
 
 fn load_one(document: &Document, index: usize, budget: &Budget) -> Result<Image, ImportError> {

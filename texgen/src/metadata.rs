@@ -1,0 +1,388 @@
+//! The `///` text above `userProc`: a texture's documentation, and its `@param` lines.
+//!
+//! A line reads `@param NAME label [RANGE or KEYS] = DEFAULT`, everything behind the name optional:
+//! `[0 .. 10]` is the range, `[soft 0 .. 1]` the usual range, `[unit m]` a unit, and `color`, `angle`, `log`,
+//! `percent`, `seed` a widget; several stand in brackets of their own or behind commas. `linear`, `smooth` and
+//! `constant` are the interpolation of a ramp's default.
+
+use std::ops::Range;
+
+use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
+use crate::interface::{Parameter, Widget};
+use crate::literal::{self, Literal};
+use crate::scope::Outline;
+use crate::suggest::did_you_mean;
+use crate::value::{Interpolation, ParameterType, Ramp, Value};
+
+/// One line of documentation, without its comment marker.
+struct DocLine<'a> {
+    text: &'a str,
+    start: usize,
+}
+
+/// Fills `parameters` from the `@param` lines above `userProc` and returns the rest of the text. Problems of
+/// defaults are errors, of anything else warnings.
+pub(crate) fn read_docs(
+    file: &SourceFile,
+    outline: &Outline<'_>,
+    parameters: &mut [Parameter],
+    problems: &mut Diagnostics,
+) -> String {
+    let mut docs = String::new();
+    let mut described: Vec<String> = Vec::new();
+    for line in doc_lines(outline) {
+        let trimmed = line.text.trim_start();
+        let Some(rest) = trimmed.strip_prefix("@param") else {
+            docs.push_str(line.text.strip_prefix(' ').unwrap_or(line.text).trim_end());
+            docs.push('\n');
+            continue;
+        };
+        let start = line.start + line.text.len() - rest.len();
+        let mut reader = ParamLine {
+            file,
+            text: rest,
+            start,
+            at: 0,
+        };
+        let Some((name, span)) = reader.name() else {
+            problems.push(
+                Diagnostic::warning("`@param` without a name")
+                    .with_label(
+                        file,
+                        line.start..line.start + line.text.trim_end().len(),
+                        "",
+                    )
+                    .with_note("write `@param NAME label [min .. max] = default`"),
+            );
+            continue;
+        };
+        if described.contains(&name.to_owned()) {
+            problems.push(
+                Diagnostic::warning(format!("`{name}` is described twice"))
+                    .with_label(file, span, ""),
+            );
+            continue;
+        }
+        described.push(name.to_owned());
+        let known: Vec<String> = parameters
+            .iter()
+            .map(|parameter| parameter.name.clone())
+            .collect();
+        match parameters
+            .iter_mut()
+            .find(|parameter| parameter.name == name)
+        {
+            Some(parameter) => reader.describe(parameter, problems),
+            None => {
+                let mut warning =
+                    Diagnostic::warning(format!("`userProc` has no parameter `{name}`"))
+                        .with_label(file, span, "");
+                if let Some(near) = did_you_mean(name, known.iter().map(String::as_str)) {
+                    warning = warning.with_note(format!("did you mean `{near}`?"));
+                }
+                problems.push(warning);
+            }
+        }
+    }
+    docs.trim().to_owned()
+}
+
+/// Documentation lines: `//!` anywhere, and the `///` and `/** */` comments right above `userProc`.
+fn doc_lines<'a>(outline: &Outline<'a>) -> Vec<DocLine<'a>> {
+    let first = outline
+        .functions
+        .iter()
+        .find(|function| outline.word(function.name) == "userProc")
+        .and_then(|function| {
+            outline
+                .globals
+                .iter()
+                .find(|global| global.name == Some(function.name))
+        })
+        .map(|global| global.tokens.start);
+    let mut lines = Vec::new();
+    for comment in &outline.tokens.comments {
+        let text = comment.text;
+        let above_entry = Some(comment.next_token) == first;
+        if text.starts_with("//!")
+            || (above_entry && text.starts_with("///") && !text.starts_with("////"))
+        {
+            lines.push(DocLine {
+                text: &text[3..],
+                start: comment.start + 3,
+            });
+        } else if above_entry && text.starts_with("/**") && text.len() > 4 {
+            let inner = text[3..].strip_suffix("*/").unwrap_or(&text[3..]);
+            let mut start = comment.start + 3;
+            for line in inner.split('\n') {
+                let stripped = line.trim_start().strip_prefix('*').unwrap_or(line);
+                lines.push(DocLine {
+                    text: stripped,
+                    start: start + line.len() - stripped.len(),
+                });
+                start += line.len() + 1;
+            }
+        }
+    }
+    lines
+}
+
+/// What follows `@param`.
+struct ParamLine<'a> {
+    file: &'a SourceFile,
+    text: &'a str,
+    /// Byte offset of `text` in the file.
+    start: usize,
+    at: usize,
+}
+
+impl<'a> ParamLine<'a> {
+    fn span(&self, range: Range<usize>) -> Range<usize> {
+        self.start + range.start..self.start + range.end
+    }
+
+    fn skip_space(&mut self) {
+        self.at += self.text[self.at..].len() - self.text[self.at..].trim_start().len();
+    }
+
+    fn name(&mut self) -> Option<(&'a str, Range<usize>)> {
+        self.skip_space();
+        let rest = &self.text[self.at..];
+        let length = rest
+            .find(|c: char| c.is_whitespace() || c == '[' || c == '=')
+            .unwrap_or(rest.len());
+        let span = self.span(self.at..self.at + length);
+        self.at += length;
+        (length > 0).then(|| (&rest[..length], span))
+    }
+
+    fn describe(&mut self, parameter: &mut Parameter, problems: &mut Diagnostics) {
+        let rest = &self.text[self.at..];
+        let length = rest.find(['[', '=']).unwrap_or(rest.len());
+        let label = rest[..length].trim();
+        if !label.is_empty() {
+            parameter.label = label.to_owned();
+        }
+        self.at += length;
+        let mut interpolation = Interpolation::Linear;
+        while self.text[self.at..].starts_with('[') {
+            let open = self.at + 1;
+            let length = self.text[open..].find(']');
+            let close = length.map_or(self.text.trim_end().len().max(open), |length| open + length);
+            if length.is_none() {
+                problems.push(Diagnostic::warning("`[` without `]`").with_label(
+                    self.file,
+                    self.span(open - 1..close),
+                    "",
+                ));
+            }
+            let mut start = open;
+            for key in self.text[open..close].split(',') {
+                self.key(key, start, parameter, &mut interpolation, problems);
+                start += key.len() + 1;
+            }
+            self.at = (close + 1).min(self.text.len());
+            self.skip_space();
+        }
+        if let Some(rest) = self.text[self.at..].strip_prefix('=') {
+            let start = self.at + 1;
+            self.default(rest, start, parameter, interpolation, problems);
+        } else if !self.text[self.at..].trim().is_empty() {
+            problems.push(
+                Diagnostic::warning("text behind the brackets is not read")
+                    .with_label(
+                        self.file,
+                        self.span(self.at..self.text.trim_end().len()),
+                        "",
+                    )
+                    .with_note("the label comes first: `@param NAME label [min .. max] = default`"),
+            );
+        }
+    }
+
+    fn key(
+        &self,
+        key: &str,
+        start: usize,
+        parameter: &mut Parameter,
+        interpolation: &mut Interpolation,
+        problems: &mut Diagnostics,
+    ) {
+        let trimmed = key.trim();
+        let start = start + key.len() - key.trim_start().len();
+        let span = self.span(start..start + trimmed.len());
+        if let Some(soft) = trimmed.strip_prefix("soft ") {
+            match range(soft) {
+                Some(range) => parameter.soft_range = Some(range),
+                None => problems.push(bad_range(self.file, span)),
+            }
+            return;
+        }
+        if let Some(unit) = trimmed.strip_prefix("unit ") {
+            parameter.unit = Some(unit.trim().to_owned());
+            return;
+        }
+        if trimmed.contains("..") {
+            match range(trimmed) {
+                Some(range) => parameter.range = Some(range),
+                None => problems.push(bad_range(self.file, span)),
+            }
+            return;
+        }
+        match trimmed {
+            "" => {}
+            "color" => parameter.widget = Widget::Color,
+            "angle" => parameter.widget = Widget::Angle,
+            "log" => parameter.widget = Widget::Log,
+            "percent" => parameter.widget = Widget::Percent,
+            "seed" => parameter.widget = Widget::Seed,
+            "linear" => *interpolation = Interpolation::Linear,
+            "smooth" => *interpolation = Interpolation::Smooth,
+            "constant" => *interpolation = Interpolation::Constant,
+            unknown => {
+                const KEYS: [&str; 10] = [
+                    "color", "angle", "log", "percent", "seed", "soft", "unit", "linear", "smooth",
+                    "constant",
+                ];
+                let near = did_you_mean(unknown, KEYS);
+                problems.push(
+                    Diagnostic::warning(format!("unknown key `{unknown}`"))
+                        .with_label(self.file, span, near.map_or(String::new(), |near| format!("did you mean `{near}`?")))
+                        .with_note("known are `min .. max`, `soft min .. max`, `unit NAME`, `color`, `angle`, `log`, `percent`, `seed`, and for ramps `linear`, `smooth`, `constant`"),
+                );
+            }
+        }
+    }
+
+    fn default(
+        &self,
+        text: &str,
+        start: usize,
+        parameter: &mut Parameter,
+        interpolation: Interpolation,
+        problems: &mut Diagnostics,
+    ) {
+        let trimmed = text.trim();
+        let start = start + text.len() - text.trim_start().len();
+        let span = self.span(start..start + trimmed.len());
+        let value = literal::parse(trimmed)
+            .and_then(|literal| to_value(&literal, parameter.ty, interpolation));
+        match value {
+            Ok(value) => parameter.default = Some(value),
+            Err(problem) => problems.push(
+                Diagnostic::error(format!("the default of `{}` {problem}", parameter.name))
+                    .with_label(self.file, span, "")
+                    .with_note(format!(
+                        "a default of type {} looks like `= {}`",
+                        parameter.ty,
+                        example(parameter.ty)
+                    )),
+            ),
+        }
+    }
+}
+
+fn bad_range(file: &SourceFile, span: Range<usize>) -> Diagnostic {
+    Diagnostic::warning("not a range")
+        .with_label(file, span, "")
+        .with_note("write `[min .. max]` with two finite numbers, the smaller one first")
+}
+
+fn range(text: &str) -> Option<(f32, f32)> {
+    let (low, high) = text.split_once("..")?;
+    let (low, high) = (
+        low.trim().parse::<f32>().ok()?,
+        high.trim().parse::<f32>().ok()?,
+    );
+    (low.is_finite() && high.is_finite() && low <= high).then_some((low, high))
+}
+
+fn example(ty: ParameterType) -> String {
+    match ty {
+        ParameterType::F32 => "0.5".into(),
+        ParameterType::I32 => "-1".into(),
+        ParameterType::U32 => "4".into(),
+        ParameterType::Bool => "true".into(),
+        ParameterType::Vec2 => "(0, 1)".into(),
+        ParameterType::Vec3 => "(1, 0.5, 0)` or `= #ff8000".into(),
+        ParameterType::Vec4 => "(1, 0.5, 0, 1)` or `= #ff8000".into(),
+        ParameterType::Mat3 => "((1, 0, 0), (0, 1, 0), (0, 0, 1))".into(),
+        ParameterType::Mat4 => "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))".into(),
+        ParameterType::Image => {
+            "...` is not possible: leave it out, and set the image in the look file; `".into()
+        }
+        ParameterType::Ramp => "[(0, #000000), (1, #ffffff)]".into(),
+        ParameterType::Array(element, count) => {
+            format!(
+                "[{}{}]",
+                example(element.parameter_type()),
+                if count > 1 { ", ..." } else { "" }
+            )
+        }
+    }
+}
+
+/// The value that a literal means for a parameter of type `ty`.
+pub(crate) fn to_value(
+    literal: &Literal,
+    ty: ParameterType,
+    interpolation: Interpolation,
+) -> Result<Value, String> {
+    let wrong = || format!("is not of type {ty}");
+    Ok(match ty {
+        ParameterType::F32 => Value::F32(literal.number().ok_or_else(wrong)?),
+        ParameterType::I32 => Value::I32(
+            literal
+                .integer()
+                .and_then(|i| i.try_into().ok())
+                .ok_or_else(wrong)?,
+        ),
+        ParameterType::U32 => Value::U32(
+            literal
+                .integer()
+                .and_then(|i| i.try_into().ok())
+                .ok_or_else(wrong)?,
+        ),
+        ParameterType::Bool => match literal {
+            Literal::Bool(value) => Value::Bool(*value),
+            _ => return Err(wrong()),
+        },
+        ParameterType::Vec2 => Value::Vec2(literal.vector().ok_or_else(wrong)?),
+        ParameterType::Vec3 => Value::Vec3(literal.vector().ok_or_else(wrong)?),
+        ParameterType::Vec4 => Value::Vec4(literal.vector().ok_or_else(wrong)?),
+        ParameterType::Mat3 => Value::Mat3(literal.columns().ok_or_else(wrong)?),
+        ParameterType::Mat4 => Value::Mat4(literal.columns().ok_or_else(wrong)?),
+        ParameterType::Image => return Err("can't be given: images have none".into()),
+        ParameterType::Ramp => {
+            let Literal::List(stops) = literal else {
+                return Err(wrong());
+            };
+            let stops: Option<Vec<(f32, [f32; 4])>> = stops
+                .iter()
+                .map(|stop| match stop {
+                    Literal::List(pair) if pair.len() == 2 => {
+                        Some((pair[0].number()?, pair[1].vector()?))
+                    }
+                    _ => None,
+                })
+                .collect();
+            let stops = stops.filter(|stops| !stops.is_empty()).ok_or_else(wrong)?;
+            Value::Ramp(Ramp {
+                stops,
+                interpolation,
+            })
+        }
+        ParameterType::Array(element, count) => {
+            let Literal::List(items) = literal else {
+                return Err(wrong());
+            };
+            if items.len() != count as usize {
+                return Err(format!("has {} elements instead of {count}", items.len()));
+            }
+            let items = items
+                .iter()
+                .map(|item| to_value(item, element.parameter_type(), interpolation));
+            Value::Array(items.collect::<Result<_, _>>()?)
+        }
+    })
+}

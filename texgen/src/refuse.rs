@@ -1,0 +1,239 @@
+//! What valid WGSL may hold and a texture may not: each construct with the reason and what to use instead.
+//!
+//! Works on tokens, so that a file full of them gets all its errors at once, and before naga, whose message would
+//! speak of shader stages.
+
+use crate::attribute::{BUILTIN_ATTRIBUTES, BuiltinAttribute, GLOBALS, Global};
+use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
+use crate::scope::{GlobalKind, Outline, Role};
+use crate::tokens::TokenKind;
+
+/// Largest file accepted, bytes. Far beyond any texture; keeps compile time and memory bounded.
+pub(crate) const MAX_FILE_BYTES: usize = 256 * 1024;
+
+/// Functions and types of the prelude.
+pub(crate) const PRELUDE_NAMES: &[&str] = &[
+    "sam2D",
+    "ramp1D",
+    "readAttr",
+    "readGlobal",
+    "tex2D",
+    "tex2DLod",
+    "texSize",
+    "rampEval",
+];
+
+/// Whether the prelude declares this name.
+pub(crate) fn is_prelude_name(name: &str) -> bool {
+    PRELUDE_NAMES.contains(&name)
+        || BuiltinAttribute::from_name(name).is_some()
+        || Global::from_name(name).is_some()
+}
+
+/// All names the prelude declares.
+pub(crate) fn prelude_names() -> impl Iterator<Item = &'static str> {
+    let attributes = BUILTIN_ATTRIBUTES.iter().map(|attribute| attribute.name());
+    let globals = GLOBALS.iter().map(|global| global.name());
+    PRELUDE_NAMES
+        .iter()
+        .copied()
+        .chain(attributes)
+        .chain(globals)
+}
+
+/// Finds all refused constructs of a file.
+pub(crate) fn refused(file: &SourceFile, outline: &Outline<'_>) -> Diagnostics {
+    let mut found = Diagnostics::new();
+    declarations(file, outline, &mut found);
+    for at in 0..outline.tokens.tokens.len() {
+        if let Some((message, note)) = refused_token(outline, at) {
+            found.push(
+                Diagnostic::error(message)
+                    .with_label(file, outline.span(at), "")
+                    .with_note(note),
+            );
+        }
+    }
+    found
+}
+
+fn declarations(file: &SourceFile, outline: &Outline<'_>, found: &mut Diagnostics) {
+    for global in &outline.globals {
+        let keyword = outline.span(global.keyword);
+        match global.kind {
+            GlobalKind::Override => found.push(
+                Diagnostic::error("a texture can't have `override` constants")
+                    .with_label(file, keyword, "")
+                    .with_note("they would be fixed when the kernel is built: make it a parameter of `userProc`, or `const`"),
+            ),
+            GlobalKind::Var => {
+                let space = if outline.word(global.keyword + 1) == "<" { outline.word(global.keyword + 2) } else { "" };
+                found.push(module_variable(space).with_label(file, keyword.start..outline.span_of(&global.tokens).end, ""));
+            }
+            GlobalKind::Directive => found.push(
+                Diagnostic::error(format!("a texture can't have `{}` directives", outline.word(global.keyword)))
+                    .with_label(file, outline.span_of(&global.tokens), "")
+                    .with_note("they would hold for the whole kernel, the other textures included: remove it"),
+            ),
+            _ => {}
+        }
+        if let Some(name) = global
+            .name
+            .filter(|&name| is_prelude_name(outline.word(name)))
+        {
+            let text = outline.word(name);
+            found.push(
+                Diagnostic::error(format!(
+                    "`{text}` is taken: it is a name of the texture language"
+                ))
+                .with_label(file, outline.span(name), "declared again here")
+                .with_note(format!(
+                    "rename it, for example `my{text}`; a local variable may be called `{text}`"
+                )),
+            );
+        }
+    }
+}
+
+fn module_variable(space: &str) -> Diagnostic {
+    match space {
+        "private" => Diagnostic::error("a texture can't have module-scope variables")
+            .with_note("its result must depend on its arguments and the hit only: declare the variable in the function and pass `&variable` to helpers as `ptr<function, T>`"),
+        "workgroup" => Diagnostic::error("a texture can't have workgroup variables")
+            .with_note("hits are evaluated independently of each other: use variables of the function"),
+        _ => Diagnostic::error("a texture can't have buffers, images or samplers of its own")
+            .with_note("make it a parameter of `userProc`: `sam2D` for an image, `ramp1D` for a ramp, `array<T, N>` for a table"),
+    }
+}
+
+/// Error and remedy for the construct that begins with token `at`, if it is a refused one.
+fn refused_token(outline: &Outline<'_>, at: usize) -> Option<(String, String)> {
+    let token = outline.tokens.tokens[at];
+    if token.kind != TokenKind::Word {
+        return None;
+    }
+    let word = token.text;
+    let previous = at.checked_sub(1).map_or("", |at| outline.word(at));
+    let next = outline.word(at + 1);
+    let error = |message: String, note: &str| Some((message, note.to_owned()));
+    if previous == "@" {
+        return match word {
+            "compute" | "vertex" | "fragment" => error(
+                format!("a texture can't have entry points (`@{word}`)"),
+                "the entry of a texture is `fn userProc(...)`, without attributes: the renderer calls it",
+            ),
+            "group" | "binding" => None, // the variable behind it is refused
+            "builtin" | "location" | "workgroup_size" => error(
+                format!("`@{word}` belongs to entry points, which a texture can't have"),
+                "pass the value as a parameter, or read it with `readAttr(NAME)`",
+            ),
+            _ => None,
+        };
+    }
+    if word == "discard" {
+        return error(
+            "`discard` is not possible in a texture".into(),
+            "return 0 and let the texture drive the material's opacity",
+        );
+    }
+    if word.starts_with("patina_") {
+        return error(
+            format!("names that begin with `patina_` are kept for the renderer (`{word}`)"),
+            "rename it",
+        );
+    }
+    match outline.roles[at] {
+        Role::Predeclared => {}
+        _ => return None,
+    }
+    if matches!(word, "sam2D" | "ramp1D") && next == "(" {
+        return error(
+            format!("a `{word}` can't be made by a texture"),
+            "take it as a parameter of `userProc` and hand it on to helpers",
+        );
+    }
+    refused_builtin(word, next == "(").map(|(message, note)| (message, note.to_owned()))
+}
+
+/// WGSL's own functions and types that a texture can't use.
+fn refused_builtin(word: &str, called: bool) -> Option<(String, &'static str)> {
+    if called {
+        match word {
+            "dpdx" | "dpdy" | "fwidth" | "dpdxCoarse" | "dpdyCoarse" | "fwidthCoarse"
+            | "dpdxFine" | "dpdyFine" | "fwidthFine" => {
+                return Some((
+                    format!(
+                        "`{word}` is not possible in a texture: hits have no neighbouring pixels"
+                    ),
+                    "use `readAttr(Footprint)`: x is the pixel's width here in metres, y in uv",
+                ));
+            }
+            "workgroupBarrier" | "storageBarrier" | "textureBarrier" | "workgroupUniformLoad" => {
+                return Some((
+                    format!(
+                        "`{word}` is not possible in a texture: hits are evaluated independently of each other"
+                    ),
+                    "remove it",
+                ));
+            }
+            "arrayLength" => {
+                return Some((
+                    "`arrayLength` needs a buffer, which a texture can't have".into(),
+                    "an array parameter `array<T, N>` has a fixed N: write it as a `const`",
+                ));
+            }
+            _ => {}
+        }
+        if word.starts_with("subgroup")
+            || word.starts_with("quad") && word[4..].starts_with(char::is_uppercase)
+        {
+            return Some((
+                format!(
+                    "`{word}` is not possible in a texture: hits are evaluated independently of each other"
+                ),
+                "remove it",
+            ));
+        }
+        if word.starts_with("atomic") {
+            return Some((
+                format!(
+                    "`{word}` is not possible in a texture: there is nothing shared between hits"
+                ),
+                "use a variable of the function",
+            ));
+        }
+        if word == "textureDimensions" || word == "textureNumLevels" {
+            return Some((
+                format!("`{word}` is not possible in a texture"),
+                "use `texSize(image)`, which gives width and height",
+            ));
+        }
+        if word.starts_with("texture") && word[7..].starts_with(char::is_uppercase) {
+            return Some((
+                format!("`{word}` is not possible in a texture"),
+                "use `tex2D(image, uv)` or `tex2DLod(image, uv, lod)` on a `sam2D` parameter",
+            ));
+        }
+    }
+    if word == "atomic" {
+        return Some((
+            "a texture can't have atomics".into(),
+            "there is nothing shared between hits: use the plain type",
+        ));
+    }
+    if word == "f16"
+        || word.ends_with('h') && matches!(&word[..word.len() - 1], "vec2" | "vec3" | "vec4")
+    {
+        return Some((
+            format!("`{word}` is not available in textures: not every GPU has it"),
+            "use `f32` types",
+        ));
+    }
+    if matches!(word, "sampler" | "sampler_comparison") || word.starts_with("texture_") {
+        return Some((
+            format!("`{word}` is not available in textures"),
+            "take the image as a `sam2D` parameter of `userProc`, and read it with `tex2D(image, uv)`",
+        ));
+    }
+    None
+}

@@ -1,0 +1,364 @@
+//! The changes that turn a user's text into its section of the kernel: prefixes on module-scope names, calls that
+//! read attributes, array parameters read in place, guards in loops. Comments, formatting and lines stay as they are.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use crate::attribute::{Attribute, BuiltinAttribute};
+use crate::reads::{Read, Source};
+use crate::scope::{LoopDecl, Outline, Role};
+use crate::value::{ElementType, ParameterType};
+
+/// A part of replacement text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Piece {
+    Text(String),
+    /// The texture's prefix.
+    Prefix,
+    /// Index of a custom attribute, as a WGSL literal.
+    CustomIndex(String),
+}
+
+/// `span` of the source is replaced by `pieces`; an empty span inserts.
+#[derive(Clone, Debug)]
+pub(crate) struct TextEdit {
+    pub(crate) span: Range<usize>,
+    pub(crate) pieces: Vec<Piece>,
+}
+
+/// All edits of a file, ordered by position and free of overlaps.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Rewrite {
+    pub(crate) edits: Vec<TextEdit>,
+    /// Whether some loop counts against the iteration cap.
+    pub(crate) guards_loops: bool,
+}
+
+/// Name of the kernel's function that reads one element of an array parameter in place.
+pub(crate) fn element_reader(element: ElementType) -> String {
+    format!("patina_element_{}", element.parameter_type())
+}
+
+/// Name of the kernel's function that reads a whole array parameter.
+pub(crate) fn array_reader(element: ElementType, count: u32) -> String {
+    format!("patina_array_{}_{count}", element.parameter_type())
+}
+
+/// Works out the edits. `parameters` are the types of `userProc`'s parameters in order.
+pub(crate) fn rewrite(
+    outline: &Outline<'_>,
+    reads: &[Read],
+    parameters: &[ParameterType],
+) -> Rewrite {
+    let mut rewriter = Rewriter {
+        outline,
+        edits: Vec::new(),
+    };
+    // Guards first: where two insertions meet, the guard stands before the statement.
+    let guards_loops = rewriter.loop_guards();
+    rewriter.prefixes(reads);
+    rewriter.reads(reads);
+    rewriter.array_parameters(parameters);
+    let mut edits = rewriter.edits;
+    edits.sort_by_key(|edit| (edit.span.start, edit.span.end));
+    Rewrite {
+        edits,
+        guards_loops,
+    }
+}
+
+struct Rewriter<'o, 'a> {
+    outline: &'o Outline<'a>,
+    edits: Vec<TextEdit>,
+}
+
+impl Rewriter<'_, '_> {
+    fn replace(&mut self, span: Range<usize>, text: impl Into<String>) {
+        self.edits.push(TextEdit {
+            span,
+            pieces: vec![Piece::Text(text.into())],
+        });
+    }
+
+    fn prefixes(&mut self, reads: &[Read]) {
+        for at in 0..self.outline.tokens.tokens.len() {
+            let is_read_name = || reads.binary_search_by_key(&at, |read| read.name).is_ok();
+            if self.outline.roles[at] == Role::Global && !is_read_name() {
+                let start = self.outline.span(at).start;
+                self.edits.push(TextEdit {
+                    span: start..start,
+                    pieces: vec![Piece::Prefix],
+                });
+            }
+        }
+    }
+
+    fn reads(&mut self, reads: &[Read]) {
+        for read in reads {
+            let (callee, argument) = match &read.source {
+                Source::Attribute(Attribute::Builtin(BuiltinAttribute::AO)) => (
+                    "patina_attr_AO".into(),
+                    Piece::Text("patina_occlusion.x".into()),
+                ),
+                Source::Attribute(Attribute::Builtin(BuiltinAttribute::AO1)) => (
+                    "patina_attr_AO".into(),
+                    Piece::Text("patina_occlusion.y".into()),
+                ),
+                Source::Attribute(Attribute::Builtin(builtin)) => (
+                    format!("patina_attr_{}", builtin.name()),
+                    Piece::Text(String::new()),
+                ),
+                Source::Attribute(Attribute::Custom(name)) => (
+                    "patina_attr_custom".into(),
+                    Piece::CustomIndex(name.clone()),
+                ),
+                Source::Global(global) => (
+                    format!("patina_global_{}", global.name()),
+                    Piece::Text(String::new()),
+                ),
+            };
+            self.replace(self.outline.span(read.callee), callee);
+            self.edits.push(TextEdit {
+                span: self.outline.span(read.name),
+                pieces: vec![argument],
+            });
+            if let Some(comma) = read.comma {
+                self.replace(self.outline.span(comma), "");
+            }
+        }
+    }
+
+    /// An array parameter becomes the offset of its words in the fake stack; `a[i]` reads that element,
+    /// any other use reads the whole array.
+    fn array_parameters(&mut self, parameters: &[ParameterType]) {
+        let Some(entry) = self.outline.function("userProc") else {
+            return;
+        };
+        for (param, ty) in entry.params.iter().zip(parameters) {
+            let &ParameterType::Array(element, count) = ty else {
+                continue;
+            };
+            let ty = self.outline.span_of(&param.ty);
+            self.edits
+                .retain(|edit| !(ty.start <= edit.span.start && edit.span.end <= ty.end));
+            self.edits.push(TextEdit {
+                span: ty.start..ty.start,
+                pieces: vec![Piece::Text("u32 /* ".into())],
+            });
+            self.edits.push(TextEdit {
+                span: ty.end..ty.end,
+                pieces: vec![Piece::Text(" */".into())],
+            });
+            for at in entry.body.clone() {
+                if self.outline.roles[at] != Role::Local(param.name) {
+                    continue;
+                }
+                let name = self.outline.span(at);
+                if self.outline.word(at + 1) == "[" {
+                    self.replace(
+                        name.start..name.start,
+                        format!("{}(", element_reader(element)),
+                    );
+                    self.replace(self.outline.span(at + 1), format!(", {count}u, u32("));
+                    self.replace(self.outline.span(self.outline.closing(at + 1)), "))");
+                } else {
+                    self.replace(
+                        name.start..name.start,
+                        format!("{}(", array_reader(element, count)),
+                    );
+                    self.replace(name.end..name.end, ")");
+                }
+            }
+        }
+    }
+
+    /// Every loop that isn't plainly short ends once a texture's evaluation has used up its iterations.
+    fn loop_guards(&mut self) -> bool {
+        let looping = functions_that_loop(self.outline);
+        let mut any = false;
+        for index in 0..self.outline.loops.len() {
+            if is_plainly_short(self.outline, index, &looping) {
+                continue;
+            }
+            any = true;
+            let the_loop = &self.outline.loops[index];
+            let behind_brace = self.outline.span(the_loop.body.start).end;
+            let mut pieces = vec![Piece::Text(" if patina_loops_spent() { ".into())];
+            pieces.extend(self.way_out(the_loop));
+            pieces.push(Piece::Text(" }".into()));
+            self.edits.push(TextEdit {
+                span: behind_brace..behind_brace,
+                pieces,
+            });
+        }
+        any
+    }
+
+    /// `return` rather than `break`: behind a loop that only returns, WGSL lets a function end without a result.
+    fn way_out(&self, the_loop: &LoopDecl) -> Vec<Piece> {
+        if the_loop.in_continuing {
+            return vec![Piece::Text("break;".into())];
+        }
+        let result = &self.outline.functions[the_loop.function].result;
+        if result.is_empty() {
+            return vec![Piece::Text("return;".into())];
+        }
+        let mut pieces = vec![Piece::Text("return ".into())];
+        for at in result.clone() {
+            if self.outline.roles[at] == Role::Global {
+                pieces.push(Piece::Prefix);
+            }
+            pieces.push(Piece::Text(self.outline.word(at).to_owned()));
+        }
+        pieces.push(Piece::Text("();".into()));
+        pieces
+    }
+}
+
+/// For each function whether it loops, itself or through functions it calls.
+fn functions_that_loop(outline: &Outline<'_>) -> Vec<bool> {
+    let functions = &outline.functions;
+    let mut loops = vec![false; functions.len()];
+    for the_loop in &outline.loops {
+        loops[the_loop.function] = true;
+    }
+    let calls: Vec<Vec<usize>> = functions
+        .iter()
+        .map(|function| called_functions(outline, function.body.clone()))
+        .collect();
+    loop {
+        let mut changed = false;
+        for (caller, callees) in calls.iter().enumerate() {
+            if !loops[caller] && callees.iter().any(|&callee| loops[callee]) {
+                loops[caller] = true;
+                changed = true;
+            }
+        }
+        if !changed {
+            return loops;
+        }
+    }
+}
+
+fn called_functions(outline: &Outline<'_>, tokens: Range<usize>) -> Vec<usize> {
+    let by_name: HashMap<&str, usize> = outline
+        .functions
+        .iter()
+        .enumerate()
+        .map(|(index, function)| (outline.word(function.name), index))
+        .collect();
+    let mut called: Vec<usize> = tokens
+        .filter(|&at| outline.roles[at] == Role::Global)
+        .filter_map(|at| by_name.get(outline.word(at)).copied())
+        .collect();
+    called.sort_unstable();
+    called.dedup();
+    called
+}
+
+/// Loops of at most this many iterations, nested ones multiplied, run without a guard.
+const SHORT: i64 = 64;
+
+/// Whether a loop counts with literals over few iterations and calls nothing that loops.
+fn is_plainly_short(outline: &Outline<'_>, index: usize, looping: &[bool]) -> bool {
+    let the_loop = &outline.loops[index];
+    let mut trips = 1i64;
+    for other in &outline.loops {
+        let contains =
+            other.body.start <= the_loop.body.start && the_loop.body.end <= other.body.end;
+        if contains {
+            match trip_count(outline, other) {
+                Some(count) => trips = trips.saturating_mul(count),
+                // Inside a guarded loop the guard of the outer one is enough, if this one is short itself.
+                None => continue,
+            }
+        }
+    }
+    trip_count(outline, the_loop).is_some()
+        && trips <= SHORT
+        && !called_functions(outline, the_loop.body.clone())
+            .iter()
+            .any(|&callee| looping[callee])
+}
+
+/// Iterations of `for (var i = A; i < B; i++)` (or `<=`, `i += C`) with literals and a body that leaves `i` alone.
+fn trip_count(outline: &Outline<'_>, the_loop: &LoopDecl) -> Option<i64> {
+    let mut header = Cursor {
+        outline,
+        at: the_loop.keyword,
+    };
+    header.expect("for")?.expect("(")?.expect("var")?;
+    let declared = header.at;
+    let name = outline.word(declared);
+    header.at += 1;
+    if outline.word(header.at) == ":" {
+        header.at += 2; // the name of a scalar type
+    }
+    let from = header.expect("=")?.literal()?;
+    header.expect(";")?.expect(name)?.expect("<")?;
+    let inclusive = header.expect("=").is_some();
+    let to = header.literal()?;
+    header.expect(";")?.expect(name)?.expect("+")?;
+    let step = match header.expect("+") {
+        Some(_) => 1,
+        None => header.expect("=")?.literal()?,
+    };
+    header.expect(")")?;
+    let plain =
+        header.at == the_loop.body.start && step > 0 && !is_changed(outline, the_loop, declared);
+    plain.then(|| ((to - from + i64::from(inclusive)).max(0) + step - 1) / step)
+}
+
+/// Whether the loop's body may assign to the local declared at token `declared`: as the target of an assignment or
+/// through its address. May say yes where it doesn't, never no where it does.
+fn is_changed(outline: &Outline<'_>, the_loop: &LoopDecl, declared: usize) -> bool {
+    let word = |at: usize| outline.word(at);
+    the_loop
+        .body
+        .clone()
+        .filter(|&at| outline.roles[at] == Role::Local(declared))
+        .any(|at| {
+            let mut behind = at + 1;
+            while word(behind) == ")" {
+                behind += 1; // `(i) = 1` assigns too
+            }
+            let [first, second, third] = [word(behind), word(behind + 1), word(behind + 2)];
+            let assigned = match first {
+                "=" => second != "=",
+                "+" | "-" | "*" | "/" | "%" | "&" | "|" | "^" => second == "=" || second == first,
+                "<" | ">" => second == first && third == "=",
+                _ => false,
+            };
+            let mut before = at - 1;
+            while word(before) == "(" {
+                before -= 1;
+            }
+            assigned || word(before) == "&"
+        })
+}
+
+/// Reads tokens one after the other.
+struct Cursor<'o, 'a> {
+    outline: &'o Outline<'a>,
+    at: usize,
+}
+
+impl Cursor<'_, '_> {
+    /// Steps over `text`, or stays where another token is.
+    fn expect(&mut self, text: &str) -> Option<&mut Self> {
+        if self.outline.word(self.at) != text {
+            return None;
+        }
+        self.at += 1;
+        Some(self)
+    }
+
+    /// Steps over an integer literal with an optional minus sign, small enough to count with.
+    fn literal(&mut self) -> Option<i64> {
+        let sign = if self.expect("-").is_some() { -1 } else { 1 };
+        let digits = self.outline.word(self.at).trim_end_matches(['i', 'u']);
+        let value: i64 = digits.parse().ok().filter(|&value| value <= 1 << 20)?;
+        self.at += 1;
+        Some(sign * value)
+    }
+}

@@ -1,0 +1,586 @@
+//! Who is meant by a name: WGSL's scopes over tokens.
+//!
+//! naga keeps no spans of type references, parameters and called names, so renaming needs this pass. It follows
+//! the specification's "Declaration and Scope": module-scope names are visible everywhere, a local from the end
+//! of its declaration statement to the end of its block, a `for` initializer in the whole loop, a parameter in
+//! the body. It never judges: on text that isn't WGSL its answers mean nothing and naga reports the error.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use crate::tokens::{Token, TokenKind, Tokens, tokenize};
+
+/// What a token stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// A number, punctuation, a keyword, a member or an attribute's name.
+    Other,
+    /// Declares or names something the file itself declares at module scope.
+    Global,
+    /// Declares or names a local or a parameter: the index of the declaring token.
+    Local(usize),
+    /// Declared neither in the file nor locally: WGSL's or the prelude's.
+    Predeclared,
+}
+
+/// Which keyword opened a module-scope declaration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum GlobalKind {
+    Function,
+    Struct,
+    Alias,
+    Const,
+    Override,
+    Var,
+    ConstAssert,
+    Directive,
+}
+
+/// A module-scope declaration.
+#[derive(Clone, Debug)]
+pub(crate) struct GlobalDecl {
+    pub(crate) kind: GlobalKind,
+    /// Token of the keyword.
+    pub(crate) keyword: usize,
+    /// Token of the name; none for assertions, directives and broken text.
+    pub(crate) name: Option<usize>,
+    /// All its tokens, attributes and final `}` or `;` included.
+    pub(crate) tokens: Range<usize>,
+}
+
+/// A parameter of a function.
+#[derive(Clone, Debug)]
+pub(crate) struct ParamDecl {
+    pub(crate) name: usize,
+    /// Tokens of the type.
+    pub(crate) ty: Range<usize>,
+}
+
+/// A function's parts, by token index.
+#[derive(Clone, Debug)]
+pub(crate) struct FunctionDecl {
+    pub(crate) name: usize,
+    pub(crate) params: Vec<ParamDecl>,
+    /// Tokens of the return type; empty where there is none.
+    pub(crate) result: Range<usize>,
+    /// `{` and `}` of the body.
+    pub(crate) body: Range<usize>,
+}
+
+/// A loop.
+#[derive(Clone, Debug)]
+pub(crate) struct LoopDecl {
+    /// Token of `for`, `while` or `loop`.
+    pub(crate) keyword: usize,
+    /// Tokens `{` to `}` of the body, both included.
+    pub(crate) body: Range<usize>,
+    /// Index into [`Outline::functions`].
+    pub(crate) function: usize,
+    /// Whether it lies in a `continuing` block, where `return` is not allowed.
+    pub(crate) in_continuing: bool,
+}
+
+/// Tokens of a file with the role of each, and the declarations found on the way.
+#[derive(Debug)]
+pub(crate) struct Outline<'a> {
+    pub(crate) text: &'a str,
+    pub(crate) tokens: Tokens<'a>,
+    pub(crate) roles: Vec<Role>,
+    pub(crate) globals: Vec<GlobalDecl>,
+    pub(crate) functions: Vec<FunctionDecl>,
+    pub(crate) loops: Vec<LoopDecl>,
+}
+
+impl<'a> Outline<'a> {
+    /// Analyses a file.
+    pub(crate) fn new(text: &'a str) -> Self {
+        let tokens = tokenize(text);
+        let globals = find_globals(&tokens.tokens);
+        let mut names = HashMap::new();
+        for name in globals.iter().filter_map(|global| global.name) {
+            names.insert(tokens.tokens[name].text, name);
+        }
+        let mut outline = Self {
+            text,
+            roles: vec![Role::Other; tokens.tokens.len()],
+            tokens,
+            globals,
+            functions: Vec::new(),
+            loops: Vec::new(),
+        };
+        for global in outline.globals.clone() {
+            Walker {
+                outline: &mut outline,
+                globals: &names,
+                scopes: Vec::new(),
+            }
+            .declaration(&global);
+        }
+        outline
+    }
+
+    /// The text of token `at`; empty beyond the end.
+    pub(crate) fn word(&self, at: usize) -> &'a str {
+        self.tokens.tokens.get(at).map_or("", |token| token.text)
+    }
+
+    /// Byte range of token `at`.
+    pub(crate) fn span(&self, at: usize) -> Range<usize> {
+        self.tokens
+            .tokens
+            .get(at)
+            .map_or(self.text.len()..self.text.len(), Token::span)
+    }
+
+    /// Byte range from the first to the last of these tokens.
+    pub(crate) fn span_of(&self, tokens: &Range<usize>) -> Range<usize> {
+        if tokens.is_empty() {
+            return self.span(tokens.start);
+        }
+        self.span(tokens.start).start..self.span(tokens.end - 1).end
+    }
+
+    /// The function of that name.
+    pub(crate) fn function(&self, name: &str) -> Option<&FunctionDecl> {
+        self.functions
+            .iter()
+            .find(|function| self.word(function.name) == name)
+    }
+
+    /// The token that closes the bracket opened at `open`, or the last token.
+    pub(crate) fn closing(&self, open: usize) -> usize {
+        matching(&self.tokens.tokens, open)
+    }
+}
+
+/// Index of the bracket that closes the one at `open`; the last token where none does.
+fn matching(tokens: &[Token<'_>], open: usize) -> usize {
+    let mut depth = 0usize;
+    for (at, token) in tokens.iter().enumerate().skip(open) {
+        match token.text {
+            "(" | "[" | "{" => depth += 1,
+            ")" | "]" | "}" => {
+                depth = depth.saturating_sub(1);
+                if depth == 0 {
+                    return at;
+                }
+            }
+            _ => {}
+        }
+    }
+    tokens.len().saturating_sub(1)
+}
+
+/// Index behind the template list that may begin at `at` (`<...>`), else `at`.
+fn skip_template(tokens: &[Token<'_>], at: usize) -> usize {
+    if tokens.get(at).map(|token| token.text) != Some("<") {
+        return at;
+    }
+    let mut depth = 0usize;
+    for (index, token) in tokens.iter().enumerate().skip(at) {
+        match token.text {
+            "<" => depth += 1,
+            ">" => {
+                depth -= 1;
+                if depth == 0 {
+                    return index + 1;
+                }
+            }
+            ";" | "{" | "}" => return index,
+            _ => {}
+        }
+    }
+    tokens.len()
+}
+
+fn find_globals(tokens: &[Token<'_>]) -> Vec<GlobalDecl> {
+    let mut globals = Vec::new();
+    let mut at = 0;
+    let mut start = 0; // where the declaration begins: its attributes
+    while at < tokens.len() {
+        let kind = match tokens[at].text {
+            "fn" => GlobalKind::Function,
+            "struct" => GlobalKind::Struct,
+            "alias" => GlobalKind::Alias,
+            "const" => GlobalKind::Const,
+            "override" => GlobalKind::Override,
+            "var" => GlobalKind::Var,
+            "const_assert" => GlobalKind::ConstAssert,
+            "enable" | "requires" => GlobalKind::Directive,
+            "diagnostic" if at == 0 || tokens[at - 1].text != "@" => GlobalKind::Directive,
+            "(" | "[" | "{" => {
+                at = matching(tokens, at) + 1;
+                continue;
+            }
+            ";" | "}" => {
+                at += 1;
+                start = at;
+                continue;
+            }
+            _ => {
+                at += 1;
+                continue;
+            }
+        };
+        let keyword = at;
+        let name_at = if kind == GlobalKind::Var {
+            skip_template(tokens, at + 1)
+        } else {
+            at + 1
+        };
+        let named = !matches!(kind, GlobalKind::ConstAssert | GlobalKind::Directive);
+        let name = tokens
+            .get(name_at)
+            .filter(|token| named && token.kind == TokenKind::Word)
+            .map(|_| name_at);
+        let braces = matches!(kind, GlobalKind::Function | GlobalKind::Struct);
+        let mut end = at + 1;
+        while let Some(token) = tokens.get(end) {
+            match token.text {
+                "{" => {
+                    end = matching(tokens, end) + 1;
+                    if braces {
+                        break;
+                    }
+                }
+                "(" | "[" => end = matching(tokens, end) + 1,
+                ";" => {
+                    end += 1;
+                    break;
+                }
+                // A lost closing brace: the next declaration begins here.
+                "fn" | "struct" | "alias" => break,
+                _ => end += 1,
+            }
+        }
+        let end = end.min(tokens.len());
+        globals.push(GlobalDecl {
+            kind,
+            keyword,
+            name,
+            tokens: start..end,
+        });
+        at = end;
+        start = end;
+    }
+    globals
+}
+
+struct Scope<'a> {
+    names: HashMap<&'a str, usize>,
+    /// Holds a `for` loop's header: ends together with the loop's body.
+    is_for: bool,
+    continuing: bool,
+    /// Index into `loops` of the loop whose body this is.
+    body_of: Option<usize>,
+}
+
+struct Walker<'o, 'a> {
+    outline: &'o mut Outline<'a>,
+    globals: &'o HashMap<&'a str, usize>,
+    scopes: Vec<Scope<'a>>,
+}
+
+const KEYWORDS: &str = "alias break case const const_assert continue continuing default diagnostic discard else \
+    enable false fn for if let loop override requires return struct switch true var while";
+
+fn is_keyword(word: &str) -> bool {
+    KEYWORDS.split(' ').any(|keyword| keyword == word)
+}
+
+/// Attributes whose arguments are names of their own kind, not expressions.
+const NAME_ATTRIBUTES: &[&str] = &["builtin", "interpolate", "diagnostic", "blend_src"];
+
+impl<'a> Walker<'_, 'a> {
+    fn declaration(mut self, global: &GlobalDecl) {
+        if global.kind == GlobalKind::Directive {
+            return;
+        }
+        if let Some(name) = global.name {
+            self.outline.roles[name] = Role::Global;
+        }
+        let skip = |at: usize| Some(at) == global.name || at == global.keyword;
+        match global.kind {
+            GlobalKind::Function => self.function(global),
+            GlobalKind::Struct => {
+                for at in global.tokens.clone().filter(|&at| !skip(at)) {
+                    let member = self.outline.word(at + 1) == ":";
+                    if !member {
+                        self.reference(at);
+                    }
+                }
+            }
+            _ => {
+                for at in global.tokens.clone().filter(|&at| !skip(at)) {
+                    self.reference(at);
+                }
+            }
+        }
+    }
+
+    /// Gives token `at` the role of whatever its name refers to here.
+    fn reference(&mut self, at: usize) {
+        let token = self.outline.tokens.tokens[at];
+        if token.kind != TokenKind::Word || is_keyword(token.text) || token.text == "_" {
+            return;
+        }
+        let before = |n: usize| at.checked_sub(n).map_or("", |at| self.outline.word(at));
+        let context_name = matches!(before(1), "." | "@")
+            || (before(1) == "<" && matches!(before(2), "var" | "ptr"))
+            || (before(1) == "(" && before(3) == "@" && NAME_ATTRIBUTES.contains(&before(2)));
+        if context_name {
+            return;
+        }
+        let local = self
+            .scopes
+            .iter()
+            .rev()
+            .find_map(|scope| scope.names.get(token.text));
+        self.outline.roles[at] = match local {
+            Some(&declared) => Role::Local(declared),
+            None if self.globals.contains_key(token.text) => Role::Global,
+            None => Role::Predeclared,
+        };
+    }
+
+    fn function(&mut self, global: &GlobalDecl) {
+        let tokens = global.tokens.clone();
+        let (Some(name), Some(open)) = (
+            global.name,
+            tokens
+                .clone()
+                .skip(1)
+                .find(|&at| at > global.keyword && self.outline.word(at) == "("),
+        ) else {
+            return;
+        };
+        let close = self.outline.closing(open).min(tokens.end);
+        let Some(body) = (close..tokens.end).find(|&at| self.outline.word(at) == "{") else {
+            return;
+        };
+        for at in tokens.start..global.keyword {
+            self.reference(at);
+        }
+        let params = self.params(open + 1..close);
+        let result = if self.outline.word(close + 1) == "-" {
+            (close + 3).min(body)..body
+        } else {
+            body..body
+        };
+        for at in close..body {
+            self.reference(at);
+        }
+        let function = self.outline.functions.len();
+        let names = params
+            .iter()
+            .map(|param| (self.outline.word(param.name), param.name))
+            .collect();
+        self.outline.functions.push(FunctionDecl {
+            name,
+            params,
+            result,
+            body: body..tokens.end,
+        });
+        self.body(body..tokens.end, names, function);
+    }
+
+    fn params(&mut self, tokens: Range<usize>) -> Vec<ParamDecl> {
+        let mut params: Vec<ParamDecl> = Vec::new();
+        let mut depth = 0usize;
+        for at in tokens {
+            let word = self.outline.word(at);
+            if depth == 0 && self.outline.word(at + 1) == ":" {
+                self.outline.roles[at] = Role::Local(at);
+                params.push(ParamDecl {
+                    name: at,
+                    ty: at + 2..at + 2,
+                });
+                continue;
+            }
+            match word {
+                "(" | "[" | "<" => depth += 1,
+                ")" | "]" | ">" => depth = depth.saturating_sub(1),
+                "," if depth == 0 => continue,
+                _ => {}
+            }
+            // Tokens that follow each other from the colon on are the type; the comma leaves a gap.
+            if let Some(param) = params.last_mut().filter(|param| param.ty.end == at) {
+                param.ty.end = at + 1;
+            }
+            self.reference(at);
+        }
+        params
+    }
+
+    fn body(&mut self, tokens: Range<usize>, params: HashMap<&'a str, usize>, function: usize) {
+        let mut params = Some(params);
+        let mut pending: Option<usize> = None; // declared at the next `;`
+        let mut expect_name = None; // the token that is a declaration's name
+        let mut loop_keyword = None;
+        let mut continuing = false;
+        for at in tokens {
+            if expect_name == Some(at) {
+                self.outline.roles[at] = Role::Local(at);
+                pending = Some(at);
+                continue;
+            }
+            match self.outline.word(at) {
+                "{" => {
+                    let inherited = self.scopes.last().is_some_and(|scope| scope.continuing);
+                    let body_of = loop_keyword.take().map(|keyword| {
+                        self.outline.loops.push(LoopDecl {
+                            keyword,
+                            body: at..at + 1,
+                            function,
+                            in_continuing: inherited,
+                        });
+                        self.outline.loops.len() - 1
+                    });
+                    self.scopes.push(Scope {
+                        names: params.take().unwrap_or_default(),
+                        is_for: false,
+                        continuing: inherited || std::mem::take(&mut continuing),
+                        body_of,
+                    });
+                }
+                "}" => {
+                    if let Some(index) = self.scopes.pop().and_then(|scope| scope.body_of) {
+                        self.outline.loops[index].body.end = at + 1;
+                    }
+                    if self.scopes.last().is_some_and(|scope| scope.is_for) {
+                        self.scopes.pop();
+                    }
+                    pending = None;
+                }
+                ";" => {
+                    if let (Some(name), Some(scope)) = (pending.take(), self.scopes.last_mut()) {
+                        scope
+                            .names
+                            .insert(self.outline.tokens.tokens[name].text, name);
+                    }
+                }
+                "let" | "const" => expect_name = Some(at + 1),
+                "var" => expect_name = Some(skip_template(&self.outline.tokens.tokens, at + 1)),
+                "for" => {
+                    let continuing = self.scopes.last().is_some_and(|scope| scope.continuing);
+                    self.scopes.push(Scope {
+                        names: HashMap::new(),
+                        is_for: true,
+                        continuing,
+                        body_of: None,
+                    });
+                    loop_keyword = Some(at);
+                }
+                "while" | "loop" => loop_keyword = Some(at),
+                "continuing" => continuing = true,
+                _ => self.reference(at),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The text with every module-scope name of the file in angle brackets and every local in parentheses.
+    fn marked(text: &str) -> String {
+        let outline = Outline::new(text);
+        let mut out = String::new();
+        let mut last = 0;
+        for (token, role) in outline.tokens.tokens.iter().zip(&outline.roles) {
+            out.push_str(&text[last..token.start]);
+            match role {
+                Role::Global => out.push_str(&format!("<{}>", token.text)),
+                Role::Local(_) => out.push_str(&format!("({})", token.text)),
+                _ => out.push_str(token.text),
+            }
+            last = token.end();
+        }
+        out + &text[last..]
+    }
+
+    #[test]
+    fn a_local_is_visible_from_the_end_of_its_declaration() {
+        assert_eq!(
+            marked("fn n() -> f32 { let n = n(); return n; }"),
+            "fn <n>() -> f32 { let (n) = <n>(); return (n); }"
+        );
+    }
+
+    #[test]
+    fn blocks_end_shadowing() {
+        assert_eq!(
+            marked("const k = 1; fn f() { { var k = 2; k += k; } let a = k; }"),
+            "const <k> = 1; fn <f>() { { var (k) = 2; (k) += (k); } let (a) = <k>; }"
+        );
+    }
+
+    #[test]
+    fn a_for_variable_lives_in_header_and_body_only() {
+        assert_eq!(
+            marked("const i = 9; fn f() { for (var i = i; i < 3; i++) { g(i); } h(i); }"),
+            "const <i> = 9; fn <f>() { for (var (i) = <i>; (i) < 3; (i)++) { g((i)); } h(<i>); }"
+        );
+    }
+
+    #[test]
+    fn parameters_shadow_in_the_body_but_not_in_the_header() {
+        assert_eq!(
+            marked("alias T = f32; fn f(T: T, b: array<T, 2>) -> T { return T; }"),
+            "alias <T> = f32; fn <f>((T): <T>, (b): array<<T>, 2>) -> <T> { return (T); }"
+        );
+    }
+
+    #[test]
+    fn members_attributes_and_address_spaces_are_not_references() {
+        assert_eq!(
+            marked(
+                "struct S { @size(n) n: f32, m: S2 } const n = 16; struct S2 { a: f32 } fn function() {} fn f(s: S, p: ptr<function, f32>) { s.n = 1; var<function> n = s.m.a; }"
+            ),
+            "struct <S> { @size(<n>) n: f32, m: <S2> } const <n> = 16; struct <S2> { a: f32 } fn <function>() {} fn <f>((s): <S>, (p): ptr<function, f32>) { (s).n = 1; var<function> (n) = (s).m.a; }"
+        );
+    }
+
+    #[test]
+    fn functions_and_loops_are_found() {
+        let text = "fn f(a: array<f32, 4>, @align(4) b: f32) -> vec3<f32> { loop { if a { break; } continuing { for (;;) {} } } while a { } }";
+        let outline = Outline::new(text);
+        let f = &outline.functions[0];
+        let types: Vec<_> = f
+            .params
+            .iter()
+            .map(|p| &text[outline.span_of(&p.ty)])
+            .collect();
+        assert_eq!(types, ["array<f32, 4>", "f32"]);
+        assert_eq!(&text[outline.span_of(&f.result)], "vec3<f32>");
+        let loops: Vec<_> = outline
+            .loops
+            .iter()
+            .map(|l| (outline.word(l.keyword), l.in_continuing))
+            .collect();
+        assert_eq!(loops, [("loop", false), ("for", true), ("while", false)]);
+        assert!(text[outline.span_of(&outline.loops[0].body)].ends_with("{} } }"));
+    }
+
+    #[test]
+    fn broken_text_is_survived() {
+        for text in [
+            "fn",
+            "fn (",
+            "fn f(",
+            "fn f() {",
+            "}}}}",
+            "var<",
+            "fn f() { let",
+            "fn f(a:",
+            "struct {",
+            "for",
+            "@",
+            ")",
+            "fn f() -> { for (",
+        ] {
+            let _ = Outline::new(text);
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! `userProc` as naga sees it: the types of its parameters and of its result, and the memory it needs.
+
+use naga::{ArraySize, Handle, Module, Scalar, ScalarKind, Type, TypeInner, VectorSize};
+
+use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
+use crate::interface::{Parameter, Widget};
+use crate::scope::Outline;
+use crate::suggest::did_you_mean;
+use crate::value::{ElementType, OutputType, ParameterType};
+
+/// Most elements of an array parameter.
+const MAX_ARRAY: u32 = 65_536;
+
+/// Most bytes of local variables in one function: beyond it drivers spill to memory or give up.
+const MAX_PRIVATE_BYTES: u32 = 64 * 1024;
+
+const TYPES_NOTE: &str = "parameters are f32, i32, u32, bool, vec2f, vec3f, vec4f, mat3x3f, mat4x4f, sam2D, ramp1D, or array<T, N> of the plain ones";
+
+/// Parameters and result of `userProc`; labels and defaults are still the plain ones.
+pub(crate) fn read(
+    file: &SourceFile,
+    outline: &Outline<'_>,
+    module: &Module,
+) -> Result<(Vec<Parameter>, OutputType), Diagnostics> {
+    let (Some(entry), Some((_, function))) = (
+        outline.function("userProc"),
+        module
+            .functions
+            .iter()
+            .find(|(_, function)| function.name.as_deref() == Some("userProc")),
+    ) else {
+        return Err(missing_entry(file, outline).into());
+    };
+    let mut problems = Diagnostics::new();
+    let mut parameters = Vec::new();
+    for (argument, decl) in function.arguments.iter().zip(&entry.params) {
+        let name = outline.word(decl.name).to_owned();
+        match parameter_type(module, argument.ty) {
+            Ok(ty) => parameters.push(Parameter {
+                label: name.replace('_', " "),
+                name,
+                ty,
+                default: ty.zero(),
+                range: None,
+                soft_range: None,
+                unit: None,
+                widget: Widget::Plain,
+            }),
+            Err(problem) => problems.push(
+                Diagnostic::error(format!("parameter `{name}` {problem}"))
+                    .with_label(file, outline.span_of(&decl.ty), "")
+                    .with_note(TYPES_NOTE),
+            ),
+        }
+    }
+    let output = function
+        .result
+        .as_ref()
+        .and_then(|result| output_type(module, result.ty));
+    if output.is_none() {
+        let place = if entry.result.is_empty() {
+            outline.span(entry.name)
+        } else {
+            outline.span_of(&entry.result)
+        };
+        problems.push(
+            Diagnostic::error("`userProc` returns f32, vec2f, vec3f or vec4f")
+                .with_label(
+                    file,
+                    place,
+                    if entry.result.is_empty() {
+                        "returns nothing"
+                    } else {
+                        ""
+                    },
+                )
+                .with_note("write for example `fn userProc(...) -> vec4f`"),
+        );
+    }
+    match output {
+        Some(output) if problems.is_empty() => Ok((parameters, output)),
+        _ => Err(problems),
+    }
+}
+
+fn missing_entry(file: &SourceFile, outline: &Outline<'_>) -> Diagnostic {
+    let error = Diagnostic::error("the texture has no function `userProc`").with_note(
+        "the value of the texture at a hit is what `fn userProc(...) -> vec4f { ... }` returns",
+    );
+    let near = did_you_mean(
+        "userProc",
+        outline
+            .functions
+            .iter()
+            .map(|function| outline.word(function.name)),
+    );
+    match near.and_then(|near| outline.function(near)) {
+        Some(function) => error.with_label(file, outline.span(function.name), "was this meant?"),
+        None => error.with_label(file, 0..0, ""),
+    }
+}
+
+fn parameter_type(module: &Module, handle: Handle<Type>) -> Result<ParameterType, String> {
+    let ty = &module.types[handle];
+    if let TypeInner::Array { base, size, .. } = ty.inner {
+        let element = element_type(&module.types[base].inner)
+            .ok_or("is an array of something that can't come from outside")?;
+        return match size {
+            ArraySize::Constant(count) if count.get() <= MAX_ARRAY => {
+                Ok(ParameterType::Array(element, count.get()))
+            }
+            ArraySize::Constant(count) => Err(format!(
+                "has {} elements: at most {MAX_ARRAY} are possible; use an image",
+                count.get()
+            )),
+            _ => Err("is an array without a fixed size".into()),
+        };
+    }
+    if let TypeInner::Struct { .. } = ty.inner {
+        // The prelude's structs can't be declared again, so the name says which one it is.
+        return match ty.name.as_deref() {
+            Some("sam2D") => Ok(ParameterType::Image),
+            Some("ramp1D") => Ok(ParameterType::Ramp),
+            _ => Err(
+                "is a struct, which can't come from outside: take its members as parameters".into(),
+            ),
+        };
+    }
+    element_type(&ty.inner)
+        .map(ElementType::parameter_type)
+        .ok_or("is of a type that can't come from outside".into())
+}
+
+fn element_type(inner: &TypeInner) -> Option<ElementType> {
+    Some(match *inner {
+        TypeInner::Scalar(Scalar { kind, width: 4 }) => match kind {
+            ScalarKind::Float => ElementType::F32,
+            ScalarKind::Sint => ElementType::I32,
+            ScalarKind::Uint => ElementType::U32,
+            _ => return None,
+        },
+        TypeInner::Scalar(Scalar {
+            kind: ScalarKind::Bool,
+            ..
+        }) => ElementType::Bool,
+        TypeInner::Vector {
+            size,
+            scalar: Scalar::F32,
+        } => match size {
+            VectorSize::Bi => ElementType::Vec2,
+            VectorSize::Tri => ElementType::Vec3,
+            VectorSize::Quad => ElementType::Vec4,
+        },
+        TypeInner::Matrix {
+            columns: VectorSize::Tri,
+            rows: VectorSize::Tri,
+            scalar: Scalar::F32,
+        } => ElementType::Mat3,
+        TypeInner::Matrix {
+            columns: VectorSize::Quad,
+            rows: VectorSize::Quad,
+            scalar: Scalar::F32,
+        } => ElementType::Mat4,
+        _ => return None,
+    })
+}
+
+fn output_type(module: &Module, handle: Handle<Type>) -> Option<OutputType> {
+    Some(match element_type(&module.types[handle].inner)? {
+        ElementType::F32 => OutputType::F32,
+        ElementType::Vec2 => OutputType::Vec2,
+        ElementType::Vec3 => OutputType::Vec3,
+        ElementType::Vec4 => OutputType::Vec4,
+        _ => return None,
+    })
+}
+
+/// Bytes of local variables of all functions of the file together.
+pub(crate) fn private_bytes(
+    file: &SourceFile,
+    outline: &Outline<'_>,
+    module: &Module,
+) -> Result<u32, Diagnostics> {
+    let mut total = 0u32;
+    for (_, function) in module.functions.iter() {
+        let Some(decl) = function
+            .name
+            .as_deref()
+            .and_then(|name| outline.function(name))
+        else {
+            continue;
+        };
+        let locals = function.local_variables.iter().map(|(_, local)| local.ty);
+        // Array parameters of `userProc` stay in the fake stack.
+        let in_place = |ty: &Handle<Type>| {
+            outline.word(decl.name) == "userProc"
+                && matches!(module.types[*ty].inner, TypeInner::Array { .. })
+        };
+        let arguments = function
+            .arguments
+            .iter()
+            .map(|argument| argument.ty)
+            .filter(|ty| !in_place(ty));
+        let bytes = locals
+            .chain(arguments)
+            .map(|ty| {
+                module.types[ty]
+                    .inner
+                    .try_size(module.to_ctx())
+                    .unwrap_or(u32::MAX)
+            })
+            .fold(0u32, u32::saturating_add);
+        total = total.saturating_add(bytes);
+        if bytes > MAX_PRIVATE_BYTES {
+            return Err(Diagnostic::error(format!(
+                "`{}` has {bytes} bytes of parameters and variables: at most {MAX_PRIVATE_BYTES} are possible",
+                outline.word(decl.name)
+            ))
+            .with_label(file, outline.span(decl.name), "")
+            .with_note("put tables into images, or into `array<T, N>` parameters of `userProc`, which are read in place")
+            .into());
+        }
+    }
+    Ok(total)
+}

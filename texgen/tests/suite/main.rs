@@ -1,0 +1,7 @@
+//! Tests of the whole crate, as its users see it.
+
+mod common;
+mod errors;
+mod graph;
+mod kernel;
+mod shipped;
