@@ -7,7 +7,7 @@ use engine::film::Film;
 use engine::gpu::Gpu;
 use engine::load::{self, Loaded};
 use engine::renderer::{RenderSettings, Renderer};
-use engine::scene::{self, Camera, Scene};
+use engine::scene::{Camera, Scene};
 
 use crate::exit::Failure;
 use crate::job::RenderJob;
@@ -33,7 +33,10 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
     let loaded =
         load::load(&job.scene, job.look.as_deref(), &texture_dirs).map_err(Failure::because)?;
     bar.suspend(|| warn(&loaded.warnings));
-    let camera = find_camera(&loaded.scene, job.camera.as_deref())?;
+    let camera = match &job.camera {
+        Some(wanted) => find_camera(&loaded.scene, wanted)?,
+        None => loaded.camera.clone(),
+    };
     stop_if_interrupted()?;
     let load_seconds = clock.elapsed().as_secs_f64();
 
@@ -93,7 +96,7 @@ fn prepare(
         seed: job.seed,
         camera,
     };
-    Renderer::new(gpu, loaded, &settings).map_err(Failure::because)
+    Renderer::new(gpu, &loaded.scene, &loaded.procedural, &settings).map_err(Failure::because)
 }
 
 /// Renders wave by wave; returns whether all samples were taken before the user asked to stop.
@@ -110,15 +113,8 @@ fn accumulate(renderer: &mut Renderer, spp: u32, bar: &mut Bar) -> Result<bool, 
     }
 }
 
-/// The camera of that name, or the one of that number where no name fits; the first one where nothing is asked for.
-fn find_camera(scene: &Scene, wanted: Option<&str>) -> Result<Camera, Failure> {
-    let Some(wanted) = wanted else {
-        return Ok(scene
-            .cameras
-            .first()
-            .cloned()
-            .unwrap_or_else(|| scene::default_camera(scene)));
-    };
+/// The camera of that name, or the one of that number where no name fits.
+fn find_camera(scene: &Scene, wanted: &str) -> Result<Camera, Failure> {
     let by_name = scene.cameras.iter().find(|camera| camera.name == wanted);
     let by_number = || scene.cameras.get(wanted.parse::<usize>().ok()?);
     by_name.or_else(by_number).cloned().ok_or_else(|| {

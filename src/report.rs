@@ -6,7 +6,7 @@ use std::path::Path;
 
 use engine::film::Film;
 use engine::gpu::AdapterDescription;
-use engine::renderer::Stats;
+use engine::stats::Stats;
 use serde::Serialize;
 
 use crate::job::RenderJob;

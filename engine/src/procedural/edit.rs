@@ -118,7 +118,7 @@ impl Procedural {
     pub fn set_occlusion(&mut self, node: &str, tables: [&str; 2]) -> Result<(), EditError> {
         let node = self.node(node)?;
         let slots = [self.ao_slot(tables[0])?, self.ao_slot(tables[1])?];
-        let edit = self.graph.set_occlusion(node, slots);
+        let edit = self.graph.set_occlusion(node, slots)?;
         self.finish(node, &edit).map_err(EditError::from)
     }
 
