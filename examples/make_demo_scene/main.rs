@@ -34,7 +34,7 @@ fn main() -> std::io::Result<()> {
     still_life(&mut out);
     landscape(&mut out);
 
-    let lamp = out.light("Window", [1.0, 0.86, 0.68], 26.0);
+    let lamp = out.light("Window", [1.0, 0.84, 0.64], 60.0);
     let mut pane = Shape::default();
     pane.flat_face(&[
         Vec3::new(-0.8, 0.0, -0.8),
@@ -54,9 +54,9 @@ fn main() -> std::io::Result<()> {
 
     out.camera(
         "Camera",
-        Vec3::new(1.75, 1.35, 3.55),
-        Vec3::new(-0.12, 0.78, -0.1),
-        34.0,
+        Vec3::new(1.45, 1.62, 3.6),
+        Vec3::new(0.0, 0.64, 0.0),
+        29.0,
     );
 
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/demo");
@@ -259,7 +259,7 @@ fn still_life(out: &mut Writer) {
     out.node(
         "Oil can",
         Some(can),
-        Place::at(0.86, 0.003, 0.62).turned(Quat::from_rotation_y(2.5)),
+        Place::at(0.6, 0.003, 0.56).turned(Quat::from_rotation_y(-0.5)),
         None,
     );
 
@@ -276,12 +276,12 @@ fn still_life(out: &mut Writer) {
     out.node(
         "Pinion",
         Some(small),
-        Place::at(0.34, 0.003, 0.84).turned(Quat::from_rotation_y(0.3)),
+        Place::at(0.12, 0.003, 0.66).turned(Quat::from_rotation_y(0.3)),
         None,
     );
 
     let nut = out.mesh("Nut", &nut().finish(CREASE), steel);
-    for (x, z, turn) in [(0.02, 0.93, 0.2), (0.15, 1.05, 0.9), (1.16, 0.42, 0.5)] {
+    for (x, z, turn) in [(-0.1, 0.78, 0.2), (0.0, 0.9, 0.9), (0.86, 0.2, 0.5)] {
         out.node(
             "Nut",
             Some(nut),

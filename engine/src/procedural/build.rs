@@ -1,6 +1,6 @@
 //! From a look to a [`Procedural`]: textures are parsed, nodes added, arguments set, materials resolved and compiled.
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 
 use texgen::{
@@ -16,7 +16,7 @@ use super::memory::{ProgramMemory, RangeSet};
 use super::sources::TextureSources;
 use super::values::{Argument, ImageArgument, argument};
 use super::wiring::CompileError;
-use super::{MIN_STACK_SLOTS, Procedural, Source, materials};
+use super::{MIN_STACK_SLOTS, Procedural, materials};
 
 impl Procedural {
     /// Brings a look to a scene: sets the constants of its materials, adds the materials and images that the look adds,
@@ -34,7 +34,6 @@ impl Procedural {
             problems: Diagnostics::new(),
             warnings: Diagnostics::new(),
             images: Images::default(),
-            links: Vec::new(),
         };
         let library = builder.library(textures);
         let mut graph = Graph::new(Arc::new(library));
@@ -50,7 +49,6 @@ impl Procedural {
 
         let mut procedural = Self {
             graph,
-            links: builder.links,
             ao,
             ao_names,
             memory: ProgramMemory::new(scene.materials.len()),
@@ -127,7 +125,6 @@ struct Builder<'a> {
     problems: Diagnostics,
     warnings: Diagnostics,
     images: Images,
-    links: Vec<BTreeMap<String, Source>>,
 }
 
 impl<'a> Builder<'a> {
@@ -211,10 +208,7 @@ impl<'a> Builder<'a> {
             let second = usize::from(ao_count > 1);
             let occlusion = [slot(&table.occlusion, 0), slot(&table.occlusion1, second)];
             match graph.add_node(&table.name.value, &table.texture.value, occlusion) {
-                Ok(node) => {
-                    nodes.push((table, node));
-                    self.links.push(BTreeMap::new());
-                }
+                Ok(node) => nodes.push((table, node)),
                 Err(error) => self.problem(&table.name.span, error.to_string(), None),
             }
         }
@@ -309,15 +303,7 @@ impl<'a> Builder<'a> {
                     self.unknown_node(&field.value.span, &link.node);
                     return;
                 };
-                let result = graph.set_link(node, &parameter.name, source, link.swizzle);
-                if result.is_ok() {
-                    let source = Source {
-                        node: source,
-                        swizzle: link.swizzle,
-                    };
-                    self.links[node.index()].insert(parameter.name.clone(), source);
-                }
-                result
+                graph.set_link(node, &parameter.name, source, link.swizzle)
             }
         };
         if let Err(error) = result {

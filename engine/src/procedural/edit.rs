@@ -62,7 +62,6 @@ impl Procedural {
     ) -> Result<(), EditError> {
         let node = self.node(node)?;
         let edit = self.graph.set_value(node, parameter, value)?;
-        self.links[node.index()].remove(parameter);
         self.finish(node, &edit).map_err(EditError::from)
     }
 
@@ -73,11 +72,10 @@ impl Procedural {
     pub fn set_link(&mut self, node: &str, parameter: &str, link: &str) -> Result<(), EditError> {
         let node = self.node(node)?;
         let source = self.source(link)?;
+        let former = self.graph.link(node, parameter);
         let edit = self
             .graph
             .set_link(node, parameter, source.node, source.swizzle)?;
-        let links = &mut self.links[node.index()];
-        let former = links.insert(parameter.to_owned(), source);
         if let Err(error) = self.finish(node, &edit) {
             self.restore_link(node, parameter, former);
             return Err(error.into());
@@ -92,7 +90,6 @@ impl Procedural {
     pub fn clear_link(&mut self, node: &str, parameter: &str) -> Result<(), EditError> {
         let node = self.node(node)?;
         let edit = self.graph.clear_link(node, parameter)?;
-        self.links[node.index()].remove(parameter);
         self.finish(node, &edit).map_err(EditError::from)
     }
 
@@ -198,9 +195,7 @@ impl Procedural {
 
     fn driver(&self, link: &str, scalar: bool) -> Result<Source, EditError> {
         let source = self.source(link)?;
-        let name = link.split('.').next().unwrap_or(link);
-        let result = self.graph.output(source.node);
-        check_driver(name, result, source.swizzle, scalar).map_err(EditError::Link)?;
+        check_driver(&self.graph, source, scalar).map_err(EditError::Link)?;
         Ok(source)
     }
 
@@ -250,18 +245,12 @@ impl Procedural {
     }
 
     /// Takes a refused link back. What it replaced was valid, so the graph accepts it.
-    fn restore_link(&mut self, node: NodeId, parameter: &str, former: Option<Source>) {
-        let links = &mut self.links[node.index()];
+    fn restore_link(&mut self, node: NodeId, parameter: &str, former: Option<texgen::Link>) {
         let edit = match former {
-            Some(source) => {
-                links.insert(parameter.to_owned(), source);
-                self.graph
-                    .set_link(node, parameter, source.node, source.swizzle)
-            }
-            None => {
-                links.remove(parameter);
-                self.graph.clear_link(node, parameter)
-            }
+            Some(link) => self
+                .graph
+                .set_link(node, parameter, link.source, link.swizzle),
+            None => self.graph.clear_link(node, parameter),
         };
         if let Ok(edit) = edit {
             self.note_args(&edit);

@@ -167,16 +167,17 @@ impl Resolver<'_> {
         };
         // A node that isn't there had a mistake of its own, which has been reported.
         let node = self.graph.node(&link.node)?;
-        if let Err(message) =
-            check_driver(&link.node, self.graph.output(node), link.swizzle, scalar)
-        {
-            self.problem(&input.span, message, None);
-            return None;
-        }
-        Some(Source {
+        let source = Source {
             node,
             swizzle: link.swizzle,
-        })
+        };
+        match check_driver(self.graph, source, scalar) {
+            Ok(()) => Some(source),
+            Err(message) => {
+                self.problem(&input.span, message, None);
+                None
+            }
+        }
     }
 
     fn blend(&mut self, table: &MaterialLook) {

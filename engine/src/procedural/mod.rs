@@ -39,7 +39,7 @@ mod tests;
 mod values;
 mod wiring;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::ops::Range;
 
 use texgen::{Diagnostics, GeneratedKernel, Graph, NodeId, Swizzle};
@@ -107,8 +107,6 @@ impl Output {
 #[derive(Debug, Clone)]
 pub struct Procedural {
     graph: Graph,
-    /// Links of each node by parameter, as the graph has them.
-    links: Vec<BTreeMap<String, Source>>,
     ao: [AoSettings; MAX_AO],
     ao_names: Vec<String>,
     memory: ProgramMemory,

@@ -2,11 +2,11 @@
 
 use std::collections::HashSet;
 
-use texgen::{GraphError, NodeId, OutputType, Program, Swizzle, link_word};
+use texgen::{Graph, GraphError, NodeId, Program, link_word};
 
 use super::memory::{
     FLAG_BLEND, FLAG_CONSTANT_MASK, HEAD_AO, HEAD_BASE, HEAD_FLAGS, HEAD_LINKS, HEAD_MASK,
-    HEAD_MASK_VALUE, HEAD_OVER,
+    HEAD_MASK_VALUE, HEAD_OVER, HEAD_PROGRAM,
 };
 use super::{MAX_STACK_SLOTS, MIN_STACK_SLOTS, Output, Procedural, Source};
 
@@ -82,36 +82,24 @@ pub enum CompileError {
     },
 }
 
-/// Checks that `output` (a colour, or a scalar) can take a node's result through a swizzle; says what to do otherwise.
-pub(super) fn check_driver(
-    node: &str,
-    result: OutputType,
-    swizzle: Option<Swizzle>,
-    scalar: bool,
-) -> Result<(), String> {
-    let components = match swizzle {
-        Some(swizzle) => {
-            let has = result.components();
-            if swizzle.components().iter().any(|&c| usize::from(c) >= has) {
-                return Err(format!("`{node}` gives {result}: it has no `{swizzle}`"));
-            }
-            swizzle.components().len()
-        }
-        None => result.components(),
+/// Checks that an output (a colour, or a scalar) can take a node's result through a swizzle; says what to do
+/// otherwise.
+pub(super) fn check_driver(graph: &Graph, source: Source, scalar: bool) -> Result<(), String> {
+    let given = graph
+        .link_output(source.node, source.swizzle)
+        .map_err(|error| error.to_string())?;
+    let name = graph.name(source.node);
+    let link = match source.swizzle {
+        Some(swizzle) => format!("{name}{swizzle}"),
+        None => name.to_owned(),
     };
-    let given = || match swizzle {
-        Some(swizzle) => format!("`{node}{swizzle}` has {components} components"),
-        None => format!("`{node}` gives {result}"),
-    };
-    match (scalar, components) {
+    match (scalar, given.components()) {
         (true, 1) | (false, 1 | 3 | 4) => Ok(()),
         (true, _) => Err(format!(
-            "{}, but one number is needed: write \"{node}.x\"",
-            given()
+            "`{link}` gives {given}, but one number is needed: write \"{name}.x\""
         )),
         (false, _) => Err(format!(
-            "{}, but a colour is needed: three components",
-            given()
+            "`{link}` gives {given}, but a colour is needed: one, three or four components"
         )),
     }
 }
@@ -181,9 +169,12 @@ impl Procedural {
                 .set_head(material, HEAD_MASK_VALUE, mask_value.to_bits());
         }
         self.memory.set_head(material, HEAD_FLAGS, flags);
-        if let Some(program) = &program {
-            self.memory.store(material, &program.words);
-            self.grow_stack(program.slots_needed);
+        match &program {
+            Some(program) => {
+                self.memory.store(material, &program.words);
+                self.grow_stack(program.slots_needed);
+            }
+            None => self.memory.set_head(material, HEAD_PROGRAM, 0),
         }
     }
 
@@ -213,7 +204,9 @@ impl Procedural {
         let mut open = roots.to_vec();
         while let Some(node) = open.pop() {
             if seen.insert(node) {
-                open.extend(self.links[node.index()].values().map(|source| source.node));
+                let parameters = self.graph.texture(node).parameters().iter();
+                let links = parameters.filter_map(|p| self.graph.link(node, &p.name));
+                open.extend(links.map(|link| link.source));
             }
         }
         seen
