@@ -66,7 +66,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
 
     if (hit.triangle == MISS) {
         var weight = 1.0;
-        if (bsdf_pdf > 0.0 && frame.environment_probability > 0.0) {
+        if (has_environment && bsdf_pdf > 0.0) {
             weight = mis_weight(bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
         }
         radiance += throughput * environment_radiance(hit.direction) * weight;

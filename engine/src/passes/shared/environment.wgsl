@@ -3,8 +3,14 @@
 @group(0) @binding(19) var environment_image: texture_2d<f32>;
 @group(0) @binding(20) var environment_table: texture_2d<u32>; // alias cell, its threshold, pdf over the unit square
 
+// Whether light comes from it.
+override has_environment: bool = true;
+
 // Radiance from a direction: bilinear, wrapping in u, clamped in v.
 fn environment_radiance(direction: vec3f) -> vec3f {
+    if (!has_environment) {
+        return vec3f(0.0);
+    }
     let uv = environment_uv(direction) * vec2f(frame.environment_size) - 0.5;
     let base = floor(uv);
     let f = uv - base;
@@ -46,8 +52,9 @@ fn environment_sample(u: vec2f) -> vec3f {
     } else {
         rest = rest / threshold;
     }
-    // With many cells few bits of u.x are left for the place inside the cell: u.y's low bits and a hash refill them.
-    let jitter = fract(rest + f32(hash(bitcast<u32>(u.x) ^ hash(bitcast<u32>(u.y))) >> 8u) * (1.0 / 16777216.0));
+    // With many cells few bits of u.x are left for the place inside the cell: a hash refills them.
+    let noise = f32(hash(bitcast<u32>(u.x) ^ hash(bitcast<u32>(u.y))) >> 8u) * (1.0 / 16777216.0);
+    let jitter = fract(rest + noise * f32(count) * (1.0 / 16777216.0));
     let uv = (vec2f(f32(cell % frame.distribution_size.x), f32(cell / frame.distribution_size.x)) + vec2f(jitter, u.y))
         / vec2f(frame.distribution_size);
     let theta = uv.y * PI;

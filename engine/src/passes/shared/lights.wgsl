@@ -36,7 +36,7 @@ const FAR = 1e30;
 
 fn light_sample(p: vec3f, choice: f32, u: vec2f) -> LightSample {
     var pick = choice;
-    if (pick < frame.environment_probability) {
+    if (has_environment && pick < frame.environment_probability) {
         let wi = environment_sample(u);
         return LightSample(wi, FAR, environment_radiance(wi), frame.environment_probability * environment_pdf(wi), false);
     }

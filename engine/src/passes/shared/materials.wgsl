@@ -45,10 +45,13 @@ fn runs_program(flags: u32, bounce: u32) -> bool {
     return (flags & select(MATERIAL_PROGRAM, MATERIAL_PROGRAM_EMITS, bounce >= frame.max_depth)) != 0u;
 }
 
+// Whether any material of the scene has a texture.
+override has_textures: bool = true;
+
 // The texel of a material's texture, or white where it has none.
 fn material_texture(material: u32, texture: u32, triangle: vec4u, weights: vec3f) -> vec4f {
     let image = materials[material].textures[texture].image;
-    if (image == IMAGE_NONE) {
+    if (!has_textures || image == IMAGE_NONE) {
         return vec4f(1.0);
     }
     let sampler = materials[material].textures[texture].sampler;
