@@ -5,6 +5,8 @@
 pub mod import;
 pub mod look;
 
+pub use import::default_camera;
+
 use glam::{Affine3A, Mat4, Vec2, Vec3, Vec4};
 
 /// Everything that is rendered.
