@@ -20,16 +20,16 @@ use shapes::{
 };
 
 /// Faces that meet at less than this look smooth.
-pub(crate) const CREASE: f32 = 0.9;
+pub(crate) const CREASE: f32 = 1.1;
 
 fn main() -> std::io::Result<()> {
     let mut out = Writer::default();
     arcade(&mut out);
     valve::valve(
         &mut out,
-        Place::at(0.0, 0.36, 0.0)
+        Place::at(0.0, 0.3, 0.0)
             .turned(Quat::from_rotation_y(0.42))
-            .scaled(0.86),
+            .scaled(0.98),
     );
     still_life(&mut out);
     landscape(&mut out);
@@ -54,9 +54,9 @@ fn main() -> std::io::Result<()> {
 
     out.camera(
         "Camera",
-        Vec3::new(1.45, 1.62, 3.6),
-        Vec3::new(0.0, 0.64, 0.0),
-        29.0,
+        Vec3::new(1.5, 1.46, 3.55),
+        Vec3::new(-0.02, 0.82, 0.0),
+        33.0,
     );
 
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/demo");
@@ -243,7 +243,7 @@ fn still_life(out: &mut Writer) {
     let block_stone = out.material("Plinth", [0.45, 0.42, 0.38], 0.0, 0.8);
     let plinth = cuboid(
         Vec3::new(-0.46, 0.0, -0.36),
-        Vec3::new(0.46, 0.36, 0.36),
+        Vec3::new(0.46, 0.3, 0.36),
         0.022,
     );
     let plinth = out.mesh("Plinth", &plinth.finish(CREASE), block_stone);
@@ -280,7 +280,7 @@ fn still_life(out: &mut Writer) {
         None,
     );
 
-    let nut = out.mesh("Nut", &nut().finish(CREASE), steel);
+    let nut = out.mesh("Nut", &nut().finish(0.9), steel);
     for (x, z, turn) in [(-0.1, 0.78, 0.2), (0.0, 0.9, 0.9), (0.86, 0.2, 0.5)] {
         out.node(
             "Nut",

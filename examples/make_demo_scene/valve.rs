@@ -35,7 +35,7 @@ pub(crate) fn valve(out: &mut Writer, place: Place) {
     let stem = out.mesh("Stem", &stem().finish(1.2), iron);
     out.node("Stem", Some(stem), Place::at(0.0, 0.72, 0.0), Some(root));
 
-    let bolt = out.mesh("Bolt", &bolt_head(0.05, 0.028).finish(CREASE), iron);
+    let bolt = out.mesh("Bolt", &bolt_head(0.05, 0.028).finish(0.9), iron);
     for side in [-1.0, 1.0] {
         for face in [-1.0, 1.0] {
             let x = side * 0.395 + face * 0.0265;
@@ -72,7 +72,7 @@ fn body() -> Shape {
         0.03,
         5,
     );
-    let mut shape = lathe(&barrel, 48);
+    let mut shape = lathe(&barrel, 40);
     // One half of the pipe from the middle to the flange; a bore lets one look inside.
     let pipe = rounded(
         &[
@@ -93,7 +93,7 @@ fn body() -> Shape {
         0.012,
         4,
     );
-    let half = lathe(&pipe, 48);
+    let half = lathe(&pipe, 40);
     let axis = Affine3A::from_translation(Vec3::Y * AXIS);
     shape.add(&half, axis * lay_along_x());
     shape.add(&half, axis * Affine3A::from_rotation_y(PI) * lay_along_x());
@@ -133,7 +133,7 @@ fn bonnet() -> Shape {
         0.016,
         4,
     );
-    let mut shape = lathe(&profile, 48);
+    let mut shape = lathe(&profile, 40);
     let arm: Vec<Vec3> = (0..=20)
         .map(|i| i as f32 / 20.0)
         .map(|t| {
