@@ -4,4 +4,5 @@ mod common;
 mod errors;
 mod graph;
 mod kernel;
+mod robustness;
 mod shipped;
