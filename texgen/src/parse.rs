@@ -331,12 +331,11 @@ fn plain_message(message: &str) -> String {
 fn remedies(message: &str, diagnostic: &Diagnostic, outline: &Outline<'_>) -> Vec<String> {
     let mut notes = Vec::new();
     let message = message.to_lowercase();
-    if message.contains("no definition in scope") || message.contains("unknown type") {
-        if let Some(label) = diagnostic.labels.first() {
-            let word = &outline.text[label.span.clone()];
-            if let Some(near) = did_you_mean(word, names_in_scope(outline, label.span.start)) {
-                notes.push(format!("did you mean `{near}`?"));
-            }
+    let unknown = message.contains("no definition in scope") || message.contains("unknown type");
+    if let Some(label) = diagnostic.labels.first().filter(|_| unknown) {
+        let word = &outline.text[label.span.clone()];
+        if let Some(near) = did_you_mean(word, names_in_scope(outline, label.span.start)) {
+            notes.push(format!("did you mean `{near}`?"));
         }
     }
     if message.contains("is recursive") || message.contains("is cyclic") {

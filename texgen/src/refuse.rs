@@ -66,36 +66,30 @@ pub(crate) fn refused(file: &SourceFile, outline: &Outline<'_>) -> Diagnostics {
 
 /// Finds what compilers could not survive.
 pub(crate) fn too_deep(file: &SourceFile, outline: &Outline<'_>) -> Option<Diagnostic> {
-    let mut lengths = vec![0usize];
+    // Tokens since the last separator: of the innermost bracket, and those of the brackets around it.
+    let mut length = 0;
+    let mut outer = Vec::new();
     for (at, token) in outline.tokens.tokens.iter().enumerate() {
         match token.text {
-            "(" | "[" | "{" => lengths.push(0),
-            ")" | "]" | "}" => {
-                if lengths.len() > 1 {
-                    lengths.pop();
-                }
-                if token.text == "}" && outline.word(at + 1) != "else" {
-                    lengths.last_mut().map(|length| *length = 0);
-                }
+            "(" | "[" | "{" => outer.push(std::mem::take(&mut length)),
+            "}" if outline.word(at + 1) != "else" => {
+                outer.pop();
+                length = 0;
             }
-            "," | ";" => {
-                lengths.last_mut().map(|length| *length = 0);
-            }
-            _ => {
-                let length = lengths.last_mut()?;
-                *length += 1;
-                if *length > MAX_CHAIN {
-                    return Some(
-                        Diagnostic::error("this expression is too long")
-                            .with_label(
-                                file,
-                                token.span(),
-                                format!("more than {MAX_CHAIN} names and operators in a row"),
-                            )
-                            .with_note("split it up with `let`"),
-                    );
-                }
-            }
+            ")" | "]" | "}" => length = outer.pop().unwrap_or(0),
+            "," | ";" => length = 0,
+            _ => length += 1,
+        }
+        if length > MAX_CHAIN {
+            return Some(
+                Diagnostic::error("this expression is too long")
+                    .with_label(
+                        file,
+                        token.span(),
+                        format!("more than {MAX_CHAIN} names and operators in a row"),
+                    )
+                    .with_note("split it up with `let`"),
+            );
         }
     }
     if let Some(extra) = outline.globals.get(MAX_CHAIN) {

@@ -1,6 +1,7 @@
 //! Tests of the whole crate, as its users see it.
 
 mod common;
+mod docs;
 mod errors;
 mod graph;
 mod kernel;
