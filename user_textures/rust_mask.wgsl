@@ -9,16 +9,16 @@ fn userProc(scale: f32, amount: f32, influence: f32, contrast: f32) -> f32 {
     let p = readAttr(WorldPos).xyz * scale;
     let pixel = readAttr(Footprint).x * scale;
     // Patches, with edges that fray: the coarse noise is pushed about by a finer one.
-    let fray = noise(p * 2.7 + 11.0);
-    let patches = 0.5 + 0.55 * fbm(p + 0.35 * fray, pixel);
+    let fray = vec3f(noise(p * 2.7), noise(p * 2.7 + 11.3), noise(p * 2.7 + 23.9));
+    let patches = fbm(p + 0.25 * fray, pixel);
+    // Rust begins in crevices and, with time, runs out of them: the noise decides how far.
     let occluded = 1.0 - readAttr(AO).x;
-    // Half of a crevice's rust depends on the patches too, or it would look painted on.
-    let crevice = influence * occluded * (0.5 + patches);
-    let field = patches + crevice;
-    // The threshold passes everything at amount 1, nothing of an open surface at amount 0.
-    let softness = 0.02 + 0.4 * (1.0 - saturate(contrast));
-    let threshold = mix(1.1 + softness, -softness, saturate(amount));
-    return smoothstep(threshold - softness, threshold + softness, field);
+    let crevice = influence * occluded * (0.6 + 0.6 * patches);
+    // The noise is spread about 0 like a bell: the logistic threshold makes `amount` the area that rusts.
+    let covered = clamp(amount, 0.0005, 0.9995);
+    let threshold = 0.2 * log((1.0 - covered) / covered);
+    let softness = 0.015 + 0.3 * (1.0 - saturate(contrast));
+    return smoothstep(threshold - softness, threshold + softness, patches + crevice);
 }
 
 // Six octaves of gradient noise, about -1 to 1; those finer than the pixel fade away.

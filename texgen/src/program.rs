@@ -17,7 +17,8 @@ use std::collections::{BTreeSet, HashMap};
 
 use crate::attribute::{Attribute, BuiltinAttribute};
 use crate::emit::reads_occlusion;
-use crate::graph::{Graph, GraphError, NodeId};
+use crate::graph::{Graph, NodeId};
+use crate::graph_error::GraphError;
 use crate::schedule::{self, Dag};
 use crate::swizzle::Swizzle;
 use crate::value::ParameterType;

@@ -54,6 +54,9 @@ impl TextureType {
             None => file.text().to_owned(),
         };
         let outline = Outline::new(&text);
+        if let Some(problem) = refuse::too_deep(&file, &outline) {
+            return Err(problem.into());
+        }
         let mut problems = refuse::refused(&file, &outline);
         let (reads, read_problems) = reads::find_reads(&file, &outline);
         problems.extend(read_problems);
