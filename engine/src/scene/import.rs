@@ -31,7 +31,7 @@ pub use lights_cameras::default_camera;
 use super::{Material, Scene};
 use document::Document;
 use error::Warnings;
-use glam::{Affine3A, DAffine3, DMat3, DVec3};
+use glam::{Affine3A, DAffine3, DMat3};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::path::Path;
@@ -87,7 +87,7 @@ pub fn append(
             placement.matrix3.y_axis.as_dvec3(),
             placement.matrix3.z_axis.as_dvec3(),
         ),
-        translation: DVec3::from(placement.translation.as_dvec3()),
+        translation: placement.translation.as_dvec3(),
     };
     let Imported {
         scene: added,
@@ -97,15 +97,18 @@ pub fn append(
 }
 
 fn load_placed(path: &Path, placement: DAffine3) -> Result<Imported, ImportError> {
+    assemble(&Document::open(path)?, placement)
+}
+
+fn assemble(document: &Document, placement: DAffine3) -> Result<Imported, ImportError> {
     let mut warnings = Warnings::default();
-    let document = Document::open(path)?;
     document.warn_of_extensions(&mut warnings);
-    let nodes = hierarchy::resolve(&document, placement, &mut warnings)?;
-    let (mut materials, requests) = materials::read(&document, &mut warnings)?;
-    let (meshes, instances) = nodes::instances(&document, &nodes, &materials, &mut warnings)?;
-    let (lights, cameras) = nodes::lights_and_cameras(&document, &nodes, &mut warnings)?;
-    let images = images::load(&document, &requests)?;
-    let environment = environment::of_scene(&document, nodes.scene, &mut warnings)?;
+    let nodes = hierarchy::resolve(document, placement, &mut warnings)?;
+    let (mut materials, requests) = materials::read(document, &mut warnings)?;
+    let (meshes, instances) = nodes::instances(document, &nodes, &materials, &mut warnings)?;
+    let (lights, cameras) = nodes::lights_and_cameras(document, &nodes, &mut warnings)?;
+    let images = images::load(document, &requests)?;
+    let environment = environment::of_scene(document, nodes.scene, &mut warnings)?;
 
     // The stand-in for missing materials is last; it stays only where something uses it.
     let stand_in = materials.len() as u32 - 1;

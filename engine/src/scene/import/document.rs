@@ -2,6 +2,7 @@
 //!
 //! Everything else in this folder reads through [`Document`]; nothing else touches files, except the pictures.
 
+use super::accessor;
 use super::container;
 use super::error::{At as _, Fault, ImportError, Warnings};
 use super::files::{self, Source};
@@ -52,6 +53,11 @@ impl Document {
             path: path.to_owned(),
             source,
         })?;
+        Self::parse(path, file)
+    }
+
+    /// As [`open`](Self::open), for the bytes of a file that is already in memory.
+    pub(super) fn parse(path: &Path, file: Vec<u8>) -> Result<Self, ImportError> {
         let parts = container::split(&file).at(path, || "GLB container".into())?;
         let (root, environments) =
             parse_json(&file[parts.json.clone()]).map_err(|source| ImportError::Json {
@@ -68,7 +74,40 @@ impl Document {
         };
         document.check_extensions()?;
         document.load_buffers(parts.bin)?;
+        document.check_layout()?;
         Ok(document)
+    }
+
+    /// Checks all buffer views and accessors, also those that nothing shows: where one reaches beyond its data, the
+    /// file has been cut or its numbers are garbage, and what it shows can't be trusted either.
+    fn check_layout(&self) -> Result<(), ImportError> {
+        let place = || "binary data".to_owned();
+        for (index, view) in self.root.buffer_views.iter().enumerate() {
+            if !self.is_absent(view) {
+                self.view(index).map(drop).at(&self.path, place)?;
+            }
+        }
+        for (index, accessor) in self.root.accessors.iter().enumerate() {
+            let sparse = accessor.sparse.as_ref();
+            let mut views = accessor
+                .buffer_view
+                .into_iter()
+                .chain(
+                    sparse
+                        .into_iter()
+                        .flat_map(|sparse| [sparse.indices.buffer_view, sparse.values.buffer_view]),
+                )
+                .filter_map(|view| self.root.buffer_views.get(view.value()));
+            if !views.any(|view| self.is_absent(view)) && accessor::is_readable(accessor) {
+                self.accessor(index).map(drop).at(&self.path, place)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A buffer without data is legal as long as nothing reads it: it stands for what an extension would decompress.
+    fn is_absent(&self, view: &json::buffer::View) -> bool {
+        matches!(self.buffers.get(view.buffer.value()), Some(Buffer::Absent))
     }
 
     /// The folder that relative URIs start from.
@@ -229,6 +268,10 @@ fn parse_json(text: &[u8]) -> Result<(json::Root, Vec<Option<Value>>), serde_jso
                 scene.entry("nodes").or_insert_with(|| Value::Array(vec![]));
             }
         }
+    }
+    if let Value::Object(root) = &mut tree {
+        // Animations are not rendered, so they need not be valid.
+        root.remove("animations");
     }
     mend(&mut tree);
     match serde_json::from_value(tree) {

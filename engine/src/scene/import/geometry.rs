@@ -127,8 +127,10 @@ impl Builder<'_> {
             primitive,
             pose,
         };
-        let mut mesh = Mesh::default();
-        mesh.positions = source.positions(&positions, &used)?;
+        let mut mesh = Mesh {
+            positions: source.positions(&positions, &used)?,
+            ..Mesh::default()
+        };
 
         let kept = triangles::keep_usable(&mut list, &mesh.positions, &mut built.dropped);
         if list.is_empty() {
