@@ -159,6 +159,7 @@ impl Document {
         if replaced > u64::from(count) {
             return Err(format!("replaces {replaced} of {count} elements"));
         }
+        self.budget.take(replaced, 4)?;
         let indices = Accessor {
             count: replaced as u32,
             components: 1,

@@ -17,6 +17,7 @@ fn import(tree: Value) -> Result<Imported, ImportError> {
     assemble(
         &Document::parse(Path::new("dir/test.gltf"), text)?,
         DAffine3::IDENTITY,
+        true,
     )
 }
 
@@ -243,6 +244,30 @@ fn a_kilobyte_cannot_ask_for_gigabytes() {
     tree["meshes"][0]["primitives"] = vec![primitive; 1000].into();
     let message = error(tree);
     assert!(message.contains("MiB"), "{message}");
+}
+
+#[test]
+fn small_files_cannot_buy_much_time() {
+    // Many primitives, targets and nodes over the same few large things.
+    let mut tree = square();
+    tree["accessors"][1] = json!({ "componentType": 5126, "count": 1 << 20, "type": "VEC3", "sparse": {
+        "count": 4, "indices": { "bufferView": 0, "componentType": 5125 }, "values": { "bufferView": 1 },
+    } });
+    tree["buffers"][0] = buffer(&[0u32, 1, 2, 3].map(u32::to_le_bytes).concat().repeat(8));
+    tree["bufferViews"] =
+        json!([{ "buffer": 0, "byteLength": 16 }, { "buffer": 0, "byteLength": 64 }]);
+    tree["accessors"][0]["count"] = 4.into();
+    let target = json!({ "POSITION": 1 });
+    let primitive = json!({ "attributes": target, "targets": vec![target.clone(); 2000] });
+    tree["meshes"][0] = json!({ "weights": vec![1; 2000], "primitives": vec![primitive; 4] });
+    let long = "x".repeat(1 << 16);
+    tree["nodes"] = (0..2000)
+        .map(|_| json!({ "mesh": 0, "name": long }))
+        .collect();
+    let started = std::time::Instant::now();
+    let message = error(tree);
+    assert!(message.contains("MiB"), "{message}");
+    assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
 }
 
 #[test]
