@@ -4,7 +4,6 @@
 //! show. What the renderer cannot use (points, lines, degenerate triangles, NaN) ends here.
 
 use super::accessor::Accessor;
-use super::budget::Budget;
 use super::deform::{self, Pose};
 use super::document::Document;
 use super::error::{At as _, Fault, ImportError, Warnings};
@@ -16,6 +15,7 @@ use glam::{Vec2, Vec3, Vec4};
 use gltf::json;
 use json::mesh::{Mode, Semantic};
 use json::validation::Checked;
+use rayon::prelude::*;
 
 /// What a vertex costs with all its attributes.
 const VERTEX_BYTES: u64 = 72;
@@ -25,10 +25,10 @@ pub(super) struct Builder<'a> {
     pub(super) document: &'a Document,
     /// Materials of the file in its order; the last one stands in for primitives without one.
     pub(super) materials: &'a [Material],
-    pub(super) budget: &'a Budget,
 }
 
 /// A mesh and what was left out of it.
+#[derive(Default)]
 pub(super) struct Built {
     pub(super) mesh: Mesh,
     pub(super) dropped: Dropped,
@@ -46,32 +46,38 @@ pub(super) struct Dropped {
 impl Builder<'_> {
     /// Builds mesh `index` in the given pose.
     pub(super) fn build(&self, index: usize, pose: &Pose) -> Result<Built, ImportError> {
+        let path = &self.document.path;
         let source = self
             .document
             .root
             .meshes
             .get(index)
             .ok_or_else(|| "does not exist".to_owned())
-            .at(&self.document.path, || format!("mesh {index}"))?;
-        let name = source
-            .name
-            .clone()
-            .unwrap_or_else(|| format!("mesh {index}"));
-        let mut built = Built {
-            mesh: Mesh::default(),
-            dropped: Dropped::default(),
-            warnings: Warnings::default(),
-        };
-        let mut parts = Vec::with_capacity(source.primitives.len());
-        for (number, primitive) in source.primitives.iter().enumerate() {
-            self.check_compression(primitive)?;
-            let place = || format!("mesh {index} \"{name}\", primitive {number}");
-            let part = self
-                .part(primitive, pose, &place, &mut built)
-                .at(&self.document.path, place)?;
-            parts.extend(part);
+            .at(path, || format!("mesh {index}"))?;
+        let name = source.name.clone();
+        let name = name.unwrap_or_else(|| format!("mesh {index}"));
+        let parts = source
+            .primitives
+            .par_iter()
+            .enumerate()
+            .map(|(number, primitive)| {
+                self.check_compression(primitive)?;
+                let place = || format!("mesh {index} \"{name}\", primitive {number}");
+                let mut part = Built::default();
+                let mesh = self
+                    .part(primitive, pose, &place, &mut part)
+                    .at(path, place)?;
+                Ok((mesh, part))
+            })
+            .collect::<Result<Vec<_>, ImportError>>()?;
+        let mut built = Built::default();
+        let mut meshes = Vec::with_capacity(parts.len());
+        for (mesh, part) in parts {
+            meshes.extend(mesh);
+            built.dropped.add(part.dropped);
+            built.warnings.extend(part.warnings);
         }
-        built.mesh = merge(parts);
+        built.mesh = merge(meshes);
         built.mesh.name = name;
         Ok(built)
     }
@@ -112,7 +118,9 @@ impl Builder<'_> {
             ),
             None => triangles::Indices::Sequence(vertex_count),
         };
-        self.budget.take(indices.triangle_count(mode), 16)?;
+        self.document
+            .budget
+            .take(indices.triangle_count(mode), 16)?;
         let mut list = indices.triangles(mode, vertex_count)?;
         if indices.left_over(mode) {
             built
@@ -121,14 +129,16 @@ impl Builder<'_> {
         }
 
         let mut used = triangles::compact(&mut list, vertex_count);
-        self.budget.take(used.len() as u64, VERTEX_BYTES)?;
+        self.document.budget.take(used.len() as u64, VERTEX_BYTES)?;
         let source = deform::Source {
             document: self.document,
             primitive,
             pose,
         };
-        let mut mesh = Mesh::default();
-        mesh.positions = source.positions(&positions, &used)?;
+        let mut mesh = Mesh {
+            positions: source.positions(&positions, &used)?,
+            ..Mesh::default()
+        };
 
         let kept = triangles::keep_usable(&mut list, &mesh.positions, &mut built.dropped);
         if list.is_empty() {
@@ -263,7 +273,9 @@ impl Builder<'_> {
             .iter()
             .map(|&triangle| triangles::cross(triangle, &mesh.positions).normalize_or(Vec3::Z))
             .collect();
-        self.budget.take(3 * normals.len() as u64, VERTEX_BYTES)?;
+        self.document
+            .budget
+            .take(3 * normals.len() as u64, VERTEX_BYTES)?;
         let mut list = std::mem::take(&mut mesh.triangles);
         let (sources, normals) = split_vertices(mesh.positions.len(), &mut list, |t, _| normals[t]);
         reorder(mesh, &sources);
@@ -294,9 +306,12 @@ impl Builder<'_> {
                 place(),
                 texture.uv_set
             ));
+            let along = |&normal: &Vec3| tangents::sanitize(Vec4::ZERO, normal);
+            mesh.tangents = mesh.normals.iter().map(along).collect();
             return Ok(());
         }
-        self.budget
+        self.document
+            .budget
             .take(3 * mesh.triangles.len() as u64, VERTEX_BYTES)?;
         let mut list = std::mem::take(&mut mesh.triangles);
         let (sources, tangents) = tangents::generate(&mesh.positions, &mesh.normals, uv, &mut list);
@@ -313,15 +328,22 @@ impl Builder<'_> {
             .extensions
             .as_ref()
             .is_some_and(|extensions| extensions.others.contains_key(DRACO));
-        let has_copy = primitive.attributes.values().all(|index| {
-            self.document
-                .accessor(index.value())
-                .is_ok_and(|a| a.has_data())
-        });
-        if compressed && !has_copy {
+        let has_copy = |index: &json::Index<json::Accessor>| {
+            let accessor = self.document.accessor(index.value());
+            accessor.is_ok_and(|accessor| accessor.has_data())
+        };
+        if compressed && !primitive.attributes.values().all(has_copy) {
             return Err(self.document.unsupported(DRACO));
         }
         Ok(())
+    }
+}
+
+impl Dropped {
+    fn add(&mut self, other: Self) {
+        self.degenerate += other.degenerate;
+        self.non_finite += other.non_finite;
+        self.bad_values += other.bad_values;
     }
 }
 
