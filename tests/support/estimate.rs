@@ -64,9 +64,7 @@ impl Estimate {
             height,
             mean: pixels
                 .clone()
-                .map(|i| {
-                    std::array::from_fn(|c| (block(i, c, &self.mean, 1) / count) as f32)
-                })
+                .map(|i| std::array::from_fn(|c| (block(i, c, &self.mean, 1) / count) as f32))
                 .collect(),
             error: pixels
                 .map(|i| {
