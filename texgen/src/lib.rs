@@ -78,7 +78,7 @@ pub use graph_error::GraphError;
 pub use interface::{Parameter, Widget};
 pub use library::Library;
 pub use parse::PRELUDE;
-pub use program::{Program, link_word};
+pub use program::{Instruction, Program, link_word};
 pub use source_map::SourceMap;
 pub use suggest::did_you_mean;
 pub use swizzle::{Swizzle, SwizzleError};
