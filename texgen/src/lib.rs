@@ -51,6 +51,7 @@ mod diagnostic;
 mod emit;
 mod graph;
 mod graph_error;
+mod inline;
 mod interface;
 mod library;
 mod literal;
@@ -75,6 +76,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, Label, Location, Severity, SourceF
 pub use emit::{GeneratedKernel, HOST_STUB, LOOP_LIMIT};
 pub use graph::{Edit, Graph, Link, NodeId};
 pub use graph_error::GraphError;
+pub use inline::emit_inlined;
 pub use interface::{Parameter, Widget};
 pub use library::Library;
 pub use parse::PRELUDE;
