@@ -1,2 +1,41 @@
-//! patina
-fn main() {}
+//! The `patina` command: renders scenes, lists devices, measures traversal.
+//!
+//! This file only walks the path every invocation takes: raw flags ([`args`]) become a validated [`job`], the job
+//! is run by the file named after it, and what came of it becomes an exit code ([`exit`]). Nothing is decided here.
+
+mod args;
+mod bench;
+mod console;
+mod devices;
+mod exit;
+mod interrupt;
+mod job;
+mod library;
+mod output;
+mod progress;
+mod render;
+mod report;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::Args;
+use exit::Failure;
+use job::Job;
+
+fn main() -> ExitCode {
+    let args = match Args::try_parse() {
+        Ok(args) => args,
+        Err(answer) => return exit::with_clap(&answer),
+    };
+    exit::with(Job::from_args(args).map_err(Failure::from).and_then(run))
+}
+
+fn run(job: Job) -> Result<(), Failure> {
+    match job {
+        Job::Render(job) => render::run(&job),
+        Job::Devices => devices::run(),
+        Job::BenchTraverse(job) => bench::traverse(&job),
+    }
+}

@@ -2,4 +2,17 @@
 //!
 //! It knows `texgen`, never prints, and reports every failure as a value.
 
+pub mod alias;
+pub mod bench;
+pub mod bvh;
+pub mod film;
+pub mod frame;
+pub mod gpu;
+pub mod gpu_scene;
+pub mod load;
+pub mod passes;
+pub mod procedural;
+pub mod renderer;
 pub mod scene;
+pub mod stats;
+pub mod wave;

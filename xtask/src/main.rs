@@ -1,2 +1,177 @@
-//! xtask
-fn main() {}
+//! `cargo xtask`: everything a fresh machine needs, as commands that can be read.
+//!
+//! Kept free of dependencies (but for errors), as it is built before anything else can happen. What a command does
+//! is written here from top to bottom; how to run a step is in `steps`, how to find or install a Vulkan driver in
+//! `vulkan`.
+
+mod steps;
+mod vulkan;
+
+use std::env;
+use std::fs;
+use std::process::ExitCode;
+
+use anyhow::{Context, Result, bail};
+
+use steps::{Steps, cargo, root};
+
+/// Picture size and samples of the demo: about half a minute of rendering on two cores without a GPU.
+const DEMO_SIZE: &str = "960x540";
+const DEMO_SPP: &str = "48";
+/// The same scene for the README: nobody waits for it.
+const PICTURE_SIZE: &str = "1280x720";
+const PICTURE_SPP: &str = "512";
+
+const DEMO_SCENE: &str = "examples/demo/demo.gltf";
+const DEMO_LOOK: &str = "examples/demo/demo.look.toml";
+
+const USAGE: &str = "\
+Usage: cargo xtask <COMMAND>
+
+Commands:
+  demo          Render the example scene to out/demo.png and out/demo.exr
+  test          Check formatting, lints and documentation, and run all tests
+  test --full   The same with the tests that take long
+  pictures      Render the README's picture of the example scene to docs/images/
+
+Each of them first finds a Vulkan driver, or installs Mesa's on Debian and Ubuntu.";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let outcome = match arguments[..] {
+        ["demo"] => demo(),
+        ["test"] => test(false),
+        ["test", "--full"] => test(true),
+        ["pictures"] => pictures(),
+        ["help" | "--help" | "-h"] => {
+            println!("{USAGE}");
+            Ok(())
+        }
+        _ => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("\nerror: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// A fresh machine to a first picture.
+fn demo() -> Result<()> {
+    let mut steps = Steps::new();
+    steps.run("Vulkan driver", vulkan::ensure)?;
+    steps.run("Release build", || {
+        cargo(["build", "--release", "--package", "patina"]).run()
+    })?;
+    steps.run("Devices", || ensure_device(&["--release"]))?;
+    let out = root().join("out");
+    fs::create_dir_all(&out).with_context(|| format!("cannot create {}", out.display()))?;
+    steps.run("Render", || {
+        render(DEMO_SIZE, DEMO_SPP, &["out/demo.png", "out/demo.exr"])
+    })?;
+    steps.finish();
+    println!("The pictures are in");
+    for name in ["demo.png", "demo.exr"] {
+        println!("  {}", out.join(name).display());
+    }
+    Ok(())
+}
+
+/// Everything that must hold before a change is taken in.
+fn test(full: bool) -> Result<()> {
+    let mut steps = Steps::new();
+    steps.run("Vulkan driver", vulkan::ensure)?;
+    steps.run("Toolchain", ensure_components)?;
+    steps.run("Formatting", || cargo(["fmt", "--all", "--check"]).run())?;
+    steps.run("Lints", || {
+        cargo(["clippy", "--workspace", "--all-targets"])
+            .args(["--", "-D", "warnings"])
+            .run()
+    })?;
+    steps.run("Documentation", || {
+        cargo(["doc", "--workspace", "--no-deps"])
+            .env("RUSTDOCFLAGS", "-Dwarnings")
+            .run()
+    })?;
+    steps.run("Test build", || {
+        cargo(["test", "--workspace", "--no-run"]).run()
+    })?;
+    steps.run("Devices", || ensure_device(&[]))?;
+    let name = if full { "All tests" } else { "Tests" };
+    steps.run(name, || {
+        let tests = cargo(["test", "--workspace"]).env("PATINA_REQUIRE_DEVICE", "1");
+        if full {
+            tests.env("PATINA_FULL", "1").run()
+        } else {
+            tests.run()
+        }
+    })?;
+    steps.finish();
+    Ok(())
+}
+
+/// The README's picture of the example scene.
+fn pictures() -> Result<()> {
+    let mut steps = Steps::new();
+    steps.run("Vulkan driver", vulkan::ensure)?;
+    steps.run("Release build", || {
+        cargo(["build", "--release", "--package", "patina"]).run()
+    })?;
+    let images = root().join("docs/images");
+    fs::create_dir_all(&images).with_context(|| format!("cannot create {}", images.display()))?;
+    steps.run("docs/images/demo.png", || {
+        render(PICTURE_SIZE, PICTURE_SPP, &["docs/images/demo.png"])
+    })?;
+    steps.finish();
+    Ok(())
+}
+
+fn render(size: &str, spp: &str, outputs: &[&str]) -> Result<()> {
+    for input in [DEMO_SCENE, DEMO_LOOK] {
+        if !root().join(input).is_file() {
+            bail!("{input} is missing; is this a complete checkout?");
+        }
+    }
+    cargo(["run", "--release", "--quiet", "--package", "patina", "--"])
+        .args(["render", DEMO_SCENE, "--look", DEMO_LOOK])
+        .args(["--size", size, "--spp", spp, "--stats"])
+        .args(outputs.iter().flat_map(|output| ["-o", output]))
+        .run()
+}
+
+/// Lists the devices of the program just built. A driver may be installed and still find no device (a GPU's driver
+/// in a container without that GPU): Mesa's software driver is then added.
+fn ensure_device(profile: &[&str]) -> Result<()> {
+    let devices = || {
+        cargo(["run", "--quiet", "--package", "patina"])
+            .args(profile.iter().copied())
+            .args(["--", "devices"])
+            .run()
+    };
+    devices().or_else(|_| {
+        vulkan::install().context("the installed Vulkan drivers find no device that can render")?;
+        devices()
+    })
+}
+
+/// rustfmt and clippy, which a minimal toolchain lacks.
+fn ensure_components() -> Result<()> {
+    for (command, component) in [("fmt", "rustfmt"), ("clippy", "clippy")] {
+        if cargo([command, "--version"]).succeeds() {
+            continue;
+        }
+        steps::Step::new("rustup")
+            .args(["component", "add", component])
+            .run()
+            .with_context(|| {
+                format!("`cargo {command}` is missing; install the component {component} of your Rust toolchain")
+            })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,155 @@
+//! What is the same for every thread of a wave; the twin of `frame.wgsl`.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat3, Vec3};
+
+use crate::{
+    gpu_scene::GpuScene,
+    scene::{Camera, Projection},
+};
+
+/// `Frame` in `frame.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct Frame {
+    camera_right: Vec3,
+    width: u32,
+    camera_up: Vec3,
+    height: u32,
+    camera_back: Vec3,
+    blocks_x: u32,
+    camera_position: Vec3,
+    capacity: u32,
+    half_height: f32,
+    orthographic: u32,
+    aperture_radius: f32,
+    focus_distance: f32,
+    /// Padded pixel of slot 0.
+    pub first_pixel: u32,
+    /// Sample of slot 0.
+    pub first_sample: u32,
+    /// Paths in this wave.
+    pub wave_size: u32,
+    /// Pixels of all blocks of 8 x 8.
+    pub padded_pixels: u32,
+    seed: u32,
+    max_depth: u32,
+    light_count: u32,
+    environment_probability: f32,
+    environment_scale: [f32; 3],
+    environment_turn: f32,
+    environment_size: [u32; 2],
+    distribution_size: [u32; 2],
+    bounds_center: Vec3,
+    bounds_radius: f32,
+    pixel_spread: f32,
+    time: f32,
+    /// No path with this sample or a later one starts.
+    pub sample_limit: u32,
+    user_image_base: u32,
+}
+
+impl Frame {
+    /// Byte offset of each member, for comparison with its WGSL twin.
+    pub fn offsets() -> Vec<(&'static str, usize)> {
+        macro_rules! offsets {
+            ($($member:ident),* $(,)?) => { vec![$((stringify!($member), std::mem::offset_of!(Frame, $member))),*] };
+        }
+        offsets![
+            camera_right,
+            width,
+            camera_up,
+            height,
+            camera_back,
+            blocks_x,
+            camera_position,
+            capacity,
+            half_height,
+            orthographic,
+            aperture_radius,
+            focus_distance,
+            first_pixel,
+            first_sample,
+            wave_size,
+            padded_pixels,
+            seed,
+            max_depth,
+            light_count,
+            environment_probability,
+            environment_scale,
+            environment_turn,
+            environment_size,
+            distribution_size,
+            bounds_center,
+            bounds_radius,
+            pixel_spread,
+            time,
+            sample_limit,
+            user_image_base
+        ]
+    }
+}
+
+/// Pixels along the side of a block.
+const BLOCK: u32 = 8;
+
+impl Frame {
+    /// For a picture of a scene. `capacity` is the number of path slots of a wave.
+    pub fn new(
+        size: (u32, u32),
+        camera: &Camera,
+        max_depth: u32,
+        seed: u32,
+        capacity: u32,
+        scene: &GpuScene,
+    ) -> Self {
+        let (width, height) = size;
+        let blocks = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
+        let axes = Mat3::from(camera.transform.matrix3);
+        let (half_height, orthographic, pixel_spread) = match camera.projection {
+            Projection::Perspective { y_fov } => {
+                let half = (0.5 * y_fov).tan();
+                (half, 0, 2.0 * half / height as f32)
+            }
+            Projection::Orthographic { y_mag } => (y_mag, 1, 0.0),
+        };
+        let environment = &scene.environment;
+        let environment_probability = match (environment.emits, scene.light_count) {
+            (false, _) => 0.0,
+            (true, 0) => 1.0,
+            (true, _) => 0.5,
+        };
+        Self {
+            camera_right: axes.x_axis,
+            width,
+            camera_up: axes.y_axis,
+            height,
+            camera_back: axes.z_axis,
+            blocks_x: blocks.0,
+            camera_position: camera.transform.translation.into(),
+            capacity,
+            half_height,
+            orthographic,
+            aperture_radius: camera.aperture_radius,
+            focus_distance: camera.focus_distance,
+            first_pixel: 0,
+            first_sample: 0,
+            wave_size: 0,
+            padded_pixels: blocks.0 * blocks.1 * BLOCK * BLOCK,
+            seed,
+            max_depth,
+            light_count: scene.light_count,
+            environment_probability,
+            environment_scale: environment.scale,
+            environment_turn: environment.turn,
+            environment_size: environment.size,
+            distribution_size: environment.table_size,
+            bounds_center: scene.center,
+            bounds_radius: scene.radius,
+            pixel_spread,
+            time: 0.0,
+            sample_limit: 0,
+            user_image_base: scene.user_image_base,
+        }
+    }
+}

@@ -1,0 +1,428 @@
+//! The device: which adapters there are, one opened, and the errors that drivers report.
+//!
+//! Nothing here knows what is rendered.
+
+pub mod kernel;
+pub mod timing;
+pub mod wgsl;
+
+use std::sync::{
+    Arc, Mutex, OnceLock,
+    atomic::{AtomicU64, Ordering},
+};
+
+/// Storage buffers per stage that the passes need.
+const REQUIRED_STORAGE_BUFFERS: u32 = 8;
+/// Invocations per workgroup that the passes need.
+const REQUIRED_INVOCATIONS: u32 = 64;
+/// Bytes of one storage binding that the passes need at least.
+const REQUIRED_STORAGE_BINDING: u64 = 1 << 27;
+
+/// What the device or its driver refused.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum GpuError {
+    /// No adapter at all.
+    #[error(
+        "no graphics adapter was found; install a Vulkan driver (Debian/Ubuntu: `apt install mesa-vulkan-drivers libvulkan1`)"
+    )]
+    NoAdapter,
+    /// The choice matches no usable adapter.
+    #[error("no usable adapter matches `{wanted}`; there are:\n{available}")]
+    NotFound {
+        /// What was asked for.
+        wanted: String,
+        /// One adapter per line.
+        available: String,
+    },
+    /// The driver would not open the device.
+    #[error("the device `{name}` could not be opened: {reason}")]
+    Open {
+        /// Adapter.
+        name: String,
+        /// The driver's words.
+        reason: String,
+    },
+    /// A kernel failed to build.
+    #[error("kernel `{label}` failed to build:\n{message}")]
+    Kernel {
+        /// Kernel.
+        label: String,
+        /// Errors with file and line.
+        message: String,
+    },
+    /// A buffer or texture is larger than the device allows.
+    #[error("{what} needs {needed} bytes, but this device binds at most {limit}; {remedy}")]
+    TooLarge {
+        /// What does not fit.
+        what: String,
+        /// Bytes.
+        needed: u64,
+        /// Bytes.
+        limit: u64,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// An error that the driver reported while working.
+    #[error("the graphics driver reported an error: {0}")]
+    Driver(String),
+}
+
+/// One adapter of the machine.
+#[derive(Debug, Clone)]
+pub struct AdapterDescription {
+    /// Number to choose it by.
+    pub index: usize,
+    /// The driver's name for it.
+    pub name: String,
+    /// Vulkan, Metal or DX12.
+    pub backend: String,
+    /// Driver and its version.
+    pub driver: String,
+    /// `discrete GPU`, `integrated GPU`, `virtual GPU`, `CPU` or `other`.
+    pub device_type: String,
+    /// Bytes of the largest storage binding.
+    pub max_storage_binding: u64,
+    /// Bytes of the largest buffer.
+    pub max_buffer: u64,
+    /// Storage buffers that one kernel can bind.
+    pub storage_buffers_per_stage: u32,
+    /// Threads of the largest workgroup.
+    pub workgroup_invocations: u32,
+    /// Whether passes can be timed on the device.
+    pub timestamps: bool,
+    /// Why it can't be used, if it can't.
+    pub usable: Result<(), String>,
+}
+
+impl AdapterDescription {
+    fn new(index: usize, adapter: &wgpu::Adapter) -> Self {
+        let info = adapter.get_info();
+        let limits = adapter.limits();
+        let flags = adapter.get_downlevel_capabilities().flags;
+        let needs = wgpu::DownlevelFlags::COMPUTE_SHADERS
+            | wgpu::DownlevelFlags::INDIRECT_EXECUTION
+            | wgpu::DownlevelFlags::VIEW_FORMATS;
+        let usable = if !flags.contains(needs) {
+            Err("it lacks compute shaders, indirect dispatch or texture view formats".to_owned())
+        } else if limits.max_storage_buffers_per_shader_stage < REQUIRED_STORAGE_BUFFERS {
+            Err(format!(
+                "a kernel can bind {} storage buffers, {REQUIRED_STORAGE_BUFFERS} are needed",
+                limits.max_storage_buffers_per_shader_stage
+            ))
+        } else if limits.max_compute_invocations_per_workgroup < REQUIRED_INVOCATIONS {
+            Err(format!(
+                "workgroups hold {} threads, {REQUIRED_INVOCATIONS} are needed",
+                limits.max_compute_invocations_per_workgroup
+            ))
+        } else if limits.max_storage_buffer_binding_size < REQUIRED_STORAGE_BINDING {
+            Err(format!(
+                "storage bindings hold {} bytes, {REQUIRED_STORAGE_BINDING} are needed",
+                limits.max_storage_buffer_binding_size
+            ))
+        } else {
+            Ok(())
+        };
+        Self {
+            index,
+            name: info.name.clone(),
+            backend: info.backend.to_string(),
+            driver: format!("{} {}", info.driver, info.driver_info)
+                .trim()
+                .to_owned(),
+            device_type: device_type_name(info.device_type).to_owned(),
+            max_storage_binding: limits.max_storage_buffer_binding_size,
+            max_buffer: limits.max_buffer_size,
+            storage_buffers_per_stage: limits.max_storage_buffers_per_shader_stage,
+            workgroup_invocations: limits.max_compute_invocations_per_workgroup,
+            timestamps: adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY),
+            usable,
+        }
+    }
+}
+
+/// Which adapter to open.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum DeviceChoice {
+    /// Discrete before integrated before virtual before CPU.
+    #[default]
+    Best,
+    /// By [`AdapterDescription::index`].
+    Index(usize),
+    /// The best whose name contains this, letter case ignored.
+    Name(String),
+}
+
+/// An open device. Clones share it.
+#[derive(Debug, Clone)]
+pub struct Gpu {
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    description: AdapterDescription,
+    is_cpu: bool,
+    shader_modules_created: AtomicU64,
+    pipelines_created: AtomicU64,
+    first_error: Arc<Mutex<Option<String>>>,
+}
+
+impl Gpu {
+    /// All adapters of the machine, the usual choice first.
+    pub fn adapters() -> Vec<AdapterDescription> {
+        adapters_by_preference()
+            .iter()
+            .enumerate()
+            .map(|(i, a)| AdapterDescription::new(i, a))
+            .collect()
+    }
+
+    /// Opens an adapter with everything that it offers.
+    ///
+    /// # Errors
+    /// If there is none, none that fits the choice and the passes' needs, or the driver refuses.
+    pub fn new(choice: &DeviceChoice) -> Result<Self, GpuError> {
+        let adapters = adapters_by_preference();
+        let descriptions: Vec<_> = adapters
+            .iter()
+            .enumerate()
+            .map(|(i, a)| AdapterDescription::new(i, a))
+            .collect();
+        let chosen = descriptions.iter().find(|d| match choice {
+            DeviceChoice::Best => d.usable.is_ok(),
+            DeviceChoice::Index(index) => d.index == *index && d.usable.is_ok(),
+            DeviceChoice::Name(name) => {
+                d.name.to_lowercase().contains(&name.to_lowercase()) && d.usable.is_ok()
+            }
+        });
+        let Some(description) = chosen else {
+            if descriptions.is_empty() {
+                return Err(GpuError::NoAdapter);
+            }
+            let available = descriptions
+                .iter()
+                .map(|d| match &d.usable {
+                    Ok(()) => format!("  {}: {} ({}, {})", d.index, d.name, d.backend, d.driver),
+                    Err(why) => format!("  {}: {} (not usable: {why})", d.index, d.name),
+                })
+                .collect::<Vec<_>>()
+                .join("\n");
+            let wanted = match choice {
+                DeviceChoice::Best => "any".to_owned(),
+                DeviceChoice::Index(index) => index.to_string(),
+                DeviceChoice::Name(name) => name.clone(),
+            };
+            return Err(GpuError::NotFound { wanted, available });
+        };
+        Self::open(&adapters[description.index], description.clone())
+    }
+
+    fn open(adapter: &wgpu::Adapter, description: AdapterDescription) -> Result<Self, GpuError> {
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("patina"),
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        }))
+        .map_err(|e| GpuError::Open {
+            name: description.name.clone(),
+            reason: e.to_string(),
+        })?;
+        let first_error = Arc::new(Mutex::new(None));
+        let keep = |slot: &Arc<Mutex<Option<String>>>, message: String| {
+            if let Ok(mut first) = slot.lock() {
+                first.get_or_insert(message);
+            }
+        };
+        let slot = Arc::clone(&first_error);
+        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| keep(&slot, e.to_string())));
+        let slot = Arc::clone(&first_error);
+        device.set_device_lost_callback(move |reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                keep(&slot, format!("the device was lost: {message}"));
+            }
+        });
+        Ok(Self {
+            shared: Arc::new(Shared {
+                device,
+                queue,
+                is_cpu: adapter.get_info().device_type == wgpu::DeviceType::Cpu,
+                description,
+                shader_modules_created: AtomicU64::new(0),
+                pipelines_created: AtomicU64::new(0),
+                first_error,
+            }),
+        })
+    }
+
+    /// What was opened.
+    pub fn description(&self) -> &AdapterDescription {
+        &self.shared.description
+    }
+
+    /// The wgpu device.
+    pub fn device(&self) -> &wgpu::Device {
+        &self.shared.device
+    }
+
+    /// The wgpu queue.
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.shared.queue
+    }
+
+    /// Whether the "GPU" is a software driver.
+    pub fn is_cpu(&self) -> bool {
+        self.shared.is_cpu
+    }
+
+    /// Shader modules created since the device was opened.
+    pub fn shader_modules_created(&self) -> u64 {
+        self.shared.shader_modules_created.load(Ordering::Relaxed)
+    }
+
+    /// Pipelines created since the device was opened.
+    pub fn pipelines_created(&self) -> u64 {
+        self.shared.pipelines_created.load(Ordering::Relaxed)
+    }
+
+    /// The first error that the driver has reported since the last call.
+    ///
+    /// # Errors
+    /// That error.
+    pub fn check(&self) -> Result<(), GpuError> {
+        match self.shared.first_error.lock() {
+            Ok(mut first) => first
+                .take()
+                .map_or(Ok(()), |message| Err(GpuError::Driver(message))),
+            Err(_) => Ok(()),
+        }
+    }
+
+    /// Waits until the device has done all that was submitted.
+    ///
+    /// # Errors
+    /// What the driver reported.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        self.device()
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|e| GpuError::Driver(e.to_string()))?;
+        self.check()
+    }
+
+    /// A buffer holding `contents`, or one spare word where it is empty (bindings can't be empty).
+    ///
+    /// # Errors
+    /// If it is larger than one binding of this device.
+    pub fn storage_buffer(&self, label: &str, contents: &[u8]) -> Result<wgpu::Buffer, GpuError> {
+        let buffer =
+            self.empty_buffer(label, contents.len() as u64, wgpu::BufferUsages::STORAGE)?;
+        if !contents.is_empty() {
+            self.queue().write_buffer(&buffer, 0, contents);
+        }
+        Ok(buffer)
+    }
+
+    /// A zeroed buffer of at least 16 bytes with COPY_SRC and COPY_DST beside `usage`.
+    ///
+    /// # Errors
+    /// If it is larger than one binding of this device.
+    pub fn empty_buffer(
+        &self,
+        label: &str,
+        bytes: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, GpuError> {
+        let size = bytes.next_multiple_of(16).max(16);
+        let limit = self
+            .description()
+            .max_storage_binding
+            .min(self.description().max_buffer);
+        if size > limit {
+            return Err(GpuError::TooLarge {
+                what: label.to_owned(),
+                needed: size,
+                limit,
+                remedy: "use a smaller scene or picture, or a device with larger limits (see `patina devices`)",
+            });
+        }
+        Ok(self.device().create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage: usage | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        }))
+    }
+
+    /// Copies a range of a buffer back to the CPU and waits for it.
+    ///
+    /// # Errors
+    /// What the driver reported.
+    pub fn read_buffer(
+        &self,
+        buffer: &wgpu::Buffer,
+        offset: u64,
+        bytes: u64,
+    ) -> Result<Vec<u8>, GpuError> {
+        let staging = self.device().create_buffer(&wgpu::BufferDescriptor {
+            label: Some("read-back"),
+            size: bytes,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self
+            .device()
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                label: Some("read-back"),
+            });
+        encoder.copy_buffer_to_buffer(buffer, offset, &staging, 0, bytes);
+        self.queue().submit([encoder.finish()]);
+        let outcome = Arc::new(OnceLock::new());
+        let slot = Arc::clone(&outcome);
+        staging.map_async(wgpu::MapMode::Read, .., move |result| {
+            // Called once; a second value could only be the same.
+            let _ = slot.set(result);
+        });
+        self.wait()?;
+        match outcome.get() {
+            Some(Ok(())) => {}
+            Some(Err(e)) => return Err(GpuError::Driver(e.to_string())),
+            None => return Err(GpuError::Driver("a read-back did not finish".to_owned())),
+        }
+        let view = staging
+            .get_mapped_range(..)
+            .map_err(|e| GpuError::Driver(e.to_string()))?;
+        let data = view.to_vec();
+        drop(view);
+        staging.unmap();
+        Ok(data)
+    }
+}
+
+fn adapters_by_preference() -> Vec<wgpu::Adapter> {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::PRIMARY;
+    // wgpu's own checks of indirect dispatches cost a hidden pass each; our sizes are written by our own kernel.
+    descriptor.flags = wgpu::InstanceFlags::empty();
+    let instance = wgpu::Instance::new(descriptor);
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+    adapters.sort_by_key(|a| match a.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    });
+    adapters
+}
+
+fn device_type_name(kind: wgpu::DeviceType) -> &'static str {
+    match kind {
+        wgpu::DeviceType::DiscreteGpu => "discrete GPU",
+        wgpu::DeviceType::IntegratedGpu => "integrated GPU",
+        wgpu::DeviceType::VirtualGpu => "virtual GPU",
+        wgpu::DeviceType::Cpu => "CPU",
+        wgpu::DeviceType::Other => "other",
+    }
+}

@@ -1,0 +1,103 @@
+//! Composes kernels from the engine's WGSL files: `//!include FILE` lines are replaced by the file, each file once.
+//!
+//! A source map remembers where each line came from, so that an error points at the file that was written.
+
+use std::{collections::HashSet, ops::Range};
+
+use texgen::{GeneratedKernel, SourceMap};
+
+/// The text of a kernel and where its lines came from.
+#[derive(Debug, Clone, Default)]
+pub struct Source {
+    /// The composed WGSL.
+    pub text: String,
+    /// File and 1-based line of each line of `text`.
+    pub origins: Vec<(String, u32)>,
+    /// Where the generated kernel begins, and how its places map to the users' files.
+    generated: Option<(usize, SourceMap)>,
+}
+
+impl Source {
+    /// Composes the kernel whose root is `file`, a path below `passes/`.
+    ///
+    /// # Panics
+    /// If a file does not exist: the files are part of the program, and a test composes each kernel.
+    pub fn of(file: &str) -> Self {
+        let mut source = Self::default();
+        source.include(file, &mut HashSet::new());
+        source
+    }
+
+    /// Appends the generated texture kernel, whose lines belong to the users' files.
+    pub fn append_generated(&mut self, kernel: &GeneratedKernel) {
+        self.generated = Some((self.text.len(), kernel.source_map.clone()));
+        self.text.push_str(&kernel.wgsl);
+    }
+
+    /// An error's text with the place where it was written: `span` is a byte range of the composed text.
+    pub fn locate(&self, span: Range<usize>, message: &str) -> Option<String> {
+        if let Some((start, map)) = &self.generated
+            && span.start >= *start
+        {
+            return Some(
+                map.diagnostic(span.start - start..span.end - start, message)
+                    .render(),
+            );
+        }
+        let line = self.text.get(..span.start)?.matches('\n').count();
+        self.origins
+            .get(line)
+            .map(|(file, line)| format!("{file}:{line}: {message}"))
+    }
+
+    fn include(&mut self, file: &str, seen: &mut HashSet<String>) {
+        if !seen.insert(file.to_owned()) {
+            return;
+        }
+        let Some((_, text)) = FILES.iter().find(|(name, _)| *name == file) else {
+            panic!("`{file}` is not among the engine's WGSL files");
+        };
+        for (number, line) in text.lines().enumerate() {
+            if let Some(included) = line.strip_prefix("//!include ") {
+                self.include(included.trim(), seen);
+            } else {
+                self.text.push_str(line);
+                self.text.push('\n');
+                self.origins.push((file.to_owned(), number as u32 + 1));
+            }
+        }
+    }
+}
+
+macro_rules! files {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../passes/", $name)))),*]
+    };
+}
+
+/// Every WGSL file of the engine, by its path below `passes/`.
+const FILES: &[(&str, &str)] = files![
+    "shared/ao_tables.wgsl",
+    "shared/bsdf.wgsl",
+    "shared/environment.wgsl",
+    "shared/frame.wgsl",
+    "shared/geometry.wgsl",
+    "shared/images.wgsl",
+    "shared/lights.wgsl",
+    "shared/materials.wgsl",
+    "shared/paths.wgsl",
+    "shared/programs.wgsl",
+    "shared/queues.wgsl",
+    "shared/random.wgsl",
+    "shared/rays.wgsl",
+    "shared/surface.wgsl",
+    "shared/traversal.wgsl",
+    "accumulate/accumulate.wgsl",
+    "advance/advance.wgsl",
+    "ao/ao.wgsl",
+    "brdf/brdf.wgsl",
+    "classify/classify.wgsl",
+    "proctex/proctex.wgsl",
+    "raygen/raygen.wgsl",
+    "traverse/traverse.wgsl",
+];

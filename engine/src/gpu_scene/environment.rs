@@ -1,0 +1,170 @@
+//! The environment on the GPU: its picture and the alias table by which directions are sampled.
+
+use crate::{
+    alias::alias_table,
+    gpu::{Gpu, GpuError},
+    scene::{Environment, FloatImage},
+};
+
+use super::images::filled_texture;
+
+/// Largest sampling table; larger pictures are summed up into its cells.
+const MAX_TABLE: (u32, u32) = (1024, 512);
+/// Rows of the table of a constant environment: enough to follow the sine of the polar angle.
+const CONSTANT_ROWS: u32 = 256;
+
+/// The environment as kernels see it.
+#[derive(Debug)]
+pub struct GpuEnvironment {
+    /// `environment_image`.
+    pub image: wgpu::TextureView,
+    /// `environment_table`.
+    pub table: wgpu::TextureView,
+    /// Texels of the picture.
+    pub size: [u32; 2],
+    /// Cells of the table.
+    pub table_size: [u32; 2],
+    /// Factor on the picture.
+    pub scale: [f32; 3],
+    /// Rotation / 360°.
+    pub turn: f32,
+    /// Whether any light comes from it.
+    pub emits: bool,
+}
+
+impl GpuEnvironment {
+    /// Uploads the environment.
+    ///
+    /// # Errors
+    /// If the picture is larger than the device allows.
+    pub fn new(gpu: &Gpu, environment: &Environment) -> Result<Self, GpuError> {
+        match environment {
+            Environment::Constant(radiance) => {
+                let white = FloatImage {
+                    width: 1,
+                    height: 1,
+                    rgb: vec![[1.0; 3]],
+                };
+                let weights: Vec<f64> = (0..CONSTANT_ROWS)
+                    .map(|j| row_sine(j, CONSTANT_ROWS))
+                    .collect();
+                let emits = radiance.max_element() > 0.0;
+                Self::upload(
+                    gpu,
+                    &white,
+                    [1, CONSTANT_ROWS],
+                    &weights,
+                    radiance.to_array(),
+                    0.0,
+                    emits,
+                )
+            }
+            Environment::Image {
+                image,
+                rotation,
+                intensity,
+            } => {
+                let limit = gpu.device().limits().max_texture_dimension_2d;
+                if image.width.max(image.height) > limit {
+                    return Err(GpuError::TooLarge {
+                        what: "the environment picture's side".to_owned(),
+                        needed: u64::from(image.width.max(image.height)),
+                        limit: u64::from(limit),
+                        remedy: "reduce the picture",
+                    });
+                }
+                let table = [image.width.min(MAX_TABLE.0), image.height.min(MAX_TABLE.1)];
+                let weights = table_weights(image, table);
+                let emits = *intensity > 0.0 && weights.iter().any(|&w| w > 0.0);
+                Self::upload(
+                    gpu,
+                    image,
+                    table,
+                    &weights,
+                    [*intensity; 3],
+                    rotation / 360.0,
+                    emits,
+                )
+            }
+        }
+    }
+
+    fn upload(
+        gpu: &Gpu,
+        image: &FloatImage,
+        table_size: [u32; 2],
+        weights: &[f64],
+        scale: [f32; 3],
+        turn: f32,
+        emits: bool,
+    ) -> Result<Self, GpuError> {
+        let texels: Vec<[f32; 4]> = image.rgb.iter().map(|c| [c[0], c[1], c[2], 1.0]).collect();
+        let cells: Vec<[u32; 4]> = alias_table(weights)
+            .iter()
+            .map(|c| {
+                [
+                    c.alias,
+                    c.threshold.to_bits(),
+                    (c.probability * weights.len() as f32).to_bits(),
+                    0,
+                ]
+            })
+            .collect();
+        let float = wgpu::TextureFormat::Rgba32Float;
+        let uint = wgpu::TextureFormat::Rgba32Uint;
+        Ok(Self {
+            image: filled_texture(
+                gpu,
+                "environment image",
+                image.width,
+                image.height,
+                float,
+                bytemuck::cast_slice(&texels),
+            ),
+            table: filled_texture(
+                gpu,
+                "environment table",
+                table_size[0],
+                table_size[1],
+                uint,
+                bytemuck::cast_slice(&cells),
+            ),
+            size: [image.width, image.height],
+            table_size,
+            scale,
+            turn: turn.rem_euclid(1.0),
+            emits,
+        })
+    }
+}
+
+/// Sine of the polar angle in the middle of a row.
+fn row_sine(row: u32, rows: u32) -> f64 {
+    ((f64::from(row) + 0.5) / f64::from(rows) * std::f64::consts::PI).sin()
+}
+
+/// Luminance times solid angle of each cell. Texels are spread as bilinear interpolation spreads them, so that no
+/// direction with light has a pdf of zero.
+fn table_weights(image: &FloatImage, table: [u32; 2]) -> Vec<f64> {
+    let (w, h) = (image.width as i64, image.height as i64);
+    let luminance = |x: i64, y: i64| {
+        let [r, g, b] = image.rgb[(y.clamp(0, h - 1) * w + x.rem_euclid(w)) as usize];
+        f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b)
+    };
+    let mut weights = vec![0.0; (table[0] * table[1]) as usize];
+    for y in 0..h {
+        let row = (y * i64::from(table[1]) / h) as u32;
+        let sine = row_sine(row, table[1]);
+        for x in 0..w {
+            let column = (x * i64::from(table[0]) / w) as u32;
+            let mut sum = 0.0;
+            for (dy, wy) in [(-1, 1.0), (0, 2.0), (1, 1.0)] {
+                for (dx, wx) in [(-1, 1.0), (0, 2.0), (1, 1.0)] {
+                    sum += wx * wy * luminance(x + dx, y + dy);
+                }
+            }
+            weights[(row * table[0] + column) as usize] += sum * sine;
+        }
+    }
+    weights
+}

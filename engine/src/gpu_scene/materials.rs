@@ -1,0 +1,179 @@
+//! Materials as the kernels read them.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use crate::scene::{AlphaMode, Filter, Material, Sampler, TextureRef, Wrap};
+
+/// No texture.
+const IMAGE_NONE: u32 = u32::MAX;
+
+const DOUBLE_SIDED: u32 = 1;
+const UNLIT: u32 = 2;
+const MASK: u32 = 4;
+const BLEND: u32 = 8;
+const PROGRAM: u32 = 16;
+const PROGRAM_EMITS: u32 = 32;
+
+/// Bits of a texture program's head that mean that the material's emission depends on it (`programs.wgsl`).
+pub const HEAD_EMITS: u32 = 1 << 31 | 1 << 3;
+
+/// `TextureSlot` in `materials.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct GpuTextureSlot {
+    row_u: Vec3,
+    image: u32,
+    row_v: Vec3,
+    sampler: u32,
+}
+
+impl GpuTextureSlot {
+    fn new(texture: Option<&TextureRef>) -> Self {
+        match texture {
+            None => Self {
+                row_u: Vec3::X,
+                image: IMAGE_NONE,
+                row_v: Vec3::Y,
+                sampler: 0,
+            },
+            Some(t) => Self {
+                row_u: t.transform[0],
+                image: t.image,
+                row_v: t.transform[1],
+                sampler: sampler_bits(&t.sampler) | if t.uv_set == 1 { 32 } else { 0 },
+            },
+        }
+    }
+}
+
+/// `Material` in `materials.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct GpuMaterial {
+    base_color: [f32; 4],
+    emission: Vec3,
+    /// Set by the lights: pdf per area of a light sample.
+    pub light_pdf: f32,
+    specular_color: Vec3,
+    specular: f32,
+    metallic: f32,
+    roughness: f32,
+    dielectric_f0: f32,
+    alpha_cutoff: f32,
+    normal_scale: f32,
+    flags: u32,
+    spare: [u32; 2],
+    textures: [GpuTextureSlot; 6],
+}
+
+impl GpuMaterial {
+    /// Byte offset of each member, for comparison with its WGSL twin.
+    pub fn offsets() -> Vec<(&'static str, usize)> {
+        macro_rules! offsets {
+            ($($member:ident),* $(,)?) => { vec![$((stringify!($member), std::mem::offset_of!(GpuMaterial, $member))),*] };
+        }
+        offsets![
+            base_color,
+            emission,
+            light_pdf,
+            specular_color,
+            specular,
+            metallic,
+            roughness,
+            dielectric_f0,
+            alpha_cutoff,
+            normal_scale,
+            flags,
+            textures
+        ]
+    }
+}
+
+impl GpuMaterial {
+    /// `head_flags` is the second word of the material's head among the texture programs; 0 without one.
+    pub fn new(material: &Material, head_flags: u32) -> Self {
+        let ratio = (material.ior - 1.0) / (material.ior + 1.0);
+        let mut flags = 0;
+        if material.double_sided {
+            flags |= DOUBLE_SIDED;
+        }
+        if material.unlit {
+            flags |= UNLIT;
+        }
+        let alpha_cutoff = match material.alpha_mode {
+            AlphaMode::Opaque => 0.0,
+            AlphaMode::Mask { cutoff } => {
+                flags |= MASK;
+                cutoff
+            }
+            AlphaMode::Blend => {
+                flags |= BLEND;
+                0.0
+            }
+        };
+        flags |= program_flags(head_flags);
+        Self {
+            base_color: material.base_color.to_array(),
+            emission: material.emission,
+            light_pdf: 0.0,
+            specular_color: material.specular_color,
+            specular: material.specular,
+            metallic: material.metallic,
+            roughness: material.roughness,
+            dielectric_f0: ratio * ratio,
+            alpha_cutoff,
+            normal_scale: material.normal_scale,
+            flags,
+            spare: [0; 2],
+            textures: [
+                &material.base_color_texture,
+                &material.metallic_roughness_texture,
+                &material.normal_texture,
+                &material.emission_texture,
+                &material.specular_texture,
+                &material.specular_color_texture,
+            ]
+            .map(|t| GpuTextureSlot::new(t.as_ref())),
+        }
+    }
+}
+
+/// Byte offset of the flags in a [`GpuMaterial`].
+pub const FLAGS_OFFSET: u64 = std::mem::offset_of!(GpuMaterial, flags) as u64;
+
+/// The flags of a material that follow from its texture program's head.
+pub fn program_flags(head_flags: u32) -> u32 {
+    let mut flags = 0;
+    if head_flags != 0 {
+        flags |= PROGRAM;
+    }
+    if head_flags & HEAD_EMITS != 0 {
+        flags |= PROGRAM_EMITS;
+    }
+    flags
+}
+
+/// Whether a hit may be transparent, so that its alpha must be looked up during traversal.
+pub fn needs_alpha(material: &Material, has_vertex_colors: bool) -> bool {
+    let varies = material.base_color_texture.is_some() || has_vertex_colors;
+    match material.alpha_mode {
+        AlphaMode::Opaque => false,
+        AlphaMode::Mask { cutoff } => varies || material.base_color.w < cutoff,
+        AlphaMode::Blend => varies || material.base_color.w < 1.0,
+    }
+}
+
+/// Sampler bits of `images.wgsl`.
+pub fn sampler_bits(sampler: &Sampler) -> u32 {
+    let wrap = |w: Wrap| match w {
+        Wrap::Repeat => 0,
+        Wrap::Mirror => 1,
+        Wrap::Clamp => 2,
+    };
+    let filter = match sampler.filter {
+        Filter::Linear => 0,
+        Filter::Nearest => 16,
+    };
+    wrap(sampler.wrap_u) | wrap(sampler.wrap_v) << 2 | filter
+}

@@ -1,0 +1,338 @@
+//! A scene on the GPU: buffers and textures in the layout of `geometry.wgsl`, `materials.wgsl`, `lights.wgsl` and
+//! `environment.wgsl`. Made once; live edits of textures do not touch it.
+
+pub mod environment;
+pub mod images;
+pub mod lights;
+pub mod materials;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
+
+use crate::{
+    bvh::{BvhError, SceneBvh},
+    gpu::{Gpu, GpuError, kernel::Resources},
+    scene::{Mesh, Scene, TextureRef},
+};
+
+use self::{
+    environment::GpuEnvironment, images::GpuImages, lights::GpuLight, materials::GpuMaterial,
+};
+
+const TRIANGLE_ALPHA: u32 = 1 << 31;
+const TRIANGLE_HAS_UV: u32 = 1 << 30;
+const TRIANGLE_HAS_EXTRA: u32 = 1 << 29;
+const TRIANGLE_HAS_TANGENT: u32 = 1 << 28;
+const TRIANGLE_HAS_COLOR: u32 = 1 << 27;
+/// Materials that a triangle's word can name.
+const MAX_MATERIALS: usize = 1 << 24;
+
+/// Why a scene could not be put on the GPU.
+#[derive(Debug, thiserror::Error)]
+pub enum GpuSceneError {
+    /// No hierarchy.
+    #[error(transparent)]
+    Bvh(#[from] BvhError),
+    /// Too large, or refused by the driver.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// More materials than fit.
+    #[error("the scene has {0} materials, more than the {MAX_MATERIALS} that are supported")]
+    TooManyMaterials(usize),
+}
+
+/// `Instance` in `geometry.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct GpuInstance {
+    world_from_object: [[f32; 4]; 3],
+    object_from_world: [[f32; 4]; 3],
+    root: u32,
+    handedness: f32,
+    random: f32,
+    source: u32,
+}
+
+impl GpuInstance {
+    /// Byte offset of each member, for comparison with its WGSL twin.
+    pub fn offsets() -> Vec<(&'static str, usize)> {
+        macro_rules! offsets {
+            ($($member:ident),* $(,)?) => { vec![$((stringify!($member), std::mem::offset_of!(GpuInstance, $member))),*] };
+        }
+        offsets![
+            world_from_object,
+            object_from_world,
+            root,
+            handedness,
+            random,
+            source
+        ]
+    }
+}
+
+/// What a scene uses: kernels are compiled without what it doesn't.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SceneFeatures {
+    /// Some surface may be transparent.
+    pub alpha: bool,
+    /// Some material has an image.
+    pub textures: bool,
+    /// Light comes from the environment.
+    pub environment: bool,
+}
+
+impl SceneFeatures {
+    /// Values of the kernels' `override` constants.
+    pub fn constants(&self) -> [(&'static str, f64); 3] {
+        [
+            ("has_alpha", f64::from(u8::from(self.alpha))),
+            ("has_textures", f64::from(u8::from(self.textures))),
+            ("has_environment", f64::from(u8::from(self.environment))),
+        ]
+    }
+}
+
+/// What the frame needs to know about the scene, and its memory.
+#[derive(Debug)]
+pub struct GpuScene {
+    /// Entries of the light table.
+    pub light_count: u32,
+    /// What the kernels must be able to do.
+    pub features: SceneFeatures,
+    /// The environment's numbers.
+    pub environment: GpuEnvironment,
+    /// Centre of a sphere around the scene, metres.
+    pub center: Vec3,
+    /// Its radius, metres.
+    pub radius: f32,
+    /// Row of the image table where the images of texture arguments begin.
+    pub user_image_base: u32,
+    /// Bytes of the image layers.
+    pub image_bytes: u64,
+}
+
+impl GpuScene {
+    /// Uploads the scene and names its resources. `head_flags` gives the flags of a material's texture program head,
+    /// `arguments` the images of texture arguments.
+    ///
+    /// # Errors
+    /// If the scene is empty or exceeds what the device can bind.
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        arguments: &[TextureRef],
+        head_flags: impl Fn(u32) -> u32,
+        resources: &mut Resources,
+    ) -> Result<Self, GpuSceneError> {
+        if scene.materials.len() > MAX_MATERIALS {
+            return Err(GpuSceneError::TooManyMaterials(scene.materials.len()));
+        }
+        let bvh = SceneBvh::build(scene)?;
+        let (lo, hi) = scene.bounds().ok_or(BvhError::Empty)?;
+        let center = (lo + hi) * 0.5;
+        let radius = (0.5 * (hi - lo).length()).max(1e-6);
+
+        let mut materials: Vec<GpuMaterial> = scene
+            .materials
+            .iter()
+            .enumerate()
+            .map(|(i, m)| GpuMaterial::new(m, head_flags(i as u32)))
+            .collect();
+        let driven = |m: u32| head_flags(m) & materials::HEAD_EMITS != 0;
+        let lights: Vec<GpuLight> = lights::gather(scene, &bvh, radius, driven, &mut materials);
+        let (triangles, vertices) = geometry(scene, &bvh);
+        let images = GpuImages::new(gpu, scene, arguments)?;
+        let environment = GpuEnvironment::new(gpu, &scene.environment)?;
+
+        resources.set_buffer(
+            "nodes",
+            gpu.storage_buffer("the geometry's hierarchy", bytemuck::cast_slice(&bvh.nodes))?,
+        );
+        resources.set_buffer(
+            "triangles",
+            gpu.storage_buffer("triangles", bytemuck::cast_slice(&triangles))?,
+        );
+        resources.set_buffer(
+            "vertices",
+            gpu.storage_buffer("vertices", bytemuck::cast_slice(&vertices))?,
+        );
+        resources.set_buffer(
+            "instances",
+            gpu.storage_buffer("instances", bytemuck::cast_slice(&instances(scene, &bvh)))?,
+        );
+        resources.set_buffer(
+            "materials",
+            gpu.storage_buffer("materials", bytemuck::cast_slice(&materials))?,
+        );
+        // At least one entry, so that the array binding is never shorter than its element.
+        let light_bytes = if lights.is_empty() {
+            vec![0; size_of::<GpuLight>()]
+        } else {
+            bytemuck::cast_slice(&lights).to_vec()
+        };
+        resources.set_buffer("lights", gpu.storage_buffer("lights", &light_bytes)?);
+        resources.set_view("image_table", images.table.clone());
+        resources.set_view("image_layers", images.layers.clone());
+        resources.set_view("image_layers_srgb", images.layers_srgb.clone());
+        resources.set_view("environment_image", environment.image.clone());
+        resources.set_view("environment_table", environment.table.clone());
+        Ok(Self {
+            light_count: lights.len() as u32,
+            features: SceneFeatures {
+                alpha: triangles.iter().any(|t| t[3] & TRIANGLE_ALPHA != 0),
+                textures: !scene.images.is_empty(),
+                environment: environment.emits,
+            },
+            environment,
+            center,
+            radius,
+            user_image_base: images.user_base,
+            image_bytes: images.bytes,
+        })
+    }
+}
+
+fn instances(scene: &Scene, bvh: &SceneBvh) -> Vec<GpuInstance> {
+    bvh.instance_order
+        .iter()
+        .map(|&source| {
+            let instance = &scene.instances[source as usize];
+            GpuInstance {
+                world_from_object: rows(&instance.transform),
+                object_from_world: rows(&inverse(&instance.transform)),
+                // Instances of empty meshes are not in the order.
+                root: bvh.mesh_roots[instance.mesh as usize].unwrap_or(0),
+                handedness: lights::handedness(&glam::Mat3::from(instance.transform.matrix3)),
+                random: object_random(source),
+                source,
+            }
+        })
+        .collect()
+}
+
+/// In double precision: strongly scaled instances would lose digits.
+fn inverse(transform: &Affine3A) -> Affine3A {
+    let wide = glam::DAffine3::from_mat3_translation(
+        glam::Mat3::from(transform.matrix3).as_dmat3(),
+        Vec3::from(transform.translation).as_dvec3(),
+    )
+    .inverse();
+    Affine3A::from_mat3_translation(wide.matrix3.as_mat3(), wide.translation.as_vec3())
+}
+
+fn rows(a: &Affine3A) -> [[f32; 4]; 3] {
+    let m = a.matrix3;
+    let t = a.translation;
+    std::array::from_fn(|i| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]])
+}
+
+/// A number in [0, 1) that belongs to an instance.
+fn object_random(index: u32) -> f32 {
+    let mut v = index.wrapping_mul(0x9e37_79b9).wrapping_add(0x7f4a_7c15);
+    v = (v ^ (v >> 16)).wrapping_mul(0x7feb_352d);
+    v = (v ^ (v >> 15)).wrapping_mul(0x846c_a68b);
+    ((v ^ (v >> 16)) >> 8) as f32 / (1 << 24) as f32
+}
+
+/// Triangles in hierarchy order, and the heap of vertices: each mesh has records of one to three `vec4u`.
+fn geometry(scene: &Scene, bvh: &SceneBvh) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
+    let mut triangles = Vec::with_capacity(scene.meshes.iter().map(|m| m.triangles.len()).sum());
+    let mut vertices = Vec::new();
+    for (mesh, order) in scene.meshes.iter().zip(&bvh.triangle_order) {
+        if order.is_empty() {
+            continue;
+        }
+        let base = vertices.len() as u32;
+        let layout = VertexLayout::of(mesh);
+        layout.append(mesh, &mut vertices);
+        let has_colors = !mesh.colors.is_empty();
+        for &t in order {
+            let [a, b, c] = mesh.triangles[t as usize].map(|v| base + v * layout.stride);
+            let material = mesh.triangle_materials[t as usize];
+            let alpha = materials::needs_alpha(&scene.materials[material as usize], has_colors);
+            let alpha = if alpha { TRIANGLE_ALPHA } else { 0 };
+            triangles.push([a, b, c, material | layout.flags | alpha]);
+        }
+    }
+    (triangles, vertices)
+}
+
+struct VertexLayout {
+    stride: u32,
+    flags: u32,
+}
+
+impl VertexLayout {
+    fn of(mesh: &Mesh) -> Self {
+        let mut flags = 0;
+        let mut stride = 1;
+        if !mesh.uv0.is_empty() || !mesh.tangents.is_empty() {
+            flags |= TRIANGLE_HAS_UV;
+            stride = 2;
+        }
+        if !mesh.uv1.is_empty() || !mesh.colors.is_empty() {
+            flags |= TRIANGLE_HAS_UV | TRIANGLE_HAS_EXTRA;
+            stride = 3;
+        }
+        if !mesh.tangents.is_empty() {
+            flags |= TRIANGLE_HAS_TANGENT;
+        }
+        if !mesh.colors.is_empty() {
+            flags |= TRIANGLE_HAS_COLOR;
+        }
+        Self { stride, flags }
+    }
+
+    fn append(&self, mesh: &Mesh, heap: &mut Vec<[u32; 4]>) {
+        heap.reserve(mesh.positions.len() * self.stride as usize);
+        for (i, p) in mesh.positions.iter().enumerate() {
+            let normal = mesh.normals.get(i).copied().unwrap_or(Vec3::Y);
+            heap.push([
+                p.x.to_bits(),
+                p.y.to_bits(),
+                p.z.to_bits(),
+                octahedral(normal),
+            ]);
+            if self.stride >= 2 {
+                let uv = mesh.uv0.get(i).copied().unwrap_or(Vec2::ZERO);
+                let tangent = mesh.tangents.get(i).copied().unwrap_or(Vec4::X);
+                heap.push([
+                    uv.x.to_bits(),
+                    uv.y.to_bits(),
+                    octahedral(tangent.truncate()),
+                    u32::from(tangent.w >= 0.0),
+                ]);
+            }
+            if self.stride >= 3 {
+                let uv = mesh.uv1.get(i).copied().unwrap_or(Vec2::ZERO);
+                let color = mesh.colors.get(i).copied().unwrap_or(Vec4::ONE);
+                heap.push([
+                    uv.x.to_bits(),
+                    uv.y.to_bits(),
+                    unorm16(color.x, color.y),
+                    unorm16(color.z, color.w),
+                ]);
+            }
+        }
+    }
+}
+
+fn unorm16(x: f32, y: f32) -> u32 {
+    let q = |v: f32| (v.clamp(0.0, 1.0) * 65535.0 + 0.5) as u32;
+    q(x) | q(y) << 16
+}
+
+/// A unit vector as two signed 16-bit numbers; `octahedral_decode` in `geometry.wgsl`.
+fn octahedral(v: Vec3) -> u32 {
+    let sum = v.abs().element_sum();
+    if !(sum > 0.0 && sum.is_finite()) {
+        return octahedral(Vec3::Y);
+    }
+    let mut e = Vec2::new(v.x, v.y) / sum;
+    if v.z < 0.0 {
+        let sign = |s: f32| if s >= 0.0 { 1.0 } else { -1.0 };
+        e = Vec2::new((1.0 - e.y.abs()) * sign(e.x), (1.0 - e.x.abs()) * sign(e.y));
+    }
+    let q = |x: f32| u32::from((x.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
+    q(e.x) | q(e.y) << 16
+}

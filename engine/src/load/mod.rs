@@ -1,0 +1,191 @@
+//! Everything that is rendered, from files: a glTF scene, a look and user textures become a [`Loaded`].
+//!
+//! This is the order in which the readers are called, and nothing more. No GPU here.
+
+mod camera;
+mod include;
+
+use std::path::{Path, PathBuf};
+
+use texgen::{Diagnostic, Diagnostics, SourceFile, did_you_mean};
+
+use crate::procedural::{Procedural, SourcesError, TextureSources};
+use crate::scene::import::{self, ImportError, Imported};
+use crate::scene::look::{EnvironmentLook, Look, LookError, Spanned};
+use crate::scene::{Camera, Environment, Scene};
+
+/// A scene ready to be uploaded.
+#[derive(Debug)]
+pub struct Loaded {
+    /// The glTF scene with includes, environment and material constants of the look.
+    pub scene: Scene,
+    /// The texture graph; empty without a look.
+    pub procedural: Procedural,
+    /// The look's camera; without one the first camera of the file, or a view of the whole scene.
+    pub camera: Camera,
+    /// The look itself, where there is one.
+    pub look: Option<Look>,
+    /// Sentences about what is shown differently from what the files say.
+    pub warnings: Vec<String>,
+}
+
+/// Why a scene can't be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// The scene itself.
+    #[error(transparent)]
+    Import(#[from] ImportError),
+    /// The look, or something it names.
+    #[error(transparent)]
+    Look(#[from] LookError),
+    /// The textures directories.
+    #[error(transparent)]
+    Textures(#[from] SourcesError),
+    /// Nothing to render.
+    #[error("{} has no triangles: there is nothing to render", path.display())]
+    Empty {
+        /// The scene.
+        path: PathBuf,
+    },
+    /// No camera of that name.
+    #[error("there is no camera called `{name}`: {remedy}")]
+    UnknownCamera {
+        /// As asked for.
+        name: String,
+        /// What there is.
+        remedy: String,
+    },
+}
+
+/// Reads a glTF scene, the look beside it, and the user textures that the look uses from some directories (where two
+/// have one of the same name, the later one's).
+///
+/// # Errors
+/// Whatever is wrong with the files, all mistakes of the look at once, and a scene without triangles.
+pub fn load(scene: &Path, look: Option<&Path>, textures: &[PathBuf]) -> Result<Loaded, LoadError> {
+    let path = scene;
+    // First what is small, so that a mistake in the look doesn't wait for a large scene.
+    let look = look.map(Look::load).transpose()?;
+    let uses_textures = look.as_ref().is_some_and(|look| !look.nodes.is_empty());
+    let sources = if uses_textures {
+        TextureSources::scan(textures)?
+    } else {
+        TextureSources::default()
+    };
+    let Imported {
+        mut scene,
+        mut warnings,
+    } = import::load(path)?;
+
+    let camera = match &look {
+        Some(look) => apply(look, &mut scene, &mut warnings)?,
+        None => first_camera(&scene),
+    };
+    if scene.instances.is_empty() {
+        return Err(LoadError::Empty {
+            path: path.to_owned(),
+        });
+    }
+    let nothing = Look::empty(Path::new(""), SourceFile::new("look", "", ""));
+    let procedural = Procedural::build(look.as_ref().unwrap_or(&nothing), &mut scene, &sources)
+        .map_err(LookError::from)?;
+    warnings.extend(
+        procedural
+            .warnings()
+            .iter()
+            .map(|w| w.render().trim_end().to_owned()),
+    );
+    Ok(Loaded {
+        scene,
+        procedural,
+        camera,
+        look,
+        warnings,
+    })
+}
+
+impl Loaded {
+    /// A camera of the glTF file by name, without the look's overrides.
+    ///
+    /// # Errors
+    /// No camera is called so.
+    pub fn camera_named(&self, name: &str) -> Result<Camera, LoadError> {
+        let found = self.scene.cameras.iter().find(|c| c.name == name);
+        found.cloned().ok_or_else(|| LoadError::UnknownCamera {
+            name: name.to_owned(),
+            remedy: camera_remedy(&self.scene, name),
+        })
+    }
+}
+
+/// Everything of the look that is not a material: includes, environment, camera.
+fn apply(look: &Look, scene: &mut Scene, warnings: &mut Vec<String>) -> Result<Camera, LookError> {
+    let mut problems = Diagnostics::new();
+    for table in &look.includes {
+        match include::include(look, table, scene) {
+            Ok(more) => warnings.extend(more),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    if let Some(environment) = &look.environment {
+        match read_environment(look, environment) {
+            Ok((environment, more)) => {
+                scene.environment = environment;
+                warnings.extend(more);
+            }
+            Err(problem) => problems.push(problem),
+        }
+    }
+    match camera::resolve(look, scene) {
+        Ok(camera) if problems.is_empty() => Ok(camera),
+        Ok(_) => Err(problems.into()),
+        Err(problem) => {
+            problems.push(problem);
+            Err(problems.into())
+        }
+    }
+}
+
+fn read_environment(
+    look: &Look,
+    environment: &Spanned<EnvironmentLook>,
+) -> Result<(Environment, Vec<String>), Diagnostic> {
+    match &environment.value {
+        EnvironmentLook::Constant(radiance) => Ok((Environment::Constant(*radiance), Vec::new())),
+        EnvironmentLook::Image {
+            image,
+            rotation,
+            intensity,
+        } => {
+            let path = look.resolve(&image.value);
+            let (image, warnings) = import::load_environment_image(&path).map_err(|error| {
+                Diagnostic::error(error.to_string()).with_label(&look.file, image.span.clone(), "")
+            })?;
+            let environment = Environment::Image {
+                image,
+                rotation: *rotation,
+                intensity: *intensity,
+            };
+            Ok((environment, warnings))
+        }
+    }
+}
+
+/// What is seen without a look: the file's first camera, or all of the scene.
+fn first_camera(scene: &Scene) -> Camera {
+    let first = scene.cameras.first().cloned();
+    first.unwrap_or_else(|| import::default_camera(scene))
+}
+
+/// What to write instead of the name of a camera that isn't there.
+fn camera_remedy(scene: &Scene, name: &str) -> String {
+    let names = || scene.cameras.iter().map(|c| c.name.as_str());
+    match did_you_mean(name, names()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None if scene.cameras.is_empty() => "the scene has no cameras".to_owned(),
+        None => format!("there are {}", names().collect::<Vec<_>>().join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,187 @@
+//! Loading as users see it: the demo, and looks that name what isn't there.
+
+use std::fs;
+
+use super::*;
+
+fn demo() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/demo/demo.gltf")
+}
+
+/// Loads the demo scene with a look of this text.
+fn with_look(text: &str) -> Result<Loaded, LoadError> {
+    let folder = tempfile_folder();
+    let look = folder.join("test.look.toml");
+    fs::write(&look, text).expect("the temporary folder can be written");
+    let loaded = load(&demo(), Some(&look), &[]);
+    fs::remove_dir_all(&folder).expect("the folder is ours");
+    loaded
+}
+
+fn tempfile_folder() -> PathBuf {
+    use std::sync::atomic::{AtomicU32, Ordering};
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    let folder = std::env::temp_dir().join(format!("patina-load-{}-{number}", std::process::id()));
+    fs::create_dir_all(&folder).expect("the temporary folder can be written");
+    folder
+}
+
+#[test]
+fn a_scene_without_a_look_has_its_own_camera_and_nothing_procedural() {
+    let loaded = load(&demo(), None, &[]).expect("the demo loads");
+    assert_eq!(loaded.camera.name, "Camera");
+    assert!(loaded.procedural.is_empty());
+    assert!(loaded.camera_named("Camera").is_ok());
+    let error = loaded.camera_named("Kamera").unwrap_err().to_string();
+    assert!(error.contains("did you mean `Camera`?"), "{error}");
+}
+
+#[test]
+fn the_camera_of_a_look_overrides_the_file() {
+    let loaded = with_look(
+        "[camera]\nposition = [0, 1, 5]\nlook_at = [0, 1, 0]\ny_fov = 90\naperture_radius = 0.1",
+    )
+    .unwrap();
+    let camera = loaded.camera;
+    let forward = camera.transform.transform_vector3(glam::Vec3::NEG_Z);
+    assert!(forward.distance(glam::Vec3::NEG_Z) < 1e-6, "{forward}");
+    assert!(
+        camera
+            .transform
+            .transform_vector3(glam::Vec3::Y)
+            .distance(glam::Vec3::Y)
+            < 1e-6
+    );
+    assert_eq!(camera.focus_distance, 5.0);
+    assert_eq!(camera.aperture_radius, 0.1);
+    let crate::scene::Projection::Perspective { y_fov } = camera.projection else {
+        panic!("y_fov makes it perspective");
+    };
+    assert!((y_fov - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
+}
+
+#[test]
+fn an_include_is_placed_named_and_thinned() {
+    let scene = demo();
+    let text = format!(
+        "[[include]]\nfile = {:?}\nname = 'copy'\nonly = ['Gear']\ntranslation = [10, 0, 0]\nscale = 2\n[material.'copy/Steel']\nroughness = 0.125",
+        scene.display().to_string()
+    );
+    let plain = load(&scene, None, &[]).unwrap();
+    let loaded = with_look(&text).unwrap();
+    assert_eq!(
+        loaded.scene.instances.len(),
+        plain.scene.instances.len() + 1
+    );
+    assert_eq!(loaded.scene.meshes.len(), plain.scene.meshes.len() + 1);
+    let gear = plain
+        .scene
+        .instances
+        .iter()
+        .find(|i| i.name == "Gear")
+        .unwrap();
+    let copy = loaded.scene.instances.last().unwrap();
+    let expected = glam::Vec3A::new(10.0, 0.0, 0.0) + gear.transform.translation * 2.0;
+    assert!(copy.transform.translation.distance(expected) < 1e-4);
+    let mesh = &loaded.scene.meshes[copy.mesh as usize];
+    let material = &loaded.scene.materials[mesh.triangle_materials[0] as usize];
+    assert_eq!(
+        (material.name.as_str(), material.roughness),
+        ("copy/Steel", 0.125)
+    );
+    let original = plain
+        .scene
+        .materials
+        .iter()
+        .find(|m| m.name == "Steel")
+        .unwrap();
+    assert_ne!(original.roughness, 0.125);
+}
+
+#[track_caller]
+fn refused(text: &str, place: &str, says: &str) {
+    let error = with_look(text).expect_err("this look is wrong").to_string();
+    assert!(error.contains(place) && error.contains(says), "{error}");
+}
+
+#[test]
+fn mistakes_name_line_and_remedy() {
+    refused(
+        "[camera]\nname = 'Camra'",
+        "test.look.toml:2:8",
+        "did you mean `Camera`?",
+    );
+    refused(
+        "[camera]\nposition = [1, 2, 3]\nlook_at = [1, 2, 3]",
+        "test.look.toml:3:11",
+        "no direction",
+    );
+    refused(
+        "[[include]]\nfile = 'missing.glb'",
+        "test.look.toml:2:8",
+        "missing.glb",
+    );
+    refused(
+        "environment = { image = 'missing.hdr' }",
+        "test.look.toml:1:25",
+        "missing.hdr",
+    );
+    let gear = format!(
+        "[[include]]\nfile = {:?}\nonly = ['Gaer']",
+        demo().display().to_string()
+    );
+    refused(&gear, "test.look.toml:3:9", "did you mean `Gear`?");
+    refused(
+        "[material.Stel]\nroughness = 1",
+        "test.look.toml:1:11",
+        "did you mean `Steel`?",
+    );
+    refused(
+        "[material.Steel]\nalpha_cutoff = 0.5",
+        "test.look.toml:2:16",
+        "alpha_mode",
+    );
+}
+
+#[test]
+fn blends_of_constant_materials_need_no_textures() {
+    let text = "[material.Steel]\nblend = { base = 'Steel', over = 'Dust', mask = 0.25 }\n[material.Dust]\nbase_color = '#fff'";
+    let loaded = with_look(text).unwrap();
+    let index = loaded
+        .scene
+        .materials
+        .iter()
+        .position(|m| m.name == "Steel")
+        .unwrap() as u32;
+    assert!(loaded.procedural.is_procedural(index));
+    refused(
+        "[material.Steel]\nblend = { base = 'Copper', over = 'Steel', mask = 0.25 }",
+        "2:9",
+        "blended from itself",
+    );
+    refused(
+        "[material.Steel]\nblend = { base = 'Copper', over = 'Floor', mask = 0.5 }\n[material.Floor]\nblend = { base = 'Steel', over = 'Stone', mask = 0.5 }",
+        "test.look.toml:",
+        "blended from itself",
+    );
+    refused(
+        "[material.Steel]\nblend = { base = 'Steel', over = 'Coper', mask = 0.25 }",
+        "2:34",
+        "did you mean `Copper`?",
+    );
+}
+
+#[test]
+fn a_scene_without_triangles_is_an_error() {
+    let folder = tempfile_folder();
+    let path = folder.join("empty.gltf");
+    fs::write(
+        &path,
+        r#"{"asset":{"version":"2.0"},"scenes":[{}],"scene":0}"#,
+    )
+    .unwrap();
+    let error = load(&path, None, &[]).unwrap_err();
+    fs::remove_dir_all(&folder).unwrap();
+    assert!(matches!(error, LoadError::Empty { .. }), "{error}");
+}

@@ -1,0 +1,64 @@
+// Between two kernels: hands the queues from their producers to their consumers, writes the sizes of the next
+// dispatches, and keeps the totals.
+//!include shared/frame.wgsl
+//!include shared/queues.wgsl
+//!include shared/ao_tables.wgsl
+
+// Three words (x, y, z workgroups) per queue.
+@group(0) @binding(4) var<storage, read_write> dispatch_sizes: array<u32>;
+
+const GROUPS_X = 32768u;
+
+fn hand_over(queue: u32) -> u32 {
+    let count = atomicLoad(&queues[2u * queue]);
+    atomicStore(&queues[2u * queue], 0u);
+    atomicStore(&queues[2u * queue + 1u], count);
+    return count;
+}
+
+fn size_dispatch(queue: u32, threads: u32) {
+    let groups = (threads + 63u) / 64u;
+    dispatch_sizes[3u * queue] = min(groups, GROUPS_X);
+    dispatch_sizes[3u * queue + 1u] = (groups + GROUPS_X - 1u) / GROUPS_X;
+    dispatch_sizes[3u * queue + 2u] = 1u;
+}
+
+fn add_total(word: u32, count: u32) {
+    let before = atomicAdd(&queues[word], count);
+    if (before + count < before) {
+        atomicAdd(&queues[word + 1u], 1u);
+    }
+}
+
+// After raygen: bounce 0 reads what raygen appended.
+@compute @workgroup_size(1)
+fn start() {
+    let live = hand_over(QUEUE_ACTIVE);
+    size_dispatch(QUEUE_ACTIVE, live);
+    // raygen appended as bounce -1.
+    atomicStore(&queues[WORD_BOUNCE], 0u);
+    add_total(WORD_RAYS, live);
+}
+
+// After classify.
+@compute @workgroup_size(1)
+fn texture() {
+    size_dispatch(QUEUE_PROCTEX, hand_over(QUEUE_PROCTEX));
+    var samples = 0u;
+    for (var i = 0u; i < 4u; i++) {
+        samples = max(samples, ao_tables[i].samples);
+    }
+    let hits = hand_over(QUEUE_AO);
+    size_dispatch(QUEUE_AO, hits * samples);
+}
+
+// After brdf.
+@compute @workgroup_size(1)
+fn bounce() {
+    let live = hand_over(QUEUE_ACTIVE);
+    let shadow = hand_over(QUEUE_SHADOW);
+    size_dispatch(QUEUE_ACTIVE, live);
+    size_dispatch(QUEUE_SHADOW, shadow);
+    atomicAdd(&queues[WORD_BOUNCE], 1u);
+    add_total(WORD_RAYS, live + shadow);
+}

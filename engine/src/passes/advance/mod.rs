@@ -1,0 +1,37 @@
+//! Hands queues from producers to consumers and sizes the dispatches that follow. One thread.
+
+use crate::gpu::{
+    Gpu, GpuError,
+    kernel::{Kernel, Trust},
+    wgsl::Source,
+};
+
+/// Which kernel ran before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum After {
+    /// `raygen`
+    Raygen,
+    /// `classify`
+    Classify,
+    /// `brdf`
+    Brdf,
+}
+
+/// Compiles the kernel.
+///
+/// # Errors
+/// If the driver refuses it.
+pub fn kernel(gpu: &Gpu, after: After) -> Result<Kernel, GpuError> {
+    let entry = match after {
+        After::Raygen => "start",
+        After::Classify => "texture",
+        After::Brdf => "bounce",
+    };
+    Kernel::new(
+        gpu,
+        &Source::of("advance/advance.wgsl"),
+        entry,
+        Trust::Engine,
+        &[],
+    )
+}

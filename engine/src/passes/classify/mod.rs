@@ -1,0 +1,21 @@
+//! Queues the hits whose material has a texture program, and those whose program wants ambient occlusion. One thread per active path.
+
+use crate::gpu::{
+    Gpu, GpuError,
+    kernel::{Kernel, Trust},
+    wgsl::Source,
+};
+
+/// Compiles the kernel.
+///
+/// # Errors
+/// If the driver refuses it.
+pub fn kernel(gpu: &Gpu) -> Result<Kernel, GpuError> {
+    Kernel::new(
+        gpu,
+        &Source::of("classify/classify.wgsl"),
+        "classify",
+        Trust::Engine,
+        &[],
+    )
+}

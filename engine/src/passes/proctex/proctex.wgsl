@@ -1,0 +1,229 @@
+// Runs the texture programs of the hits that have one. The generated part (texgen) is appended to this file: the
+// users' functions and the interpreter `patina_run_program`. Here are the calls that it makes and the frame around it.
+//!include shared/frame.wgsl
+//!include shared/rays.wgsl
+//!include shared/paths.wgsl
+//!include shared/queues.wgsl
+//!include shared/random.wgsl
+//!include shared/geometry.wgsl
+//!include shared/images.wgsl
+//!include shared/surface.wgsl
+//!include shared/programs.wgsl
+//!include shared/ao_tables.wgsl
+
+@group(0) @binding(31) var<storage, read> args: array<u32>; // the fake stack
+
+// What the attributes of the current hit are computed from.
+struct Site {
+    surface: Surface,
+    instance: u32,
+    bounce: u32,
+    occluded: u32, // four counts of eight bits
+    footprint: f32, // width of the ray cone, metres
+}
+
+var<private> site: Site;
+
+fn patina_program_word(i: u32) -> u32 {
+    return programs[i];
+}
+
+fn patina_arg_word(i: u32) -> u32 {
+    return args[i];
+}
+
+fn patina_attr_WorldPos() -> vec4f {
+    return vec4f(site.surface.position, 1.0);
+}
+
+fn patina_attr_LocalPos() -> vec4f {
+    return vec4f(transform_point(instances[site.instance].object_from_world, site.surface.position), 1.0);
+}
+
+fn patina_attr_Normal() -> vec4f {
+    return vec4f(site.surface.shading_normal, 0.0);
+}
+
+fn patina_attr_GeomNormal() -> vec4f {
+    return vec4f(site.surface.geometric_normal, 0.0);
+}
+
+fn patina_attr_LocalNormal() -> vec4f {
+    return vec4f(normalize(transform_transposed(instances[site.instance].world_from_object, site.surface.shading_normal)), 0.0);
+}
+
+fn patina_attr_Tangent() -> vec4f {
+    return surface_tangent(site.surface, site.instance, site.surface.shading_normal);
+}
+
+fn patina_attr_Bitangent() -> vec4f {
+    let tangent = patina_attr_Tangent();
+    return vec4f(cross(site.surface.shading_normal, tangent.xyz) * tangent.w, 0.0);
+}
+
+fn patina_attr_TexCoord0() -> vec4f {
+    return vec4f(interpolate_uv(site.surface.triangle, site.surface.weights, 0u), 0.0, 1.0);
+}
+
+fn patina_attr_TexCoord1() -> vec4f {
+    return vec4f(interpolate_uv(site.surface.triangle, site.surface.weights, 1u), 0.0, 1.0);
+}
+
+fn patina_attr_Color0() -> vec4f {
+    return interpolate_color(site.surface.triangle, site.surface.weights);
+}
+
+fn patina_attr_ViewDir() -> vec4f {
+    return vec4f(site.surface.wo, 0.0);
+}
+
+// 1 where nothing is near, 0 where everything is occluded.
+fn patina_attr_AO(slot: u32) -> vec4f {
+    let table = slot & 3u;
+    let occluded = f32((site.occluded >> (8u * table)) & 0xffu);
+    return vec4f(vec3f(1.0 - occluded / max(f32(ao_tables[table].samples), 1.0)), 1.0);
+}
+
+// How much the interpolated normal turns over the triangle, 1/metres; positive where the surface bulges.
+fn patina_attr_Curvature() -> vec4f {
+    let t = site.surface.triangle;
+    let a = vertices[t.x];
+    let b = vertices[t.y];
+    let c = vertices[t.z];
+    let na = octahedral_decode(a.w);
+    let nb = octahedral_decode(b.w);
+    let nc = octahedral_decode(c.w);
+    let ab = bitcast<vec3f>(b.xyz) - bitcast<vec3f>(a.xyz);
+    let bc = bitcast<vec3f>(c.xyz) - bitcast<vec3f>(b.xyz);
+    let ca = bitcast<vec3f>(a.xyz) - bitcast<vec3f>(c.xyz);
+    let along = dot(nb - na, ab) / max(dot(ab, ab), 1e-20) + dot(nc - nb, bc) / max(dot(bc, bc), 1e-20)
+        + dot(na - nc, ca) / max(dot(ca, ca), 1e-20);
+    // Curvature lives in object space; the scale of the instance turns it into the world's.
+    let scale = pow(max(site.surface.area_scale, 1e-30) / max(length(cross(ab, ca)), 1e-30), 0.5);
+    return vec4f(vec3f(along / 3.0 / scale), 1.0);
+}
+
+// x: width of the ray cone in metres; y: the same in units of TexCoord0; z: in object space.
+fn patina_attr_Footprint() -> vec4f {
+    let t = site.surface.triangle;
+    var uv_per_metre = 0.0;
+    if ((t.w & TRIANGLE_HAS_UV) != 0u) {
+        let a = bitcast<vec2f>(vertices[t.x + 1u].xy);
+        let ab = bitcast<vec2f>(vertices[t.y + 1u].xy) - a;
+        let ac = bitcast<vec2f>(vertices[t.z + 1u].xy) - a;
+        uv_per_metre = sqrt(abs(ab.x * ac.y - ab.y * ac.x) / max(site.surface.area_scale, 1e-30));
+    }
+    let object_from_world = instances[site.instance].object_from_world;
+    let scale = (length(object_from_world[0].xyz) + length(object_from_world[1].xyz) + length(object_from_world[2].xyz)) / 3.0;
+    return vec4f(site.footprint, site.footprint * uv_per_metre, site.footprint * scale, 0.0);
+}
+
+fn patina_attr_InstanceId() -> vec4f {
+    return vec4f(f32(instances[site.instance].source));
+}
+
+fn patina_attr_ObjectRandom() -> vec4f {
+    return vec4f(instances[site.instance].random);
+}
+
+fn patina_attr_MaterialId() -> vec4f {
+    return vec4f(f32(site.surface.triangle.w & TRIANGLE_MATERIAL));
+}
+
+fn patina_attr_FrontFacing() -> vec4f {
+    return vec4f(select(0.0, 1.0, site.surface.front));
+}
+
+fn patina_attr_Bounce() -> vec4f {
+    return vec4f(f32(site.bounce));
+}
+
+// 0 for camera rays, 1 for rays that were scattered.
+fn patina_attr_RayKind() -> vec4f {
+    return vec4f(select(0.0, 1.0, site.bounce > 0u));
+}
+
+fn patina_attr_Time() -> vec4f {
+    return vec4f(frame.time);
+}
+
+fn user_image(image: u32) -> vec4u {
+    let row = frame.user_image_base + image;
+    return textureLoad(image_table, vec2u(row % IMAGE_TABLE_WIDTH, row / IMAGE_TABLE_WIDTH), 0);
+}
+
+fn patina_sample_image(image: u32, uv: vec2f) -> vec4f {
+    let row = frame.user_image_base + image;
+    return sample_image(row, user_image(image).w, uv);
+}
+
+// Images have one level so far.
+fn patina_sample_image_lod(image: u32, uv: vec2f, lod: f32) -> vec4f {
+    return patina_sample_image(image, uv);
+}
+
+fn patina_image_size(image: u32) -> vec2f {
+    let size = user_image(image).y;
+    return vec2f(f32(size & 0xffffu), f32(size >> 16u));
+}
+
+const MAX_BLEND_DEPTH = 16u;
+
+@compute @workgroup_size(64)
+fn proctex(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+           @builtin(local_invocation_index) local: u32) {
+    let index = thread_index(workgroup, workgroups, local);
+    if (index >= queue_length(QUEUE_PROCTEX)) {
+        return;
+    }
+    let slot = queue_read(QUEUE_PROCTEX, index);
+    let hit = rays[slot];
+    let bounce = bounce_number();
+    let cone_width = path_read(PATH_RADIANCE, slot).w + frame.pixel_spread * hit.t_max;
+    site = Site(surface_at(hit), hit.instance, bounce, atomicLoad(&queues[ao_word(slot)]), cone_width);
+
+    var material = site.surface.triangle.w & TRIANGLE_MATERIAL;
+    var flags = head_word(material, HEAD_FLAGS);
+    var choice = random2(path_id(slot), bounce_dimension(bounce, DIMENSION_LIGHT_CHOICE)).y;
+    for (var depth = 0u; depth < MAX_BLEND_DEPTH; depth++) {
+        let program = head_word(material, HEAD_PROGRAM);
+        if (program != 0u) {
+            patina_run_program(program);
+        }
+        if ((flags & HEAD_IS_BLEND) == 0u) {
+            break;
+        }
+        // One side is chosen at random, so a blend costs one material and is right on average.
+        var mask = bitcast<f32>(head_word(material, HEAD_MASK_VALUE));
+        if ((flags & HEAD_CONSTANT_MASK) == 0u) {
+            mask = patina_link(head_word(material, HEAD_MASK)).x;
+        }
+        mask = saturate(mask);
+        if (choice < mask) {
+            choice /= mask;
+            material = head_word(material, HEAD_OVER);
+        } else {
+            choice = (choice - mask) / (1.0 - mask);
+            material = head_word(material, HEAD_BASE);
+        }
+        flags = head_word(material, HEAD_FLAGS);
+    }
+
+    var base = vec4f(0.0);
+    var emission = vec4f(0.0);
+    if ((flags & (1u << OUTPUT_BASE_COLOR)) != 0u) {
+        base = vec4f(patina_link(head_word(material, HEAD_OUTPUTS + OUTPUT_BASE_COLOR)).xyz, 0.0);
+    }
+    if ((flags & (1u << OUTPUT_METALLIC)) != 0u) {
+        base.w = patina_link(head_word(material, HEAD_OUTPUTS + OUTPUT_METALLIC)).x;
+    }
+    if ((flags & (1u << OUTPUT_EMISSION)) != 0u) {
+        emission = vec4f(patina_link(head_word(material, HEAD_OUTPUTS + OUTPUT_EMISSION)).xyz, 0.0);
+    }
+    if ((flags & (1u << OUTPUT_ROUGHNESS)) != 0u) {
+        emission.w = patina_link(head_word(material, HEAD_OUTPUTS + OUTPUT_ROUGHNESS)).x;
+    }
+    path_write(PATH_PROC_BASE, slot, base);
+    path_write(PATH_PROC_EMISSION, slot, emission);
+    paths[PATH_PROC_MATERIAL * frame.capacity + slot] = vec4u(material, flags, 0u, 0u);
+}

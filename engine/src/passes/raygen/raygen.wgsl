@@ -1,0 +1,61 @@
+// Camera rays: starts every path of the wave.
+//!include shared/frame.wgsl
+//!include shared/rays.wgsl
+//!include shared/paths.wgsl
+//!include shared/queues.wgsl
+//!include shared/random.wgsl
+
+fn disk(u: vec2f) -> vec2f {
+    // Concentric map (Shirley and Chiu 1997).
+    let a = 2.0 * u - 1.0;
+    if (a.x == 0.0 && a.y == 0.0) {
+        return vec2f(0.0);
+    }
+    if (abs(a.x) > abs(a.y)) {
+        let phi = 0.78539816 * a.y / a.x;
+        return a.x * vec2f(cos(phi), sin(phi));
+    }
+    let phi = 1.57079633 - 0.78539816 * a.x / a.y;
+    return a.y * vec2f(cos(phi), sin(phi));
+}
+
+@compute @workgroup_size(64)
+fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+          @builtin(local_invocation_index) local: u32) {
+    let slot = thread_index(workgroup, workgroups, local);
+    if (slot >= frame.wave_size) {
+        return;
+    }
+    let path = path_id(slot);
+    let pixel = pixel_coordinates(path.pixel);
+    path_write(PATH_RADIANCE, slot, vec4f(0.0));
+    path_write(PATH_LIGHT, slot, vec4f(0.0));
+    rays[frame.capacity + slot].triangle = MISS;
+    if (pixel.x >= frame.width || pixel.y >= frame.height || path.sample >= frame.sample_limit) {
+        // Padding of a block at the border.
+        return;
+    }
+    let size = vec2f(f32(frame.width), f32(frame.height));
+    let film = vec2f(pixel) + random2(path, DIMENSION_PIXEL);
+    let ndc = vec2f(2.0 * film.x - size.x, size.y - 2.0 * film.y) / size.y * frame.half_height;
+    var origin: vec3f;
+    var direction: vec3f; // in the camera's frame
+    if (frame.orthographic != 0u) {
+        origin = vec3f(ndc, 0.0);
+        direction = vec3f(0.0, 0.0, -1.0);
+    } else {
+        origin = vec3f(0.0);
+        direction = vec3f(ndc, -1.0);
+    }
+    if (frame.aperture_radius > 0.0) {
+        let focus = origin + direction * frame.focus_distance;
+        origin += vec3f(disk(random2(path, DIMENSION_LENS)) * frame.aperture_radius, 0.0);
+        direction = focus - origin;
+    }
+    let world_origin = frame.camera_position + frame.camera_right * origin.x + frame.camera_up * origin.y;
+    let world_direction = normalize(
+        frame.camera_right * direction.x + frame.camera_up * direction.y + frame.camera_back * direction.z);
+    rays[slot] = RayHit(world_origin, 0.0, world_direction, 1e30, vec2f(0.0), MISS, 0u);
+    path_write(PATH_THROUGHPUT, slot, vec4f(1.0, 1.0, 1.0, 0.0));
+    queue_append(QUEUE_ACTIVE, slot);
+}

@@ -1,0 +1,69 @@
+// What is the same for every thread of a wave: camera, picture, and which paths the wave holds.
+// The Rust twin is `renderer::frame::Frame`; a test compares the layouts.
+
+struct Frame {
+    camera_right: vec3f,
+    width: u32,
+    camera_up: vec3f,
+    height: u32,
+    camera_back: vec3f,
+    blocks_x: u32, // blocks of 8x8 pixels in a row
+    camera_position: vec3f,
+    capacity: u32, // path slots of a wave, the stride of `paths`
+    half_height: f32, // of the view at distance 1 (perspective), or in metres (orthographic)
+    orthographic: u32,
+    aperture_radius: f32,
+    focus_distance: f32,
+    first_pixel: u32, // padded pixel of slot 0
+    first_sample: u32, // its sample
+    wave_size: u32, // paths in this wave
+    padded_pixels: u32, // pixels of whole blocks
+    seed: u32,
+    max_depth: u32, // surface vertices that may scatter
+    light_count: u32,
+    environment_probability: f32, // of choosing the environment for a light sample
+    environment_scale: vec3f,
+    environment_turn: f32, // rotation / 360 degrees
+    environment_size: vec2u, // texels of the picture
+    distribution_size: vec2u, // cells of the sampling table
+    bounds_center: vec3f, // a sphere around the scene
+    bounds_radius: f32,
+    pixel_spread: f32, // angle between neighbouring pixels, radians
+    time: f32, // seconds, for textures that move
+    sample_limit: u32, // samples after which no path of this job starts
+    user_image_base: u32, // row of `image_table` where the images of texture arguments begin
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+
+// A path slot of a wave and the sample of the picture it carries.
+struct PathId {
+    pixel: u32, // padded pixel index, Morton order inside blocks of 8x8
+    sample: u32,
+}
+
+fn path_id(slot: u32) -> PathId {
+    let linear = frame.first_pixel + slot;
+    return PathId(linear % frame.padded_pixels, frame.first_sample + linear / frame.padded_pixels);
+}
+
+// Every other bit of x, packed.
+fn compact_bits(x: u32) -> u32 {
+    var v = x & 0x55u;
+    v = (v | (v >> 1u)) & 0x33u;
+    v = (v | (v >> 2u)) & 0x0fu;
+    return v;
+}
+
+// Column and row of a padded pixel: blocks row by row, Morton order inside a block.
+fn pixel_coordinates(pixel: u32) -> vec2u {
+    let block = pixel >> 6u;
+    let inside = pixel & 63u;
+    let corner = vec2u(block % frame.blocks_x, block / frame.blocks_x) * 8u;
+    return corner + vec2u(compact_bits(inside), compact_bits(inside >> 1u));
+}
+
+// Linear thread index of a dispatch that spreads its workgroups of 64 over x and y.
+fn thread_index(workgroup: vec3u, workgroups: vec3u, local: u32) -> u32 {
+    return (workgroup.y * workgroups.x + workgroup.x) * 64u + local;
+}

@@ -1,0 +1,93 @@
+// The scene's geometry in memory. The Rust twins are in `gpu_scene`; a test compares the layouts.
+
+// Three absolute offsets into `vertices`, then the material in the low 24 bits and flags above.
+@group(0) @binding(11) var<storage, read> triangles: array<vec4u>;
+
+const TRIANGLE_MATERIAL = 0x00ffffffu;
+const TRIANGLE_ALPHA = 0x80000000u; // alpha must be looked up before a hit counts
+const TRIANGLE_HAS_UV = 0x40000000u; // a vertex has its second vec4: uv0, tangent
+const TRIANGLE_HAS_EXTRA = 0x20000000u; // a vertex has its third vec4: uv1, colour
+const TRIANGLE_HAS_TANGENT = 0x10000000u;
+const TRIANGLE_HAS_COLOR = 0x08000000u;
+
+// A vertex is one to three vec4u: position and octahedral normal; uv0, octahedral tangent with handedness, spare;
+// uv1 and colour (rgba16unorm).
+@group(0) @binding(12) var<storage, read> vertices: array<vec4u>;
+
+struct Instance {
+    // Rows of the affine maps.
+    world_from_object: array<vec4f, 3>,
+    object_from_world: array<vec4f, 3>,
+    root: u32, // BLAS root in `nodes`
+    handedness: f32, // sign of the determinant
+    random: f32, // in [0, 1), the same in every run
+    source: u32, // index of the instance in the scene
+}
+
+@group(0) @binding(13) var<storage, read> instances: array<Instance>;
+
+fn transform_point(rows: array<vec4f, 3>, p: vec3f) -> vec3f {
+    let q = vec4f(p, 1.0);
+    return vec3f(dot(rows[0], q), dot(rows[1], q), dot(rows[2], q));
+}
+
+fn transform_vector(rows: array<vec4f, 3>, v: vec3f) -> vec3f {
+    return vec3f(dot(rows[0].xyz, v), dot(rows[1].xyz, v), dot(rows[2].xyz, v));
+}
+
+// By the transpose: normals go to the world by the transpose of object_from_world.
+fn transform_transposed(rows: array<vec4f, 3>, v: vec3f) -> vec3f {
+    return rows[0].xyz * v.x + rows[1].xyz * v.y + rows[2].xyz * v.z;
+}
+
+fn vertex_position(offset: u32) -> vec3f {
+    return bitcast<vec3f>(vertices[offset].xyz);
+}
+
+// Octahedral unit vector of two signed 16-bit numbers (Cigolle et al., JCGT 3(2), 2014).
+fn octahedral_decode(packed: u32) -> vec3f {
+    let e = unpack2x16snorm(packed);
+    var v = vec3f(e, 1.0 - abs(e.x) - abs(e.y));
+    if (v.z < 0.0) {
+        let folded = (vec2f(1.0) - abs(v.yx)) * select(vec2f(-1.0), vec2f(1.0), v.xy >= vec2f(0.0));
+        v = vec3f(folded, v.z);
+    }
+    return normalize(v);
+}
+
+// Weights of the three vertices.
+fn barycentric_weights(b: vec2f) -> vec3f {
+    return vec3f(1.0 - b.x - b.y, b.x, b.y);
+}
+
+fn interpolate_uv(triangle: vec4u, weights: vec3f, uv_set: u32) -> vec2f {
+    if (uv_set == 0u) {
+        if ((triangle.w & TRIANGLE_HAS_UV) == 0u) {
+            return vec2f(0.0);
+        }
+        let a = bitcast<vec2f>(vertices[triangle.x + 1u].xy);
+        let b = bitcast<vec2f>(vertices[triangle.y + 1u].xy);
+        let c = bitcast<vec2f>(vertices[triangle.z + 1u].xy);
+        return a * weights.x + b * weights.y + c * weights.z;
+    }
+    if ((triangle.w & TRIANGLE_HAS_EXTRA) == 0u) {
+        return vec2f(0.0);
+    }
+    let a = bitcast<vec2f>(vertices[triangle.x + 2u].xy);
+    let b = bitcast<vec2f>(vertices[triangle.y + 2u].xy);
+    let c = bitcast<vec2f>(vertices[triangle.z + 2u].xy);
+    return a * weights.x + b * weights.y + c * weights.z;
+}
+
+fn vertex_color(offset: u32) -> vec4f {
+    let packed = vertices[offset + 2u].zw;
+    return vec4f(unpack2x16unorm(packed.x), unpack2x16unorm(packed.y));
+}
+
+// COLOR_0, linear; white where the mesh has none.
+fn interpolate_color(triangle: vec4u, weights: vec3f) -> vec4f {
+    if ((triangle.w & TRIANGLE_HAS_COLOR) == 0u) {
+        return vec4f(1.0);
+    }
+    return vertex_color(triangle.x) * weights.x + vertex_color(triangle.y) * weights.y + vertex_color(triangle.z) * weights.z;
+}

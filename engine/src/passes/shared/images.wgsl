@@ -1,0 +1,78 @@
+// Image textures: all pictures lie in the layers of one array texture, so that no binding array is needed.
+// Wrapping and filtering are done here, on texels, so neighbours in a layer never bleed into each other.
+
+@group(0) @binding(16) var image_table: texture_2d<u32>; // row by row: x | y << 16, width | height << 16, layer | srgb << 31, sampler
+@group(0) @binding(17) var image_layers: texture_2d_array<f32>;
+@group(0) @binding(18) var image_layers_srgb: texture_2d_array<f32>; // the same texels, decoded from sRGB
+
+const IMAGE_NONE = 0xffffffffu;
+const IMAGE_TABLE_WIDTH = 1024u;
+
+// Sampler bits: wrap u (2 bits), wrap v (2 bits), nearest filter, uv set.
+const WRAP_REPEAT = 0u;
+const WRAP_MIRROR = 1u;
+const SAMPLER_NEAREST = 16u;
+const SAMPLER_UV1 = 32u;
+
+struct ImageRect {
+    corner: vec2i,
+    size: vec2i,
+    layer: u32,
+    srgb: bool,
+}
+
+fn image_rect(image: u32) -> ImageRect {
+    let row = textureLoad(image_table, vec2u(image % IMAGE_TABLE_WIDTH, image / IMAGE_TABLE_WIDTH), 0);
+    return ImageRect(
+        vec2i(vec2u(row.x & 0xffffu, row.x >> 16u)),
+        vec2i(vec2u(row.y & 0xffffu, row.y >> 16u)),
+        row.z & 0x7fffffffu,
+        (row.z >> 31u) != 0u,
+    );
+}
+
+fn wrap_texel(i: i32, size: i32, mode: u32) -> i32 {
+    if (mode == WRAP_REPEAT) {
+        let r = i % size;
+        return select(r, r + size, r < 0);
+    }
+    if (mode == WRAP_MIRROR) {
+        let period = 2 * size;
+        var r = i % period;
+        r = select(r, r + period, r < 0);
+        return select(r, period - 1 - r, r >= size);
+    }
+    return clamp(i, 0, size - 1);
+}
+
+fn load_texel(rect: ImageRect, x: i32, y: i32) -> vec4f {
+    let at = rect.corner + vec2i(x, y);
+    if (rect.srgb) {
+        return textureLoad(image_layers_srgb, at, rect.layer, 0);
+    }
+    return textureLoad(image_layers, at, rect.layer, 0);
+}
+
+// uv (0, 0) is the upper left corner of the picture. A coordinate that is not finite reads the corner.
+fn sample_image(image: u32, sampler: u32, uv: vec2f) -> vec4f {
+    let rect = image_rect(image);
+    let wrap_u = sampler & 3u;
+    let wrap_v = (sampler >> 2u) & 3u;
+    // Far coordinates lose their fraction anyway; the clamp keeps the conversion to integers defined.
+    let texel = clamp(uv * vec2f(rect.size), vec2f(-1e9), vec2f(1e9));
+    if ((sampler & SAMPLER_NEAREST) != 0u) {
+        let i = vec2i(floor(texel));
+        return load_texel(rect, wrap_texel(i.x, rect.size.x, wrap_u), wrap_texel(i.y, rect.size.y, wrap_v));
+    }
+    let shifted = texel - 0.5;
+    let base = floor(shifted);
+    let f = shifted - base;
+    let i = vec2i(base);
+    let x0 = wrap_texel(i.x, rect.size.x, wrap_u);
+    let x1 = wrap_texel(i.x + 1, rect.size.x, wrap_u);
+    let y0 = wrap_texel(i.y, rect.size.y, wrap_v);
+    let y1 = wrap_texel(i.y + 1, rect.size.y, wrap_v);
+    let top = mix(load_texel(rect, x0, y0), load_texel(rect, x1, y0), f.x);
+    let bottom = mix(load_texel(rect, x0, y1), load_texel(rect, x1, y1), f.x);
+    return mix(top, bottom, f.y);
+}

@@ -1,0 +1,69 @@
+// Materials in memory. The Rust twin is `gpu_scene::materials::GpuMaterial`; a test compares the layouts.
+
+struct TextureSlot {
+    row_u: vec3f, // u' = dot(row_u, (u, v, 1))
+    image: u32, // IMAGE_NONE: no texture
+    row_v: vec3f,
+    sampler: u32,
+}
+
+struct Material {
+    base_color: vec4f,
+    emission: vec3f,
+    light_pdf: f32, // pdf per area with which a light sample finds a point of an emissive triangle; 0: it is no light
+    specular_color: vec3f,
+    specular: f32,
+    metallic: f32,
+    roughness: f32,
+    dielectric_f0: f32,
+    alpha_cutoff: f32,
+    normal_scale: f32,
+    flags: u32,
+    spare0: u32,
+    spare1: u32,
+    textures: array<TextureSlot, 6>,
+}
+
+const TEXTURE_BASE_COLOR = 0u;
+const TEXTURE_METALLIC_ROUGHNESS = 1u;
+const TEXTURE_NORMAL = 2u;
+const TEXTURE_EMISSION = 3u;
+const TEXTURE_SPECULAR = 4u;
+const TEXTURE_SPECULAR_COLOR = 5u;
+
+const MATERIAL_DOUBLE_SIDED = 1u;
+const MATERIAL_UNLIT = 2u;
+const MATERIAL_MASK = 4u;
+const MATERIAL_BLEND = 8u;
+const MATERIAL_PROGRAM = 16u; // has a head in the texture programs
+const MATERIAL_PROGRAM_EMITS = 32u; // and needs it to know its emission: driven, or a blend
+
+@group(0) @binding(14) var<storage, read> materials: array<Material>;
+
+// Whether the texture program runs for a hit of this material: after the last scattering only emission matters.
+fn runs_program(flags: u32, bounce: u32) -> bool {
+    return (flags & select(MATERIAL_PROGRAM, MATERIAL_PROGRAM_EMITS, bounce >= frame.max_depth)) != 0u;
+}
+
+// Whether any material of the scene has a texture.
+override has_textures: bool = true;
+
+// The texel of a material's texture, or white where it has none.
+fn material_texture(material: u32, texture: u32, triangle: vec4u, weights: vec3f) -> vec4f {
+    let image = materials[material].textures[texture].image;
+    if (!has_textures || image == IMAGE_NONE) {
+        return vec4f(1.0);
+    }
+    let sampler = materials[material].textures[texture].sampler;
+    let uv = vec3f(interpolate_uv(triangle, weights, (sampler & SAMPLER_UV1) / SAMPLER_UV1), 1.0);
+    let row_u = materials[material].textures[texture].row_u;
+    let row_v = materials[material].textures[texture].row_v;
+    return sample_image(image, sampler, vec2f(dot(row_u, uv), dot(row_v, uv)));
+}
+
+// Base colour factor, texture and vertex colour multiplied.
+fn material_base_color(material: u32, triangle: vec4u, weights: vec3f) -> vec4f {
+    return materials[material].base_color
+        * material_texture(material, TEXTURE_BASE_COLOR, triangle, weights)
+        * interpolate_color(triangle, weights);
+}

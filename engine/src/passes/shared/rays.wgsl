@@ -1,0 +1,25 @@
+// Rays and what they hit: the seam between traversal and everything else.
+// The Rust twin is `wave::RayHit`; a test compares the layouts.
+// Slots [0, capacity) hold the paths' own rays, [capacity, 2 capacity) their shadow rays.
+
+struct RayHit {
+    origin: vec3f,
+    t_min: f32,
+    direction: vec3f, // unit length in the world
+    t_max: f32, // distance of the hit once traced
+    barycentrics: vec2f, // weights of the triangle's second and third vertex
+    triangle: u32, // index into `triangles`, or MISS
+    instance: u32, // index into `instances`
+}
+
+const MISS = 0xffffffffu;
+
+@group(0) @binding(1) var<storage, read_write> rays: array<RayHit>;
+
+// The origin of a ray that leaves a surface point towards the side of `normal`, moved by a few ulps so that it
+// can't meet its own surface again (Wächter and Binder, Ray Tracing Gems, chapter 6).
+fn offset_origin(p: vec3f, normal: vec3f) -> vec3f {
+    let n = vec3i(normal * 256.0);
+    let moved = bitcast<vec3f>(bitcast<vec3i>(p) + select(n, -n, p < vec3f(0.0)));
+    return select(moved, p + normal * (1.0 / 65536.0), abs(p) < vec3f(1.0 / 32.0));
+}

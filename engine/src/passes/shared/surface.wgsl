@@ -1,0 +1,71 @@
+// The surface at a hit: position and frames in the world, facing the viewer.
+
+struct Surface {
+    position: vec3f,
+    wo: vec3f, // to the viewer
+    geometric_normal: vec3f, // on the viewer's side
+    shading_normal: vec3f, // interpolated, flipped together with the geometric one
+    weights: vec3f, // barycentric
+    triangle: vec4u,
+    front: bool, // the viewer is on the side that glTF calls front
+    area_scale: f32, // twice the triangle's area in the world
+}
+
+fn surface_at(hit: RayHit) -> Surface {
+    let triangle = triangles[hit.triangle];
+    let weights = barycentric_weights(hit.barycentrics);
+    let world_from_object = instances[hit.instance].world_from_object;
+    let object_from_world = instances[hit.instance].object_from_world;
+    let va = vertices[triangle.x];
+    let vb = vertices[triangle.y];
+    let vc = vertices[triangle.z];
+    let a = bitcast<vec3f>(va.xyz);
+    let edge1 = bitcast<vec3f>(vb.xyz) - a;
+    let edge2 = bitcast<vec3f>(vc.xyz) - a;
+    let position = transform_point(world_from_object, a + edge1 * weights.y + edge2 * weights.z);
+    // The transform's determinant defines the winding (glTF 2.0, section 3.7.4): a normal moved by the inverse
+    // transpose stays on the side that it was on.
+    let world_cross = cross(transform_vector(world_from_object, edge1), transform_vector(world_from_object, edge2))
+        * instances[hit.instance].handedness;
+    let area_scale = length(world_cross);
+    var geometric = world_cross / max(area_scale, 1e-30);
+    let object_normal = octahedral_decode(va.w) * weights.x + octahedral_decode(vb.w) * weights.y
+        + octahedral_decode(vc.w) * weights.z;
+    var shading = transform_transposed(object_from_world, object_normal);
+    let shading_length = length(shading);
+    shading = select(geometric, shading / shading_length, shading_length > 1e-20);
+    let wo = -hit.direction;
+    let front = dot(geometric, wo) >= 0.0;
+    if (!front) {
+        geometric = -geometric;
+        shading = -shading;
+    }
+    return Surface(position, wo, geometric, shading, weights, triangle, front, area_scale);
+}
+
+// Unit tangent in the world and handedness of the bitangent, perpendicular to `normal`. For meshes without tangents
+// an arbitrary one.
+fn surface_tangent(s: Surface, instance: u32, normal: vec3f) -> vec4f {
+    if ((s.triangle.w & TRIANGLE_HAS_TANGENT) != 0u) {
+        let pa = vertices[s.triangle.x + 1u].zw;
+        let pb = vertices[s.triangle.y + 1u].zw;
+        let pc = vertices[s.triangle.z + 1u].zw;
+        let object_tangent = octahedral_decode(pa.x) * s.weights.x + octahedral_decode(pb.x) * s.weights.y
+            + octahedral_decode(pc.x) * s.weights.z;
+        let sign = select(-1.0, 1.0, pa.y != 0u) * instances[instance].handedness;
+        let world_tangent = transform_vector(instances[instance].world_from_object, object_tangent);
+        let across = world_tangent - normal * dot(world_tangent, normal);
+        let across_length = length(across);
+        if (across_length > 1e-20) {
+            return vec4f(across / across_length, sign);
+        }
+    }
+    return vec4f(any_perpendicular(normal), 1.0);
+}
+
+// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
+fn any_perpendicular(n: vec3f) -> vec3f {
+    let sign = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (sign + n.z);
+    return vec3f(1.0 + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x);
+}

@@ -1,0 +1,36 @@
+// Traces the rays of a queue: `closest` the paths' own rays, `occlusion` their shadow rays.
+//!include shared/frame.wgsl
+//!include shared/rays.wgsl
+//!include shared/queues.wgsl
+//!include shared/random.wgsl
+//!include shared/geometry.wgsl
+//!include shared/images.wgsl
+//!include shared/materials.wgsl
+//!include shared/traversal.wgsl
+
+@compute @workgroup_size(64)
+fn closest(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+           @builtin(local_invocation_index) local: u32) {
+    let index = thread_index(workgroup, workgroups, local);
+    if (index >= queue_length(QUEUE_ACTIVE)) {
+        return;
+    }
+    let slot = queue_read(QUEUE_ACTIVE, index);
+    let hit = trace(rays[slot].origin, rays[slot].direction, rays[slot].t_min, rays[slot].t_max, false, MISS);
+    rays[slot].t_max = hit.t;
+    rays[slot].barycentrics = hit.barycentrics;
+    rays[slot].triangle = hit.triangle;
+    rays[slot].instance = hit.instance;
+}
+
+@compute @workgroup_size(64)
+fn occlusion(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+             @builtin(local_invocation_index) local: u32) {
+    let index = thread_index(workgroup, workgroups, local);
+    if (index >= queue_length(QUEUE_SHADOW)) {
+        return;
+    }
+    let slot = frame.capacity + queue_read(QUEUE_SHADOW, index);
+    let hit = trace(rays[slot].origin, rays[slot].direction, rays[slot].t_min, rays[slot].t_max, true, MISS);
+    rays[slot].triangle = hit.triangle;
+}

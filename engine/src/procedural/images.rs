@@ -1,0 +1,49 @@
+//! The images of `sam2D` parameters: loaded once each into the scene.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+
+use crate::scene::import::load_picture;
+use crate::scene::{Sampler, Scene, TextureRef};
+
+/// Loads images and hands out texture handles.
+#[derive(Debug, Default)]
+pub(super) struct Images {
+    by_path: HashMap<(PathBuf, bool), u32>,
+    pub(super) textures: Vec<TextureRef>,
+}
+
+impl Images {
+    /// The handle of an image read in a certain way; the image is added to the scene where it isn't there yet.
+    pub(super) fn handle(
+        &mut self,
+        scene: &mut Scene,
+        path: &Path,
+        srgb: bool,
+        sampler: Sampler,
+    ) -> Result<u32, String> {
+        let key = (path.to_owned(), srgb);
+        let image = match self.by_path.get(&key) {
+            Some(&image) => image,
+            None => {
+                let image = scene.images.len() as u32;
+                scene.images.push(load_picture(path, srgb)?);
+                self.by_path.insert(key, image);
+                image
+            }
+        };
+        let texture = TextureRef {
+            image,
+            uv_set: 0,
+            sampler,
+            transform: [Vec3::X, Vec3::Y],
+        };
+        let known = self.textures.iter().position(|t| *t == texture);
+        Ok(known.unwrap_or_else(|| {
+            self.textures.push(texture);
+            self.textures.len() - 1
+        }) as u32)
+    }
+}

@@ -1,0 +1,165 @@
+//! The words the GPU reads: a head for each material, then the programs; and what changed in them since the last
+//! upload. Knows nothing of nodes.
+
+use std::ops::Range;
+
+/// Words of a material's head. See [`super::Procedural::programs`].
+pub const HEAD_WORDS: u32 = 16;
+/// Head word: where the program begins, in words from the start; 0 is no program.
+pub const HEAD_PROGRAM: u32 = 0;
+/// Head word: which outputs are driven, and the `FLAG_*` bits.
+pub const HEAD_FLAGS: u32 = 1;
+/// Head word: the link that is the mask of a blend.
+pub const HEAD_MASK: u32 = 2;
+/// Head word: material of a blend where the mask is 0.
+pub const HEAD_BASE: u32 = 3;
+/// Head word: material of a blend where the mask is 1.
+pub const HEAD_OVER: u32 = 4;
+/// Head word: AO tables needed by this material and everything below its blends, one bit each.
+pub const HEAD_AO: u32 = 5;
+/// Head word: the mask as f32 bits where [`FLAG_CONSTANT_MASK`] is set.
+pub const HEAD_MASK_VALUE: u32 = 6;
+/// Head words from here on: the link of each output.
+pub const HEAD_LINKS: u32 = 8;
+/// In [`HEAD_FLAGS`]: the material is a blend of two others.
+pub const FLAG_BLEND: u32 = 1 << 31;
+/// In [`HEAD_FLAGS`]: the mask is a constant and not a link.
+pub const FLAG_CONSTANT_MASK: u32 = 1 << 30;
+
+/// A program's room is at least this many words, so that a small one can grow.
+const MIN_ROOM: u32 = 32;
+
+/// Heads and programs in one buffer.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ProgramMemory {
+    words: Vec<u32>,
+    rooms: Vec<Range<u32>>,
+    changed: RangeSet,
+}
+
+impl ProgramMemory {
+    /// Empty heads for so many materials.
+    pub(super) fn new(materials: usize) -> Self {
+        Self {
+            words: vec![0; materials * HEAD_WORDS as usize],
+            rooms: vec![0..0; materials],
+            changed: RangeSet::default(),
+        }
+    }
+
+    pub(super) fn words(&self) -> &[u32] {
+        &self.words
+    }
+
+    pub(super) fn head(&self, material: u32, word: u32) -> u32 {
+        self.words[(material * HEAD_WORDS + word) as usize]
+    }
+
+    pub(super) fn set_head(&mut self, material: u32, word: u32, value: u32) {
+        let at = material * HEAD_WORDS + word;
+        let slot = &mut self.words[at as usize];
+        if *slot != value {
+            *slot = value;
+            self.changed.add(at..at + 1);
+        }
+    }
+
+    /// Puts a program into its material's room, or into a new one twice its size behind everything else.
+    pub(super) fn store(&mut self, material: u32, program: &[u32]) {
+        let len = program.len() as u32;
+        let room = &mut self.rooms[material as usize];
+        if len > room.end - room.start {
+            let start = self.words.len() as u32;
+            *room = start..start + (2 * len).max(MIN_ROOM);
+            self.words.resize(room.end as usize, 0);
+        }
+        let start = room.start;
+        let target = &mut self.words[start as usize..(start + len) as usize];
+        if target != program {
+            target.copy_from_slice(program);
+            self.changed.add(start..start + len);
+        }
+        self.set_head(material, HEAD_PROGRAM, start);
+    }
+
+    pub(super) fn take_changes(&mut self) -> Vec<Range<u32>> {
+        self.changed.take()
+    }
+}
+
+/// Ranges of words, merged when they are taken.
+#[derive(Debug, Clone, Default)]
+pub(super) struct RangeSet {
+    ranges: Vec<Range<u32>>,
+}
+
+impl RangeSet {
+    pub(super) fn add(&mut self, range: Range<u32>) {
+        if range.is_empty() {
+            return;
+        }
+        self.ranges.push(range);
+        // Edits without an upload between them must not pile up.
+        if self.ranges.len() >= 4096 {
+            self.ranges = merged(std::mem::take(&mut self.ranges));
+        }
+    }
+
+    /// Disjoint ranges in ascending order.
+    pub(super) fn take(&mut self) -> Vec<Range<u32>> {
+        merged(std::mem::take(&mut self.ranges))
+    }
+}
+
+/// Sorted, with ranges joined that overlap or touch.
+fn merged(mut ranges: Vec<Range<u32>>) -> Vec<Range<u32>> {
+    ranges.sort_by_key(|r| r.start);
+    let mut out: Vec<Range<u32>> = Vec::new();
+    for range in ranges {
+        match out.last_mut() {
+            Some(last) if range.start <= last.end => last.end = last.end.max(range.end),
+            _ => out.push(range),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_that_fits_stays_where_it_is() {
+        let mut memory = ProgramMemory::new(2);
+        memory.store(1, &[7; 20]);
+        let start = memory.head(1, HEAD_PROGRAM);
+        assert_eq!(start, 2 * HEAD_WORDS);
+        memory.take_changes();
+        memory.store(1, &[8; 40]);
+        assert_eq!(memory.head(1, HEAD_PROGRAM), start);
+        assert_eq!(memory.take_changes(), [start..start + 40]);
+        memory.store(0, &[1]);
+        memory.store(1, &[9; 41]);
+        assert!(memory.head(1, HEAD_PROGRAM) > memory.head(0, HEAD_PROGRAM));
+        assert_eq!(
+            memory.words().len() as u32,
+            memory.head(1, HEAD_PROGRAM) + 82
+        );
+    }
+
+    #[test]
+    fn storing_the_same_again_changes_nothing() {
+        let mut memory = ProgramMemory::new(1);
+        memory.store(0, &[1, 2, 3]);
+        memory.set_head(0, HEAD_FLAGS, 5);
+        assert!(!memory.take_changes().is_empty());
+        memory.store(0, &[1, 2, 3]);
+        memory.set_head(0, HEAD_FLAGS, 5);
+        assert_eq!(memory.take_changes(), []);
+    }
+
+    #[test]
+    fn ranges_that_touch_are_joined() {
+        assert_eq!(merged(vec![8..9, 0..2, 2..4, 3..5, 9..10]), [0..5, 8..10]);
+    }
+}

@@ -1,0 +1,228 @@
+//! Procedural textures on the CPU side: a look and a directory of user textures become a texture graph, one program per
+//! material, and the words that the GPU reads.
+//!
+//! Plain data and arithmetic: nothing here knows wgpu. The renderer uploads [`Procedural::programs`] and
+//! [`Procedural::args`], compiles [`Procedural::kernel`] once, and after each edit writes the ranges that
+//! [`Procedural::take_changes`] names.
+//!
+//! # Program memory
+//! [`Procedural::programs`] begins with a head of [`HEAD_WORDS`] words for each material of the scene, by material
+//! index; texgen's programs follow, each with room to grow.
+//!
+//! | word | content |
+//! |---|---|
+//! | 0 | where the program begins, in words from the start of the buffer; 0 is none |
+//! | 1 | bit i: output i is driven (see [`Output`]); bit 30: the mask is a constant; bit 31: the material is a blend |
+//! | 2 | link of the blend's mask |
+//! | 3 | material index of the blend's base |
+//! | 4 | material index of the blend's over |
+//! | 5 | bit i: AO table i is needed by this material or by one below its blends |
+//! | 6 | a constant mask, as f32 bits |
+//! | 7 | 0 |
+//! | 8 + i | link of output i |
+//!
+//! A link is texgen's link word: a slot of the program's results, with a swizzle. A driven output replaces the
+//! constant and the glTF texture of the material. A blend has no surface of its own: its record in
+//! [`Scene::materials`] is a copy of its base's without emission, for whatever must be known before
+//! the program has run (alpha, sides).
+//!
+//! [`Scene::materials`]: crate::scene::Scene::materials
+
+mod build;
+mod edit;
+mod images;
+mod materials;
+mod memory;
+mod sources;
+#[cfg(test)]
+mod tests;
+mod values;
+mod wiring;
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use texgen::{Diagnostics, GeneratedKernel, Graph, NodeId, Swizzle};
+
+use crate::scene::TextureRef;
+use crate::scene::look::{AoSettings, MAX_AO};
+
+pub use edit::EditError;
+pub use memory::{
+    FLAG_BLEND, FLAG_CONSTANT_MASK, HEAD_AO, HEAD_BASE, HEAD_FLAGS, HEAD_LINKS, HEAD_MASK,
+    HEAD_MASK_VALUE, HEAD_OVER, HEAD_PROGRAM, HEAD_WORDS,
+};
+pub use sources::{SourcesError, TextureSources};
+pub use wiring::CompileError;
+
+use memory::{ProgramMemory, RangeSet};
+use wiring::Wiring;
+
+/// The most stack slots a program may need: they live in the registers and private memory of each GPU thread.
+pub const MAX_STACK_SLOTS: u32 = 256;
+
+/// Slots the kernel has at least, so that wiring anew seldom needs another kernel.
+const MIN_STACK_SLOTS: u32 = 8;
+
+/// A value of a material that a texture can drive; the number is its place in the head.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum Output {
+    /// Linear colour.
+    BaseColor = 0,
+    /// Scalar.
+    Metallic = 1,
+    /// Scalar, perceptual.
+    Roughness = 2,
+    /// Radiance, W/m²/sr.
+    Emission = 3,
+}
+
+impl Output {
+    /// All of them, in the order of their numbers.
+    pub const ALL: [Self; 4] = [
+        Self::BaseColor,
+        Self::Metallic,
+        Self::Roughness,
+        Self::Emission,
+    ];
+
+    /// Its key in a look.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::BaseColor => "base_color",
+            Self::Metallic => "metallic",
+            Self::Roughness => "roughness",
+            Self::Emission => "emission",
+        }
+    }
+
+    /// Whether it is a number rather than a colour.
+    pub fn is_scalar(self) -> bool {
+        matches!(self, Self::Metallic | Self::Roughness)
+    }
+}
+
+/// The texture graph of a scene with the memory that mirrors it on the GPU.
+#[derive(Debug, Clone)]
+pub struct Procedural {
+    graph: Graph,
+    ao: [AoSettings; MAX_AO],
+    ao_names: Vec<String>,
+    memory: ProgramMemory,
+    wiring: Vec<Wiring>,
+    /// All material indices, blends after what lies below them.
+    order: Vec<u32>,
+    material_names: HashMap<String, u32>,
+    /// Where the surface of a material that blends with itself went.
+    surface_names: HashMap<String, u32>,
+    textures: Vec<TextureRef>,
+    stack_slots: u32,
+    changed_args: RangeSet,
+    changed_ao: bool,
+    changed_kernel: bool,
+    warnings: Diagnostics,
+}
+
+/// A node's result, or some of its components.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Source {
+    node: NodeId,
+    swizzle: Option<Swizzle>,
+}
+
+/// What must be written again on the GPU.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Changes {
+    /// Ranges of [`Procedural::programs`], ascending; they may lie beyond the former end.
+    pub programs: Vec<Range<u32>>,
+    /// Ranges of [`Procedural::args`], ascending; they may lie beyond the former end.
+    pub args: Vec<Range<u32>>,
+    /// The AO tables.
+    pub ao: bool,
+    /// A program needs more stack slots than the kernel has: [`Procedural::kernel`] has to be compiled again *before*
+    /// the programs are written. Seldom.
+    pub kernel: bool,
+}
+
+impl Changes {
+    /// Whether nothing is to be done.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl Procedural {
+    /// Heads and programs; see the module's description.
+    pub fn programs(&self) -> &[u32] {
+        self.memory.words()
+    }
+
+    /// The fake stack: the constants of all nodes.
+    pub fn args(&self) -> &[u32] {
+        self.graph.args()
+    }
+
+    /// The AO tables; those from [`Self::ao_count`] on are not used.
+    pub fn ao(&self) -> &[AoSettings; MAX_AO] {
+        &self.ao
+    }
+
+    /// How many AO tables there are.
+    pub fn ao_count(&self) -> usize {
+        self.ao_names.len()
+    }
+
+    /// The images of `sam2D` parameters. A texture's image handle is an index into this list.
+    pub fn textures(&self) -> &[TextureRef] {
+        &self.textures
+    }
+
+    /// The generated kernel's text, for programs that need at most [`Self::stack_slots`] slots.
+    pub fn kernel(&self) -> GeneratedKernel {
+        self.graph.library().emit(self.stack_slots)
+    }
+
+    /// Stack slots of the kernel.
+    pub fn stack_slots(&self) -> u32 {
+        self.stack_slots
+    }
+
+    /// The texture graph.
+    pub fn graph(&self) -> &Graph {
+        &self.graph
+    }
+
+    /// Whether a material is a blend or has a driven output.
+    pub fn is_procedural(&self, material: u32) -> bool {
+        (material as usize) < self.wiring.len() && self.memory.head(material, HEAD_FLAGS) != 0
+    }
+
+    /// Whether no material is procedural, so that the generated kernel need not run.
+    pub fn is_empty(&self) -> bool {
+        (0..self.wiring.len() as u32).all(|m| !self.is_procedural(m))
+    }
+
+    /// Whether a material's emission, or one below its blends, is driven or blended: its triangles emit by the
+    /// program's result, which the scene's constants don't tell.
+    pub fn drives_emission(&self, material: u32) -> bool {
+        self.is_procedural(material)
+            && self.memory.head(material, HEAD_FLAGS) & (1 << Output::Emission as u32 | FLAG_BLEND)
+                != 0
+    }
+
+    /// What is odd in the look or in its textures, but not wrong.
+    pub fn warnings(&self) -> &Diagnostics {
+        &self.warnings
+    }
+
+    /// What changed since the last call (or since the build).
+    pub fn take_changes(&mut self) -> Changes {
+        Changes {
+            programs: self.memory.take_changes(),
+            args: self.changed_args.take(),
+            ao: std::mem::take(&mut self.changed_ao),
+            kernel: std::mem::take(&mut self.changed_kernel),
+        }
+    }
+}

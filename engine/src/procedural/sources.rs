@@ -1,0 +1,116 @@
+//! Where user textures come from: directories of `.wgsl` files, or texts in memory. Nothing is parsed here.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use texgen::SourceFile;
+
+/// A texture larger than this is not read.
+const MAX_BYTES: u64 = 4 << 20;
+
+/// User textures by name. Where two directories hold a texture of one name, the directory named later wins.
+#[derive(Debug, Clone, Default)]
+pub struct TextureSources {
+    by_name: BTreeMap<String, Source>,
+}
+
+#[derive(Debug, Clone)]
+enum Source {
+    File(PathBuf),
+    Text(SourceFile),
+}
+
+/// Why user textures can't be read.
+#[derive(Debug, thiserror::Error)]
+pub enum SourcesError {
+    /// A directory can't be listed.
+    #[error("can't read the textures directory {}: {source}", path.display())]
+    Directory {
+        /// The directory.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A texture can't be read.
+    #[error("can't read the texture {}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file that can't be a texture.
+    #[error("the texture {} is larger than 4 MiB: it can't be WGSL written by hand", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl TextureSources {
+    /// Lists the `.wgsl` files of some directories, without those below them. No file is opened yet.
+    ///
+    /// # Errors
+    /// A directory can't be listed.
+    pub fn scan<P: AsRef<Path>>(directories: &[P]) -> Result<Self, SourcesError> {
+        let mut sources = Self::default();
+        for directory in directories.iter().map(AsRef::as_ref) {
+            let error = |source| SourcesError::Directory {
+                path: directory.to_owned(),
+                source,
+            };
+            for entry in std::fs::read_dir(directory).map_err(error)? {
+                let path = entry.map_err(error)?.path();
+                let is_wgsl = path.extension().is_some_and(|e| e == "wgsl") && path.is_file();
+                if let (true, Some(name)) = (is_wgsl, path.file_stem().and_then(|s| s.to_str())) {
+                    sources.by_name.insert(name.to_owned(), Source::File(path));
+                }
+            }
+        }
+        Ok(sources)
+    }
+
+    /// Adds a texture whose text is at hand, in place of a file of that name.
+    pub fn insert(&mut self, name: &str, text: &str) {
+        let file = SourceFile::new(name, format!("{name}.wgsl"), text);
+        self.by_name.insert(name.to_owned(), Source::Text(file));
+    }
+
+    /// All names, sorted.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.by_name.keys().map(String::as_str)
+    }
+
+    /// The text of a texture; `None` where there is none of that name.
+    ///
+    /// # Errors
+    /// The file can't be read, or is no text.
+    pub fn read(&self, name: &str) -> Option<Result<SourceFile, SourcesError>> {
+        Some(match self.by_name.get(name)? {
+            Source::Text(file) => Ok(file.clone()),
+            Source::File(path) => read_file(name, path),
+        })
+    }
+
+    /// The file of a texture, where it comes from one.
+    pub fn path(&self, name: &str) -> Option<&Path> {
+        match self.by_name.get(name)? {
+            Source::File(path) => Some(path),
+            Source::Text(_) => None,
+        }
+    }
+}
+
+fn read_file(name: &str, path: &Path) -> Result<SourceFile, SourcesError> {
+    let error = |source| SourcesError::File {
+        path: path.to_owned(),
+        source,
+    };
+    if std::fs::metadata(path).map_err(error)?.len() > MAX_BYTES {
+        return Err(SourcesError::TooLarge {
+            path: path.to_owned(),
+        });
+    }
+    let text = std::fs::read_to_string(path).map_err(error)?;
+    Ok(SourceFile::new(name, path.display().to_string(), text))
+}

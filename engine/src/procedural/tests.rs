@@ -1,0 +1,530 @@
+//! What a look becomes on the way to the GPU, with textures small enough to be seen through.
+
+use std::path::Path;
+
+use texgen::Value;
+
+use crate::scene::look::{AoDirection, Look};
+use crate::scene::{Material, Scene};
+
+use super::*;
+
+const FLAT: &str = "/// One colour.\n/// @param tint colour [color] = (1, 1, 1)\n/// @param amount factor = 1.0\nfn userProc(tint: vec3f, amount: f32) -> vec3f { return tint * amount; }\n";
+const VALUE: &str = "/// A number.\n/// @param level the number = 0.5\nfn userProc(level: f32) -> f32 { return level; }\n";
+const OPEN: &str =
+    "/// Occlusion.\nfn userProc() -> f32 { return readAttr(AO).x * readAttr(AO1).x; }\n";
+const PICTURE: &str = "/// A picture through a ramp.\nfn userProc(image: sam2D, ramp: ramp1D, steps: i32) -> vec4f { return rampEval(ramp, tex2D(image, readAttr(TexCoord0).xy).x) * f32(steps); }\n";
+
+fn textures() -> TextureSources {
+    let mut sources = TextureSources::default();
+    for (name, text) in [
+        ("flat", FLAT),
+        ("value", VALUE),
+        ("open", OPEN),
+        ("picture", PICTURE),
+    ] {
+        sources.insert(name, text);
+    }
+    sources.insert(
+        "broken",
+        "fn userProc() -> f32 {\n    let a = nothing;\n    return 1.0;\n}\n",
+    );
+    sources
+}
+
+/// A scene with materials `A`, `B`, `C`.
+fn scene() -> Scene {
+    let material = |name: &str| Material {
+        name: name.to_owned(),
+        emission: glam::Vec3::ONE,
+        ..Material::default()
+    };
+    Scene {
+        materials: ["A", "B", "C"].map(material).to_vec(),
+        ..Scene::default()
+    }
+}
+
+fn try_build(text: &str) -> Result<(Procedural, Scene), Diagnostics> {
+    let look = Look::parse(Path::new("test.look.toml"), text)?;
+    let mut scene = scene();
+    let procedural = Procedural::build(&look, &mut scene, &textures())?;
+    Ok((procedural, scene))
+}
+
+#[track_caller]
+fn build(text: &str) -> (Procedural, Scene) {
+    try_build(text).unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+#[track_caller]
+fn refused(text: &str, place: &str, says: &str) {
+    let problems = try_build(text).expect_err("this look is wrong");
+    assert_eq!(problems.len(), 1, "{problems}");
+    let shown = problems.to_string();
+    assert!(shown.contains(place) && shown.contains(says), "{shown}");
+}
+
+/// The head words of a material.
+fn head(procedural: &Procedural, material: u32) -> &[u32] {
+    let at = (material * HEAD_WORDS) as usize;
+    &procedural.programs()[at..at + HEAD_WORDS as usize]
+}
+
+const CHAIN: &str = "
+[node.level]
+texture = 'value'
+[node.paint]
+texture = 'flat'
+amount = 'level'
+[material.A]
+base_color = 'paint'
+roughness = 'paint.y'
+";
+
+#[test]
+fn driven_outputs_have_links_and_the_rest_is_untouched() {
+    let (procedural, scene) = build(CHAIN);
+    assert!(
+        procedural.is_procedural(0)
+            && !procedural.is_procedural(1)
+            && !procedural.is_procedural(99)
+    );
+    let head = head(&procedural, 0);
+    assert!(head[HEAD_PROGRAM as usize] >= 3 * HEAD_WORDS);
+    assert_eq!(
+        head[HEAD_FLAGS as usize],
+        1 << Output::BaseColor as u32 | 1 << Output::Roughness as u32
+    );
+    let links = &head[HEAD_LINKS as usize..];
+    assert_ne!(links[0], links[2], "one is swizzled");
+    let program = head[HEAD_PROGRAM as usize] as usize;
+    assert_eq!(
+        procedural.programs()[program],
+        2,
+        "both nodes are in the program, once each"
+    );
+    assert_eq!(scene.materials.len(), 3);
+    assert_eq!(scene.materials[0].emission, glam::Vec3::ONE);
+    assert!(procedural.kernel().wgsl.contains("level"));
+    assert_eq!(procedural.stack_slots(), 8);
+}
+
+#[test]
+fn the_same_look_gives_the_same_words() {
+    let (a, _) = build(CHAIN);
+    let (b, _) = build(CHAIN);
+    assert_eq!(a.programs(), b.programs());
+    assert_eq!(a.args(), b.args());
+    assert_eq!(a.kernel().wgsl, b.kernel().wgsl);
+}
+
+#[test]
+fn a_driven_emission_replaces_the_constant() {
+    let (procedural, scene) = build("[node.n]\ntexture='flat'\n[material.B]\nemission='n'");
+    assert_eq!(scene.materials[1].emission, glam::Vec3::ZERO);
+    assert!(procedural.drives_emission(1) && !procedural.drives_emission(0));
+}
+
+#[test]
+fn a_blend_with_itself_keeps_the_gltf_surface() {
+    let text = format!(
+        "{CHAIN}[material.B]\nblend = {{ base='B', over='Rust', mask='level' }}\nior = 1.7\n[material.Rust]\nbase_color='paint'\n"
+    );
+    let (procedural, scene) = build(&text);
+    let names: Vec<_> = scene.materials.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["A", "B", "C", "B (surface)", "Rust"]);
+    let blend = head(&procedural, 1);
+    assert_eq!(blend[HEAD_FLAGS as usize], FLAG_BLEND);
+    assert_eq!(
+        (blend[HEAD_BASE as usize], blend[HEAD_OVER as usize]),
+        (3, 4)
+    );
+    assert_ne!(blend[HEAD_PROGRAM as usize], 0);
+    assert_eq!(scene.materials[3].emission, glam::Vec3::ONE);
+    assert_eq!(
+        (scene.materials[1].emission, scene.materials[1].ior),
+        (glam::Vec3::ZERO, 1.7)
+    );
+    assert_eq!(scene.materials[4].metallic, 0.0);
+}
+
+#[test]
+fn constant_masks_need_no_program() {
+    let (procedural, _) = build("[material.A]\nblend = { base='B', over='C', mask=0.25 }");
+    let head = head(&procedural, 0);
+    assert_eq!(head[HEAD_FLAGS as usize], FLAG_BLEND | FLAG_CONSTANT_MASK);
+    assert_eq!(f32::from_bits(head[HEAD_MASK_VALUE as usize]), 0.25);
+    assert_eq!(head[HEAD_PROGRAM as usize], 0);
+}
+
+#[test]
+fn a_blend_needs_the_occlusion_of_what_lies_below_it() {
+    let text = "
+[ao.near]
+distance = 0.1
+[ao.far]
+distance = 2
+[ao.inner]
+distance = 0.5
+direction = 'inside'
+[node.a]
+texture = 'open'
+occlusion = 'inner'
+[node.b]
+texture = 'open'
+occlusion1 = 'inner'
+[material.A]
+blend = { base='B', over='C', mask=0.5 }
+[material.B]
+roughness = 'a'
+[material.C]
+blend = { base='C', over='B', mask='b' }
+";
+    let (mut procedural, _) = build(text);
+    assert_eq!(procedural.ao_count(), 3);
+    assert_eq!(procedural.ao()[2].direction, AoDirection::Inside);
+    let ao = |p: &Procedural, m| head(p, m)[HEAD_AO as usize];
+    assert_eq!(
+        ao(&procedural, 1),
+        0b110,
+        "inner, and the second table for AO1"
+    );
+    assert_eq!(ao(&procedural, 2), 0b111);
+    assert_eq!(ao(&procedural, 0), 0b111);
+
+    procedural.set_occlusion("a", ["far", "far"]).unwrap();
+    assert_eq!(ao(&procedural, 1), 0b010);
+    assert_eq!(ao(&procedural, 0), 0b111);
+    procedural.take_changes();
+    let near = AoSettings {
+        distance: 0.3,
+        ..procedural.ao()[0]
+    };
+    procedural.set_ao("near", near).unwrap();
+    let changes = procedural.take_changes();
+    assert_eq!(
+        changes,
+        Changes {
+            ao: true,
+            ..Changes::default()
+        }
+    );
+    assert!(
+        procedural
+            .set_ao("near", AoSettings { samples: 0, ..near })
+            .is_err()
+    );
+    assert!(
+        procedural
+            .set_ao("neat", near)
+            .unwrap_err()
+            .to_string()
+            .contains("did you mean `near`?")
+    );
+}
+
+#[test]
+fn occlusion_without_a_table_uses_the_built_in_one() {
+    let (procedural, _) = build("[node.a]\ntexture='open'\n[material.A]\nroughness='a'");
+    assert_eq!(procedural.ao_count(), 1);
+    assert_eq!(procedural.ao()[0], AoSettings::default());
+    assert_eq!(head(&procedural, 0)[HEAD_AO as usize], 1);
+    let (procedural, _) = build(CHAIN);
+    assert_eq!(procedural.ao_count(), 0);
+}
+
+#[test]
+fn images_are_loaded_once_for_each_use() {
+    let folder = std::env::temp_dir().join(format!("patina-images-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("a.png");
+    image::RgbaImage::from_pixel(2, 1, image::Rgba([255, 0, 0, 255]))
+        .save(&path)
+        .unwrap();
+    let node = |name: &str, image: &str| {
+        format!(
+            "[node.{name}]\ntexture='picture'\nimage={image}\nramp=[[0,'#000'],[1,[1,1,1]]]\nsteps=2\n"
+        )
+    };
+    let path = path.display().to_string();
+    let text = [
+        node("a", &format!("{path:?}")),
+        node("b", &format!("{{ file = {path:?}, wrap = 'clamp' }}")),
+        node(
+            "c",
+            &format!("{{ file = {path:?}, color_space = 'linear' }}"),
+        ),
+        node("d", &format!("{path:?}")),
+        "[material.A]\nbase_color='a'\nemission='d'".to_owned(),
+    ];
+    let built = try_build(&text.concat());
+    std::fs::remove_dir_all(&folder).unwrap();
+    let (procedural, scene) = built.unwrap_or_else(|p| panic!("{p}"));
+    assert_eq!(procedural.textures().len(), 3);
+    assert_eq!(scene.images.len(), 2);
+    assert!(scene.images[0].srgb && !scene.images[1].srgb);
+}
+
+#[test]
+fn mistakes_name_their_place_and_remedy() {
+    refused(
+        "[node.n]\ntexture='flta'",
+        "test.look.toml:2:9",
+        "did you mean `flat`?",
+    );
+    refused(
+        "[node.n]\ntexture='flat'\namuont=2",
+        "test.look.toml:3:1",
+        "did you mean `amount`?",
+    );
+    refused(
+        "[node.n]\ntexture='flat'\namount='m'",
+        "test.look.toml:3:8",
+        "no node called `m`",
+    );
+    refused(
+        "[node.n]\ntexture='flat'\namount=[1, 2]",
+        "test.look.toml:3:8",
+        "expected a number",
+    );
+    refused(
+        "[node.n]\ntexture='flat'\ntint='#12'",
+        "test.look.toml:3:6",
+        "not a colour",
+    );
+    refused(
+        "[node.n]\ntexture='flat'\ntint=[1, 2]",
+        "test.look.toml:3:6",
+        "found 2 values",
+    );
+    refused(
+        "[node.n]\ntexture='picture'\nsteps=1.5",
+        "test.look.toml:3:7",
+        "whole number",
+    );
+    refused(
+        "[node.n]\ntexture='picture'\nramp=[]",
+        "test.look.toml:3:6",
+        "at least one stop",
+    );
+    refused(
+        "[node.n]\ntexture='picture'\nramp='n'",
+        "test.look.toml:3:6",
+        "can't be driven",
+    );
+    refused(
+        "[node.n]\ntexture='picture'\nimage='missing.png'",
+        "test.look.toml:3:7",
+        "missing.png",
+    );
+    refused(
+        "[node.n]\ntexture='picture'\n[material.A]\nbase_color='n'",
+        "test.look.toml:1:7",
+        "image",
+    );
+    refused(
+        "[node.n]\ntexture='flat'\n[material.A]\nroughness='n'",
+        "test.look.toml:4:11",
+        "write \"n.x\"",
+    );
+    refused(
+        "[node.n]\ntexture='value'\n[material.A]\nroughness='n.y'",
+        "test.look.toml:4:11",
+        "no `.y`",
+    );
+    refused(
+        "[material.AA]\nroughness=1",
+        "test.look.toml:1:11",
+        "did you mean `A`?",
+    );
+    refused(
+        "[node.a]\ntexture='value'\nlevel='b'\n[node.b]\ntexture='value'\nlevel='a'",
+        "test.look.toml:6:7",
+        "circle",
+    );
+}
+
+#[test]
+fn mistakes_of_a_texture_are_shown_in_its_own_file() {
+    let problems = try_build(
+        "[node.n]\ntexture='broken'\n[node.m]\ntexture='broken'\n[material.A]\nroughness='n'",
+    )
+    .unwrap_err();
+    let shown = problems.to_string();
+    assert_eq!(shown.matches("broken.wgsl:2:13").count(), 1, "{shown}");
+    assert!(!shown.contains("look.toml"), "{shown}");
+}
+
+#[test]
+fn an_occlusion_that_nothing_reads_is_a_warning() {
+    let (procedural, _) = build("[ao.a]\ndistance=1\n[node.n]\ntexture='value'\nocclusion='a'");
+    let shown = procedural.warnings().to_string();
+    assert!(
+        shown.contains("test.look.toml:5:11") && shown.contains("no effect"),
+        "{shown}"
+    );
+}
+
+#[test]
+fn an_edited_value_changes_its_words_only() {
+    let (mut procedural, _) = build(CHAIN);
+    assert!(procedural.take_changes().is_empty());
+    let programs = procedural.programs().to_vec();
+    procedural
+        .set_value("level", "level", Value::F32(0.75))
+        .unwrap();
+    let changes = procedural.take_changes();
+    assert!(
+        changes.programs.is_empty() && !changes.kernel && !changes.ao,
+        "{changes:?}"
+    );
+    assert_eq!(changes.args.len(), 1);
+    let range = changes.args[0].clone();
+    let words = &procedural.args()[range.start as usize..range.end as usize];
+    assert_eq!(words, [0.75f32.to_bits()]);
+    assert_eq!(procedural.programs(), programs);
+}
+
+#[test]
+fn a_thousand_edits_keep_kernel_and_memory() {
+    let (mut procedural, _) = build(CHAIN);
+    let (words, args) = (procedural.programs().len(), procedural.args().len());
+    for i in 0..1000u32 {
+        procedural
+            .set_value("paint", "tint", Value::Vec3([i as f32 / 1000.0; 3]))
+            .unwrap();
+        if i % 2 == 0 {
+            procedural.clear_link("paint", "amount").unwrap();
+        } else {
+            procedural.set_link("paint", "amount", "level").unwrap();
+        }
+        let output = Output::ALL[i as usize % 4];
+        let link = if output.is_scalar() { "level" } else { "paint" };
+        procedural
+            .set_output_link("B", output, (i % 8 < 4).then_some(link))
+            .unwrap();
+    }
+    assert!(!procedural.take_changes().kernel);
+    assert_eq!(procedural.args().len(), args);
+    assert!(
+        procedural.programs().len() <= words + 64,
+        "one more program"
+    );
+    let (fresh, _) = build(CHAIN);
+    assert_eq!(head(&procedural, 0), head(&fresh, 0));
+}
+
+#[test]
+fn rewiring_touches_only_the_materials_concerned() {
+    let text = format!("{CHAIN}[node.other]\ntexture='value'\n[material.B]\nmetallic='other'");
+    let (mut procedural, _) = build(&text);
+    procedural.set_link("paint", "amount", "other.x").unwrap();
+    let changes = procedural.take_changes();
+    let of_b = head(&procedural, 1)[HEAD_PROGRAM as usize];
+    assert!(!changes.programs.is_empty());
+    assert!(
+        changes
+            .programs
+            .iter()
+            .all(|r| r.end <= of_b && !r.contains(&HEAD_WORDS)),
+        "{changes:?}"
+    );
+}
+
+#[test]
+fn a_refused_edit_changes_nothing() {
+    let text = format!(
+        "{CHAIN}[node.empty]\ntexture='picture'\n[material.B]\nblend={{base='B',over='C',mask='level'}}"
+    );
+    let (mut procedural, _) = build(&text);
+    let before = procedural.programs().to_vec();
+    let message = |result: Result<(), EditError>| result.unwrap_err().to_string();
+    assert!(message(procedural.set_value("nod", "a", Value::F32(1.0))).contains("no node"));
+    assert!(
+        message(procedural.set_value("paint", "amont", Value::F32(1.0)))
+            .contains("did you mean `amount`?")
+    );
+    procedural
+        .set_value(
+            "level",
+            "level",
+            Value::Ramp(texgen::Ramp::black_to_white()),
+        )
+        .unwrap_err();
+    procedural.set_link("level", "level", "level").unwrap_err();
+    procedural
+        .set_link("level", "level", "paint.x")
+        .unwrap_err();
+    procedural
+        .set_link("paint", "amount", "empty.x")
+        .unwrap_err();
+    assert!(
+        message(procedural.set_output_link("A", Output::Roughness, Some("paint"))).contains(".x")
+    );
+    assert!(
+        message(procedural.set_output_link("D", Output::Roughness, None)).contains("no material")
+    );
+    assert!(message(procedural.set_mask_link("A", "level")).contains("not a blend"));
+    procedural.set_mask_link("B", "paint.z").unwrap();
+    procedural.set_mask_link("B", "level").unwrap();
+    procedural
+        .set_output_link("B", Output::Metallic, Some("level"))
+        .unwrap();
+    procedural
+        .set_output_link("B", Output::Metallic, None)
+        .unwrap();
+    let heads = 5 * HEAD_WORDS as usize;
+    assert_eq!(procedural.programs()[..heads], before[..heads]);
+    procedural
+        .set_value("paint", "amount", Value::F32(0.5))
+        .unwrap();
+}
+
+#[test]
+fn a_program_that_needs_more_slots_asks_for_a_kernel() {
+    // A balanced tree of depth 9 needs 10 slots at once.
+    let mut text = String::from("[node.leaf]\ntexture='value'\n");
+    let (mut sources, mut scene) = (textures(), scene());
+    sources.insert(
+        "sum",
+        "fn userProc(a: f32, b: f32) -> f32 { return a + b; }\n",
+    );
+    let mut level: Vec<String> = Vec::new();
+    for i in 0..512 {
+        text += &format!("[node.l0_{i}]\ntexture='value'\n");
+        level.push(format!("l0_{i}"));
+    }
+    for depth in 1..=9 {
+        let pairs: Vec<_> = level.chunks(2).map(<[String]>::to_vec).collect();
+        level.clear();
+        for (i, pair) in pairs.iter().enumerate() {
+            text += &format!(
+                "[node.l{depth}_{i}]\ntexture='sum'\na='{}'\nb='{}'\n",
+                pair[0], pair[1]
+            );
+            level.push(format!("l{depth}_{i}"));
+        }
+    }
+    text += "[material.A]\nroughness='leaf'\n";
+    let look = Look::parse(Path::new("x"), &text).unwrap_or_else(|p| panic!("{p}"));
+    let mut procedural =
+        Procedural::build(&look, &mut scene, &sources).unwrap_or_else(|p| panic!("{p}"));
+    assert_eq!(procedural.stack_slots(), 8);
+    procedural
+        .set_output_link("A", Output::Roughness, Some("l9_0"))
+        .unwrap();
+    assert!(procedural.take_changes().kernel);
+    assert!(
+        (10..=12).contains(&procedural.stack_slots()),
+        "{}",
+        procedural.stack_slots()
+    );
+    procedural
+        .set_output_link("A", Output::Roughness, Some("leaf"))
+        .unwrap();
+    procedural
+        .set_output_link("A", Output::Roughness, Some("l9_0"))
+        .unwrap();
+    assert!(!procedural.take_changes().kernel);
+}

@@ -1,0 +1,402 @@
+//! The order of the passes: a wave of paths from raygen to the film, again and again.
+
+mod edits;
+mod pipeline;
+
+use std::time::{Duration, Instant};
+
+use crate::{
+    film::Film,
+    frame::Frame,
+    gpu::{
+        Gpu, GpuError,
+        kernel::{BoundKernel, Extent, Resources},
+        timing::Timer,
+    },
+    gpu_scene::{GpuScene, GpuSceneError},
+    passes::{advance::After, traverse::Rays},
+    procedural::Procedural,
+    scene::{Camera, Scene},
+    stats::{PassStats, Stats},
+    wave::{self, Queue},
+};
+
+use self::pipeline::{Bound, Kernels};
+
+pub use self::edits::RenderEditError;
+
+/// Most paths of a wave on a GPU, and on a software driver whose caches are small.
+const GPU_CAPACITY: u32 = 1 << 20;
+const CPU_CAPACITY: u32 = 1 << 16;
+/// Waves are kept shorter than this, so that no dispatch comes near a desktop's watchdog and Ctrl-C is heard.
+const LONGEST_WAVE: Duration = Duration::from_millis(1500);
+/// The largest side of a picture.
+pub const MAX_SIDE: u32 = 16384;
+
+/// What is rendered and how.
+#[derive(Debug, Clone)]
+pub struct RenderSettings {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// At most this many surface vertices scatter along a path; 1 is direct light only.
+    pub max_depth: u32,
+    /// Of the random numbers: same seed, same device, same picture.
+    pub seed: u32,
+    /// From where.
+    pub camera: Camera,
+}
+
+/// Why rendering failed.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The picture's size can't be rendered.
+    #[error("a picture of {width} x {height} can't be rendered: each side must be 1 to {MAX_SIDE}")]
+    Size {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// The scene does not fit.
+    #[error(transparent)]
+    Scene(#[from] GpuSceneError),
+    /// The device.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+/// How far a render is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Camera paths finished.
+    pub samples_done: u64,
+    /// Camera paths wanted.
+    pub samples_total: u64,
+}
+
+impl Progress {
+    /// Whether nothing is left to do.
+    pub fn is_done(&self) -> bool {
+        self.samples_done >= self.samples_total
+    }
+}
+
+/// Renders one scene progressively.
+#[derive(Debug)]
+pub struct Renderer {
+    gpu: Gpu,
+    settings: RenderSettings,
+    procedural: Procedural,
+    scene: GpuScene,
+    resources: Resources,
+    kernels: Kernels,
+    bound: Bound,
+    frame: Frame,
+    capacity: u32,
+    /// Paths of the next wave: adapted to the device's speed.
+    wave_size: u32,
+    /// Paths started, padding included, in the order sample by sample.
+    position: u64,
+    timer: Timer,
+    seconds: f64,
+}
+
+impl Renderer {
+    /// Uploads the scene and compiles the kernels.
+    ///
+    /// # Errors
+    /// If the scene is empty, too large for the device, or a kernel (a user's texture) does not build.
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        procedural: &Procedural,
+        settings: &RenderSettings,
+    ) -> Result<Self, RenderError> {
+        let capacity = if gpu.is_cpu() {
+            CPU_CAPACITY
+        } else {
+            GPU_CAPACITY
+        };
+        Self::with_capacity(gpu, scene, procedural, settings, capacity)
+    }
+
+    /// As [`Self::new`] with waves of at most `capacity` paths. The picture does not depend on it.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_capacity(
+        gpu: &Gpu,
+        scene: &Scene,
+        procedural: &Procedural,
+        settings: &RenderSettings,
+        capacity: u32,
+    ) -> Result<Self, RenderError> {
+        let (width, height) = (settings.width, settings.height);
+        if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+            return Err(RenderError::Size { width, height });
+        }
+        let capacity = capacity.next_multiple_of(64).max(64);
+        let mut resources = Resources::default();
+        let gpu_scene = GpuScene::new(
+            gpu,
+            scene,
+            procedural.textures(),
+            |m| edits::head_flags(procedural, m),
+            &mut resources,
+        )?;
+        wave::allocate(gpu, capacity, &mut resources)?;
+        let pixels = u64::from(width) * u64::from(height);
+        for name in ["film_sum", "film_sum_squares"] {
+            resources.set_buffer(
+                name,
+                gpu.empty_buffer("the picture", pixels * 16, wgpu::BufferUsages::STORAGE)?,
+            );
+        }
+        resources.set_buffer(
+            "frame",
+            gpu.empty_buffer(
+                "frame",
+                size_of::<Frame>() as u64,
+                wgpu::BufferUsages::UNIFORM,
+            )?,
+        );
+        edits::allocate(gpu, procedural, &mut resources)?;
+        let kernels = Kernels::new(gpu, &gpu_scene.features, procedural)?;
+        let bound = kernels.bind(gpu, &resources);
+        gpu.check()?;
+        Ok(Self {
+            gpu: gpu.clone(),
+            settings: settings.clone(),
+            procedural: procedural.clone(),
+            frame: Frame::new(
+                (width, height),
+                &settings.camera,
+                settings.max_depth,
+                settings.seed,
+                capacity,
+                &gpu_scene,
+            ),
+            scene: gpu_scene,
+            resources,
+            kernels,
+            bound,
+            capacity,
+            wave_size: capacity.min(if gpu.is_cpu() { 1 << 14 } else { 1 << 18 }),
+            position: 0,
+            timer: Timer::new(gpu, false)?,
+            seconds: 0.0,
+        })
+    }
+
+    /// Times each pass from now on; costs a read-back per wave.
+    ///
+    /// # Errors
+    /// If the device is out of memory.
+    pub fn time_passes(&mut self) -> Result<(), RenderError> {
+        self.timer = Timer::new(&self.gpu, true)?;
+        Ok(())
+    }
+
+    /// Renders one wave towards `target_spp` samples per pixel. Call it until the progress is done.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn step(&mut self, target_spp: u32) -> Result<Progress, RenderError> {
+        let padded = u64::from(self.frame.padded_pixels);
+        let total = padded * u64::from(target_spp);
+        if self.position < total {
+            let start = Instant::now();
+            let wave = u64::from(self.wave_size).min(total - self.position);
+            self.frame.first_pixel = (self.position % padded) as u32;
+            self.frame.first_sample = (self.position / padded) as u32;
+            self.frame.wave_size = wave as u32;
+            self.frame.sample_limit = target_spp;
+            self.render_wave()?;
+            self.position += wave;
+            self.adapt_wave(start.elapsed());
+            self.seconds += start.elapsed().as_secs_f64();
+        }
+        let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
+        let done =
+            |paths: u64| (u128::from(paths) * u128::from(pixels) / u128::from(padded)) as u64;
+        Ok(Progress {
+            samples_done: done(self.position),
+            samples_total: done(total),
+        })
+    }
+
+    /// Renders up to `target_spp` samples per pixel.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn render(&mut self, target_spp: u32) -> Result<(), RenderError> {
+        while !self.step(target_spp)?.is_done() {}
+        Ok(())
+    }
+
+    /// The passes of a wave.
+    fn render_wave(&mut self) -> Result<(), GpuError> {
+        let queue = self.gpu.queue();
+        queue.write_buffer(
+            self.resources.buffer("frame"),
+            0,
+            bytemuck::bytes_of(&self.frame),
+        );
+        queue.write_buffer(
+            self.resources.buffer("queues"),
+            0,
+            bytemuck::cast_slice(&wave::fresh_queues()),
+        );
+        let mut encoder =
+            self.gpu
+                .device()
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                    label: Some("wave"),
+                });
+        let sizes = self.resources.buffer("dispatch_sizes");
+        let bound = &self.bound;
+        let timer = &mut self.timer;
+        let mut run = |kernel: &BoundKernel, extent| {
+            let label = kernel.label();
+            kernel.record(&mut encoder, extent, timer.pass(label));
+        };
+        let per = |queue: Queue| Extent::Indirect(sizes, queue.dispatch_offset());
+        let paths = Extent::Threads(self.frame.wave_size);
+
+        run(&bound.raygen, paths);
+        run(&bound.advance[After::Raygen as usize], Extent::One);
+        // One round more than vertices that scatter: the last one finds emission only.
+        for _ in 0..=self.settings.max_depth {
+            run(&bound.traverse[Rays::Closest as usize], per(Queue::Active));
+            if let Some(texture) = &bound.texture {
+                run(&texture.classify, per(Queue::Active));
+                run(&bound.advance[After::Classify as usize], Extent::One);
+                run(&texture.ao, per(Queue::Ao));
+                run(&texture.proctex, per(Queue::Proctex));
+            }
+            run(&bound.brdf, per(Queue::Active));
+            run(&bound.advance[After::Brdf as usize], Extent::One);
+            run(
+                &bound.traverse[Rays::Occlusion as usize],
+                per(Queue::Shadow),
+            );
+        }
+        run(&bound.accumulate, paths);
+
+        self.timer.resolve(&mut encoder);
+        queue.submit([encoder.finish()]);
+        self.gpu.wait()?;
+        self.timer.collect(&self.gpu)
+    }
+
+    /// Longer waves keep the device busy, shorter ones keep each dispatch short.
+    fn adapt_wave(&mut self, took: Duration) {
+        if took > LONGEST_WAVE {
+            self.wave_size = (self.wave_size / 2).max(1024).min(self.capacity);
+        } else if took < LONGEST_WAVE / 4 {
+            self.wave_size = (self.wave_size * 2).min(self.capacity);
+        }
+    }
+
+    /// Forgets all samples: the next wave starts the picture anew.
+    pub fn restart(&mut self) {
+        let mut encoder =
+            self.gpu
+                .device()
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                    label: Some("restart"),
+                });
+        for name in ["film_sum", "film_sum_squares"] {
+            encoder.clear_buffer(self.resources.buffer(name), 0, None);
+        }
+        self.gpu.queue().submit([encoder.finish()]);
+        self.position = 0;
+    }
+
+    /// What has been gathered so far.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn film(&self) -> Result<Film, RenderError> {
+        let (width, height) = (self.settings.width, self.settings.height);
+        let bytes = u64::from(width) * u64::from(height) * 16;
+        let sum = self
+            .gpu
+            .read_buffer(self.resources.buffer("film_sum"), 0, bytes)?;
+        let squares = self
+            .gpu
+            .read_buffer(self.resources.buffer("film_sum_squares"), 0, bytes)?;
+        Ok(Film::from_gpu(
+            width,
+            height,
+            &bytemuck::pod_collect_to_vec::<_, [f32; 4]>(&sum),
+            &bytemuck::pod_collect_to_vec::<_, [f32; 4]>(&squares),
+        ))
+    }
+
+    /// Figures so far.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn stats(&self) -> Result<Stats, RenderError> {
+        let bytes =
+            self.gpu
+                .read_buffer(self.resources.buffer("queues"), 0, wave::QUEUE_HEADER * 4)?;
+        let totals = wave::Totals::new(&bytemuck::pod_collect_to_vec::<_, u32>(&bytes));
+        let times = self.timer.totals();
+        let all: f64 = times.values().map(|(ms, _)| ms).sum();
+        let passes: Vec<PassStats> = self
+            .bound
+            .labels()
+            .filter_map(|label| {
+                let (milliseconds, dispatches) = *times.get(label)?;
+                Some(PassStats {
+                    name: label.to_owned(),
+                    milliseconds,
+                    share: if all > 0.0 { milliseconds / all } else { 0.0 },
+                    dispatches,
+                })
+            })
+            .collect();
+        let tracing: f64 = ["closest", "occlusion", "ao"]
+            .iter()
+            .filter_map(|n| times.get(*n))
+            .map(|(ms, _)| ms * 1e-3)
+            .sum();
+        let rays = totals.rays + totals.ao_rays;
+        let tracing = if tracing > 0.0 { tracing } else { self.seconds };
+        let rate = |count: u64, seconds: f64| {
+            if seconds > 0.0 {
+                count as f64 / seconds
+            } else {
+                0.0
+            }
+        };
+        let padded = u64::from(self.frame.padded_pixels);
+        let samples =
+            self.position * u64::from(self.settings.width) * u64::from(self.settings.height)
+                / padded;
+        let mut memory: Vec<(String, u64)> = self
+            .resources
+            .buffer_sizes()
+            .map(|(n, b)| (n.to_owned(), b))
+            .collect();
+        memory.push(("image layers".to_owned(), self.scene.image_bytes));
+        memory.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+        Ok(Stats {
+            passes,
+            rays,
+            ao_rays: totals.ao_rays,
+            mrays_per_second: rate(rays, tracing) * 1e-6,
+            samples_per_second: rate(samples, self.seconds),
+            seconds: self.seconds,
+            invalid_samples: totals.invalid,
+            memory,
+            pipelines_created: self.gpu.pipelines_created(),
+            shader_modules_created: self.gpu.shader_modules_created(),
+            timestamps: self.timer.is_timing(),
+        })
+    }
+}

@@ -1,0 +1,237 @@
+//! Live edits: what the user changes becomes a few words written to buffers. Pipelines are touched only when a
+//! program outgrows the kernel's stack or a scene gets its first program.
+
+use std::ops::Range;
+
+use crate::{
+    gpu::{Gpu, GpuError, kernel::Resources},
+    gpu_scene::materials,
+    procedural::{EditError, HEAD_FLAGS, HEAD_WORDS, Output, Procedural},
+    scene::look::{AoDirection, AoSettings},
+    wave::GpuAoTable,
+};
+
+use super::{RenderError, Renderer};
+
+/// Why an edit did not happen. The picture and the graph are as before.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderEditError {
+    /// The graph refused it.
+    #[error(transparent)]
+    Edit(#[from] EditError),
+    /// The device.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// Emission decides which triangles are lights, and that table is made when the scene is loaded.
+    #[error(
+        "`{material}` can't begin or cease to be driven in its emission while rendering; change the look and load it again"
+    )]
+    Emission {
+        /// The material.
+        material: String,
+    },
+}
+
+impl From<GpuError> for RenderEditError {
+    fn from(error: GpuError) -> Self {
+        Self::Render(error.into())
+    }
+}
+
+/// Flags of a material's head among the programs; 0 for a material without one.
+pub(super) fn head_flags(procedural: &Procedural, material: u32) -> u32 {
+    let word = material as usize * HEAD_WORDS as usize + HEAD_FLAGS as usize;
+    procedural
+        .programs()
+        .get(word)
+        .copied()
+        .filter(|_| procedural.is_procedural(material))
+        .unwrap_or(0)
+}
+
+/// Creates the buffers of programs, arguments and AO tables, with room to grow.
+pub(super) fn allocate(
+    gpu: &Gpu,
+    procedural: &Procedural,
+    resources: &mut Resources,
+) -> Result<(), GpuError> {
+    for (name, words) in [
+        ("programs", procedural.programs()),
+        ("args", procedural.args()),
+    ] {
+        let bytes = (words.len() as u64 * 4 * 3 / 2).max(1024);
+        let buffer = gpu.empty_buffer(name, bytes, wgpu::BufferUsages::STORAGE)?;
+        gpu.queue()
+            .write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+        resources.set_buffer(name, buffer);
+    }
+    write_ao(gpu, procedural, resources);
+    Ok(())
+}
+
+fn write_ao(gpu: &Gpu, procedural: &Procedural, resources: &Resources) {
+    let mut tables = [GpuAoTable::default(); 4];
+    // A look without tables still has its default one, which nodes that read AO use.
+    let used = procedural.ao_count().max(1);
+    for (table, settings) in tables.iter_mut().zip(procedural.ao()).take(used) {
+        *table = ao_table(settings);
+    }
+    gpu.queue().write_buffer(
+        resources.buffer("ao_tables"),
+        0,
+        bytemuck::cast_slice(&tables),
+    );
+}
+
+fn ao_table(settings: &AoSettings) -> GpuAoTable {
+    GpuAoTable {
+        distance: settings.distance,
+        direction: match settings.direction {
+            AoDirection::Outside => 0,
+            AoDirection::Inside => 1,
+            AoDirection::Both => 2,
+        },
+        samples: settings.samples.min(255),
+        same_object: u32::from(settings.same_object),
+    }
+}
+
+impl Renderer {
+    /// Sets a parameter of a node to a constant. One small buffer write.
+    ///
+    /// # Errors
+    /// Unknown names, a value of another type, or the device.
+    pub fn set_argument(
+        &mut self,
+        node: &str,
+        parameter: &str,
+        value: texgen::Value,
+    ) -> Result<(), RenderEditError> {
+        self.edit(|p| p.set_value(node, parameter, value))
+    }
+
+    /// Links a parameter to another node's result, such as `"mask"` or `"mask.x"`. One small buffer write.
+    ///
+    /// # Errors
+    /// Unknown names, a type that does not fit, a circle, or the device.
+    pub fn set_link(
+        &mut self,
+        node: &str,
+        parameter: &str,
+        link: &str,
+    ) -> Result<(), RenderEditError> {
+        self.edit(|p| p.set_link(node, parameter, link))
+    }
+
+    /// Gives a linked parameter its constant back. One small buffer write.
+    ///
+    /// # Errors
+    /// Unknown names, or the device.
+    pub fn clear_link(&mut self, node: &str, parameter: &str) -> Result<(), RenderEditError> {
+        self.edit(|p| p.clear_link(node, parameter))
+    }
+
+    /// Changes an AO table. One small buffer write.
+    ///
+    /// # Errors
+    /// Unknown name, settings out of range, or the device.
+    pub fn set_ao(&mut self, name: &str, settings: AoSettings) -> Result<(), RenderEditError> {
+        self.edit(|p| p.set_ao(name, settings))
+    }
+
+    /// Drives an output of a material by a node's result, or gives it its constant back. Small buffer writes.
+    ///
+    /// # Errors
+    /// Unknown names, a type that does not fit, an emission that would begin or cease to be driven, or the device.
+    pub fn set_output_link(
+        &mut self,
+        material: &str,
+        output: Output,
+        link: Option<&str>,
+    ) -> Result<(), RenderEditError> {
+        let before = self.procedural.clone();
+        self.procedural.set_output_link(material, output, link)?;
+        let count = self.material_count();
+        if (0..count).any(|m| before.drives_emission(m) != self.procedural.drives_emission(m)) {
+            self.procedural = before;
+            return Err(RenderEditError::Emission {
+                material: material.to_owned(),
+            });
+        }
+        for m in 0..count {
+            let flags = |p: &Procedural| materials::program_flags(head_flags(p, m));
+            if flags(&before) != flags(&self.procedural) {
+                let buffer = self.resources.buffer("materials");
+                let offset = u64::from(m) * size_of::<materials::GpuMaterial>() as u64
+                    + materials::FLAGS_OFFSET;
+                let former = self.gpu.read_buffer(buffer, offset, 4)?;
+                let mut word: u32 = bytemuck::pod_read_unaligned(&former);
+                word = word & !materials::program_flags(u32::MAX) | flags(&self.procedural);
+                self.gpu
+                    .queue()
+                    .write_buffer(buffer, offset, bytemuck::bytes_of(&word));
+            }
+        }
+        self.write_changes()
+    }
+
+    /// The texture graph as it is now.
+    pub fn procedural(&self) -> &Procedural {
+        &self.procedural
+    }
+
+    fn material_count(&self) -> u32 {
+        (self.resources.buffer("materials").size() / size_of::<materials::GpuMaterial>() as u64)
+            as u32
+    }
+
+    fn edit(
+        &mut self,
+        change: impl FnOnce(&mut Procedural) -> Result<(), EditError>,
+    ) -> Result<(), RenderEditError> {
+        change(&mut self.procedural)?;
+        self.write_changes()
+    }
+
+    /// Writes what changed and starts the picture anew.
+    fn write_changes(&mut self) -> Result<(), RenderEditError> {
+        let changes = self.procedural.take_changes();
+        if changes.is_empty() {
+            return Ok(());
+        }
+        let needs_kernels = !self.kernels.has_texture() && !self.procedural.is_empty();
+        if changes.kernel || needs_kernels {
+            self.kernels
+                .rebuild_texture(&self.gpu, &self.scene.features, &self.procedural)?;
+        }
+        let fits = |name: &str, words: &[u32]| {
+            self.resources.buffer(name).size() >= words.len() as u64 * 4
+        };
+        if !fits("programs", self.procedural.programs()) || !fits("args", self.procedural.args()) {
+            allocate(&self.gpu, &self.procedural, &mut self.resources)?;
+            self.bound = self.kernels.bind(&self.gpu, &self.resources);
+        } else {
+            self.write_ranges("programs", self.procedural.programs(), &changes.programs);
+            self.write_ranges("args", self.procedural.args(), &changes.args);
+            if changes.kernel || needs_kernels {
+                self.bound = self.kernels.bind(&self.gpu, &self.resources);
+            }
+        }
+        if changes.ao {
+            write_ao(&self.gpu, &self.procedural, &self.resources);
+        }
+        self.restart();
+        Ok(())
+    }
+
+    fn write_ranges(&self, name: &str, words: &[u32], ranges: &[Range<u32>]) {
+        for range in ranges {
+            let words = &words[range.start as usize..range.end as usize];
+            self.gpu.queue().write_buffer(
+                self.resources.buffer(name),
+                u64::from(range.start) * 4,
+                bytemuck::cast_slice(words),
+            );
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The kernels of a renderer, compiled and bound.
+
+use crate::{
+    gpu::{
+        Gpu, GpuError,
+        kernel::{BoundKernel, Kernel, Resources},
+    },
+    gpu_scene::SceneFeatures,
+    passes::{
+        accumulate, advance, advance::After, ao, brdf, classify, proctex, raygen, traverse,
+        traverse::Rays,
+    },
+    procedural::Procedural,
+};
+
+/// All kernels. Those of textures exist only where a material has a program.
+#[derive(Debug)]
+pub(super) struct Kernels {
+    raygen: Kernel,
+    advance: [Kernel; 3],
+    traverse: [Kernel; 2],
+    brdf: Kernel,
+    accumulate: Kernel,
+    texture: Option<TextureKernels>,
+}
+
+#[derive(Debug)]
+struct TextureKernels {
+    classify: Kernel,
+    ao: Kernel,
+    proctex: Kernel,
+}
+
+impl Kernels {
+    pub(super) fn new(
+        gpu: &Gpu,
+        features: &SceneFeatures,
+        procedural: &Procedural,
+    ) -> Result<Self, GpuError> {
+        Ok(Self {
+            raygen: raygen::kernel(gpu)?,
+            advance: [
+                advance::kernel(gpu, After::Raygen)?,
+                advance::kernel(gpu, After::Classify)?,
+                advance::kernel(gpu, After::Brdf)?,
+            ],
+            traverse: [
+                traverse::kernel(gpu, Rays::Closest, features)?,
+                traverse::kernel(gpu, Rays::Occlusion, features)?,
+            ],
+            brdf: brdf::kernel(gpu, features)?,
+            accumulate: accumulate::kernel(gpu)?,
+            texture: if procedural.is_empty() {
+                None
+            } else {
+                Some(TextureKernels {
+                    classify: classify::kernel(gpu)?,
+                    ao: ao::kernel(gpu, features)?,
+                    proctex: proctex::kernel(gpu, &procedural.kernel())?,
+                })
+            },
+        })
+    }
+
+    /// Replaces the one generated kernel, or makes the texture kernels if a program is there for the first time.
+    pub(super) fn rebuild_texture(
+        &mut self,
+        gpu: &Gpu,
+        features: &SceneFeatures,
+        procedural: &Procedural,
+    ) -> Result<(), GpuError> {
+        let proctex = proctex::kernel(gpu, &procedural.kernel())?;
+        match &mut self.texture {
+            Some(texture) => texture.proctex = proctex,
+            None => {
+                self.texture = Some(TextureKernels {
+                    classify: classify::kernel(gpu)?,
+                    ao: ao::kernel(gpu, features)?,
+                    proctex,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn has_texture(&self) -> bool {
+        self.texture.is_some()
+    }
+
+    pub(super) fn bind(&self, gpu: &Gpu, resources: &Resources) -> Bound {
+        let bind = |kernel: &Kernel| kernel.bind(gpu, resources);
+        Bound {
+            raygen: bind(&self.raygen),
+            advance: self.advance.each_ref().map(bind),
+            traverse: self.traverse.each_ref().map(bind),
+            brdf: bind(&self.brdf),
+            accumulate: bind(&self.accumulate),
+            texture: self.texture.as_ref().map(|t| BoundTexture {
+                classify: bind(&t.classify),
+                ao: bind(&t.ao),
+                proctex: bind(&t.proctex),
+            }),
+        }
+    }
+}
+
+/// The kernels with their resources.
+#[derive(Debug)]
+pub(super) struct Bound {
+    pub(super) raygen: BoundKernel,
+    /// Indexed by [`After`].
+    pub(super) advance: [BoundKernel; 3],
+    /// Indexed by [`Rays`].
+    pub(super) traverse: [BoundKernel; 2],
+    pub(super) brdf: BoundKernel,
+    pub(super) accumulate: BoundKernel,
+    pub(super) texture: Option<BoundTexture>,
+}
+
+#[derive(Debug)]
+pub(super) struct BoundTexture {
+    pub(super) classify: BoundKernel,
+    pub(super) ao: BoundKernel,
+    pub(super) proctex: BoundKernel,
+}
+
+impl Bound {
+    /// Labels in the order in which a wave runs them.
+    pub(super) fn labels(&self) -> impl Iterator<Item = &str> {
+        let texture = self
+            .texture
+            .iter()
+            .flat_map(|t| [&t.classify, &t.ao, &t.proctex]);
+        let [after_raygen, after_classify, after_brdf] = &self.advance;
+        let [closest, occlusion] = &self.traverse;
+        [&self.raygen, after_raygen, closest]
+            .into_iter()
+            .chain(texture)
+            .chain([
+                after_classify,
+                &self.brdf,
+                after_brdf,
+                occlusion,
+                &self.accumulate,
+            ])
+            .map(BoundKernel::label)
+    }
+}

@@ -1,0 +1,436 @@
+//! glTF meshes to [`Mesh`]: all triangle primitives of a mesh become one, with a material per triangle.
+//!
+//! Only vertices that a kept triangle uses are decoded, so primitives that share one large accessor cost what they
+//! show. What the renderer cannot use (points, lines, degenerate triangles, NaN) ends here.
+
+use super::accessor::Accessor;
+use super::deform::{self, Pose};
+use super::document::Document;
+use super::error::{At as _, Fault, ImportError, Warnings};
+use super::split::split_vertices;
+use super::tangents;
+use super::triangles;
+use crate::scene::{Material, Mesh};
+use glam::{Vec2, Vec3, Vec4};
+use gltf::json;
+use json::mesh::{Mode, Semantic};
+use json::validation::Checked;
+use rayon::prelude::*;
+
+/// What a vertex costs with all its attributes.
+const VERTEX_BYTES: u64 = 72;
+
+/// What all meshes are built from.
+pub(super) struct Builder<'a> {
+    pub(super) document: &'a Document,
+    /// Materials of the file in its order; the last one stands in for primitives without one.
+    pub(super) materials: &'a [Material],
+}
+
+/// A mesh and what was left out of it.
+#[derive(Default)]
+pub(super) struct Built {
+    pub(super) mesh: Mesh,
+    pub(super) dropped: Dropped,
+    pub(super) warnings: Warnings,
+}
+
+/// Counts of triangles and values that could not be used.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Dropped {
+    pub(super) degenerate: u64,
+    pub(super) non_finite: u64,
+    pub(super) bad_values: u64,
+}
+
+impl Builder<'_> {
+    /// Builds mesh `index` in the given pose.
+    pub(super) fn build(&self, index: usize, pose: &Pose) -> Result<Built, ImportError> {
+        let path = &self.document.path;
+        let source = self
+            .document
+            .root
+            .meshes
+            .get(index)
+            .ok_or_else(|| "does not exist".to_owned())
+            .at(path, || format!("mesh {index}"))?;
+        let name = source.name.clone();
+        let name = name.unwrap_or_else(|| format!("mesh {index}"));
+        let parts = source
+            .primitives
+            .par_iter()
+            .enumerate()
+            .map(|(number, primitive)| {
+                self.check_compression(primitive)?;
+                let place = || format!("mesh {index} \"{name}\", primitive {number}");
+                let mut part = Built::default();
+                let mesh = self
+                    .part(primitive, pose, &place, &mut part)
+                    .at(path, place)?;
+                Ok((mesh, part))
+            })
+            .collect::<Result<Vec<_>, ImportError>>()?;
+        let mut built = Built::default();
+        let mut meshes = Vec::with_capacity(parts.len());
+        for (mesh, part) in parts {
+            meshes.extend(mesh);
+            built.dropped.add(part.dropped);
+            built.warnings.extend(part.warnings);
+        }
+        built.mesh = merge(meshes);
+        built.mesh.name = name;
+        Ok(built)
+    }
+
+    /// One primitive, or `None` where there is nothing to show.
+    fn part(
+        &self,
+        primitive: &json::mesh::Primitive,
+        pose: &Pose,
+        place: &dyn Fn() -> String,
+        built: &mut Built,
+    ) -> Result<Option<Mesh>, Fault> {
+        let mode = match primitive.mode {
+            Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => {
+                mode
+            }
+            Checked::Valid(_) => {
+                built
+                    .warnings
+                    .push(format!("{}: points and lines are not rendered", place()));
+                return Ok(None);
+            }
+            Checked::Invalid => return Err("has an unknown mode".into()),
+        };
+        let Some(positions) = self.attribute(primitive, Semantic::Positions, &[3])? else {
+            built
+                .warnings
+                .push(format!("{}: has no POSITION and is not rendered", place()));
+            return Ok(None);
+        };
+        let vertex_count = positions.count();
+        let indices = match primitive.indices {
+            Some(accessor) => triangles::Indices::List(
+                self.document
+                    .accessor(accessor.value())?
+                    .indices()
+                    .map_err(|fault| format!("indices: accessor {} {fault}", accessor.value()))?,
+            ),
+            None => triangles::Indices::Sequence(vertex_count),
+        };
+        self.document
+            .budget
+            .take(indices.triangle_count(mode), 16)?;
+        let mut list = indices.triangles(mode, vertex_count)?;
+        if indices.left_over(mode) {
+            built
+                .warnings
+                .push(format!("{}: its last triangle is incomplete", place()));
+        }
+
+        let mut used = triangles::compact(&mut list, vertex_count);
+        self.document.budget.take(used.len() as u64, VERTEX_BYTES)?;
+        let source = deform::Source {
+            document: self.document,
+            primitive,
+            pose,
+        };
+        let mut mesh = Mesh {
+            positions: source.positions(&positions, &used)?,
+            ..Mesh::default()
+        };
+
+        let kept = triangles::keep_usable(&mut list, &mesh.positions, &mut built.dropped);
+        if list.is_empty() {
+            return Ok(None);
+        }
+        if !kept {
+            let still = triangles::compact(&mut list, used.len() as u32);
+            used = still.iter().map(|&v| used[v as usize]).collect();
+            mesh.positions = still.iter().map(|&v| mesh.positions[v as usize]).collect();
+        }
+
+        let material = match primitive.material {
+            Some(material) if material.value() < self.document.root.materials.len() => {
+                material.value()
+            }
+            Some(material) => return Err(format!("material {} does not exist", material.value())),
+            None => self.materials.len() - 1,
+        };
+        mesh.triangle_materials = vec![material as u32; list.len()];
+        mesh.triangles = list;
+        self.read_attributes(primitive, &used, &mut mesh, &mut built.dropped)?;
+        self.read_normals(primitive, &source, &used, &mut mesh, &mut built.dropped)?;
+        self.make_tangents(material, &mut mesh, place, &mut built.warnings)?;
+        Ok(Some(mesh))
+    }
+
+    /// An attribute with as many elements as the positions have, and one of the given numbers of components.
+    fn attribute(
+        &self,
+        primitive: &json::mesh::Primitive,
+        semantic: Semantic,
+        components: &[usize],
+    ) -> Result<Option<Accessor<'_>>, Fault> {
+        let positions = primitive
+            .attributes
+            .get(&Checked::Valid(Semantic::Positions));
+        let name = semantic.to_string();
+        let Some(index) = primitive.attributes.get(&Checked::Valid(semantic)) else {
+            return Ok(None);
+        };
+        let accessor = self
+            .document
+            .accessor(index.value())
+            .map_err(|fault| format!("{name}: {fault}"))?;
+        if !components.contains(&accessor.components()) {
+            return Err(format!("{name}: has {} components", accessor.components()));
+        }
+        let vertices = match positions.and_then(|p| self.document.root.accessors.get(p.value())) {
+            Some(positions) => positions.count.0,
+            None => 0,
+        };
+        if u64::from(accessor.count()) < vertices {
+            return Err(format!(
+                "{name}: has {} elements for {vertices} vertices",
+                accessor.count()
+            ));
+        }
+        Ok(Some(accessor))
+    }
+
+    fn read_attributes(
+        &self,
+        primitive: &json::mesh::Primitive,
+        used: &[u32],
+        mesh: &mut Mesh,
+        dropped: &mut Dropped,
+    ) -> Result<(), Fault> {
+        let vertices = || used.iter().copied();
+        for (set, target) in [(0, &mut mesh.uv0), (1, &mut mesh.uv1)] {
+            if let Some(accessor) = self.attribute(primitive, Semantic::TexCoords(set), &[2])? {
+                *target = accessor
+                    .gather::<2>(vertices())
+                    .into_iter()
+                    .map(Vec2::from)
+                    .collect();
+                for uv in target.iter_mut().filter(|uv| !uv.is_finite()) {
+                    *uv = Vec2::ZERO;
+                    dropped.bad_values += 1;
+                }
+            }
+        }
+        if let Some(accessor) = self.attribute(primitive, Semantic::Colors(0), &[3, 4])? {
+            let opaque = accessor.components() == 3;
+            mesh.colors = accessor
+                .gather::<4>(vertices())
+                .into_iter()
+                .map(Vec4::from)
+                .collect();
+            for color in &mut mesh.colors {
+                if opaque {
+                    color.w = 1.0;
+                }
+                if !color.is_finite() {
+                    *color = Vec4::ONE;
+                    dropped.bad_values += 1;
+                }
+                *color = color.max(Vec4::ZERO);
+            }
+        }
+        Ok(())
+    }
+
+    /// Normals and tangents of the file, or flat normals where it has none.
+    fn read_normals(
+        &self,
+        primitive: &json::mesh::Primitive,
+        source: &deform::Source<'_>,
+        used: &[u32],
+        mesh: &mut Mesh,
+        dropped: &mut Dropped,
+    ) -> Result<(), Fault> {
+        let Some(normals) = self.attribute(primitive, Semantic::Normals, &[3])? else {
+            return self.flat_normals(mesh);
+        };
+        mesh.normals = source.normals(&normals, used)?;
+        repair_normals(mesh, dropped);
+        if let Some(tangents) = self.attribute(primitive, Semantic::Tangents, &[4])? {
+            mesh.tangents = source
+                .tangents(&tangents, used)?
+                .into_iter()
+                .zip(&mesh.normals)
+                .map(|(tangent, &normal)| tangents::sanitize(tangent, normal))
+                .collect();
+        }
+        Ok(())
+    }
+
+    /// glTF 2.0, section 3.7.2.1: without normals, shading is flat.
+    fn flat_normals(&self, mesh: &mut Mesh) -> Result<(), Fault> {
+        let normals: Vec<Vec3> = mesh
+            .triangles
+            .iter()
+            .map(|&triangle| triangles::cross(triangle, &mesh.positions).normalize_or(Vec3::Z))
+            .collect();
+        self.document
+            .budget
+            .take(3 * normals.len() as u64, VERTEX_BYTES)?;
+        let mut list = std::mem::take(&mut mesh.triangles);
+        let (sources, normals) = split_vertices(mesh.positions.len(), &mut list, |t, _| normals[t]);
+        reorder(mesh, &sources);
+        mesh.normals = normals;
+        mesh.triangles = list;
+        Ok(())
+    }
+
+    fn make_tangents(
+        &self,
+        material: usize,
+        mesh: &mut Mesh,
+        place: &dyn Fn() -> String,
+        warnings: &mut Warnings,
+    ) -> Result<(), Fault> {
+        let normal_map = self.materials.get(material).and_then(|m| m.normal_texture);
+        let Some(texture) = normal_map.filter(|_| mesh.tangents.is_empty()) else {
+            return Ok(());
+        };
+        let uv = if texture.uv_set == 0 {
+            &mesh.uv0
+        } else {
+            &mesh.uv1
+        };
+        if uv.is_empty() {
+            warnings.push(format!(
+                "{}: has a normal map but no TEXCOORD_{} to place it",
+                place(),
+                texture.uv_set
+            ));
+            let along = |&normal: &Vec3| tangents::sanitize(Vec4::ZERO, normal);
+            mesh.tangents = mesh.normals.iter().map(along).collect();
+            return Ok(());
+        }
+        self.document
+            .budget
+            .take(3 * mesh.triangles.len() as u64, VERTEX_BYTES)?;
+        let mut list = std::mem::take(&mut mesh.triangles);
+        let (sources, tangents) = tangents::generate(&mesh.positions, &mesh.normals, uv, &mut list);
+        reorder(mesh, &sources);
+        mesh.tangents = tangents;
+        mesh.triangles = list;
+        Ok(())
+    }
+
+    /// Compressed primitives may come with an uncompressed copy; without one they can't be shown.
+    fn check_compression(&self, primitive: &json::mesh::Primitive) -> Result<(), ImportError> {
+        const DRACO: &str = "KHR_draco_mesh_compression";
+        let compressed = primitive
+            .extensions
+            .as_ref()
+            .is_some_and(|extensions| extensions.others.contains_key(DRACO));
+        let has_copy = |index: &json::Index<json::Accessor>| {
+            let accessor = self.document.accessor(index.value());
+            accessor.is_ok_and(|accessor| accessor.has_data())
+        };
+        if compressed && !primitive.attributes.values().all(has_copy) {
+            return Err(self.document.unsupported(DRACO));
+        }
+        Ok(())
+    }
+}
+
+impl Dropped {
+    fn add(&mut self, other: Self) {
+        self.degenerate += other.degenerate;
+        self.non_finite += other.non_finite;
+        self.bad_values += other.bad_values;
+    }
+}
+
+/// Makes normals unit length; one that has no direction becomes that of the triangles around it.
+fn repair_normals(mesh: &mut Mesh, dropped: &mut Dropped) {
+    let mut bad = Vec::new();
+    for (vertex, normal) in mesh.normals.iter_mut().enumerate() {
+        *normal = normal.normalize_or_zero();
+        if *normal == Vec3::ZERO {
+            bad.push(vertex);
+        }
+    }
+    if bad.is_empty() {
+        return;
+    }
+    dropped.bad_values += bad.len() as u64;
+    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
+    for &triangle in &mesh.triangles {
+        let normal = triangles::cross(triangle, &mesh.positions).normalize_or_zero();
+        for vertex in triangle {
+            sums[vertex as usize] += normal;
+        }
+    }
+    for vertex in bad {
+        mesh.normals[vertex] = sums[vertex].normalize_or(Vec3::Z);
+    }
+}
+
+/// Makes vertex `i` of all attributes a copy of the old vertex `sources[i]`.
+fn reorder(mesh: &mut Mesh, sources: &[u32]) {
+    fn pick<T: Copy>(values: &mut Vec<T>, sources: &[u32]) {
+        if !values.is_empty() {
+            *values = sources
+                .iter()
+                .map(|&source| values[source as usize])
+                .collect();
+        }
+    }
+    pick(&mut mesh.positions, sources);
+    pick(&mut mesh.normals, sources);
+    pick(&mut mesh.tangents, sources);
+    pick(&mut mesh.uv0, sources);
+    pick(&mut mesh.uv1, sources);
+    pick(&mut mesh.colors, sources);
+}
+
+/// Joins the primitives of a mesh. An attribute that only some of them have gets its neutral value in the others.
+fn merge(mut parts: Vec<Mesh>) -> Mesh {
+    if parts.len() == 1 {
+        return parts.remove(0);
+    }
+    for_missing(&mut parts, |m| &mut m.uv0, |_| Vec2::ZERO);
+    for_missing(&mut parts, |m| &mut m.uv1, |_| Vec2::ZERO);
+    for_missing(&mut parts, |m| &mut m.colors, |_| Vec4::ONE);
+    for_missing(
+        &mut parts,
+        |m| &mut m.tangents,
+        |n| tangents::sanitize(Vec4::ZERO, n),
+    );
+    let mut mesh = Mesh::default();
+    for part in parts {
+        let start = mesh.positions.len() as u32;
+        mesh.positions.extend(part.positions);
+        mesh.normals.extend(part.normals);
+        mesh.tangents.extend(part.tangents);
+        mesh.uv0.extend(part.uv0);
+        mesh.uv1.extend(part.uv1);
+        mesh.colors.extend(part.colors);
+        mesh.triangles
+            .extend(part.triangles.into_iter().map(|t| t.map(|v| v + start)));
+        mesh.triangle_materials.extend(part.triangle_materials);
+    }
+    mesh
+}
+
+fn for_missing<T>(
+    parts: &mut [Mesh],
+    attribute: impl Fn(&mut Mesh) -> &mut Vec<T>,
+    neutral: impl Fn(Vec3) -> T,
+) {
+    if parts.iter_mut().all(|part| attribute(part).is_empty()) {
+        return;
+    }
+    for part in parts {
+        if attribute(part).is_empty() {
+            let values = part.normals.iter().map(|&normal| neutral(normal)).collect();
+            *attribute(part) = values;
+        }
+    }
+}

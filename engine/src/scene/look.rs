@@ -1,1 +1,0 @@
-//! The look file: what glTF cannot say.

@@ -1,0 +1,557 @@
+//! What the tables and keys of a look mean: one function per table.
+//!
+//! Names of materials, textures, parameters and files are not checked here, nor is any file opened. Names that the
+//! look itself declares (nodes, AO tables) are.
+
+use std::path::Path;
+
+use glam::{Affine3A, EulerRot, Quat, Vec3};
+use texgen::{SourceFile, did_you_mean};
+use toml_edit::Document;
+
+use super::reader::{Reader, is_name, unit};
+use super::value::{Field, Span, Spanned, Value, fields};
+use super::{
+    AlphaLook, AoDirection, AoLook, AoSettings, BlendLook, CameraLook, EnvironmentLook, Include,
+    Input, Look, MAX_AO, MaterialLook, NodeLook,
+};
+
+/// A look larger than this is not one.
+const MAX_BYTES: usize = 16 << 20;
+
+pub(super) fn parse(path: &Path, text: &str) -> (Look, Reader) {
+    let file = SourceFile::new("look", path.display().to_string(), text);
+    let mut reader = Reader::new(file.clone());
+    let mut look = Look::empty(path, file);
+    if text.len() > MAX_BYTES {
+        reader.problem(&(0..0), "a look file of more than 16 MiB is not read");
+        return (look, reader);
+    }
+    match Document::parse(text) {
+        Ok(document) => root(
+            &mut reader,
+            &mut look,
+            &fields(document.as_table(), text.len()),
+        ),
+        Err(error) => {
+            let span = error.span().unwrap_or(text.len()..text.len());
+            reader.problem(
+                &span,
+                format!("not valid TOML: {}", error.message().trim_end()),
+            );
+        }
+    }
+    (look, reader)
+}
+
+fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
+    const KEYS: [&str; 6] = ["environment", "camera", "ao", "node", "material", "include"];
+    for Field { key, value } in root {
+        match key.value.as_str() {
+            "environment" => look.environment = environment(reader, value),
+            "camera" => look.camera = camera(reader, value),
+            "ao" => look.ao = named(reader, value, "[ao.NAME]", ao),
+            "node" => look.nodes = named(reader, value, "[node.NAME]", node),
+            "material" => look.materials = named(reader, value, "[material.NAME]", material),
+            "include" => look.includes = includes(reader, value),
+            _ => reader.unknown_key(key, "a look", &KEYS),
+        }
+    }
+    if let Some(extra) = look.ao.get(MAX_AO) {
+        reader.problem_with_note(
+            &extra.name.span,
+            format!("a look can have at most {MAX_AO} [ao.NAME] tables"),
+            "let nodes share one: several may name the same table in `occlusion`",
+        );
+        look.ao.truncate(MAX_AO);
+    }
+    check_names(reader, look);
+}
+
+/// Reads a table of tables, as `[node.a]` and `[node.b]` make.
+fn named<T>(
+    reader: &mut Reader,
+    value: &Spanned<Value>,
+    header: &str,
+    read: impl Fn(&mut Reader, &Spanned<String>, &[Field], &Span) -> Option<T>,
+) -> Vec<T> {
+    let Some(tables) = reader.table(value, &format!("tables headed {header}")) else {
+        return Vec::new();
+    };
+    let mut out = Vec::new();
+    for Field { key, value } in tables {
+        let Value::Table(fields) = &value.value else {
+            reader.problem_with_note(
+                &key.span,
+                format!(
+                    "expected a table headed {header}, found {}",
+                    value.value.kind()
+                ),
+                "a name is missing between the header and this key",
+            );
+            continue;
+        };
+        out.extend(read(reader, key, fields, &value.span));
+    }
+    out
+}
+
+fn environment(reader: &mut Reader, value: &Spanned<Value>) -> Option<Spanned<EnvironmentLook>> {
+    const KEYS: [&str; 4] = ["image", "color", "rotation", "intensity"];
+    let table = reader.table(value, "{ image = \"sky.hdr\" } or { color = [r, g, b] }")?;
+    let (mut image, mut color, mut rotation, mut intensity) = (None, None, None, None);
+    for Field { key, value } in table {
+        match key.value.as_str() {
+            "image" => image = reader.text(value),
+            "color" => color = reader.color(value),
+            "rotation" => rotation = reader.number(value, "degrees", |_| true),
+            "intensity" => {
+                intensity = reader.number(value, "a number that isn't negative", |x| x >= 0.0)
+            }
+            _ => reader.unknown_key(key, "`environment`", &KEYS),
+        }
+    }
+    let intensity = intensity.map_or(1.0, |i| i.value);
+    let has = |name: &str| table.iter().any(|f| f.key.value == name);
+    match (has("image"), has("color")) {
+        (true, true) => {
+            reader.problem(
+                &value.span,
+                "`environment` takes either `image` or `color`, not both",
+            );
+            None
+        }
+        (true, false) => Some(value.with(EnvironmentLook::Image {
+            image: image?,
+            rotation: rotation.map_or(0.0, |r| r.value),
+            intensity,
+        })),
+        (false, true) => {
+            if let Some(rotation) = rotation {
+                reader.problem(
+                    &rotation.span,
+                    "`rotation` needs `image`: a constant colour has no direction",
+                );
+            }
+            Some(value.with(EnvironmentLook::Constant(color?.value * intensity)))
+        }
+        (false, false) => {
+            reader.problem(&value.span, "`environment` needs `image` or `color`");
+            None
+        }
+    }
+}
+
+fn camera(reader: &mut Reader, value: &Spanned<Value>) -> CameraLook {
+    const KEYS: [&str; 7] = [
+        "name",
+        "position",
+        "look_at",
+        "up",
+        "y_fov",
+        "aperture_radius",
+        "focus_distance",
+    ];
+    let mut camera = CameraLook::default();
+    let Some(table) = reader.table(value, "a table headed [camera]") else {
+        return camera;
+    };
+    for Field { key, value } in table {
+        match key.value.as_str() {
+            "name" => camera.name = reader.text(value),
+            "position" => camera.position = reader.vec3(value),
+            "look_at" => camera.look_at = reader.vec3(value),
+            "up" => camera.up = reader.vec3(value),
+            "y_fov" => {
+                camera.y_fov =
+                    reader.number(value, "degrees greater than 0 and less than 180", |x| {
+                        x > 0.0 && x < 180.0
+                    });
+            }
+            "aperture_radius" => {
+                camera.aperture_radius = reader.number(value, "metres, not negative", |x| x >= 0.0);
+            }
+            "focus_distance" => {
+                camera.focus_distance = reader.number(value, "metres greater than 0", |x| x > 0.0);
+            }
+            _ => reader.unknown_key(key, "[camera]", &KEYS),
+        }
+    }
+    if let Some(up) = &camera.up {
+        if up.value.length_squared() < 1e-12 {
+            reader.problem(
+                &up.span,
+                "`up` has no direction: at least one number must not be 0",
+            );
+        }
+    }
+    camera
+}
+
+fn ao(reader: &mut Reader, name: &Spanned<String>, table: &[Field], span: &Span) -> Option<AoLook> {
+    const KEYS: [&str; 4] = ["distance", "direction", "samples", "same_object"];
+    check_name(reader, name, "an AO table");
+    let mut settings = AoSettings::default();
+    let mut has_distance = false;
+    for Field { key, value } in table {
+        match key.value.as_str() {
+            "distance" => {
+                has_distance = true;
+                let distance = reader.number(value, "metres greater than 0", |x| x > 0.0);
+                settings.distance = distance.map_or(settings.distance, |d| d.value);
+            }
+            "direction" => {
+                const DIRECTIONS: [(&str, AoDirection); 3] = [
+                    ("outside", AoDirection::Outside),
+                    ("inside", AoDirection::Inside),
+                    ("both", AoDirection::Both),
+                ];
+                let direction = choice(reader, value, &DIRECTIONS);
+                settings.direction = direction.map_or(settings.direction, |d| d.value);
+            }
+            "samples" => match value.value {
+                Value::Integer(n @ 1..=255) => settings.samples = n as u32,
+                _ => reader.problem(&value.span, "expected a whole number from 1 to 255"),
+            },
+            "same_object" => settings.same_object = reader.bool(value).is_some_and(|b| b.value),
+            _ => reader.unknown_key(key, "[ao.NAME]", &KEYS),
+        }
+    }
+    if !has_distance {
+        reader.problem_with_note(
+            span,
+            format!("[ao.{}] needs `distance`", name.value),
+            "how far occlusion reaches, in metres, as in distance = 0.1",
+        );
+    }
+    Some(AoLook {
+        name: name.clone(),
+        settings,
+    })
+}
+
+fn node(
+    reader: &mut Reader,
+    name: &Spanned<String>,
+    table: &[Field],
+    span: &Span,
+) -> Option<NodeLook> {
+    check_name(reader, name, "a node");
+    let (mut texture, mut occlusion, mut occlusion1) = (None, None, None);
+    let mut params = Vec::new();
+    for field in table {
+        match field.key.value.as_str() {
+            "texture" => texture = reader.text(&field.value),
+            "occlusion" => occlusion = reader.text(&field.value),
+            "occlusion1" => occlusion1 = reader.text(&field.value),
+            _ => params.push(field.clone()),
+        }
+    }
+    if texture.is_none() && !table.iter().any(|f| f.key.value == "texture") {
+        reader.problem_with_note(
+            span,
+            format!("[node.{}] needs `texture`", name.value),
+            "the name of a .wgsl file of the textures directory, as in texture = \"fbm\"",
+        );
+    }
+    Some(NodeLook {
+        name: name.clone(),
+        texture: texture?,
+        occlusion,
+        occlusion1,
+        params,
+    })
+}
+
+fn material(
+    reader: &mut Reader,
+    name: &Spanned<String>,
+    table: &[Field],
+    _: &Span,
+) -> Option<MaterialLook> {
+    const KEYS: [&str; 15] = [
+        "base_color",
+        "roughness",
+        "metallic",
+        "emission",
+        "emission_strength",
+        "alpha",
+        "alpha_mode",
+        "alpha_cutoff",
+        "specular",
+        "specular_color",
+        "ior",
+        "normal_scale",
+        "double_sided",
+        "unlit",
+        "blend",
+    ];
+    const MODES: [(&str, AlphaLook); 3] = [
+        ("opaque", AlphaLook::Opaque),
+        ("mask", AlphaLook::Mask),
+        ("blend", AlphaLook::Blend),
+    ];
+    const UNIT: &str = "a number from 0 to 1";
+    const POSITIVE: &str = "a number that isn't negative";
+    let mut m = MaterialLook::new(name.clone());
+    for Field { key, value } in table {
+        match key.value.as_str() {
+            "base_color" => m.base_color = reader.color_input(value),
+            "metallic" => m.metallic = reader.unit_input(value),
+            "roughness" => m.roughness = reader.unit_input(value),
+            "emission" => m.emission = reader.color_input(value),
+            "emission_strength" => {
+                m.emission_strength = reader.number(value, POSITIVE, |x| x >= 0.0)
+            }
+            "alpha" => m.alpha = reader.number(value, UNIT, unit),
+            "alpha_mode" => m.alpha_mode = choice(reader, value, &MODES),
+            "alpha_cutoff" => m.alpha_cutoff = reader.number(value, POSITIVE, |x| x >= 0.0),
+            "specular" => m.specular = reader.number(value, UNIT, unit),
+            "specular_color" => m.specular_color = reader.color(value),
+            "ior" => {
+                m.ior = reader.number(value, "0, or a number of at least 1", |x| {
+                    x == 0.0 || x >= 1.0
+                })
+            }
+            "normal_scale" => m.normal_scale = reader.number(value, "a number", |_| true),
+            "double_sided" => m.double_sided = reader.bool(value),
+            "unlit" => m.unlit = reader.bool(value),
+            "blend" => m.blend = blend(reader, value),
+            _ => reader.unknown_key(key, "[material.NAME]", &KEYS),
+        }
+    }
+    if let (
+        Some(Spanned {
+            value: Input::Link(_),
+            ..
+        }),
+        Some(strength),
+    ) = (&m.emission, &m.emission_strength)
+    {
+        reader.problem_with_note(
+            &strength.span,
+            "`emission_strength` has no effect on an emission that a node drives",
+            "scale the texture's result instead; most textures have a parameter for it",
+        );
+    }
+    if let (Some(blend), Some(key)) = (&m.blend, m.first_surface_key()) {
+        if blend.value.base.value != name.value {
+            reader.problem_with_note(
+                key,
+                format!(
+                    "[material.{}] is a blend of other materials and has no surface of its own",
+                    name.value
+                ),
+                format!(
+                    "set this on [material.{}] or [material.{}]",
+                    blend.value.base.value, blend.value.over.value
+                ),
+            );
+        }
+    }
+    Some(m)
+}
+
+fn blend(reader: &mut Reader, value: &Spanned<Value>) -> Option<Spanned<BlendLook>> {
+    const KEYS: [&str; 3] = ["base", "over", "mask"];
+    const SHAPE: &str = "{ base = \"MATERIAL\", over = \"MATERIAL\", mask = \"NODE\" }";
+    let table = reader.table(value, SHAPE)?;
+    let (mut base, mut over, mut mask) = (None, None, None);
+    for Field { key, value } in table {
+        match key.value.as_str() {
+            "base" => base = reader.text(value),
+            "over" => over = reader.text(value),
+            "mask" => mask = reader.unit_input(value),
+            _ => reader.unknown_key(key, "`blend`", &KEYS),
+        }
+    }
+    for required in KEYS {
+        if !table.iter().any(|f| f.key.value == required) {
+            reader.problem_with_note(
+                &value.span,
+                format!("`blend` needs `{required}`"),
+                format!("as in {SHAPE}"),
+            );
+        }
+    }
+    Some(value.with(BlendLook {
+        base: base?,
+        over: over?,
+        mask: mask?,
+    }))
+}
+
+fn includes(reader: &mut Reader, value: &Spanned<Value>) -> Vec<Include> {
+    let Value::List(tables) = &value.value else {
+        reader.problem_with_note(
+            &value.span,
+            "expected tables headed [[include]]",
+            "two brackets: there can be several",
+        );
+        return Vec::new();
+    };
+    tables
+        .iter()
+        .filter_map(|table| include(reader, table))
+        .collect()
+}
+
+fn include(reader: &mut Reader, value: &Spanned<Value>) -> Option<Include> {
+    const KEYS: [&str; 6] = ["file", "name", "only", "translation", "rotation", "scale"];
+    let table = reader.table(value, "a table headed [[include]]")?;
+    let (mut file, mut name, mut only) = (None, None, None);
+    let (mut translation, mut rotation, mut scale) = (Vec3::ZERO, Quat::IDENTITY, Vec3::ONE);
+    for Field { key, value } in table {
+        match key.value.as_str() {
+            "file" => file = reader.text(value),
+            "name" => name = reader.text(value),
+            "only" => match &value.value {
+                Value::List(names) => {
+                    only = Some(names.iter().filter_map(|n| reader.text(n)).collect())
+                }
+                other => {
+                    let found = other.kind();
+                    reader.problem(
+                        &value.span,
+                        format!("expected a list of node names, found {found}"),
+                    );
+                }
+            },
+            "translation" => translation = reader.vec3(value).map_or(translation, |t| t.value),
+            "rotation" => rotation = self::rotation(reader, value).unwrap_or(rotation),
+            "scale" => scale = self::scale(reader, value).unwrap_or(scale),
+            _ => reader.unknown_key(key, "[[include]]", &KEYS),
+        }
+    }
+    if !table.iter().any(|f| f.key.value == "file") {
+        reader.problem(
+            &value.span,
+            "[[include]] needs `file`, the path of a .gltf or .glb file",
+        );
+    }
+    Some(Include {
+        file: file?,
+        name,
+        only,
+        transform: Affine3A::from_scale_rotation_translation(scale, rotation, translation),
+    })
+}
+
+/// Three angles in degrees about the fixed X, then Y, then Z axis, or a quaternion x, y, z, w as in glTF.
+fn rotation(reader: &mut Reader, value: &Spanned<Value>) -> Option<Quat> {
+    if matches!(&value.value, Value::List(list) if list.len() == 4) {
+        let q = reader.numbers::<4>(value, "a quaternion")?;
+        let q = Quat::from_array(q.value);
+        if q.length() < 1e-6 {
+            reader.problem(&value.span, "a quaternion of length 0 is not a rotation");
+            return None;
+        }
+        return Some(q.normalize());
+    }
+    let wanted = "three angles in degrees about X, Y and Z, or a quaternion [x, y, z, w]";
+    let [x, y, z] = reader
+        .numbers::<3>(value, wanted)?
+        .value
+        .map(f32::to_radians);
+    Some(Quat::from_euler(EulerRot::ZYX, z, y, x))
+}
+
+/// One factor for all axes, or one for each.
+fn scale(reader: &mut Reader, value: &Spanned<Value>) -> Option<Vec3> {
+    let scale = match value.value {
+        Value::List(_) => reader.vec3(value)?.value,
+        _ => Vec3::splat(
+            reader
+                .number(value, "a number or three numbers", |_| true)?
+                .value,
+        ),
+    };
+    // A smaller scale can't be inverted in single precision.
+    if scale.abs().min_element() < 1e-9 {
+        reader.problem(&value.span, "a scale of 0 would flatten what is included");
+        return None;
+    }
+    Some(scale)
+}
+
+/// One of a few words.
+fn choice<T: Copy>(
+    reader: &mut Reader,
+    value: &Spanned<Value>,
+    words: &[(&str, T)],
+) -> Option<Spanned<T>> {
+    let text = reader.text(value)?;
+    let found = words.iter().find(|(word, _)| *word == text.value);
+    if found.is_none() {
+        let list: Vec<_> = words
+            .iter()
+            .map(|(word, _)| format!("\"{word}\""))
+            .collect();
+        reader.problem(&value.span, format!("expected {}", list.join(", ")));
+    }
+    found.map(|&(_, meaning)| value.with(meaning))
+}
+
+fn check_name(reader: &mut Reader, name: &Spanned<String>, what: &str) {
+    if !is_name(&name.value) {
+        reader.problem(
+            &name.span,
+            format!(
+                "`{}` can't name {what}: use letters, digits, `_` and `-`",
+                name.value
+            ),
+        );
+    }
+}
+
+/// Links and `occlusion` must refer to what the look declares.
+fn check_names(reader: &mut Reader, look: &Look) {
+    for node in &look.nodes {
+        for wanted in [&node.occlusion, &node.occlusion1].into_iter().flatten() {
+            let names = look.ao.iter().map(|a| a.name.value.as_str());
+            unknown_name(reader, wanted, "AO table", "[ao.NAME]", names);
+        }
+    }
+    for material in &look.materials {
+        let mask = material.blend.as_ref().map(|b| &b.value.mask);
+        let inputs = [
+            &material.base_color,
+            &material.metallic,
+            &material.roughness,
+            &material.emission,
+        ];
+        for input in inputs.into_iter().flatten().chain(mask) {
+            if let Input::Link(link) = &input.value {
+                let names = look.nodes.iter().map(|n| n.name.value.as_str());
+                unknown_name(
+                    reader,
+                    &input.with(link.node.clone()),
+                    "node",
+                    "[node.NAME]",
+                    names,
+                );
+            }
+        }
+    }
+}
+
+fn unknown_name<'n>(
+    reader: &mut Reader,
+    wanted: &Spanned<String>,
+    what: &str,
+    header: &str,
+    names: impl Iterator<Item = &'n str> + Clone,
+) {
+    if names.clone().any(|n| n == wanted.value) {
+        return;
+    }
+    let message = format!("there is no {what} called `{}`", wanted.value);
+    match did_you_mean(&wanted.value, names) {
+        Some(near) => {
+            reader.problem_with_note(&wanted.span, message, format!("did you mean `{near}`?"))
+        }
+        None => {
+            reader.problem_with_note(&wanted.span, message, format!("declare it with {header}"))
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! The memory of a wave of paths, as `rays.wgsl`, `paths.wgsl`, `queues.wgsl` and `accumulate.wgsl` lay it out.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec3};
+
+use crate::gpu::{Gpu, GpuError, kernel::Resources};
+
+/// `vec4u` fields of a path in `paths.wgsl`.
+const PATH_FIELDS: u64 = 6;
+/// Words before the lists in `queues.wgsl`.
+pub const QUEUE_HEADER: u64 = 16;
+/// Lists of `capacity` words behind the header: both halves of the active list, shadow, texture and AO lists, and the
+/// counts of occluded AO rays.
+const QUEUE_LISTS: u64 = 6;
+/// Queues of `queues.wgsl`, which is also the order of the dispatch sizes.
+pub const QUEUE_COUNT: u64 = 4;
+
+/// A queue whose length decides a dispatch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u64)]
+pub enum Queue {
+    /// Paths whose ray is to be traced or shaded.
+    Active = 0,
+    /// Shadow rays.
+    Shadow = 1,
+    /// Hits with a texture program.
+    Proctex = 2,
+    /// Hits that want ambient occlusion.
+    Ao = 3,
+}
+
+impl Queue {
+    /// Where its dispatch size lies in the buffer `dispatch_sizes`.
+    pub fn dispatch_offset(self) -> u64 {
+        self as u64 * 12
+    }
+}
+
+/// `RayHit` in `rays.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct RayHit {
+    /// World position, metres.
+    pub origin: Vec3,
+    /// Nearest distance that counts.
+    pub t_min: f32,
+    /// Unit direction.
+    pub direction: Vec3,
+    /// Farthest distance that counts; the hit's distance once traced.
+    pub t_max: f32,
+    /// Weights of the triangle's second and third vertex.
+    pub barycentrics: Vec2,
+    /// Triangle in the hierarchy's order, or [`RayHit::MISS`].
+    pub triangle: u32,
+    /// Instance in the hierarchy's order.
+    pub instance: u32,
+}
+
+impl RayHit {
+    /// No triangle was hit.
+    pub const MISS: u32 = u32::MAX;
+
+    /// A ray to be traced.
+    pub fn new(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
+        Self {
+            origin,
+            t_min: 0.0,
+            direction,
+            t_max,
+            barycentrics: Vec2::ZERO,
+            triangle: Self::MISS,
+            instance: 0,
+        }
+    }
+}
+
+/// One AO table of `ao_tables.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+pub struct GpuAoTable {
+    /// Metres.
+    pub distance: f32,
+    /// 0 outside, 1 inside, 2 both.
+    pub direction: u32,
+    /// Rays per hit; 0 for an unused table.
+    pub samples: u32,
+    /// 1: only the hit's own instance occludes.
+    pub same_object: u32,
+}
+
+/// Creates the buffers of a wave of `capacity` paths.
+///
+/// # Errors
+/// If they exceed what the device can bind.
+pub fn allocate(gpu: &Gpu, capacity: u32, resources: &mut Resources) -> Result<(), GpuError> {
+    let capacity = u64::from(capacity);
+    let storage = wgpu::BufferUsages::STORAGE;
+    resources.set_buffer(
+        "rays",
+        gpu.empty_buffer("rays", 2 * capacity * size_of::<RayHit>() as u64, storage)?,
+    );
+    resources.set_buffer(
+        "paths",
+        gpu.empty_buffer("paths", capacity * PATH_FIELDS * 16, storage)?,
+    );
+    resources.set_buffer(
+        "queues",
+        gpu.empty_buffer(
+            "queues",
+            (QUEUE_HEADER + capacity * QUEUE_LISTS) * 4,
+            storage,
+        )?,
+    );
+    resources.set_buffer(
+        "dispatch_sizes",
+        gpu.empty_buffer(
+            "dispatch sizes",
+            QUEUE_COUNT * 12,
+            storage | wgpu::BufferUsages::INDIRECT,
+        )?,
+    );
+    resources.set_buffer(
+        "ao_tables",
+        gpu.empty_buffer(
+            "AO tables",
+            4 * size_of::<GpuAoTable>() as u64,
+            wgpu::BufferUsages::UNIFORM,
+        )?,
+    );
+    Ok(())
+}
+
+/// Words that start a wave: all queues empty, and the bounce before the first.
+pub fn fresh_queues() -> [u32; 9] {
+    let mut words = [0; 9];
+    words[8] = u32::MAX;
+    words
+}
+
+/// Totals that the kernels keep in the header of the queues.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Totals {
+    /// Path and shadow rays.
+    pub rays: u64,
+    /// Ambient-occlusion rays.
+    pub ao_rays: u64,
+    /// Samples that were not finite.
+    pub invalid: u64,
+}
+
+impl Totals {
+    /// From the header's words.
+    pub fn new(words: &[u32]) -> Self {
+        let pair = |i: usize| u64::from(words[i]) | u64::from(words[i + 1]) << 32;
+        Self {
+            rays: pair(9),
+            ao_rays: pair(13),
+            invalid: u64::from(words[15]),
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Structs that Rust and WGSL share have the same size and offsets, and every kernel composes, validates and stays
+//! within eight storage buffers.
+
+use std::mem::{offset_of, size_of};
+
+use engine::{
+    frame::Frame,
+    gpu::wgsl::Source,
+    gpu_scene::{GpuInstance, lights::GpuLight, materials::GpuMaterial},
+    wave::{GpuAoTable, RayHit},
+};
+
+const KERNELS: [&str; 7] = [
+    "raygen/raygen.wgsl",
+    "traverse/traverse.wgsl",
+    "classify/classify.wgsl",
+    "ao/ao.wgsl",
+    "brdf/brdf.wgsl",
+    "accumulate/accumulate.wgsl",
+    "advance/advance.wgsl",
+];
+
+fn module(text: &str) -> (naga::Module, naga::valid::ModuleInfo) {
+    let module =
+        naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
+    let info = naga::valid::Validator::new(
+        naga::valid::ValidationFlags::all(),
+        naga::valid::Capabilities::empty(),
+    )
+    .validate(&module)
+    .unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
+    (module, info)
+}
+
+/// Size and member offsets of a WGSL struct as naga lays it out.
+fn wgsl_struct(module: &naga::Module, name: &str) -> (usize, Vec<(String, usize)>) {
+    let (_, ty) = module
+        .types
+        .iter()
+        .find(|(_, t)| t.name.as_deref() == Some(name))
+        .expect("the struct is declared");
+    let naga::TypeInner::Struct { members, span } = &ty.inner else {
+        panic!("`{name}` is no struct")
+    };
+    let offsets = members
+        .iter()
+        .map(|m| (m.name.clone().unwrap_or_default(), m.offset as usize))
+        .collect();
+    (*span as usize, offsets)
+}
+
+fn assert_layout(module: &naga::Module, name: &str, size: usize, offsets: &[(&str, usize)]) {
+    let (wgsl_size, wgsl_offsets) = wgsl_struct(module, name);
+    assert_eq!(wgsl_size, size, "size of {name}");
+    for (member, offset) in offsets {
+        let found = wgsl_offsets
+            .iter()
+            .find(|(n, _)| n == member)
+            .unwrap_or_else(|| panic!("{name}.{member} is missing"));
+        assert_eq!(found.1, *offset, "offset of {name}.{member}");
+    }
+}
+
+#[test]
+fn shared_structs_agree() {
+    let (brdf, _) = module(&Source::of("brdf/brdf.wgsl").text);
+    let (advance, _) = module(&Source::of("advance/advance.wgsl").text);
+    assert_layout(&brdf, "Frame", size_of::<Frame>(), &Frame::offsets());
+    assert_layout(
+        &brdf,
+        "RayHit",
+        size_of::<RayHit>(),
+        &[
+            ("origin", offset_of!(RayHit, origin)),
+            ("t_min", offset_of!(RayHit, t_min)),
+            ("direction", offset_of!(RayHit, direction)),
+            ("t_max", offset_of!(RayHit, t_max)),
+            ("barycentrics", offset_of!(RayHit, barycentrics)),
+            ("triangle", offset_of!(RayHit, triangle)),
+            ("instance", offset_of!(RayHit, instance)),
+        ],
+    );
+    assert_layout(
+        &brdf,
+        "Material",
+        size_of::<GpuMaterial>(),
+        &GpuMaterial::offsets(),
+    );
+    assert_layout(&brdf, "Light", size_of::<GpuLight>(), &GpuLight::offsets());
+    assert_layout(
+        &brdf,
+        "Instance",
+        size_of::<GpuInstance>(),
+        &GpuInstance::offsets(),
+    );
+    assert_layout(
+        &advance,
+        "AoTable",
+        size_of::<GpuAoTable>(),
+        &[
+            ("distance", offset_of!(GpuAoTable, distance)),
+            ("direction", offset_of!(GpuAoTable, direction)),
+            ("samples", offset_of!(GpuAoTable, samples)),
+            ("same_object", offset_of!(GpuAoTable, same_object)),
+        ],
+    );
+}
+
+#[test]
+fn kernels_are_valid_and_bind_at_most_eight_storage_buffers() {
+    let proctex = Source::of("proctex/proctex.wgsl").text
+        + "fn patina_run_program(offset: u32) { let w = patina_program_word(offset) + patina_arg_word(0u); }
+           fn patina_link(word: u32) -> vec4f { return vec4f(f32(word)); }";
+    let texts = KERNELS
+        .iter()
+        .map(|k| ((*k).to_owned(), Source::of(k).text))
+        .chain([("proctex".to_owned(), proctex)]);
+    for (name, text) in texts {
+        let (module, info) = module(&text);
+        for (index, entry) in module.entry_points.iter().enumerate() {
+            let uses = info.get_entry_point(index);
+            let buffers = module
+                .global_variables
+                .iter()
+                .filter(|(handle, v)| {
+                    matches!(v.space, naga::AddressSpace::Storage { .. })
+                        && !uses[*handle].is_empty()
+                })
+                .count();
+            assert!(
+                buffers <= 8,
+                "{name}: `{}` binds {buffers} storage buffers",
+                entry.name
+            );
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! Renders a glTF file through the engine's API and prints the picture's mean radiance.
+//!
+//! `cargo run --release --example render_gltf -- scene.glb 512 512 64 9 [out.png]`
+
+use std::{error::Error, path::Path, time::Instant};
+
+use engine::{
+    gpu::{DeviceChoice, Gpu},
+    procedural::{Procedural, TextureSources},
+    renderer::{RenderSettings, Renderer},
+    scene::{self, look::Look},
+};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let usage = "usage: render_gltf SCENE [WIDTH HEIGHT SPP DEPTH] [OUT.png]";
+    let path = args.first().ok_or(usage)?;
+    let number = |i: usize, default: u32| args.get(i).map_or(Ok(default), |a| a.parse());
+    let imported = scene::import::load(Path::new(path))?;
+    for warning in &imported.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let mut scene = imported.scene;
+    let look = Look::parse(Path::new(""), "").map_err(|e| e.to_string())?;
+    let procedural = Procedural::build(&look, &mut scene, &TextureSources::default())
+        .map_err(|e| e.to_string())?;
+    let camera = scene
+        .cameras
+        .first()
+        .cloned()
+        .unwrap_or_else(|| scene::default_camera(&scene));
+    let settings = RenderSettings {
+        width: number(1, 512)?,
+        height: number(2, 512)?,
+        max_depth: number(4, 9)?,
+        seed: 0,
+        camera,
+    };
+    let gpu = Gpu::new(&DeviceChoice::Best)?;
+    println!("{} ({})", gpu.description().name, gpu.description().driver);
+    let start = Instant::now();
+    let mut renderer = Renderer::new(&gpu, &scene, &procedural, &settings)?;
+    println!("upload and kernels: {:.2} s", start.elapsed().as_secs_f64());
+    renderer.time_passes()?;
+    renderer.render(number(3, 64)?)?;
+    let stats = renderer.stats()?;
+    for pass in &stats.passes {
+        println!(
+            "{:12} {:9.1} ms {:5.1} % {:6}",
+            pass.name,
+            pass.milliseconds,
+            pass.share * 100.0,
+            pass.dispatches
+        );
+    }
+    println!(
+        "{:.3} s, {:.2} Mrays/s, {:.3} Msamples/s, invalid {}",
+        stats.seconds,
+        stats.mrays_per_second,
+        stats.samples_per_second * 1e-6,
+        stats.invalid_samples
+    );
+    let mean = renderer.film()?.mean();
+    let total = mean.iter().fold([0.0f64; 3], |t, p| {
+        std::array::from_fn(|c| t[c] + f64::from(p[c]))
+    });
+    println!("mean {:?}", total.map(|t| t / mean.len() as f64));
+    if let Some(out) = args.get(5) {
+        let encode = |v: f32| {
+            (if v <= 0.0031308 {
+                12.92 * v
+            } else {
+                1.055 * v.powf(1.0 / 2.4) - 0.055
+            }
+            .clamp(0.0, 1.0)
+                * 255.0
+                + 0.5) as u8
+        };
+        let bytes: Vec<u8> = mean.iter().flatten().map(|&v| encode(v)).collect();
+        image::save_buffer(
+            out,
+            &bytes,
+            settings.width,
+            settings.height,
+            image::ColorType::Rgb8,
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,165 @@
+//! The command line as the user typed it: names, help texts and defaults of flags, nothing else.
+//!
+//! Whether the values make sense together, and what they mean, is [`crate::job`]'s business.
+
+use std::path::PathBuf;
+
+use clap::{ArgAction, Parser, Subcommand};
+
+const EXAMPLES: &str = "\
+Examples:
+  patina render scene.glb                            writes scene-render.png
+  patina render scene.glb -o a.png -o a.exr          a picture to look at and one to work with
+  patina render scene.glb --look rust.look.toml      with procedural textures
+  patina devices                                     which devices there are
+
+`patina render --help` shows all options and more examples.
+
+Exit codes: 0 done, 1 failed, 2 wrong usage.";
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  A quick look at a scene, written to helmet-render.png:
+    patina render helmet.glb --spp 16 --size 640x360
+  With procedural textures, as a PNG one stop brighter and as linear floats:
+    patina render helmet.glb --look rust.look.toml --exposure 1 -o helmet.png -o helmet.exr
+  Through a camera of the scene, direct light only, on the second device:
+    patina render room.gltf --camera Door --max-depth 1 --device 1
+  Where the time goes, for people and for programs:
+    patina render room.gltf --stats --stats-json room.json
+
+Ctrl-C ends the render early and writes what has been rendered; a second one aborts.
+
+Exit codes: 0 done, 1 failed, 2 wrong usage.";
+
+/// A path tracer extended with procedural textures in plain WGSL.
+#[derive(Debug, Parser)]
+#[command(name = "patina", version, after_help = EXAMPLES, arg_required_else_help = true)]
+pub(crate) struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Render a glTF scene to PNG and EXR.
+    #[command(after_help = RENDER_EXAMPLES)]
+    Render(Box<RenderArgs>),
+    /// List the devices a scene can be rendered on, with their limits.
+    Devices,
+    /// Measure parts of the renderer on this machine.
+    Bench {
+        /// What to measure.
+        #[command(subcommand)]
+        what: BenchCommand,
+    },
+}
+
+/// Flags of `patina render`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct RenderArgs {
+    /// The scene: a glTF 2.0 file (.gltf or .glb).
+    pub(crate) scene: PathBuf,
+
+    /// The look: a TOML file with procedural textures, environment and overrides.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) look: Option<PathBuf>,
+
+    /// Where to write: .png (8-bit sRGB) or .exr (linear float). May be given several times.
+    ///
+    /// Without it the picture goes to SCENE-render.png in the current directory.
+    #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append)]
+    pub(crate) outputs: Vec<PathBuf>,
+
+    /// Samples (camera paths) per pixel.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "64",
+        allow_hyphen_values = true
+    )]
+    pub(crate) spp: String,
+
+    /// Width and height of the picture in pixels.
+    #[arg(
+        long,
+        value_name = "WxH",
+        default_value = "1280x720",
+        allow_hyphen_values = true
+    )]
+    pub(crate) size: String,
+
+    /// Camera of the scene by name; without it the first one, or a view of everything where there is none.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) camera: Option<String>,
+
+    /// At most N surface points scatter light along a path; 1 is direct light only.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "9",
+        allow_hyphen_values = true
+    )]
+    pub(crate) max_depth: String,
+
+    /// Seed of the random numbers; the same seed gives the same noise.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "0",
+        allow_hyphen_values = true
+    )]
+    pub(crate) seed: String,
+
+    /// Device by number or by part of its name, as `patina devices` lists them.
+    #[arg(long, value_name = "NAME|N")]
+    pub(crate) device: Option<String>,
+
+    /// Folder with user textures (.wgsl). May be given several times; searched before the standard ones.
+    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
+    pub(crate) texture_dirs: Vec<PathBuf>,
+
+    /// Brightness of PNG files in stops: +1 is twice as bright. EXR files keep the radiance as it is.
+    #[arg(
+        long,
+        value_name = "STOPS",
+        default_value = "0",
+        allow_hyphen_values = true
+    )]
+    pub(crate) exposure: String,
+
+    /// Print where the time and the memory went.
+    #[arg(long)]
+    pub(crate) stats: bool,
+
+    /// Write the same figures as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) stats_json: Option<PathBuf>,
+}
+
+/// What `patina bench` measures.
+#[derive(Debug, Subcommand)]
+pub(crate) enum BenchCommand {
+    /// Rays per second of the traversal kernel: primary, bounce and shadow rays.
+    Traverse {
+        /// The scene to shoot rays into; without it a built-in one of 262,144 triangles.
+        scene: Option<PathBuf>,
+
+        /// Device by number or by part of its name, as `patina devices` lists them.
+        #[arg(long, value_name = "NAME|N")]
+        device: Option<String>,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_declaration_is_consistent() {
+        Args::command().debug_assert();
+    }
+}

@@ -1,0 +1,243 @@
+//! `patina render`: loads, renders, writes. Reads in the order things happen.
+
+use std::path::Path;
+use std::time::Instant;
+
+use engine::film::Film;
+use engine::gpu::Gpu;
+use engine::load::{self, Loaded};
+use engine::renderer::{RenderSettings, Renderer};
+use engine::scene::{Camera, Scene};
+
+use crate::exit::Failure;
+use crate::job::RenderJob;
+use crate::output::{self, Fact, Picture};
+use crate::progress::Bar;
+use crate::report::{Report, Seconds};
+use crate::{console, interrupt, library};
+
+/// Renders a scene and writes the pictures. Ctrl-C ends the rendering early, not the writing.
+///
+/// # Errors
+/// Anything that keeps even one of the results from being written.
+pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
+    interrupt::listen();
+    let written = job.outputs.iter().map(|output| output.path.as_path());
+    for path in written.chain(job.stats_json.as_deref()) {
+        output::check(path).map_err(Failure::because)?;
+    }
+    let texture_dirs = library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
+
+    let mut bar = Bar::new("loading the scene");
+    let clock = Instant::now();
+    let loaded =
+        load::load(&job.scene, job.look.as_deref(), &texture_dirs).map_err(Failure::because)?;
+    bar.suspend(|| warn(&loaded.warnings));
+    let camera = match &job.camera {
+        Some(wanted) => find_camera(&loaded.scene, wanted)?,
+        None => loaded.camera.clone(),
+    };
+    stop_if_interrupted()?;
+    let load_seconds = clock.elapsed().as_secs_f64();
+
+    bar.stage("preparing the device");
+    let clock = Instant::now();
+    let gpu = Gpu::new(&job.device).map_err(Failure::because)?;
+    let mut renderer = prepare(job, &gpu, &loaded, camera)?;
+    stop_if_interrupted()?;
+    let prepare_seconds = clock.elapsed().as_secs_f64();
+
+    let clock = Instant::now();
+    let complete = accumulate(&mut renderer, job.spp.get(), &mut bar)?;
+    let film = renderer.film().map_err(Failure::because)?;
+    let render_seconds = clock.elapsed().as_secs_f64();
+    bar.finish();
+
+    let lowest = film.samples.iter().copied().min().unwrap_or(0);
+    if film.samples.iter().all(|&samples| samples == 0) {
+        return Err(interrupted_too_early());
+    }
+    if !complete {
+        console::warning(&format!(
+            "interrupted: every pixel has at least {lowest} of {} samples",
+            job.spp
+        ));
+    }
+    let mut outcome = write_pictures(job, &film, gpu.description().name.as_str());
+
+    if job.stats || job.stats_json.is_some() {
+        let stats = renderer.stats().map_err(Failure::because)?;
+        let seconds = Seconds {
+            load: load_seconds,
+            prepare: prepare_seconds,
+            render: render_seconds,
+        };
+        let report = Report::new(job, gpu.description(), &film, seconds, stats);
+        if job.stats {
+            console::print(&report.table());
+        }
+        if let Some(path) = &job.stats_json {
+            outcome = outcome.and(report.write_json(path).map_err(Failure::because));
+        }
+    }
+    outcome
+}
+
+fn prepare(
+    job: &RenderJob,
+    gpu: &Gpu,
+    loaded: &Loaded,
+    camera: Camera,
+) -> Result<Renderer, Failure> {
+    let settings = RenderSettings {
+        width: job.width,
+        height: job.height,
+        max_depth: job.max_depth,
+        seed: job.seed,
+        camera,
+    };
+    Renderer::new(gpu, &loaded.scene, &loaded.procedural, &settings).map_err(Failure::because)
+}
+
+/// Renders wave by wave; returns whether all samples were taken before the user asked to stop.
+fn accumulate(renderer: &mut Renderer, spp: u32, bar: &mut Bar) -> Result<bool, Failure> {
+    loop {
+        let progress = renderer.step(spp).map_err(Failure::because)?;
+        bar.update(&progress);
+        if progress.samples_done >= progress.samples_total {
+            return Ok(true);
+        }
+        if interrupt::requested() {
+            return Ok(false);
+        }
+    }
+}
+
+/// The camera of that name, or the one of that number where no name fits.
+fn find_camera(scene: &Scene, wanted: &str) -> Result<Camera, Failure> {
+    let by_name = scene.cameras.iter().find(|camera| camera.name == wanted);
+    let by_number = || scene.cameras.get(wanted.parse::<usize>().ok()?);
+    by_name.or_else(by_number).cloned().ok_or_else(|| {
+        let names: Vec<_> = scene
+            .cameras
+            .iter()
+            .map(|camera| format!("'{}'", camera.name))
+            .collect();
+        Failure::Failed(if names.is_empty() {
+            format!("--camera {wanted}: the scene has no cameras; leave the flag out for a view of everything")
+        } else {
+            format!(
+                "--camera {wanted}: the scene has no camera of this name; it has {}",
+                names.join(", ")
+            )
+        })
+    })
+}
+
+fn write_pictures(job: &RenderJob, film: &Film, device: &str) -> Result<(), Failure> {
+    let picture = Picture {
+        width: film.width,
+        height: film.height,
+        rgb: film.mean(),
+        facts: facts(job, film, device),
+    };
+    let mut failed = Vec::new();
+    for output in &job.outputs {
+        // One full disk must not cost the other files.
+        match output::write(output, &picture, job.exposure) {
+            Ok(()) => console::print(&format!("wrote {}", output.path.display())),
+            Err(error) => failed.push(error.to_string()),
+        }
+    }
+    if failed.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::Failed(failed.join("\n")))
+    }
+}
+
+fn facts(job: &RenderJob, film: &Film, device: &str) -> Vec<(&'static str, Fact)> {
+    let lowest = film.samples.iter().copied().min().unwrap_or(0);
+    let name = |path: &Path| {
+        Fact::Text(
+            path.file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
+        )
+    };
+    let mut facts = vec![
+        ("samplesPerPixel", Fact::Count(u64::from(lowest))),
+        ("maxDepth", Fact::Count(u64::from(job.max_depth))),
+        // Text, as a seed may exceed the format's signed integers.
+        ("seed", Fact::Text(job.seed.to_string())),
+        ("device", Fact::Text(device.to_owned())),
+        ("scene", name(&job.scene)),
+    ];
+    facts.extend(job.look.as_deref().map(|look| ("look", name(look))));
+    facts
+}
+
+fn warn(warnings: &[String]) {
+    for warning in warnings {
+        console::warning(warning);
+    }
+}
+
+fn stop_if_interrupted() -> Result<(), Failure> {
+    if interrupt::requested() {
+        Err(interrupted_too_early())
+    } else {
+        Ok(())
+    }
+}
+
+fn interrupted_too_early() -> Failure {
+    Failure::because("interrupted before the first sample; nothing was written")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use engine::scene::Projection;
+
+    fn scene(names: &[&str]) -> Scene {
+        let cameras = names
+            .iter()
+            .map(|&name| Camera {
+                name: name.to_owned(),
+                transform: glam::Affine3A::IDENTITY,
+                projection: Projection::Perspective { y_fov: 1.0 },
+                aperture_radius: 0.0,
+                focus_distance: 1.0,
+            })
+            .collect();
+        Scene {
+            cameras,
+            ..Scene::default()
+        }
+    }
+
+    fn found(names: &[&str], wanted: Option<&str>) -> Result<String, String> {
+        match find_camera(&scene(names), wanted) {
+            Ok(camera) => Ok(camera.name),
+            Err(Failure::Failed(text)) => Err(text),
+            Err(other) => panic!("a camera is not a usage error: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_camera_is_found_by_name_then_by_number() {
+        assert_eq!(found(&["Door", "1"], None).as_deref(), Ok("Door"));
+        assert_eq!(found(&["1", "Door"], Some("1")).as_deref(), Ok("1"));
+        assert_eq!(found(&["Door", "Bed"], Some("1")).as_deref(), Ok("Bed"));
+    }
+
+    #[test]
+    fn an_unknown_camera_is_answered_with_the_names() {
+        let error = found(&["Door", "Bed"], Some("Roof")).unwrap_err();
+        assert!(error.contains("'Door', 'Bed'"), "{error}");
+        let error = found(&[], Some("Roof")).unwrap_err();
+        assert!(error.contains("no cameras"), "{error}");
+    }
+}

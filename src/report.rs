@@ -1,0 +1,164 @@
+//! What `--stats` prints and `--stats-json` writes: time and share of each pass, rates, memory.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+
+use engine::film::Film;
+use engine::gpu::AdapterDescription;
+use engine::stats::Stats;
+use serde::Serialize;
+
+use crate::job::RenderJob;
+use crate::output::{self, OutputError};
+use crate::{console, devices};
+
+/// Figures of one render. Its JSON form is read by other programs: fields are added, never renamed.
+#[derive(Debug, Serialize)]
+pub(crate) struct Report {
+    /// Version of this program.
+    patina: &'static str,
+    /// The glTF file.
+    scene: String,
+    /// The look file.
+    look: Option<String>,
+    device: Device,
+    /// Pixels.
+    width: u32,
+    /// Pixels.
+    height: u32,
+    /// As asked for.
+    samples_per_pixel: u32,
+    /// Taken by the pixel with the fewest; less than asked for after Ctrl-C.
+    samples_per_pixel_done: u32,
+    max_depth: u32,
+    seed: u32,
+    seconds: Seconds,
+    stats: Stats,
+}
+
+/// Wall-clock time by stage.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Seconds {
+    /// Reading scene and look.
+    pub(crate) load: f64,
+    /// Opening the device, building acceleration structures and pipelines.
+    pub(crate) prepare: f64,
+    /// Rendering and reading the film back.
+    pub(crate) render: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Device {
+    #[serde(skip)]
+    title: String,
+    name: String,
+    backend: String,
+    driver: String,
+}
+
+impl Report {
+    /// Collects the figures of a finished (or interrupted) render.
+    pub(crate) fn new(
+        job: &RenderJob,
+        device: &AdapterDescription,
+        film: &Film,
+        seconds: Seconds,
+        stats: Stats,
+    ) -> Self {
+        Self {
+            patina: env!("CARGO_PKG_VERSION"),
+            scene: job.scene.display().to_string(),
+            look: job.look.as_ref().map(|look| look.display().to_string()),
+            device: Device {
+                title: devices::title(device),
+                name: device.name.clone(),
+                backend: device.backend.clone(),
+                driver: device.driver.clone(),
+            },
+            width: film.width,
+            height: film.height,
+            samples_per_pixel: job.spp.get(),
+            samples_per_pixel_done: film.samples.iter().copied().min().unwrap_or(0),
+            max_depth: job.max_depth,
+            seed: job.seed,
+            seconds,
+            stats,
+        }
+    }
+
+    /// The figures as a table for people.
+    pub(crate) fn table(&self) -> String {
+        let mut text = String::new();
+        let stats = &self.stats;
+        let _ = writeln!(text, "\n{}", self.device.title);
+        let _ = writeln!(
+            text,
+            "{}x{}, {} of {} samples per pixel\n",
+            self.width, self.height, self.samples_per_pixel_done, self.samples_per_pixel
+        );
+        if stats.timestamps {
+            let _ = writeln!(
+                text,
+                "{:<16}{:>12}{:>9}{:>12}",
+                "pass", "ms", "share", "dispatches"
+            );
+            for pass in &stats.passes {
+                let _ = writeln!(
+                    text,
+                    "{:<16}{:>12.1}{:>8.1}%{:>12}",
+                    pass.name,
+                    pass.milliseconds,
+                    pass.share * 100.0,
+                    console::grouped(pass.dispatches)
+                );
+            }
+        } else {
+            let _ = writeln!(
+                text,
+                "This device has no timestamps: there are no times per pass."
+            );
+        }
+        let Seconds {
+            load,
+            prepare,
+            render,
+        } = self.seconds;
+        let _ = writeln!(
+            text,
+            "\ntime            load {load:.2} s, prepare {prepare:.2} s, render {render:.2} s\n\
+             rays            {} ({:.2} Mrays/s)\n\
+             samples         {} samples/s\n\
+             created         {} pipelines, {} shader modules",
+            console::grouped(stats.rays),
+            stats.mrays_per_second,
+            console::grouped(stats.samples_per_second.max(0.0) as u64),
+            stats.pipelines_created,
+            stats.shader_modules_created
+        );
+        let total = stats.memory.iter().map(|(_, bytes)| bytes).sum();
+        let parts: Vec<_> = stats
+            .memory
+            .iter()
+            .map(|(name, bytes)| format!("{name} {}", console::bytes(*bytes)))
+            .collect();
+        let _ = writeln!(
+            text,
+            "memory          {}: {}",
+            console::bytes(total),
+            parts.join(", ")
+        );
+        text
+    }
+
+    /// Writes the figures as JSON, all or nothing.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub(crate) fn write_json(&self, path: &Path) -> Result<(), OutputError> {
+        output::write_aside(path, |file| {
+            serde_json::to_writer_pretty(&mut *file, self)?;
+            file.write_all(b"\n")
+        })
+    }
+}

@@ -1,0 +1,416 @@
+//! The command line as users and scripts meet it: exit codes, messages, files.
+//!
+//! Each test starts the real program. Tests that render need a device; where there is none they are skipped with a
+//! notice, or fail where `PATINA_REQUIRE_DEVICE` is set, as `cargo xtask test` does.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use tempfile::TempDir;
+
+/// One triangle that glows, facing +Z; no other file is needed.
+const TRIANGLE: &str = r#"{
+  "asset": { "version": "2.0" },
+  "scene": 0,
+  "scenes": [{ "nodes": [0, 1] }],
+  "nodes": [{ "mesh": 0 }, { "name": "Front", "camera": 0, "translation": [0, 0, 3] }],
+  "cameras": [{ "name": "Front", "type": "perspective", "perspective": { "yfov": 0.9, "znear": 0.1 } }],
+  "materials": [{ "name": "Glow", "emissiveFactor": [1, 1, 1], "pbrMetallicRoughness": { "metallicFactor": 0 } }],
+  "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+  "accessors": [{
+    "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]
+  }],
+  "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+  "buffers": [{
+    "byteLength": 36,
+    "uri": "data:application/octet-stream;base64,AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAA"
+  }]
+}"#;
+
+/// A folder with `triangle.gltf` in which the program is run.
+struct Bench {
+    dir: TempDir,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        fs::write(dir.path().join("triangle.gltf"), TRIANGLE).expect("the scene is written");
+        Self { dir }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.dir.path().join(name)
+    }
+
+    fn command(&self, line: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_patina"));
+        command
+            .args(line.split_whitespace())
+            .current_dir(&self.dir)
+            .stdin(Stdio::null());
+        command
+    }
+
+    fn run(&self, line: &str) -> Outcome {
+        Outcome::of(self.command(line).output().expect("patina starts"), line)
+    }
+
+    /// Names in the folder, sorted.
+    fn files(&self) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(&self.dir)
+            .expect("the folder is readable")
+            .map(|entry| {
+                entry
+                    .expect("an entry")
+                    .file_name()
+                    .into_string()
+                    .expect("UTF-8")
+            })
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+struct Outcome {
+    line: String,
+    code: Option<i32>,
+    stdout: String,
+    stderr: String,
+}
+
+impl Outcome {
+    fn of(output: Output, line: &str) -> Self {
+        Self {
+            line: line.to_owned(),
+            code: output.status.code(),
+            stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+            stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
+        }
+    }
+
+    #[track_caller]
+    fn expect_code(self, code: i32) -> Self {
+        assert_eq!(
+            self.code,
+            Some(code),
+            "patina {}\nstdout: {}\nstderr: {}",
+            self.line,
+            self.stdout,
+            self.stderr
+        );
+        self
+    }
+
+    #[track_caller]
+    fn expect_error(self, code: i32, mentions: &str) -> Self {
+        let this = self.expect_code(code);
+        assert!(
+            this.stderr.contains("error:") && this.stderr.contains(mentions),
+            "patina {}: the error should mention '{mentions}':\n{}",
+            this.line,
+            this.stderr
+        );
+        assert!(!this.stderr.contains("panicked"), "{}", this.stderr);
+        this
+    }
+}
+
+/// Whether this machine can render; says so where it can't.
+fn device() -> bool {
+    let found = Bench::new().run("devices").code == Some(0);
+    if !found {
+        assert!(
+            std::env::var_os("PATINA_REQUIRE_DEVICE").is_none(),
+            "no device can render, but PATINA_REQUIRE_DEVICE is set"
+        );
+        eprintln!("skipped: no device can render (`cargo xtask test` installs one)");
+    }
+    found
+}
+
+#[test]
+fn help_shows_examples_and_exit_codes() {
+    let bench = Bench::new();
+    let help = bench.run("render --help").expect_code(0);
+    for wanted in [
+        "Examples:",
+        "-o helmet.exr",
+        "--max-depth",
+        "--stats-json",
+        "Exit codes: 0",
+    ] {
+        assert!(help.stdout.contains(wanted), "{wanted}:\n{}", help.stdout);
+    }
+    let help = bench.run("--help").expect_code(0);
+    assert!(help.stdout.contains("patina devices"), "{}", help.stdout);
+    let version = bench.run("--version").expect_code(0);
+    assert!(version.stdout.contains(env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn wrong_usage_is_code_2_and_says_what_is_right() {
+    let bench = Bench::new();
+    for (line, mentions) in [
+        ("render", "<SCENE>"),
+        ("paint", "unrecognized subcommand"),
+        ("render triangle.gltf --bogus", "--bogus"),
+        ("render triangle.gltf --size 0x0", "width is zero"),
+        ("render triangle.gltf --size 1x", "height is missing"),
+        ("render triangle.gltf --size 99999999x2", "exceeds"),
+        ("render triangle.gltf --size -1", "--size -1"),
+        (
+            "render triangle.gltf --size 65536x65536",
+            "more than the 67108864",
+        ),
+        ("render triangle.gltf --spp 0", "--spp 0"),
+        ("render triangle.gltf --spp -1", "--spp -1"),
+        ("render triangle.gltf --spp 1e3", "whole number"),
+        ("render triangle.gltf --max-depth 0", "--max-depth 0"),
+        ("render triangle.gltf --seed x", "--seed x"),
+        ("render triangle.gltf --exposure nan", "--exposure nan"),
+        ("render triangle.gltf -o picture.jpg", ".exr"),
+        ("render triangle.gltf -o picture", ".exr"),
+        ("render triangle.gltf -o a.png -o a.png", "twice"),
+        ("render triangle.gltf --stats-json triangle.gltf", "input"),
+        ("bench", "traverse"),
+    ] {
+        let outcome = bench.run(line).expect_code(2);
+        assert!(
+            outcome.stderr.contains(mentions),
+            "patina {line}: should mention '{mentions}':\n{}",
+            outcome.stderr
+        );
+        assert!(outcome.stderr.contains("--help") || line == "bench");
+    }
+    assert_eq!(bench.files(), ["triangle.gltf"], "nothing may be written");
+}
+
+#[test]
+fn usage_is_judged_before_the_scene_is_read() {
+    Bench::new()
+        .run("render no/such.glb -o picture.jpg")
+        .expect_error(2, "picture.jpg");
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_found_before_the_scene_is_read() {
+    let bench = Bench::new();
+    fs::create_dir(bench.path("taken.png")).expect("a folder");
+    for (output, mentions) in [
+        ("no/such/dir/x.png", "does not exist"),
+        ("triangle.gltf/x.exr", "cannot write"),
+        ("taken.png", "is a folder"),
+    ] {
+        bench
+            .run(&format!("render no/such.glb -o {output}"))
+            .expect_error(1, mentions);
+        bench
+            .run(&format!("render no/such.glb --stats-json {output}"))
+            .expect_error(1, mentions);
+    }
+    // Even root can make no files there.
+    if Path::new("/proc/self").is_dir() {
+        bench
+            .run("render no/such.glb -o /proc/x.png")
+            .expect_error(1, "/proc/x.png");
+    }
+}
+
+#[test]
+fn missing_inputs_are_code_1_and_named() {
+    let bench = Bench::new();
+    bench
+        .run("render no/such.glb")
+        .expect_error(1, "no/such.glb");
+    bench
+        .run("render triangle.gltf --look no.look.toml")
+        .expect_error(1, "no.look.toml");
+    bench
+        .run("render triangle.gltf --textures no/folder")
+        .expect_error(1, "no/folder");
+    bench
+        .run("bench traverse no/such.glb")
+        .expect_error(1, "no/such.glb");
+    bench.run("render .").expect_error(1, "");
+    assert_eq!(bench.files(), ["triangle.gltf"], "nothing may be written");
+}
+
+#[test]
+fn a_scene_that_is_no_gltf_is_code_1_and_named() {
+    let bench = Bench::new();
+    for (name, content) in [
+        ("empty.gltf", &b""[..]),
+        ("text.gltf", b"bad: this is not glTF"),
+        ("cut.glb", b"glTF\x02\x00\x00\x00\xff\xff"),
+        ("zeros.glb", &[0; 4096]),
+    ] {
+        fs::write(bench.path(name), content).expect("a file");
+        bench.run(&format!("render {name}")).expect_error(1, name);
+    }
+}
+
+#[test]
+fn an_unknown_camera_is_answered_with_those_there_are() {
+    Bench::new()
+        .run("render triangle.gltf --camera Roof")
+        .expect_error(1, "Front");
+}
+
+#[test]
+fn an_unknown_device_is_code_1() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    bench
+        .run("render triangle.gltf --device no-such-device")
+        .expect_error(1, "no-such-device");
+    bench
+        .run("render triangle.gltf --device 4096")
+        .expect_error(1, "4096");
+}
+
+#[test]
+fn devices_lists_numbers_names_and_limits() {
+    if !device() {
+        return;
+    }
+    let list = Bench::new().run("devices").expect_code(0).stdout;
+    assert!(list.starts_with("0: "), "{list}");
+    assert!(list.contains("per storage binding"), "{list}");
+}
+
+#[test]
+fn a_render_writes_every_output_and_nothing_else() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let outcome = bench
+        .run("render triangle.gltf --size 48x32 --spp 4 -o a.png -o b.exr --stats --stats-json s.json --camera Front")
+        .expect_code(0);
+    assert_eq!(
+        bench.files(),
+        ["a.png", "b.exr", "s.json", "triangle.gltf"],
+        "no temporary file may stay"
+    );
+    for wanted in [
+        "wrote a.png",
+        "wrote b.exr",
+        "Mrays/s",
+        "samples/s",
+        "pipelines",
+    ] {
+        assert!(
+            outcome.stdout.contains(wanted),
+            "{wanted}:\n{}",
+            outcome.stdout
+        );
+    }
+    let drawing: Vec<_> = outcome.stderr.matches(['\r', '\x1b']).collect();
+    assert!(drawing.is_empty(), "no bar where stderr is no terminal");
+
+    let picture = image::open(bench.path("a.png")).expect("a PNG").to_rgb8();
+    assert_eq!(picture.dimensions(), (48, 32));
+    assert_eq!(picture.get_pixel(24, 18).0, [255; 3], "the triangle glows");
+    assert_eq!(picture.get_pixel(0, 0).0, [0; 3], "around it is nothing");
+
+    let stats = fs::read_to_string(bench.path("s.json")).expect("a file");
+    let stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
+    assert_eq!(stats["width"], 48);
+    assert_eq!(stats["samples_per_pixel_done"], 4);
+    assert!(
+        stats["stats"]["pipelines_created"]
+            .as_u64()
+            .is_some_and(|n| n > 0)
+    );
+}
+
+#[test]
+fn without_outputs_the_picture_is_named_after_the_scene() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    bench
+        .run("render triangle.gltf --size 8x8 --spp 1")
+        .expect_code(0);
+    assert_eq!(bench.files(), ["triangle-render.png", "triangle.gltf"]);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_picture() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    for (name, seed) in [("a", 7), ("b", 7), ("c", 8)] {
+        bench
+            .run(&format!(
+                "render triangle.gltf --size 32x32 --spp 2 --seed {seed} -o {name}.exr"
+            ))
+            .expect_code(0);
+    }
+    let pixels = |name| {
+        let flat = exr::prelude::read_first_flat_layer_from_file(bench.path(name)).expect("an EXR");
+        let channels = flat.layer_data.channel_data.list;
+        channels
+            .iter()
+            .flat_map(|channel| channel.sample_data.values_as_f32())
+            .collect::<Vec<f32>>()
+    };
+    let largest_difference = |a, b| {
+        let pairs = pixels(a).into_iter().zip(pixels(b));
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+    };
+    // The order of additions may differ from run to run, hence not bit by bit.
+    assert!(largest_difference("a.exr", "b.exr") < 1.0e-5);
+    assert!(
+        largest_difference("a.exr", "c.exr") > 0.1,
+        "the triangle's edges are sampled elsewhere"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_writes_what_has_been_rendered() {
+    use std::thread::sleep;
+    use std::time::Duration;
+
+    if !device() {
+        return;
+    }
+    // How long a machine takes to get to the first sample is unknown: wait longer until it worked.
+    for seconds in [3, 10, 40] {
+        let bench = Bench::new();
+        let line = "render triangle.gltf --size 512x512 --spp 1000000 -o a.png";
+        let child = bench
+            .command(line)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("patina starts");
+        sleep(Duration::from_secs(seconds));
+        let kill = Command::new("kill")
+            .args(["-INT", &child.id().to_string()])
+            .status()
+            .expect("kill starts");
+        assert!(kill.success(), "the render must still be running");
+        let output = child.wait_with_output().expect("patina ends");
+        let outcome = Outcome::of(output, line);
+        if outcome.code == Some(0) {
+            assert!(outcome.stderr.contains("interrupted"), "{}", outcome.stderr);
+            assert_eq!(bench.files(), ["a.png", "triangle.gltf"]);
+            return;
+        }
+        assert_eq!(
+            bench.files(),
+            ["triangle.gltf"],
+            "no sample: nothing written"
+        );
+    }
+    panic!("Ctrl-C 40 s into a render wrote nothing");
+}
