@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use texgen::{
-    Graph, HOST_STUB, Interpolation, Library, NodeId, Ramp, SourceFile, Swizzle, TextureType, Value,
+    Graph, HOST_STUB, Interpolation, Library, NodeId, Ramp, SourceFile, Swizzle, TextureType,
+    Value, emit_inlined,
 };
 
 const TEXTURES: &[(&str, &str)] = &[
@@ -184,7 +185,14 @@ fn programs_compute_what_the_language_promises() {
     case.link(outer, "x", inner, "");
     case.expect(outer, [2310.0; 4]);
 
-    let Some((results, overrun)) = run(&case) else {
+    for inlined in [false, true] {
+        check(&case, inlined);
+    }
+}
+
+/// Runs a case and compares its results; nothing may have been cut.
+fn check(case: &Case, inlined: bool) {
+    let Some((results, overrun)) = run(case, inlined) else {
         return;
     };
     for ((node, expected), result) in case.expected.iter().zip(&results) {
@@ -207,7 +215,7 @@ fn an_endless_loop_is_cut_and_reported() {
     case.expect(endless, [0.0; 4]);
     let after = case.node("one", [0, 0], &[("x", Value::F32(3.0))]);
     case.expect(after, [3.0; 4]);
-    let Some((results, overrun)) = run(&case) else {
+    let Some((results, overrun)) = run(&case, false) else {
         return;
     };
     assert_eq!(
@@ -219,8 +227,9 @@ fn an_endless_loop_is_cut_and_reported() {
     assert_eq!(overrun, number as f32 + 1.0);
 }
 
-/// Runs the program of all expected nodes in one thread; their results, and the kernel's `patina_overrun`.
-fn run(case: &Case) -> Option<(Vec<[f32; 4]>, f32)> {
+/// Runs the program of all expected nodes in one thread; their results, and the kernel's `patina_overrun`. The graph
+/// is data, or pasted into the kernel.
+fn run(case: &Case, inlined: bool) -> Option<(Vec<[f32; 4]>, f32)> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let Ok(adapter) = wait(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
     else {
@@ -232,10 +241,17 @@ fn run(case: &Case) -> Option<(Vec<[f32; 4]>, f32)> {
 
     let roots: Vec<NodeId> = case.expected.iter().map(|&(node, _)| node).collect();
     let program = case.graph.compile(&roots).expect("no image is missing");
-    let kernel = case.graph.library().emit(program.slots_needed);
+    let (kernel, slots) = if inlined {
+        let kernel = emit_inlined(&case.graph, std::slice::from_ref(&roots));
+        let slots = (0..roots.len() as u32).collect();
+        (kernel.expect("no image is missing"), slots)
+    } else {
+        let kernel = case.graph.library().emit(program.slots_needed);
+        (kernel, program.results.clone())
+    };
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
-        source: wgpu::ShaderSource::Wgsl(host(&kernel.wgsl, &program.results).into()),
+        source: wgpu::ShaderSource::Wgsl(host(&kernel.wgsl, &slots).into()),
     });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: None,
@@ -336,7 +352,8 @@ fn host(kernel: &str, results: &[u32]) -> String {
         "{kernel}\n{stub}
 @group(0) @binding(2) var<storage, read_write> results: array<vec4f>;
 @compute @workgroup_size(1) fn main() {{
-    patina_run_program(0u);
+    // The inlined kernel needs no program buffer: named here, it still is a binding.
+    patina_run_program(program[0] * 0u + args[0] * 0u);
 {stores}    results[{}] = vec4f(f32(patina_overrun));
 }}",
         results.len()

@@ -28,7 +28,10 @@ fn userProc(
         let p = frequency * vec2f(dot(uv, along), dot(uv, vec2f(-along.y, along.x))) + 37.0 * f32(layer);
         let bend = noise(p * 0.21) + 0.35 * noise(p * 0.9 + 5.0);
         let q = vec2f(p.x / max(length, 1.0), p.y + waviness * 1.5 * bend);
-        let depth = scratch(q, width, amount, pixel * frequency);
+        let drawn = scratch(q, width, amount, pixel * frequency);
+        // Cells smaller than the pixel fade into their mean, which was measured.
+        let mean = 0.07 * saturate(amount) * width;
+        let depth = mix(drawn, mean, smoothstep(0.3, 1.0, pixel * frequency));
         untouched *= 1.0 - depth * (1.0 - 0.15 * f32(layer));
     }
     return 1.0 - untouched;
