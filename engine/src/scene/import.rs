@@ -4,7 +4,7 @@
 //! before it is used, memory is bounded by the size of the file, and no path of a file leads to a panic. What can't
 //! be rendered is left out with a warning; what would change the picture beyond recognition is an error.
 //!
-//! [`load`] reads as a table of contents of this folder.
+//! `assemble` reads as a table of contents of this folder.
 
 mod accessor;
 mod budget;
@@ -17,6 +17,7 @@ mod files;
 mod geometry;
 mod hierarchy;
 mod images;
+mod join;
 mod lights_cameras;
 mod materials;
 mod nodes;

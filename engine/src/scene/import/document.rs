@@ -318,10 +318,10 @@ fn mend(value: &mut Value) {
         Value::Array(items) => items.iter_mut().for_each(mend),
         Value::Object(members) => {
             members.remove("extras");
-            if let Some(Value::String(name)) = members.get_mut("name") {
-                if let Some((end, _)) = name.char_indices().nth(MAX_NAME_CHARS) {
-                    name.truncate(end);
-                }
+            if let Some(Value::String(name)) = members.get_mut("name")
+                && let Some((end, _)) = name.char_indices().nth(MAX_NAME_CHARS)
+            {
+                name.truncate(end);
             }
             members.values_mut().for_each(mend);
         }
