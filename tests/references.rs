@@ -83,10 +83,7 @@ fn cornell_box() {
     // The metal sphere of this reference, and only of this one, has separable Smith masking. Ours is glTF's
     // height-correlated one, which reflects up to 3 % more at grazing angles: pixels that see the sphere don't count.
     // What it reflects onto the other objects differs by far less than the noise and does count.
-    let efforts = [
-        Effort { block: 8, spp: 512 },
-        Effort { block: 1, spp: 512 },
-    ];
+    let efforts = [Effort { block: 8, spp: 512 }, Effort { block: 1, spp: 512 }];
     if let Some(comparison) = compare("cornell", efforts, |corner, side| {
         !sees_cornell_sphere(corner, side)
     }) {
