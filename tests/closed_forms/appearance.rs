@@ -4,7 +4,7 @@ use engine::scene::{
     AlphaMode, Environment, Filter, Image, LightKind, Material, PunctualLight, Sampler, TextureRef,
     Wrap,
 };
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3};
 
 use crate::assert_shows;
 use crate::support::device;
@@ -131,34 +131,6 @@ fn a_blended_surface_lets_as_much_light_through_as_it_does_not_cover() {
     let film = render(&gpu, &mut scene, &from_above(0.5, 1.0), shot);
     let expected = sun().intensity * 0.5 / std::f32::consts::PI * 0.75;
     assert_shows("light through a pane", &film, |_| expected);
-}
-
-#[test]
-fn a_blended_lamp_gives_the_light_that_is_seen_of_it() {
-    // Half covering lamps: by light samples and by chance, the floor must get half of their light.
-    let Some(gpu) = device::open() else { return };
-    let shine = |alpha: f32| Material {
-        base_color: Vec4::new(0.0, 0.0, 0.0, alpha),
-        alpha_mode: AlphaMode::Blend,
-        ..lamp(Vec3::new(4.0, 2.0, 1.0))
-    };
-    // So large that the floor sees hardly anything else: radiance 4, 2, 1 from everywhere.
-    let ceiling = quad(
-        Vec3::new(-500.0, 1.0, -500.0),
-        Vec3::X * 1000.0,
-        Vec3::Z * 1000.0,
-    );
-    let mut scene = scene(
-        [
-            (floor(3.0), lambert(Vec3::splat(0.5))),
-            (ceiling, shine(0.5)),
-        ],
-        Vec3::ZERO,
-    );
-    let shot = Shot { spp: 512, ..SHOT };
-    let film = render(&gpu, &mut scene, &from_above(0.5, 1.0), shot);
-    let expected = Vec3::new(4.0, 2.0, 1.0) * 0.5 * 0.5;
-    assert_shows("blended lamp", &film, |_| expected);
 }
 
 #[test]

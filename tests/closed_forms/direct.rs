@@ -6,8 +6,8 @@ use std::f32::consts::PI;
 use engine::film::Film;
 use engine::gpu::Gpu;
 use engine::procedural::TextureSources;
-use engine::scene::{LightKind, Material, PunctualLight, Scene};
-use glam::{DVec3, Vec2, Vec3};
+use engine::scene::{AlphaMode, LightKind, Material, PunctualLight, Scene};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use crate::assert_shows;
 use crate::support::device;
@@ -85,6 +85,20 @@ fn a_lamp_shines_from_its_back_only_if_it_has_two_sides() {
     };
     let film = view(&gpu, &mut lamp_scene(two_sided, true));
     assert_shows("form factor of the back", &film, under_the_lamp);
+}
+
+#[test]
+fn a_blended_lamp_gives_as_much_light_as_is_seen_of_it() {
+    let Some(gpu) = device::open() else { return };
+    let half = Material {
+        base_color: Vec4::new(0.0, 0.0, 0.0, 0.5),
+        alpha_mode: AlphaMode::Blend,
+        ..lamp(RADIANCE)
+    };
+    let film = view(&gpu, &mut lamp_scene(half, false));
+    assert_shows("form factor of half a lamp", &film, |picture| {
+        0.5 * under_the_lamp(picture)
+    });
 }
 
 #[test]
