@@ -25,6 +25,9 @@ use exit::Failure;
 use job::Job;
 
 fn main() -> ExitCode {
+    // Mesa's device-selection layer complains on machines without a display; the device is chosen by `--device`.
+    // SAFETY: nothing else runs yet that could read the environment.
+    unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     let args = match Args::try_parse() {
         Ok(args) => args,
         Err(answer) => return exit::with_clap(&answer),

@@ -7,5 +7,6 @@ pub(crate) mod device;
 pub(crate) mod estimate;
 pub(crate) mod maps;
 pub(crate) mod normal;
+pub(crate) mod scenes;
 pub(crate) mod shared;
 pub(crate) mod stats;

@@ -6,12 +6,17 @@
 // Whether light comes from it.
 override has_environment: bool = true;
 
-// Radiance from a direction: bilinear, wrapping in u, clamped in v.
+// Radiance from a direction.
 fn environment_radiance(direction: vec3f) -> vec3f {
+    return environment_texel(environment_uv(direction));
+}
+
+// Radiance at a point of the picture, both in [0, 1]: bilinear, wrapping in u, clamped in v.
+fn environment_texel(picture: vec2f) -> vec3f {
     if (!has_environment) {
         return vec3f(0.0);
     }
-    let uv = environment_uv(direction) * vec2f(frame.environment_size) - 0.5;
+    let uv = picture * vec2f(frame.environment_size) - 0.5;
     let base = floor(uv);
     let f = uv - base;
     let size = vec2i(frame.environment_size);
@@ -35,11 +40,23 @@ fn environment_uv(direction: vec3f) -> vec2f {
 fn environment_pdf(direction: vec3f) -> f32 {
     let uv = environment_uv(direction);
     let cell = min(vec2u(uv * vec2f(frame.distribution_size)), frame.distribution_size - 1u);
-    let sine = sqrt(max(1.0 - direction.y * direction.y, 1e-12));
-    return bitcast<f32>(textureLoad(environment_table, cell, 0).z) / (2.0 * PI * PI * sine);
+    return cell_pdf(cell, sqrt(max(1.0 - direction.y * direction.y, 0.0)));
 }
 
-fn environment_sample(u: vec2f) -> vec3f {
+// pdf per solid angle inside a cell, where the polar angle has this sine.
+fn cell_pdf(cell: vec2u, sine: f32) -> f32 {
+    return bitcast<f32>(textureLoad(environment_table, cell, 0).z) / (2.0 * PI * PI * max(sine, 1e-6));
+}
+
+struct EnvironmentSample {
+    wi: vec3f,
+    radiance: vec3f,
+    pdf: f32, // per solid angle
+}
+
+// Radiance and pdf are those of the cell that was chosen. Found again from the direction, they would be a neighbour's
+// where acos and atan2 are off by a little, and beside a lamp that neighbour may be darker by orders of magnitude.
+fn environment_sample(u: vec2f) -> EnvironmentSample {
     let count = frame.distribution_size.x * frame.distribution_size.y;
     let chosen = cell_of(u.x, count, bitcast<u32>(u.x) ^ hash(bitcast<u32>(u.y)));
     var cell = chosen.index;
@@ -52,9 +69,11 @@ fn environment_sample(u: vec2f) -> vec3f {
     } else {
         place /= threshold;
     }
-    let uv = (vec2f(f32(cell % frame.distribution_size.x), f32(cell / frame.distribution_size.x)) + vec2f(place, u.y))
-        / vec2f(frame.distribution_size);
+    let chosen_cell = vec2u(cell % frame.distribution_size.x, cell / frame.distribution_size.x);
+    let uv = (vec2f(chosen_cell) + vec2f(place, u.y)) / vec2f(frame.distribution_size);
     let theta = uv.y * PI;
     let phi = (uv.x - frame.environment_turn) * 2.0 * PI;
-    return vec3f(sin(theta) * sin(phi), cos(theta), -sin(theta) * cos(phi));
+    let sine = sin(theta);
+    let wi = vec3f(sine * sin(phi), cos(theta), -sine * cos(phi));
+    return EnvironmentSample(wi, environment_texel(uv), cell_pdf(chosen_cell, sine));
 }

@@ -37,8 +37,8 @@ const FAR = 1e30;
 fn light_sample(p: vec3f, choice: f32, u: vec2f) -> LightSample {
     var pick = choice;
     if (has_environment && pick < frame.environment_probability) {
-        let wi = environment_sample(u);
-        return LightSample(wi, FAR, environment_radiance(wi), frame.environment_probability * environment_pdf(wi), false);
+        let e = environment_sample(u);
+        return LightSample(e.wi, FAR, e.radiance, frame.environment_probability * e.pdf, false);
     }
     let none = LightSample(vec3f(0.0, 1.0, 0.0), 0.0, vec3f(0.0), 0.0, true);
     if (frame.light_count == 0u) {
@@ -76,8 +76,12 @@ fn light_sample(p: vec3f, choice: f32, u: vec2f) -> LightSample {
         if (abs(cosine) < 1e-7 || (cosine < 0.0 && !two_sided)) {
             return none;
         }
-        let radiance = materials[material].emission
+        var radiance = materials[material].emission
             * material_texture(material, TEXTURE_EMISSION, triangle, barycentric_weights(b)).xyz;
+        if ((triangle.w & TRIANGLE_ALPHA) != 0u) {
+            // Scattered rays find the lamp only where it is there.
+            radiance *= material_coverage(material, triangle, barycentric_weights(b));
+        }
         return LightSample(wi, distance, radiance, probability / area * distance2 / abs(cosine), false);
     }
     if (light.kind == LIGHT_DIRECTIONAL) {

@@ -85,3 +85,12 @@ fn material_base_color(material: u32, triangle: vec4u, weights: vec3f) -> vec4f 
         * material_texture(material, TEXTURE_BASE_COLOR, triangle, weights)
         * interpolate_color(triangle, weights);
 }
+
+// How much of the surface is there at a point: glTF's alpha mask (0 or 1), or alpha as coverage.
+fn material_coverage(material: u32, triangle: vec4u, weights: vec3f) -> f32 {
+    let alpha = material_base_color(material, triangle, weights).a;
+    if ((materials[material].flags & MATERIAL_MASK) != 0u) {
+        return select(0.0, 1.0, alpha >= materials[material].alpha_cutoff);
+    }
+    return alpha;
+}

@@ -65,13 +65,8 @@ fn intersect_node(node: u32, origin: vec3f, inverse: vec3f, octant4: u32, t_min:
 // True where the surface lets the ray pass at this point: glTF's alpha mask, or a coin toss with its alpha.
 // The coin depends on ray and triangle alone, not on the order of traversal.
 fn is_transparent(triangle: vec4u, index: u32, barycentrics: vec2f, coin: u32) -> bool {
-    let material = triangle.w & TRIANGLE_MATERIAL;
-    let flags = materials[material].flags;
-    let alpha = material_base_color(material, triangle, barycentric_weights(barycentrics)).a;
-    if ((flags & MATERIAL_MASK) != 0u) {
-        return alpha < materials[material].alpha_cutoff;
-    }
-    return f32(hash2(coin, index) >> 8u) * (1.0 / 16777216.0) >= alpha;
+    let coverage = material_coverage(triangle.w & TRIANGLE_MATERIAL, triangle, barycentric_weights(barycentrics));
+    return f32(hash2(coin, index) >> 8u) * (1.0 / 16777216.0) >= coverage;
 }
 
 // Whether any surface of the scene may be transparent.
