@@ -7,12 +7,13 @@ mod include;
 
 use std::path::{Path, PathBuf};
 
+use glam::Vec3;
 use texgen::{Diagnostic, Diagnostics, SourceFile, did_you_mean};
 
 use crate::procedural::{Procedural, SourcesError, TextureSources};
 use crate::scene::import::{self, ImportError, Imported};
 use crate::scene::look::{EnvironmentLook, Look, LookError, Spanned};
-use crate::scene::{Camera, Environment, Scene};
+use crate::scene::{Camera, Environment, Material, Scene};
 
 /// A scene ready to be uploaded.
 #[derive(Debug)]
@@ -95,6 +96,15 @@ pub fn load(scene: &Path, look: Option<&Path>, textures: &[PathBuf]) -> Result<L
             .iter()
             .map(|w| w.render().trim_end().to_owned()),
     );
+    let states_environment = look.as_ref().is_some_and(|look| look.environment.is_some());
+    let emits = |material: u32| procedural.drives_emission(material);
+    if !states_environment && is_dark(&scene, emits) {
+        scene.environment = Environment::Constant(Vec3::ONE);
+        warnings.push(
+            "the scene has no light: it is shown under an even white sky; a look can set its own `environment`"
+                .to_owned(),
+        );
+    }
     Ok(Loaded {
         scene,
         procedural,
@@ -169,6 +179,15 @@ fn read_environment(
             Ok((environment, warnings))
         }
     }
+}
+
+/// Whether nothing in the scene gives light, so that its picture would be black.
+fn is_dark(scene: &Scene, drives_emission: impl Fn(u32) -> bool) -> bool {
+    let emits = |(index, material): (usize, &Material)| {
+        material.unlit || material.emission.max_element() > 0.0 || drives_emission(index as u32)
+    };
+    let is_black = matches!(scene.environment, Environment::Constant(c) if c.max_element() <= 0.0);
+    is_black && scene.lights.is_empty() && !scene.materials.iter().enumerate().any(emits)
 }
 
 /// What is seen without a look: the file's first camera, or all of the scene.
