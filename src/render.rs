@@ -44,6 +44,9 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
     let clock = Instant::now();
     let gpu = Gpu::new(&job.device).map_err(Failure::because)?;
     let mut renderer = prepare(job, &gpu, &loaded, camera)?;
+    if job.stats || job.stats_json.is_some() {
+        renderer.time_passes().map_err(Failure::because)?;
+    }
     stop_if_interrupted()?;
     let prepare_seconds = clock.elapsed().as_secs_f64();
 

@@ -1,22 +1,25 @@
-/// The colour of rust. Broad stains, flakes with dark rims and fine grain are added up to one number, and the ramp
-/// gives it its colour: dark scale at 0, fresh orange rust at 1.
+/// The colour of rust. Broad stains, blistered flakes and fine grain are added up to one number, and the ramp gives
+/// it its colour: old, dark scale at 0, fresh orange rust at 1.
 /// @param scale  stains per metre [0.01 .. 1000] [soft 1 .. 100] [log] = 12
-/// @param ramp   colours from old to fresh rust [smooth] = [(0.0, #1c0f0a), (0.3, #45200f), (0.55, #7a3b12), (0.8, #a8551f), (1.0, #c9803f)]
-/// @param grain  strength of the fine grain [0 .. 1] [percent] = 0.35
+/// @param ramp   colours from old to fresh rust [smooth] = [(0.0, #170d09), (0.28, #3a1a0e), (0.5, #6b3213), (0.75, #9c4d1d), (1.0, #c98a4b)]
+/// @param grain  strength of the fine grain [0 .. 1] [percent] = 0.5
 /// @param flakes strength of the flakes [0 .. 1] [percent] = 0.5
 fn userProc(scale: f32, ramp: ramp1D, grain: f32, flakes: f32) -> vec3f {
     let p = readAttr(WorldPos).xyz * scale;
     let pixel = readAttr(Footprint).x * scale;
     // Stains run into each other: the noise is warped by another one.
     let warp = vec3f(noise(p * 0.7), noise(p * 0.7 + 19.1), noise(p * 0.7 + 47.3));
-    let stains = fbm(p + 0.9 * warp, pixel, 5);
-    let flake = flake_field(p * 2.3 + 0.3 * warp);
-    let flakes_seen = 1.0 - smoothstep(0.15, 0.5, pixel);
-    let speckles = fbm(p * 11.0, pixel * 11.0, 3);
-    let t = 0.5 + 0.55 * stains + flakes_seen * flakes * 0.3 * (flake.y - 0.5) + 0.45 * grain * speckles;
-    // The rims of flakes are cracks: dark.
-    let rim = mix(1.0, smoothstep(0.0, 0.12, flake.x), 0.6 * flakes * flakes_seen);
-    return rampEval(ramp, saturate(t)).rgb * rim * (1.0 + 0.25 * grain * speckles);
+    let stains = fbm(p + 0.9 * warp, pixel, 6);
+    let speckles = fbm(p * 9.0 + 0.5 * warp, pixel * 9.0, 4);
+    // Flakes have ragged edges, and lie in some places only.
+    let ragged = vec3f(speckles, noise(p * 7.0 + 3.3), noise(p * 7.0 + 8.1));
+    let flake = flake_field(p * 1.7 + 0.6 * warp + 0.16 * ragged);
+    let blistered = smoothstep(-0.1, 0.5, noise(p * 0.45 + 71.0) + 0.4 * stains) * (1.0 - smoothstep(0.15, 0.5, pixel));
+    let lift = flakes * blistered * (0.5 * (flake.y - 0.5) + 0.35 * (smoothstep(0.0, 0.3, flake.x) - 0.6));
+    let t = 0.5 + 0.42 * stains + lift + 0.4 * grain * speckles;
+    // Pits are deeper than the ramp can say: nearly no light comes back.
+    let pits = smoothstep(0.35, 0.75, speckles) * grain;
+    return rampEval(ramp, saturate(t)).rgb * (1.0 - 0.6 * pits);
 }
 
 // Random cells: distance from the border of the cell, random number of the cell.

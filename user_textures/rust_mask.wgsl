@@ -9,21 +9,24 @@ fn userProc(scale: f32, amount: f32, influence: f32, contrast: f32) -> f32 {
     let p = readAttr(WorldPos).xyz * scale;
     let pixel = readAttr(Footprint).x * scale;
     // Patches, with edges that fray: the coarse noise is pushed about by a finer one.
-    let fray = noise(p * 2.7 + 11.0);
-    let patches = 0.5 + 0.55 * fbm(p + 0.35 * fray, pixel);
+    let fray = vec3f(noise(p * 2.7), noise(p * 2.7 + 11.3), noise(p * 2.7 + 23.9));
+    let noise_and_lost = fbm(p + 0.25 * fray, pixel);
+    let patches = noise_and_lost.x;
+    // Rust begins in crevices and, with time, runs out of them: the noise decides how far.
     let occluded = 1.0 - readAttr(AO).x;
-    // Half of a crevice's rust depends on the patches too, or it would look painted on.
-    let crevice = influence * occluded * (0.5 + patches);
-    let field = patches + crevice;
-    // The threshold passes everything at amount 1, nothing of an open surface at amount 0.
-    let softness = 0.02 + 0.4 * (1.0 - saturate(contrast));
-    let threshold = mix(1.1 + softness, -softness, saturate(amount));
-    return smoothstep(threshold - softness, threshold + softness, field);
+    let crevice = influence * occluded * (0.6 + 0.6 * patches);
+    // The noise is spread about 0 like a bell: the logistic threshold makes `amount` the area that rusts.
+    let covered = clamp(amount, 0.0005, 0.9995);
+    let threshold = 0.13 * log((1.0 - covered) / covered);
+    // Patches too small to be seen leave a soft threshold behind: their mean.
+    let softness = 0.015 + 0.3 * (1.0 - saturate(contrast)) + 0.3 * noise_and_lost.y;
+    return smoothstep(threshold - softness, threshold + softness, patches + crevice);
 }
 
-// Six octaves of gradient noise, about -1 to 1; those finer than the pixel fade away.
-fn fbm(p: vec3f, pixel: f32) -> f32 {
+// x: six octaves of gradient noise, about -1 to 1; those finer than the pixel fade away. y: how much has faded, 0 to 1.
+fn fbm(p: vec3f, pixel: f32) -> vec2f {
     var sum = 0.0;
+    var seen = 0.0;
     var amplitude = 0.5;
     var frequency = 1.0;
     for (var octave = 0; octave < 6; octave++) {
@@ -32,10 +35,12 @@ fn fbm(p: vec3f, pixel: f32) -> f32 {
             break;
         }
         sum += amplitude * visible * noise(p * frequency + vec3f(17.3, 5.9, 31.1) * f32(octave));
+        seen += amplitude * visible;
         amplitude *= 0.55;
         frequency *= 2.03;
     }
-    return 1.7 * sum;
+    let all = 0.5 * (1.0 - pow(0.55, 6.0)) / (1.0 - 0.55);
+    return vec2f(1.7 * sum, 1.0 - seen / all);
 }
 
 // Gradient noise (Perlin 2002) with hashed gradients; about -0.9 to 0.9.

@@ -2,8 +2,8 @@
 /// different directions; noise bends their borders, and some of the borders are scratches. Good as a mask between
 /// materials, or to raise the roughness. Uses the first texture coordinates.
 /// @param scale     scratches across one unit of uv [0.1 .. 1000] [soft 2 .. 60] [log] = 14
-/// @param amount    share of the cells that are scratched [0 .. 1] [percent] = 0.5
-/// @param width     width of a scratch, in cells [0 .. 0.5] = 0.05
+/// @param amount    share of the cells that are scratched [0 .. 1] [percent] = 0.6
+/// @param width     width of a scratch, in cells [0 .. 0.5] = 0.08
 /// @param length    length of a scratch over its spacing [1 .. 60] = 14
 /// @param waviness  how much noise bends them [0 .. 1] = 0.3
 /// @param direction main direction in uv [angle] [-3.1416 .. 3.1416] = 0.5
@@ -28,7 +28,10 @@ fn userProc(
         let p = frequency * vec2f(dot(uv, along), dot(uv, vec2f(-along.y, along.x))) + 37.0 * f32(layer);
         let bend = noise(p * 0.21) + 0.35 * noise(p * 0.9 + 5.0);
         let q = vec2f(p.x / max(length, 1.0), p.y + waviness * 1.5 * bend);
-        let depth = scratch(q, width, amount, pixel * frequency);
+        let drawn = scratch(q, width, amount, pixel * frequency);
+        // Cells smaller than the pixel fade into their mean, which was measured.
+        let mean = 0.07 * saturate(amount) * width;
+        let depth = mix(drawn, mean, smoothstep(0.3, 1.0, pixel * frequency));
         untouched *= 1.0 - depth * (1.0 - 0.15 * f32(layer));
     }
     return 1.0 - untouched;
@@ -41,7 +44,8 @@ fn scratch(p: vec2f, width: f32, amount: f32, pixel: f32) -> f32 {
     var nearest = 1e9;
     var second = 1e9;
     var id = 0u;
-    var offset = vec2f();
+    var to_nearest = vec2f();
+    var to_second = vec2f();
     for (var y = -1; y <= 1; y++) {
         for (var x = -1; x <= 1; x++) {
             let step = vec2i(x, y);
@@ -51,11 +55,13 @@ fn scratch(p: vec2f, width: f32, amount: f32, pixel: f32) -> f32 {
             let square = dot(d, d);
             if square < nearest {
                 second = nearest;
+                to_second = to_nearest;
                 nearest = square;
+                to_nearest = d;
                 id = h;
-                offset = d;
-            } else {
-                second = min(second, square);
+            } else if square < second {
+                second = square;
+                to_second = d;
             }
         }
     }
@@ -64,12 +70,15 @@ fn scratch(p: vec2f, width: f32, amount: f32, pixel: f32) -> f32 {
     if !chosen {
         return 0.0;
     }
-    // The border, on one side of the cell only: a line that thins out towards its ends.
+    // The border with the cell above: a line along the cells that thins out towards its ends. Borders that run
+    // across would be short and, stretched, very wide.
     let border = sqrt(second) - sqrt(nearest);
-    let taper = saturate(1.4 - 2.2 * abs(offset.x)) * step(0.0, offset.y);
-    let half_width = max(width * (0.4 + 0.6 * f32(h & 0xffu) / 255.0) * taper, 1e-4);
+    let across = to_second - to_nearest;
+    let along = smoothstep(0.5, 0.9, across.y / max(length(across), 1e-6));
+    let taper = along * saturate(1.5 - 2.2 * abs(to_nearest.x));
+    let half_width = width * (0.3 + 0.7 * f32(h & 0xffu) / 255.0) * taper;
     // A line thinner than the pixel is drawn as wide as the pixel, but paler.
-    let drawn = max(half_width, pixel);
+    let drawn = max(half_width, max(pixel, 1e-4));
     let strength = 0.35 + 0.65 * f32((h >> 24u) & 0xffu) / 255.0;
     return strength * (half_width / drawn) * (1.0 - smoothstep(0.0, drawn, border));
 }

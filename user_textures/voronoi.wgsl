@@ -8,7 +8,7 @@ fn userProc(scale: f32, randomness: f32) -> vec4f {
     let cells = voronoi(readAttr(WorldPos).xyz * scale, saturate(randomness));
     // Cells smaller than the pixel fade into their mean.
     let fade = smoothstep(0.3, 1.0, pixel);
-    return vec4f(mix(cells, vec3f(0.5, 0.2, 0.5), fade), 1.0);
+    return vec4f(mix(cells, vec3f(0.52, 0.19, 0.5), fade), 1.0);
 }
 
 // Distance to the nearest centre, distance from the border, random number of the cell.

@@ -55,8 +55,10 @@ impl Tracer {
         );
         gpu.queue()
             .write_buffer(resources.buffer("frame"), 0, bytemuck::bytes_of(&frame));
-        let closest = traverse::kernel(gpu, Rays::Closest)?.bind(gpu, &resources);
-        let occlusion = traverse::kernel(gpu, Rays::Occlusion)?.bind(gpu, &resources);
+        let closest =
+            traverse::kernel(gpu, Rays::Closest, &gpu_scene.features)?.bind(gpu, &resources);
+        let occlusion =
+            traverse::kernel(gpu, Rays::Occlusion, &gpu_scene.features)?.bind(gpu, &resources);
         Ok(Self {
             gpu: gpu.clone(),
             resources,
@@ -212,7 +214,7 @@ pub fn camera_rays(camera: &Camera, side: u32) -> Vec<RayHit> {
 }
 
 /// One cosine-distributed ray from each hit, on the side from which it was hit.
-fn bounce_rays(scene: &Scene, hits: &[RayHit]) -> Result<Vec<RayHit>, RenderError> {
+pub fn bounce_rays(scene: &Scene, hits: &[RayHit]) -> Result<Vec<RayHit>, RenderError> {
     let bvh = SceneBvh::build(scene).map_err(crate::gpu_scene::GpuSceneError::from)?;
     let mut state = 0x9e37_79b9_7f4a_7c15u64;
     let mut random = move || {
@@ -245,7 +247,7 @@ fn bounce_rays(scene: &Scene, hits: &[RayHit]) -> Result<Vec<RayHit>, RenderErro
 }
 
 /// From each bounce ray's origin to the origin of another one.
-fn shadow_rays(hits: &[RayHit], bounce: &[RayHit]) -> Vec<RayHit> {
+pub fn shadow_rays(hits: &[RayHit], bounce: &[RayHit]) -> Vec<RayHit> {
     let count = bounce.len();
     let stride = hits.len() / 3 + 1;
     bounce

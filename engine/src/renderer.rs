@@ -163,7 +163,7 @@ impl Renderer {
             )?,
         );
         edits::allocate(gpu, procedural, &mut resources)?;
-        let kernels = Kernels::new(gpu, procedural)?;
+        let kernels = Kernels::new(gpu, &gpu_scene.features, procedural)?;
         let bound = kernels.bind(gpu, &resources);
         gpu.check()?;
         Ok(Self {

@@ -1,7 +1,7 @@
 //! The importer on real files: every model of the shared test data that needs only supported extensions loads with
 //! the number of triangles that the data's table states. Skipped with a notice where the data is absent.
 
-use engine::scene::import::{ImportError, default_camera, load};
+use engine::scene::import::{ImportError, append, default_camera, load};
 use engine::scene::{Environment, Scene};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -267,4 +267,114 @@ fn the_living_room_has_its_sky_turned_by_its_matrix() {
         panic!("has a picture");
     };
     assert!((rotation - 90.0).abs() < 1e-3, "{rotation}");
+}
+
+/// The three squares of the test show the same mark: two by way of a texture transform, one by its coordinates.
+#[test]
+fn texture_transforms_lead_to_the_mark_of_the_sample_square() {
+    let Some(scenes) = shared("scenes/khronos/TextureTransformMultiTest") else {
+        return;
+    };
+    let scene = load(&scenes.join("TextureTransformMultiTest.glb"))
+        .unwrap()
+        .scene;
+    // Mean texture coordinates over a square, which do not depend on the order of its corners.
+    let center = |name: &str| {
+        let mesh = scene.meshes.iter().find(|mesh| mesh.name == name).unwrap();
+        let material = &scene.materials[mesh.triangle_materials[0] as usize];
+        let texture = material.base_color_texture.unwrap();
+        let uv = if texture.uv_set == 0 {
+            &mesh.uv0
+        } else {
+            &mesh.uv1
+        };
+        let sum: glam::Vec2 = uv.iter().sum();
+        let center = (sum / uv.len() as f32).extend(1.0);
+        glam::Vec2::new(
+            texture.transform[0].dot(center),
+            texture.transform[1].dot(center),
+        )
+    };
+    let sample = center("BaseColorSample");
+    for name in ["BaseColorUV0", "BaseColorUV1"] {
+        assert!(
+            center(name).abs_diff_eq(sample, 0.01),
+            "{name}: {} {sample}",
+            center(name)
+        );
+    }
+}
+
+/// A file that brings tangents gets nearly the same ones computed when they are taken away.
+#[test]
+fn computed_tangents_agree_with_those_of_a_file() {
+    let Some(folder) = shared("scenes/khronos/NormalTangentMirrorTest") else {
+        return;
+    };
+    let path = folder.join("NormalTangentMirrorTest.glb");
+    let given = load(&path).unwrap().scene;
+    let text = std::fs::read(&path).unwrap();
+    // The same number of bytes, so that the container stays valid: an attribute of that name is ignored.
+    let mut changed = text.clone();
+    let find = |bytes: &[u8]| bytes.windows(9).position(|window| window == b"\"TANGENT\"");
+    while let Some(at) = find(&changed) {
+        changed[at..at + 9].copy_from_slice(b"\"_ANGENT\"");
+    }
+    assert!(changed != text);
+    let scratch = std::env::temp_dir().join(format!("patina-tangents-{}.glb", std::process::id()));
+    std::fs::write(&scratch, changed).unwrap();
+    let computed = load(&scratch).unwrap().scene;
+    std::fs::remove_file(&scratch).unwrap();
+
+    let (mut corners, mut alike) = (0, 0);
+    for (a, b) in given.meshes.iter().zip(&computed.meshes) {
+        assert_eq!(a.triangles.len(), b.triangles.len());
+        if a.tangents.is_empty() || b.tangents.is_empty() {
+            continue;
+        }
+        for (a_triangle, b_triangle) in a.triangles.iter().zip(&b.triangles) {
+            for (&i, &j) in a_triangle.iter().zip(b_triangle) {
+                let (s, t) = (a.tangents[i as usize], b.tangents[j as usize]);
+                corners += 1;
+                alike += usize::from(s.w == t.w && s.truncate().dot(t.truncate()) > 0.95);
+            }
+        }
+    }
+    eprintln!("{alike} of {corners} corners alike");
+    assert!(corners > 1000 && alike * 100 >= corners * 98);
+}
+
+/// A scene in which nearly all triangles are from one file keeps its own view and gets unique names.
+#[test]
+fn a_model_can_be_put_into_sponza() {
+    let Some(scenes) = shared("scenes") else {
+        return;
+    };
+    let started = Instant::now();
+    let mut scene = load(&scenes.join("Sponza/Sponza.gltf")).unwrap().scene;
+    eprintln!("Sponza takes {:?}", started.elapsed());
+    assert!(started.elapsed().as_secs() < 20);
+    let before = (
+        scene.materials.len(),
+        scene.instances.len(),
+        scene.cameras.len(),
+    );
+    let placement = glam::Affine3A::from_translation(glam::Vec3::new(0.0, 1.0, 0.0));
+    let helmet = scenes.join("khronos/DamagedHelmet/DamagedHelmet.glb");
+    for round in 0..2 {
+        let added = append(&mut scene, &helmet, placement).unwrap();
+        assert_eq!(added.instances.len(), 1);
+        assert_eq!(
+            added.renamed.len(),
+            round,
+            "the second helmet's material is renamed"
+        );
+    }
+    assert_eq!(scene.materials.len(), before.0 + 2);
+    assert_eq!(scene.instances.len(), before.1 + 2);
+    assert_eq!(scene.cameras.len(), before.2);
+    check_contract(&scene);
+    let helmet = &scene.instances[before.1];
+    let low = helmet.transform.translation.y;
+    assert!((low - 1.0).abs() < 1e-5);
 }

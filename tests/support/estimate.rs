@@ -43,6 +43,36 @@ impl Estimate {
             error,
         }
     }
+
+    /// Blocks of `side` x `side` pixels averaged into one: with a box filter of one pixel in both, exactly what a
+    /// render with fewer and larger pixels estimates. The pixels' errors are independent.
+    ///
+    /// # Panics
+    /// The sides are no multiples of `side`.
+    pub(crate) fn downsampled(&self, side: usize) -> Self {
+        assert_eq!((self.width % side, self.height % side), (0, 0));
+        let (width, height) = (self.width / side, self.height / side);
+        let count = (side * side) as f64;
+        let block = |i: usize, c: usize, values: &[[f32; 3]], power: i32| -> f64 {
+            let (x, y) = (i % width * side, i / width * side);
+            let pixels = (0..side * side).map(|k| (y + k / side) * self.width + x + k % side);
+            pixels.map(|p| f64::from(values[p][c]).powi(power)).sum()
+        };
+        let pixels = 0..width * height;
+        Self {
+            width,
+            height,
+            mean: pixels
+                .clone()
+                .map(|i| std::array::from_fn(|c| (block(i, c, &self.mean, 1) / count) as f32))
+                .collect(),
+            error: pixels
+                .map(|i| {
+                    std::array::from_fn(|c| (block(i, c, &self.error, 2).sqrt() / count) as f32)
+                })
+                .collect(),
+        }
+    }
 }
 
 /// Width, height and RGB of an EXR file's first layer.

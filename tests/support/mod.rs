@@ -3,6 +3,7 @@
 //! A test file takes it in with `mod support;`. One that uses only part of it writes
 //! `#[expect(dead_code, reason = "other tests use the rest")] mod support;`.
 
+pub(crate) mod device;
 pub(crate) mod estimate;
 pub(crate) mod maps;
 pub(crate) mod normal;

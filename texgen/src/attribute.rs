@@ -86,7 +86,7 @@ named_enum! {
     AO "Ambient occlusion of the node's first AO slot in every component: 1 = open, 0 = fully occluded.",
     AO1 "Ambient occlusion of the node's second AO slot, like AO.",
     Curvature "Mean curvature in 1/metres in every component: positive on ridges, negative in creases.",
-    Footprint "Size of the pixel's footprint here: x = width in metres in the world, y = width in uv of TexCoord0.",
+    Footprint "Width of the pixel here: x in metres in the world, y in uv of TexCoord0, z in the object's own space.",
     InstanceId "Number of the instance in every component, exact up to 16 million.",
     ObjectRandom "Four random numbers in [0, 1), constant over an instance and stable between renders.",
     MaterialId "Number of the material in every component.",

@@ -38,22 +38,15 @@ const RUNTIME: &str = include_str!("runtime.wgsl");
 pub const LOOP_LIMIT: u32 = 16_384;
 
 pub(crate) fn emit(library: &Library, stack_slots: u32) -> GeneratedKernel {
-    let mut emitter = Emitter {
-        text: String::new(),
-        source_map: SourceMap::default(),
-        custom: library.custom_attributes(),
-    };
-    emitter.runtime(stack_slots);
-    emitter.array_readers(library);
+    let mut emitter = Emitter::new(library, stack_slots);
     let names = section_names(library);
     for (texture, name) in library.textures().iter().zip(&names) {
         emitter.section(texture, name);
+        emitter.line("");
+        emitter.call(texture, name);
     }
     emitter.run_program(library, &names);
-    GeneratedKernel {
-        wgsl: emitter.text,
-        source_map: emitter.source_map,
-    }
+    emitter.finish()
 }
 
 /// Emits a kernel of this texture alone and has naga check it, so that what `parse` accepts never fails later.
@@ -80,7 +73,7 @@ pub(crate) fn try_out(texture: &TextureType) -> Result<(), Diagnostics> {
 
 /// A WGSL name for each texture's section: letters, digits and single underscores. A name is followed by two
 /// underscores in front of the file's own names, so no two textures' names can meet.
-fn section_names(library: &Library) -> Vec<String> {
+pub(crate) fn section_names(library: &Library) -> Vec<String> {
     let mut taken: HashSet<String> = HashSet::new();
     library
         .textures()
@@ -114,14 +107,35 @@ fn section_names(library: &Library) -> Vec<String> {
         .collect()
 }
 
-struct Emitter {
+/// Writes a kernel's text piece by piece.
+pub(crate) struct Emitter {
     text: String,
     source_map: SourceMap,
     custom: Vec<String>,
 }
 
 impl Emitter {
-    fn line(&mut self, line: &str) {
+    /// With the parts that stand before all textures.
+    pub(crate) fn new(library: &Library, stack_slots: u32) -> Self {
+        let mut emitter = Self {
+            text: String::new(),
+            source_map: SourceMap::default(),
+            custom: library.custom_attributes(),
+        };
+        emitter.runtime(stack_slots);
+        emitter.array_readers(library);
+        emitter
+    }
+
+    /// The text written so far.
+    pub(crate) fn finish(self) -> GeneratedKernel {
+        GeneratedKernel {
+            wgsl: self.text,
+            source_map: self.source_map,
+        }
+    }
+
+    pub(crate) fn line(&mut self, line: &str) {
         self.text.push_str(line);
         self.text.push('\n');
     }
@@ -176,7 +190,8 @@ impl Emitter {
         }
     }
 
-    fn section(&mut self, texture: &TextureType, name: &str) {
+    /// A texture's source under a title.
+    pub(crate) fn section(&mut self, texture: &TextureType, name: &str) {
         self.line("");
         self.line(&format!(
             "// ==== {} ==== {}",
@@ -185,8 +200,6 @@ impl Emitter {
         ));
         self.line("");
         self.source(texture, name);
-        self.line("");
-        self.call(texture, name);
     }
 
     /// The user's text with its edits.
@@ -273,15 +286,7 @@ impl Emitter {
         for (word, group) in linkable.chunks(32).enumerate() {
             self.line(&format!("    if links{word} != 0u {{"));
             for (bit, &i) in group.iter().enumerate() {
-                let value = match texture.parameters()[i].ty {
-                    ParameterType::F32 => "patina_next_link(at).x",
-                    ParameterType::I32 => "i32(round(patina_next_link(at).x))",
-                    ParameterType::U32 => "u32(round(patina_next_link(at).x))",
-                    ParameterType::Bool => "patina_next_link(at).x > 0.5",
-                    ParameterType::Vec2 => "patina_next_link(at).xy",
-                    ParameterType::Vec3 => "patina_next_link(at).xyz",
-                    _ => "patina_next_link(at)",
-                };
+                let value = linked("patina_next_link(at)", texture.parameters()[i].ty);
                 self.line(&format!(
                     "        if (links{word} & {}u) != 0u {{ p{i} = {value}; }}",
                     1u32 << bit
@@ -304,12 +309,10 @@ impl Emitter {
             "    let result = {name}__userProc({});",
             arguments.join(", ")
         ));
-        self.line(match texture.output() {
-            OutputType::F32 => "    return vec4f(result);",
-            OutputType::Vec2 => "    return vec4f(result, 0.0, 1.0);",
-            OutputType::Vec3 => "    return vec4f(result, 1.0);",
-            OutputType::Vec4 => "    return result;",
-        });
+        self.line(&format!(
+            "    return {};",
+            stored("result", texture.output())
+        ));
         self.line("}");
     }
 
@@ -347,6 +350,29 @@ impl Emitter {
         self.line("        patina_stack[head >> 16u] = result;");
         self.line("    }");
         self.line("}");
+    }
+}
+
+/// A link's `vec4f` as the value of a parameter of type `ty`.
+pub(crate) fn linked(link: &str, ty: ParameterType) -> String {
+    match ty {
+        ParameterType::F32 => format!("{link}.x"),
+        ParameterType::I32 => format!("i32(round({link}.x))"),
+        ParameterType::U32 => format!("u32(round({link}.x))"),
+        ParameterType::Bool => format!("{link}.x > 0.5"),
+        ParameterType::Vec2 => format!("{link}.xy"),
+        ParameterType::Vec3 => format!("{link}.xyz"),
+        _ => link.to_owned(),
+    }
+}
+
+/// A result of `userProc` as it lies in a slot of the stack.
+pub(crate) fn stored(result: &str, output: OutputType) -> String {
+    match output {
+        OutputType::F32 => format!("vec4f({result})"),
+        OutputType::Vec2 => format!("vec4f({result}, 0.0, 1.0)"),
+        OutputType::Vec3 => format!("vec4f({result}, 1.0)"),
+        OutputType::Vec4 => result.to_owned(),
     }
 }
 

@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::args::{self, FakeStack};
+use crate::graph_error::GraphError;
 use crate::library::Library;
 use crate::program::{self, Program};
 use crate::suggest::did_you_mean;
@@ -30,123 +31,6 @@ pub struct Edit {
     pub words: Vec<Range<usize>>,
     /// Whether links or AO slots changed, so that programs with this node must be compiled again.
     pub program: bool,
-}
-
-/// Why a graph can't be built or compiled as asked. The look file adds line and column.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum GraphError {
-    /// No texture of that name.
-    #[error("there is no texture called `{name}`{}", hint(.suggestion))]
-    UnknownTexture {
-        /// As asked for.
-        name: String,
-        /// A name it may have meant.
-        suggestion: Option<String>,
-    },
-    /// The texture has no such parameter.
-    #[error("texture `{texture}` has no parameter `{name}`{}", hint(.suggestion))]
-    UnknownParameter {
-        /// The node's texture.
-        texture: String,
-        /// As asked for.
-        name: String,
-        /// A name it may have meant.
-        suggestion: Option<String>,
-    },
-    /// Two nodes of one name.
-    #[error("there are two nodes called `{name}`: rename one of them")]
-    DuplicateNode {
-        /// The name.
-        name: String,
-    },
-    /// A value of another type than the parameter's.
-    #[error(
-        "parameter `{parameter}` of `{node}` is of type {expected}, but gets a value of type {found}"
-    )]
-    ValueType {
-        /// The node.
-        node: String,
-        /// Its parameter.
-        parameter: String,
-        /// The parameter's type.
-        expected: String,
-        /// The value's type.
-        found: String,
-    },
-    /// A value that is NaN, infinite, or a ramp without stops.
-    #[error("the value of parameter `{parameter}` of `{node}` {problem}")]
-    BadValue {
-        /// The node.
-        node: String,
-        /// Its parameter.
-        parameter: String,
-        /// What is wrong and what to write.
-        problem: String,
-    },
-    /// A link whose type doesn't fit.
-    #[error(
-        "`{source_node}` gives {found}, but parameter `{parameter}` of `{node}` is of type {expected}: {remedy}"
-    )]
-    LinkType {
-        /// The node that gets the link.
-        node: String,
-        /// Its parameter.
-        parameter: String,
-        /// The parameter's type.
-        expected: String,
-        /// The node the link comes from.
-        source_node: String,
-        /// What the link gives.
-        found: String,
-        /// What to do.
-        remedy: String,
-    },
-    /// A swizzle that names components which the source doesn't have.
-    #[error("`{source_node}` gives {found}: it has no `{swizzle}`")]
-    LinkSwizzle {
-        /// The node the link comes from.
-        source_node: String,
-        /// What it gives.
-        found: String,
-        /// The swizzle.
-        swizzle: String,
-    },
-    /// Nodes that need each other.
-    #[error("these nodes need each other in a circle: {}; break one of the links", .nodes.join(" -> "))]
-    Cycle {
-        /// The names around the circle; the first is repeated at the end.
-        nodes: Vec<String>,
-    },
-    /// A program that no kernel's stack can hold.
-    #[error("the graph needs {slots} results at once: at most 65535 are possible; simplify it")]
-    TooManySlots {
-        /// Slots it needs.
-        slots: u32,
-    },
-    /// A number that is no AO slot.
-    #[error("`{node}` asks for AO slot {slot}: there are the slots 0 to 3")]
-    OcclusionSlot {
-        /// The node.
-        node: String,
-        /// The number.
-        slot: u32,
-    },
-    /// An image parameter without an image.
-    #[error(
-        "parameter `{parameter}` of `{node}` is an image and has none: set `{parameter}` to an image file"
-    )]
-    MissingValue {
-        /// The node.
-        node: String,
-        /// Its parameter.
-        parameter: String,
-    },
-}
-
-fn hint(suggestion: &Option<String>) -> String {
-    suggestion
-        .as_ref()
-        .map_or(String::new(), |name| format!("; did you mean `{name}`?"))
 }
 
 /// AO slots a node can choose from.
@@ -337,7 +221,7 @@ impl Graph {
             return Err(GraphError::ValueType {
                 node: self.name(node).to_owned(),
                 parameter: parameter.to_owned(),
-                expected: ty.to_string(),
+                expected: ty,
                 found,
             });
         };
@@ -373,9 +257,9 @@ impl Graph {
             return Err(GraphError::LinkType {
                 node: self.name(node).to_owned(),
                 parameter: parameter.to_owned(),
-                expected: expected.to_string(),
+                expected,
                 source_node: self.name(source).to_owned(),
-                found: found.to_string(),
+                found,
                 remedy,
             });
         }
@@ -442,8 +326,8 @@ impl Graph {
             .flatten()
             .ok_or_else(|| GraphError::LinkSwizzle {
                 source_node: self.name(source).to_owned(),
-                found: output.to_string(),
-                swizzle: swizzle.to_string(),
+                found: output,
+                swizzle,
             })
     }
 

@@ -22,6 +22,9 @@ pub struct Parameter {
     pub unit: Option<String>,
     /// How a user interface edits it.
     pub widget: Widget,
+    /// For images: the pixels are numbers such as heights or normals, not colours, and are not converted from sRGB
+    /// unless the look says so.
+    pub is_data: bool,
 }
 
 /// How a user interface edits a parameter.

@@ -2,7 +2,7 @@
 //!
 //! A line reads `@param NAME label [RANGE or KEYS] = DEFAULT`, everything behind the name optional:
 //! `[0 .. 10]` is the range, `[soft 0 .. 1]` the usual range, `[unit m]` a unit, and `color`, `angle`, `log`,
-//! `percent`, `seed` a widget; several stand in brackets of their own or behind commas. `linear`, `smooth` and
+//! `percent`, `seed` a widget, `data` an image of numbers; several stand in brackets of their own or behind commas. `linear`, `smooth` and
 //! `constant` are the interpolation of a ramp's default.
 
 use std::ops::Range;
@@ -236,19 +236,18 @@ impl<'a> ParamLine<'a> {
             "log" => parameter.widget = Widget::Log,
             "percent" => parameter.widget = Widget::Percent,
             "seed" => parameter.widget = Widget::Seed,
+            "data" => parameter.is_data = true,
             "linear" => *interpolation = Interpolation::Linear,
             "smooth" => *interpolation = Interpolation::Smooth,
             "constant" => *interpolation = Interpolation::Constant,
             unknown => {
-                const KEYS: [&str; 10] = [
-                    "color", "angle", "log", "percent", "seed", "soft", "unit", "linear", "smooth",
-                    "constant",
-                ];
-                let near = did_you_mean(unknown, KEYS);
+                const KEYS: &str =
+                    "color angle log percent seed data soft unit linear smooth constant";
+                let near = did_you_mean(unknown, KEYS.split(' '));
                 problems.push(
                     Diagnostic::warning(format!("unknown key `{unknown}`"))
                         .with_label(self.file, span, near.map_or(String::new(), |near| format!("did you mean `{near}`?")))
-                        .with_note("known are `min .. max`, `soft min .. max`, `unit NAME`, `color`, `angle`, `log`, `percent`, `seed`, and for ramps `linear`, `smooth`, `constant`"),
+                        .with_note("known are `min .. max`, `soft min .. max`, `unit NAME`, `color`, `angle`, `log`, `percent`, `seed`, for images `data`, and for ramps `linear`, `smooth`, `constant`"),
                 );
             }
         }

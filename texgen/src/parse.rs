@@ -3,6 +3,7 @@
 //! naga stops at the first error of a module. To show all of them, the function an error lies in is replaced by an
 //! empty one and the module is tried again, until naga is content or no function can be blamed.
 
+use std::collections::BTreeSet;
 use std::error::Error;
 use std::ops::Range;
 
@@ -30,29 +31,34 @@ pub(crate) fn parse(
     outline: &Outline<'_>,
     custom: &[String],
 ) -> Result<naga::Module, Diagnostics> {
-    let mut text = outline.text.to_owned();
-    let mut tail = format!("\n{PRELUDE}\n");
+    let mut attempt = Attempt {
+        outline,
+        stubs: BTreeSet::new(),
+        tail: format!("\n{PRELUDE}\n"),
+    };
     for (index, name) in custom.iter().enumerate() {
         let declared = outline
             .globals
             .iter()
             .any(|global| global.name.is_some_and(|at| outline.word(at) == name));
         if !declared {
-            tail.push_str(&format!("const {name} = {}u;\n", 1000 + index));
+            attempt
+                .tail
+                .push_str(&format!("const {name} = {}u;\n", 1000 + index));
         }
     }
     let mut problems = Diagnostics::new();
     loop {
-        match check(&format!("{text}{tail}")) {
+        let (text, insertions) = attempt.text();
+        match check(&text) {
             Ok(module) if problems.is_empty() => return Ok(module),
             Ok(_) => break,
-            Err(problem) => {
+            Err(mut problem) => {
+                problem.undo_insertions(&insertions);
                 let blamed = problem.blamed_function(outline);
                 problems.push(problem.into_diagnostic(file, outline));
                 let Some(function) = blamed else { break };
-                if problems.len() >= MAX_ERRORS
-                    || !stub_function(outline, function, &mut text, &mut tail)
-                {
+                if problems.len() >= MAX_ERRORS || !attempt.stub(function) {
                     break;
                 }
             }
@@ -62,30 +68,54 @@ pub(crate) fn parse(
     Err(problems)
 }
 
-/// Blanks function `index` in `text` and declares one of the same signature in `tail`. False if it was done before.
-fn stub_function(
-    outline: &Outline<'_>,
-    index: usize,
-    text: &mut String,
-    tail: &mut String,
-) -> bool {
-    let function = &outline.functions[index];
-    let Some(global) = outline
-        .globals
-        .iter()
-        .find(|global| global.name == Some(function.name))
-    else {
-        return false;
-    };
-    let span = outline.span_of(&global.tokens);
-    if text[span.clone()].bytes().all(|byte| byte == b' ') {
-        return false;
+/// The module that naga is given.
+struct Attempt<'o, 'a> {
+    outline: &'o Outline<'a>,
+    /// Functions that are replaced by empty ones.
+    stubs: BTreeSet<usize>,
+    /// What comes behind the file's text.
+    tail: String,
+}
+
+impl Attempt<'_, '_> {
+    /// Replaces a function by one of the same signature. False if it was done before.
+    fn stub(&mut self, index: usize) -> bool {
+        let function = &self.outline.functions[index];
+        let header =
+            self.outline.span(function.keyword).start..self.outline.span(function.body.start).start;
+        let result = &self.outline.text[self.outline.span_of(&function.result)];
+        let body = if function.result.is_empty() {
+            String::new()
+        } else {
+            format!("return {result}();")
+        };
+        self.tail
+            .push_str(&format!("{} {{ {body} }}\n", &self.outline.text[header]));
+        self.stubs.insert(index)
     }
-    let header = outline.span(global.keyword).start..outline.span(function.body.start).start;
-    // `loop {}` never ends, so no result is missing.
-    tail.push_str(&format!("{} {{ loop {{}} }}\n", &outline.text[header]));
-    text.replace_range(span.clone(), &" ".repeat(span.len()));
-    true
+
+    /// The text, and where how many bytes were inserted into the file's.
+    fn text(&self) -> (String, Vec<(usize, usize)>) {
+        let mut text = self.outline.text.to_owned();
+        let mut insertions = Vec::new();
+        for (index, function) in self.outline.functions.iter().enumerate().rev() {
+            if self.stubs.contains(&index) {
+                let span = self.outline.span(function.keyword).start
+                    ..self.outline.span_of(&function.body).end;
+                text.replace_range(span.clone(), &" ".repeat(span.len()));
+            } else if self.outline.ends_with_endless_loop(function) {
+                let at = self.outline.span(function.body.end - 1).start;
+                let inserted = format!(
+                    " return {}();",
+                    &self.outline.text[self.outline.span_of(&function.result)]
+                );
+                text.insert_str(at, &inserted);
+                insertions.push((at, inserted.len()));
+            }
+        }
+        insertions.reverse();
+        (text + &self.tail, insertions)
+    }
 }
 
 /// Parses and validates a whole module.
@@ -147,6 +177,22 @@ impl Problem {
         }
     }
 
+    /// Moves places in a text with insertions to where they are without.
+    fn undo_insertions(&mut self, insertions: &[(usize, usize)]) {
+        let original = |offset: usize| {
+            let mut shift = 0;
+            for &(at, length) in insertions {
+                if at + shift < offset {
+                    shift += length.min(offset - at - shift);
+                }
+            }
+            offset - shift
+        };
+        for (span, _) in &mut self.labels {
+            *span = original(span.start)..original(span.end);
+        }
+    }
+
     /// The function of the file that the error lies in.
     fn blamed_function(&self, outline: &Outline<'_>) -> Option<usize> {
         let by_name = self.function.as_ref().and_then(|name| {
@@ -166,7 +212,17 @@ impl Problem {
 
     fn into_diagnostic(self, file: &SourceFile, outline: &Outline<'_>) -> Diagnostic {
         let length = outline.text.len();
-        let mut diagnostic = Diagnostic::error(plain_message(&self.message));
+        let ended = self
+            .labels
+            .first()
+            .is_some_and(|(span, _)| span.start >= length);
+        let mut message = in_user_terms(&self.message);
+        if ended {
+            // naga read on into the prelude: it wanted more of the file.
+            let expected = message.split(", found").next().unwrap_or_default();
+            message = format!("{expected}, found the end of the file");
+        }
+        let mut diagnostic = Diagnostic::error(message);
         let mut labels: Vec<_> = self
             .labels
             .into_iter()
@@ -177,23 +233,79 @@ impl Problem {
                 .function
                 .as_deref()
                 .and_then(|name| outline.function(name));
-            labels.extend(function.map(|function| (outline.span(function.name), String::new())));
+            let last = outline.tokens.tokens.len().saturating_sub(1);
+            let place = function.map_or(last, |function| function.name);
+            labels.push((outline.span(place), String::new()));
         }
-        for (index, (span, text)) in labels.into_iter().enumerate() {
-            diagnostic = if index == 0 {
-                diagnostic.with_label(file, span, plain_message(&text))
-            } else {
-                diagnostic.with_secondary(file, span, plain_message(&text))
-            };
+        for (index, (mut span, text)) in labels.into_iter().enumerate() {
+            // A function as a whole is marked at its name.
+            let whole = outline
+                .functions
+                .iter()
+                .find(|f| span == (outline.span(f.keyword).start..outline.span_of(&f.body).end));
+            if let Some(function) = whole {
+                span = outline.span(function.name);
+            }
+            let text = plain_message(&text);
+            if index == 0 {
+                diagnostic = diagnostic.with_label(file, span, text);
+            } else if !text.is_empty() {
+                diagnostic = diagnostic.with_secondary(file, span, text);
+            }
         }
-        for note in self.notes {
+        for note in plain_notes(&self.notes) {
             diagnostic = diagnostic.with_note(note);
+        }
+        if ended {
+            diagnostic =
+                diagnostic.with_note("something is not closed: look for a missing `}`, `)` or `;`");
         }
         for note in remedies(&self.message, &diagnostic, outline) {
             diagnostic = diagnostic.with_note(note);
         }
         diagnostic
     }
+}
+
+/// naga's notes, with its lists of types in one line and without the types that textures don't have.
+fn plain_notes(notes: &[String]) -> Vec<String> {
+    let allowed = |note: &String| note.strip_prefix("allowed type: ").map(str::to_owned);
+    let types: Vec<String> = notes
+        .iter()
+        .filter_map(allowed)
+        .filter(|ty| {
+            !["f16", "f64", "i64", "u64", "Abstract"]
+                .iter()
+                .any(|absent| ty.contains(absent))
+        })
+        .collect();
+    let mut plain: Vec<String> = notes
+        .iter()
+        .filter(|note| allowed(note).is_none())
+        .cloned()
+        .collect();
+    if let Some(last) = plain.last_mut().filter(|_| !types.is_empty()) {
+        *last = format!("{} {}", last, types.join(", "));
+    }
+    plain
+}
+
+/// Messages of naga's that speak of its own structures, said so that an author of a texture understands them.
+fn in_user_terms(message: &str) -> String {
+    if message.starts_with("The `return` expression None") {
+        return "not every way through the function ends with a `return` of its result".into();
+    }
+    if message.starts_with("The `return` expression Some") {
+        return "the returned value is not of the type that the function declares".into();
+    }
+    let mut plain = plain_message(message);
+    // One sentence style for all messages: they begin small, but for names.
+    if plain.starts_with(|c: char| c.is_ascii_uppercase())
+        && plain[1..].starts_with(|c: char| c.is_ascii_lowercase() || c == ' ')
+    {
+        plain[..1].make_ascii_lowercase();
+    }
+    plain
 }
 
 /// naga's message without its internal numbers: `Expression [7]`, `Handle([3])`.
@@ -219,12 +331,11 @@ fn plain_message(message: &str) -> String {
 fn remedies(message: &str, diagnostic: &Diagnostic, outline: &Outline<'_>) -> Vec<String> {
     let mut notes = Vec::new();
     let message = message.to_lowercase();
-    if message.contains("no definition in scope") || message.contains("unknown type") {
-        if let Some(label) = diagnostic.labels.first() {
-            let word = &outline.text[label.span.clone()];
-            if let Some(near) = did_you_mean(word, names_in_scope(outline, label.span.start)) {
-                notes.push(format!("did you mean `{near}`?"));
-            }
+    let unknown = message.contains("no definition in scope") || message.contains("unknown type");
+    if let Some(label) = diagnostic.labels.first().filter(|_| unknown) {
+        let word = &outline.text[label.span.clone()];
+        if let Some(near) = did_you_mean(word, names_in_scope(outline, label.span.start)) {
+            notes.push(format!("did you mean `{near}`?"));
         }
     }
     if message.contains("is recursive") || message.contains("is cyclic") {

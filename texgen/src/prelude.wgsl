@@ -42,7 +42,7 @@ const ViewDir = 10u;      // Direction from the hit towards where the ray came f
 const AO = 11u;           // Ambient occlusion of the node's first AO slot in every component: 1 = open, 0 = fully occluded.
 const AO1 = 12u;          // Ambient occlusion of the node's second AO slot, like AO.
 const Curvature = 13u;    // Mean curvature in 1/metres in every component: positive on ridges, negative in creases.
-const Footprint = 14u;    // Size of the pixel's footprint here: x = width in metres in the world, y = width in uv of TexCoord0.
+const Footprint = 14u;    // Width of the pixel here: x in metres in the world, y in uv of TexCoord0, z in the object's own space.
 const InstanceId = 15u;   // Number of the instance in every component, exact up to 16 million.
 const ObjectRandom = 16u; // Four random numbers in [0, 1), constant over an instance and stable between renders.
 const MaterialId = 17u;   // Number of the material in every component.

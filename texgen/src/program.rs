@@ -17,7 +17,9 @@ use std::collections::{BTreeSet, HashMap};
 
 use crate::attribute::{Attribute, BuiltinAttribute};
 use crate::emit::reads_occlusion;
-use crate::graph::{Graph, GraphError, NodeId};
+use crate::graph::{Graph, NodeId};
+use crate::graph_error::GraphError;
+use crate::library::Library;
 use crate::schedule::{self, Dag};
 use crate::swizzle::Swizzle;
 use crate::value::ParameterType;
@@ -35,6 +37,73 @@ pub struct Program {
     pub attributes: BTreeSet<Attribute>,
     /// Bit s is set where an instruction reads AO slot s.
     pub occlusion_mask: u32,
+}
+
+/// One instruction of a program, decoded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instruction {
+    /// Type number of the texture.
+    pub texture: usize,
+    /// Stack slot of the result.
+    pub slot: u32,
+    /// Offset of the node's block in the fake stack.
+    pub args: u32,
+    /// Linked parameters by their place, and the word of each link (see [`link_word`]).
+    pub links: Vec<(usize, u32)>,
+    /// AO slots for `AO` and `AO1`, where the texture reads one of them.
+    pub occlusion: Option<[u32; 2]>,
+}
+
+impl Program {
+    /// The instructions in their order, for tools that show programs. `library` is the one the program was compiled
+    /// with.
+    ///
+    /// # Errors
+    /// The words aren't a program of this library; the number is the word or instruction that can't be.
+    pub fn instructions(&self, library: &Library) -> Result<Vec<Instruction>, usize> {
+        let mut at = 0;
+        let mut next = || {
+            at += 1;
+            self.words.get(at - 1).copied().ok_or(at - 1)
+        };
+        let mut instructions = Vec::new();
+        for _ in 0..next()? {
+            let head = next()?;
+            let texture = library
+                .textures()
+                .get((head & 0xffff) as usize)
+                .ok_or(instructions.len())?;
+            let args = next()?;
+            let linkable: Vec<usize> = (0..texture.parameters().len())
+                .filter(|&i| texture.parameters()[i].ty.is_linkable())
+                .collect();
+            let mut masks = Vec::new();
+            for _ in 0..linkable.len().div_ceil(32) {
+                masks.push(next()?);
+            }
+            let mut links = Vec::new();
+            for (place, &parameter) in linkable.iter().enumerate() {
+                if masks[place / 32] >> (place % 32) & 1 == 1 {
+                    links.push((parameter, next()?));
+                }
+            }
+            let occlusion = if reads_occlusion(texture) {
+                let word = next()?;
+                Some([word & 0xff, word >> 8 & 0xff])
+            } else {
+                None
+            };
+            let (texture, slot) = ((head & 0xffff) as usize, head >> 16);
+            instructions.push(Instruction {
+                texture,
+                slot,
+                args,
+                links,
+                occlusion,
+            });
+        }
+        Ok(instructions)
+    }
 }
 
 /// The word that reads stack slot `slot` through a swizzle. The generated kernel's `patina_link(word)` decodes it.

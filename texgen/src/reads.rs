@@ -49,14 +49,12 @@ pub(crate) fn find_reads(file: &SourceFile, outline: &Outline<'_>) -> (Vec<Read>
             at = close + 1;
             continue;
         }
-        if predeclared {
-            if let Some(reader) = reader_of(word) {
-                problems.push(
-                    Diagnostic::error(format!("`{word}` is a name to be read, not a value"))
-                        .with_label(file, outline.span(at), "")
-                        .with_note(format!("write `{reader}({word})`")),
-                );
-            }
+        if let Some(reader) = reader_of(word).filter(|_| predeclared) {
+            problems.push(
+                Diagnostic::error(format!("`{word}` is a name to be read, not a value"))
+                    .with_label(file, outline.span(at), "")
+                    .with_note(format!("write `{reader}({word})`")),
+            );
         }
         at += 1;
     }

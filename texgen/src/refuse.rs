@@ -11,6 +11,13 @@ use crate::tokens::TokenKind;
 /// Largest file accepted, bytes. Far beyond any texture; keeps compile time and memory bounded.
 pub(crate) const MAX_FILE_BYTES: usize = 256 * 1024;
 
+/// Most tokens of one expression without brackets, and most module-scope declarations of a file. Compilers recurse
+/// along both, and a stack overflow can't be caught.
+const MAX_CHAIN: usize = 1000;
+
+/// Most tokens of a texture once all calls are expanded. A file of some lines can hold 2^30 calls without a loop.
+const MAX_EXPANDED: u64 = 200_000;
+
 /// Functions and types of the prelude.
 pub(crate) const PRELUDE_NAMES: &[&str] = &[
     "sam2D",
@@ -55,6 +62,94 @@ pub(crate) fn refused(file: &SourceFile, outline: &Outline<'_>) -> Diagnostics {
         }
     }
     found
+}
+
+/// Finds what compilers could not survive.
+pub(crate) fn too_deep(file: &SourceFile, outline: &Outline<'_>) -> Option<Diagnostic> {
+    // Tokens since the last separator: of the innermost bracket, and those of the brackets around it.
+    let mut length = 0;
+    let mut outer = Vec::new();
+    for (at, token) in outline.tokens.tokens.iter().enumerate() {
+        match token.text {
+            "(" | "[" | "{" => outer.push(std::mem::take(&mut length)),
+            "}" if outline.word(at + 1) != "else" => {
+                outer.pop();
+                length = 0;
+            }
+            ")" | "]" | "}" => length = outer.pop().unwrap_or(0),
+            "," | ";" => length = 0,
+            _ => length += 1,
+        }
+        if length > MAX_CHAIN {
+            return Some(
+                Diagnostic::error("this expression is too long")
+                    .with_label(
+                        file,
+                        token.span(),
+                        format!("more than {MAX_CHAIN} names and operators in a row"),
+                    )
+                    .with_note("split it up with `let`"),
+            );
+        }
+    }
+    if let Some(extra) = outline.globals.get(MAX_CHAIN) {
+        return Some(
+            Diagnostic::error(format!("more than {MAX_CHAIN} declarations"))
+                .with_label(file, outline.span(extra.keyword), "")
+                .with_note("split the texture up: nodes can be linked to each other"),
+        );
+    }
+    let entry = outline.function("userProc")?;
+    let size = expanded_size(outline);
+    (size > MAX_EXPANDED).then(|| {
+        Diagnostic::error(
+            "the texture is too large once its calls are expanded, as compilers for GPUs do",
+        )
+        .with_label(
+            file,
+            outline.span(entry.name),
+            format!("more than {MAX_EXPANDED} names and operators"),
+        )
+        .with_note(
+            "call functions from loops rather than many times in a row, or split the texture up",
+        )
+    })
+}
+
+/// Tokens of `userProc` with every call replaced by the function's body, again and again. Saturates.
+fn expanded_size(outline: &Outline<'_>) -> u64 {
+    let calls: Vec<Vec<usize>> = outline
+        .functions
+        .iter()
+        .map(|function| outline.calls(function.body.clone()))
+        .collect();
+    let entry = outline
+        .functions
+        .iter()
+        .position(|function| outline.word(function.name) == "userProc");
+    let mut sizes: Vec<Option<u64>> = vec![None; calls.len()];
+    let mut started = vec![false; calls.len()];
+    let mut open: Vec<usize> = entry.into_iter().collect();
+    while let Some(&function) = open.last() {
+        // A function that was started and is met again calls itself: naga will say so.
+        let missing = calls[function]
+            .iter()
+            .copied()
+            .find(|&callee| sizes[callee].is_none() && !started[callee]);
+        started[function] = true;
+        match missing {
+            Some(callee) => open.push(callee),
+            None => {
+                let own = outline.functions[function].body.len() as u64;
+                let called = calls[function]
+                    .iter()
+                    .map(|&callee| sizes[callee].unwrap_or(0));
+                sizes[function] = Some(called.fold(own, u64::saturating_add));
+                open.pop();
+            }
+        }
+    }
+    entry.and_then(|entry| sizes[entry]).unwrap_or(0)
 }
 
 fn declarations(file: &SourceFile, outline: &Outline<'_>, found: &mut Diagnostics) {

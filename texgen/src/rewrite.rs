@@ -1,12 +1,11 @@
 //! The changes that turn a user's text into its section of the kernel: prefixes on module-scope names, calls that
 //! read attributes, array parameters read in place, guards in loops. Comments, formatting and lines stay as they are.
 
-use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::attribute::{Attribute, BuiltinAttribute};
 use crate::reads::{Read, Source};
-use crate::scope::{LoopDecl, Outline, Role};
+use crate::scope::{FunctionDecl, LoopDecl, Outline, Role};
 use crate::value::{ElementType, ParameterType};
 
 /// A part of replacement text.
@@ -56,6 +55,7 @@ pub(crate) fn rewrite(
     };
     // Guards first: where two insertions meet, the guard stands before the statement.
     let guards_loops = rewriter.loop_guards();
+    rewriter.returns_behind_loops();
     rewriter.prefixes(reads);
     rewriter.reads(reads);
     rewriter.array_parameters(parameters);
@@ -199,19 +199,44 @@ impl Rewriter<'_, '_> {
         if the_loop.in_continuing {
             return vec![Piece::Text("break;".into())];
         }
-        let result = &self.outline.functions[the_loop.function].result;
-        if result.is_empty() {
-            return vec![Piece::Text("return;".into())];
-        }
-        let mut pieces = vec![Piece::Text("return ".into())];
-        for at in result.clone() {
+        self.return_zero(&self.outline.functions[the_loop.function])
+    }
+
+    /// `return T();`, or `return;` from a function without a result.
+    fn return_zero(&self, function: &FunctionDecl) -> Vec<Piece> {
+        let mut pieces = vec![Piece::Text("return".into())];
+        for at in function.result.clone() {
+            let space = if at == function.result.start { " " } else { "" };
+            pieces.push(Piece::Text(space.into()));
             if self.outline.roles[at] == Role::Global {
                 pieces.push(Piece::Prefix);
             }
             pieces.push(Piece::Text(self.outline.word(at).to_owned()));
         }
-        pieces.push(Piece::Text("();".into()));
+        pieces.push(Piece::Text(
+            if function.result.is_empty() {
+                ";"
+            } else {
+                "();"
+            }
+            .into(),
+        ));
         pieces
+    }
+
+    /// naga wants a `return` behind a `loop` that never ends.
+    fn returns_behind_loops(&mut self) {
+        for function in &self.outline.functions {
+            if self.outline.ends_with_endless_loop(function) {
+                let brace = self.outline.span(function.body.end - 1).start;
+                let mut pieces = self.return_zero(function);
+                pieces.push(Piece::Text(" ".into()));
+                self.edits.push(TextEdit {
+                    span: brace..brace,
+                    pieces,
+                });
+            }
+        }
     }
 }
 
@@ -224,7 +249,7 @@ fn functions_that_loop(outline: &Outline<'_>) -> Vec<bool> {
     }
     let calls: Vec<Vec<usize>> = functions
         .iter()
-        .map(|function| called_functions(outline, function.body.clone()))
+        .map(|function| outline.calls(function.body.clone()))
         .collect();
     loop {
         let mut changed = false;
@@ -238,22 +263,6 @@ fn functions_that_loop(outline: &Outline<'_>) -> Vec<bool> {
             return loops;
         }
     }
-}
-
-fn called_functions(outline: &Outline<'_>, tokens: Range<usize>) -> Vec<usize> {
-    let by_name: HashMap<&str, usize> = outline
-        .functions
-        .iter()
-        .enumerate()
-        .map(|(index, function)| (outline.word(function.name), index))
-        .collect();
-    let mut called: Vec<usize> = tokens
-        .filter(|&at| outline.roles[at] == Role::Global)
-        .filter_map(|at| by_name.get(outline.word(at)).copied())
-        .collect();
-    called.sort_unstable();
-    called.dedup();
-    called
 }
 
 /// Loops of at most this many iterations, nested ones multiplied, run without a guard.
@@ -276,7 +285,8 @@ fn is_plainly_short(outline: &Outline<'_>, index: usize, looping: &[bool]) -> bo
     }
     trip_count(outline, the_loop).is_some()
         && trips <= SHORT
-        && !called_functions(outline, the_loop.body.clone())
+        && !outline
+            .calls(the_loop.body.clone())
             .iter()
             .any(|&callee| looping[callee])
 }

@@ -59,6 +59,8 @@ pub(crate) struct ParamDecl {
 /// A function's parts, by token index.
 #[derive(Clone, Debug)]
 pub(crate) struct FunctionDecl {
+    /// Token `fn`.
+    pub(crate) keyword: usize,
     pub(crate) name: usize,
     pub(crate) params: Vec<ParamDecl>,
     /// Tokens of the return type; empty where there is none.
@@ -89,6 +91,7 @@ pub(crate) struct Outline<'a> {
     pub(crate) globals: Vec<GlobalDecl>,
     pub(crate) functions: Vec<FunctionDecl>,
     pub(crate) loops: Vec<LoopDecl>,
+    function_by_name: HashMap<&'a str, usize>,
 }
 
 impl<'a> Outline<'a> {
@@ -107,6 +110,7 @@ impl<'a> Outline<'a> {
             globals,
             functions: Vec::new(),
             loops: Vec::new(),
+            function_by_name: HashMap::new(),
         };
         for global in outline.globals.clone() {
             Walker {
@@ -145,6 +149,22 @@ impl<'a> Outline<'a> {
         self.functions
             .iter()
             .find(|function| self.word(function.name) == name)
+    }
+
+    /// Functions of the file that these tokens name, once for each time.
+    pub(crate) fn calls(&self, tokens: Range<usize>) -> Vec<usize> {
+        tokens
+            .filter(|&at| self.roles[at] == Role::Global)
+            .filter_map(|at| self.function_by_name.get(self.word(at)).copied())
+            .collect()
+    }
+
+    /// Whether a function with a result ends with a `loop`, behind which naga, unlike WGSL, wants a `return`.
+    pub(crate) fn ends_with_endless_loop(&self, function: &FunctionDecl) -> bool {
+        let last = self.loops.iter().any(|the_loop| {
+            self.word(the_loop.keyword) == "loop" && the_loop.body.end + 1 == function.body.end
+        });
+        last && !function.result.is_empty()
     }
 
     /// The token that closes the bracket opened at `open`, or the last token.
@@ -375,7 +395,11 @@ impl<'a> Walker<'_, 'a> {
             .iter()
             .map(|param| (self.outline.word(param.name), param.name))
             .collect();
+        self.outline
+            .function_by_name
+            .insert(self.outline.word(name), function);
         self.outline.functions.push(FunctionDecl {
+            keyword: global.keyword,
             name,
             params,
             result,

@@ -45,6 +45,7 @@ pub(crate) fn read(
                 soft_range: None,
                 unit: None,
                 widget: Widget::Plain,
+                is_data: false,
             }),
             Err(problem) => problems.push(
                 Diagnostic::error(format!("parameter `{name}` {problem}"))

@@ -5,7 +5,11 @@ pub fn did_you_mean<'a>(
     name: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {
-    let limit = 2 * (1 + name.chars().count().min(30) / 4);
+    // A name of one or two letters is like any other one: only its case may be wrong.
+    let limit = match name.chars().count().min(30) {
+        0..=2 => 1,
+        length => 2 * (1 + length / 4),
+    };
     candidates
         .into_iter()
         .map(|candidate| (distance(name, candidate), candidate))
@@ -54,7 +58,8 @@ mod tests {
         assert_eq!(did_you_mean("WorldPso", names), Some("WorldPos"));
         assert_eq!(did_you_mean("Normals", names), Some("Normal"));
         assert_eq!(did_you_mean("banana_split", names), None);
-        assert_eq!(did_you_mean("", ["a"]), Some("a"));
+        assert_eq!(did_you_mean("s", ["t", "S"]), Some("S"));
+        assert_eq!(did_you_mean("", ["a"]), None);
         assert_eq!(did_you_mean("x", []), None);
     }
 }

@@ -6,6 +6,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::args;
 use crate::attribute::{Attribute, Global};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile};
 use crate::emit;
@@ -54,6 +55,9 @@ impl TextureType {
             None => file.text().to_owned(),
         };
         let outline = Outline::new(&text);
+        if let Some(problem) = refuse::too_deep(&file, &outline) {
+            return Err(problem.into());
+        }
         let mut problems = refuse::refused(&file, &outline);
         let (reads, read_problems) = reads::find_reads(&file, &outline);
         problems.extend(read_problems);
@@ -133,6 +137,14 @@ impl TextureType {
             .iter()
             .enumerate()
             .find(|(_, parameter)| parameter.name == name)
+    }
+
+    /// Words of the fake stack that each parameter takes, as offsets from the beginning of a node's block. A ramp has
+    /// one word there, the offset of its stops.
+    pub fn argument_layout(&self) -> Vec<std::ops::Range<u32>> {
+        let ends = self.parameters.iter().zip(args::offsets(self));
+        ends.map(|(parameter, offset)| offset..offset + args::words_of(parameter.ty))
+            .collect()
     }
 
     /// What `userProc` returns.

@@ -73,11 +73,18 @@ impl Resources {
 }
 
 impl Kernel {
-    /// Compiles one entry point.
+    /// Compiles one entry point. `constants` are values of `override` constants by name; those that the text doesn't
+    /// declare are left out.
     ///
     /// # Errors
     /// With file and line, if the text is not valid or the driver refuses it.
-    pub fn new(gpu: &Gpu, source: &Source, entry: &str, trust: Trust) -> Result<Self, GpuError> {
+    pub fn new(
+        gpu: &Gpu,
+        source: &Source,
+        entry: &str,
+        trust: Trust,
+        constants: &[(&str, f64)],
+    ) -> Result<Self, GpuError> {
         let failed = |message: String| GpuError::Kernel {
             label: entry.to_owned(),
             message,
@@ -108,6 +115,16 @@ impl Kernel {
             .ok_or_else(|| failed(format!("it has no entry point `{entry}`")))?;
         let uses = info.get_entry_point(index);
 
+        let constants: Vec<(&str, f64)> = constants
+            .iter()
+            .filter(|(name, _)| {
+                module
+                    .overrides
+                    .iter()
+                    .any(|(_, o)| o.name.as_deref() == Some(name))
+            })
+            .copied()
+            .collect();
         let mut entries = Vec::new();
         let mut bindings = Vec::new();
         for (handle, global) in module.global_variables.iter() {
@@ -167,6 +184,7 @@ impl Kernel {
             module: &shader,
             entry_point: Some(entry),
             compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &constants,
                 zero_initialize_workgroup_memory: false,
                 ..Default::default()
             },

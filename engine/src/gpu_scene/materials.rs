@@ -63,7 +63,8 @@ pub struct GpuMaterial {
     alpha_cutoff: f32,
     normal_scale: f32,
     flags: u32,
-    spare: [u32; 2],
+    texture_mask: u32,
+    spare: u32,
     textures: [GpuTextureSlot; 6],
 }
 
@@ -113,6 +114,17 @@ impl GpuMaterial {
             }
         };
         flags |= program_flags(head_flags);
+        let textures = [
+            material.base_color_texture.as_ref(),
+            material.metallic_roughness_texture.as_ref(),
+            material.normal_texture.as_ref(),
+            material.emission_texture.as_ref(),
+            material.specular_texture.as_ref(),
+            material.specular_color_texture.as_ref(),
+        ];
+        let texture_mask = (0..textures.len())
+            .filter(|&i| textures[i].is_some())
+            .fold(0, |mask, i| mask | 1 << i);
         Self {
             base_color: material.base_color.to_array(),
             emission: material.emission,
@@ -125,16 +137,9 @@ impl GpuMaterial {
             alpha_cutoff,
             normal_scale: material.normal_scale,
             flags,
-            spare: [0; 2],
-            textures: [
-                &material.base_color_texture,
-                &material.metallic_roughness_texture,
-                &material.normal_texture,
-                &material.emission_texture,
-                &material.specular_texture,
-                &material.specular_color_texture,
-            ]
-            .map(|t| GpuTextureSlot::new(t.as_ref())),
+            texture_mask,
+            spare: 0,
+            textures: textures.map(GpuTextureSlot::new),
         }
     }
 }

@@ -70,11 +70,35 @@ impl GpuInstance {
     }
 }
 
+/// What a scene uses: kernels are compiled without what it doesn't.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SceneFeatures {
+    /// Some surface may be transparent.
+    pub alpha: bool,
+    /// Some material has an image.
+    pub textures: bool,
+    /// Light comes from the environment.
+    pub environment: bool,
+}
+
+impl SceneFeatures {
+    /// Values of the kernels' `override` constants.
+    pub fn constants(&self) -> [(&'static str, f64); 3] {
+        [
+            ("has_alpha", f64::from(u8::from(self.alpha))),
+            ("has_textures", f64::from(u8::from(self.textures))),
+            ("has_environment", f64::from(u8::from(self.environment))),
+        ]
+    }
+}
+
 /// What the frame needs to know about the scene, and its memory.
 #[derive(Debug)]
 pub struct GpuScene {
     /// Entries of the light table.
     pub light_count: u32,
+    /// What the kernels must be able to do.
+    pub features: SceneFeatures,
     /// The environment's numbers.
     pub environment: GpuEnvironment,
     /// Centre of a sphere around the scene, metres.
@@ -154,6 +178,11 @@ impl GpuScene {
         resources.set_view("environment_table", environment.table.clone());
         Ok(Self {
             light_count: lights.len() as u32,
+            features: SceneFeatures {
+                alpha: triangles.iter().any(|t| t[3] & TRIANGLE_ALPHA != 0),
+                textures: !scene.images.is_empty(),
+                environment: environment.emits,
+            },
             environment,
             center,
             radius,

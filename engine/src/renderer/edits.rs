@@ -201,7 +201,8 @@ impl Renderer {
         }
         let needs_kernels = !self.kernels.has_texture() && !self.procedural.is_empty();
         if changes.kernel || needs_kernels {
-            self.kernels.rebuild_texture(&self.gpu, &self.procedural)?;
+            self.kernels
+                .rebuild_texture(&self.gpu, &self.scene.features, &self.procedural)?;
         }
         let fits = |name: &str, words: &[u32]| {
             self.resources.buffer(name).size() >= words.len() as u64 * 4

@@ -5,6 +5,7 @@ use crate::{
         Gpu, GpuError,
         kernel::{BoundKernel, Kernel, Resources},
     },
+    gpu_scene::SceneFeatures,
     passes::{
         accumulate, advance, advance::After, ao, brdf, classify, proctex, raygen, traverse,
         traverse::Rays,
@@ -31,7 +32,11 @@ struct TextureKernels {
 }
 
 impl Kernels {
-    pub(super) fn new(gpu: &Gpu, procedural: &Procedural) -> Result<Self, GpuError> {
+    pub(super) fn new(
+        gpu: &Gpu,
+        features: &SceneFeatures,
+        procedural: &Procedural,
+    ) -> Result<Self, GpuError> {
         Ok(Self {
             raygen: raygen::kernel(gpu)?,
             advance: [
@@ -40,17 +45,17 @@ impl Kernels {
                 advance::kernel(gpu, After::Brdf)?,
             ],
             traverse: [
-                traverse::kernel(gpu, Rays::Closest)?,
-                traverse::kernel(gpu, Rays::Occlusion)?,
+                traverse::kernel(gpu, Rays::Closest, features)?,
+                traverse::kernel(gpu, Rays::Occlusion, features)?,
             ],
-            brdf: brdf::kernel(gpu)?,
+            brdf: brdf::kernel(gpu, features)?,
             accumulate: accumulate::kernel(gpu)?,
             texture: if procedural.is_empty() {
                 None
             } else {
                 Some(TextureKernels {
                     classify: classify::kernel(gpu)?,
-                    ao: ao::kernel(gpu)?,
+                    ao: ao::kernel(gpu, features)?,
                     proctex: proctex::kernel(gpu, &procedural.kernel())?,
                 })
             },
@@ -61,6 +66,7 @@ impl Kernels {
     pub(super) fn rebuild_texture(
         &mut self,
         gpu: &Gpu,
+        features: &SceneFeatures,
         procedural: &Procedural,
     ) -> Result<(), GpuError> {
         let proctex = proctex::kernel(gpu, &procedural.kernel())?;
@@ -69,7 +75,7 @@ impl Kernels {
             None => {
                 self.texture = Some(TextureKernels {
                     classify: classify::kernel(gpu)?,
-                    ao: ao::kernel(gpu)?,
+                    ao: ao::kernel(gpu, features)?,
                     proctex,
                 });
             }

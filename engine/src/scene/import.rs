@@ -4,7 +4,7 @@
 //! before it is used, memory is bounded by the size of the file, and no path of a file leads to a panic. What can't
 //! be rendered is left out with a warning; what would change the picture beyond recognition is an error.
 //!
-//! [`load`] reads as a table of contents of this folder.
+//! `assemble` reads as a table of contents of this folder.
 
 mod accessor;
 mod budget;
@@ -17,6 +17,7 @@ mod files;
 mod geometry;
 mod hierarchy;
 mod images;
+mod join;
 mod lights_cameras;
 mod materials;
 mod nodes;
@@ -29,10 +30,10 @@ pub use error::ImportError;
 pub(crate) use images::load_picture;
 pub use lights_cameras::default_camera;
 
-use super::{Material, Scene};
+use super::{Environment, Material, Scene};
 use document::Document;
 use error::Warnings;
-use glam::{Affine3A, DAffine3, DMat3, DVec3};
+use glam::{Affine3A, DAffine3, DMat3};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::path::Path;
@@ -67,7 +68,7 @@ pub struct Appended {
 /// Where a file is missing, damaged, needs an extension that isn't supported, or is larger than memory allows. The
 /// text of the error names the file, the place in it and the remedy.
 pub fn load(path: &Path) -> Result<Imported, ImportError> {
-    load_placed(path, DAffine3::IDENTITY)
+    assemble(&Document::open(path)?, DAffine3::IDENTITY, true)
 }
 
 /// Adds the contents of a `.gltf` or `.glb` to a scene, as if its root nodes were children of a node with the
@@ -88,25 +89,32 @@ pub fn append(
             placement.matrix3.y_axis.as_dvec3(),
             placement.matrix3.z_axis.as_dvec3(),
         ),
-        translation: DVec3::from(placement.translation.as_dvec3()),
+        translation: placement.translation.as_dvec3(),
     };
     let Imported {
         scene: added,
         warnings,
-    } = load_placed(path, world)?;
+    } = assemble(&Document::open(path)?, world, false)?;
     Ok(merge(scene, added, warnings))
 }
 
-fn load_placed(path: &Path, placement: DAffine3) -> Result<Imported, ImportError> {
+fn assemble(
+    document: &Document,
+    placement: DAffine3,
+    with_environment: bool,
+) -> Result<Imported, ImportError> {
     let mut warnings = Warnings::default();
-    let document = Document::open(path)?;
     document.warn_of_extensions(&mut warnings);
-    let nodes = hierarchy::resolve(&document, placement, &mut warnings)?;
-    let (mut materials, requests) = materials::read(&document, &mut warnings)?;
-    let (meshes, instances) = nodes::instances(&document, &nodes, &materials, &mut warnings)?;
-    let (lights, cameras) = nodes::lights_and_cameras(&document, &nodes, &mut warnings)?;
-    let images = images::load(&document, &requests)?;
-    let environment = environment::of_scene(&document, nodes.scene, &mut warnings)?;
+    let nodes = hierarchy::resolve(document, placement, &mut warnings)?;
+    let (mut materials, requests) = materials::read(document, &mut warnings)?;
+    let (meshes, instances) = nodes::instances(document, &nodes, &materials, &mut warnings)?;
+    let (lights, cameras) = nodes::lights_and_cameras(document, &nodes, &mut warnings)?;
+    let images = images::load(document, &requests)?;
+    let environment = if with_environment {
+        environment::of_scene(document, nodes.scene, &mut warnings)?
+    } else {
+        Environment::default()
+    };
 
     // The stand-in for missing materials is last; it stays only where something uses it.
     let stand_in = materials.len() as u32 - 1;

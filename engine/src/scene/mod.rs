@@ -7,7 +7,7 @@ pub mod look;
 
 pub use import::default_camera;
 
-use glam::{Affine3A, Mat4, Vec2, Vec3, Vec4};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 /// Everything that is rendered.
 #[derive(Debug, Clone, Default)]
@@ -311,17 +311,47 @@ impl Scene {
             .sum()
     }
 
-    /// World-space bounds of all instances as (min, max); `None` for an empty scene.
+    /// World-space bounds of all instances as (min, max); `None` for an empty scene. Tight, except for scenes with so
+    /// many instances of large meshes that the transformed boxes of the meshes have to do.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
-        let mut bounds: Option<(Vec3, Vec3)> = None;
+        const MAX_VERTICES: usize = 1 << 27;
+        let grow = |bounds: Option<(Vec3, Vec3)>, p: Vec3| match bounds {
+            None => Some((p, p)),
+            Some((low, high)) => Some((low.min(p), high.max(p))),
+        };
+        let vertices = |i: &Instance| self.meshes[i.mesh as usize].positions.len();
+        let total = self
+            .instances
+            .iter()
+            .map(vertices)
+            .fold(0, usize::saturating_add);
+        let corners: Vec<Vec<Vec3>> = match total {
+            0..=MAX_VERTICES => Vec::new(),
+            _ => (self.meshes.iter())
+                .map(|mesh| mesh.positions.iter().copied().fold(None, grow))
+                .map(|bounds| bounds.map_or(Vec::new(), |(low, high)| box_corners(low, high)))
+                .collect(),
+        };
+        let mut bounds = None;
         for instance in &self.instances {
-            let matrix = Mat4::from(instance.transform);
-            for &p in &self.meshes[instance.mesh as usize].positions {
-                let p = matrix.transform_point3(p);
-                let (lo, hi) = bounds.unwrap_or((p, p));
-                bounds = Some((lo.min(p), hi.max(p)));
+            let mesh = instance.mesh as usize;
+            let points = corners.get(mesh).unwrap_or(&self.meshes[mesh].positions);
+            for &p in points {
+                bounds = grow(bounds, instance.transform.transform_point3(p));
             }
         }
         bounds
     }
+}
+
+fn box_corners(low: Vec3, high: Vec3) -> Vec<Vec3> {
+    (0..8)
+        .map(|i| {
+            Vec3::select(
+                glam::BVec3::new(i & 1 == 0, i & 2 == 0, i & 4 == 0),
+                low,
+                high,
+            )
+        })
+        .collect()
 }

@@ -59,9 +59,14 @@ pub(crate) fn valid_kernel(library: &Library) -> String {
     kernel
 }
 
-/// What the texture's errors look like to a user.
+/// What the errors of a texture called `t` look like to a user.
 pub(crate) fn errors(text: &str) -> String {
-    match parse("t", text) {
+    errors_of("t", text)
+}
+
+/// What the errors of a texture look like to a user.
+pub(crate) fn errors_of(name: &str, text: &str) -> String {
+    match parse(name, text) {
         Ok(_) => panic!("accepted:\n{text}"),
         Err(problems) => problems.render(),
     }

@@ -1,39 +1,462 @@
-//! What users see when a texture is wrong.
+//! What users see when a texture is wrong: each case with the lines that its report must hold.
 
-use crate::common::errors;
+use crate::common::{errors, parse};
 
-#[test]
-fn a_syntax_error_points_into_the_file() {
-    assert_eq!(errors("fn userProc() -> f32 {\n    return 1.0\n}\n"), "");
-}
-#[test]
-fn show() {
-    for text in [
-        "fn userProc() -> f32 { return nois(1.0); }\nfn noise(x: f32) -> f32 { return x; }",
-        "fn userProc() -> f32 { return vec3f(1.0); }",
-        "fn f(x: f32) -> f32 { return x; }\nfn userProc() -> f32 { return f(1.0, 2.0) + f(vec2f()); }",
-        "fn f(x: f32) -> f32 { return f(x); }\nfn userProc() -> f32 { return f(1.0); }",
-        "fn userProc() -> f32 { let x = 1; x = 2; return 1.0; }",
-        "fn userProc() -> f32 { if 1.0 { return 1.0; } }",
-        "fn userProc() -> f32 { var a: array<f32, 2>; a[5] = 1.0; return 1.0 + 1u; }",
-        "const A = 1;\nconst A = 2;\nfn userProc() -> f32 { return 1.0; }",
-        "fn userproc() -> f32 { return 1.0; }",
-        "fn userProc() -> i32 { return 1; }",
-        "fn userProc() { }",
-        "struct S { a: f32 }\nfn userProc(s: S, m: mat2x2f, t: array<S, 2>) -> f32 { return s.a; }",
-        "fn userProc() -> vec4f { return readAttr(TexCoord); }",
-        "fn userProc() -> vec4f { return readAttr(vec2f()) + WorldPos; }",
-        "@group(0) @binding(0) var t: texture_2d<f32>;\nvar<private> x: f32;\noverride k: f32 = 1.0;\n@compute @workgroup_size(1) fn main() { workgroupBarrier(); }\nfn userProc() -> f32 { return dpdx(1.0) + textureSampleLevel(t, s, vec2f(), 0.0).x; }",
-        "fn userProc() -> f32 { return missing1; }\nfn a() -> f32 { return missing2; }\nfn b() -> f32 { return 1u; }\nfn c(x: Missing) {}",
-        "enable f16;\nfn userProc() -> f32 { return f32(1.0h); }",
-        "fn userProc() -> f32 { let a = 1.0; return a.x + vec2f().z; }",
-        "fn userProc() -> f32 { return pow(1.0, 2u) + sin(1.0, 2.0) + mix(vec3f(), vec3f(), vec2f()).x; }",
-        "/// @param x the x [0 .. 1] = red\n/// @param y the y\n/// @param x again [colour]\nfn userProc(x: f32) -> f32 { return x; }",
-        "fn tex2D() -> f32 { return 1.0; }\nfn userProc() -> f32 { return tex2D(); }",
-        "fn userProc() -> f32 {",
-        "",
-        "fn userProc() -> f32 { var a: array<f32, 100000>; return a[3]; }",
-    ] {
-        eprintln!("==================== {text}\n{}", errors(text));
+/// Asserts that the errors of `text` hold all of `parts`, in their order.
+fn check(text: &str, parts: &[&str]) {
+    let report = errors(text);
+    let mut at = 0;
+    for part in parts {
+        match report[at..].find(part) {
+            Some(found) => at += found + part.len(),
+            None => panic!(
+                "{part:?} is missing, or not in its place, in the report on {text:?}:\n{report}"
+            ),
+        }
     }
+}
+
+#[test]
+fn a_report_is_complete() {
+    assert_eq!(
+        errors(
+            "fn noise(x: f32) -> f32 { return x; }\nfn userProc() -> f32 {\n    return nois(1.0);\n}\n"
+        ),
+        "error: no definition in scope for identifier: `nois`
+  --> t.wgsl:3:12
+  |
+3 |     return nois(1.0);
+  |            ^^^^ unknown identifier
+  |
+  = note: did you mean `noise`?
+
+"
+    );
+}
+
+#[test]
+fn syntax_errors() {
+    check(
+        "fn userProc() -> f32 {\n    return 1.0\n}\n",
+        &[
+            "error: expected `;`, found \"}\"\n",
+            "t.wgsl:3:1",
+            "^ expected `;`",
+        ],
+    );
+    check(
+        "fn userProc() -> f32 {",
+        &[
+            "found the end of the file",
+            "t.wgsl:1:22",
+            "note: something is not closed: look for a missing `}`",
+        ],
+    );
+    check(
+        "fn userProc() -> f32 { return 1.0; } /* open",
+        &["unterminated block comment"],
+    );
+    check(
+        "fn userProc() -> f32 { let \u{1F600} = 1.0; return 1.0; }",
+        &["t.wgsl:1:28"],
+    );
+}
+
+#[test]
+fn type_errors() {
+    check(
+        "fn userProc() -> f32 { return vec3f(1.0); }",
+        &["the returned value is not of the type", "t.wgsl:1:31"],
+    );
+    check(
+        "fn userProc() -> f32 { if readAttr(AO).x > 0.0 { return 1.0; } }",
+        &["not every way through the function", "t.wgsl:1:4"],
+    );
+    check(
+        "fn f(x: f32) -> f32 { return x; }\nfn userProc() -> f32 { return f(1.0, 2.0); }",
+        &[
+            "error: requires 1 arguments, but 2 are provided",
+            "t.wgsl:2:31",
+        ],
+    );
+    check(
+        "fn userProc() -> f32 { if 1.0 { return 1.0; } return 2.0; }",
+        &["the `if` condition is not a boolean", "t.wgsl:1:27"],
+    );
+    check(
+        "fn userProc() -> f32 { let x = 1.0; x = 2.0; return x; }",
+        &["t.wgsl:1:37", "with `var` instead of `let`"],
+    );
+    check("fn userProc() -> f32 { return 1.0.x; }", &["t.wgsl:1:35"]);
+    check(
+        "fn userProc(x: f32) -> f32 { return pow(x, 2u); }",
+        &[
+            "wrong type passed as argument #2 to `pow`",
+            "accepts the following types for argument #2: f32, vec2<f32>, vec3<f32>, vec4<f32>\n",
+        ],
+    );
+}
+
+#[test]
+fn recursion_and_redefinition() {
+    check(
+        "fn f(x: f32) -> f32 { return f(x); }\nfn userProc() -> f32 { return f(1.0); }",
+        &[
+            "`f` is recursive",
+            "note: WGSL has no recursion: use a loop",
+        ],
+    );
+    check(
+        "fn a() { b(); }\nfn b() { a(); }\nfn userProc() -> f32 { return 1.0; }",
+        &["is cyclic", "use a loop"],
+    );
+    check(
+        "const A = 1;\nconst A = 2;\nfn userProc() -> f32 { return 1.0; }",
+        &["redefinition of `A`", "t.wgsl:2:7", "rename one of them"],
+    );
+}
+
+#[test]
+fn all_errors_of_a_file_are_shown() {
+    check(
+        "fn userProc() -> f32 { return missing1; }\nfn a() -> f32 { return missing2 + readAttr(Norml).x; }\nfn b() -> f32 { return 1u; }\nfn c() { discard; }\n",
+        &[
+            "`missing1`",
+            "t.wgsl:1:31",
+            "`missing2`",
+            "t.wgsl:2:24",
+            "called `Norml`",
+            "did you mean `Normal`?",
+            "the returned value",
+            "t.wgsl:3:24",
+            "`discard`",
+        ],
+    );
+}
+
+#[test]
+fn a_lot_of_errors_is_cut_off() {
+    let functions: String = (0..200)
+        .map(|i| format!("fn wrong{i}() -> f32 {{ return missing; }}\n"))
+        .collect();
+    let problems = parse(
+        "t",
+        &format!("{functions}fn userProc() -> f32 {{ return wrong0(); }}"),
+    )
+    .expect_err("wrong");
+    assert_eq!(problems.len(), 20);
+}
+
+#[test]
+fn calls_that_double_are_refused() {
+    let doubling: String = (1..40)
+        .map(|i| {
+            format!(
+                "fn g{i}(x: f32) -> f32 {{ return g{}(x) + g{}(x); }}\n",
+                i - 1,
+                i - 1
+            )
+        })
+        .collect();
+    check(
+        &format!(
+            "fn g0(x: f32) -> f32 {{ return x; }}\n{doubling}fn userProc(x: f32) -> f32 {{ return g39(x); }}"
+        ),
+        &["too large once its calls are expanded", "t.wgsl:41:4"],
+    );
+}
+
+#[test]
+fn the_entry() {
+    check(
+        "",
+        &["the texture has no function `userProc`", "t.wgsl:1:1"],
+    );
+    check(
+        "fn userproc() -> f32 { return 1.0; }",
+        &["no function `userProc`", "t.wgsl:1:4", "was this meant?"],
+    );
+    check("const userProc = 1.0;", &["no function `userProc`"]);
+    check(
+        "fn userProc() -> i32 { return 1; }",
+        &[
+            "`userProc` returns f32, vec2f, vec3f or vec4f",
+            "t.wgsl:1:18",
+        ],
+    );
+    check(
+        "fn userProc() { }",
+        &["`userProc` returns f32", "returns nothing"],
+    );
+    check(
+        "struct S { a: f32 }\nfn userProc(s: S, m: mat2x2f, t: array<S, 2>, p: ptr<function, f32>, b: array<f32, 70000>) -> f32 { return s.a; }",
+        &[
+            "`s` is a struct",
+            "`m` is of a type",
+            "`t` is an array of",
+            "`p` is of a type",
+            "`b` has 70000 elements",
+        ],
+    );
+    check(
+        "fn userProc() -> f32 { return userProc(); }",
+        &["recursive"],
+    );
+}
+
+#[test]
+fn attributes() {
+    check(
+        "fn userProc() -> vec4f { return readAttr(TexCoord); }",
+        &[
+            "no attribute called `TexCoord`",
+            "t.wgsl:1:42",
+            "did you mean `TexCoord0`?",
+        ],
+    );
+    check(
+        "fn userProc() -> vec4f { return readAttr(FrameIndex); }",
+        &["no attribute called", "write `readGlobal(FrameIndex)`"],
+    );
+    check(
+        "fn userProc() -> vec4f { return readGlobal(Normal); }",
+        &["no global called", "write `readAttr(Normal)`"],
+    );
+    check(
+        "fn userProc() -> vec4f { return readAttr(1u); }",
+        &["`readAttr` takes one name"],
+    );
+    check(
+        "fn userProc() -> vec4f { return readAttr(AO, AO); }",
+        &["`readAttr` takes one name"],
+    );
+    check(
+        "fn userProc() -> vec4f { return readAttr(); }",
+        &["`readAttr` takes one name"],
+    );
+    check(
+        "fn userProc() -> vec4f { let Normal = 2u; return readAttr(Normal); }",
+        &["`Normal` is declared in this file", "declared here"],
+    );
+    check(
+        "fn userProc() -> vec4f { return WorldPos; }",
+        &[
+            "`WorldPos` is a name to be read, not a value",
+            "write `readAttr(WorldPos)`",
+        ],
+    );
+    check(
+        "fn userProc() -> vec4f { let r = readAttr; return r(AO); }",
+        &["`readAttr` can only be called"],
+    );
+}
+
+#[test]
+fn what_textures_cannot_have() {
+    let entry = "\nfn userProc() -> f32 { return 1.0; }";
+    for (text, parts) in [
+        (
+            "@compute @workgroup_size(1) fn main() {}",
+            &[
+                "entry points (`@compute`)",
+                "the entry of a texture is `fn userProc",
+            ][..],
+        ),
+        (
+            "@fragment fn main() -> @location(0) vec4f { return vec4f(); }",
+            &["entry points (`@fragment`)"],
+        ),
+        (
+            "@group(0) @binding(0) var<storage> a: array<f32>;",
+            &["buffers, images or samplers of its own", "array<T, N>"],
+        ),
+        (
+            "@group(0) @binding(0) var t: texture_2d<f32>;",
+            &[
+                "buffers, images or samplers",
+                "`texture_2d` is not available",
+                "sam2D",
+            ],
+        ),
+        (
+            "var<private> a: f32;",
+            &["module-scope variables", "ptr<function, T>"],
+        ),
+        ("var<workgroup> a: f32;", &["workgroup variables"]),
+        (
+            "override k = 1.0;",
+            &["`override` constants", "parameter of `userProc`"],
+        ),
+        ("enable f16;", &["`enable` directives"]),
+        (
+            "diagnostic(off, derivative_uniformity);",
+            &["`diagnostic` directives"],
+        ),
+        (
+            "fn f() { discard; }",
+            &["`discard` is not possible", "opacity"],
+        ),
+        (
+            "fn f() -> f32 { return dpdx(1.0); }",
+            &["no neighbouring pixels", "readAttr(Footprint)"],
+        ),
+        (
+            "fn f() { workgroupBarrier(); }",
+            &["`workgroupBarrier` is not possible"],
+        ),
+        (
+            "fn f() -> u32 { return subgroupAdd(1u); }",
+            &["`subgroupAdd` is not possible"],
+        ),
+        (
+            "struct A { a: atomic<u32> }",
+            &["a texture can't have atomics"],
+        ),
+        (
+            "fn f() -> f16 { return 1.0h; }",
+            &["`f16` is not available", "`f32`"],
+        ),
+        (
+            "fn f(a: sam2D) -> vec4f { return textureSample(a, a, vec2f()); }",
+            &["`textureSample` is not possible", "`tex2D(image, uv)`"],
+        ),
+        (
+            "fn f() -> vec4f { return tex2D(sam2D(3u), vec2f()); }",
+            &["a `sam2D` can't be made by a texture"],
+        ),
+        (
+            "fn tex2D() {}",
+            &["`tex2D` is taken", "rename it, for example `mytex2D`"],
+        ),
+        ("const Normal = 1.0;", &["`Normal` is taken"]),
+        ("fn patina_link() {}", &["begin with `patina_`"]),
+        (
+            "fn f() { var big: array<f32, 100000>; }",
+            &["`f` has 400000 bytes", "read in place"],
+        ),
+    ] {
+        check(&format!("{text}{entry}"), parts);
+    }
+}
+
+#[test]
+fn the_users_own_names_are_not_mistaken_for_builtins() {
+    parse("t", "fn dpdx(x: f32) -> f32 { return x; } fn textureSample() -> f32 { return 1.0; } fn userProc() -> f32 { let atomic = 1.0; return dpdx(1.0) + textureSample() + atomic; }")
+        .unwrap_or_else(|problems| panic!("{problems}"));
+}
+
+#[test]
+fn parameter_lines() {
+    let texture = parse(
+        "t",
+        "//! About the file.
+/// About the texture.
+/// @param a how high it is [0 .. 10, unit m] [soft 0 .. 1] [log] = 2.5
+/// @param b [color] = #ff0000
+/// @param c = ((1, 2, 3), (4, 5, 6), (7, 8, 9))
+/// @param d the ramp [constant] = [(0, #000), (1, (1, 2, 3))]
+/// @param e = [1, 2, 3]
+/// More about it.
+@must_use fn userProc(a: f32, b: vec4f, c: mat3x3f, d: ramp1D, e: array<i32, 3>, some_thing: bool) -> f32 { return a; }",
+    )
+    .unwrap_or_else(|problems| panic!("{problems}"));
+    assert!(texture.warnings().is_empty(), "{}", texture.warnings());
+    assert_eq!(
+        texture.docs(),
+        "About the file.\nAbout the texture.\nMore about it."
+    );
+    let [a, b, c, d, e, f] = texture.parameters() else {
+        panic!("six parameters")
+    };
+    assert_eq!(
+        (a.label.as_str(), a.range, a.soft_range),
+        ("how high it is", Some((0.0, 10.0)), Some((0.0, 1.0)))
+    );
+    assert_eq!(
+        (a.unit.as_deref(), a.widget, a.default.clone()),
+        (
+            Some("m"),
+            texgen::Widget::Log,
+            Some(texgen::Value::F32(2.5))
+        )
+    );
+    assert_eq!(b.default, Some(texgen::Value::Vec4([1.0, 0.0, 0.0, 1.0])));
+    assert_eq!(
+        c.default,
+        Some(texgen::Value::Mat3([
+            [1.0, 2.0, 3.0],
+            [4.0, 5.0, 6.0],
+            [7.0, 8.0, 9.0]
+        ]))
+    );
+    let Some(texgen::Value::Ramp(ramp)) = &d.default else {
+        panic!("a ramp")
+    };
+    assert_eq!(
+        (ramp.stops[1], ramp.interpolation),
+        ((1.0, [1.0, 2.0, 3.0, 1.0]), texgen::Interpolation::Constant)
+    );
+    assert_eq!(
+        e.default,
+        Some(texgen::Value::Array(
+            [1, 2, 3].map(texgen::Value::I32).to_vec()
+        ))
+    );
+    assert_eq!(
+        (f.label.as_str(), f.default.clone()),
+        ("some thing", Some(texgen::Value::Bool(false)))
+    );
+}
+
+#[test]
+fn odd_parameter_lines_warn_and_wrong_defaults_are_errors() {
+    let warnings = |line: &str| {
+        let text = format!("/// {line}\nfn userProc(scale: f32) -> f32 {{ return scale; }}");
+        parse("t", &text)
+            .unwrap_or_else(|problems| panic!("{problems}"))
+            .warnings()
+            .render()
+    };
+    for (line, parts) in [
+        (
+            "@param scla how big",
+            &[
+                "`userProc` has no parameter `scla`",
+                "t.wgsl:1:12",
+                "did you mean `scale`?",
+            ][..],
+        ),
+        (
+            "@param scale how big [colour]",
+            &["unknown key `colour`", "did you mean `color`?"],
+        ),
+        ("@param scale how big [1 .. 0]", &["not a range"]),
+        ("@param scale how big [0 .. 1", &["`[` without `]`"]),
+        (
+            "@param scale [0 .. 1] how big",
+            &["text behind the brackets is not read"],
+        ),
+        ("@param", &["`@param` without a name"]),
+    ] {
+        let report = warnings(line);
+        for part in parts {
+            assert!(report.contains(part), "{part:?} is missing:\n{report}");
+        }
+    }
+    check(
+        "/// @param x it [0 .. 1] = red\nfn userProc(x: f32) -> f32 { return x; }",
+        &[
+            "the default of `x` holds `red`, which is not a number",
+            "t.wgsl:1:28",
+            "looks like `= 0.5`",
+        ],
+    );
+    check(
+        "/// @param x = (1, 2)\nfn userProc(x: vec3f) -> f32 { return x.x; }",
+        &["is not of type vec3f"],
+    );
+    check(
+        "/// @param x = 1\nfn userProc(x: sam2D) -> f32 { return texSize(x).x; }",
+        &["images have none"],
+    );
 }

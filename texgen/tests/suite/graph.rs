@@ -41,38 +41,29 @@ fn swizzle(text: &str) -> Option<Swizzle> {
 /// Runs a program on numbers: a node's value is its own number plus twice the sum of its links' values, so that the
 /// right result needs the right slots. Returns the results of the roots.
 fn run(program: &Program, graph: &Graph) -> Vec<u64> {
-    let by_block: HashMap<u32, NodeId> = {
-        let mut at = 0;
-        graph
-            .ids()
-            .map(|id| {
-                let block = at;
-                at += graph
-                    .texture(id)
-                    .parameters()
-                    .iter()
-                    .map(|p| match p.ty.to_string().as_str() {
-                        "vec4f" => 4,
-                        _ => 1,
-                    })
-                    .sum::<u32>();
-                (block, id)
-            })
-            .collect()
-    };
-    let mut words = program.words.iter().copied();
-    let mut next = || words.next().expect("the program is complete");
+    let mut block = 0;
+    let by_block: HashMap<u32, NodeId> = graph
+        .ids()
+        .map(|id| {
+            let start = block;
+            block += graph
+                .texture(id)
+                .argument_layout()
+                .last()
+                .map_or(0, |last| last.end);
+            (start, id)
+        })
+        .collect();
     let mut stack = vec![u64::MAX / 4; program.slots_needed as usize];
-    for _ in 0..next() {
-        let head = next();
-        let id = by_block[&next()];
-        let links = next().count_ones();
-        let sum = (0..links).fold(0u64, |sum, _| {
-            sum.wrapping_add(stack[(next() & 0xffff) as usize])
-        });
-        stack[(head >> 16) as usize] = sum.wrapping_mul(2).wrapping_add(id.index() as u64 + 1);
+    for instruction in program.instructions(graph.library()).expect("a program") {
+        let id = by_block[&instruction.args];
+        let links = instruction
+            .links
+            .iter()
+            .map(|&(_, word)| stack[(word & 0xffff) as usize]);
+        let sum = links.fold(0u64, u64::wrapping_add);
+        stack[instruction.slot as usize] = sum.wrapping_mul(2).wrapping_add(id.index() as u64 + 1);
     }
-    assert_eq!(words.next(), None, "words left over");
     program
         .results
         .iter()
@@ -105,12 +96,19 @@ fn constants_lie_in_the_fake_stack() {
     let edit = graph
         .set_value(a, "b", Value::Vec4([1.0, 2.0, 3.0, 4.0]))
         .expect("fits");
-    assert_eq!((edit.words, edit.program), (vec![4..8], false));
+    assert_eq!(
+        (edit.words.len(), edit.words[0].clone(), edit.program),
+        (1, 4..8, false)
+    );
     assert_eq!(graph.args()[4..8], [1f32, 2.0, 3.0, 4.0].map(f32::to_bits));
     let edit = graph
         .set_value(a, "b", Value::Vec4([1.0, 9.0, 3.0, 4.0]))
         .expect("fits");
-    assert_eq!(edit.words, [5..6], "only what changed");
+    assert_eq!(
+        (edit.words.len(), edit.words[0].clone()),
+        (1, 5..6),
+        "only what changed"
+    );
     let edit = graph
         .set_value(a, "b", Value::Vec4([1.0, 9.0, 3.0, 4.0]))
         .expect("fits");
@@ -366,6 +364,11 @@ fn programs_evaluate_shared_nodes_once_and_keep_roots() {
         .collect();
     assert_eq!(run(&program, &graph), wanted);
     assert_eq!(graph.compile(&[]).expect("fine").words, [0]);
+    let short = Program {
+        words: program.words[..5].to_vec(),
+        ..Program::default()
+    };
+    assert!(short.instructions(graph.library()).is_err());
 }
 
 #[test]

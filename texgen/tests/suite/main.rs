@@ -1,7 +1,9 @@
 //! Tests of the whole crate, as its users see it.
 
 mod common;
+mod docs;
 mod errors;
 mod graph;
 mod kernel;
+mod robustness;
 mod shipped;

@@ -1,7 +1,9 @@
 //! The textures that ship with Patina: each is valid WGSL with the prelude, and all of them make a valid kernel.
 
 use crate::common::{shipped, validate};
-use texgen::{HOST_STUB, Library, PRELUDE};
+use std::sync::Arc;
+
+use texgen::{Graph, HOST_STUB, Library, PRELUDE, emit_inlined};
 
 #[test]
 fn every_shipped_texture_is_plain_wgsl_with_the_prelude() {
@@ -95,4 +97,25 @@ fn the_look_of_the_design_fits_the_shipped_textures() {
     for texture in ["fbm", "voronoi", "checker", "mix_color", "scratches"] {
         names(texture);
     }
+}
+
+#[test]
+fn the_inlined_form_is_valid_too() {
+    let textures = shipped()
+        .into_iter()
+        .map(|file| texgen::TextureType::parse(file).expect("checked above"));
+    let library = Library::new(textures.collect()).expect("names differ");
+    let mut graph = Graph::new(Arc::new(library));
+    let mut add = |texture: &str| graph.add_node(texture, texture, [1, 0]).expect("known");
+    let (mask, rust, mix) = (add("rust_mask"), add("rust_color"), add("mix_color"));
+    graph.set_link(mix, "factor", mask, None).expect("fits");
+    graph
+        .set_link(mix, "b", rust, Some("zyx".parse().expect("a swizzle")))
+        .expect("fits");
+    let kernel =
+        emit_inlined(&graph, &[vec![mix, mask], vec![rust], vec![]]).expect("no image is missing");
+    validate(&format!("{}\n{HOST_STUB}", kernel.wgsl))
+        .unwrap_or_else(|problem| panic!("{problem}"));
+    let call = "mix_color__userProc(vec4f(0.0f, 0.0f, 0.0f, 1.0f, ), vec4f(n";
+    assert!(kernel.wgsl.contains(call), "{}", kernel.wgsl);
 }

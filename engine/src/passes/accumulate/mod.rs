@@ -16,5 +16,6 @@ pub fn kernel(gpu: &Gpu) -> Result<Kernel, GpuError> {
         &Source::of("accumulate/accumulate.wgsl"),
         "accumulate",
         Trust::Engine,
+        &[],
     )
 }

@@ -32,5 +32,6 @@ pub fn kernel(gpu: &Gpu, after: After) -> Result<Kernel, GpuError> {
         &Source::of("advance/advance.wgsl"),
         entry,
         Trust::Engine,
+        &[],
     )
 }

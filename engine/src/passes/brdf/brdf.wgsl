@@ -22,11 +22,11 @@ const DRIVEN_EMISSION = 8u;
 const ROULETTE_START = 4u;
 
 // Normal map in the frame of the interpolated normal; `s.shading_normal` where there is none.
-fn mapped_normal(s: Surface, material: u32, instance: u32) -> vec3f {
-    if (materials[material].textures[TEXTURE_NORMAL].image == IMAGE_NONE) {
+fn mapped_normal(s: Surface, material: u32, instance: u32, map: vec3f) -> vec3f {
+    if ((materials[material].texture_mask & (1u << TEXTURE_NORMAL)) == 0u) {
         return s.shading_normal;
     }
-    let texel = material_texture(material, TEXTURE_NORMAL, s.triangle, s.weights).xyz * 2.0 - 1.0;
+    let texel = map * 2.0 - 1.0;
     let scale = materials[material].normal_scale;
     // The map is made for the front: undo the flip, perturb, flip again.
     let normal = select(-s.shading_normal, s.shading_normal, s.front);
@@ -66,7 +66,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
 
     if (hit.triangle == MISS) {
         var weight = 1.0;
-        if (bsdf_pdf > 0.0 && frame.environment_probability > 0.0) {
+        if (has_environment && bsdf_pdf > 0.0) {
             weight = mis_weight(bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
         }
         radiance += throughput * environment_radiance(hit.direction) * weight;
@@ -94,10 +94,14 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     if ((driven & (DRIVEN_EMISSION | DRIVEN_ROUGHNESS)) != 0u) {
         proc_emission = path_read(PATH_PROC_EMISSION, slot);
     }
+    // After the last scattering only emission matters.
+    let wanted = select(0xffffffffu, 1u << TEXTURE_EMISSION, bounce >= frame.max_depth && (flags & MATERIAL_UNLIT) == 0u);
+    let texels = material_textures(material, wanted, s.triangle, s.weights);
     if ((driven & DRIVEN_BASE_COLOR) != 0u) {
         base_color = proc_base.xyz;
     } else {
-        base_color = material_base_color(material, s.triangle, s.weights).xyz;
+        base_color = materials[material].base_color.xyz * texels[TEXTURE_BASE_COLOR].xyz
+            * interpolate_color(s.triangle, s.weights).xyz;
     }
     if ((flags & MATERIAL_UNLIT) != 0u) {
         path_write(PATH_RADIANCE, slot, vec4f(radiance + throughput * base_color, cone_width));
@@ -109,7 +113,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         if ((driven & DRIVEN_EMISSION) != 0u) {
             emission = max(proc_emission.xyz, vec3f(0.0));
         } else if (max_component(emission) > 0.0) {
-            emission *= material_texture(material, TEXTURE_EMISSION, s.triangle, s.weights).xyz;
+            emission *= texels[TEXTURE_EMISSION].xyz;
         }
         var weight = 1.0;
         let light_pdf = materials[own_material].light_pdf * (1.0 - frame.environment_probability);
@@ -124,7 +128,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         return;
     }
 
-    let normal = mapped_normal(s, material, hit.instance);
+    let normal = mapped_normal(s, material, hit.instance, texels[TEXTURE_NORMAL].xyz);
     let tangent = any_perpendicular(normal);
     let bitangent = cross(normal, tangent);
     let wo = vec3f(dot(s.wo, tangent), dot(s.wo, bitangent), dot(s.wo, normal));
@@ -133,7 +137,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         return;
     }
 
-    let metallic_roughness = material_texture(material, TEXTURE_METALLIC_ROUGHNESS, s.triangle, s.weights);
+    let metallic_roughness = texels[TEXTURE_METALLIC_ROUGHNESS];
     var metallic = materials[material].metallic * metallic_roughness.z;
     if ((driven & DRIVEN_METALLIC) != 0u) {
         metallic = proc_base.w;
@@ -142,9 +146,8 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     if ((driven & DRIVEN_ROUGHNESS) != 0u) {
         roughness = proc_emission.w;
     }
-    let specular = materials[material].specular * material_texture(material, TEXTURE_SPECULAR, s.triangle, s.weights).w;
-    let specular_color = materials[material].specular_color
-        * material_texture(material, TEXTURE_SPECULAR_COLOR, s.triangle, s.weights).xyz;
+    let specular = materials[material].specular * texels[TEXTURE_SPECULAR].w;
+    let specular_color = materials[material].specular_color * texels[TEXTURE_SPECULAR_COLOR].xyz;
     let dielectric_f0 = min(materials[material].dielectric_f0 * specular_color, vec3f(1.0));
     let b = make_bsdf(base_color, metallic, roughness, dielectric_f0, specular);
 

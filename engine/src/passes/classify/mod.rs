@@ -16,5 +16,6 @@ pub fn kernel(gpu: &Gpu) -> Result<Kernel, GpuError> {
         &Source::of("classify/classify.wgsl"),
         "classify",
         Trust::Engine,
+        &[],
     )
 }

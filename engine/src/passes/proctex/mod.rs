@@ -15,5 +15,5 @@ use crate::gpu::{
 pub fn kernel(gpu: &Gpu, generated: &GeneratedKernel) -> Result<Kernel, GpuError> {
     let mut source = Source::of("proctex/proctex.wgsl");
     source.append_generated(generated);
-    Kernel::new(gpu, &source, "proctex", Trust::User)
+    Kernel::new(gpu, &source, "proctex", Trust::User, &[])
 }

@@ -16,5 +16,6 @@ pub fn kernel(gpu: &Gpu) -> Result<Kernel, GpuError> {
         &Source::of("raygen/raygen.wgsl"),
         "raygen",
         Trust::Engine,
+        &[],
     )
 }

@@ -3,8 +3,14 @@
 @group(0) @binding(19) var environment_image: texture_2d<f32>;
 @group(0) @binding(20) var environment_table: texture_2d<u32>; // alias cell, its threshold, pdf over the unit square
 
+// Whether light comes from it.
+override has_environment: bool = true;
+
 // Radiance from a direction: bilinear, wrapping in u, clamped in v.
 fn environment_radiance(direction: vec3f) -> vec3f {
+    if (!has_environment) {
+        return vec3f(0.0);
+    }
     let uv = environment_uv(direction) * vec2f(frame.environment_size) - 0.5;
     let base = floor(uv);
     let f = uv - base;
@@ -35,20 +41,18 @@ fn environment_pdf(direction: vec3f) -> f32 {
 
 fn environment_sample(u: vec2f) -> vec3f {
     let count = frame.distribution_size.x * frame.distribution_size.y;
-    let scaled = u.x * f32(count);
-    var cell = min(u32(scaled), count - 1u);
-    var rest = scaled - f32(cell);
+    let chosen = cell_of(u.x, count, bitcast<u32>(u.x) ^ hash(bitcast<u32>(u.y)));
+    var cell = chosen.index;
+    var place = chosen.place;
     let entry = textureLoad(environment_table, vec2u(cell % frame.distribution_size.x, cell / frame.distribution_size.x), 0);
     let threshold = bitcast<f32>(entry.y);
-    if (rest >= threshold) {
+    if (place >= threshold) {
         cell = entry.x;
-        rest = (rest - threshold) / max(1.0 - threshold, 1e-9);
+        place = (place - threshold) / (1.0 - threshold);
     } else {
-        rest = rest / threshold;
+        place /= threshold;
     }
-    // With many cells few bits of u.x are left for the place inside the cell: u.y's low bits and a hash refill them.
-    let jitter = fract(rest + f32(hash(bitcast<u32>(u.x) ^ hash(bitcast<u32>(u.y))) >> 8u) * (1.0 / 16777216.0));
-    let uv = (vec2f(f32(cell % frame.distribution_size.x), f32(cell / frame.distribution_size.x)) + vec2f(jitter, u.y))
+    let uv = (vec2f(f32(cell % frame.distribution_size.x), f32(cell / frame.distribution_size.x)) + vec2f(place, u.y))
         / vec2f(frame.distribution_size);
     let theta = uv.y * PI;
     let phi = (uv.x - frame.environment_turn) * 2.0 * PI;

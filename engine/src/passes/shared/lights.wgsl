@@ -36,7 +36,7 @@ const FAR = 1e30;
 
 fn light_sample(p: vec3f, choice: f32, u: vec2f) -> LightSample {
     var pick = choice;
-    if (pick < frame.environment_probability) {
+    if (has_environment && pick < frame.environment_probability) {
         let wi = environment_sample(u);
         return LightSample(wi, FAR, environment_radiance(wi), frame.environment_probability * environment_pdf(wi), false);
     }
@@ -46,9 +46,9 @@ fn light_sample(p: vec3f, choice: f32, u: vec2f) -> LightSample {
     }
     let share = 1.0 - frame.environment_probability;
     pick = saturate((pick - frame.environment_probability) / share);
-    let scaled = pick * f32(frame.light_count);
-    var index = min(u32(scaled), frame.light_count - 1u);
-    if (scaled - f32(index) >= lights[index].alias_threshold) {
+    let chosen = cell_of(pick, frame.light_count, bitcast<u32>(choice) ^ hash(bitcast<u32>(u.x)));
+    var index = chosen.index;
+    if (chosen.place >= lights[index].alias_threshold) {
         index = lights[index].alias_index;
     }
     let light = lights[index];

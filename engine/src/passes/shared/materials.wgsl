@@ -19,8 +19,8 @@ struct Material {
     alpha_cutoff: f32,
     normal_scale: f32,
     flags: u32,
+    texture_mask: u32, // bit per texture that is there
     spare0: u32,
-    spare1: u32,
     textures: array<TextureSlot, 6>,
 }
 
@@ -45,10 +45,13 @@ fn runs_program(flags: u32, bounce: u32) -> bool {
     return (flags & select(MATERIAL_PROGRAM, MATERIAL_PROGRAM_EMITS, bounce >= frame.max_depth)) != 0u;
 }
 
+// Whether any material of the scene has a texture.
+override has_textures: bool = true;
+
 // The texel of a material's texture, or white where it has none.
 fn material_texture(material: u32, texture: u32, triangle: vec4u, weights: vec3f) -> vec4f {
     let image = materials[material].textures[texture].image;
-    if (image == IMAGE_NONE) {
+    if (!has_textures || image == IMAGE_NONE) {
         return vec4f(1.0);
     }
     let sampler = materials[material].textures[texture].sampler;
@@ -56,6 +59,24 @@ fn material_texture(material: u32, texture: u32, triangle: vec4u, weights: vec3f
     let row_u = materials[material].textures[texture].row_u;
     let row_v = materials[material].textures[texture].row_v;
     return sample_image(image, sampler, vec2f(dot(row_u, uv), dot(row_v, uv)));
+}
+
+// The texels of all textures of a material at once; white where it has none. One loop over those that are there, so
+// that the code of a look-up stands in the kernel once and a material pays for its own textures only.
+fn material_textures(material: u32, wanted: u32, triangle: vec4u, weights: vec3f) -> array<vec4f, 6> {
+    var texels: array<vec4f, 6>;
+    for (var i = 0u; i < 6u; i++) {
+        texels[i] = vec4f(1.0);
+    }
+    if (has_textures) {
+        var mask = materials[material].texture_mask & wanted;
+        while (mask != 0u) {
+            let texture = firstTrailingBit(mask);
+            mask &= mask - 1u;
+            texels[texture] = material_texture(material, texture, triangle, weights);
+        }
+    }
+    return texels;
 }
 
 // Base colour factor, texture and vertex colour multiplied.

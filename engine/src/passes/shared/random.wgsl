@@ -57,3 +57,18 @@ fn random2(path: PathId, dimension: u32) -> vec2f {
 fn bounce_dimension(bounce: u32, purpose: u32) -> u32 {
     return DIMENSION_BOUNCE * (bounce + 1u) + purpose;
 }
+
+// One of many equal cells, and the place inside it.
+struct Cell {
+    index: u32,
+    place: f32, // in [0, 1)
+}
+
+// The cell of `u` among `count`. Of u's 24 bits few are left for the place inside one of many cells: a table of half a
+// million leaves five, and an alias table asked with them picks bright cells too seldom. A hash of `salt` refills them.
+fn cell_of(u: f32, count: u32, salt: u32) -> Cell {
+    let scaled = u * f32(count);
+    let index = min(u32(scaled), count - 1u);
+    let finer = f32(hash(salt) >> 8u) * (1.0 / 16777216.0) * f32(count) * (1.0 / 16777216.0);
+    return Cell(index, clamp(scaled - f32(index) + finer, 0.0, 0.99999994));
+}

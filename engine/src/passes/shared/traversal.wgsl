@@ -74,10 +74,39 @@ fn is_transparent(triangle: vec4u, index: u32, barycentrics: vec2f, coin: u32) -
     return f32(hash2(coin, index) >> 8u) * (1.0 / 16777216.0) >= alpha;
 }
 
+// Whether any surface of the scene may be transparent.
+override has_alpha: bool = true;
+
 // The closest hit, or with `any` some hit, between t_min and t_max.
-fn trace(world_origin: vec3f, world_direction: vec3f, t_min: f32, t_max: f32, any: bool, only_instance: u32) -> Hit {
+//
+// Alpha is looked up after traversal, not in its inner loop: there it would cost registers on a GPU, and on a software
+// driver, which runs both sides of a branch, the time of every triangle. A ray that meets a transparent point starts
+// again behind it.
+fn trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any: bool, only_instance: u32) -> Hit {
+    if (!has_alpha) {
+        return trace_surfaces(origin, direction, t_min, t_max, any, only_instance);
+    }
+    let coin = hash2(hash2(bitcast<u32>(direction.x), bitcast<u32>(direction.y)), bitcast<u32>(origin.x));
+    var start = t_min;
+    var hit: Hit;
+    loop {
+        hit = trace_surfaces(origin, direction, start, t_max, any, only_instance);
+        if (hit.triangle == MISS) {
+            break;
+        }
+        let triangle = triangles[hit.triangle];
+        if ((triangle.w & TRIANGLE_ALPHA) == 0u || !is_transparent(triangle, hit.triangle, hit.barycentrics, coin)) {
+            break;
+        }
+        start = hit.t;
+    }
+    return hit;
+}
+
+// As `trace`, with every triangle opaque. With `any`, a triangle that may be transparent is reported only if it is the
+// closest, so that a ray can go on behind it.
+fn trace_surfaces(world_origin: vec3f, world_direction: vec3f, t_min: f32, t_max: f32, any: bool, only_instance: u32) -> Hit {
     var hit = Hit(t_max, vec2f(0.0), MISS, 0u);
-    let coin = hash2(hash2(bitcast<u32>(world_direction.x), bitcast<u32>(world_direction.y)), bitcast<u32>(world_origin.x));
     var origin = world_origin;
     var direction = safe_direction(world_direction);
     var inverse = 1.0 / direction;
@@ -107,64 +136,59 @@ fn trace(world_origin: vec3f, world_direction: vec3f, t_min: f32, t_max: f32, an
             group = vec2u(0u);
         }
 
-        if (floor_depth == IN_TOP_LEVEL) {
-            if (primitives.y != 0u) {
-                // Enter an instance; what is left of this level waits on the stack.
-                let bit = firstLeadingBit(primitives.y);
-                let rest = primitives.y & ~(1u << bit);
-                if (rest != 0u) {
-                    stack[depth] = vec2u(primitives.x, rest);
-                    depth++;
-                }
-                if ((group.y & 0xff000000u) != 0u) {
-                    stack[depth] = group;
-                    depth++;
-                }
-                group = vec2u(0u);
-                instance = primitives.x + bit;
-                if (only_instance == MISS || only_instance == instance) {
-                    floor_depth = depth;
-                    origin = transform_point(instances[instance].object_from_world, world_origin);
-                    direction = safe_direction(transform_vector(instances[instance].object_from_world, world_direction));
-                    inverse = 1.0 / direction;
-                    octant = octant_of(direction);
-                    group = vec2u(instances[instance].root, 0x80000000u);
-                    continue;
-                }
+        // Enter an instance; what is left of this level waits on the stack.
+        if (floor_depth == IN_TOP_LEVEL && primitives.y != 0u) {
+            let bit = firstLeadingBit(primitives.y);
+            let rest = primitives.y & ~(1u << bit);
+            if (rest != 0u) {
+                stack[depth] = vec2u(primitives.x, rest);
+                depth++;
             }
-        } else {
-            while (primitives.y != 0u) {
-                let bit = firstLeadingBit(primitives.y);
-                primitives.y &= ~(1u << bit);
-                let index = primitives.x + bit;
-                let triangle = triangles[index];
-                // Möller and Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997.
-                let a = vertex_position(triangle.x);
-                let edge1 = vertex_position(triangle.y) - a;
-                let edge2 = vertex_position(triangle.z) - a;
-                let p = cross(direction, edge2);
-                let inverse_determinant = 1.0 / dot(edge1, p);
-                let s = origin - a;
-                let u = dot(s, p) * inverse_determinant;
-                let q = cross(s, edge1);
-                let v = dot(direction, q) * inverse_determinant;
-                let t = dot(edge2, q) * inverse_determinant;
-                // Written so that a degenerate triangle (NaN) is never hit.
-                if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > t_min && t < hit.t) {
-                    if ((triangle.w & TRIANGLE_ALPHA) != 0u && is_transparent(triangle, index, vec2f(u, v), coin)) {
-                        continue;
-                    }
-                    hit = Hit(t, vec2f(u, v), index, instance);
-                    if (any) {
-                        return hit;
-                    }
+            if ((group.y & 0xff000000u) != 0u) {
+                stack[depth] = group;
+                depth++;
+            }
+            group = vec2u(0u);
+            instance = primitives.x + bit;
+            primitives.y = 0u;
+            if (only_instance == MISS || only_instance == instance) {
+                floor_depth = depth;
+                origin = transform_point(instances[instance].object_from_world, world_origin);
+                direction = safe_direction(transform_vector(instances[instance].object_from_world, world_direction));
+                inverse = 1.0 / direction;
+                octant = octant_of(direction);
+                group = vec2u(instances[instance].root, 0x80000000u);
+            }
+        }
+
+        while (primitives.y != 0u) {
+            let bit = firstLeadingBit(primitives.y);
+            primitives.y &= ~(1u << bit);
+            let index = primitives.x + bit;
+            let triangle = triangles[index];
+            // Möller and Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997.
+            let a = vertex_position(triangle.x);
+            let edge1 = vertex_position(triangle.y) - a;
+            let edge2 = vertex_position(triangle.z) - a;
+            let p = cross(direction, edge2);
+            let inverse_determinant = 1.0 / dot(edge1, p);
+            let s = origin - a;
+            let u = dot(s, p) * inverse_determinant;
+            let q = cross(s, edge1);
+            let v = dot(direction, q) * inverse_determinant;
+            let t = dot(edge2, q) * inverse_determinant;
+            // Written so that a degenerate triangle (NaN) is never hit.
+            if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > t_min && t < hit.t) {
+                hit = Hit(t, vec2f(u, v), index, instance);
+                if (any && (triangle.w & TRIANGLE_ALPHA) == 0u) {
+                    return hit;
                 }
             }
         }
 
         if ((group.y & 0xff000000u) == 0u) {
+            // The bottom level is done: back to the world.
             if (depth == floor_depth) {
-                // The bottom level is done: back to the world.
                 floor_depth = IN_TOP_LEVEL;
                 origin = world_origin;
                 direction = safe_direction(world_direction);

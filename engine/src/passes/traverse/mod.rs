@@ -5,6 +5,7 @@ use crate::gpu::{
     kernel::{Kernel, Trust},
     wgsl::Source,
 };
+use crate::gpu_scene::SceneFeatures;
 
 /// Which rays are traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,11 +16,11 @@ pub enum Rays {
     Occlusion,
 }
 
-/// Compiles the kernel.
+/// Compiles the kernel for what the scene uses.
 ///
 /// # Errors
 /// If the driver refuses it.
-pub fn kernel(gpu: &Gpu, rays: Rays) -> Result<Kernel, GpuError> {
+pub fn kernel(gpu: &Gpu, rays: Rays, features: &SceneFeatures) -> Result<Kernel, GpuError> {
     let entry = match rays {
         Rays::Closest => "closest",
         Rays::Occlusion => "occlusion",
@@ -29,5 +30,6 @@ pub fn kernel(gpu: &Gpu, rays: Rays) -> Result<Kernel, GpuError> {
         &Source::of("traverse/traverse.wgsl"),
         entry,
         Trust::Engine,
+        &features.constants(),
     )
 }

@@ -23,6 +23,19 @@ pub(super) struct Accessor<'a> {
     sparse: Option<Sparse<'a>>,
 }
 
+/// Whether the type of an accessor is one that is read here. Others may come from extensions that are ignored.
+pub(super) fn is_readable(accessor: &json::Accessor) -> bool {
+    let Checked::Valid(json::accessor::GenericComponentType(component)) = accessor.component_type
+    else {
+        return false;
+    };
+    match accessor.type_ {
+        Checked::Invalid => false,
+        Checked::Valid(Type::Mat2 | Type::Mat3 | Type::Mat4) => component == ComponentType::F32,
+        Checked::Valid(_) => true,
+    }
+}
+
 /// Evenly spaced elements.
 struct Elements<'a> {
     bytes: &'a [u8],
@@ -146,6 +159,7 @@ impl Document {
         if replaced > u64::from(count) {
             return Err(format!("replaces {replaced} of {count} elements"));
         }
+        self.budget.take(replaced, 4)?;
         let indices = Accessor {
             count: replaced as u32,
             components: 1,

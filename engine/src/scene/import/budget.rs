@@ -25,7 +25,7 @@ impl Budget {
         Self::new((512 << 20) + file_bytes.saturating_mul(32))
     }
 
-    /// Takes `count` items of `size` bytes.
+    /// Takes `count` items of `size` bytes. Nothing is ever given back, so this bounds time as well.
     pub(super) fn take(&self, count: u64, size: u64) -> Result<(), Fault> {
         let bytes = count.saturating_mul(size);
         self.left

@@ -107,6 +107,7 @@ impl Source<'_> {
             let Some(index) = pick(target).filter(|_| weight != 0.0) else {
                 continue;
             };
+            self.document.budget.take(used.len() as u64, 12)?;
             let deltas = self
                 .document
                 .accessor(index.value())
@@ -133,6 +134,7 @@ impl Source<'_> {
             else {
                 break;
             };
+            self.document.budget.take(used.len() as u64, 32)?;
             let read = |index: &Target, name: &str| {
                 self.document
                     .accessor(index.value())

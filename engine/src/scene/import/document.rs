@@ -2,6 +2,8 @@
 //!
 //! Everything else in this folder reads through [`Document`]; nothing else touches files, except the pictures.
 
+use super::accessor;
+use super::budget::Budget;
 use super::container;
 use super::error::{At as _, Fault, ImportError, Warnings};
 use super::files::{self, Source};
@@ -27,12 +29,20 @@ const SUPPORTED_EXTENSIONS: &[&str] = &[
 /// Extensions that never change a picture at rest.
 const INVISIBLE_EXTENSIONS: &[&str] = &["KHR_animation_pointer", "KHR_xmp", "KHR_xmp_json_ld"];
 
+/// JSON takes up to twenty times its length in memory.
+const MAX_JSON_BYTES: usize = 512 << 20;
+
+/// Longest name of anything.
+const MAX_NAME_CHARS: usize = 256;
+
 /// A parsed file.
 pub(super) struct Document {
     pub(super) path: PathBuf,
     pub(super) root: json::Root,
     /// `extras.environment` of each scene.
     pub(super) environments: Vec<Option<Value>>,
+    /// What decoding may still take.
+    pub(super) budget: Budget,
     file: Vec<u8>,
     buffers: Vec<Buffer>,
 }
@@ -52,7 +62,18 @@ impl Document {
             path: path.to_owned(),
             source,
         })?;
+        Self::parse(path, file)
+    }
+
+    /// As [`open`](Self::open), for the bytes of a file that is already in memory.
+    pub(super) fn parse(path: &Path, file: Vec<u8>) -> Result<Self, ImportError> {
         let parts = container::split(&file).at(path, || "GLB container".into())?;
+        if parts.json.len() > MAX_JSON_BYTES {
+            return Err(ImportError::TooLarge {
+                path: path.to_owned(),
+                problem: "has more than 512 MiB of JSON; save it as .glb, or with its buffers in files of their own".into(),
+            });
+        }
         let (root, environments) =
             parse_json(&file[parts.json.clone()]).map_err(|source| ImportError::Json {
                 path: path.to_owned(),
@@ -63,12 +84,47 @@ impl Document {
             path: path.to_owned(),
             root,
             environments,
+            budget: Budget::for_geometry(0),
             file,
             buffers: Vec::new(),
         };
         document.check_extensions()?;
         document.load_buffers(parts.bin)?;
+        document.budget = Budget::for_geometry(document.size());
+        document.check_layout()?;
         Ok(document)
+    }
+
+    /// Checks all buffer views and accessors, also those that nothing shows: where one reaches beyond its data, the
+    /// file has been cut or its numbers are garbage, and what it shows can't be trusted either.
+    fn check_layout(&self) -> Result<(), ImportError> {
+        let place = || "binary data".to_owned();
+        for (index, view) in self.root.buffer_views.iter().enumerate() {
+            if !self.is_absent(view) {
+                self.view(index).map(drop).at(&self.path, place)?;
+            }
+        }
+        for (index, accessor) in self.root.accessors.iter().enumerate() {
+            let sparse = accessor.sparse.as_ref();
+            let mut views = accessor
+                .buffer_view
+                .into_iter()
+                .chain(
+                    sparse
+                        .into_iter()
+                        .flat_map(|sparse| [sparse.indices.buffer_view, sparse.values.buffer_view]),
+                )
+                .filter_map(|view| self.root.buffer_views.get(view.value()));
+            if !views.any(|view| self.is_absent(view)) && accessor::is_readable(accessor) {
+                self.accessor(index).map(drop).at(&self.path, place)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A buffer without data is legal as long as nothing reads it: it stands for what an extension would decompress.
+    fn is_absent(&self, view: &json::buffer::View) -> bool {
+        matches!(self.buffers.get(view.buffer.value()), Some(Buffer::Absent))
     }
 
     /// The folder that relative URIs start from.
@@ -77,7 +133,7 @@ impl Document {
     }
 
     /// Bytes of the file and its buffers, which everything that is decoded is held against.
-    pub(super) fn size(&self) -> u64 {
+    fn size(&self) -> u64 {
         let owned = self.buffers.iter().map(|buffer| match buffer {
             Buffer::Owned(bytes) => bytes.len() as u64,
             Buffer::Glb(_) | Buffer::Absent => 0,
@@ -111,7 +167,9 @@ impl Document {
     fn buffer(&self, index: usize) -> Result<&[u8], Fault> {
         match self.buffers.get(index) {
             None => Err(format!("buffer {index} does not exist")),
-            Some(Buffer::Absent) => Err(format!("buffer {index} has no data")),
+            Some(Buffer::Absent) => Err(format!(
+                "buffer {index} has no data, neither a uri nor a binary chunk"
+            )),
             Some(Buffer::Owned(bytes)) => Ok(bytes),
             Some(Buffer::Glb(range)) => Ok(&self.file[range.clone()]),
         }
@@ -230,6 +288,10 @@ fn parse_json(text: &[u8]) -> Result<(json::Root, Vec<Option<Value>>), serde_jso
             }
         }
     }
+    if let Value::Object(root) = &mut tree {
+        // Animations are not rendered, so they need not be valid.
+        root.remove("animations");
+    }
     mend(&mut tree);
     match serde_json::from_value(tree) {
         Ok(root) => Ok((root, environments)),
@@ -240,7 +302,8 @@ fn parse_json(text: &[u8]) -> Result<(json::Root, Vec<Option<Value>>), serde_jso
     }
 }
 
-/// Drops `extras` and writes whole numbers as integers. Depth is bounded: serde_json refuses more than 128 levels.
+/// Drops `extras`, writes whole numbers as integers and cuts absurd names, which would be copied for every instance.
+/// Depth is bounded: serde_json refuses more than 128 levels.
 fn mend(value: &mut Value) {
     match value {
         Value::Number(number) => {
@@ -255,6 +318,11 @@ fn mend(value: &mut Value) {
         Value::Array(items) => items.iter_mut().for_each(mend),
         Value::Object(members) => {
             members.remove("extras");
+            if let Some(Value::String(name)) = members.get_mut("name")
+                && let Some((end, _)) = name.char_indices().nth(MAX_NAME_CHARS)
+            {
+                name.truncate(end);
+            }
             members.values_mut().for_each(mend);
         }
         Value::Null | Value::Bool(_) | Value::String(_) => {}

@@ -239,7 +239,7 @@ fn set(image: &mut FloatImage, at: exr::Vec2<usize>, rgb: [f32; 3]) {
 }
 
 fn check_size(width: usize, height: usize) -> Result<(), Fault> {
-    let texels = width as u64 * height as u64;
+    let texels = (width as u64).saturating_mul(height as u64);
     if width == 0 || height == 0 {
         return Err("has no texels".into());
     }

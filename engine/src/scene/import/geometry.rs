@@ -4,10 +4,10 @@
 //! show. What the renderer cannot use (points, lines, degenerate triangles, NaN) ends here.
 
 use super::accessor::Accessor;
-use super::budget::Budget;
 use super::deform::{self, Pose};
 use super::document::Document;
 use super::error::{At as _, Fault, ImportError, Warnings};
+use super::join::{merge, reorder};
 use super::split::split_vertices;
 use super::tangents;
 use super::triangles;
@@ -16,6 +16,7 @@ use glam::{Vec2, Vec3, Vec4};
 use gltf::json;
 use json::mesh::{Mode, Semantic};
 use json::validation::Checked;
+use rayon::prelude::*;
 
 /// What a vertex costs with all its attributes.
 const VERTEX_BYTES: u64 = 72;
@@ -25,10 +26,10 @@ pub(super) struct Builder<'a> {
     pub(super) document: &'a Document,
     /// Materials of the file in its order; the last one stands in for primitives without one.
     pub(super) materials: &'a [Material],
-    pub(super) budget: &'a Budget,
 }
 
 /// A mesh and what was left out of it.
+#[derive(Default)]
 pub(super) struct Built {
     pub(super) mesh: Mesh,
     pub(super) dropped: Dropped,
@@ -46,32 +47,38 @@ pub(super) struct Dropped {
 impl Builder<'_> {
     /// Builds mesh `index` in the given pose.
     pub(super) fn build(&self, index: usize, pose: &Pose) -> Result<Built, ImportError> {
+        let path = &self.document.path;
         let source = self
             .document
             .root
             .meshes
             .get(index)
             .ok_or_else(|| "does not exist".to_owned())
-            .at(&self.document.path, || format!("mesh {index}"))?;
-        let name = source
-            .name
-            .clone()
-            .unwrap_or_else(|| format!("mesh {index}"));
-        let mut built = Built {
-            mesh: Mesh::default(),
-            dropped: Dropped::default(),
-            warnings: Warnings::default(),
-        };
-        let mut parts = Vec::with_capacity(source.primitives.len());
-        for (number, primitive) in source.primitives.iter().enumerate() {
-            self.check_compression(primitive)?;
-            let place = || format!("mesh {index} \"{name}\", primitive {number}");
-            let part = self
-                .part(primitive, pose, &place, &mut built)
-                .at(&self.document.path, place)?;
-            parts.extend(part);
+            .at(path, || format!("mesh {index}"))?;
+        let name = source.name.clone();
+        let name = name.unwrap_or_else(|| format!("mesh {index}"));
+        let parts = source
+            .primitives
+            .par_iter()
+            .enumerate()
+            .map(|(number, primitive)| {
+                self.check_compression(primitive)?;
+                let place = || format!("mesh {index} \"{name}\", primitive {number}");
+                let mut part = Built::default();
+                let mesh = self
+                    .part(primitive, pose, &place, &mut part)
+                    .at(path, place)?;
+                Ok((mesh, part))
+            })
+            .collect::<Result<Vec<_>, ImportError>>()?;
+        let mut built = Built::default();
+        let mut meshes = Vec::with_capacity(parts.len());
+        for (mesh, part) in parts {
+            meshes.extend(mesh);
+            built.dropped.add(part.dropped);
+            built.warnings.extend(part.warnings);
         }
-        built.mesh = merge(parts);
+        built.mesh = merge(meshes);
         built.mesh.name = name;
         Ok(built)
     }
@@ -112,7 +119,9 @@ impl Builder<'_> {
             ),
             None => triangles::Indices::Sequence(vertex_count),
         };
-        self.budget.take(indices.triangle_count(mode), 16)?;
+        self.document
+            .budget
+            .take(indices.triangle_count(mode), 16)?;
         let mut list = indices.triangles(mode, vertex_count)?;
         if indices.left_over(mode) {
             built
@@ -121,14 +130,16 @@ impl Builder<'_> {
         }
 
         let mut used = triangles::compact(&mut list, vertex_count);
-        self.budget.take(used.len() as u64, VERTEX_BYTES)?;
+        self.document.budget.take(used.len() as u64, VERTEX_BYTES)?;
         let source = deform::Source {
             document: self.document,
             primitive,
             pose,
         };
-        let mut mesh = Mesh::default();
-        mesh.positions = source.positions(&positions, &used)?;
+        let mut mesh = Mesh {
+            positions: source.positions(&positions, &used)?,
+            ..Mesh::default()
+        };
 
         let kept = triangles::keep_usable(&mut list, &mesh.positions, &mut built.dropped);
         if list.is_empty() {
@@ -263,7 +274,9 @@ impl Builder<'_> {
             .iter()
             .map(|&triangle| triangles::cross(triangle, &mesh.positions).normalize_or(Vec3::Z))
             .collect();
-        self.budget.take(3 * normals.len() as u64, VERTEX_BYTES)?;
+        self.document
+            .budget
+            .take(3 * normals.len() as u64, VERTEX_BYTES)?;
         let mut list = std::mem::take(&mut mesh.triangles);
         let (sources, normals) = split_vertices(mesh.positions.len(), &mut list, |t, _| normals[t]);
         reorder(mesh, &sources);
@@ -294,9 +307,12 @@ impl Builder<'_> {
                 place(),
                 texture.uv_set
             ));
+            let along = |&normal: &Vec3| tangents::sanitize(Vec4::ZERO, normal);
+            mesh.tangents = mesh.normals.iter().map(along).collect();
             return Ok(());
         }
-        self.budget
+        self.document
+            .budget
             .take(3 * mesh.triangles.len() as u64, VERTEX_BYTES)?;
         let mut list = std::mem::take(&mut mesh.triangles);
         let (sources, tangents) = tangents::generate(&mesh.positions, &mesh.normals, uv, &mut list);
@@ -313,15 +329,22 @@ impl Builder<'_> {
             .extensions
             .as_ref()
             .is_some_and(|extensions| extensions.others.contains_key(DRACO));
-        let has_copy = primitive.attributes.values().all(|index| {
-            self.document
-                .accessor(index.value())
-                .is_ok_and(|a| a.has_data())
-        });
-        if compressed && !has_copy {
+        let has_copy = |index: &json::Index<json::Accessor>| {
+            let accessor = self.document.accessor(index.value());
+            accessor.is_ok_and(|accessor| accessor.has_data())
+        };
+        if compressed && !primitive.attributes.values().all(has_copy) {
             return Err(self.document.unsupported(DRACO));
         }
         Ok(())
+    }
+}
+
+impl Dropped {
+    fn add(&mut self, other: Self) {
+        self.degenerate += other.degenerate;
+        self.non_finite += other.non_finite;
+        self.bad_values += other.bad_values;
     }
 }
 
@@ -347,68 +370,5 @@ fn repair_normals(mesh: &mut Mesh, dropped: &mut Dropped) {
     }
     for vertex in bad {
         mesh.normals[vertex] = sums[vertex].normalize_or(Vec3::Z);
-    }
-}
-
-/// Makes vertex `i` of all attributes a copy of the old vertex `sources[i]`.
-fn reorder(mesh: &mut Mesh, sources: &[u32]) {
-    fn pick<T: Copy>(values: &mut Vec<T>, sources: &[u32]) {
-        if !values.is_empty() {
-            *values = sources
-                .iter()
-                .map(|&source| values[source as usize])
-                .collect();
-        }
-    }
-    pick(&mut mesh.positions, sources);
-    pick(&mut mesh.normals, sources);
-    pick(&mut mesh.tangents, sources);
-    pick(&mut mesh.uv0, sources);
-    pick(&mut mesh.uv1, sources);
-    pick(&mut mesh.colors, sources);
-}
-
-/// Joins the primitives of a mesh. An attribute that only some of them have gets its neutral value in the others.
-fn merge(mut parts: Vec<Mesh>) -> Mesh {
-    if parts.len() == 1 {
-        return parts.remove(0);
-    }
-    for_missing(&mut parts, |m| &mut m.uv0, |_| Vec2::ZERO);
-    for_missing(&mut parts, |m| &mut m.uv1, |_| Vec2::ZERO);
-    for_missing(&mut parts, |m| &mut m.colors, |_| Vec4::ONE);
-    for_missing(
-        &mut parts,
-        |m| &mut m.tangents,
-        |n| tangents::sanitize(Vec4::ZERO, n),
-    );
-    let mut mesh = Mesh::default();
-    for part in parts {
-        let start = mesh.positions.len() as u32;
-        mesh.positions.extend(part.positions);
-        mesh.normals.extend(part.normals);
-        mesh.tangents.extend(part.tangents);
-        mesh.uv0.extend(part.uv0);
-        mesh.uv1.extend(part.uv1);
-        mesh.colors.extend(part.colors);
-        mesh.triangles
-            .extend(part.triangles.into_iter().map(|t| t.map(|v| v + start)));
-        mesh.triangle_materials.extend(part.triangle_materials);
-    }
-    mesh
-}
-
-fn for_missing<T>(
-    parts: &mut [Mesh],
-    attribute: impl Fn(&mut Mesh) -> &mut Vec<T>,
-    neutral: impl Fn(Vec3) -> T,
-) {
-    if parts.iter_mut().all(|part| attribute(part).is_empty()) {
-        return;
-    }
-    for part in parts {
-        if attribute(part).is_empty() {
-            let values = part.normals.iter().map(|&normal| neutral(normal)).collect();
-            *attribute(part) = values;
-        }
     }
 }

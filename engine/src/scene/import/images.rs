@@ -35,18 +35,21 @@ pub(super) fn load(
         .collect::<Result<_, _>>()?;
     let mut decoded: Vec<Option<Image>> = decoded.into_iter().map(Some).collect();
 
+    // A picture has at most two uses; the first one of two gets a copy.
+    let mut uses_left = vec![0u32; wanted.len()];
+    let slot = |index: usize| wanted.partition_point(|&w| w < index);
+    requests
+        .iter()
+        .for_each(|&(index, _)| uses_left[slot(index)] += 1);
     let mut images = Vec::with_capacity(requests.len());
-    for (number, &(index, srgb)) in requests.iter().enumerate() {
-        let slot = &mut decoded[wanted.partition_point(|&w| w < index)];
-        let used_again = requests[number + 1..]
-            .iter()
-            .any(|&(later, _)| later == index);
-        let image = if used_again {
-            slot.clone()
-        } else {
-            slot.take()
+    for &(index, srgb) in requests {
+        let slot = slot(index);
+        uses_left[slot] -= 1;
+        let image = match uses_left[slot] {
+            0 => decoded[slot].take(),
+            _ => decoded[slot].clone(),
         };
-        let image = image.expect("a picture is taken only at its last request");
+        let image = image.expect("a picture is taken only at its last use");
         images.push(Image { srgb, ..image });
     }
     Ok(images)

@@ -1,6 +1,5 @@
 //! What hangs on the visible nodes: instances of meshes, lights and cameras.
 
-use super::budget::Budget;
 use super::deform::Pose;
 use super::document::Document;
 use super::error::{At as _, Fault, ImportError, Warnings};
@@ -11,7 +10,7 @@ use crate::scene::{Camera, Instance, Material, Mesh, PunctualLight};
 use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A};
 use gltf::json;
 use rayon::prelude::*;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 /// Instances of a file at most.
 const MAX_INSTANCES: usize = 1 << 22;
@@ -19,11 +18,11 @@ const MAX_INSTANCES: usize = 1 << 22;
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// A mesh to build. Nodes that show the same mesh in the same pose share it.
-#[derive(PartialEq, Eq, Hash)]
+#[derive(Clone, PartialEq, Eq, Hash)]
 struct Request {
     mesh: usize,
-    /// Weights of the morph targets, as bits.
-    weights: Vec<u32>,
+    /// Weights of the morph targets, as bits, where the node has its own.
+    weights: Option<Vec<u32>>,
     /// A skinned mesh takes its place from its joints, not from its node.
     skin: Option<usize>,
 }
@@ -35,60 +34,10 @@ pub(super) fn instances(
     materials: &[Material],
     warnings: &mut Warnings,
 ) -> Result<(Vec<Mesh>, Vec<Instance>), ImportError> {
-    let root = &document.root;
-    let mut requests: Vec<Request> = Vec::new();
-    let mut numbers: HashMap<Request, u32> = HashMap::new();
-    let mut instances = Vec::new();
-    for &index in &nodes.visible {
-        let node = &root.nodes[index];
-        let Some(mesh) = node.mesh else {
-            continue;
-        };
-        let place = || describe(root, index);
-        let request = || Request {
-            mesh: mesh.value(),
-            weights: weights(root, node, mesh.value()),
-            skin: node.skin.map(|skin| skin.value()),
-        };
-        let next = requests.len() as u32;
-        let number = *numbers.entry(request()).or_insert_with(|| {
-            requests.push(request());
-            next
-        });
-        let places = match node.skin {
-            Some(_) => vec![DAffine3::IDENTITY],
-            None => placements(document, node, &nodes.world[index])
-                .at(&document.path, || format!("{}, {INSTANCING}", place()))?,
-        };
-        if instances.len() + places.len() > MAX_INSTANCES {
-            return Err(ImportError::TooLarge {
-                path: document.path.clone(),
-                problem: format!(
-                    "has more than {MAX_INSTANCES} instances; join meshes or split the scene"
-                ),
-            });
-        }
-        let name = node.name.clone().unwrap_or_else(|| format!("node {index}"));
-        for world in places {
-            match invertible(&world) {
-                Some(transform) => instances.push(Instance {
-                    name: name.clone(),
-                    mesh: number,
-                    transform,
-                }),
-                None => warnings.push(format!(
-                    "{}: its transform flattens it or is not finite; it is left out",
-                    place()
-                )),
-            }
-        }
-    }
-
-    let budget = Budget::for_geometry(document.size());
+    let (requests, mut instances) = list(document, nodes, warnings)?;
     let builder = Builder {
         document,
         materials,
-        budget: &budget,
     };
     let built = requests
         .par_iter()
@@ -97,7 +46,7 @@ pub(super) fn instances(
             builder.build(request.mesh, &pose)
         })
         .collect::<Result<Vec<Built>, _>>()?;
-    warn_of_poses(&requests, root, warnings);
+    warn_of_poses(&requests, &document.root, warnings);
     warn_of_dropped(&built, warnings);
 
     // Meshes of which nothing is left go, and their instances with them.
@@ -118,8 +67,70 @@ pub(super) fn instances(
         }
         None => false,
     });
-    // A mesh can also be without an instance: where all of its nodes are flat.
     Ok((meshes, instances))
+}
+
+/// The meshes to build, and instances that refer to that list.
+fn list(
+    document: &Document,
+    nodes: &Nodes,
+    warnings: &mut Warnings,
+) -> Result<(Vec<Request>, Vec<Instance>), ImportError> {
+    let root = &document.root;
+    let mut requests = Vec::new();
+    let mut numbers: HashMap<Request, u32> = HashMap::new();
+    let mut instances = Vec::new();
+    for &index in &nodes.visible {
+        let node = &root.nodes[index];
+        let Some(mesh) = node.mesh else {
+            continue;
+        };
+        let place = || describe(root, index);
+        let places = match node.skin {
+            Some(_) => vec![DAffine3::IDENTITY],
+            None => placements(document, node, &nodes.world[index])
+                .at(&document.path, || format!("{}, {INSTANCING}", place()))?,
+        };
+        let usable: Vec<Affine3A> = places.iter().filter_map(invertible).collect();
+        if usable.len() < places.len() {
+            warnings.push(format!(
+                "{}: its transform flattens it or is not finite; it is left out",
+                place()
+            ));
+        }
+        if usable.is_empty() {
+            continue;
+        }
+        if instances.len() + usable.len() > MAX_INSTANCES {
+            return Err(ImportError::TooLarge {
+                path: document.path.clone(),
+                problem: format!(
+                    "has more than {MAX_INSTANCES} instances; join meshes or split the scene"
+                ),
+            });
+        }
+        let name = node.name.clone().unwrap_or_else(|| format!("node {index}"));
+        document
+            .budget
+            .take(usable.len() as u64, name.len() as u64)
+            .at(&document.path, place)?;
+        let request = Request {
+            mesh: mesh.value(),
+            weights: own_weights(root, node, mesh.value()),
+            skin: node.skin.map(|skin| skin.value()),
+        };
+        let next = requests.len() as u32;
+        let number = *numbers.entry(request).or_insert_with_key(|request| {
+            requests.push(request.clone());
+            next
+        });
+        instances.extend(usable.into_iter().map(|transform| Instance {
+            name: name.clone(),
+            mesh: number,
+            transform,
+        }));
+    }
+    Ok((requests, instances))
 }
 
 /// Lights and cameras of the visible nodes. Names of cameras are unique.
@@ -136,27 +147,28 @@ pub(super) fn lights_and_cameras(
         .map_or(&[][..], |extension| &extension.lights);
     let mut lights = Vec::new();
     let mut cameras: Vec<Camera> = Vec::new();
-    let mut names = HashSet::new();
+    // How many cameras were named after each name.
+    let mut names: HashMap<String, u32> = HashMap::new();
     for &index in &nodes.visible {
         let node = &root.nodes[index];
         let world = &nodes.world[index];
         let node_name = || node.name.clone().unwrap_or_else(|| format!("node {index}"));
-        let missing = |what: &str, number: usize| -> Result<(), ImportError> {
-            Err(format!("{what} {number} does not exist"))
-                .at(&document.path, || describe(root, index))
+        let missing = |what: &str, number: usize| ImportError::Malformed {
+            path: document.path.clone(),
+            place: describe(root, index),
+            problem: format!("{what} {number} does not exist"),
         };
         if let Some(camera) = node.camera {
             let Some(source) = root.cameras.get(camera.value()) else {
-                return missing("camera", camera.value()).map(|()| Default::default());
+                return Err(missing("camera", camera.value()));
             };
             let candidates = source.name.iter().cloned().chain([node_name()]);
-            let numbered = (1..).map(|n| format!("{}.{n:03}", node_name()));
-            let name = candidates
-                .chain(numbered)
-                .find(|name| !names.contains(name))
-                .unwrap_or_default();
+            let mut free = candidates.filter(|name| !names.contains_key(name));
+            let name = free
+                .next()
+                .unwrap_or_else(|| numbered(&mut names, &node_name()));
             if let Some(camera) = lights_cameras::camera(source, name.clone(), world, warnings) {
-                names.insert(name);
+                names.insert(name, 0);
                 cameras.push(camera);
             }
         }
@@ -166,13 +178,25 @@ pub(super) fn lights_and_cameras(
             .and_then(|e| e.khr_lights_punctual.as_ref());
         if let Some(light) = light {
             let Some(source) = all_lights.get(light.light.value()) else {
-                return missing("light", light.light.value()).map(|()| Default::default());
+                return Err(missing("light", light.light.value()));
             };
             let name = source.name.clone().unwrap_or_else(node_name);
             lights.extend(lights_cameras::light(source, name, world, warnings));
         }
     }
     Ok((lights, cameras))
+}
+
+/// `base` with the first number that makes it new. `names` remembers the last number of each name.
+fn numbered(names: &mut HashMap<String, u32>, base: &str) -> String {
+    loop {
+        let number = names.entry(base.to_owned()).or_insert(0);
+        *number += 1;
+        let name = format!("{base}.{number:03}");
+        if !names.contains_key(&name) {
+            return name;
+        }
+    }
 }
 
 /// Where the mesh of a node stands: at the node, or at the places EXT_mesh_gpu_instancing lists.
@@ -251,32 +275,36 @@ fn invertible(world: &DAffine3) -> Option<Affine3A> {
     usable.then_some(transform)
 }
 
-/// Bits of the morph weights a node shows its mesh with; none where nothing is morphed.
-fn weights(root: &json::Root, node: &json::Node, mesh: usize) -> Vec<u32> {
-    let of_mesh = || root.meshes.get(mesh)?.weights.as_ref();
-    let weights = node.weights.as_ref().or_else(of_mesh);
-    let weights: Vec<f32> = weights.into_iter().flatten().copied().collect();
-    if weights.iter().all(|&weight| weight == 0.0) {
-        return Vec::new();
+/// Bits of the morph weights of a node, where they differ from those of its mesh.
+fn own_weights(root: &json::Root, node: &json::Node, mesh: usize) -> Option<Vec<u32>> {
+    let own = node.weights.as_ref()?;
+    let default = root.meshes.get(mesh).and_then(|mesh| mesh.weights.as_ref());
+    if default == Some(own) || (default.is_none() && own.iter().all(|&weight| weight == 0.0)) {
+        return None;
     }
-    weights.into_iter().map(f32::to_bits).collect()
+    Some(own.iter().map(|weight| weight.to_bits()).collect())
 }
 
 fn pose(document: &Document, nodes: &Nodes, request: &Request) -> Result<Pose, ImportError> {
+    let weights = match &request.weights {
+        Some(own) => own.iter().map(|&bits| f32::from_bits(bits)).collect(),
+        None => {
+            let mesh = document.root.meshes.get(request.mesh);
+            mesh.and_then(|mesh| mesh.weights.clone())
+                .unwrap_or_default()
+        }
+    };
     let joints = match request.skin {
         None => Vec::new(),
         Some(skin) => {
             joints(document, nodes, skin).at(&document.path, || format!("skin {skin}"))?
         }
     };
-    Ok(Pose {
-        weights: request
-            .weights
-            .iter()
-            .map(|&bits| f32::from_bits(bits))
-            .collect(),
-        joints,
-    })
+    document
+        .budget
+        .take((joints.len() + weights.len()) as u64, 64)
+        .at(&document.path, || format!("mesh {}", request.mesh))?;
+    Ok(Pose { weights, joints })
 }
 
 /// Bind pose to world for each joint of a skin (glTF 2.0, section 3.7.3.3).

@@ -153,7 +153,7 @@ mod tests {
         let mut few = original;
         let mut many = original;
         assert_eq!(compact(&mut few, 5001), [5, 9, 5000, 77]);
-        assert_eq!(compact(&mut many, 1000_000), [5, 9, 5000, 77]);
+        assert_eq!(compact(&mut many, 1_000_000), [5, 9, 5000, 77]);
         assert_eq!(few, many);
         assert_eq!(few, [[0, 1, 2], [1, 0, 3]]);
     }

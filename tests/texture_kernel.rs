@@ -1,0 +1,373 @@
+//! The generated texture kernel on a real device: what programs compute is what the language's page promises.
+//! Skipped with a notice where there is no adapter.
+
+use std::sync::Arc;
+
+use texgen::{
+    Graph, HOST_STUB, Interpolation, Library, NodeId, Ramp, SourceFile, Swizzle, TextureType,
+    Value, emit_inlined,
+};
+
+const TEXTURES: &[(&str, &str)] = &[
+    (
+        "ramp",
+        "fn userProc(r: ramp1D, t: f32) -> vec4f { return rampEval(r, t); }",
+    ),
+    (
+        "array",
+        "fn userProc(a: array<vec3f, 3>, i: i32, k: u32, b: bool) -> vec3f {
+            var copy = a;
+            return a[i] + copy[k] * select(1.0, 10.0, b);
+        }",
+    ),
+    (
+        "matrix",
+        "fn userProc(m: mat3x3f, n: mat4x4f) -> vec3f { return m * vec3f(1.0, 2.0, 3.0) + (n * vec4f(1.0)).xyz; }",
+    ),
+    ("one", "fn userProc(x: f32) -> f32 { return x; }"),
+    ("two", "fn userProc(x: vec2f) -> vec2f { return x; }"),
+    ("three", "fn userProc(x: vec3f) -> vec3f { return x; }"),
+    (
+        "four",
+        "fn userProc(a: vec4f, b: vec4f) -> vec4f { return a * 10.0 + b; }",
+    ),
+    (
+        "endless",
+        "fn userProc(x: f32) -> f32 { var s = x; while x > 0.0 { s += 1.0; } return s; }",
+    ),
+    (
+        "occluded",
+        "fn userProc(x: f32) -> f32 { return 100.0 * x + 10.0 * readAttr(AO).x + readAttr(AO1).x; }",
+    ),
+];
+
+/// A graph, and what each of some nodes must give.
+struct Case {
+    graph: Graph,
+    expected: Vec<(NodeId, [f32; 4])>,
+}
+
+impl Case {
+    fn new() -> Self {
+        let textures = TEXTURES
+            .iter()
+            .map(|&(name, text)| {
+                TextureType::parse(SourceFile::new(name, name, text))
+                    .unwrap_or_else(|problems| panic!("{problems}"))
+            })
+            .collect();
+        let library = Library::new(textures).expect("names differ");
+        Self {
+            graph: Graph::new(Arc::new(library)),
+            expected: Vec::new(),
+        }
+    }
+
+    /// Adds a node with these values.
+    fn node(&mut self, texture: &str, occlusion: [u32; 2], values: &[(&str, Value)]) -> NodeId {
+        let name = format!("{texture} {}", self.graph.ids().len());
+        let node = self
+            .graph
+            .add_node(&name, texture, occlusion)
+            .expect("a known texture");
+        for (parameter, value) in values {
+            self.graph
+                .set_value(node, parameter, value.clone())
+                .unwrap_or_else(|error| panic!("{error}"));
+        }
+        node
+    }
+
+    fn link(&mut self, node: NodeId, parameter: &str, source: NodeId, swizzle: &str) {
+        let swizzle: Option<Swizzle> =
+            (!swizzle.is_empty()).then(|| swizzle.parse().expect("a swizzle"));
+        self.graph
+            .set_link(node, parameter, source, swizzle)
+            .unwrap_or_else(|error| panic!("{error}"));
+    }
+
+    fn expect(&mut self, node: NodeId, value: [f32; 4]) {
+        self.expected.push((node, value));
+    }
+}
+
+#[test]
+fn programs_compute_what_the_language_promises() {
+    let mut case = Case::new();
+
+    let stops = vec![
+        (1.0, [1.0, 2.0, 3.0, 4.0]),
+        (0.0, [0.0; 4]),
+        (0.5, [1.0; 4]),
+        (0.5, [2.0; 4]),
+    ];
+    for (interpolation, t, value) in [
+        (Interpolation::Linear, 0.25, [0.5; 4]),
+        (Interpolation::Linear, -1.0, [0.0; 4]),
+        (Interpolation::Linear, 0.5, [2.0; 4]),
+        (Interpolation::Linear, 0.75, [1.5, 2.0, 2.5, 3.0]),
+        (Interpolation::Linear, 9.0, [1.0, 2.0, 3.0, 4.0]),
+        (Interpolation::Smooth, 0.125, [0.15625; 4]),
+        (Interpolation::Constant, 0.4, [0.0; 4]),
+        (Interpolation::Constant, 0.9, [2.0; 4]),
+    ] {
+        let ramp = Ramp {
+            stops: stops.clone(),
+            interpolation,
+        };
+        let node = case.node(
+            "ramp",
+            [0, 0],
+            &[("r", Value::Ramp(ramp)), ("t", Value::F32(t))],
+        );
+        case.expect(node, value);
+    }
+
+    let rows = Value::Array(
+        [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]]
+            .map(Value::Vec3)
+            .to_vec(),
+    );
+    for (i, k, b, value) in [
+        (0, 2, false, [8.0, 10.0, 12.0, 1.0]),
+        (2, 0, true, [17.0, 28.0, 39.0, 1.0]),
+        // Beyond the end: the last element.
+        (7, 0, false, [8.0, 10.0, 12.0, 1.0]),
+        (-1, 0, false, [8.0, 10.0, 12.0, 1.0]),
+    ] {
+        let values = [
+            ("a", rows.clone()),
+            ("i", Value::I32(i)),
+            ("k", Value::U32(k)),
+            ("b", Value::Bool(b)),
+        ];
+        let node = case.node("array", [0, 0], &values);
+        case.expect(node, value);
+    }
+
+    let columns = [[1.0, 0.0, 2.0], [0.0, 1.0, 0.0], [0.0, 5.0, 1.0]];
+    let more = [[1.0; 4], [0.0; 4], [0.0; 4], [2.0, 0.0, 0.0, 0.0]];
+    let matrix = case.node(
+        "matrix",
+        [0, 0],
+        &[("m", Value::Mat3(columns)), ("n", Value::Mat4(more))],
+    );
+    case.expect(matrix, [4.0, 18.0, 6.0, 1.0]);
+
+    // Links: without and with swizzles, widened, chained, rounded.
+    let one = case.node("one", [0, 0], &[("x", Value::F32(7.0))]);
+    case.expect(one, [7.0; 4]);
+    let two = case.node("two", [0, 0], &[("x", Value::Vec2([3.0, 4.0]))]);
+    case.expect(two, [3.0, 4.0, 0.0, 1.0]);
+    let three = case.node("three", [0, 0], &[]);
+    case.link(three, "x", one, "");
+    case.expect(three, [7.0, 7.0, 7.0, 1.0]);
+    let four = case.node("four", [0, 0], &[]);
+    case.link(four, "a", matrix, "zyx");
+    case.link(four, "b", one, "");
+    case.expect(four, [67.0, 187.0, 47.0, 17.0]);
+    let again = case.node("four", [0, 0], &[]);
+    case.link(again, "a", four, "wxyz");
+    case.link(again, "b", two, "y");
+    case.expect(again, [174.0, 674.0, 1874.0, 474.0]);
+    let pair = case.node("two", [0, 0], &[]);
+    case.link(pair, "x", four, "wz");
+    case.expect(pair, [17.0, 47.0, 0.0, 1.0]);
+    let rounded = case.node("one", [0, 0], &[("x", Value::F32(1.6))]);
+    let linked = case.node("array", [0, 0], &[("a", rows)]);
+    case.link(linked, "i", rounded, "");
+    case.link(linked, "b", rounded, "x");
+    case.expect(linked, [17.0, 28.0, 39.0, 1.0]);
+
+    // AO slots belong to nodes: the stub's AO of slot s is s.
+    let inner = case.node("occluded", [2, 3], &[]);
+    let outer = case.node("occluded", [1, 0], &[]);
+    case.link(outer, "x", inner, "");
+    case.expect(outer, [2310.0; 4]);
+
+    for inlined in [false, true] {
+        check(&case, inlined);
+    }
+}
+
+/// Runs a case and compares its results; nothing may have been cut.
+fn check(case: &Case, inlined: bool) {
+    let Some((results, overrun)) = run(case, inlined) else {
+        return;
+    };
+    for ((node, expected), result) in case.expected.iter().zip(&results) {
+        for (found, wanted) in result.iter().zip(expected) {
+            // Sums and products of small numbers: one rounding of a fused operation at most.
+            assert!(
+                (found - wanted).abs() <= 1e-5 * wanted.abs(),
+                "{}: {result:?} instead of {expected:?}",
+                case.graph.name(*node)
+            );
+        }
+    }
+    assert_eq!(overrun, 0.0);
+}
+
+#[test]
+fn an_endless_loop_is_cut_and_reported() {
+    let mut case = Case::new();
+    let endless = case.node("endless", [0, 0], &[("x", Value::F32(1.0))]);
+    case.expect(endless, [0.0; 4]);
+    let after = case.node("one", [0, 0], &[("x", Value::F32(3.0))]);
+    case.expect(after, [3.0; 4]);
+    let Some((results, overrun)) = run(&case, false) else {
+        return;
+    };
+    assert_eq!(
+        results,
+        [[0.0; 4], [3.0; 4]],
+        "the rest of the program runs"
+    );
+    let number = case.graph.library().index_of("endless").expect("known");
+    assert_eq!(overrun, number as f32 + 1.0);
+}
+
+/// Runs the program of all expected nodes in one thread; their results, and the kernel's `patina_overrun`. The graph
+/// is data, or pasted into the kernel.
+fn run(case: &Case, inlined: bool) -> Option<(Vec<[f32; 4]>, f32)> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let Ok(adapter) = wait(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+    else {
+        eprintln!("skipped: there is no adapter");
+        return None;
+    };
+    let (device, queue) = wait(adapter.request_device(&wgpu::DeviceDescriptor::default()))
+        .expect("an adapter gives a device");
+
+    let roots: Vec<NodeId> = case.expected.iter().map(|&(node, _)| node).collect();
+    let program = case.graph.compile(&roots).expect("no image is missing");
+    let (kernel, slots) = if inlined {
+        let kernel = emit_inlined(&case.graph, std::slice::from_ref(&roots));
+        let slots = (0..roots.len() as u32).collect();
+        (kernel.expect("no image is missing"), slots)
+    } else {
+        let kernel = case.graph.library().emit(program.slots_needed);
+        (kernel, program.results.clone())
+    };
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: None,
+        source: wgpu::ShaderSource::Wgsl(host(&kernel.wgsl, &slots).into()),
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+
+    let size = 16 * (roots.len() as u64 + 1);
+    let buffer = |size: u64, usage| {
+        device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
+    };
+    let upload = |words: &[u32]| {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+        let uploaded = buffer(4 * words.len() as u64, usage);
+        queue.write_buffer(&uploaded, 0, bytemuck::cast_slice(words));
+        uploaded
+    };
+    let (words, args) = (upload(&program.words), upload(case.graph.args()));
+    let results = buffer(
+        size,
+        wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+    );
+    let readable = buffer(
+        size,
+        wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+    );
+    let entries: Vec<wgpu::BindGroupEntry<'_>> = [&words, &args, &results]
+        .iter()
+        .zip(0..)
+        .map(|(buffer, binding)| wgpu::BindGroupEntry {
+            binding,
+            resource: buffer.as_entire_binding(),
+        })
+        .collect();
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &entries,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.dispatch_workgroups(1, 1, 1);
+    drop(pass);
+    encoder.copy_buffer_to_buffer(&results, 0, &readable, 0, size);
+    queue.submit([encoder.finish()]);
+
+    readable.slice(..).map_async(wgpu::MapMode::Read, |_| {});
+    device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .expect("the device answers");
+    let mapped = readable
+        .slice(..)
+        .get_mapped_range()
+        .expect("mapping has ended");
+    let mut rows: Vec<[f32; 4]> = bytemuck::cast_slice(&mapped).to_vec();
+    let overrun = rows.pop().expect("one row more than roots")[0];
+    Some((rows, overrun))
+}
+
+/// The kernel with a host that reads the two buffers, gives slot numbers as AO, and stores all results.
+fn host(kernel: &str, results: &[u32]) -> String {
+    let mut stub = HOST_STUB.to_owned();
+    for (old, new) in [
+        (
+            "fn patina_program_word(i: u32) -> u32 { return 0u; }",
+            "@group(0) @binding(0) var<storage> program: array<u32>;
+             fn patina_program_word(i: u32) -> u32 { return program[i]; }",
+        ),
+        (
+            "fn patina_arg_word(i: u32) -> u32 { return 0u; }",
+            "@group(0) @binding(1) var<storage> args: array<u32>;
+             fn patina_arg_word(i: u32) -> u32 { return args[i]; }",
+        ),
+        (
+            "fn patina_attr_AO(slot: u32) -> vec4f { return vec4f(0.0); }",
+            "fn patina_attr_AO(slot: u32) -> vec4f { return vec4f(f32(slot)); }",
+        ),
+    ] {
+        assert!(stub.contains(old), "the stub has changed: {old}");
+        stub = stub.replace(old, new);
+    }
+    let stores: String = results
+        .iter()
+        .enumerate()
+        .map(|(row, slot)| format!("    results[{row}] = patina_link({slot}u);\n"))
+        .collect();
+    format!(
+        "{kernel}\n{stub}
+@group(0) @binding(2) var<storage, read_write> results: array<vec4f>;
+@compute @workgroup_size(1) fn main() {{
+    // The inlined kernel needs no program buffer: named here, it still is a binding.
+    patina_run_program(program[0] * 0u + args[0] * 0u);
+{stores}    results[{}] = vec4f(f32(patina_overrun));
+}}",
+        results.len()
+    )
+}
+
+/// wgpu's futures are ready at once on native devices.
+fn wait<F: Future>(future: F) -> F::Output {
+    let mut future = std::pin::pin!(future);
+    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
+    loop {
+        if let std::task::Poll::Ready(output) = future.as_mut().poll(&mut context) {
+            return output;
+        }
+        std::thread::yield_now();
+    }
+}

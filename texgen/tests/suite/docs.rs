@@ -1,0 +1,129 @@
+//! `docs/texture-language.md` tells the truth: its examples are compiled, its tables compared with the code.
+
+use crate::common::{errors_of, parse, shipped, validate};
+use texgen::{BUILTIN_ATTRIBUTES, GLOBALS, PRELUDE, TextureType};
+
+fn page() -> String {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/texture-language.md");
+    std::fs::read_to_string(path).expect("the page is part of the repository")
+}
+
+/// The code blocks whose fence line is exactly "```" and `kind`.
+fn blocks(kind: &str) -> Vec<String> {
+    let page = page();
+    let mut blocks = Vec::new();
+    let mut lines = page.lines();
+    while let Some(line) = lines.next() {
+        if let Some(found) = line.strip_prefix("```").filter(|found| !found.is_empty()) {
+            let block: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
+            if found == kind {
+                blocks.push(block.join("\n") + "\n");
+            }
+        }
+    }
+    blocks
+}
+
+#[test]
+fn examples_are_valid_textures() {
+    let blocks = blocks("wgsl");
+    assert!(blocks.len() >= 5, "the page has lost its examples");
+    for text in blocks {
+        let texture = parse("example", &text).unwrap_or_else(|problems| panic!("{problems}"));
+        assert!(texture.warnings().is_empty(), "{}", texture.warnings());
+        if !text.contains("readAttr(_") {
+            validate(&format!("{PRELUDE}{text}")).unwrap_or_else(|problem| panic!("{problem}"));
+        }
+    }
+}
+
+#[test]
+fn wrong_examples_give_the_errors_shown() {
+    let wrong = blocks("wgsl,error");
+    let reports = blocks("text");
+    assert!(!wrong.is_empty() && wrong.len() == reports.len());
+    for (text, report) in wrong.iter().zip(&reports) {
+        let found = errors_of("example", text);
+        assert!(
+            found.starts_with(report.trim_end()),
+            "the page shows\n{report}\nbut the error is\n{found}"
+        );
+    }
+}
+
+#[test]
+fn tables_of_names_are_complete() {
+    let page = page();
+    let rows = BUILTIN_ATTRIBUTES
+        .iter()
+        .map(|a| (a.name(), a.description()));
+    for (name, description) in rows.chain(GLOBALS.iter().map(|g| (g.name(), g.description()))) {
+        let row = format!("| `{name}` | {description} |\n");
+        assert!(page.contains(&row), "the page lacks the row\n{row}");
+    }
+    let listed = page
+        .lines()
+        .filter(|line| line.starts_with("| `") && line.matches('|').count() == 3);
+    let names: Vec<&str> = listed.filter_map(|line| line.split('`').nth(1)).collect();
+    for name in names
+        .iter()
+        .filter(|name| name.starts_with(char::is_uppercase))
+    {
+        let known = BUILTIN_ATTRIBUTES.iter().any(|a| a.name() == *name)
+            || GLOBALS.iter().any(|g| g.name() == *name);
+        assert!(known, "the page lists `{name}`, which does not exist");
+    }
+}
+
+#[test]
+fn the_prelude_has_the_names_and_sentences_of_the_code() {
+    let rows = BUILTIN_ATTRIBUTES
+        .iter()
+        .map(|a| (a.name(), a.description()));
+    for (name, description) in rows.chain(GLOBALS.iter().map(|g| (g.name(), g.description()))) {
+        let found = PRELUDE.lines().any(|line| {
+            line.starts_with(&format!("const {name} = "))
+                && line.ends_with(&format!("// {description}"))
+        });
+        assert!(found, "the prelude lacks `{name}`: {description}");
+    }
+}
+
+#[test]
+fn the_host_stub_has_a_function_for_every_name() {
+    for name in BUILTIN_ATTRIBUTES
+        .iter()
+        .map(|a| a.name())
+        .filter(|name| !name.starts_with("AO"))
+    {
+        assert!(
+            texgen::HOST_STUB.contains(&format!("fn patina_attr_{name}() -> vec4f")),
+            "{name}"
+        );
+    }
+    for global in GLOBALS {
+        assert!(
+            texgen::HOST_STUB.contains(&format!("fn patina_global_{}() -> vec4f", global.name()))
+        );
+    }
+}
+
+#[test]
+fn the_table_of_shipped_textures_is_complete() {
+    let page = page();
+    for file in shipped() {
+        let texture = TextureType::parse(file).unwrap_or_else(|problems| panic!("{problems}"));
+        let docs = texture.docs().replace('\n', " ");
+        let sentence = docs
+            .split(". ")
+            .next()
+            .unwrap_or_default()
+            .trim_end_matches('.');
+        let row = format!(
+            "| `{}` | `{}` | {sentence} |\n",
+            texture.name(),
+            texture.output()
+        );
+        assert!(page.contains(&row), "the page lacks the row\n{row}");
+    }
+}
