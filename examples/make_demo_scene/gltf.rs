@@ -140,7 +140,7 @@ impl Writer {
         ty: &str,
         count: usize,
     ) -> usize {
-        while self.bytes.len() % 4 != 0 {
+        while !self.bytes.len().is_multiple_of(4) {
             self.bytes.push(0);
         }
         self.views.push(json!({
