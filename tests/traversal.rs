@@ -214,11 +214,12 @@ fn a_million_rays_of_sponza_agree_with_the_cpu() {
     };
     let imported = import::load(&path).unwrap_or_else(|error| panic!("{error}"));
     let mut scene = imported.scene;
-    // Only geometry: leaves are not cut out, and no image is uploaded.
+    // Only geometry: leaves are not cut out, back faces are hit, and no image is uploaded.
     scene.images.clear();
     for material in &mut scene.materials {
         *material = Material {
             name: material.name.clone(),
+            double_sided: true,
             ..Material::default()
         };
     }
@@ -236,7 +237,10 @@ fn awkward_scene() -> Scene {
     let mut random = Normal::new(3);
     let mut scene = Scene {
         meshes: vec![awkward_mesh(&mut random)],
-        materials: vec![Material::default()],
+        materials: vec![Material {
+            double_sided: true,
+            ..Material::default()
+        }],
         ..Scene::default()
     };
     for i in 0..32 {
