@@ -124,7 +124,7 @@ fn rays(scene: &Scene) -> Vec<RayHit> {
         let place = Vec3::new(uniform(), uniform(), uniform());
         let origin = low + (high - low) * place;
         let mut direction = Vec3::from_array(std::array::from_fn(|_| random.sample() as f32));
-        if rays.len() % 16 == 0 {
+        if rays.len().is_multiple_of(16) {
             direction = Vec3::AXES[rays.len() / 16 % 3] * direction.x.signum();
         }
         if let Some(direction) = direction.try_normalize() {
