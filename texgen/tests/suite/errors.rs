@@ -29,7 +29,6 @@ fn a_report_is_complete() {
   |            ^^^^ unknown identifier
   |
   = note: did you mean `noise`?
-
 "
     );
 }
@@ -459,4 +458,40 @@ fn odd_parameter_lines_warn_and_wrong_defaults_are_errors() {
         "/// @param x = 1\nfn userProc(x: sam2D) -> f32 { return texSize(x).x; }",
         &["images have none"],
     );
+}
+
+#[test]
+fn types_are_named_as_wgsl_names_them() {
+    let report = errors(
+        "fn f(p: vec2f) -> f32 { return p.x; }
+fn userProc(a: vec3f, b: f32) -> vec3f {
+    let wrong = f(a);
+    return select(a, b, true);
+}
+fn g(a: f32, b: mat3x3f) -> f32 { return a * (b + 1u).x.x; }
+",
+    );
+    for part in ["argument 1 of the call is not", "vec3<f32>"] {
+        assert!(report.contains(part), "{report}");
+    }
+    for part in ["Scalar", "Vector {", "\n\n\n"] {
+        assert!(!report.contains(part), "{report}");
+    }
+}
+
+#[test]
+fn a_description_above_a_helper_is_not_lost_silently() {
+    let text = "/// Stripes.
+/// @param width of a stripe = 0.5
+fn helper() -> f32 { return 1.0; }
+fn userProc(width: f32) -> f32 { return width * helper(); }
+";
+    let texture = parse(text);
+    let warnings = texture.warnings().to_string();
+    for part in ["t.wgsl:2:1", "stands elsewhere", "right above `fn userProc`"] {
+        assert!(warnings.contains(part), "{warnings}");
+    }
+    // A helper may describe parameters of its own.
+    let text = text.replace("@param width", "@param p");
+    assert!(parse(&text).warnings().is_empty());
 }
