@@ -462,21 +462,30 @@ fn odd_parameter_lines_warn_and_wrong_defaults_are_errors() {
 
 #[test]
 fn types_are_named_as_wgsl_names_them() {
-    let report = errors(
-        "fn f(p: vec2f) -> f32 { return p.x; }
-fn userProc(a: vec3f, b: f32) -> vec3f {
-    let wrong = f(a);
-    return select(a, b, true);
+    for (text, said) in [
+        (
+            "fn f(p: vec2f) -> f32 { return p.x; }\nfn userProc(a: vec3f) -> f32 { return f(a); }",
+            "argument 1 of the call is not of the type that the function declares",
+        ),
+        (
+            "fn userProc(a: vec3f, b: f32) -> vec3f { return select(a, b, true); }",
+            "reject value of type vec3<f32> does not match accept value of type f32",
+        ),
+    ] {
+        let report = errors(text);
+        assert!(report.contains(said), "{report}");
+        assert!(!report.contains("Scalar"), "{report}");
+    }
 }
-fn g(a: f32, b: mat3x3f) -> f32 { return a * (b + 1u).x.x; }
-",
+
+#[test]
+fn errors_are_separated_by_one_empty_line() {
+    let report = errors(
+        "fn f() -> f32 { return nothing; }\nfn userProc() -> f32 { return nor_this; }\n",
     );
-    for part in ["argument 1 of the call is not", "vec3<f32>"] {
-        assert!(report.contains(part), "{report}");
-    }
-    for part in ["Scalar", "Vector {", "\n\n\n"] {
-        assert!(!report.contains(part), "{report}");
-    }
+    assert_eq!(report.matches("error: ").count(), 2, "{report}");
+    assert!(report.contains("\n\nerror: "), "{report}");
+    assert!(!report.contains("\n\n\n"), "{report}");
 }
 
 #[test]
@@ -486,12 +495,19 @@ fn a_description_above_a_helper_is_not_lost_silently() {
 fn helper() -> f32 { return 1.0; }
 fn userProc(width: f32) -> f32 { return width * helper(); }
 ";
-    let texture = parse(text);
-    let warnings = texture.warnings().to_string();
-    for part in ["t.wgsl:2:1", "stands elsewhere", "right above `fn userProc`"] {
-        assert!(warnings.contains(part), "{warnings}");
+    let warnings = |text: &str| match parse("t", text) {
+        Ok(texture) => texture.warnings().to_string(),
+        Err(problems) => panic!("{problems}"),
+    };
+    let report = warnings(text);
+    for part in [
+        "t.wgsl:2:1",
+        "stands elsewhere",
+        "right above `fn userProc`",
+    ] {
+        assert!(report.contains(part), "{report}");
     }
     // A helper may describe parameters of its own.
     let text = text.replace("@param width", "@param p");
-    assert!(parse(&text).warnings().is_empty());
+    assert_eq!(warnings(&text), "");
 }
