@@ -12,7 +12,7 @@ use thiserror::Error;
 use crate::args::{Args, BenchCommand, Command, RenderArgs};
 
 /// Longest side of a picture, pixels.
-pub(crate) const MAX_SIDE: u32 = 65_536;
+pub(crate) const MAX_SIDE: u32 = engine::renderer::MAX_SIDE;
 /// Most pixels of a picture. The film keeps 28 bytes for each.
 pub(crate) const MAX_PIXELS: u64 = 1 << 26;
 /// Most samples per pixel. The film's sums are 32-bit floats, which more samples would not make better.
@@ -367,9 +367,9 @@ mod tests {
             ("-1", "no 'x'"),
             ("-1x2", "width is not a whole number"),
             ("1.5x2", "width is not a whole number"),
-            ("99999999x2", "width exceeds 65536"),
-            ("2x99999999999999999999999", "height exceeds 65536"),
-            ("65536x65536", "4294967296 pixels"),
+            ("99999999x2", "width exceeds 16384"),
+            ("2x99999999999999999999999", "height exceeds 16384"),
+            ("16384x16384", "268435456 pixels"),
             ("2x3x4", "height is not a whole number"),
         ] {
             let error = parse_size(bad).unwrap_err().to_string();

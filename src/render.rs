@@ -8,6 +8,8 @@ use engine::gpu::Gpu;
 use engine::load::{self, Loaded};
 use engine::renderer::{RenderSettings, Renderer};
 use engine::scene::{Camera, Scene};
+use engine::stats::Stats;
+use texgen::LOOP_LIMIT;
 
 use crate::exit::Failure;
 use crate::job::RenderJob;
@@ -66,10 +68,11 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
             job.spp
         ));
     }
+    let stats = renderer.stats().map_err(Failure::because)?;
+    warn(&doubts(&stats));
     let mut outcome = write_pictures(job, &film, gpu.description().name.as_str());
 
     if job.stats || job.stats_json.is_some() {
-        let stats = renderer.stats().map_err(Failure::because)?;
         let seconds = Seconds {
             load: load_seconds,
             prepare: prepare_seconds,
@@ -84,6 +87,25 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
         }
     }
     outcome
+}
+
+/// What makes the picture differ from what its author meant, found while rendering.
+fn doubts(stats: &Stats) -> Vec<String> {
+    let mut doubts = Vec::new();
+    if let Some(texture) = &stats.endless_texture {
+        doubts.push(format!(
+            "the loops of texture `{texture}` took more than {LOOP_LIMIT} steps at one hit and were ended early; \
+             look for a loop that doesn't end"
+        ));
+    }
+    if stats.invalid_samples > 0 {
+        doubts.push(format!(
+            "{} samples were not finite and count as black; a texture may divide by zero or take the root of a \
+             negative number",
+            console::grouped(stats.invalid_samples)
+        ));
+    }
+    doubts
 }
 
 fn prepare(

@@ -162,7 +162,7 @@ fn wrong_usage_is_code_2_and_says_what_is_right() {
         ("render triangle.gltf --size 99999999x2", "exceeds"),
         ("render triangle.gltf --size -1", "--size -1"),
         (
-            "render triangle.gltf --size 65536x65536",
+            "render triangle.gltf --size 16384x16384",
             "more than the 67108864",
         ),
         ("render triangle.gltf --spp 0", "--spp 0"),

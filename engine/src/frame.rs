@@ -47,6 +47,10 @@ pub struct Frame {
     /// No path with this sample or a later one starts.
     pub sample_limit: u32,
     user_image_base: u32,
+    bounds_min: Vec3,
+    frame_index: u32,
+    bounds_max: Vec3,
+    spare: u32,
 }
 
 impl Frame {
@@ -85,7 +89,11 @@ impl Frame {
             pixel_spread,
             time,
             sample_limit,
-            user_image_base
+            user_image_base,
+            bounds_min,
+            frame_index,
+            bounds_max,
+            spare
         ]
     }
 }
@@ -150,6 +158,10 @@ impl Frame {
             time: 0.0,
             sample_limit: 0,
             user_image_base: scene.user_image_base,
+            bounds_min: scene.bounds[0],
+            frame_index: 0,
+            bounds_max: scene.bounds[1],
+            spare: 0,
         }
     }
 }

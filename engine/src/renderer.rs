@@ -393,6 +393,10 @@ impl Renderer {
             samples_per_second: rate(samples, self.seconds),
             seconds: self.seconds,
             invalid_samples: totals.invalid,
+            endless_texture: totals.overrun.and_then(|number| {
+                let textures = self.procedural.graph().library().textures();
+                Some(textures.get(number as usize)?.name().to_owned())
+            }),
             memory,
             pipelines_created: self.gpu.pipelines_created(),
             shader_modules_created: self.gpu.shader_modules_created(),

@@ -146,6 +146,8 @@ pub struct Totals {
     pub ao_rays: u64,
     /// Samples that were not finite.
     pub invalid: u64,
+    /// Type number of a texture whose loops were ended early.
+    pub overrun: Option<u32>,
 }
 
 impl Totals {
@@ -156,6 +158,7 @@ impl Totals {
             rays: pair(9),
             ao_rays: pair(13),
             invalid: u64::from(words[15]),
+            overrun: words[11].checked_sub(1),
         }
     }
 }

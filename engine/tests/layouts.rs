@@ -108,13 +108,12 @@ fn shared_structs_agree() {
 
 #[test]
 fn kernels_are_valid_and_bind_at_most_eight_storage_buffers() {
-    let proctex = Source::of("proctex/proctex.wgsl").text
-        + "fn patina_run_program(offset: u32) { let w = patina_program_word(offset) + patina_arg_word(0u); }
-           fn patina_link(word: u32) -> vec4f { return vec4f(f32(word)); }";
+    let mut proctex = Source::of("proctex/proctex.wgsl");
+    proctex.append_generated(&texgen::Library::default().emit(1));
     let texts = KERNELS
         .iter()
         .map(|k| ((*k).to_owned(), Source::of(k).text))
-        .chain([("proctex".to_owned(), proctex)]);
+        .chain([("proctex".to_owned(), proctex.text)]);
     for (name, text) in texts {
         let (module, info) = module(&text);
         for (index, entry) in module.entry_points.iter().enumerate() {

@@ -305,11 +305,11 @@ impl Diagnostics {
             .any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 
-    /// Plain text of all, one after the other.
+    /// Plain text of all, one after the other with an empty line between.
     pub fn render(&self) -> String {
         self.0
             .iter()
-            .map(Diagnostic::render)
+            .map(|diagnostic| format!("{diagnostic}\n"))
             .collect::<Vec<_>>()
             .join("\n")
     }

@@ -84,7 +84,39 @@ pub(crate) fn read_docs(
             }
         }
     }
+    misplaced(file, outline, parameters, &described, problems);
     docs.trim().to_owned()
+}
+
+/// Warns of a description that stands above something else than `userProc`, where it would silently do nothing.
+fn misplaced(
+    file: &SourceFile,
+    outline: &Outline<'_>,
+    parameters: &[Parameter],
+    described: &[String],
+    problems: &mut Diagnostics,
+) {
+    let misplaced = outline.tokens.comments.iter().find(|comment| {
+        let Some((_, rest)) = comment.text.split_once("@param ") else {
+            return false;
+        };
+        let name = rest.split_whitespace().next().unwrap_or_default();
+        let is_doc = comment.text.starts_with("///") || comment.text.starts_with("/**");
+        let is_parameter = parameters.iter().any(|parameter| parameter.name == name);
+        is_doc && is_parameter && !described.iter().any(|known| known == name)
+    });
+    if let Some(comment) = misplaced {
+        let text = comment.text.lines().next().unwrap_or_default();
+        problems.push(
+            Diagnostic::warning("this describes a parameter of `userProc`, but stands elsewhere")
+                .with_label(
+                    file,
+                    comment.start..comment.start + text.len(),
+                    "is ignored",
+                )
+                .with_note("move the description down, right above `fn userProc`"),
+        );
+    }
 }
 
 /// Documentation lines: `//!` anywhere, and the `///` and `/** */` comments right above `userProc`.

@@ -292,6 +292,15 @@ fn plain_notes(notes: &[String]) -> Vec<String> {
 
 /// Messages of naga's that speak of its own structures, said so that an author of a texture understands them.
 fn in_user_terms(message: &str) -> String {
+    if let Some(rest) = message.strip_prefix("Argument ")
+        && let Some((number, _)) = rest.split_once(" value ")
+        && let Ok(number) = number.parse::<u32>()
+    {
+        return format!(
+            "argument {} of the call is not of the type that the function declares",
+            number + 1
+        );
+    }
     if message.starts_with("The `return` expression None") {
         return "not every way through the function ends with a `return` of its result".into();
     }
@@ -325,7 +334,34 @@ fn plain_message(message: &str) -> String {
             rest = &rest[at + 2..];
         }
     }
-    out + rest
+    type_names(out + rest)
+}
+
+/// Types as WGSL writes them, where naga shows its own structures.
+fn type_names(mut message: String) -> String {
+    if !message.contains("Scalar {") {
+        return message;
+    }
+    let scalars = [("Float", "f32"), ("Sint", "i32"), ("Uint", "u32")];
+    for (kind, name) in scalars {
+        message = message.replace(&format!("Scalar {{ kind: {kind}, width: 4 }}"), name);
+    }
+    message = message.replace("Scalar { kind: Bool, width: 1 }", "bool");
+    const SIZES: [(&str, u32); 3] = [("Bi", 2), ("Tri", 3), ("Quad", 4)];
+    for scalar in ["f32", "i32", "u32", "bool"] {
+        for (size, n) in SIZES {
+            let vector = format!("Vector {{ size: {size}, scalar: {scalar} }}");
+            message = message.replace(&vector, &format!("vec{n}<{scalar}>"));
+            for (rows, m) in SIZES {
+                let matrix =
+                    format!("Matrix {{ columns: {size}, rows: {rows}, scalar: {scalar} }}");
+                message = message.replace(&matrix, &format!("mat{n}x{m}<{scalar}>"));
+            }
+        }
+        message = message.replace(&format!("Scalar({scalar})"), scalar);
+    }
+    // "(of type f32)" without the words around it that say the same again.
+    message.replace("value of value ", "value of type ")
 }
 
 fn remedies(message: &str, diagnostic: &Diagnostic, outline: &Outline<'_>) -> Vec<String> {

@@ -26,8 +26,8 @@ pub enum GpuError {
         "no graphics adapter was found; install a Vulkan driver (Debian/Ubuntu: `apt install mesa-vulkan-drivers libvulkan1`)"
     )]
     NoAdapter,
-    /// The choice matches no usable adapter.
-    #[error("no usable adapter matches `{wanted}`; there are:\n{available}")]
+    /// The choice matches no usable device.
+    #[error("no usable device matches `{wanted}`; there are:\n{available}")]
     NotFound {
         /// What was asked for.
         wanted: String,

@@ -102,6 +102,8 @@ pub struct GpuScene {
     pub features: SceneFeatures,
     /// The environment's numbers.
     pub environment: GpuEnvironment,
+    /// Least and greatest corner of a box around the scene, metres.
+    pub bounds: [Vec3; 2],
     /// Centre of a sphere around the scene, metres.
     pub center: Vec3,
     /// Its radius, metres.
@@ -185,6 +187,7 @@ impl GpuScene {
                 environment: environment.emits,
             },
             environment,
+            bounds: [lo, hi],
             center,
             radius,
             user_image_base: images.user_base,
@@ -317,7 +320,13 @@ impl VertexLayout {
                 ]);
             }
             if self.stride >= 3 {
-                let uv = mesh.uv1.get(i).copied().unwrap_or(Vec2::ZERO);
+                // A second set that isn't there is the first one, as textures are told.
+                let uv = mesh
+                    .uv1
+                    .get(i)
+                    .or(mesh.uv0.get(i))
+                    .copied()
+                    .unwrap_or(Vec2::ZERO);
                 let color = mesh.colors.get(i).copied().unwrap_or(Vec4::ONE);
                 heap.push([
                     uv.x.to_bits(),

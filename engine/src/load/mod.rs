@@ -43,13 +43,13 @@ pub enum LoadError {
     #[error(transparent)]
     Textures(#[from] SourcesError),
     /// Nothing to render.
-    #[error("{} has no triangles: there is nothing to render", path.display())]
+    #[error("{} has no triangles: there is nothing to render; export it with the meshes that nodes of its scene place", path.display())]
     Empty {
         /// The scene.
         path: PathBuf,
     },
     /// No camera of that name.
-    #[error("there is no camera called `{name}`: {remedy}")]
+    #[error("the scene has no camera called `{name}`: {remedy}")]
     UnknownCamera {
         /// As asked for.
         name: String,
@@ -59,7 +59,7 @@ pub enum LoadError {
 }
 
 /// Reads a glTF scene, the look beside it, and the user textures that the look uses from some directories (where two
-/// have one of the same name, the later one's).
+/// have one of the same name, the earlier one's).
 ///
 /// # Errors
 /// Whatever is wrong with the files, all mistakes of the look at once, and a scene without triangles.
@@ -90,12 +90,7 @@ pub fn load(scene: &Path, look: Option<&Path>, textures: &[PathBuf]) -> Result<L
     let nothing = Look::empty(Path::new(""), SourceFile::new("look", "", ""));
     let procedural = Procedural::build(look.as_ref().unwrap_or(&nothing), &mut scene, &sources)
         .map_err(LookError::from)?;
-    warnings.extend(
-        procedural
-            .warnings()
-            .iter()
-            .map(|w| w.render().trim_end().to_owned()),
-    );
+    warnings.extend(procedural.warnings().iter().map(ToString::to_string));
     let states_environment = look.as_ref().is_some_and(|look| look.environment.is_some());
     let emits = |material: u32| procedural.drives_emission(material);
     if !states_environment && is_dark(&scene, emits) {
@@ -202,7 +197,7 @@ fn camera_remedy(scene: &Scene, name: &str) -> String {
     match did_you_mean(name, names()) {
         Some(near) => format!("did you mean `{near}`?"),
         None if scene.cameras.is_empty() => "the scene has no cameras".to_owned(),
-        None => format!("there are {}", names().collect::<Vec<_>>().join(", ")),
+        None => format!("it has {}", names().collect::<Vec<_>>().join(", ")),
     }
 }
 

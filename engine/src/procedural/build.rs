@@ -1,6 +1,7 @@
 //! From a look to a [`Procedural`]: textures are parsed, nodes added, arguments set, materials resolved and compiled.
 
 use std::collections::{BTreeSet, HashSet};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use texgen::{
@@ -123,6 +124,24 @@ impl Procedural {
     }
 }
 
+fn custom(attribute: &Attribute) -> Option<&str> {
+    match attribute {
+        Attribute::Custom(name) => Some(name),
+        Attribute::Builtin(_) => None,
+    }
+}
+
+fn folders(directories: &[PathBuf]) -> String {
+    let shown: Vec<_> = directories
+        .iter()
+        .map(|d| d.display().to_string())
+        .collect();
+    match shown.is_empty() {
+        true => "none is known; name one with --textures DIR".to_owned(),
+        false => shown.join(", "),
+    }
+}
+
 struct Builder<'a> {
     look: &'a Look,
     problems: Diagnostics,
@@ -164,12 +183,22 @@ impl<'a> Builder<'a> {
                     let note = match did_you_mean(name, sources.names()) {
                         Some(near) => format!("did you mean `{near}`?"),
                         None => format!(
-                            "put {name}.wgsl into the textures directory, or name one with --textures DIR"
+                            "it would be a file {name}.wgsl in one of the folders with textures: {}",
+                            folders(sources.directories())
                         ),
                     };
                     let message = format!("there is no texture called `{name}`");
                     self.problem(&first_use(look, name).span, message, Some(note));
                 }
+            }
+        }
+        for texture in &types {
+            for name in texture.attributes().iter().filter_map(custom) {
+                let message = format!(
+                    "{}: `readAttr({name})` gives 0: custom attributes of meshes are not loaded yet",
+                    texture.file().path()
+                );
+                self.warnings.push(Diagnostic::warning(message));
             }
         }
         Library::new(types).unwrap_or_else(|problem| {

@@ -97,7 +97,7 @@ impl Resolver<'_> {
                         format!("the scene has no material `{name}`, and no blend uses it"),
                         Some(near.map_or_else(
                             || list_of(&known),
-                            |near| format!("did you mean `{near}`?"),
+                            |near| format!("did you mean `{near}`? {}", list_of(&known)),
                         )),
                     );
                 }

@@ -8,10 +8,11 @@ use texgen::SourceFile;
 /// A texture larger than this is not read.
 const MAX_BYTES: u64 = 4 << 20;
 
-/// User textures by name. Where two directories hold a texture of one name, the directory named later wins.
+/// User textures by name. Where two directories hold a texture of one name, the directory named first wins.
 #[derive(Debug, Clone, Default)]
 pub struct TextureSources {
     by_name: BTreeMap<String, Source>,
+    directories: Vec<PathBuf>,
 }
 
 #[derive(Debug, Clone)]
@@ -59,11 +60,13 @@ impl TextureSources {
                 path: directory.to_owned(),
                 source,
             };
+            sources.directories.push(directory.to_owned());
             for entry in std::fs::read_dir(directory).map_err(error)? {
                 let path = entry.map_err(error)?.path();
                 let is_wgsl = path.extension().is_some_and(|e| e == "wgsl") && path.is_file();
                 if let (true, Some(name)) = (is_wgsl, path.file_stem().and_then(|s| s.to_str())) {
-                    sources.by_name.insert(name.to_owned(), Source::File(path));
+                    let known = sources.by_name.entry(name.to_owned());
+                    known.or_insert(Source::File(path));
                 }
             }
         }
@@ -79,6 +82,11 @@ impl TextureSources {
     /// All names, sorted.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.by_name.keys().map(String::as_str)
+    }
+
+    /// The directories that were listed, in their order.
+    pub fn directories(&self) -> &[PathBuf] {
+        &self.directories
     }
 
     /// The text of a texture; `None` where there is none of that name.
@@ -113,4 +121,25 @@ fn read_file(name: &str, path: &Path) -> Result<SourceFile, SourcesError> {
     }
     let text = std::fs::read_to_string(path).map_err(error)?;
     Ok(SourceFile::new(name, path.display().to_string(), text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_directory_with_a_texture_of_that_name_wins() {
+        let root = std::env::temp_dir().join(format!("patina-sources-{}", std::process::id()));
+        let dirs = ["mine", "shipped"].map(|name| root.join(name));
+        for (dir, names) in dirs.iter().zip([&["a"][..], &["a", "b"]]) {
+            std::fs::create_dir_all(dir).expect("a folder");
+            for name in names {
+                std::fs::write(dir.join(format!("{name}.wgsl")), "").expect("a file");
+            }
+        }
+        let sources = TextureSources::scan(&dirs).expect("both can be listed");
+        assert_eq!(sources.path("a"), Some(&*dirs[0].join("a.wgsl")));
+        assert_eq!(sources.path("b"), Some(&*dirs[1].join("b.wgsl")));
+        let _ = std::fs::remove_dir_all(&root);
+    }
 }

@@ -29,7 +29,6 @@ fn a_report_is_complete() {
   |            ^^^^ unknown identifier
   |
   = note: did you mean `noise`?
-
 "
     );
 }
@@ -459,4 +458,56 @@ fn odd_parameter_lines_warn_and_wrong_defaults_are_errors() {
         "/// @param x = 1\nfn userProc(x: sam2D) -> f32 { return texSize(x).x; }",
         &["images have none"],
     );
+}
+
+#[test]
+fn types_are_named_as_wgsl_names_them() {
+    for (text, said) in [
+        (
+            "fn f(p: vec2f) -> f32 { return p.x; }\nfn userProc(a: vec3f) -> f32 { return f(a); }",
+            "argument 1 of the call is not of the type that the function declares",
+        ),
+        (
+            "fn userProc(a: vec3f, b: f32) -> vec3f { return select(a, b, true); }",
+            "reject value of type vec3<f32> does not match accept value of type f32",
+        ),
+    ] {
+        let report = errors(text);
+        assert!(report.contains(said), "{report}");
+        assert!(!report.contains("Scalar"), "{report}");
+    }
+}
+
+#[test]
+fn errors_are_separated_by_one_empty_line() {
+    let report = errors(
+        "fn f() -> f32 { return nothing; }\nfn userProc() -> f32 { return nor_this; }\n",
+    );
+    assert_eq!(report.matches("error: ").count(), 2, "{report}");
+    assert!(report.contains("\n\nerror: "), "{report}");
+    assert!(!report.contains("\n\n\n"), "{report}");
+}
+
+#[test]
+fn a_description_above_a_helper_is_not_lost_silently() {
+    let text = "/// Stripes.
+/// @param width of a stripe = 0.5
+fn helper() -> f32 { return 1.0; }
+fn userProc(width: f32) -> f32 { return width * helper(); }
+";
+    let warnings = |text: &str| match parse("t", text) {
+        Ok(texture) => texture.warnings().to_string(),
+        Err(problems) => panic!("{problems}"),
+    };
+    let report = warnings(text);
+    for part in [
+        "t.wgsl:2:1",
+        "stands elsewhere",
+        "right above `fn userProc`",
+    ] {
+        assert!(report.contains(part), "{report}");
+    }
+    // A helper may describe parameters of its own.
+    let text = text.replace("@param width", "@param p");
+    assert_eq!(warnings(&text), "");
 }

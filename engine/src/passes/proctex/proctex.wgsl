@@ -18,6 +18,7 @@ struct Site {
     surface: Surface,
     instance: u32,
     bounce: u32,
+    sample: u32, // of the pixel
     occluded: u32, // four counts of eight bits
     footprint: f32, // width of the ray cone, metres
 }
@@ -81,7 +82,7 @@ fn patina_attr_ViewDir() -> vec4f {
 fn patina_attr_AO(slot: u32) -> vec4f {
     let table = slot & 3u;
     let occluded = f32((site.occluded >> (8u * table)) & 0xffu);
-    return vec4f(vec3f(1.0 - occluded / max(f32(ao_tables[table].samples), 1.0)), 1.0);
+    return vec4f(1.0 - occluded / max(f32(ao_tables[table].samples), 1.0));
 }
 
 // How much the interpolated normal turns over the triangle, 1/metres; positive where the surface bulges.
@@ -100,7 +101,7 @@ fn patina_attr_Curvature() -> vec4f {
         + dot(na - nc, ca) / max(dot(ca, ca), 1e-20);
     // Curvature lives in object space; the scale of the instance turns it into the world's.
     let scale = pow(max(site.surface.area_scale, 1e-30) / max(length(cross(ab, ca)), 1e-30), 0.5);
-    return vec4f(vec3f(along / 3.0 / scale), 1.0);
+    return vec4f(along / 3.0 / scale);
 }
 
 // x: width of the ray cone in metres; y: the same in units of TexCoord0; z: in object space.
@@ -123,7 +124,10 @@ fn patina_attr_InstanceId() -> vec4f {
 }
 
 fn patina_attr_ObjectRandom() -> vec4f {
-    return vec4f(instances[site.instance].random);
+    let x = instances[site.instance].random;
+    let y = hash(bitcast<u32>(x));
+    let z = hash(y);
+    return vec4f(x, vec3f(vec3u(y, z, hash(z)) >> vec3u(8u)) * (1.0 / 16777216.0));
 }
 
 fn patina_attr_MaterialId() -> vec4f {
@@ -145,6 +149,40 @@ fn patina_attr_RayKind() -> vec4f {
 
 fn patina_attr_Time() -> vec4f {
     return vec4f(frame.time);
+}
+
+// Meshes are loaded without their custom attributes so far; whoever reads one was warned when the look was loaded.
+fn patina_attr_custom(index: u32) -> vec4f {
+    return vec4f(0.0);
+}
+
+fn patina_global_Time() -> vec4f {
+    return vec4f(frame.time);
+}
+
+fn patina_global_FrameIndex() -> vec4f {
+    return vec4f(f32(frame.frame_index));
+}
+
+fn patina_global_SampleIndex() -> vec4f {
+    return vec4f(f32(site.sample));
+}
+
+fn patina_global_Resolution() -> vec4f {
+    let size = vec2f(f32(frame.width), f32(frame.height));
+    return vec4f(size, 1.0 / size);
+}
+
+fn patina_global_CameraPos() -> vec4f {
+    return vec4f(frame.camera_position, 1.0);
+}
+
+fn patina_global_SceneMin() -> vec4f {
+    return vec4f(frame.bounds_min, 1.0);
+}
+
+fn patina_global_SceneMax() -> vec4f {
+    return vec4f(frame.bounds_max, 1.0);
 }
 
 fn user_image(image: u32) -> vec4u {
@@ -180,7 +218,7 @@ fn proctex(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) wor
     let hit = rays[slot];
     let bounce = bounce_number();
     let cone_width = path_read(PATH_RADIANCE, slot).w + frame.pixel_spread * hit.t_max;
-    site = Site(surface_at(hit), hit.instance, bounce, atomicLoad(&queues[ao_word(slot)]), cone_width);
+    site = Site(surface_at(hit), hit.instance, bounce, path_id(slot).sample, atomicLoad(&queues[ao_word(slot)]), cone_width);
 
     var material = site.surface.triangle.w & TRIANGLE_MATERIAL;
     var flags = head_word(material, HEAD_FLAGS);
@@ -222,6 +260,9 @@ fn proctex(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) wor
     }
     if ((flags & (1u << OUTPUT_ROUGHNESS)) != 0u) {
         emission.w = patina_link(head_word(material, HEAD_OUTPUTS + OUTPUT_ROUGHNESS)).x;
+    }
+    if (patina_overrun != 0u) {
+        atomicMax(&queues[WORD_OVERRUN], patina_overrun);
     }
     path_write(PATH_PROC_BASE, slot, base);
     path_write(PATH_PROC_EMISSION, slot, emission);

@@ -1,5 +1,5 @@
 // What is the same for every thread of a wave: camera, picture, and which paths the wave holds.
-// The Rust twin is `renderer::frame::Frame`; a test compares the layouts.
+// The Rust twin is `frame::Frame`; a test compares the layouts.
 
 struct Frame {
     camera_right: vec3f,
@@ -32,6 +32,10 @@ struct Frame {
     time: f32, // seconds, for textures that move
     sample_limit: u32, // samples after which no path of this job starts
     user_image_base: u32, // row of `image_table` where the images of texture arguments begin
+    bounds_min: vec3f, // corners of a box around the scene
+    frame_index: u32, // number of the picture, for textures that move
+    bounds_max: vec3f,
+    spare: u32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

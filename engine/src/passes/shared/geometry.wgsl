@@ -61,8 +61,9 @@ fn barycentric_weights(b: vec2f) -> vec3f {
     return vec3f(1.0 - b.x - b.y, b.x, b.y);
 }
 
+// TEXCOORD_0 or TEXCOORD_1; the first where the mesh has no second one, zero where it has neither.
 fn interpolate_uv(triangle: vec4u, weights: vec3f, uv_set: u32) -> vec2f {
-    if (uv_set == 0u) {
+    if (uv_set == 0u || (triangle.w & TRIANGLE_HAS_EXTRA) == 0u) {
         if ((triangle.w & TRIANGLE_HAS_UV) == 0u) {
             return vec2f(0.0);
         }
@@ -70,9 +71,6 @@ fn interpolate_uv(triangle: vec4u, weights: vec3f, uv_set: u32) -> vec2f {
         let b = bitcast<vec2f>(vertices[triangle.y + 1u].xy);
         let c = bitcast<vec2f>(vertices[triangle.z + 1u].xy);
         return a * weights.x + b * weights.y + c * weights.z;
-    }
-    if ((triangle.w & TRIANGLE_HAS_EXTRA) == 0u) {
-        return vec2f(0.0);
     }
     let a = bitcast<vec2f>(vertices[triangle.x + 2u].xy);
     let b = bitcast<vec2f>(vertices[triangle.y + 2u].xy);

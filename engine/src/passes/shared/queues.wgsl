@@ -1,5 +1,5 @@
 // Compacted lists of path slots, one per kind of work, and the totals for statistics. One buffer, because at most
-// eight storage buffers may be bound. The Rust twin of the layout is `wave::queue_words`.
+// eight storage buffers may be bound. The Rust twin of the layout is in `wave`.
 //
 // Word 2k is what producers of queue k have appended, word 2k+1 what its consumers may read; `advance` moves the one
 // to the other between kernels.
@@ -11,7 +11,8 @@ const QUEUE_AO = 3u; // hits whose program reads ambient occlusion: slot, then A
 const QUEUE_COUNT = 4u;
 
 const WORD_BOUNCE = 8u; // scattering vertices so far
-const WORD_RAYS = 9u; // 64-bit total of path rays, then of shadow rays
+const WORD_RAYS = 9u; // 64-bit total of path and shadow rays
+const WORD_OVERRUN = 11u; // number + 1 of a texture whose loops were ended early, or 0
 const WORD_AO_RAYS = 13u; // 64-bit total
 const WORD_INVALID = 15u; // samples that were not finite and were dropped
 const QUEUE_HEADER = 16u;

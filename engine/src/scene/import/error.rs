@@ -45,7 +45,7 @@ pub enum ImportError {
         remedy: &'static str,
     },
     /// A picture cannot be read or decoded.
-    #[error("{}: {image}: {problem}; replace the picture or save it again as PNG, JPEG or WebP", path.display())]
+    #[error("{}: {image}: {problem}; put a picture there, saved as PNG, JPEG or WebP", path.display())]
     Image {
         /// The file that uses the picture.
         path: PathBuf,

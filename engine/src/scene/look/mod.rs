@@ -288,7 +288,7 @@ pub struct Include {
 #[derive(Debug, thiserror::Error)]
 pub enum LookError {
     /// The file can't be read.
-    #[error("can't read the look {}: {source}", path.display())]
+    #[error("cannot read the look {}: {source}; check the path and the permissions", path.display())]
     Read {
         /// The file.
         path: PathBuf,
