@@ -32,9 +32,16 @@ const POSITION_ERROR: f32 = 1.0e-6;
 /// Nothing is that far away, metres.
 const FAR: f32 = 1.0e30;
 
+/// A triangle in the world; counter-clockwise seen from its front.
+struct Face {
+    corners: [DVec3; 3],
+    /// Rays pass through its back.
+    single_sided: bool,
+}
+
 /// The scene flattened into the world, with obvhs' hierarchy over it. Triangles are tested in double precision.
 struct Reference {
-    triangles: Vec<[DVec3; 3]>,
+    triangles: Vec<Face>,
     hierarchy: CwBvh,
 }
 
@@ -49,14 +56,22 @@ impl Reference {
                 Vec3::from(instance.transform.matrix3.z_axis).as_dvec3(),
                 Vec3::from(instance.transform.translation).as_dvec3(),
             );
-            triangles.extend(mesh.triangles.iter().map(|triangle| {
-                triangle.map(|v| transform.transform_point3(mesh.positions[v as usize].as_dvec3()))
+            let mirrors = transform.matrix3.determinant() < 0.0;
+            let faces = mesh.triangles.iter().zip(&mesh.triangle_materials);
+            triangles.extend(faces.map(|(triangle, &material)| {
+                let [a, b, c] = triangle
+                    .map(|v| transform.transform_point3(mesh.positions[v as usize].as_dvec3()));
+                Face {
+                    // A mirror turns the winding over, and glTF then takes the other winding for the front.
+                    corners: if mirrors { [a, c, b] } else { [a, b, c] },
+                    single_sided: !scene.materials[material as usize].double_sided,
+                }
             }));
         }
         let rounded: Vec<Triangle> = triangles
             .iter()
             .map(|triangle| {
-                let [v0, v1, v2] = triangle.map(|v| Vec3A::from(v.as_vec3()));
+                let [v0, v1, v2] = triangle.corners.map(|v| Vec3A::from(v.as_vec3()));
                 Triangle { v0, v1, v2 }
             })
             .collect();
@@ -94,10 +109,15 @@ impl Reference {
 }
 
 /// Möller and Trumbore's test (1997); infinite for a miss. A triangle without area is never hit.
-fn distance([a, b, c]: &[DVec3; 3], origin: DVec3, direction: DVec3) -> f64 {
+fn distance(triangle: &Face, origin: DVec3, direction: DVec3) -> f64 {
+    let [a, b, c] = triangle.corners;
     let (edge1, edge2) = (b - a, c - a);
     let p = direction.cross(edge2);
-    let inverse = 1.0 / edge1.dot(p);
+    let determinant = edge1.dot(p);
+    if triangle.single_sided && determinant < 0.0 {
+        return f64::INFINITY;
+    }
+    let inverse = 1.0 / determinant;
     let s = origin - a;
     let u = s.dot(p) * inverse;
     let q = s.cross(edge1);
@@ -231,16 +251,18 @@ fn a_million_rays_of_awkward_triangles_agree_with_the_cpu() {
     compare(&awkward_scene());
 }
 
-/// Hills with triangles that are there twice, that have no area, and that are needles; placed turned, stretched, mirrored
-/// and flattened, some within each other.
+/// Hills with triangles that are there twice, that have no area, that are needles, or that have one side only; placed
+/// turned, stretched and mirrored, some within each other.
 fn awkward_scene() -> Scene {
     let mut random = Normal::new(3);
     let mut scene = Scene {
         meshes: vec![awkward_mesh(&mut random)],
-        materials: vec![Material {
-            double_sided: true,
-            ..Material::default()
-        }],
+        materials: [true, false]
+            .map(|double_sided| Material {
+                double_sided,
+                ..Material::default()
+            })
+            .into(),
         ..Scene::default()
     };
     for i in 0..32 {
@@ -300,6 +322,8 @@ fn awkward_mesh(random: &mut Normal) -> Mesh {
         });
     }
     mesh.normals = vec![Vec3::Y; mesh.positions.len()];
-    mesh.triangle_materials = vec![0; mesh.triangles.len()];
+    mesh.triangle_materials = (0..mesh.triangles.len() as u32)
+        .map(|i| u32::from(i % 3 == 0))
+        .collect();
     mesh
 }
