@@ -360,7 +360,7 @@ impl Renderer {
                 })
             })
             .collect();
-        let tracing: f64 = ["closest", "occlusion", "ao"]
+        let tracing: f64 = ["traverse_closest", "traverse_occlusion", "ao"]
             .iter()
             .filter_map(|n| times.get(*n))
             .map(|(ms, _)| ms * 1e-3)

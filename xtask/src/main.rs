@@ -16,11 +16,11 @@ use anyhow::{Context, Result, bail};
 use steps::{Steps, cargo, root};
 
 /// Picture size and samples of the demo: about half a minute of rendering on two cores without a GPU.
-const DEMO_SIZE: &str = "960x540";
-const DEMO_SPP: &str = "48";
+const DEMO_SIZE: &str = "640x360";
+const DEMO_SPP: &str = "16";
 /// The same scene for the README: nobody waits for it.
-const PICTURE_SIZE: &str = "1280x720";
-const PICTURE_SPP: &str = "512";
+const PICTURE_SIZE: &str = "640x360";
+const PICTURE_SPP: &str = "96";
 
 const DEMO_SCENE: &str = "examples/demo/demo.gltf";
 const DEMO_LOOK: &str = "examples/demo/demo.look.toml";

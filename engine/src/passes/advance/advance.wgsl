@@ -32,7 +32,7 @@ fn add_total(word: u32, count: u32) {
 
 // After raygen: bounce 0 reads what raygen appended.
 @compute @workgroup_size(1)
-fn start() {
+fn advance_start() {
     let live = hand_over(QUEUE_ACTIVE);
     size_dispatch(QUEUE_ACTIVE, live);
     // raygen appended as bounce -1.
@@ -42,7 +42,7 @@ fn start() {
 
 // After classify.
 @compute @workgroup_size(1)
-fn texture() {
+fn advance_texture() {
     size_dispatch(QUEUE_PROCTEX, hand_over(QUEUE_PROCTEX));
     var samples = 0u;
     for (var i = 0u; i < 4u; i++) {
@@ -54,7 +54,7 @@ fn texture() {
 
 // After brdf.
 @compute @workgroup_size(1)
-fn bounce() {
+fn advance_bounce() {
     let live = hand_over(QUEUE_ACTIVE);
     let shadow = hand_over(QUEUE_SHADOW);
     size_dispatch(QUEUE_ACTIVE, live);

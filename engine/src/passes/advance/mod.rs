@@ -23,9 +23,9 @@ pub enum After {
 /// If the driver refuses it.
 pub fn kernel(gpu: &Gpu, after: After) -> Result<Kernel, GpuError> {
     let entry = match after {
-        After::Raygen => "start",
-        After::Classify => "texture",
-        After::Brdf => "bounce",
+        After::Raygen => "advance_start",
+        After::Classify => "advance_texture",
+        After::Brdf => "advance_bounce",
     };
     Kernel::new(
         gpu,

@@ -22,8 +22,8 @@ pub enum Rays {
 /// If the driver refuses it.
 pub fn kernel(gpu: &Gpu, rays: Rays, features: &SceneFeatures) -> Result<Kernel, GpuError> {
     let entry = match rays {
-        Rays::Closest => "closest",
-        Rays::Occlusion => "occlusion",
+        Rays::Closest => "traverse_closest",
+        Rays::Occlusion => "traverse_occlusion",
     };
     Kernel::new(
         gpu,

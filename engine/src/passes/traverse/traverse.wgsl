@@ -1,4 +1,4 @@
-// Traces the rays of a queue: `closest` the paths' own rays, `occlusion` their shadow rays.
+// Traces the rays of a queue: `traverse_closest` the paths' own rays, `traverse_occlusion` their shadow rays.
 //!include shared/frame.wgsl
 //!include shared/rays.wgsl
 //!include shared/queues.wgsl
@@ -9,8 +9,8 @@
 //!include shared/traversal.wgsl
 
 @compute @workgroup_size(64)
-fn closest(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
-           @builtin(local_invocation_index) local: u32) {
+fn traverse_closest(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+                    @builtin(local_invocation_index) local: u32) {
     let index = thread_index(workgroup, workgroups, local);
     if (index >= queue_length(QUEUE_ACTIVE)) {
         return;
@@ -24,8 +24,8 @@ fn closest(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) wor
 }
 
 @compute @workgroup_size(64)
-fn occlusion(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
-             @builtin(local_invocation_index) local: u32) {
+fn traverse_occlusion(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+                      @builtin(local_invocation_index) local: u32) {
     let index = thread_index(workgroup, workgroups, local);
     if (index >= queue_length(QUEUE_SHADOW)) {
         return;
