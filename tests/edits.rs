@@ -79,6 +79,10 @@ fn edits_show_in_the_picture_and_compile_nothing() {
     let wrong = renderer.set_argument("valve_rust", "amuont", Value::F32(0.5));
     let message = wrong.expect_err("there is no such parameter").to_string();
     assert!(message.contains("amuont"), "{message}");
-    assert_eq!(before, picture(&mut renderer), "a refused edit changes nothing");
+    assert_eq!(
+        before,
+        picture(&mut renderer),
+        "a refused edit changes nothing"
+    );
     assert_ne!(original, before);
 }

@@ -480,9 +480,8 @@ fn types_are_named_as_wgsl_names_them() {
 
 #[test]
 fn errors_are_separated_by_one_empty_line() {
-    let report = errors(
-        "fn f() -> f32 { return nothing; }\nfn userProc() -> f32 { return nor_this; }\n",
-    );
+    let report =
+        errors("fn f() -> f32 { return nothing; }\nfn userProc() -> f32 { return nor_this; }\n");
     assert_eq!(report.matches("error: ").count(), 2, "{report}");
     assert!(report.contains("\n\nerror: "), "{report}");
     assert!(!report.contains("\n\n\n"), "{report}");
