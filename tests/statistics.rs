@@ -1,5 +1,6 @@
 //! The tests' own statistics, tested on noise that is known: a judge must be right before it judges.
 
+#[expect(dead_code, reason = "other tests use the rest")]
 mod support;
 
 use std::panic::catch_unwind;
@@ -131,6 +132,22 @@ fn a_film_is_an_estimate() {
     let estimate = Estimate::from_film(&film);
     assert_eq!(estimate.mean, [[2.0; 3]]);
     assert!((estimate.error[0][0] - 1.0).abs() < 1.0e-6);
+}
+
+#[test]
+fn larger_pixels_are_means_with_the_error_of_means() {
+    let fine = Estimate {
+        width: 4,
+        height: 2,
+        mean: (0..8).map(|i| [i as f32, 2.0, 0.0]).collect(),
+        error: vec![[0.2, 0.4, 0.0]; 8],
+    };
+    let coarse = fine.downsampled(2);
+    assert_eq!((coarse.width, coarse.height), (2, 1));
+    assert_eq!(coarse.mean, [[2.5, 2.0, 0.0], [4.5, 2.0, 0.0]]);
+    // A mean of four has half the error.
+    assert!((coarse.error[0][0] - 0.1).abs() < 1.0e-6);
+    assert!((coarse.error[1][1] - 0.2).abs() < 1.0e-6);
 }
 
 #[test]

@@ -17,6 +17,7 @@ pub(crate) struct Writer {
     materials: Vec<Value>,
     nodes: Vec<Value>,
     cameras: Vec<Value>,
+    lights: Vec<Value>,
     roots: Vec<usize>,
 }
 
@@ -139,7 +140,7 @@ impl Writer {
         ty: &str,
         count: usize,
     ) -> usize {
-        while self.bytes.len() % 4 != 0 {
+        while !self.bytes.len().is_multiple_of(4) {
             self.bytes.push(0);
         }
         self.views.push(json!({
@@ -201,6 +202,23 @@ impl Writer {
         self.push_node(node, None);
     }
 
+    /// A sun that shines along `direction`; irradiance in W/m² is colour times intensity.
+    pub(crate) fn sun(&mut self, name: &str, direction: Vec3, color: [f32; 3], intensity: f32) {
+        self.lights.push(json!({
+            "name": name,
+            "type": "directional",
+            "color": color,
+            "intensity": intensity,
+        }));
+        let rotation = Quat::from_rotation_arc(Vec3::NEG_Z, direction.normalize());
+        let node = json!({
+            "name": name,
+            "rotation": rotation.to_array(),
+            "extensions": { "KHR_lights_punctual": { "light": self.lights.len() - 1 } },
+        });
+        self.push_node(node, None);
+    }
+
     fn push_node(&mut self, node: Value, parent: Option<usize>) -> usize {
         self.nodes.push(node);
         let index = self.nodes.len() - 1;
@@ -216,19 +234,27 @@ impl Writer {
 
     /// Writes `NAME.gltf` and `NAME.bin` into a directory; returns the size of both in bytes.
     pub(crate) fn write(&self, directory: &Path, name: &str) -> std::io::Result<usize> {
-        let document = json!({
+        let mut document = json!({
             "asset": { "version": "2.0", "generator": "Patina's make_demo_scene" },
             "extensionsUsed": ["KHR_materials_emissive_strength"],
             "scene": 0,
             "scenes": [{ "nodes": self.roots }],
             "nodes": self.nodes,
-            "cameras": self.cameras,
             "materials": self.materials,
             "meshes": self.meshes,
             "accessors": self.accessors,
             "bufferViews": self.views,
             "buffers": [{ "uri": format!("{name}.bin"), "byteLength": self.bytes.len() }],
         });
+        // glTF allows no empty lists.
+        if !self.cameras.is_empty() {
+            document["cameras"] = json!(self.cameras);
+        }
+        if !self.lights.is_empty() {
+            document["extensionsUsed"] =
+                json!(["KHR_materials_emissive_strength", "KHR_lights_punctual"]);
+            document["extensions"] = json!({ "KHR_lights_punctual": { "lights": self.lights } });
+        }
         let text = document.to_string();
         std::fs::write(directory.join(format!("{name}.bin")), &self.bytes)?;
         std::fs::write(directory.join(format!("{name}.gltf")), &text)?;

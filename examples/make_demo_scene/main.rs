@@ -1,7 +1,7 @@
 //! Makes the demo scene that ships with Patina: an old gate valve in the corner of an arcade.
 //!
-//! `cargo run --example make_demo_scene` writes `examples/demo/demo.gltf` and `demo.bin`, which are committed; run it
-//! again only to change the scene. It uses nothing of the renderer.
+//! `cargo run --example make_demo_scene` writes `examples/demo/demo.gltf` and `examples/skylight.gltf` with their `.bin`,
+//! which are committed; run it again only to change them. It uses nothing of the renderer.
 
 mod gltf;
 mod mesh;
@@ -35,14 +35,7 @@ fn main() -> std::io::Result<()> {
     landscape(&mut out);
 
     let lamp = out.light("Window", [1.0, 0.84, 0.64], 60.0);
-    let mut pane = Shape::default();
-    pane.flat_face(&[
-        Vec3::new(-0.8, 0.0, -0.8),
-        Vec3::new(0.8, 0.0, -0.8),
-        Vec3::new(0.8, 0.0, 0.8),
-        Vec3::new(-0.8, 0.0, 0.8),
-    ]);
-    let pane = out.mesh("Window", &pane.finish(CREASE), lamp);
+    let pane = out.mesh("Window", &pane(0.8, 0.8).finish(CREASE), lamp);
     let (from, to) = (Vec3::new(3.1, 3.6, 2.5), Vec3::new(0.0, 0.7, 0.0));
     let facing = Quat::from_rotation_arc(Vec3::NEG_Y, (to - from).normalize());
     out.node(
@@ -59,14 +52,43 @@ fn main() -> std::io::Result<()> {
         33.0,
     );
 
-    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/demo");
-    let size = out.write(&directory, "demo")?;
-    println!(
-        "wrote {}/demo.gltf and demo.bin, {} kB",
-        directory.display(),
-        size / 1000
-    );
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let size = out.write(&examples.join("demo"), "demo")?;
+    println!("examples/demo/demo.gltf: {} kB", size / 1000);
+    let size = skylight().write(&examples, "skylight")?;
+    println!("examples/skylight.gltf: {size} bytes");
     Ok(())
+}
+
+/// Light for a hall whose roof is open: the sky as a lamp above the opening, which is found far more often than a sky
+/// that only a few bounces reach, and the sun.
+fn skylight() -> Writer {
+    let mut out = Writer::default();
+    let sky = out.light("Sky", [0.80, 0.91, 1.0], 26.0);
+    // The sun shines through the gap between both panes.
+    for (from, to) in [(-13.0, 3.6), (6.0, 13.0)] {
+        let pane = out.mesh("Sky", &pane((to - from) / 2.0, 4.0).finish(CREASE), sky);
+        out.node(
+            "Sky",
+            Some(pane),
+            Place::at((from + to) / 2.0, 12.5, 0.0),
+            None,
+        );
+    }
+    out.sun("Sun", Vec3::new(-0.35, -1.0, 0.08), [1.0, 0.88, 0.70], 22.0);
+    out
+}
+
+/// A rectangle that faces down.
+fn pane(half_x: f32, half_z: f32) -> Shape {
+    let mut shape = Shape::default();
+    shape.flat_face(&[
+        Vec3::new(-half_x, 0.0, -half_z),
+        Vec3::new(half_x, 0.0, -half_z),
+        Vec3::new(half_x, 0.0, half_z),
+        Vec3::new(-half_x, 0.0, half_z),
+    ]);
+    shape
 }
 
 /// Two rows of arches that meet in a corner, on a floor of stone slabs.

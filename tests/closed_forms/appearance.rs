@@ -82,6 +82,8 @@ fn sun() -> PunctualLight {
 fn blend(color: Vec3, alpha: f32) -> Material {
     Material {
         alpha_mode: AlphaMode::Blend,
+        // Shadow rays come from below.
+        double_sided: true,
         ..unlit(color.extend(alpha))
     }
 }
@@ -158,6 +160,7 @@ fn a_mask_cuts_along_its_texels() {
             transform: [Vec3::X, Vec3::Y],
         }),
         alpha_mode: AlphaMode::Mask { cutoff: 0.5 },
+        double_sided: true,
         ..unlit(color.extend(1.0))
     };
     // uv (0, 0) is the upper left corner of the picture and the image's.

@@ -52,7 +52,8 @@ impl Normal {
         radius * (TAU * self.uniform()).cos()
     }
 
-    fn uniform(&mut self) -> f64 {
+    /// The next number of the uniform distribution over [0, 1).
+    pub(crate) fn uniform(&mut self) -> f64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut x = self.state;
         x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -5,9 +5,9 @@ pub fn did_you_mean<'a>(
     name: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {
-    // A name of one or two letters is like any other one: only its case may be wrong.
+    // A name of one letter is like any other one: only its case may be wrong.
     let limit = match name.chars().count().min(30) {
-        0..=2 => 1,
+        0..=1 => 1,
         length => 2 * (1 + length / 4),
     };
     candidates

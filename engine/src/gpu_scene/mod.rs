@@ -12,7 +12,7 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 use crate::{
     bvh::{BvhError, SceneBvh},
     gpu::{Gpu, GpuError, kernel::Resources},
-    scene::{Mesh, Scene, TextureRef},
+    scene::{Material, Mesh, Scene, TextureRef},
 };
 
 use self::{
@@ -24,6 +24,7 @@ const TRIANGLE_HAS_UV: u32 = 1 << 30;
 const TRIANGLE_HAS_EXTRA: u32 = 1 << 29;
 const TRIANGLE_HAS_TANGENT: u32 = 1 << 28;
 const TRIANGLE_HAS_COLOR: u32 = 1 << 27;
+const TRIANGLE_SINGLE_SIDED: u32 = 1 << 26;
 /// Materials that a triangle's word can name.
 const MAX_MATERIALS: usize = 1 << 24;
 
@@ -241,6 +242,14 @@ fn object_random(index: u32) -> f32 {
 fn geometry(scene: &Scene, bvh: &SceneBvh) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
     let mut triangles = Vec::with_capacity(scene.meshes.iter().map(|m| m.triangles.len()).sum());
     let mut vertices = Vec::new();
+    let sides = |m: &Material| {
+        if m.double_sided {
+            0
+        } else {
+            TRIANGLE_SINGLE_SIDED
+        }
+    };
+    let flags: Vec<u32> = scene.materials.iter().map(sides).collect();
     for (mesh, order) in scene.meshes.iter().zip(&bvh.triangle_order) {
         if order.is_empty() {
             continue;
@@ -252,9 +261,13 @@ fn geometry(scene: &Scene, bvh: &SceneBvh) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
         for &t in order {
             let [a, b, c] = mesh.triangles[t as usize].map(|v| base + v * layout.stride);
             let material = mesh.triangle_materials[t as usize];
-            let alpha = materials::needs_alpha(&scene.materials[material as usize], has_colors);
-            let alpha = if alpha { TRIANGLE_ALPHA } else { 0 };
-            triangles.push([a, b, c, material | layout.flags | alpha]);
+            let material_flags = flags[material as usize]
+                | if materials::needs_alpha(&scene.materials[material as usize], has_colors) {
+                    TRIANGLE_ALPHA
+                } else {
+                    0
+                };
+            triangles.push([a, b, c, material | layout.flags | material_flags]);
         }
     }
     (triangles, vertices)

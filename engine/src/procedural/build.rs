@@ -106,10 +106,13 @@ impl Procedural {
         error: &CompileError,
     ) -> Span {
         let in_node = match error {
-            CompileError::Graph(GraphError::MissingValue { node, .. }) => {
-                nodes.iter().find(|(table, _)| table.name.value == *node)
-            }
-            _ => None,
+            CompileError::Graph(graph) => match graph.as_ref() {
+                GraphError::MissingValue { node, .. } => {
+                    nodes.iter().find(|(table, _)| table.name.value == *node)
+                }
+                _ => None,
+            },
+            CompileError::TooManySlots { .. } => None,
         };
         let name = self.material_name(material);
         let in_material = look.materials.iter().find(|m| m.name.value == name);

@@ -37,10 +37,16 @@ pub enum EditError {
     },
     /// The graph refused it.
     #[error(transparent)]
-    Graph(#[from] GraphError),
+    Graph(Box<GraphError>),
     /// The changed program can't be run.
     #[error(transparent)]
     Compile(#[from] CompileError),
+}
+
+impl From<GraphError> for EditError {
+    fn from(error: GraphError) -> Self {
+        Self::Graph(Box::new(error))
+    }
 }
 
 fn hint(suggestion: &Option<String>) -> String {

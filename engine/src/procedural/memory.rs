@@ -137,7 +137,7 @@ mod tests {
         memory.take_changes();
         memory.store(1, &[8; 40]);
         assert_eq!(memory.head(1, HEAD_PROGRAM), start);
-        assert_eq!(memory.take_changes(), [start..start + 40]);
+        assert_eq!(memory.take_changes(), vec![start..start + 40]);
         memory.store(0, &[1]);
         memory.store(1, &[9; 41]);
         assert!(memory.head(1, HEAD_PROGRAM) > memory.head(0, HEAD_PROGRAM));

@@ -336,7 +336,7 @@ fn mistakes_name_their_place_and_remedy() {
     refused(
         "[material.AA]\nroughness=1",
         "test.look.toml:1:11",
-        "did you mean `A`?",
+        "there are `A`",
     );
     refused(
         "[node.a]\ntexture='value'\nlevel='b'\n[node.b]\ntexture='value'\nlevel='a'",

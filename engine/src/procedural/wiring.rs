@@ -68,7 +68,7 @@ pub(super) struct Compiled {
 pub enum CompileError {
     /// The graph below the material is not complete.
     #[error(transparent)]
-    Graph(#[from] GraphError),
+    Graph(Box<GraphError>),
     /// The program is too large for the GPU's threads.
     #[error(
         "material `{material}` needs {needed} intermediate results at once, and at most {MAX_STACK_SLOTS} are possible: \
@@ -80,6 +80,12 @@ pub enum CompileError {
         /// Slots its program would need.
         needed: u32,
     },
+}
+
+impl From<GraphError> for CompileError {
+    fn from(error: GraphError) -> Self {
+        Self::Graph(Box::new(error))
+    }
 }
 
 /// Checks that an output (a colour, or a scalar) can take a node's result through a swizzle; says what to do

@@ -98,7 +98,8 @@ pub struct Material {
     pub ior: f32,
     /// What the base colour's alpha means.
     pub alpha_mode: AlphaMode,
-    /// Both sides reflect and emit; otherwise the back reflects like the front but emits nothing.
+    /// Both sides reflect and emit; otherwise rays pass through the back as if nothing were there (glTF 2.0, section
+    /// 3.9.6: back faces are culled).
     pub double_sided: bool,
     /// KHR_materials_unlit: the base colour is shown as it is.
     pub unlit: bool,

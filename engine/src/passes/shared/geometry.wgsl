@@ -9,6 +9,7 @@ const TRIANGLE_HAS_UV = 0x40000000u; // a vertex has its second vec4: uv0, tange
 const TRIANGLE_HAS_EXTRA = 0x20000000u; // a vertex has its third vec4: uv1, colour
 const TRIANGLE_HAS_TANGENT = 0x10000000u;
 const TRIANGLE_HAS_COLOR = 0x08000000u;
+const TRIANGLE_SINGLE_SIDED = 0x04000000u; // rays pass through its back
 
 // A vertex is one to three vec4u: position and octahedral normal; uv0, octahedral tangent with handedness, spare;
 // uv1 and colour (rgba16unorm).

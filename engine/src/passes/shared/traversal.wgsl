@@ -166,14 +166,18 @@ fn trace_surfaces(world_origin: vec3f, world_direction: vec3f, t_min: f32, t_max
             let edge1 = vertex_position(triangle.y) - a;
             let edge2 = vertex_position(triangle.z) - a;
             let p = cross(direction, edge2);
-            let inverse_determinant = 1.0 / dot(edge1, p);
+            // Positive where the ray meets the front. That holds in object space even if the instance mirrors, since
+            // the front is mirrored with it (glTF 2.0, section 3.7.4).
+            let determinant = dot(edge1, p);
+            let inverse_determinant = 1.0 / determinant;
             let s = origin - a;
             let u = dot(s, p) * inverse_determinant;
             let q = cross(s, edge1);
             let v = dot(direction, q) * inverse_determinant;
             let t = dot(edge2, q) * inverse_determinant;
             // Written so that a degenerate triangle (NaN) is never hit.
-            if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > t_min && t < hit.t) {
+            let culled = (triangle.w & TRIANGLE_SINGLE_SIDED) != 0u && determinant < 0.0;
+            if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > t_min && t < hit.t && !culled) {
                 hit = Hit(t, vec2f(u, v), index, instance);
                 if (any && (triangle.w & TRIANGLE_ALPHA) == 0u) {
                     return hit;

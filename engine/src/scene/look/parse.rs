@@ -177,13 +177,13 @@ fn camera(reader: &mut Reader, value: &Spanned<Value>) -> CameraLook {
             _ => reader.unknown_key(key, "[camera]", &KEYS),
         }
     }
-    if let Some(up) = &camera.up {
-        if up.value.length_squared() < 1e-12 {
-            reader.problem(
-                &up.span,
-                "`up` has no direction: at least one number must not be 0",
-            );
-        }
+    if let Some(up) = &camera.up
+        && up.value.length_squared() < 1e-12
+    {
+        reader.problem(
+            &up.span,
+            "`up` has no direction: at least one number must not be 0",
+        );
     }
     camera
 }
@@ -334,20 +334,20 @@ fn material(
             "scale the texture's result instead; most textures have a parameter for it",
         );
     }
-    if let (Some(blend), Some(key)) = (&m.blend, m.first_surface_key()) {
-        if blend.value.base.value != name.value {
-            reader.problem_with_note(
-                key,
-                format!(
-                    "[material.{}] is a blend of other materials and has no surface of its own",
-                    name.value
-                ),
-                format!(
-                    "set this on [material.{}] or [material.{}]",
-                    blend.value.base.value, blend.value.over.value
-                ),
-            );
-        }
+    if let (Some(blend), Some(key)) = (&m.blend, m.first_surface_key())
+        && blend.value.base.value != name.value
+    {
+        reader.problem_with_note(
+            key,
+            format!(
+                "[material.{}] is a blend of other materials and has no surface of its own",
+                name.value
+            ),
+            format!(
+                "set this on [material.{}] or [material.{}]",
+                blend.value.base.value, blend.value.over.value
+            ),
+        );
     }
     Some(m)
 }
