@@ -392,7 +392,7 @@ fn landscape(out: &mut Writer) {
         let material = out.material(name, color, 0.0, 1.0);
         let mut shape = Shape::default();
         let crest = |i: usize| {
-            let angle = PI * (0.35 + 1.3 * i as f32 / 96.0);
+            let angle = PI * (0.02 + 0.96 * i as f32 / 96.0);
             let t = angle * 7.0 + f32::from(seed) * 2.1;
             let wave =
                 0.55 + 0.28 * t.sin() + 0.17 * (2.3 * t + 1.0).sin() + 0.06 * (6.1 * t).sin();
@@ -400,7 +400,7 @@ fn landscape(out: &mut Writer) {
                 Vec3::new(
                     angle.cos() * distance,
                     0.0,
-                    -angle.sin().abs().max(0.2) * distance,
+                    -angle.sin().max(0.2) * distance,
                 ),
                 wave * height,
             )
