@@ -67,7 +67,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) look: Option<PathBuf>,
 
-    /// Where to write: .png (8-bit sRGB) or .exr (linear float). May be given several times.
+    /// Where to write: .png or .jpg (8-bit sRGB) or .exr (linear float). May be given several times.
     ///
     /// Without it the picture goes to SCENE-render.png in the current directory.
     #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append)]
@@ -121,7 +121,7 @@ pub(crate) struct RenderArgs {
     #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
     pub(crate) texture_dirs: Vec<PathBuf>,
 
-    /// Brightness of PNG files in stops: +1 is twice as bright. EXR files keep the radiance as it is.
+    /// Brightness of PNG and JPEG files in stops: +1 is twice as bright. EXR files keep the radiance as it is.
     #[arg(
         long,
         value_name = "STOPS",

@@ -58,7 +58,7 @@ pub(crate) struct RenderJob {
     pub(crate) device: DeviceChoice,
     /// Folders the user named, searched first.
     pub(crate) texture_dirs: Vec<PathBuf>,
-    /// Stops, PNG only.
+    /// Stops; EXR keeps the radiance.
     pub(crate) exposure: f32,
     /// Print statistics.
     pub(crate) stats: bool,
@@ -80,6 +80,8 @@ pub(crate) struct Output {
 pub(crate) enum Format {
     /// 8-bit sRGB, exposed.
     Png,
+    /// The same, compressed with loss: a noisy picture takes a tenth of the room.
+    Jpeg,
     /// 32-bit linear Rec.709 floats, as rendered.
     Exr,
 }
@@ -126,7 +128,7 @@ pub(crate) enum UsageError {
     },
     /// The extension says no format.
     #[error(
-        "-o {}: the file name must end in .png (8-bit sRGB) or .exr (linear float)",
+        "-o {}: the file name must end in .png or .jpg (8-bit sRGB) or .exr (linear float)",
         path.display()
     )]
     Extension {
@@ -279,6 +281,7 @@ fn parse_output(path: PathBuf) -> Result<Output, UsageError> {
         .map(|extension| extension.to_ascii_lowercase());
     let format = match extension.as_ref().and_then(|extension| extension.to_str()) {
         Some("png") => Format::Png,
+        Some("jpg" | "jpeg") => Format::Jpeg,
         Some("exr") => Format::Exr,
         _ => return Err(UsageError::Extension { path }),
     };
@@ -347,7 +350,7 @@ mod tests {
         let job = render("render a.glb -o x.PNG --output y.exr").unwrap();
         let formats: Vec<_> = job.outputs.iter().map(|output| output.format).collect();
         assert_eq!(formats, [Format::Png, Format::Exr]);
-        for bad in ["x", "x.jpg", "png", ".png", "x.png.gz"] {
+        for bad in ["x", "x.gif", "png", ".png", "x.png.gz"] {
             let error = render(&format!("render a.glb -o {bad}")).unwrap_err();
             assert!(error.to_string().contains(".exr"), "{bad}: {error}");
         }

@@ -1,4 +1,4 @@
-//! Picture files: PNG to look at (8-bit sRGB, exposed) and EXR to work with (linear floats, as rendered).
+//! Picture files: PNG and JPEG to look at (8-bit sRGB, exposed) and EXR to work with (linear floats, as rendered).
 //!
 //! A file is written aside and renamed when it is complete, so that neither a full disk nor Ctrl-C leaves half a
 //! picture or destroys an older one. Whether that will be possible is tried before rendering.
@@ -12,6 +12,7 @@ use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
 use exr::meta::header::LayerAttributes;
 use exr::prelude::WritableImage;
+use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use tempfile::NamedTempFile;
@@ -82,13 +83,17 @@ pub(crate) fn check(path: &Path) -> Result<(), OutputError> {
     aside(path).map(drop)
 }
 
-/// Writes `picture` to `output`; `exposure` in stops applies to PNG.
+/// Writes `picture` to `output`; `exposure` in stops applies to PNG and JPEG.
 ///
 /// # Errors
 /// The file cannot be written; an older one is then untouched.
 pub(crate) fn write(output: &Output, picture: &Picture, exposure: f32) -> Result<(), OutputError> {
     write_aside(&output.path, |file| match output.format {
-        Format::Png => write_png(file, picture, exposure),
+        Format::Png => write_srgb(PngEncoder::new(file), picture, exposure),
+        Format::Jpeg => {
+            let encoder = JpegEncoder::new_with_quality(file, JPEG_QUALITY);
+            write_srgb(encoder, picture, exposure)
+        }
         Format::Exr => write_exr(file, picture),
     })
 }
@@ -145,7 +150,10 @@ fn aside(path: &Path) -> Result<NamedTempFile, OutputError> {
     })
 }
 
-fn write_png(writer: impl Write, picture: &Picture, exposure: f32) -> io::Result<()> {
+/// Of 100: artefacts are below the noise of a render.
+const JPEG_QUALITY: u8 = 90;
+
+fn write_srgb(encoder: impl ImageEncoder, picture: &Picture, exposure: f32) -> io::Result<()> {
     let gain = exposure.exp2();
     let bytes: Vec<u8> = picture
         .rgb
@@ -153,7 +161,7 @@ fn write_png(writer: impl Write, picture: &Picture, exposure: f32) -> io::Result
         .flatten()
         .map(|&value| srgb8(value * gain))
         .collect();
-    PngEncoder::new(writer)
+    encoder
         .write_image(
             &bytes,
             picture.width,

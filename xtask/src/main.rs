@@ -25,6 +25,21 @@ const PICTURE_SPP: &str = "96";
 const DEMO_SCENE: &str = "examples/demo/demo.gltf";
 const DEMO_LOOK: &str = "examples/demo/demo.look.toml";
 
+/// Test data that is not part of the project.
+const SPONZA: &str = "../shared/scenes/Sponza/Sponza.gltf";
+const SPONZA_SIZE: &str = "480x270";
+/// Look and picture.
+const SPONZA_PICTURES: [(&str, &str); 2] = [
+    (
+        "examples/sponza-rust.look.toml",
+        "docs/images/sponza-rust.jpg",
+    ),
+    (
+        "examples/sponza-scratches.look.toml",
+        "docs/images/sponza-scratches.jpg",
+    ),
+];
+
 const USAGE: &str = "\
 Usage: cargo xtask <COMMAND>
 
@@ -32,7 +47,7 @@ Commands:
   demo          Render the example scene to out/demo.png and out/demo.exr
   test          Check formatting, lints and documentation, and run all tests
   test --full   The same with the tests that take long
-  pictures      Render the README's picture of the example scene to docs/images/
+  pictures      Render the README's pictures to docs/images/
 
 Each of them first finds a Vulkan driver, or installs Mesa's on Debian and Ubuntu.";
 
@@ -73,7 +88,7 @@ fn demo() -> Result<()> {
     let out = root().join("out");
     fs::create_dir_all(&out).with_context(|| format!("cannot create {}", out.display()))?;
     steps.run("Render", || {
-        render(DEMO_SIZE, DEMO_SPP, &["out/demo.png", "out/demo.exr"])
+        render_demo(DEMO_SIZE, DEMO_SPP, &["out/demo.png", "out/demo.exr"])
     })?;
     steps.finish();
     println!("The pictures are in");
@@ -116,7 +131,7 @@ fn test(full: bool) -> Result<()> {
     Ok(())
 }
 
-/// The README's picture of the example scene.
+/// The README's pictures: the example scene, and Sponza where its test data lies beside the checkout.
 fn pictures() -> Result<()> {
     let mut steps = Steps::new();
     steps.run("Vulkan driver", vulkan::ensure)?;
@@ -125,21 +140,34 @@ fn pictures() -> Result<()> {
     })?;
     let images = root().join("docs/images");
     fs::create_dir_all(&images).with_context(|| format!("cannot create {}", images.display()))?;
-    steps.run("docs/images/demo.png", || {
-        render(PICTURE_SIZE, PICTURE_SPP, &["docs/images/demo.png"])
+    steps.run("docs/images/demo.jpg", || {
+        render_demo(PICTURE_SIZE, PICTURE_SPP, &["docs/images/demo.jpg"])
     })?;
+    for (look, picture) in SPONZA_PICTURES {
+        if root().join(SPONZA).is_file() {
+            steps.run(picture, || {
+                render(SPONZA, look, SPONZA_SIZE, PICTURE_SPP, &[picture])
+            })?;
+        } else {
+            println!("{picture}: skipped, {SPONZA} is not on this machine");
+        }
+    }
     steps.finish();
     Ok(())
 }
 
-fn render(size: &str, spp: &str, outputs: &[&str]) -> Result<()> {
+fn render_demo(size: &str, spp: &str, outputs: &[&str]) -> Result<()> {
     for input in [DEMO_SCENE, DEMO_LOOK] {
         if !root().join(input).is_file() {
             bail!("{input} is missing; is this a complete checkout?");
         }
     }
+    render(DEMO_SCENE, DEMO_LOOK, size, spp, outputs)
+}
+
+fn render(scene: &str, look: &str, size: &str, spp: &str, outputs: &[&str]) -> Result<()> {
     cargo(["run", "--release", "--quiet", "--package", "patina", "--"])
-        .args(["render", DEMO_SCENE, "--look", DEMO_LOOK])
+        .args(["render", scene, "--look", look])
         .args(["--size", size, "--spp", spp, "--stats"])
         .args(outputs.iter().flat_map(|output| ["-o", output]))
         .run()
