@@ -171,7 +171,7 @@ fn wrong_usage_is_code_2_and_says_what_is_right() {
         ("render triangle.gltf --max-depth 0", "--max-depth 0"),
         ("render triangle.gltf --seed x", "--seed x"),
         ("render triangle.gltf --exposure nan", "--exposure nan"),
-        ("render triangle.gltf -o picture.jpg", ".exr"),
+        ("render triangle.gltf -o picture.gif", ".exr"),
         ("render triangle.gltf -o picture", ".exr"),
         ("render triangle.gltf -o a.png -o a.png", "twice"),
         ("render triangle.gltf --stats-json triangle.gltf", "input"),
@@ -191,8 +191,8 @@ fn wrong_usage_is_code_2_and_says_what_is_right() {
 #[test]
 fn usage_is_judged_before_the_scene_is_read() {
     Bench::new()
-        .run("render no/such.glb -o picture.jpg")
-        .expect_error(2, "picture.jpg");
+        .run("render no/such.glb -o picture.gif")
+        .expect_error(2, "picture.gif");
 }
 
 #[test]
