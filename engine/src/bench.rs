@@ -41,8 +41,8 @@ impl Tracer {
     /// If it is empty or does not fit the device.
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, RenderError> {
         let mut resources = Resources::default();
-        let gpu_scene = GpuScene::new(gpu, scene, &[], |_| 0, &mut resources)?;
-        wave::allocate(gpu, BATCH, &mut resources)?;
+        let gpu_scene = GpuScene::new(gpu, scene, &[], |_| Default::default(), &mut resources)?;
+        wave::allocate(gpu, BATCH, 0, &mut resources)?;
         let camera = crate::scene::default_camera(scene);
         let frame = Frame::new((1, 1), &camera, 1, 0, BATCH, &gpu_scene);
         resources.set_buffer(

@@ -2,6 +2,7 @@
 
 mod edits;
 mod pipeline;
+mod record;
 
 use std::time::{Duration, Instant};
 
@@ -10,11 +11,11 @@ use crate::{
     frame::Frame,
     gpu::{
         Gpu, GpuError,
-        kernel::{BoundKernel, Extent, Resources},
+        kernel::{Extent, Resources},
         timing::Timer,
     },
     gpu_scene::{GpuScene, GpuSceneError},
-    passes::{advance::After, traverse::Rays},
+    passes::advance::After,
     procedural::Procedural,
     scene::{Camera, Scene},
     stats::{PassStats, Stats},
@@ -22,6 +23,7 @@ use crate::{
 };
 
 use self::pipeline::{Bound, Kernels};
+use self::record::Recorder;
 
 pub use self::edits::RenderEditError;
 
@@ -30,6 +32,10 @@ const GPU_CAPACITY: u32 = 1 << 20;
 const CPU_CAPACITY: u32 = 1 << 16;
 /// Waves are kept shorter than this, so that no dispatch comes near a desktop's watchdog and Ctrl-C is heard.
 const LONGEST_WAVE: Duration = Duration::from_millis(1500);
+/// Rounds that are added at once for rays that texture programs let pass, and the most of them: a path that meets more
+/// such surfaces ends there.
+const PASSAGES: u32 = 4;
+const MOST_PASSAGES: u32 = 2048;
 /// The largest side of a picture.
 pub const MAX_SIDE: u32 = 16384;
 
@@ -143,10 +149,10 @@ impl Renderer {
             gpu,
             scene,
             procedural.textures(),
-            |m| edits::head_flags(procedural, m),
+            |m| procedural.traits(m),
             &mut resources,
         )?;
-        wave::allocate(gpu, capacity, &mut resources)?;
+        wave::allocate(gpu, capacity, procedural.result_words(), &mut resources)?;
         let pixels = u64::from(width) * u64::from(height);
         for name in ["film_sum", "film_sum_squares"] {
             resources.set_buffer(
@@ -249,44 +255,56 @@ impl Renderer {
             0,
             bytemuck::cast_slice(&wave::fresh_queues()),
         );
-        let mut encoder =
-            self.gpu
-                .device()
-                .create_command_encoder(&wgpu::CommandEncoderDescriptor {
-                    label: Some("wave"),
-                });
-        let sizes = self.resources.buffer("dispatch_sizes");
-        let bound = &self.bound;
-        let timer = &mut self.timer;
-        let mut run = |kernel: &BoundKernel, extent| {
-            let label = kernel.label();
-            kernel.record(&mut encoder, extent, timer.pass(label));
-        };
-        let per = |queue: Queue| Extent::Indirect(sizes, queue.dispatch_offset());
         let paths = Extent::Threads(self.frame.wave_size);
-
-        run(&bound.raygen, paths);
-        run(&bound.advance[After::Raygen as usize], Extent::One);
-        // One round more than vertices that scatter: the last one finds emission only.
-        for _ in 0..=self.settings.max_depth {
-            run(&bound.traverse[Rays::Closest as usize], per(Queue::Active));
-            if let Some(texture) = &bound.texture {
-                run(&texture.classify, per(Queue::Active));
-                run(&bound.advance[After::Classify as usize], Extent::One);
-                run(&texture.ao, per(Queue::Ao));
-                run(&texture.proctex, per(Queue::Proctex));
+        let max_depth = self.settings.max_depth;
+        let may_take_longer = self.scene.features.program_shadows;
+        self.submit(|wave| {
+            wave.run(&wave.bound.raygen, paths);
+            wave.run(wave.after(After::Raygen), Extent::One);
+            // One round more than vertices that scatter: the last one finds emission only.
+            for _ in 0..=max_depth {
+                wave.round();
             }
-            run(&bound.brdf, per(Queue::Active));
-            run(&bound.advance[After::Brdf as usize], Extent::One);
-            run(
-                &bound.traverse[Rays::Occlusion as usize],
-                per(Queue::Shadow),
-            );
+            if !may_take_longer {
+                wave.run(&wave.bound.accumulate, paths);
+            }
+        })?;
+        if may_take_longer {
+            self.finish_paths()?;
+            self.submit(|wave| wave.run(&wave.bound.accumulate, paths))?;
         }
-        run(&bound.accumulate, paths);
+        Ok(())
+    }
 
-        self.timer.resolve(&mut encoder);
-        queue.submit([encoder.finish()]);
+    /// Rays that texture programs let pass take rounds in which nothing scatters: as many follow as there is work for.
+    fn finish_paths(&mut self) -> Result<(), GpuError> {
+        for _ in 0..MOST_PASSAGES / PASSAGES {
+            let queues = self.resources.buffer("queues");
+            let active = self
+                .gpu
+                .read_buffer(queues, Queue::Active.length_offset(), 4)?;
+            if active.iter().all(|&byte| byte == 0) {
+                break;
+            }
+            self.submit(|wave| {
+                for _ in 0..PASSAGES {
+                    wave.round();
+                }
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Records passes, and waits until they have run.
+    fn submit(&mut self, record: impl FnOnce(&mut Recorder<'_>)) -> Result<(), GpuError> {
+        let mut recorder = Recorder::new(
+            &self.gpu,
+            &self.bound,
+            self.resources.buffer("dispatch_sizes"),
+            &mut self.timer,
+        );
+        record(&mut recorder);
+        self.gpu.queue().submit([recorder.finish()]);
         self.gpu.wait()?;
         self.timer.collect(&self.gpu)
     }

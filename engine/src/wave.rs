@@ -5,13 +5,13 @@ use glam::{Vec2, Vec3};
 
 use crate::gpu::{Gpu, GpuError, kernel::Resources};
 
-/// `vec4u` fields of a path in `paths.wgsl`.
-const PATH_FIELDS: u64 = 6;
+/// `vec4u` fields of a path in `paths.wgsl`, before the results of texture programs.
+const PATH_FIELDS: u64 = 5;
 /// Words before the lists in `queues.wgsl`.
 pub const QUEUE_HEADER: u64 = 16;
-/// Lists of `capacity` words behind the header: both halves of the active list, shadow, texture and AO lists, and the
-/// counts of occluded AO rays.
-const QUEUE_LISTS: u64 = 6;
+/// Lists of `capacity` words behind the header: both halves of the active list, the shadow list, and two each for the
+/// texture list, the AO list and the counts of occluded AO rays, which hold hits of the paths' and of the shadow rays.
+const QUEUE_LISTS: u64 = 9;
 /// Queues of `queues.wgsl`, which is also the order of the dispatch sizes.
 pub const QUEUE_COUNT: u64 = 4;
 
@@ -30,6 +30,11 @@ pub enum Queue {
 }
 
 impl Queue {
+    /// Where the number of entries for its consumers lies in the buffer `queues`, in bytes.
+    pub fn length_offset(self) -> u64 {
+        (2 * self as u64 + 1) * 4
+    }
+
     /// Where its dispatch size lies in the buffer `dispatch_sizes`.
     pub fn dispatch_offset(self) -> u64 {
         self as u64 * 12
@@ -88,20 +93,47 @@ pub struct GpuAoTable {
     pub same_object: u32,
 }
 
-/// Creates the buffers of a wave of `capacity` paths.
+/// Bytes of the paths' state.
+fn path_bytes(capacity: u32, result_words: u32) -> u64 {
+    u64::from(capacity) * 16 * (PATH_FIELDS + u64::from(result_words.div_ceil(4)))
+}
+
+/// Makes room for results of so many words where there is too little; true if there was.
+///
+/// # Errors
+/// If it exceeds what the device can bind.
+pub fn grow_results(
+    gpu: &Gpu,
+    capacity: u32,
+    result_words: u32,
+    resources: &mut Resources,
+) -> Result<bool, GpuError> {
+    let bytes = path_bytes(capacity, result_words);
+    if resources.buffer("paths").size() >= bytes {
+        return Ok(false);
+    }
+    let paths = gpu.empty_buffer("paths", bytes, wgpu::BufferUsages::STORAGE)?;
+    resources.set_buffer("paths", paths);
+    Ok(true)
+}
+
+/// Creates the buffers of a wave of `capacity` paths, each with `result_words` for the results of texture programs.
 ///
 /// # Errors
 /// If they exceed what the device can bind.
-pub fn allocate(gpu: &Gpu, capacity: u32, resources: &mut Resources) -> Result<(), GpuError> {
-    let capacity = u64::from(capacity);
+pub fn allocate(
+    gpu: &Gpu,
+    capacity: u32,
+    result_words: u32,
+    resources: &mut Resources,
+) -> Result<(), GpuError> {
     let storage = wgpu::BufferUsages::STORAGE;
+    let paths = gpu.empty_buffer("paths", path_bytes(capacity, result_words), storage)?;
+    resources.set_buffer("paths", paths);
+    let capacity = u64::from(capacity);
     resources.set_buffer(
         "rays",
         gpu.empty_buffer("rays", 2 * capacity * size_of::<RayHit>() as u64, storage)?,
-    );
-    resources.set_buffer(
-        "paths",
-        gpu.empty_buffer("paths", capacity * PATH_FIELDS * 16, storage)?,
     );
     resources.set_buffer(
         "queues",

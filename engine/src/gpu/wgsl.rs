@@ -85,6 +85,7 @@ const FILES: &[(&str, &str)] = files![
     "shared/images.wgsl",
     "shared/lights.wgsl",
     "shared/materials.wgsl",
+    "shared/outputs.wgsl",
     "shared/paths.wgsl",
     "shared/programs.wgsl",
     "shared/queues.wgsl",

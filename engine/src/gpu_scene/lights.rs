@@ -6,6 +6,7 @@ use glam::{Mat3, Vec3};
 use crate::{
     alias::alias_table,
     bvh::SceneBvh,
+    procedural::ProgramTraits,
     scene::{Image, LightKind, Material, PunctualLight, Scene},
 };
 
@@ -60,13 +61,12 @@ impl GpuLight {
 
 /// Gathers the lights and tells each emissive material its pdf per area.
 ///
-/// `driven` says whether a texture program decides a material's emission; such surfaces are found by BSDF samples only.
-/// `radius` is that of a sphere around the scene, metres.
+/// `program` says what is known of a material's texture program. `radius` is that of a sphere around the scene, metres.
 pub fn gather(
     scene: &Scene,
     bvh: &SceneBvh,
     radius: f32,
-    driven: impl Fn(u32) -> bool,
+    program: impl Fn(u32) -> ProgramTraits,
     materials: &mut [GpuMaterial],
 ) -> Vec<GpuLight> {
     let strength: Vec<f32> = scene
@@ -74,10 +74,11 @@ pub fn gather(
         .iter()
         .enumerate()
         .map(|(i, m)| {
-            if driven(i as u32) || m.unlit {
-                0.0
-            } else {
-                average_emission(m, &scene.images)
+            let program = program(i as u32);
+            match (m.unlit, program.decides_light) {
+                (true, _) => 0.0,
+                (false, true) => program.brightness,
+                (false, false) => average_emission(m, &scene.images),
             }
         })
         .collect();

@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
+use crate::procedural::ProgramTraits;
 use crate::scene::{AlphaMode, Filter, Material, Sampler, TextureRef, Wrap};
 
 /// No texture.
@@ -13,10 +14,8 @@ const UNLIT: u32 = 2;
 const MASK: u32 = 4;
 const BLEND: u32 = 8;
 const PROGRAM: u32 = 16;
-const PROGRAM_EMITS: u32 = 32;
-
-/// Bits of a texture program's head that mean that the material's emission depends on it (`programs.wgsl`).
-pub const HEAD_EMITS: u32 = 1 << 31 | 1 << 3;
+const PROGRAM_LAST: u32 = 32;
+const PROGRAM_LIGHT: u32 = 64;
 
 /// `TextureSlot` in `materials.wgsl`.
 #[repr(C)]
@@ -92,8 +91,8 @@ impl GpuMaterial {
 }
 
 impl GpuMaterial {
-    /// `head_flags` is the second word of the material's head among the texture programs; 0 without one.
-    pub fn new(material: &Material, head_flags: u32) -> Self {
+    /// `program` is what is known of its texture program.
+    pub fn new(material: &Material, program: &ProgramTraits) -> Self {
         let ratio = (material.ior - 1.0) / (material.ior + 1.0);
         let mut flags = 0;
         if material.double_sided {
@@ -113,7 +112,7 @@ impl GpuMaterial {
                 0.0
             }
         };
-        flags |= program_flags(head_flags);
+        flags |= program_flags(program);
         let textures = [
             material.base_color_texture.as_ref(),
             material.metallic_roughness_texture.as_ref(),
@@ -147,16 +146,15 @@ impl GpuMaterial {
 /// Byte offset of the flags in a [`GpuMaterial`].
 pub const FLAGS_OFFSET: u64 = std::mem::offset_of!(GpuMaterial, flags) as u64;
 
-/// The flags of a material that follow from its texture program's head.
-pub fn program_flags(head_flags: u32) -> u32 {
-    let mut flags = 0;
-    if head_flags != 0 {
-        flags |= PROGRAM;
-    }
-    if head_flags & HEAD_EMITS != 0 {
-        flags |= PROGRAM_EMITS;
-    }
-    flags
+/// All flags of a material that follow from its texture program.
+pub const PROGRAM_FLAGS: u32 = PROGRAM | PROGRAM_LAST | PROGRAM_LIGHT;
+
+/// The flags of a material that follow from its texture program.
+pub fn program_flags(program: &ProgramTraits) -> u32 {
+    let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
+    flag(program.runs, PROGRAM)
+        | flag(program.decides_light, PROGRAM_LAST)
+        | flag(program.decides_light && program.brightness > 0.0, PROGRAM_LIGHT)
 }
 
 /// Whether a hit may be transparent, so that its alpha must be looked up during traversal.

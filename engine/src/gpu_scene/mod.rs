@@ -12,6 +12,7 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 use crate::{
     bvh::{BvhError, SceneBvh},
     gpu::{Gpu, GpuError, kernel::Resources},
+    procedural::ProgramTraits,
     scene::{Material, Mesh, Scene, TextureRef},
 };
 
@@ -25,6 +26,7 @@ const TRIANGLE_HAS_EXTRA: u32 = 1 << 29;
 const TRIANGLE_HAS_TANGENT: u32 = 1 << 28;
 const TRIANGLE_HAS_COLOR: u32 = 1 << 27;
 const TRIANGLE_SINGLE_SIDED: u32 = 1 << 26;
+const TRIANGLE_PROGRAM_ALPHA: u32 = 1 << 25;
 /// Materials that a triangle's word can name.
 const MAX_MATERIALS: usize = 1 << 24;
 
@@ -80,15 +82,21 @@ pub struct SceneFeatures {
     pub textures: bool,
     /// Light comes from the environment.
     pub environment: bool,
+    /// A texture program decides about the opacity or the light of some surface, so that shadow rays need it too.
+    pub program_shadows: bool,
 }
 
 impl SceneFeatures {
     /// Values of the kernels' `override` constants.
-    pub fn constants(&self) -> [(&'static str, f64); 3] {
+    pub fn constants(&self) -> [(&'static str, f64); 4] {
         [
             ("has_alpha", f64::from(u8::from(self.alpha))),
             ("has_textures", f64::from(u8::from(self.textures))),
             ("has_environment", f64::from(u8::from(self.environment))),
+            (
+                "has_program_shadows",
+                f64::from(u8::from(self.program_shadows)),
+            ),
         ]
     }
 }
@@ -115,8 +123,8 @@ pub struct GpuScene {
 }
 
 impl GpuScene {
-    /// Uploads the scene and names its resources. `head_flags` gives the flags of a material's texture program head,
-    /// `arguments` the images of texture arguments.
+    /// Uploads the scene and names its resources. `program` says what is known of a material's texture program,
+    /// `arguments` are the images of texture arguments.
     ///
     /// # Errors
     /// If the scene is empty or exceeds what the device can bind.
@@ -124,7 +132,7 @@ impl GpuScene {
         gpu: &Gpu,
         scene: &Scene,
         arguments: &[TextureRef],
-        head_flags: impl Fn(u32) -> u32,
+        program: impl Fn(u32) -> ProgramTraits,
         resources: &mut Resources,
     ) -> Result<Self, GpuSceneError> {
         if scene.materials.len() > MAX_MATERIALS {
@@ -139,11 +147,10 @@ impl GpuScene {
             .materials
             .iter()
             .enumerate()
-            .map(|(i, m)| GpuMaterial::new(m, head_flags(i as u32)))
+            .map(|(i, m)| GpuMaterial::new(m, &program(i as u32)))
             .collect();
-        let driven = |m: u32| head_flags(m) & materials::HEAD_EMITS != 0;
-        let lights: Vec<GpuLight> = lights::gather(scene, &bvh, radius, driven, &mut materials);
-        let (triangles, vertices) = geometry(scene, &bvh);
+        let lights: Vec<GpuLight> = lights::gather(scene, &bvh, radius, &program, &mut materials);
+        let (triangles, vertices) = geometry(scene, &bvh, &program);
         let images = GpuImages::new(gpu, scene, arguments)?;
         let environment = GpuEnvironment::new(gpu, &scene.environment)?;
 
@@ -185,6 +192,10 @@ impl GpuScene {
                 alpha: triangles.iter().any(|t| t[3] & TRIANGLE_ALPHA != 0),
                 textures: !scene.images.is_empty(),
                 environment: environment.emits,
+                program_shadows: (0..scene.materials.len() as u32).any(|m| {
+                    let program = program(m);
+                    program.decides_opacity || program.decides_light && program.brightness > 0.0
+                }),
             },
             environment,
             bounds: [lo, hi],
@@ -239,17 +250,27 @@ fn object_random(index: u32) -> f32 {
 }
 
 /// Triangles in hierarchy order, and the heap of vertices: each mesh has records of one to three `vec4u`.
-fn geometry(scene: &Scene, bvh: &SceneBvh) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
+fn geometry(
+    scene: &Scene,
+    bvh: &SceneBvh,
+    program: impl Fn(u32) -> ProgramTraits,
+) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
     let mut triangles = Vec::with_capacity(scene.meshes.iter().map(|m| m.triangles.len()).sum());
     let mut vertices = Vec::new();
-    let sides = |m: &Material| {
-        if m.double_sided {
-            0
-        } else {
-            TRIANGLE_SINGLE_SIDED
-        }
+    // What a material means for its triangles, without and with vertex colours.
+    let flags_of = |index: u32, m: &Material, has_colors: bool| {
+        let sides = if m.double_sided { 0 } else { TRIANGLE_SINGLE_SIDED };
+        let alpha = match program(index).decides_opacity {
+            true => TRIANGLE_PROGRAM_ALPHA,
+            false if materials::needs_alpha(m, has_colors) => TRIANGLE_ALPHA,
+            false => 0,
+        };
+        sides | alpha
     };
-    let flags: Vec<u32> = scene.materials.iter().map(sides).collect();
+    let flags: Vec<[u32; 2]> = (0..)
+        .zip(&scene.materials)
+        .map(|(index, m)| [false, true].map(|has_colors| flags_of(index, m, has_colors)))
+        .collect();
     for (mesh, order) in scene.meshes.iter().zip(&bvh.triangle_order) {
         if order.is_empty() {
             continue;
@@ -261,12 +282,7 @@ fn geometry(scene: &Scene, bvh: &SceneBvh) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
         for &t in order {
             let [a, b, c] = mesh.triangles[t as usize].map(|v| base + v * layout.stride);
             let material = mesh.triangle_materials[t as usize];
-            let material_flags = flags[material as usize]
-                | if materials::needs_alpha(&scene.materials[material as usize], has_colors) {
-                    TRIANGLE_ALPHA
-                } else {
-                    0
-                };
+            let material_flags = flags[material as usize][usize::from(has_colors)];
             triangles.push([a, b, c, material | layout.flags | material_flags]);
         }
     }

@@ -92,7 +92,7 @@ pub fn load(scene: &Path, look: Option<&Path>, textures: &[PathBuf]) -> Result<L
         .map_err(LookError::from)?;
     warnings.extend(procedural.warnings().iter().map(ToString::to_string));
     let states_environment = look.as_ref().is_some_and(|look| look.environment.is_some());
-    let emits = |material: u32| procedural.drives_emission(material);
+    let emits = |material: u32| procedural.traits(material).glows;
     if !states_environment && is_dark(&scene, emits) {
         scene.environment = Environment::Constant(Vec3::ONE);
         warnings.push(
@@ -177,9 +177,9 @@ fn read_environment(
 }
 
 /// Whether nothing in the scene gives light, so that its picture would be black.
-fn is_dark(scene: &Scene, drives_emission: impl Fn(u32) -> bool) -> bool {
+fn is_dark(scene: &Scene, glows: impl Fn(u32) -> bool) -> bool {
     let emits = |(index, material): (usize, &Material)| {
-        material.unlit || material.emission.max_element() > 0.0 || drives_emission(index as u32)
+        material.unlit || material.emission.max_element() > 0.0 || glows(index as u32)
     };
     let is_black = matches!(scene.environment, Environment::Constant(c) if c.max_element() <= 0.0);
     is_black && scene.lights.is_empty() && !scene.materials.iter().enumerate().any(emits)

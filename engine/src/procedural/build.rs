@@ -54,6 +54,7 @@ impl Procedural {
             ao_names,
             memory: ProgramMemory::new(scene.materials.len()),
             wiring: resolved.wiring,
+            traits: Vec::new(),
             order: resolved.order,
             material_names: resolved.names,
             surface_names: resolved.surfaces,
@@ -90,6 +91,7 @@ impl Procedural {
             }
         }
         self.refresh_ao_masks();
+        self.refresh_traits();
         if problems.is_empty() {
             Ok(())
         } else {

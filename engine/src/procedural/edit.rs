@@ -6,7 +6,7 @@ use texgen::{Edit, GraphError, NodeId, Value, did_you_mean};
 use crate::scene::look::{AoSettings, Link, link_text};
 
 use super::wiring::{CompileError, Compiled, Mask, Wiring, check_driver};
-use super::{Output, Procedural, Source};
+use super::{Kind, Output, Procedural, Source};
 
 /// Why an edit was refused. Nothing has changed then.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -147,9 +147,9 @@ impl Procedural {
             });
         }
         let source = link
-            .map(|link| self.driver(link, output.is_scalar()))
+            .map(|link| self.driver(link, output.kind()))
             .transpose()?;
-        self.rewire(index, |wiring| wiring.outputs[output as usize] = source)
+        self.rewire(index, |wiring| wiring.set_output(output, source))
     }
 
     /// Drives the mask of a blend by a node's result.
@@ -164,7 +164,7 @@ impl Procedural {
                 is_blend: false,
             });
         }
-        let source = self.driver(link, true)?;
+        let source = self.driver(link, Kind::Scalar)?;
         self.rewire(index, |wiring| {
             if let Some(blend) = &mut wiring.blend {
                 blend.mask = Mask::Driven(source);
@@ -199,9 +199,9 @@ impl Procedural {
         Ok(Source { node, swizzle })
     }
 
-    fn driver(&self, link: &str, scalar: bool) -> Result<Source, EditError> {
+    fn driver(&self, link: &str, kind: Kind) -> Result<Source, EditError> {
         let source = self.source(link)?;
-        check_driver(&self.graph, source, scalar).map_err(EditError::Link)?;
+        check_driver(&self.graph, source, kind).map_err(EditError::Link)?;
         Ok(source)
     }
 
@@ -242,6 +242,7 @@ impl Procedural {
             self.store(program);
         }
         self.refresh_ao_masks();
+        self.refresh_traits();
     }
 
     fn note_args(&mut self, edit: &Edit) {

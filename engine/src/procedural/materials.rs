@@ -10,7 +10,8 @@ use crate::scene::look::{AlphaLook, Input, Look, MaterialLook, Span, Spanned};
 use crate::scene::{AlphaMode, Material, Scene};
 
 use super::wiring::{Blend, Mask, Wiring, check_driver};
-use super::{Output, Source};
+use super::traits::Surface;
+use super::{Kind, Output, Source};
 
 /// The materials of a scene with the look applied.
 #[derive(Debug, Default)]
@@ -45,7 +46,12 @@ pub(super) fn resolve(
             .or_insert(index);
     }
     resolver.declare(look, scene);
-    resolver.out.wiring = vec![Wiring::default(); scene.materials.len()];
+    resolver.out.wiring = (scene.materials.iter())
+        .map(|material| Wiring {
+            surface: surface_of(material),
+            ..Wiring::default()
+        })
+        .collect();
     for table in &look.materials {
         resolver.surface(table, scene);
         resolver.blend(table);
@@ -144,24 +150,32 @@ impl Resolver<'_> {
                 continue;
             };
             if let Input::Link(_) = input.value {
-                self.out.wiring[index as usize].outputs[output as usize] =
-                    self.source(input, output.is_scalar());
+                let source = self.source(input, output.kind());
+                self.out.wiring[index as usize].set_output(output, source);
             }
         }
-        if matches!(
-            table.emission,
-            Some(Spanned {
-                value: Input::Link(_),
-                ..
-            })
-        ) {
-            let material = &mut scene.materials[index as usize];
+        let material = &mut scene.materials[index as usize];
+        if is_link(&table.opacity) {
+            material.alpha_mode = AlphaMode::Opaque;
+        }
+        let mut surface = Surface {
+            emission: material.emission,
+            has_emission_image: material.emission_texture.is_some(),
+            ..surface_of(material)
+        };
+        if is_link(&table.emission) {
             material.emission = Vec3::ZERO;
             material.emission_texture = None;
+            surface.emission = constant(&table.emission_strength).unwrap_or(Vec3::ONE);
         }
+        surface.bump_scale = table.bump_scale.as_ref().map_or(1.0, |scale| scale.value);
+        if material.unlit {
+            surface.emission = Vec3::ZERO;
+        }
+        self.out.wiring[index as usize].surface = surface;
     }
 
-    fn source(&mut self, input: &Spanned<Input>, scalar: bool) -> Option<Source> {
+    fn source(&mut self, input: &Spanned<Input>, kind: Kind) -> Option<Source> {
         let Input::Link(link) = &input.value else {
             return None;
         };
@@ -171,7 +185,7 @@ impl Resolver<'_> {
             node,
             swizzle: link.swizzle,
         };
-        match check_driver(self.graph, source, scalar) {
+        match check_driver(self.graph, source, kind) {
             Ok(()) => Some(source),
             Err(message) => {
                 self.problem(&input.span, message, None);
@@ -193,7 +207,7 @@ impl Resolver<'_> {
         let over = self.material(&blend.over);
         let mask = match &blend.mask.value {
             Input::Constant(value) => Some(Mask::Constant(value.x)),
-            Input::Link(_) => self.source(&blend.mask, true).map(Mask::Driven),
+            Input::Link(_) => self.source(&blend.mask, Kind::Scalar).map(Mask::Driven),
         };
         if let (Some(base), Some(over), Some(mask)) = (base, over, mask) {
             self.out.wiring[self.out.names[name] as usize].blend = Some(Blend { base, over, mask });
@@ -300,14 +314,47 @@ fn input_of(table: &MaterialLook, output: Output) -> Option<&Spanned<Input>> {
         Output::Metallic => table.metallic.as_ref(),
         Output::Roughness => table.roughness.as_ref(),
         Output::Emission => table.emission.as_ref(),
+        Output::Opacity => table.opacity.as_ref(),
+        Output::Normal => table.normal.as_ref(),
+        Output::Specular => table.specular.as_ref(),
+        Output::SpecularColor => table.specular_color.as_ref(),
+        Output::Ior => table.ior.as_ref(),
+        Output::EmissionStrength => table.emission_strength.as_ref(),
+        Output::NormalScale => table.normal_scale.as_ref(),
+        Output::Bump => table.bump.as_ref(),
+    }
+}
+
+fn is_link(input: &Option<Spanned<Input>>) -> bool {
+    matches!(input, Some(input) if matches!(input.value, Input::Link(_)))
+}
+
+fn constant(input: &Option<Spanned<Input>>) -> Option<Vec3> {
+    match input.as_ref()?.value {
+        Input::Constant(value) => Some(value),
+        Input::Link(_) => None,
+    }
+}
+
+/// What a program must know of a material that no table of the look describes.
+fn surface_of(material: &Material) -> Surface {
+    let alpha = material.base_color.w;
+    Surface {
+        emission: if material.unlit { Vec3::ZERO } else { material.emission },
+        has_emission_image: material.emission_texture.is_some(),
+        opacity: match material.alpha_mode {
+            AlphaMode::Opaque => 1.0,
+            AlphaMode::Mask { cutoff } => f32::from(u8::from(alpha >= cutoff)),
+            AlphaMode::Blend => alpha,
+        },
+        ..Surface::default()
     }
 }
 
 fn set_constants(table: &MaterialLook, material: &mut Material) {
-    fn constant(input: &Option<Spanned<Input>>) -> Option<Vec3> {
-        match input.as_ref()?.value {
-            Input::Constant(value) => Some(value),
-            Input::Link(_) => None,
+    fn set_scalar(target: &mut f32, input: &Option<Spanned<Input>>) {
+        if let Some(value) = constant(input) {
+            *target = value.x;
         }
     }
     fn set<T: Copy>(target: &mut T, value: &Option<Spanned<T>>) {
@@ -321,22 +368,24 @@ fn set_constants(table: &MaterialLook, material: &mut Material) {
     if let Some(alpha) = &table.alpha {
         material.base_color.w = alpha.value;
     }
-    if let Some(metallic) = constant(&table.metallic) {
-        material.metallic = metallic.x;
-    }
-    if let Some(roughness) = constant(&table.roughness) {
-        material.roughness = roughness.x;
-    }
+    set_scalar(&mut material.metallic, &table.metallic);
+    set_scalar(&mut material.roughness, &table.roughness);
     if let Some(emission) = constant(&table.emission) {
         material.emission = emission;
     }
-    if let Some(strength) = &table.emission_strength {
-        material.emission *= strength.value;
+    if let Some(strength) = constant(&table.emission_strength) {
+        material.emission *= strength;
     }
-    set(&mut material.specular, &table.specular);
-    set(&mut material.specular_color, &table.specular_color);
-    set(&mut material.ior, &table.ior);
-    set(&mut material.normal_scale, &table.normal_scale);
+    if let Some(opacity) = constant(&table.opacity) {
+        material.base_color.w = opacity.x;
+        material.alpha_mode = AlphaMode::Blend;
+    }
+    set_scalar(&mut material.specular, &table.specular);
+    if let Some(color) = constant(&table.specular_color) {
+        material.specular_color = color;
+    }
+    set_scalar(&mut material.ior, &table.ior);
+    set_scalar(&mut material.normal_scale, &table.normal_scale);
     set(&mut material.double_sided, &table.double_sided);
     set(&mut material.unlit, &table.unlit);
     let cutoff = match (&table.alpha_cutoff, material.alpha_mode) {

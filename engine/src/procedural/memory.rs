@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 /// Words of a material's head. See [`super::Procedural::programs`].
-pub const HEAD_WORDS: u32 = 16;
+pub const HEAD_WORDS: u32 = 40;
 /// Head word: where the program begins, in words from the start; 0 is no program.
 pub const HEAD_PROGRAM: u32 = 0;
 /// Head word: which outputs are driven, and the `FLAG_*` bits.
@@ -19,8 +19,16 @@ pub const HEAD_OVER: u32 = 4;
 pub const HEAD_AO: u32 = 5;
 /// Head word: the mask as f32 bits where [`FLAG_CONSTANT_MASK`] is set.
 pub const HEAD_MASK_VALUE: u32 = 6;
+/// Head word: where the program of the bump height begins; 0 is none.
+pub const HEAD_BUMP_PROGRAM: u32 = 7;
+/// Head word: metres per unit of the bump height, as f32 bits.
+pub const HEAD_BUMP_SCALE: u32 = 8;
+/// Head word: the opacity where no node drives it, as f32 bits.
+pub const HEAD_OPACITY: u32 = 9;
+/// Three head words: the emission where no node drives it, else the factor on what does, as f32 bits.
+pub const HEAD_EMISSION: u32 = 10;
 /// Head words from here on: the link of each output.
-pub const HEAD_LINKS: u32 = 8;
+pub const HEAD_LINKS: u32 = 16;
 /// In [`HEAD_FLAGS`]: the material is a blend of two others.
 pub const FLAG_BLEND: u32 = 1 << 31;
 /// In [`HEAD_FLAGS`]: the mask is a constant and not a link.
@@ -33,7 +41,8 @@ const MIN_ROOM: u32 = 32;
 #[derive(Debug, Clone, Default)]
 pub(super) struct ProgramMemory {
     words: Vec<u32>,
-    rooms: Vec<Range<u32>>,
+    /// Of a material: for its program, and for that of its bump height.
+    rooms: Vec<[Range<u32>; 2]>,
     changed: RangeSet,
 }
 
@@ -42,7 +51,7 @@ impl ProgramMemory {
     pub(super) fn new(materials: usize) -> Self {
         Self {
             words: vec![0; materials * HEAD_WORDS as usize],
-            rooms: vec![0..0; materials],
+            rooms: vec![[0..0, 0..0]; materials],
             changed: RangeSet::default(),
         }
     }
@@ -64,10 +73,11 @@ impl ProgramMemory {
         }
     }
 
-    /// Puts a program into its material's room, or into a new one twice its size behind everything else.
-    pub(super) fn store(&mut self, material: u32, program: &[u32]) {
+    /// Puts a program into its room, or into a new one twice its size behind everything else. `head_word` says which
+    /// program of the material: [`HEAD_PROGRAM`] or [`HEAD_BUMP_PROGRAM`].
+    pub(super) fn store(&mut self, material: u32, head_word: u32, program: &[u32]) {
         let len = program.len() as u32;
-        let room = &mut self.rooms[material as usize];
+        let room = &mut self.rooms[material as usize][usize::from(head_word == HEAD_BUMP_PROGRAM)];
         if len > room.end - room.start {
             let start = self.words.len() as u32;
             *room = start..start + (2 * len).max(MIN_ROOM);
@@ -79,7 +89,7 @@ impl ProgramMemory {
             target.copy_from_slice(program);
             self.changed.add(start..start + len);
         }
-        self.set_head(material, HEAD_PROGRAM, start);
+        self.set_head(material, head_word, start);
     }
 
     pub(super) fn take_changes(&mut self) -> Vec<Range<u32>> {
@@ -131,15 +141,15 @@ mod tests {
     #[test]
     fn a_program_that_fits_stays_where_it_is() {
         let mut memory = ProgramMemory::new(2);
-        memory.store(1, &[7; 20]);
+        memory.store(1, HEAD_PROGRAM, &[7; 20]);
         let start = memory.head(1, HEAD_PROGRAM);
         assert_eq!(start, 2 * HEAD_WORDS);
         memory.take_changes();
-        memory.store(1, &[8; 40]);
+        memory.store(1, HEAD_PROGRAM, &[8; 40]);
         assert_eq!(memory.head(1, HEAD_PROGRAM), start);
         assert_eq!(memory.take_changes(), vec![start..start + 40]);
-        memory.store(0, &[1]);
-        memory.store(1, &[9; 41]);
+        memory.store(0, HEAD_PROGRAM, &[1]);
+        memory.store(1, HEAD_PROGRAM, &[9; 41]);
         assert!(memory.head(1, HEAD_PROGRAM) > memory.head(0, HEAD_PROGRAM));
         assert_eq!(
             memory.words().len() as u32,
@@ -150,10 +160,10 @@ mod tests {
     #[test]
     fn storing_the_same_again_changes_nothing() {
         let mut memory = ProgramMemory::new(1);
-        memory.store(0, &[1, 2, 3]);
+        memory.store(0, HEAD_PROGRAM, &[1, 2, 3]);
         memory.set_head(0, HEAD_FLAGS, 5);
         assert!(!memory.take_changes().is_empty());
-        memory.store(0, &[1, 2, 3]);
+        memory.store(0, HEAD_PROGRAM, &[1, 2, 3]);
         memory.set_head(0, HEAD_FLAGS, 5);
         assert_eq!(memory.take_changes(), []);
     }

@@ -18,13 +18,20 @@
 //! | 4 | material index of the blend's over |
 //! | 5 | bit i: AO table i is needed by this material or by one below its blends |
 //! | 6 | a constant mask, as f32 bits |
-//! | 7 | 0 |
-//! | 8 + i | link of output i |
+//! | 7 | where the program that gives the height begins, 0 is none |
+//! | 8 | metres per unit of that height, as f32 bits |
+//! | 9 | the opacity where it is a constant, as f32 bits |
+//! | 10 to 12 | the emission where it is a constant, else the factor on a driven one, as f32 bits |
+//! | 13 to 15 | 0 |
+//! | 16 + i | link of output i |
 //!
 //! A link is texgen's link word: a slot of the program's results, with a swizzle. A driven output replaces the
 //! constant and the glTF texture of the material. A blend has no surface of its own: its record in
 //! [`Scene::materials`] is a copy of its base's without emission, for whatever must be known before
 //! the program has run (alpha, sides).
+//!
+//! The height of a bump map has a program of its own, the nodes below it alone, because it is evaluated at several
+//! points around a hit.
 //!
 //! [`Scene::materials`]: crate::scene::Scene::materials
 
@@ -33,9 +40,11 @@ mod edit;
 mod images;
 mod materials;
 mod memory;
+mod output;
 mod sources;
 #[cfg(test)]
 mod tests;
+mod traits;
 mod values;
 mod wiring;
 
@@ -49,10 +58,13 @@ use crate::scene::look::{AoSettings, MAX_AO};
 
 pub use edit::EditError;
 pub use memory::{
-    FLAG_BLEND, FLAG_CONSTANT_MASK, HEAD_AO, HEAD_BASE, HEAD_FLAGS, HEAD_LINKS, HEAD_MASK,
-    HEAD_MASK_VALUE, HEAD_OVER, HEAD_PROGRAM, HEAD_WORDS,
+    FLAG_BLEND, FLAG_CONSTANT_MASK, HEAD_AO, HEAD_BASE, HEAD_BUMP_PROGRAM, HEAD_BUMP_SCALE,
+    HEAD_EMISSION, HEAD_FLAGS, HEAD_LINKS, HEAD_MASK, HEAD_MASK_VALUE, HEAD_OPACITY, HEAD_OVER,
+    HEAD_PROGRAM, HEAD_WORDS,
 };
+pub use output::{Kind, Output};
 pub use sources::{SourcesError, TextureSources};
+pub use traits::ProgramTraits;
 pub use wiring::CompileError;
 
 use memory::{ProgramMemory, RangeSet};
@@ -64,45 +76,6 @@ pub const MAX_STACK_SLOTS: u32 = 256;
 /// Slots the kernel has at least, so that wiring anew seldom needs another kernel.
 const MIN_STACK_SLOTS: u32 = 8;
 
-/// A value of a material that a texture can drive; the number is its place in the head.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[repr(u32)]
-pub enum Output {
-    /// Linear colour.
-    BaseColor = 0,
-    /// Scalar.
-    Metallic = 1,
-    /// Scalar, perceptual.
-    Roughness = 2,
-    /// Radiance, W/m²/sr.
-    Emission = 3,
-}
-
-impl Output {
-    /// All of them, in the order of their numbers.
-    pub const ALL: [Self; 4] = [
-        Self::BaseColor,
-        Self::Metallic,
-        Self::Roughness,
-        Self::Emission,
-    ];
-
-    /// Its key in a look.
-    pub fn key(self) -> &'static str {
-        match self {
-            Self::BaseColor => "base_color",
-            Self::Metallic => "metallic",
-            Self::Roughness => "roughness",
-            Self::Emission => "emission",
-        }
-    }
-
-    /// Whether it is a number rather than a colour.
-    pub fn is_scalar(self) -> bool {
-        matches!(self, Self::Metallic | Self::Roughness)
-    }
-}
-
 /// The texture graph of a scene with the memory that mirrors it on the GPU.
 #[derive(Debug, Clone)]
 pub struct Procedural {
@@ -111,6 +84,7 @@ pub struct Procedural {
     ao_names: Vec<String>,
     memory: ProgramMemory,
     wiring: Vec<Wiring>,
+    traits: Vec<ProgramTraits>,
     /// All material indices, blends after what lies below them.
     order: Vec<u32>,
     material_names: HashMap<String, u32>,
@@ -203,12 +177,12 @@ impl Procedural {
         (0..self.wiring.len() as u32).all(|m| !self.is_procedural(m))
     }
 
-    /// Whether a material's emission, or one below its blends, is driven or blended: its triangles emit by the
-    /// program's result, which the scene's constants don't tell.
-    pub fn drives_emission(&self, material: u32) -> bool {
-        self.is_procedural(material)
-            && self.memory.head(material, HEAD_FLAGS) & (1 << Output::Emission as u32 | FLAG_BLEND)
-                != 0
+    /// Words that the results of a hit take in the state of a path, for the hungriest material.
+    pub fn result_words(&self) -> u32 {
+        let of = |m: u32| output::result_words(self.memory.head(m, HEAD_FLAGS));
+        let driven = (0..self.wiring.len() as u32).map(of).max().unwrap_or(0);
+        // Where anything decides about opacity, all sides of a blend have one.
+        driven + u32::from(self.traits.iter().any(|t| t.decides_opacity))
     }
 
     /// What is odd in the look or in its textures, but not wrong.

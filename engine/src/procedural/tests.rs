@@ -123,7 +123,7 @@ fn the_same_look_gives_the_same_words() {
 fn a_driven_emission_replaces_the_constant() {
     let (procedural, scene) = build("[node.n]\ntexture='flat'\n[material.B]\nemission='n'");
     assert_eq!(scene.materials[1].emission, glam::Vec3::ZERO);
-    assert!(procedural.drives_emission(1) && !procedural.drives_emission(0));
+    assert!(procedural.traits(1).decides_light && !procedural.traits(0).decides_light);
 }
 
 #[test]
@@ -400,7 +400,10 @@ fn a_thousand_edits_keep_kernel_and_memory() {
             procedural.set_link("paint", "amount", "level").unwrap();
         }
         let output = Output::ALL[i as usize % 4];
-        let link = if output.is_scalar() { "level" } else { "paint" };
+        let link = match output.kind() {
+            Kind::Scalar => "level",
+            Kind::Color | Kind::Vector => "paint",
+        };
         procedural
             .set_output_link("B", output, (i % 8 < 4).then_some(link))
             .unwrap();
@@ -474,7 +477,7 @@ fn a_refused_edit_changes_nothing() {
     procedural
         .set_output_link("B", Output::Metallic, None)
         .unwrap();
-    let heads = 5 * HEAD_WORDS as usize;
+    let heads = 4 * HEAD_WORDS as usize;
     assert_eq!(procedural.programs()[..heads], before[..heads]);
     procedural
         .set_value("paint", "amount", Value::F32(0.5))

@@ -5,16 +5,21 @@ use std::collections::HashSet;
 use texgen::{Graph, GraphError, NodeId, Program, link_word};
 
 use super::memory::{
-    FLAG_BLEND, FLAG_CONSTANT_MASK, HEAD_AO, HEAD_BASE, HEAD_FLAGS, HEAD_LINKS, HEAD_MASK,
-    HEAD_MASK_VALUE, HEAD_OVER, HEAD_PROGRAM,
+    FLAG_BLEND, FLAG_CONSTANT_MASK, HEAD_AO, HEAD_BASE, HEAD_BUMP_PROGRAM, HEAD_BUMP_SCALE,
+    HEAD_EMISSION, HEAD_FLAGS, HEAD_LINKS, HEAD_MASK, HEAD_MASK_VALUE, HEAD_OPACITY, HEAD_OVER,
+    HEAD_PROGRAM,
 };
-use super::{MAX_STACK_SLOTS, MIN_STACK_SLOTS, Output, Procedural, Source};
+use super::traits::Surface;
+use super::{Kind, MAX_STACK_SLOTS, MIN_STACK_SLOTS, Output, Procedural, Source};
 
 /// What drives one material.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Wiring {
+    /// By place in [`Output::ALL`]; see [`Self::output`].
     pub(super) outputs: [Option<Source>; Output::ALL.len()],
     pub(super) blend: Option<Blend>,
+    /// What the material is without its nodes.
+    pub(super) surface: Surface,
     /// AO tables that its own program reads, one bit each.
     pub(super) own_ao: u32,
     /// The nodes of its program.
@@ -37,7 +42,25 @@ pub(super) enum Mask {
 }
 
 impl Wiring {
-    /// The nodes whose results are needed, each once.
+    /// What drives an output.
+    pub(super) fn output(&self, output: Output) -> Option<Source> {
+        self.driven().find(|(o, _)| *o == output).map(|(_, s)| s)
+    }
+
+    /// Drives an output, or no longer.
+    pub(super) fn set_output(&mut self, output: Output, source: Option<Source>) {
+        let place = Output::ALL.iter().position(|&o| o == output);
+        self.outputs[place.expect("all outputs are listed")] = source;
+    }
+
+    /// The driven outputs, in the order of their numbers.
+    fn driven(&self) -> impl Iterator<Item = (Output, Source)> {
+        (Output::ALL.into_iter())
+            .zip(self.outputs)
+            .filter_map(|(output, source)| Some((output, source?)))
+    }
+
+    /// The nodes whose results the program gives, each once. The bump height isn't among them: it has its own.
     fn roots(&self) -> Vec<NodeId> {
         let mask = match &self.blend {
             Some(Blend {
@@ -47,7 +70,8 @@ impl Wiring {
             _ => None,
         };
         let mut roots: Vec<NodeId> = Vec::new();
-        for source in self.outputs.iter().flatten().chain(mask) {
+        let driven = self.driven().filter(|(output, _)| *output != Output::Bump);
+        for source in driven.map(|(_, source)| source).chain(mask.copied()) {
             if !roots.contains(&source.node) {
                 roots.push(source.node);
             }
@@ -56,11 +80,12 @@ impl Wiring {
     }
 }
 
-/// A material's program that has not been stored yet.
+/// A material's programs that have not been stored yet.
 pub(super) struct Compiled {
     material: u32,
     roots: Vec<NodeId>,
     program: Option<Program>,
+    bump: Option<Program>,
 }
 
 /// Why a material has no program.
@@ -88,9 +113,8 @@ impl From<GraphError> for CompileError {
     }
 }
 
-/// Checks that an output (a colour, or a scalar) can take a node's result through a swizzle; says what to do
-/// otherwise.
-pub(super) fn check_driver(graph: &Graph, source: Source, scalar: bool) -> Result<(), String> {
+/// Checks that an output can take a node's result through a swizzle; says what to do otherwise.
+pub(super) fn check_driver(graph: &Graph, source: Source, kind: Kind) -> Result<(), String> {
     let given = graph
         .link_output(source.node, source.swizzle)
         .map_err(|error| error.to_string())?;
@@ -99,65 +123,86 @@ pub(super) fn check_driver(graph: &Graph, source: Source, scalar: bool) -> Resul
         Some(swizzle) => format!("{name}{swizzle}"),
         None => name.to_owned(),
     };
-    match (scalar, given.components()) {
-        (true, 1) | (false, 1 | 3 | 4) => Ok(()),
-        (true, _) => Err(format!(
+    match (kind, given.components()) {
+        (Kind::Scalar, 1) | (Kind::Color, 1 | 3 | 4) | (Kind::Vector, 3 | 4) => Ok(()),
+        (Kind::Scalar, _) => Err(format!(
             "`{link}` gives {given}, but one number is needed: write \"{name}.x\""
         )),
-        (false, _) => Err(format!(
+        (Kind::Color, _) => Err(format!(
             "`{link}` gives {given}, but a colour is needed: one, three or four components"
+        )),
+        (Kind::Vector, _) => Err(format!(
+            "`{link}` gives {given}, but a direction is needed: three components"
         )),
     }
 }
 
 impl Procedural {
-    /// Compiles the program of a material as it is wired now.
+    /// Compiles the programs of a material as it is wired now.
     pub(super) fn compile(&self, material: u32) -> Result<Compiled, CompileError> {
-        let roots = self.wiring[material as usize].roots();
+        let wiring = &self.wiring[material as usize];
+        let roots = wiring.roots();
+        let bump: Vec<NodeId> = (wiring.output(Output::Bump).iter().map(|s| s.node)).collect();
+        Ok(Compiled {
+            material,
+            program: self.program(material, &roots)?,
+            roots,
+            bump: self.program(material, &bump)?,
+        })
+    }
+
+    fn program(&self, material: u32, roots: &[NodeId]) -> Result<Option<Program>, CompileError> {
         if roots.is_empty() {
-            return Ok(Compiled {
-                material,
-                roots,
-                program: None,
-            });
+            return Ok(None);
         }
-        let program = self.graph.compile(&roots)?;
+        let program = self.graph.compile(roots)?;
         if program.slots_needed > MAX_STACK_SLOTS {
             return Err(CompileError::TooManySlots {
                 material: self.material_name(material).to_owned(),
                 needed: program.slots_needed,
             });
         }
-        Ok(Compiled {
-            material,
-            roots,
-            program: Some(program),
-        })
+        Ok(Some(program))
     }
 
-    /// Writes a compiled program and its head into the memory.
+    /// Writes compiled programs and their head into the memory.
     pub(super) fn store(&mut self, compiled: Compiled) {
         let Compiled {
             material,
             roots,
             program,
+            bump,
         } = compiled;
-        let nodes = self.reachable(&roots);
+        let wiring = &self.wiring[material as usize];
+        let mut nodes = roots.clone();
+        nodes.extend(wiring.output(Output::Bump).map(|source| source.node));
+        let nodes = self.reachable(&nodes);
+        let programs = || program.iter().chain(&bump);
+        let own_ao = programs().fold(0, |mask, p| mask | p.occlusion_mask);
         let wiring = &mut self.wiring[material as usize];
         wiring.nodes = nodes;
-        wiring.own_ao = program.as_ref().map_or(0, |p| p.occlusion_mask);
+        wiring.own_ao = own_ao;
         let link = |source: &Source| {
             let root = roots.iter().position(|&root| root == source.node);
             let slots = program.as_ref().map_or(&[][..], |p| &p.results);
             root.and_then(|root| slots.get(root))
                 .map_or(0, |&slot| link_word(slot, source.swizzle))
         };
+        let bump_link = |source: &Source| {
+            let slot = bump.as_ref().and_then(|p| p.results.first());
+            slot.map_or(0, |&slot| link_word(slot, source.swizzle))
+        };
 
+        let mut set = |word: u32, value: u32| self.memory.set_head(material, word, value);
         let mut flags = 0;
-        for (i, output) in (0..).zip(&wiring.outputs) {
-            flags |= u32::from(output.is_some()) << i;
-            self.memory
-                .set_head(material, HEAD_LINKS + i, output.as_ref().map_or(0, link));
+        for (output, source) in Output::ALL.into_iter().zip(&wiring.outputs) {
+            let word = match (source, output) {
+                (None, _) => 0,
+                (Some(source), Output::Bump) => bump_link(source),
+                (Some(source), _) => link(source),
+            };
+            flags |= if source.is_some() { output.bit() } else { 0 };
+            set(HEAD_LINKS + output as u32, word);
         }
         if let Some(blend) = &wiring.blend {
             flags |= FLAG_BLEND;
@@ -168,19 +213,26 @@ impl Procedural {
                     (0, *value)
                 }
             };
-            self.memory.set_head(material, HEAD_MASK, mask_link);
-            self.memory.set_head(material, HEAD_BASE, blend.base);
-            self.memory.set_head(material, HEAD_OVER, blend.over);
-            self.memory
-                .set_head(material, HEAD_MASK_VALUE, mask_value.to_bits());
+            set(HEAD_MASK, mask_link);
+            set(HEAD_BASE, blend.base);
+            set(HEAD_OVER, blend.over);
+            set(HEAD_MASK_VALUE, mask_value.to_bits());
         }
-        self.memory.set_head(material, HEAD_FLAGS, flags);
-        match &program {
-            Some(program) => {
-                self.memory.store(material, &program.words);
-                self.grow_stack(program.slots_needed);
+        let surface = &wiring.surface;
+        set(HEAD_BUMP_SCALE, surface.bump_scale.to_bits());
+        set(HEAD_OPACITY, surface.opacity.to_bits());
+        for (word, value) in (HEAD_EMISSION..).zip(surface.emission.to_array()) {
+            set(word, value.to_bits());
+        }
+        set(HEAD_FLAGS, flags);
+        for (word, program) in [(HEAD_PROGRAM, &program), (HEAD_BUMP_PROGRAM, &bump)] {
+            match program {
+                Some(program) => {
+                    self.memory.store(material, word, &program.words);
+                    self.grow_stack(program.slots_needed);
+                }
+                None => self.memory.set_head(material, word, 0),
             }
-            None => self.memory.set_head(material, HEAD_PROGRAM, 0),
         }
     }
 

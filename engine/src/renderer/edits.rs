@@ -6,9 +6,9 @@ use std::ops::Range;
 use crate::{
     gpu::{Gpu, GpuError, kernel::Resources},
     gpu_scene::materials,
-    procedural::{EditError, HEAD_FLAGS, HEAD_WORDS, Output, Procedural},
+    procedural::{EditError, Output, Procedural},
     scene::look::{AoDirection, AoSettings},
-    wave::GpuAoTable,
+    wave::{self, GpuAoTable},
 };
 
 use super::{RenderError, Renderer};
@@ -22,11 +22,12 @@ pub enum RenderEditError {
     /// The device.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// Emission decides which triangles are lights, and that table is made when the scene is loaded.
+    /// Emission and opacity decide which triangles are lights and which let rays pass; those tables are made when the
+    /// scene is loaded.
     #[error(
-        "`{material}` can't begin or cease to be driven in its emission while rendering; change the look and load it again"
+        "`{material}` can't begin or cease to be driven in its emission or opacity while rendering; change the look and load it again"
     )]
-    Emission {
+    Light {
         /// The material.
         material: String,
     },
@@ -36,17 +37,6 @@ impl From<GpuError> for RenderEditError {
     fn from(error: GpuError) -> Self {
         Self::Render(error.into())
     }
-}
-
-/// Flags of a material's head among the programs; 0 for a material without one.
-pub(super) fn head_flags(procedural: &Procedural, material: u32) -> u32 {
-    let word = material as usize * HEAD_WORDS as usize + HEAD_FLAGS as usize;
-    procedural
-        .programs()
-        .get(word)
-        .copied()
-        .filter(|_| procedural.is_procedural(material))
-        .unwrap_or(0)
 }
 
 /// Creates the buffers of programs, arguments and AO tables, with room to grow.
@@ -142,7 +132,8 @@ impl Renderer {
     /// Drives an output of a material by a node's result, or gives it its constant back. Small buffer writes.
     ///
     /// # Errors
-    /// Unknown names, a type that does not fit, an emission that would begin or cease to be driven, or the device.
+    /// Unknown names, a type that does not fit, an emission or opacity that would begin or cease to be driven, or the
+    /// device.
     pub fn set_output_link(
         &mut self,
         material: &str,
@@ -152,21 +143,26 @@ impl Renderer {
         let before = self.procedural.clone();
         self.procedural.set_output_link(material, output, link)?;
         let count = self.material_count();
-        if (0..count).any(|m| before.drives_emission(m) != self.procedural.drives_emission(m)) {
+        // What the light table, the triangles and the kernels were made for.
+        let light = |p: &Procedural, m| {
+            let traits = p.traits(m);
+            (traits.decides_light, traits.decides_opacity, traits.brightness > 0.0)
+        };
+        if (0..count).any(|m| light(&before, m) != light(&self.procedural, m)) {
             self.procedural = before;
-            return Err(RenderEditError::Emission {
+            return Err(RenderEditError::Light {
                 material: material.to_owned(),
             });
         }
         for m in 0..count {
-            let flags = |p: &Procedural| materials::program_flags(head_flags(p, m));
+            let flags = |p: &Procedural| materials::program_flags(&p.traits(m));
             if flags(&before) != flags(&self.procedural) {
                 let buffer = self.resources.buffer("materials");
                 let offset = u64::from(m) * size_of::<materials::GpuMaterial>() as u64
                     + materials::FLAGS_OFFSET;
                 let former = self.gpu.read_buffer(buffer, offset, 4)?;
                 let mut word: u32 = bytemuck::pod_read_unaligned(&former);
-                word = word & !materials::program_flags(u32::MAX) | flags(&self.procedural);
+                word = word & !materials::PROGRAM_FLAGS | flags(&self.procedural);
                 self.gpu
                     .queue()
                     .write_buffer(buffer, offset, bytemuck::bytes_of(&word));
@@ -204,10 +200,19 @@ impl Renderer {
             self.kernels
                 .rebuild_texture(&self.gpu, &self.scene.features, &self.procedural)?;
         }
+        let grown = wave::grow_results(
+            &self.gpu,
+            self.capacity,
+            self.procedural.result_words(),
+            &mut self.resources,
+        )?;
         let fits = |name: &str, words: &[u32]| {
             self.resources.buffer(name).size() >= words.len() as u64 * 4
         };
-        if !fits("programs", self.procedural.programs()) || !fits("args", self.procedural.args()) {
+        if grown
+            || !fits("programs", self.procedural.programs())
+            || !fits("args", self.procedural.args())
+        {
             allocate(&self.gpu, &self.procedural, &mut self.resources)?;
             self.bound = self.kernels.bind(&self.gpu, &self.resources);
         } else {

@@ -49,12 +49,12 @@ impl Kernels {
                 traverse::kernel(gpu, Rays::Occlusion, features)?,
             ],
             brdf: brdf::kernel(gpu, features)?,
-            accumulate: accumulate::kernel(gpu)?,
+            accumulate: accumulate::kernel(gpu, features)?,
             texture: if procedural.is_empty() {
                 None
             } else {
                 Some(TextureKernels {
-                    classify: classify::kernel(gpu)?,
+                    classify: classify::kernel(gpu, features)?,
                     ao: ao::kernel(gpu, features)?,
                     proctex: proctex::kernel(gpu, &procedural.kernel())?,
                 })
@@ -74,7 +74,7 @@ impl Kernels {
             Some(texture) => texture.proctex = proctex,
             None => {
                 self.texture = Some(TextureKernels {
-                    classify: classify::kernel(gpu)?,
+                    classify: classify::kernel(gpu, features)?,
                     ao: ao::kernel(gpu, features)?,
                     proctex,
                 });

@@ -27,7 +27,9 @@ fn accumulate(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
             break;
         }
         var value = path_read(PATH_RADIANCE, slot).xyz;
-        if (rays[frame.capacity + slot].triangle == MISS) {
+        // Unless the shadow ray met more surfaces than anyone waits for.
+        let is_known = !has_program_shadows || path_words(PATH_LIGHT_POINT, slot).x == MISS;
+        if (rays[frame.capacity + slot].triangle == MISS && is_known) {
             value += path_read(PATH_LIGHT, slot).xyz;
         }
         // A sample that isn't finite would spoil its pixel for good. Comparisons with NaN are false.

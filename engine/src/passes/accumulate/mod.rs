@@ -5,17 +5,18 @@ use crate::gpu::{
     kernel::{Kernel, Trust},
     wgsl::Source,
 };
+use crate::gpu_scene::SceneFeatures;
 
 /// Compiles the kernel.
 ///
 /// # Errors
 /// If the driver refuses it.
-pub fn kernel(gpu: &Gpu) -> Result<Kernel, GpuError> {
+pub fn kernel(gpu: &Gpu, features: &SceneFeatures) -> Result<Kernel, GpuError> {
     Kernel::new(
         gpu,
         &Source::of("accumulate/accumulate.wgsl"),
         "accumulate",
         Trust::Engine,
-        &[],
+        &features.constants(),
     )
 }

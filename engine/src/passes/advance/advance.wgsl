@@ -30,13 +30,13 @@ fn add_total(word: u32, count: u32) {
     }
 }
 
-// After raygen: bounce 0 reads what raygen appended.
+// After raygen: round 0 reads what raygen appended.
 @compute @workgroup_size(1)
 fn advance_start() {
     let live = hand_over(QUEUE_ACTIVE);
     size_dispatch(QUEUE_ACTIVE, live);
-    // raygen appended as bounce -1.
-    atomicStore(&queues[WORD_BOUNCE], 0u);
+    // raygen appended as round -1.
+    atomicStore(&queues[WORD_ROUND], 0u);
     add_total(WORD_RAYS, live);
 }
 
@@ -59,6 +59,6 @@ fn advance_bounce() {
     let shadow = hand_over(QUEUE_SHADOW);
     size_dispatch(QUEUE_ACTIVE, live);
     size_dispatch(QUEUE_SHADOW, shadow);
-    atomicAdd(&queues[WORD_BOUNCE], 1u);
+    atomicAdd(&queues[WORD_ROUND], 1u);
     add_total(WORD_RAYS, live + shadow);
 }

@@ -2,6 +2,7 @@
 // Each occluded ray adds one to its table's eight bits of the slot's word.
 //!include shared/frame.wgsl
 //!include shared/rays.wgsl
+//!include shared/paths.wgsl
 //!include shared/queues.wgsl
 //!include shared/random.wgsl
 //!include shared/geometry.wgsl
@@ -25,20 +26,22 @@ fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgrou
         return;
     }
     let entry = queue_read(QUEUE_AO, entry_index);
-    let slot = entry & 0x0fffffffu;
-    let hit = rays[slot];
+    let ray = entry & ENTRY_RAY;
+    let hit = rays[ray];
     let s = surface_at(hit);
+    let is_shadow = ray >= frame.capacity;
+    let slot = select(ray, ray - frame.capacity, is_shadow);
     let path = path_id(slot);
     let tangent = any_perpendicular(s.shading_normal);
     let bitangent = cross(s.shading_normal, tangent);
-    let bounce = bounce_number();
+    let purpose = vertex_dimension(path_depth(slot), select(DIMENSION_AO, DIMENSION_SHADOW_AO, is_shadow));
     for (var i = 0u; i < 4u; i++) {
         let table = ao_tables[i];
         if (((entry >> (28u + i)) & 1u) == 0u || sample >= table.samples) {
             continue;
         }
         // Consecutive points of one sequence: well spread within a hit and over the samples of a pixel.
-        let stream = hash2(path.pixel ^ frame.seed, bounce_dimension(bounce, DIMENSION_AO + i));
+        let stream = hash2(path.pixel ^ frame.seed, purpose + i);
         let u = sobol2(path.sample * table.samples + sample, stream);
         let radius = sqrt(u.x);
         let phi = 6.28318530718 * u.y;
@@ -57,7 +60,7 @@ fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgrou
         let occluder = trace(offset_origin(s.position, normal), direction, 0.0, table.distance, true, only_instance);
         atomicAdd(&queues[WORD_AO_RAYS], 1u);
         if (occluder.triangle != MISS) {
-            atomicAdd(&queues[ao_word(slot)], 1u << (8u * i));
+            atomicAdd(&queues[ao_word(ray)], 1u << (8u * i));
         }
     }
 }

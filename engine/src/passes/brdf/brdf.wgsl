@@ -3,6 +3,7 @@
 //!include shared/frame.wgsl
 //!include shared/rays.wgsl
 //!include shared/paths.wgsl
+//!include shared/outputs.wgsl
 //!include shared/queues.wgsl
 //!include shared/random.wgsl
 //!include shared/geometry.wgsl
@@ -13,21 +14,14 @@
 //!include shared/environment.wgsl
 //!include shared/lights.wgsl
 
-// Bits of PATH_PROC_MATERIAL's second word; the order of `programs.wgsl`'s outputs.
-const DRIVEN_BASE_COLOR = 1u;
-const DRIVEN_METALLIC = 2u;
-const DRIVEN_ROUGHNESS = 4u;
-const DRIVEN_EMISSION = 8u;
-
 const ROULETTE_START = 4u;
 
 // Normal map in the frame of the interpolated normal; `s.shading_normal` where there is none.
-fn mapped_normal(s: Surface, material: u32, instance: u32, map: vec3f) -> vec3f {
+fn mapped_normal(s: Surface, material: u32, instance: u32, map: vec3f, scale: f32) -> vec3f {
     if ((materials[material].texture_mask & (1u << TEXTURE_NORMAL)) == 0u) {
         return s.shading_normal;
     }
     let texel = map * 2.0 - 1.0;
-    let scale = materials[material].normal_scale;
     // The map is made for the front: undo the flip, perturb, flip again.
     let normal = select(-s.shading_normal, s.shading_normal, s.front);
     let tangent = surface_tangent(s, instance, normal);
@@ -40,6 +34,82 @@ fn mapped_normal(s: Surface, material: u32, instance: u32, map: vec3f) -> vec3f 
     return select(-mapped, mapped, s.front) * inverseSqrt(length2);
 }
 
+// A shading normal that the viewer sees: one that is bent too far is bent back.
+fn visible_normal(normal: vec3f, s: Surface) -> vec3f {
+    let cosine = dot(normal, s.wo);
+    if (cosine >= 0.01) {
+        return normal;
+    }
+    return normalize(normal + s.wo * (0.01 - cosine));
+}
+
+fn is_direction(v: vec3f) -> bool {
+    let length2 = dot(v, v);
+    return length2 > 1e-12 && length2 < 1e12;
+}
+
+// Reads the results of a texture program one after the other, in the order of the outputs.
+fn take(slot: u32, at: ptr<function, u32>) -> f32 {
+    let value = result_read(slot, *at);
+    *at += 1u;
+    return value;
+}
+
+fn take_vector(slot: u32, at: ptr<function, u32>) -> vec3f {
+    let x = take(slot, at);
+    let y = take(slot, at);
+    return vec3f(x, y, take(slot, at));
+}
+
+// What the texture program gave, in the place of the material's own values.
+struct Driven {
+    outputs: u32, // which of them it gave
+    base_color: vec3f,
+    metallic: f32,
+    roughness: f32,
+    emission: vec3f,
+    opacity: f32,
+    normal: vec3f,
+    specular: f32,
+    specular_color: vec3f,
+    ior: f32,
+    emission_strength: f32,
+    normal_scale: f32,
+    rise: vec3f, // slope of the bump map
+}
+
+fn gives(d: Driven, which: u32) -> bool {
+    return (d.outputs & (1u << which)) != 0u;
+}
+
+fn read_driven(slot: u32, outputs: u32) -> Driven {
+    var d: Driven;
+    d.outputs = outputs;
+    var at = 0u;
+    if (gives(d, OUTPUT_BASE_COLOR)) { d.base_color = take_vector(slot, &at); }
+    if (gives(d, OUTPUT_METALLIC)) { d.metallic = take(slot, &at); }
+    if (gives(d, OUTPUT_ROUGHNESS)) { d.roughness = take(slot, &at); }
+    if (gives(d, OUTPUT_EMISSION)) { d.emission = take_vector(slot, &at); }
+    if (gives(d, OUTPUT_OPACITY)) { d.opacity = take(slot, &at); }
+    if (gives(d, OUTPUT_NORMAL)) { d.normal = take_vector(slot, &at); }
+    if (gives(d, OUTPUT_SPECULAR)) { d.specular = take(slot, &at); }
+    if (gives(d, OUTPUT_SPECULAR_COLOR)) { d.specular_color = take_vector(slot, &at); }
+    if (gives(d, OUTPUT_IOR)) { d.ior = take(slot, &at); }
+    if (gives(d, OUTPUT_EMISSION_STRENGTH)) { d.emission_strength = take(slot, &at); }
+    if (gives(d, OUTPUT_NORMAL_SCALE)) { d.normal_scale = take(slot, &at); }
+    if (gives(d, OUTPUT_BUMP)) { d.rise = take_vector(slot, &at); }
+    return d;
+}
+
+// A path that ends here, but whose shadow ray may have to wait for texture programs, goes on with a dead ray.
+fn end_path(slot: u32, depth: u32, has_shadow_ray: bool) {
+    if (has_program_shadows && has_shadow_ray) {
+        path_set_words(PATH_STATE, slot, vec4u(0u, 0u, depth + 1u, 0u));
+        rays[slot].t_max = DEAD;
+        queue_append(QUEUE_ACTIVE, slot);
+    }
+}
+
 @compute @workgroup_size(64)
 fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
         @builtin(local_invocation_index) local: u32) {
@@ -48,7 +118,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         return;
     }
     let slot = queue_read(QUEUE_ACTIVE, index);
-    let bounce = bounce_number();
+    let depth = path_depth(slot);
     let path = path_id(slot);
     let hit = rays[slot];
     let before = path_read(PATH_THROUGHPUT, slot);
@@ -59,12 +129,31 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     let cone_width = gathered.w + frame.pixel_spread * min(hit.t_max, 1e10);
 
     // The light sample of the previous vertex.
-    if (rays[frame.capacity + slot].triangle == MISS) {
+    let blocker = rays[frame.capacity + slot].triangle;
+    if (has_program_shadows && blocker != MISS && (triangles[blocker].w & TRIANGLE_PROGRAM_ALPHA) != 0u) {
+        // The shadow ray met a surface that lets some of it pass: how much is part of PATH_LIGHT by now. It goes on
+        // behind that surface, and the path waits for it.
+        rays[frame.capacity + slot].triangle = MISS;
+        if (max_component(path_read(PATH_LIGHT, slot).xyz) > 0.0) {
+            queue_append(QUEUE_SHADOW, slot);
+        } else {
+            path_set_words(PATH_LIGHT_POINT, slot, vec4u(MISS, 0u, 0u, 0u));
+        }
+        rays[slot].t_max = select(1e30, DEAD, hit.t_max < 0.0);
+        rays[slot].triangle = MISS;
+        queue_append(QUEUE_ACTIVE, slot);
+        return;
+    }
+    if (blocker == MISS) {
         radiance += path_read(PATH_LIGHT, slot).xyz;
     }
     path_write(PATH_LIGHT, slot, vec4f(0.0));
 
     if (hit.triangle == MISS) {
+        if (has_program_shadows && hit.t_max < 0.0) {
+            path_write(PATH_RADIANCE, slot, vec4f(radiance, cone_width));
+            return;
+        }
         var weight = 1.0;
         if (has_environment && bsdf_pdf > 0.0) {
             weight = mis_weight(bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
@@ -77,28 +166,33 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     let s = surface_at(hit);
     let own_material = s.triangle.w & TRIANGLE_MATERIAL;
     var material = own_material;
-    var driven = 0u;
-    if (runs_program(materials[own_material].flags, bounce)) {
-        let resolved = paths[PATH_PROC_MATERIAL * frame.capacity + slot];
+    var driven: Driven;
+    if (runs_program(materials[own_material].flags, depth)) {
+        let resolved = path_words(PATH_STATE, slot);
         material = resolved.x;
-        driven = resolved.y;
+        driven = read_driven(slot, resolved.y);
     }
     let flags = materials[material].flags;
 
+    if (gives(driven, OUTPUT_OPACITY)) {
+        let coin = random_at(path, vertex_dimension(depth, DIMENSION_OPACITY), hit.triangle, hit.instance);
+        if (coin >= driven.opacity) {
+            // Nothing is here: the ray goes on behind it, as if it had not been met.
+            path_write(PATH_RADIANCE, slot, vec4f(radiance, gathered.w));
+            rays[slot].t_min = hit.t_max;
+            rays[slot].t_max = 1e30;
+            rays[slot].triangle = MISS;
+            queue_append(QUEUE_ACTIVE, slot);
+            return;
+        }
+    }
+
     var base_color: vec3f;
-    var proc_base = vec4f(0.0);
-    if ((driven & (DRIVEN_BASE_COLOR | DRIVEN_METALLIC)) != 0u) {
-        proc_base = path_read(PATH_PROC_BASE, slot);
-    }
-    var proc_emission = vec4f(0.0);
-    if ((driven & (DRIVEN_EMISSION | DRIVEN_ROUGHNESS)) != 0u) {
-        proc_emission = path_read(PATH_PROC_EMISSION, slot);
-    }
     // After the last scattering only emission matters.
-    let wanted = select(0xffffffffu, 1u << TEXTURE_EMISSION, bounce >= frame.max_depth && (flags & MATERIAL_UNLIT) == 0u);
+    let wanted = select(0xffffffffu, 1u << TEXTURE_EMISSION, depth >= frame.max_depth && (flags & MATERIAL_UNLIT) == 0u);
     let texels = material_textures(material, wanted, s.triangle, s.weights);
-    if ((driven & DRIVEN_BASE_COLOR) != 0u) {
-        base_color = proc_base.xyz;
+    if (gives(driven, OUTPUT_BASE_COLOR)) {
+        base_color = driven.base_color;
     } else {
         base_color = materials[material].base_color.xyz * texels[TEXTURE_BASE_COLOR].xyz
             * interpolate_color(s.triangle, s.weights).xyz;
@@ -110,10 +204,13 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
 
     if (s.front || (flags & MATERIAL_DOUBLE_SIDED) != 0u) {
         var emission = materials[material].emission;
-        if ((driven & DRIVEN_EMISSION) != 0u) {
-            emission = max(proc_emission.xyz, vec3f(0.0));
+        if (gives(driven, OUTPUT_EMISSION)) {
+            emission = driven.emission;
         } else if (max_component(emission) > 0.0) {
             emission *= texels[TEXTURE_EMISSION].xyz;
+        }
+        if (gives(driven, OUTPUT_EMISSION_STRENGTH)) {
+            emission *= max(driven.emission_strength, 0.0);
         }
         var weight = 1.0;
         let light_pdf = materials[own_material].light_pdf * (1.0 - frame.environment_probability);
@@ -124,11 +221,22 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         radiance += throughput * emission * weight;
     }
     path_write(PATH_RADIANCE, slot, vec4f(radiance, cone_width));
-    if (bounce >= frame.max_depth) {
+    if (depth >= frame.max_depth) {
         return;
     }
 
-    let normal = mapped_normal(s, material, hit.instance, texels[TEXTURE_NORMAL].xyz);
+    let normal_scale = select(materials[material].normal_scale, driven.normal_scale, gives(driven, OUTPUT_NORMAL_SCALE));
+    var normal = mapped_normal(s, material, hit.instance, texels[TEXTURE_NORMAL].xyz, normal_scale);
+    if (gives(driven, OUTPUT_NORMAL) && is_direction(driven.normal)) {
+        normal = visible_normal(normalize(driven.normal), s);
+    }
+    if (gives(driven, OUTPUT_BUMP)) {
+        // Mikkelsen, "Bump Mapping Unparametrized Surfaces on the GPU", 2010: the normal leans against the slope.
+        let leaning = normal - (driven.rise - normal * dot(driven.rise, normal));
+        if (is_direction(leaning)) {
+            normal = visible_normal(normalize(leaning), s);
+        }
+    }
     let tangent = any_perpendicular(normal);
     let bitangent = cross(normal, tangent);
     let wo = vec3f(dot(s.wo, tangent), dot(s.wo, bitangent), dot(s.wo, normal));
@@ -139,22 +247,34 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
 
     let metallic_roughness = texels[TEXTURE_METALLIC_ROUGHNESS];
     var metallic = materials[material].metallic * metallic_roughness.z;
-    if ((driven & DRIVEN_METALLIC) != 0u) {
-        metallic = proc_base.w;
+    if (gives(driven, OUTPUT_METALLIC)) {
+        metallic = driven.metallic;
     }
     var roughness = materials[material].roughness * metallic_roughness.y;
-    if ((driven & DRIVEN_ROUGHNESS) != 0u) {
-        roughness = proc_emission.w;
+    if (gives(driven, OUTPUT_ROUGHNESS)) {
+        roughness = driven.roughness;
     }
-    let specular = materials[material].specular * texels[TEXTURE_SPECULAR].w;
-    let specular_color = materials[material].specular_color * texels[TEXTURE_SPECULAR_COLOR].xyz;
-    let dielectric_f0 = min(materials[material].dielectric_f0 * specular_color, vec3f(1.0));
+    var specular = materials[material].specular * texels[TEXTURE_SPECULAR].w;
+    if (gives(driven, OUTPUT_SPECULAR)) {
+        specular = driven.specular;
+    }
+    var specular_color = materials[material].specular_color * texels[TEXTURE_SPECULAR_COLOR].xyz;
+    if (gives(driven, OUTPUT_SPECULAR_COLOR)) {
+        specular_color = max(driven.specular_color, vec3f(0.0));
+    }
+    var f0 = materials[material].dielectric_f0;
+    if (gives(driven, OUTPUT_IOR)) {
+        let ratio = (driven.ior - 1.0) / (max(driven.ior, 0.0) + 1.0);
+        f0 = ratio * ratio;
+    }
+    let dielectric_f0 = min(f0 * specular_color, vec3f(1.0));
     let b = make_bsdf(base_color, metallic, roughness, dielectric_f0, specular);
 
     // Next-event estimation.
+    var has_shadow_ray = false;
     if (frame.light_count > 0u || frame.environment_probability > 0.0) {
-        let choice = random2(path, bounce_dimension(bounce, DIMENSION_LIGHT_CHOICE)).x;
-        let point = random2(path, bounce_dimension(bounce, DIMENSION_LIGHT_POINT));
+        let choice = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_CHOICE)).x;
+        let point = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_POINT));
         let light = light_sample(s.position, choice, point);
         let wi = vec3f(dot(light.wi, tangent), dot(light.wi, bitangent), dot(light.wi, normal));
         if (light.pdf > 0.0 && wi.z > 0.0 && dot(light.wi, s.geometric_normal) > 0.0) {
@@ -173,30 +293,38 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
                 }
                 rays[frame.capacity + slot] = RayHit(origin, 0.0, direction, t_max, vec2f(0.0), MISS, 0u);
                 path_write(PATH_LIGHT, slot, vec4f(contribution, 0.0));
+                if (has_program_shadows) {
+                    path_set_words(PATH_LIGHT_POINT, slot, light.point);
+                }
                 queue_append(QUEUE_SHADOW, slot);
+                has_shadow_ray = true;
             }
         }
     }
 
     // The next direction.
-    let lobe = random2(path, bounce_dimension(bounce, DIMENSION_BSDF_LOBE));
-    let sampled = bsdf_sample(b, wo, random2(path, bounce_dimension(bounce, DIMENSION_BSDF_DIRECTION)), lobe.x);
+    let lobe = random2(path, vertex_dimension(depth, DIMENSION_BSDF_LOBE));
+    let sampled = bsdf_sample(b, wo, random2(path, vertex_dimension(depth, DIMENSION_BSDF_DIRECTION)), lobe.x);
     let direction = tangent * sampled.wi.x + bitangent * sampled.wi.y + normal * sampled.wi.z;
     if (sampled.pdf <= 0.0 || dot(direction, s.geometric_normal) <= 0.0) {
+        end_path(slot, depth, has_shadow_ray);
         return;
     }
     var next = throughput * sampled.weight;
-    if (bounce >= ROULETTE_START) {
+    if (depth >= ROULETTE_START) {
         let survival = clamp(max_component(next), 0.05, 0.95);
         if (lobe.y >= survival) {
+            end_path(slot, depth, has_shadow_ray);
             return;
         }
         next /= survival;
     }
     if (max_component(next) <= 0.0) {
+        end_path(slot, depth, has_shadow_ray);
         return;
     }
     path_write(PATH_THROUGHPUT, slot, vec4f(next, sampled.pdf));
+    path_set_words(PATH_STATE, slot, vec4u(0u, 0u, depth + 1u, 0u));
     rays[slot] = RayHit(offset_origin(s.position, s.geometric_normal), 0.0, normalize(direction), 1e30, vec2f(0.0), MISS, 0u);
     queue_append(QUEUE_ACTIVE, slot);
 }

@@ -30,6 +30,8 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
     let pixel = pixel_coordinates(path.pixel);
     path_write(PATH_RADIANCE, slot, vec4f(0.0));
     path_write(PATH_LIGHT, slot, vec4f(0.0));
+    path_set_words(PATH_STATE, slot, vec4u(0u));
+    path_set_words(PATH_LIGHT_POINT, slot, vec4u(MISS, 0u, 0u, 0u));
     rays[frame.capacity + slot].triangle = MISS;
     if (pixel.x >= frame.width || pixel.y >= frame.height || path.sample >= frame.sample_limit) {
         // Padding of a block at the border.

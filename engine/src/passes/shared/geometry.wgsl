@@ -10,6 +10,7 @@ const TRIANGLE_HAS_EXTRA = 0x20000000u; // a vertex has its third vec4: uv1, col
 const TRIANGLE_HAS_TANGENT = 0x10000000u;
 const TRIANGLE_HAS_COLOR = 0x08000000u;
 const TRIANGLE_SINGLE_SIDED = 0x04000000u; // rays pass through its back
+const TRIANGLE_PROGRAM_ALPHA = 0x02000000u; // a texture program decides whether a hit counts
 
 // A vertex is one to three vec4u: position and octahedral normal; uv0, octahedral tangent with handedness, spare;
 // uv1 and colour (rgba16unorm).

@@ -30,6 +30,8 @@ struct LightSample {
     radiance: vec3f, // divided by nothing; of a punctual light: irradiance-like, to be used with pdf
     pdf: f32, // per solid angle, choice of the light included; of a punctual light the choice alone
     delta: bool, // can't be hit by a BSDF sample
+    // Where a texture program has yet to tell the radiance: triangle, instance, barycentrics. Else MISS.
+    point: vec4u,
 }
 
 const FAR = 1e30;
@@ -38,9 +40,9 @@ fn light_sample(p: vec3f, choice: f32, u: vec2f) -> LightSample {
     var pick = choice;
     if (has_environment && pick < frame.environment_probability) {
         let e = environment_sample(u);
-        return LightSample(e.wi, FAR, e.radiance, frame.environment_probability * e.pdf, false);
+        return LightSample(e.wi, FAR, e.radiance, frame.environment_probability * e.pdf, false, vec4u(MISS));
     }
-    let none = LightSample(vec3f(0.0, 1.0, 0.0), 0.0, vec3f(0.0), 0.0, true);
+    let none = LightSample(vec3f(0.0, 1.0, 0.0), 0.0, vec3f(0.0), 0.0, true, vec4u(MISS));
     if (frame.light_count == 0u) {
         return none;
     }
@@ -76,16 +78,22 @@ fn light_sample(p: vec3f, choice: f32, u: vec2f) -> LightSample {
         if (abs(cosine) < 1e-7 || (cosine < 0.0 && !two_sided)) {
             return none;
         }
-        var radiance = materials[material].emission
-            * material_texture(material, TEXTURE_EMISSION, triangle, barycentric_weights(b)).xyz;
+        var point = vec4u(MISS);
+        var radiance = vec3f(1.0);
+        if ((materials[material].flags & MATERIAL_PROGRAM_LIGHT) != 0u) {
+            point = vec4u(light.triangle, light.instance, bitcast<vec2u>(b));
+        } else {
+            radiance = materials[material].emission
+                * material_texture(material, TEXTURE_EMISSION, triangle, barycentric_weights(b)).xyz;
+        }
         if ((triangle.w & TRIANGLE_ALPHA) != 0u) {
             // Scattered rays find the lamp only where it is there.
             radiance *= material_coverage(material, triangle, barycentric_weights(b));
         }
-        return LightSample(wi, distance, radiance, probability / area * distance2 / abs(cosine), false);
+        return LightSample(wi, distance, radiance, probability / area * distance2 / abs(cosine), false, point);
     }
     if (light.kind == LIGHT_DIRECTIONAL) {
-        return LightSample(-light.direction, FAR, light.intensity, probability, true);
+        return LightSample(-light.direction, FAR, light.intensity, probability, true, vec4u(MISS));
     }
     let to = light.position - p;
     let distance2 = max(dot(to, to), 1e-20);
@@ -100,7 +108,7 @@ fn light_sample(p: vec3f, choice: f32, u: vec2f) -> LightSample {
         let cone = saturate((dot(light.direction, -wi) - light.spot_outer) * light.spot_scale);
         radiance *= cone * cone;
     }
-    return LightSample(wi, distance, radiance, probability, true);
+    return LightSample(wi, distance, radiance, probability, true, vec4u(MISS));
 }
 
 // Power heuristic (Veach 1997, section 9.2.4).

@@ -36,13 +36,14 @@ const MATERIAL_UNLIT = 2u;
 const MATERIAL_MASK = 4u;
 const MATERIAL_BLEND = 8u;
 const MATERIAL_PROGRAM = 16u; // has a head in the texture programs
-const MATERIAL_PROGRAM_EMITS = 32u; // and needs it to know its emission: driven, or a blend
+const MATERIAL_PROGRAM_LAST = 32u; // and needs it to know how much light comes out of it: emission, opacity
+const MATERIAL_PROGRAM_LIGHT = 64u; // and is sampled as a light, whose emission the program tells
 
 @group(0) @binding(14) var<storage, read> materials: array<Material>;
 
 // Whether the texture program runs for a hit of this material: after the last scattering only emission matters.
-fn runs_program(flags: u32, bounce: u32) -> bool {
-    return (flags & select(MATERIAL_PROGRAM, MATERIAL_PROGRAM_EMITS, bounce >= frame.max_depth)) != 0u;
+fn runs_program(flags: u32, depth: u32) -> bool {
+    return (flags & select(MATERIAL_PROGRAM, MATERIAL_PROGRAM_LAST, depth >= frame.max_depth)) != 0u;
 }
 
 // Whether any material of the scene has a texture.

@@ -4,16 +4,45 @@
 const PATH_THROUGHPUT = 0u; // rgb, then the pdf of the direction that was sampled last (0: not from a BSDF)
 const PATH_RADIANCE = 1u; // rgb gathered so far, then the ray cone's width at the ray's origin
 const PATH_LIGHT = 2u; // rgb that arrives if the shadow ray is free
-const PATH_PROC_BASE = 3u; // base colour and metallic of the texture programs
-const PATH_PROC_EMISSION = 4u; // emission and roughness of the texture programs
-const PATH_PROC_MATERIAL = 5u; // material after blends, bit mask of driven outputs
+const PATH_STATE = 3u; // material after blends, its driven outputs, vertices that have scattered, 0
+const PATH_LIGHT_POINT = 4u; // triangle (or MISS), instance and barycentrics of a light that a program has yet to judge
+const PATH_RESULTS = 5u; // the driven outputs' values, word by word: as many fields as the hungriest material needs
 
 @group(0) @binding(2) var<storage, read_write> paths: array<vec4u>;
 
+// Whether texture programs decide about the opacity or the light of some surface. Then shadow rays wait for them, and a
+// path whose end has come lives on until its last shadow ray is through: its own ray is dead, see DEAD.
+override has_program_shadows: bool = true;
+
+// `t_max` of a ray that can't hit anything.
+const DEAD = -1.0;
+
 fn path_read(field: u32, slot: u32) -> vec4f {
-    return bitcast<vec4f>(paths[field * frame.capacity + slot]);
+    return bitcast<vec4f>(path_words(field, slot));
 }
 
 fn path_write(field: u32, slot: u32, value: vec4f) {
-    paths[field * frame.capacity + slot] = bitcast<vec4u>(value);
+    path_set_words(field, slot, bitcast<vec4u>(value));
+}
+
+fn path_words(field: u32, slot: u32) -> vec4u {
+    return paths[field * frame.capacity + slot];
+}
+
+fn path_set_words(field: u32, slot: u32, value: vec4u) {
+    paths[field * frame.capacity + slot] = value;
+}
+
+// Vertices of the path that have scattered.
+fn path_depth(slot: u32) -> u32 {
+    return paths[PATH_STATE * frame.capacity + slot].z;
+}
+
+// Word `at` of the results of the path's texture program.
+fn result_read(slot: u32, at: u32) -> f32 {
+    return bitcast<f32>(paths[(PATH_RESULTS + at / 4u) * frame.capacity + slot][at % 4u]);
+}
+
+fn result_write(slot: u32, at: u32, value: f32) {
+    paths[(PATH_RESULTS + at / 4u) * frame.capacity + slot][at % 4u] = bitcast<u32>(value);
 }

@@ -6,11 +6,15 @@
 
 const QUEUE_ACTIVE = 0u; // paths whose ray is to be traced
 const QUEUE_SHADOW = 1u; // paths with a shadow ray
-const QUEUE_PROCTEX = 2u; // hits whose material has a program
-const QUEUE_AO = 3u; // hits whose program reads ambient occlusion: slot, then AO mask in the top 4 bits
+const QUEUE_PROCTEX = 2u; // hits whose material has a program: index into `rays`, and ENTRY_LIGHT
+const QUEUE_AO = 3u; // hits whose program reads ambient occlusion: index into `rays`, then AO mask in the top 4 bits
 const QUEUE_COUNT = 4u;
 
-const WORD_BOUNCE = 8u; // scattering vertices so far
+// Bits of the entries of QUEUE_PROCTEX and QUEUE_AO.
+const ENTRY_RAY = 0x0fffffffu;
+const ENTRY_LIGHT = 0x80000000u; // the hit is a point of a light that was sampled
+
+const WORD_ROUND = 8u; // rounds so far: a path scatters at most once in each
 const WORD_RAYS = 9u; // 64-bit total of path and shadow rays
 const WORD_OVERRUN = 11u; // number + 1 of a texture whose loops were ended early, or 0
 const WORD_AO_RAYS = 13u; // 64-bit total
@@ -19,30 +23,36 @@ const QUEUE_HEADER = 16u;
 
 @group(0) @binding(3) var<storage, read_write> queues: array<atomic<u32>>;
 
-// The active list is read and written by the same kernel, so it has two halves that swap with each bounce.
+// The active list is read and written by the same kernel, so it has two halves that swap with each round. The lists of
+// hits have room for one of each path's own ray and one of its shadow ray.
 fn queue_base(queue: u32, half: u32) -> u32 {
-    return QUEUE_HEADER + frame.capacity * select(queue + 1u, half, queue == QUEUE_ACTIVE);
+    switch queue {
+        case QUEUE_ACTIVE: { return QUEUE_HEADER + frame.capacity * half; }
+        case QUEUE_SHADOW: { return QUEUE_HEADER + frame.capacity * 2u; }
+        case QUEUE_PROCTEX: { return QUEUE_HEADER + frame.capacity * 3u; }
+        default: { return QUEUE_HEADER + frame.capacity * 5u; }
+    }
 }
 
 fn queue_length(queue: u32) -> u32 {
     return atomicLoad(&queues[2u * queue + 1u]);
 }
 
-fn bounce_number() -> u32 {
-    return atomicLoad(&queues[WORD_BOUNCE]);
+fn round_number() -> u32 {
+    return atomicLoad(&queues[WORD_ROUND]);
 }
 
 fn queue_read(queue: u32, index: u32) -> u32 {
-    return atomicLoad(&queues[queue_base(queue, bounce_number() & 1u) + index]);
+    return atomicLoad(&queues[queue_base(queue, round_number() & 1u) + index]);
 }
 
-// Appends to the half that the next bounce reads.
+// Appends to the half that the next round reads.
 fn queue_append(queue: u32, entry: u32) {
     let index = atomicAdd(&queues[2u * queue], 1u);
-    atomicStore(&queues[queue_base(queue, (bounce_number() + 1u) & 1u) + index], entry);
+    atomicStore(&queues[queue_base(queue, (round_number() + 1u) & 1u) + index], entry);
 }
 
-// Occluded AO rays of a slot: eight bits for each of four AO tables.
-fn ao_word(slot: u32) -> u32 {
-    return QUEUE_HEADER + frame.capacity * (QUEUE_COUNT + 1u) + slot;
+// Occluded AO rays of the hit of ray `ray`: eight bits for each of four AO tables.
+fn ao_word(ray: u32) -> u32 {
+    return QUEUE_HEADER + frame.capacity * 7u + ray;
 }

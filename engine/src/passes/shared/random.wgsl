@@ -2,15 +2,18 @@
 // (Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020). Two dimensions, so no direction table is needed:
 // the second one is a subset-sum transform of the index.
 
-// Purposes, each a pair of dimensions. Camera first, then eight per bounce.
+// Purposes, each a pair of dimensions. Camera first, then sixteen per vertex.
 const DIMENSION_PIXEL = 0u;
 const DIMENSION_LENS = 1u;
-const DIMENSION_BOUNCE = 8u;
+const DIMENSION_VERTEX = 16u;
 const DIMENSION_LIGHT_POINT = 0u;
 const DIMENSION_LIGHT_CHOICE = 1u; // x: which light; y: which side of a material blend
 const DIMENSION_BSDF_DIRECTION = 2u;
 const DIMENSION_BSDF_LOBE = 3u; // x: which lobe; y: Russian roulette
 const DIMENSION_AO = 4u; // and the following, one for each AO table
+const DIMENSION_SHADOW_AO = 8u; // the same for what a shadow ray met
+const DIMENSION_OPACITY = 12u; // x: whether the path's ray passes
+const DIMENSION_SHADOW_BLEND = 13u; // x: which side of a material blend a shadow ray met
 
 fn hash(x: u32) -> u32 {
     // "lowbias32" by C. Wellons.
@@ -54,8 +57,15 @@ fn random2(path: PathId, dimension: u32) -> vec2f {
     return sobol2(path.sample, hash2(path.pixel ^ frame.seed, dimension));
 }
 
-fn bounce_dimension(bounce: u32, purpose: u32) -> u32 {
-    return DIMENSION_BOUNCE * (bounce + 1u) + purpose;
+// The dimension for a purpose at the vertex behind `depth` that have scattered.
+fn vertex_dimension(depth: u32, purpose: u32) -> u32 {
+    return DIMENSION_VERTEX * (depth + 1u) + purpose;
+}
+
+// One number in [0, 1) for a purpose of a path and a triangle that one of its rays meets: a ray may meet many.
+fn random_at(path: PathId, dimension: u32, triangle: u32, instance: u32) -> f32 {
+    let stream = hash2(path.pixel ^ frame.seed, dimension);
+    return sobol2(path.sample, hash2(hash2(stream, triangle), instance)).x;
 }
 
 // One of many equal cells, and the place inside it.

@@ -98,8 +98,8 @@ fn trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any: bool, onl
     return hit;
 }
 
-// As `trace`, with every triangle opaque. With `any`, a triangle that may be transparent is reported only if it is the
-// closest, so that a ray can go on behind it.
+// As `trace`, with every triangle opaque. With `any`, a triangle that may be transparent, by its alpha or by a texture
+// program, is reported only if it is the closest, so that a ray can go on behind it.
 fn trace_surfaces(world_origin: vec3f, world_direction: vec3f, t_min: f32, t_max: f32, any: bool, only_instance: u32) -> Hit {
     var hit = Hit(t_max, vec2f(0.0), MISS, 0u);
     var origin = world_origin;
@@ -179,7 +179,7 @@ fn trace_surfaces(world_origin: vec3f, world_direction: vec3f, t_min: f32, t_max
             let culled = (triangle.w & TRIANGLE_SINGLE_SIDED) != 0u && determinant < 0.0;
             if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > t_min && t < hit.t && !culled) {
                 hit = Hit(t, vec2f(u, v), index, instance);
-                if (any && (triangle.w & TRIANGLE_ALPHA) == 0u) {
+                if (any && (triangle.w & (TRIANGLE_ALPHA | TRIANGLE_PROGRAM_ALPHA)) == 0u) {
                     return hit;
                 }
             }

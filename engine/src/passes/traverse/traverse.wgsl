@@ -33,4 +33,10 @@ fn traverse_occlusion(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     let slot = frame.capacity + queue_read(QUEUE_SHADOW, index);
     let hit = trace(rays[slot].origin, rays[slot].direction, rays[slot].t_min, rays[slot].t_max, true, MISS);
     rays[slot].triangle = hit.triangle;
+    if (hit.triangle != MISS && (triangles[hit.triangle].w & TRIANGLE_PROGRAM_ALPHA) != 0u) {
+        // A texture program decides how much passes. Then the ray goes on from here.
+        rays[slot].t_min = hit.t;
+        rays[slot].barycentrics = hit.barycentrics;
+        rays[slot].instance = hit.instance;
+    }
 }

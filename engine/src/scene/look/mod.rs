@@ -177,8 +177,16 @@ pub struct MaterialLook {
     pub roughness: Option<Spanned<Input>>,
     /// Linear colour, before `emission_strength`.
     pub emission: Option<Spanned<Input>>,
-    /// Factor on a constant emission, W/m²/sr.
-    pub emission_strength: Option<Spanned<f32>>,
+    /// Factor on the emission, W/m²/sr.
+    pub emission_strength: Option<Spanned<Input>>,
+    /// How much of the surface is there: 0 nothing, 1 all.
+    pub opacity: Option<Spanned<Input>>,
+    /// Shading normal in the world; always a link.
+    pub normal: Option<Spanned<Input>>,
+    /// Height above the surface; always a link.
+    pub bump: Option<Spanned<Input>>,
+    /// Metres per unit of `bump`.
+    pub bump_scale: Option<Spanned<f32>>,
     /// Alpha of the base colour's factor.
     pub alpha: Option<Spanned<f32>>,
     /// `alpha_mode = "opaque" | "mask" | "blend"`.
@@ -186,13 +194,13 @@ pub struct MaterialLook {
     /// Threshold of `alpha_mode = "mask"`.
     pub alpha_cutoff: Option<Spanned<f32>>,
     /// Weight of the dielectric's specular lobe.
-    pub specular: Option<Spanned<f32>>,
+    pub specular: Option<Spanned<Input>>,
     /// Tint of the dielectric's F0, linear.
-    pub specular_color: Option<Spanned<Vec3>>,
+    pub specular_color: Option<Spanned<Input>>,
     /// Index of refraction.
-    pub ior: Option<Spanned<f32>>,
+    pub ior: Option<Spanned<Input>>,
     /// Factor on the normal map.
-    pub normal_scale: Option<Spanned<f32>>,
+    pub normal_scale: Option<Spanned<Input>>,
     /// Both sides reflect and emit.
     pub double_sided: Option<Spanned<bool>>,
     /// The base colour is shown as it is.
@@ -211,6 +219,10 @@ impl MaterialLook {
             roughness: None,
             emission: None,
             emission_strength: None,
+            opacity: None,
+            normal: None,
+            bump: None,
+            bump_scale: None,
             alpha: None,
             alpha_mode: None,
             alpha_cutoff: None,
@@ -224,28 +236,43 @@ impl MaterialLook {
         }
     }
 
+    /// All inputs that a node may drive.
+    pub fn inputs(&self) -> impl Iterator<Item = &Spanned<Input>> {
+        [
+            &self.base_color,
+            &self.metallic,
+            &self.roughness,
+            &self.emission,
+            &self.emission_strength,
+            &self.opacity,
+            &self.normal,
+            &self.bump,
+            &self.specular,
+            &self.specular_color,
+            &self.ior,
+            &self.normal_scale,
+        ]
+        .into_iter()
+        .flatten()
+    }
+
     /// Where the first key that describes a surface is written, if there is one.
     fn first_surface_key(&self) -> Option<&Span> {
         fn at<T>(key: &Option<Spanned<T>>) -> Option<&Span> {
             key.as_ref().map(|k| &k.span)
         }
         let keys = [
-            at(&self.base_color),
-            at(&self.metallic),
-            at(&self.roughness),
-            at(&self.emission),
-            at(&self.emission_strength),
+            at(&self.bump_scale),
             at(&self.alpha),
             at(&self.alpha_mode),
             at(&self.alpha_cutoff),
-            at(&self.specular),
-            at(&self.specular_color),
-            at(&self.ior),
-            at(&self.normal_scale),
             at(&self.double_sided),
             at(&self.unlit),
         ];
-        keys.into_iter().flatten().min_by_key(|span| span.start)
+        let inputs = self.inputs().map(|input| &input.span);
+        (keys.into_iter().flatten())
+            .chain(inputs)
+            .min_by_key(|span| span.start)
     }
 }
 

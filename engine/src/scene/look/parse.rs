@@ -269,12 +269,16 @@ fn material(
     table: &[Field],
     _: &Span,
 ) -> Option<MaterialLook> {
-    const KEYS: [&str; 15] = [
+    const KEYS: [&str; 19] = [
         "base_color",
         "roughness",
         "metallic",
         "emission",
         "emission_strength",
+        "opacity",
+        "normal",
+        "bump",
+        "bump_scale",
         "alpha",
         "alpha_mode",
         "alpha_cutoff",
@@ -301,37 +305,42 @@ fn material(
             "roughness" => m.roughness = reader.unit_input(value),
             "emission" => m.emission = reader.color_input(value),
             "emission_strength" => {
-                m.emission_strength = reader.number(value, POSITIVE, |x| x >= 0.0)
+                m.emission_strength = reader.number_input(value, POSITIVE, |x| x >= 0.0);
             }
+            "opacity" => m.opacity = reader.unit_input(value),
+            "normal" => m.normal = reader.link_input(value),
+            "bump" => m.bump = reader.link_input(value),
+            "bump_scale" => m.bump_scale = reader.number(value, "metres per unit", |_| true),
             "alpha" => m.alpha = reader.number(value, UNIT, unit),
             "alpha_mode" => m.alpha_mode = choice(reader, value, &MODES),
             "alpha_cutoff" => m.alpha_cutoff = reader.number(value, POSITIVE, |x| x >= 0.0),
-            "specular" => m.specular = reader.number(value, UNIT, unit),
-            "specular_color" => m.specular_color = reader.color(value),
+            "specular" => m.specular = reader.unit_input(value),
+            "specular_color" => m.specular_color = reader.color_input(value),
             "ior" => {
-                m.ior = reader.number(value, "0, or a number of at least 1", |x| {
+                m.ior = reader.number_input(value, "0, or a number of at least 1", |x| {
                     x == 0.0 || x >= 1.0
-                })
+                });
             }
-            "normal_scale" => m.normal_scale = reader.number(value, "a number", |_| true),
+            "normal_scale" => m.normal_scale = reader.number_input(value, "a number", |_| true),
             "double_sided" => m.double_sided = reader.bool(value),
             "unlit" => m.unlit = reader.bool(value),
             "blend" => m.blend = blend(reader, value),
             _ => reader.unknown_key(key, "[material.NAME]", &KEYS),
         }
     }
-    if let (
-        Some(Spanned {
-            value: Input::Link(_),
-            ..
-        }),
-        Some(strength),
-    ) = (&m.emission, &m.emission_strength)
-    {
+    if let (Some(scale), None) = (&m.bump_scale, &m.bump) {
         reader.problem_with_note(
-            &strength.span,
-            "`emission_strength` has no effect on an emission that a node drives",
-            "scale the texture's result instead; most textures have a parameter for it",
+            &scale.span,
+            "`bump_scale` has no effect without `bump`",
+            "name the node that gives the height, as in bump = \"dents\"",
+        );
+    }
+    let has_alpha = m.alpha.is_some() || m.alpha_mode.is_some() || m.alpha_cutoff.is_some();
+    if let (Some(opacity), true) = (&m.opacity, has_alpha) {
+        reader.problem_with_note(
+            &opacity.span,
+            "`opacity` stands in place of alpha: give one of them",
+            "leave out `alpha`, `alpha_mode` and `alpha_cutoff`, or `opacity`",
         );
     }
     if let (Some(blend), Some(key)) = (&m.blend, m.first_surface_key())
@@ -514,13 +523,7 @@ fn check_names(reader: &mut Reader, look: &Look) {
     }
     for material in &look.materials {
         let mask = material.blend.as_ref().map(|b| &b.value.mask);
-        let inputs = [
-            &material.base_color,
-            &material.metallic,
-            &material.roughness,
-            &material.emission,
-        ];
-        for input in inputs.into_iter().flatten().chain(mask) {
+        for input in material.inputs().chain(mask) {
             if let Input::Link(link) = &input.value {
                 let names = look.nodes.iter().map(|n| n.name.value.as_str());
                 unknown_name(

@@ -164,11 +164,33 @@ impl Reader {
 
     /// A number of 0 to 1, or a link to a node.
     pub(super) fn unit_input(&mut self, value: &Spanned<Value>) -> Option<Spanned<Input>> {
+        self.number_input(value, "a number from 0 to 1", unit)
+    }
+
+    /// A number for which `valid` holds, or a link to a node.
+    pub(super) fn number_input(
+        &mut self,
+        value: &Spanned<Value>,
+        wanted: &str,
+        valid: impl Fn(f32) -> bool,
+    ) -> Option<Spanned<Input>> {
         if let Value::Text(text) = &value.value {
             return self.link(value, text);
         }
-        let number = self.number(value, "a number from 0 to 1, or the name of a node", unit)?;
+        let wanted = format!("{wanted}, or the name of a node");
+        let number = self.number(value, &wanted, valid)?;
         Some(number.with(Input::Constant(Vec3::splat(number.value))))
+    }
+
+    /// A link to a node.
+    pub(super) fn link_input(&mut self, value: &Spanned<Value>) -> Option<Spanned<Input>> {
+        match &value.value {
+            Value::Text(text) => self.link(value, text),
+            _ => {
+                self.wrong_kind(value, "the name of a node");
+                None
+            }
+        }
     }
 
     fn link(&mut self, value: &Spanned<Value>, text: &str) -> Option<Spanned<Input>> {

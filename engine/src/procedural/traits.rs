@@ -1,0 +1,106 @@
+//! What of a material's texture program other kernels must know before it has run.
+
+use glam::Vec3;
+
+use super::{FLAG_BLEND, HEAD_FLAGS, Output, Procedural};
+
+/// What is known of a material's texture program without running it. The material may be a blend; then this holds for
+/// whatever it may turn out to be.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ProgramTraits {
+    /// There is a program, or a blend: the kernel runs at a hit.
+    pub runs: bool,
+    /// It decides how much light comes out of the surface, by emission or by opacity.
+    pub decides_light: bool,
+    /// It decides whether the surface is there.
+    pub decides_opacity: bool,
+    /// The surface may emit light at all.
+    pub glows: bool,
+    /// Luminance by which the surface is chosen as a light, W/m²/sr: a guess, since nobody knows what a program gives.
+    /// 0 where light samples can't evaluate it: then scattered rays alone find it.
+    pub brightness: f32,
+}
+
+/// Of a surface that is no blend: what its program needs to know about it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surface {
+    /// The emission, or the factor on a driven one.
+    pub(super) emission: Vec3,
+    /// The emission is multiplied by an image, which a light sample can't see.
+    pub(super) has_emission_image: bool,
+    /// Opacity where it isn't driven.
+    pub(super) opacity: f32,
+    /// Metres per unit of the bump height.
+    pub(super) bump_scale: f32,
+}
+
+impl Default for Surface {
+    fn default() -> Self {
+        Self {
+            emission: Vec3::ZERO,
+            has_emission_image: false,
+            opacity: 1.0,
+            bump_scale: 1.0,
+        }
+    }
+}
+
+impl Procedural {
+    /// What is known of a material's program.
+    pub fn traits(&self, material: u32) -> ProgramTraits {
+        self.traits
+            .get(material as usize)
+            .copied()
+            .unwrap_or_default()
+    }
+
+    /// Brings the traits of all materials up to date; a blend after what lies below it.
+    pub(super) fn refresh_traits(&mut self) {
+        self.traits.resize(self.wiring.len(), ProgramTraits::default());
+        for &material in &self.order {
+            let flags = self.memory.head(material, HEAD_FLAGS);
+            let wiring = &self.wiring[material as usize];
+            self.traits[material as usize] = match &wiring.blend {
+                Some(blend) => {
+                    let of = |m: u32| self.traits[m as usize];
+                    of_blend(of(blend.base), of(blend.over))
+                }
+                None => of_surface(flags & !FLAG_BLEND, &wiring.surface),
+            };
+        }
+    }
+}
+
+fn of_surface(flags: u32, surface: &Surface) -> ProgramTraits {
+    let drives = |output: Output| flags & output.bit() != 0;
+    let is_constant = !drives(Output::Emission);
+    let glows = surface.emission.max_element() > 0.0;
+    let is_sampled = glows && !(is_constant && surface.has_emission_image);
+    ProgramTraits {
+        runs: flags != 0,
+        decides_light: drives(Output::Emission)
+            || drives(Output::EmissionStrength)
+            || drives(Output::Opacity),
+        decides_opacity: drives(Output::Opacity),
+        glows,
+        brightness: if is_sampled { luminance(surface.emission) } else { 0.0 },
+    }
+}
+
+fn of_blend(base: ProgramTraits, over: ProgramTraits) -> ProgramTraits {
+    let glows = base.glows || over.glows;
+    let decides_opacity = base.decides_opacity || over.decides_opacity;
+    // One side that can't be evaluated spoils the whole.
+    let is_sampled = [base, over].iter().all(|side| !side.glows || side.brightness > 0.0);
+    ProgramTraits {
+        runs: true,
+        decides_light: glows || decides_opacity,
+        decides_opacity,
+        glows,
+        brightness: if is_sampled { base.brightness.max(over.brightness) } else { 0.0 },
+    }
+}
+
+fn luminance(c: Vec3) -> f32 {
+    c.dot(Vec3::new(0.2126, 0.7152, 0.0722)).max(c.max_element() * 1e-3)
+}
