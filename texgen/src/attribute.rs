@@ -92,7 +92,7 @@ named_enum! {
     MaterialId "Number of the material in every component.",
     FrontFacing "1 in every component where the front of the triangle is seen, 0 where the back is.",
     Bounce "Number of bounces before this hit in every component: 0 for what the camera sees.",
-    RayKind "What found this hit, in every component: 0 = camera ray, 1 = ray that a surface scattered.",
+    RayKind "What found this hit, in every component: 0 = camera ray, 1 = ray that a surface scattered, 2 = shadow ray (for opacity only).",
     Time "Time of the frame in seconds in every component.",
 }
 

@@ -48,7 +48,7 @@ const ObjectRandom = 16u; // Four random numbers in [0, 1), constant over an ins
 const MaterialId = 17u;   // Number of the material in every component.
 const FrontFacing = 18u;  // 1 in every component where the front of the triangle is seen, 0 where the back is.
 const Bounce = 19u;       // Number of bounces before this hit in every component: 0 for what the camera sees.
-const RayKind = 20u;      // What found this hit, in every component: 0 = camera ray, 1 = ray that a surface scattered.
+const RayKind = 20u;      // What found this hit, in every component: 0 = camera ray, 1 = ray that a surface scattered, 2 = shadow ray (for opacity only).
 const Time = 21u;         // Time of the frame in seconds in every component.
 
 // Globals, for readGlobal; Time is there too.

@@ -154,7 +154,10 @@ pub fn program_flags(program: &ProgramTraits) -> u32 {
     let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
     flag(program.runs, PROGRAM)
         | flag(program.decides_light, PROGRAM_LAST)
-        | flag(program.decides_light && program.brightness > 0.0, PROGRAM_LIGHT)
+        | flag(
+            program.decides_light && program.brightness > 0.0,
+            PROGRAM_LIGHT,
+        )
 }
 
 /// Whether a hit may be transparent, so that its alpha must be looked up during traversal.

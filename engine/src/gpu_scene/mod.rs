@@ -259,7 +259,11 @@ fn geometry(
     let mut vertices = Vec::new();
     // What a material means for its triangles, without and with vertex colours.
     let flags_of = |index: u32, m: &Material, has_colors: bool| {
-        let sides = if m.double_sided { 0 } else { TRIANGLE_SINGLE_SIDED };
+        let sides = if m.double_sided {
+            0
+        } else {
+            TRIANGLE_SINGLE_SIDED
+        };
         let alpha = match program(index).decides_opacity {
             true => TRIANGLE_PROGRAM_ALPHA,
             false if materials::needs_alpha(m, has_colors) => TRIANGLE_ALPHA,

@@ -9,8 +9,8 @@ use texgen::{Diagnostic, Diagnostics, Graph, SourceFile, did_you_mean};
 use crate::scene::look::{AlphaLook, Input, Look, MaterialLook, Span, Spanned};
 use crate::scene::{AlphaMode, Material, Scene};
 
-use super::wiring::{Blend, Mask, Wiring, check_driver};
 use super::traits::Surface;
+use super::wiring::{Blend, Mask, Wiring, check_driver};
 use super::{Kind, Output, Source};
 
 /// The materials of a scene with the look applied.
@@ -340,7 +340,11 @@ fn constant(input: &Option<Spanned<Input>>) -> Option<Vec3> {
 fn surface_of(material: &Material) -> Surface {
     let alpha = material.base_color.w;
     Surface {
-        emission: if material.unlit { Vec3::ZERO } else { material.emission },
+        emission: if material.unlit {
+            Vec3::ZERO
+        } else {
+            material.emission
+        },
         has_emission_image: material.emission_texture.is_some(),
         opacity: match material.alpha_mode {
             AlphaMode::Opaque => 1.0,

@@ -127,6 +127,55 @@ fn a_driven_emission_replaces_the_constant() {
 }
 
 #[test]
+fn what_decides_about_light_is_known_beforehand() {
+    let (procedural, scene) = build(
+        "[node.n]\ntexture='flat'\n[node.v]\ntexture='value'\n\
+         [material.A]\nemission='n'\nemission_strength=4.0\n\
+         [material.B]\nemission=[0,0,0]\nopacity='v'\n\
+         [material.C]\nblend={base='A', over='B', mask='v'}\n",
+    );
+    let [a, b, c] = [0, 1, 2].map(|m| procedural.traits(m));
+    assert!(a.runs && a.decides_light && a.glows && !a.decides_opacity);
+    assert!(
+        (a.brightness - 4.0).abs() < 1e-5,
+        "the strength is the guess"
+    );
+    assert!(b.decides_opacity && b.decides_light && !b.glows);
+    assert!(c.decides_opacity && c.glows && c.brightness == a.brightness);
+    assert_eq!(
+        scene.materials[1].alpha_mode,
+        crate::scene::AlphaMode::Opaque
+    );
+    assert_eq!(procedural.traits(3), ProgramTraits::default());
+}
+
+#[test]
+fn a_bump_has_a_program_of_its_own() {
+    let (mut procedural, _) = build(
+        "[node.n]\ntexture='flat'\n[node.v]\ntexture='value'\n\
+         [material.A]\nbase_color='n'\nbump='v'\nbump_scale=0.25\n",
+    );
+    let of_a = head(&procedural, 0);
+    let program = |word: u32| &procedural.programs()[of_a[word as usize] as usize..];
+    assert_eq!(program(HEAD_PROGRAM)[0], 1, "the colour alone");
+    assert_eq!(program(HEAD_BUMP_PROGRAM)[0], 1, "the height alone");
+    assert_eq!(f32::from_bits(of_a[HEAD_BUMP_SCALE as usize]), 0.25);
+    assert_eq!(procedural.result_words(), 6);
+    procedural.set_output_link("A", Output::Bump, None).unwrap();
+    assert_eq!(head(&procedural, 0)[HEAD_BUMP_PROGRAM as usize], 0);
+    assert_eq!(procedural.result_words(), 3);
+}
+
+#[test]
+fn contradicting_or_useless_keys_are_pointed_out() {
+    refused("[material.A]\nopacity=0.5\nalpha=0.5", ":2:", "one of them");
+    refused("[material.A]\nbump_scale=0.5", ":2:", "without `bump`");
+    refused("[material.A]\nbump=0.5", ":2:", "the name of a node");
+    let text = "[node.v]\ntexture='value'\n[material.A]\nnormal='v'";
+    refused(text, ":4:", "a direction is needed");
+}
+
+#[test]
 fn a_blend_with_itself_keeps_the_gltf_surface() {
     let text = format!(
         "{CHAIN}[material.B]\nblend = {{ base='B', over='Rust', mask='level' }}\nior = 1.7\n[material.Rust]\nbase_color='paint'\n"

@@ -56,7 +56,8 @@ impl Procedural {
 
     /// Brings the traits of all materials up to date; a blend after what lies below it.
     pub(super) fn refresh_traits(&mut self) {
-        self.traits.resize(self.wiring.len(), ProgramTraits::default());
+        self.traits
+            .resize(self.wiring.len(), ProgramTraits::default());
         for &material in &self.order {
             let flags = self.memory.head(material, HEAD_FLAGS);
             let wiring = &self.wiring[material as usize];
@@ -83,7 +84,11 @@ fn of_surface(flags: u32, surface: &Surface) -> ProgramTraits {
             || drives(Output::Opacity),
         decides_opacity: drives(Output::Opacity),
         glows,
-        brightness: if is_sampled { luminance(surface.emission) } else { 0.0 },
+        brightness: if is_sampled {
+            luminance(surface.emission)
+        } else {
+            0.0
+        },
     }
 }
 
@@ -91,16 +96,23 @@ fn of_blend(base: ProgramTraits, over: ProgramTraits) -> ProgramTraits {
     let glows = base.glows || over.glows;
     let decides_opacity = base.decides_opacity || over.decides_opacity;
     // One side that can't be evaluated spoils the whole.
-    let is_sampled = [base, over].iter().all(|side| !side.glows || side.brightness > 0.0);
+    let is_sampled = [base, over]
+        .iter()
+        .all(|side| !side.glows || side.brightness > 0.0);
     ProgramTraits {
         runs: true,
         decides_light: glows || decides_opacity,
         decides_opacity,
         glows,
-        brightness: if is_sampled { base.brightness.max(over.brightness) } else { 0.0 },
+        brightness: if is_sampled {
+            base.brightness.max(over.brightness)
+        } else {
+            0.0
+        },
     }
 }
 
 fn luminance(c: Vec3) -> f32 {
-    c.dot(Vec3::new(0.2126, 0.7152, 0.0722)).max(c.max_element() * 1e-3)
+    c.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+        .max(c.max_element() * 1e-3)
 }

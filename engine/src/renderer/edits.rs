@@ -146,7 +146,11 @@ impl Renderer {
         // What the light table, the triangles and the kernels were made for.
         let light = |p: &Procedural, m| {
             let traits = p.traits(m);
-            (traits.decides_light, traits.decides_opacity, traits.brightness > 0.0)
+            (
+                traits.decides_light,
+                traits.decides_opacity,
+                traits.brightness > 0.0,
+            )
         };
         if (0..count).any(|m| light(&before, m) != light(&self.procedural, m)) {
             self.procedural = before;

@@ -45,7 +45,10 @@ impl<'a> Recorder<'a> {
 
     /// Runs as many threads as the queue has entries.
     fn run_queue(&mut self, kernel: &BoundKernel, queue: Queue) {
-        self.run(kernel, Extent::Indirect(self.sizes, queue.dispatch_offset()));
+        self.run(
+            kernel,
+            Extent::Indirect(self.sizes, queue.dispatch_offset()),
+        );
     }
 
     pub(super) fn after(&self, pass: After) -> &'a BoundKernel {

@@ -220,7 +220,9 @@ struct BumpFrame {
     distance: f32, // metres from the hit
 }
 
-fn bump_frame(s: Surface, instance: u32) -> BumpFrame {
+// `coin` chooses the sides: a difference to one side is off by the curvature of the height, which the other side evens
+// out.
+fn bump_frame(s: Surface, instance: u32, coin: u32) -> BumpFrame {
     let world_from_object = instances[instance].world_from_object;
     let a = vertex_position(s.triangle.x);
     let edge1 = transform_vector(world_from_object, vertex_position(s.triangle.y) - a);
@@ -228,8 +230,10 @@ fn bump_frame(s: Surface, instance: u32) -> BumpFrame {
     let along = edge1 / max(length(edge1), 1e-30);
     // Half a pixel, but far enough that the difference of positions is more than rounding.
     let coarse = max(abs(s.position.x), max(abs(s.position.y), abs(s.position.z)));
-    let distance = max(0.5 * site.footprint, max(3e-5 * coarse, 1e-7));
-    return BumpFrame(edge1, edge2, along, cross(s.geometric_normal, along), distance);
+    let distance = max(0.5 * site.footprint, max(1e-4 * coarse, 1e-7));
+    let across = cross(s.geometric_normal, along);
+    return BumpFrame(edge1, edge2, select(along, -along, (coin & 1u) != 0u), select(across, -across, (coin & 2u) != 0u),
+        distance);
 }
 
 // Moves the site along its triangle: everything that is interpolated moves with it.
@@ -295,10 +299,10 @@ fn shade_shadow(ray: u32, slot: u32, material: u32, flags: u32, is_light: bool) 
     path_write(PATH_LIGHT, slot, vec4f(path_read(PATH_LIGHT, slot).xyz * factor, 0.0));
 }
 
-// Stores the driven outputs of a path's hit, but for the bump, and returns the words they take.
-fn store_outputs(slot: u32, material: u32, flags: u32) -> u32 {
+// Stores `wanted` outputs of a path's hit, but for the bump, and returns the words they take.
+fn store_outputs(slot: u32, material: u32, flags: u32, wanted: u32) -> u32 {
     var at = 0u;
-    var rest = flags & OUTPUTS & ~(1u << OUTPUT_BUMP);
+    var rest = wanted & ~(1u << OUTPUT_BUMP);
     while (rest != 0u) {
         let which = firstTrailingBit(rest);
         rest &= rest - 1u;
@@ -392,16 +396,15 @@ fn proctex(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) wor
                 shade_shadow(ray, slot, material, flags, is_light);
                 break;
             }
-            if (may_pass) {
-                flags |= 1u << OUTPUT_OPACITY; // constant or not, the next kernel asks for it
-            }
-            words = store_outputs(slot, material, flags);
-            path_set_words(PATH_STATE, slot, vec4u(material, flags & OUTPUTS, depth, 0u));
+            // Driven or not, the next kernel asks for the opacity.
+            let outputs = (flags & OUTPUTS) | select(0u, 1u << OUTPUT_OPACITY, may_pass);
+            words = store_outputs(slot, material, flags, outputs);
+            path_set_words(PATH_STATE, slot, vec4u(material, outputs, depth, 0u));
             if ((flags & (1u << OUTPUT_BUMP)) == 0u) {
                 break;
             }
             program = head_word(material, HEAD_BUMP_PROGRAM);
-            bump = bump_frame(surface, hit.instance);
+            bump = bump_frame(surface, hit.instance, hash2(hash2(path.pixel ^ frame.seed, path.sample), depth));
             bumps = 1u;
             continue;
         }

@@ -28,7 +28,9 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
     }
     let path = path_id(slot);
     let pixel = pixel_coordinates(path.pixel);
-    path_write(PATH_RADIANCE, slot, vec4f(0.0));
+    // Parallel rays are as wide as a pixel from the start.
+    let width = select(0.0, 2.0 * frame.half_height / f32(frame.height), frame.orthographic != 0u);
+    path_write(PATH_RADIANCE, slot, vec4f(0.0, 0.0, 0.0, width));
     path_write(PATH_LIGHT, slot, vec4f(0.0));
     path_set_words(PATH_STATE, slot, vec4u(0u));
     path_set_words(PATH_LIGHT_POINT, slot, vec4u(MISS, 0u, 0u, 0u));
