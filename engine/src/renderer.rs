@@ -15,8 +15,8 @@ use crate::{
         timing::Timer,
     },
     gpu_scene::{GpuScene, GpuSceneError},
-    passes::advance::After,
-    procedural::Procedural,
+    passes::{advance::After, proctex::TextureForm},
+    procedural::{CompileError, Procedural},
     scene::{Camera, Scene},
     stats::{PassStats, Stats},
     wave::{self, Queue},
@@ -71,6 +71,9 @@ pub enum RenderError {
     /// The device.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    /// The texture programs have no inlined form.
+    #[error(transparent)]
+    Programs(#[from] CompileError),
 }
 
 /// How far a render is.
@@ -89,12 +92,21 @@ impl Progress {
     }
 }
 
+fn default_capacity(gpu: &Gpu) -> u32 {
+    if gpu.is_cpu() {
+        CPU_CAPACITY
+    } else {
+        GPU_CAPACITY
+    }
+}
+
 /// Renders one scene progressively.
 #[derive(Debug)]
 pub struct Renderer {
     gpu: Gpu,
     settings: RenderSettings,
     procedural: Procedural,
+    form: TextureForm,
     scene: GpuScene,
     resources: Resources,
     kernels: Kernels,
@@ -120,12 +132,36 @@ impl Renderer {
         procedural: &Procedural,
         settings: &RenderSettings,
     ) -> Result<Self, RenderError> {
-        let capacity = if gpu.is_cpu() {
-            CPU_CAPACITY
-        } else {
-            GPU_CAPACITY
-        };
-        Self::with_capacity(gpu, scene, procedural, settings, capacity)
+        let capacity = default_capacity(gpu);
+        Self::build(
+            gpu,
+            scene,
+            procedural,
+            settings,
+            capacity,
+            TextureForm::Stack,
+        )
+    }
+
+    /// As [`Self::new`] with the texture kernel in a form of one's choice. The picture does not depend on it.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; the inlined form needs a device with ten storage buffers per stage.
+    pub fn with_form(
+        gpu: &Gpu,
+        scene: &Scene,
+        procedural: &Procedural,
+        settings: &RenderSettings,
+        form: TextureForm,
+    ) -> Result<Self, RenderError> {
+        Self::build(
+            gpu,
+            scene,
+            procedural,
+            settings,
+            default_capacity(gpu),
+            form,
+        )
     }
 
     /// As [`Self::new`] with waves of at most `capacity` paths. The picture does not depend on it.
@@ -138,6 +174,24 @@ impl Renderer {
         procedural: &Procedural,
         settings: &RenderSettings,
         capacity: u32,
+    ) -> Result<Self, RenderError> {
+        Self::build(
+            gpu,
+            scene,
+            procedural,
+            settings,
+            capacity,
+            TextureForm::Stack,
+        )
+    }
+
+    fn build(
+        gpu: &Gpu,
+        scene: &Scene,
+        procedural: &Procedural,
+        settings: &RenderSettings,
+        capacity: u32,
+        form: TextureForm,
     ) -> Result<Self, RenderError> {
         let (width, height) = (settings.width, settings.height);
         if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
@@ -168,14 +222,15 @@ impl Renderer {
                 wgpu::BufferUsages::UNIFORM,
             )?,
         );
-        edits::allocate(gpu, procedural, &mut resources)?;
-        let kernels = Kernels::new(gpu, &gpu_scene.features, procedural)?;
+        edits::allocate(gpu, procedural, form, &mut resources)?;
+        let kernels = Kernels::new(gpu, &gpu_scene.features, procedural, form)?;
         let bound = kernels.bind(gpu, &resources);
         gpu.check()?;
         Ok(Self {
             gpu: gpu.clone(),
             settings: settings.clone(),
             procedural: procedural.clone(),
+            form,
             frame: Frame::new(
                 (width, height),
                 &settings.camera,

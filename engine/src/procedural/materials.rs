@@ -47,10 +47,7 @@ pub(super) fn resolve(
     }
     resolver.declare(look, scene);
     resolver.out.wiring = (scene.materials.iter())
-        .map(|material| Wiring {
-            surface: surface_of(material),
-            ..Wiring::default()
-        })
+        .map(|material| Wiring::new(surface_of(material)))
         .collect();
     for table in &look.materials {
         resolver.surface(table, scene);

@@ -38,6 +38,7 @@
 mod build;
 mod edit;
 mod images;
+mod inlined;
 mod materials;
 mod memory;
 mod output;
@@ -57,6 +58,7 @@ use crate::scene::TextureRef;
 use crate::scene::look::{AoSettings, MAX_AO};
 
 pub use edit::EditError;
+pub use inlined::Inlined;
 pub use memory::{
     FLAG_BLEND, FLAG_CONSTANT_MASK, HEAD_AO, HEAD_BASE, HEAD_BUMP_PROGRAM, HEAD_BUMP_SCALE,
     HEAD_EMISSION, HEAD_FLAGS, HEAD_LINKS, HEAD_MASK, HEAD_MASK_VALUE, HEAD_OPACITY, HEAD_OVER,

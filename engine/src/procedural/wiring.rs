@@ -12,11 +12,11 @@ use super::memory::{
 use super::traits::Surface;
 use super::{Kind, MAX_STACK_SLOTS, MIN_STACK_SLOTS, Output, Procedural, Source};
 
-/// What drives one material.
+/// What drives one material: see [`Self::output`] for a surface, `blend` for a blend of others.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Wiring {
-    /// By place in [`Output::ALL`]; see [`Self::output`].
-    pub(super) outputs: [Option<Source>; Output::ALL.len()],
+    /// By place in [`Output::ALL`].
+    outputs: [Option<Source>; Output::ALL.len()],
     pub(super) blend: Option<Blend>,
     /// What the material is without its nodes.
     pub(super) surface: Surface,
@@ -42,6 +42,14 @@ pub(super) enum Mask {
 }
 
 impl Wiring {
+    /// Nothing is driven.
+    pub(super) fn new(surface: Surface) -> Self {
+        Self {
+            surface,
+            ..Self::default()
+        }
+    }
+
     /// What drives an output.
     pub(super) fn output(&self, output: Output) -> Option<Source> {
         self.driven().find(|(o, _)| *o == output).map(|(_, s)| s)
@@ -53,6 +61,14 @@ impl Wiring {
         self.outputs[place.expect("all outputs are listed")] = source;
     }
 
+    /// What drives the mask, where a node does.
+    pub(super) fn mask(&self) -> Option<&Source> {
+        match &self.blend.as_ref()?.mask {
+            Mask::Driven(source) => Some(source),
+            Mask::Constant(_) => None,
+        }
+    }
+
     /// The driven outputs, in the order of their numbers.
     fn driven(&self) -> impl Iterator<Item = (Output, Source)> {
         (Output::ALL.into_iter())
@@ -61,14 +77,8 @@ impl Wiring {
     }
 
     /// The nodes whose results the program gives, each once. The bump height isn't among them: it has its own.
-    fn roots(&self) -> Vec<NodeId> {
-        let mask = match &self.blend {
-            Some(Blend {
-                mask: Mask::Driven(source),
-                ..
-            }) => Some(source),
-            _ => None,
-        };
+    pub(super) fn roots(&self) -> Vec<NodeId> {
+        let mask = self.mask();
         let mut roots: Vec<NodeId> = Vec::new();
         let driven = self.driven().filter(|(output, _)| *output != Output::Bump);
         for source in driven.map(|(_, source)| source).chain(mask.copied()) {

@@ -6,11 +6,13 @@ use std::ops::Range;
 use crate::{
     gpu::{Gpu, GpuError, kernel::Resources},
     gpu_scene::materials,
+    passes::proctex::TextureForm,
     procedural::{EditError, Output, Procedural},
     scene::look::{AoDirection, AoSettings},
     wave::{self, GpuAoTable},
 };
 
+use super::pipeline::program_words;
 use super::{RenderError, Renderer};
 
 /// Why an edit did not happen. The picture and the graph are as before.
@@ -43,10 +45,11 @@ impl From<GpuError> for RenderEditError {
 pub(super) fn allocate(
     gpu: &Gpu,
     procedural: &Procedural,
+    form: TextureForm,
     resources: &mut Resources,
-) -> Result<(), GpuError> {
+) -> Result<(), RenderError> {
     for (name, words) in [
-        ("programs", procedural.programs()),
+        ("programs", &*program_words(procedural, form)?),
         ("args", procedural.args()),
     ] {
         let bytes = (words.len() as u64 * 4 * 3 / 2).max(1024);
@@ -200,9 +203,16 @@ impl Renderer {
             return Ok(());
         }
         let needs_kernels = !self.kernels.has_texture() && !self.procedural.is_empty();
-        if changes.kernel || needs_kernels {
-            self.kernels
-                .rebuild_texture(&self.gpu, &self.scene.features, &self.procedural)?;
+        // In the inlined form every edit changes the kernel's text.
+        let is_inlined = self.form == TextureForm::Inlined;
+        let needs_kernels = needs_kernels || changes.kernel || is_inlined;
+        if needs_kernels {
+            self.kernels.rebuild_texture(
+                &self.gpu,
+                &self.scene.features,
+                &self.procedural,
+                self.form,
+            )?;
         }
         let grown = wave::grow_results(
             &self.gpu,
@@ -214,15 +224,16 @@ impl Renderer {
             self.resources.buffer(name).size() >= words.len() as u64 * 4
         };
         if grown
+            || is_inlined
             || !fits("programs", self.procedural.programs())
             || !fits("args", self.procedural.args())
         {
-            allocate(&self.gpu, &self.procedural, &mut self.resources)?;
+            allocate(&self.gpu, &self.procedural, self.form, &mut self.resources)?;
             self.bound = self.kernels.bind(&self.gpu, &self.resources);
         } else {
             self.write_ranges("programs", self.procedural.programs(), &changes.programs);
             self.write_ranges("args", self.procedural.args(), &changes.args);
-            if changes.kernel || needs_kernels {
+            if needs_kernels {
                 self.bound = self.kernels.bind(&self.gpu, &self.resources);
             }
         }

@@ -1,17 +1,21 @@
 //! The kernels of a renderer, compiled and bound.
 
+use std::borrow::Cow;
+
 use crate::{
     gpu::{
-        Gpu, GpuError,
+        Gpu,
         kernel::{BoundKernel, Kernel, Resources},
     },
     gpu_scene::SceneFeatures,
     passes::{
-        accumulate, advance, advance::After, ao, brdf, classify, proctex, raygen, traverse,
-        traverse::Rays,
+        accumulate, advance, advance::After, ao, brdf, classify, proctex, proctex::TextureForm,
+        raygen, traverse, traverse::Rays,
     },
     procedural::Procedural,
 };
+
+use super::RenderError;
 
 /// All kernels. Those of textures exist only where a material has a program.
 #[derive(Debug)]
@@ -36,7 +40,8 @@ impl Kernels {
         gpu: &Gpu,
         features: &SceneFeatures,
         procedural: &Procedural,
-    ) -> Result<Self, GpuError> {
+        form: TextureForm,
+    ) -> Result<Self, RenderError> {
         Ok(Self {
             raygen: raygen::kernel(gpu)?,
             advance: [
@@ -56,7 +61,7 @@ impl Kernels {
                 Some(TextureKernels {
                     classify: classify::kernel(gpu, features)?,
                     ao: ao::kernel(gpu, features)?,
-                    proctex: proctex::kernel(gpu, &procedural.kernel())?,
+                    proctex: texture_kernel(gpu, features, procedural, form)?,
                 })
             },
         })
@@ -68,8 +73,9 @@ impl Kernels {
         gpu: &Gpu,
         features: &SceneFeatures,
         procedural: &Procedural,
-    ) -> Result<(), GpuError> {
-        let proctex = proctex::kernel(gpu, &procedural.kernel())?;
+        form: TextureForm,
+    ) -> Result<(), RenderError> {
+        let proctex = texture_kernel(gpu, features, procedural, form)?;
         match &mut self.texture {
             Some(texture) => texture.proctex = proctex,
             None => {
@@ -102,6 +108,30 @@ impl Kernels {
             }),
         }
     }
+}
+
+fn texture_kernel(
+    gpu: &Gpu,
+    features: &SceneFeatures,
+    procedural: &Procedural,
+    form: TextureForm,
+) -> Result<Kernel, RenderError> {
+    let generated = match form {
+        TextureForm::Stack => procedural.kernel(),
+        TextureForm::Inlined => procedural.inlined()?.kernel,
+    };
+    Ok(proctex::kernel(gpu, form, &generated, features)?)
+}
+
+/// The words that the kernel reads its heads, and its programs if it has any, from.
+pub(super) fn program_words(
+    procedural: &Procedural,
+    form: TextureForm,
+) -> Result<Cow<'_, [u32]>, RenderError> {
+    Ok(match form {
+        TextureForm::Stack => Cow::Borrowed(procedural.programs()),
+        TextureForm::Inlined => Cow::Owned(procedural.inlined()?.heads),
+    })
 }
 
 /// The kernels with their resources.

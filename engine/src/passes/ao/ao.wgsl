@@ -9,8 +9,7 @@
 //!include shared/images.wgsl
 //!include shared/materials.wgsl
 //!include shared/surface.wgsl
-//!include shared/traversal.wgsl
-//!include shared/ao_tables.wgsl
+//!include shared/occlusion.wgsl
 
 @compute @workgroup_size(64)
 fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
@@ -32,35 +31,16 @@ fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgrou
     let is_shadow = ray >= frame.capacity;
     let slot = select(ray, ray - frame.capacity, is_shadow);
     let path = path_id(slot);
-    let tangent = any_perpendicular(s.shading_normal);
-    let bitangent = cross(s.shading_normal, tangent);
+    let word = ao_word(ray);
     let purpose = vertex_dimension(path_depth(slot), select(DIMENSION_AO, DIMENSION_SHADOW_AO, is_shadow));
     for (var i = 0u; i < 4u; i++) {
-        let table = ao_tables[i];
-        if (((entry >> (28u + i)) & 1u) == 0u || sample >= table.samples) {
+        if (((entry >> (28u + i)) & 1u) == 0u || sample >= ao_tables[i].samples) {
             continue;
         }
-        // Consecutive points of one sequence: well spread within a hit and over the samples of a pixel.
-        let stream = hash2(path.pixel ^ frame.seed, purpose + i);
-        let u = sobol2(path.sample * table.samples + sample, stream);
-        let radius = sqrt(u.x);
-        let phi = 6.28318530718 * u.y;
-        let height = sqrt(max(1.0 - u.x, 1e-12));
-        var direction = tangent * (radius * cos(phi)) + bitangent * (radius * sin(phi)) + s.shading_normal * height;
-        var normal = s.geometric_normal;
-        if (table.direction == AO_INSIDE || (table.direction == AO_BOTH && (sample & 1u) == 1u)) {
-            direction = -direction;
-            normal = -normal;
-        }
-        if (dot(direction, normal) <= 0.0) {
-            // Under the surface because the shading normal leans: counts as free.
-            continue;
-        }
-        let only_instance = select(MISS, hit.instance, table.same_object != 0u);
-        let occluder = trace(offset_origin(s.position, normal), direction, 0.0, table.distance, true, only_instance);
-        atomicAdd(&queues[WORD_AO_RAYS], 1u);
-        if (occluder.triangle != MISS) {
-            atomicAdd(&queues[ao_word(ray)], 1u << (8u * i));
+        let ray = occlusion(s, hit.instance, path, purpose, i, sample);
+        atomicAdd(&queues[WORD_AO_RAYS], ray.traced);
+        if (ray.occluded != 0u) {
+            atomicAdd(&queues[word], 1u << (8u * i));
         }
     }
 }

@@ -7,13 +7,33 @@ use crate::gpu::{
     kernel::{Kernel, Trust},
     wgsl::Source,
 };
+use crate::gpu_scene::SceneFeatures;
 
-/// Compiles the kernel with the users' functions in it.
+/// The two forms of the generated kernel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TextureForm {
+    /// It interprets programs with a small stack; ambient occlusion was traced before it runs. Edits are data.
+    #[default]
+    Stack,
+    /// Constants and links are pasted into it, and it traces ambient occlusion itself. Any edit builds it again: this is
+    /// for comparison with renderers that work so. Needs ten storage buffers per stage.
+    Inlined,
+}
+
+/// Compiles the kernel with the users' functions in it, for what the scene uses.
 ///
 /// # Errors
 /// In the user's own file and line, if the driver refuses it.
-pub fn kernel(gpu: &Gpu, generated: &GeneratedKernel) -> Result<Kernel, GpuError> {
-    let mut source = Source::of("proctex/proctex.wgsl");
+pub fn kernel(
+    gpu: &Gpu,
+    form: TextureForm,
+    generated: &GeneratedKernel,
+    features: &SceneFeatures,
+) -> Result<Kernel, GpuError> {
+    let mut source = Source::of(match form {
+        TextureForm::Stack => "proctex/proctex.wgsl",
+        TextureForm::Inlined => "proctex/inlined.wgsl",
+    });
     source.append_generated(generated);
-    Kernel::new(gpu, &source, "proctex", Trust::User, &[])
+    Kernel::new(gpu, &source, "proctex", Trust::User, &features.constants())
 }

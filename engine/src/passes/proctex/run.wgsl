@@ -1,0 +1,224 @@
+// One thread per hit with a program: chooses the sides of blends, runs the programs, stores what they drive.
+
+const MAX_BLEND_DEPTH = 16u;
+
+// Where the heights of a bump map are evaluated: at the hit and beside it, along two directions in the triangle's plane.
+struct BumpFrame {
+    edge1: vec3f, // of the triangle in the world
+    edge2: vec3f,
+    along: vec3f, // unit vectors, perpendicular to each other
+    across: vec3f,
+    distance: f32, // metres from the hit
+}
+
+// `coin` chooses the sides: a difference to one side is off by the curvature of the height, which the other side evens
+// out.
+fn bump_frame(s: Surface, instance: u32, coin: u32) -> BumpFrame {
+    let world_from_object = instances[instance].world_from_object;
+    let a = vertex_position(s.triangle.x);
+    let edge1 = transform_vector(world_from_object, vertex_position(s.triangle.y) - a);
+    let edge2 = transform_vector(world_from_object, vertex_position(s.triangle.z) - a);
+    let along = edge1 / max(length(edge1), 1e-30);
+    // Half a pixel, but far enough that the difference of positions is more than rounding.
+    let coarse = max(abs(s.position.x), max(abs(s.position.y), abs(s.position.z)));
+    let distance = max(0.5 * site.footprint, max(1e-4 * coarse, 1e-7));
+    let across = cross(s.geometric_normal, along);
+    return BumpFrame(edge1, edge2, select(along, -along, (coin & 1u) != 0u), select(across, -across, (coin & 2u) != 0u),
+        distance);
+}
+
+// Moves the site along its triangle: everything that is interpolated moves with it.
+fn move_site(hit: Surface, bump: BumpFrame, by: vec3f) {
+    let g11 = dot(bump.edge1, bump.edge1);
+    let g12 = dot(bump.edge1, bump.edge2);
+    let g22 = dot(bump.edge2, bump.edge2);
+    let b1 = dot(by, bump.edge1);
+    let b2 = dot(by, bump.edge2);
+    let scale = 1.0 / max(g11 * g22 - g12 * g12, 1e-37);
+    let second = (g22 * b1 - g12 * b2) * scale;
+    let third = (g11 * b2 - g12 * b1) * scale;
+    site.surface.weights = hit.weights + vec3f(-second - third, second, third);
+    site.surface.position = hit.position + by;
+}
+
+fn write_vector(slot: u32, at: u32, v: vec3f) {
+    result_write(slot, at, v.x);
+    result_write(slot, at + 1u, v.y);
+    result_write(slot, at + 2u, v.z);
+}
+
+fn head_vector(material: u32, word: u32) -> vec3f {
+    return bitcast<vec3f>(vec3u(head_word(material, word), head_word(material, word + 1u), head_word(material, word + 2u)));
+}
+
+fn output(material: u32, which: u32) -> vec4f {
+    return patina_link(head_word(material, HEAD_OUTPUTS + which));
+}
+
+fn is_driven(flags: u32, which: u32) -> bool {
+    return (flags & (1u << which)) != 0u;
+}
+
+fn opacity_of(material: u32, flags: u32) -> f32 {
+    if (is_driven(flags, OUTPUT_OPACITY)) {
+        return saturate(output(material, OUTPUT_OPACITY).x);
+    }
+    return bitcast<f32>(head_word(material, HEAD_OPACITY));
+}
+
+// A driven emission with the constant factor, or the constant one.
+fn emission_of(material: u32, flags: u32) -> vec3f {
+    let factor = head_vector(material, HEAD_EMISSION);
+    if (is_driven(flags, OUTPUT_EMISSION)) {
+        return factor * max(output(material, OUTPUT_EMISSION).xyz, vec3f(0.0));
+    }
+    return factor;
+}
+
+// What the program says about a hit of a shadow ray: how much light passes, or what a light emits.
+fn shade_shadow(ray: u32, slot: u32, material: u32, flags: u32, is_light: bool) {
+    let may_pass = (site.surface.triangle.w & TRIANGLE_PROGRAM_ALPHA) != 0u;
+    let opacity = select(1.0, opacity_of(material, flags), may_pass);
+    var factor = vec3f(1.0 - opacity);
+    if (is_light) {
+        factor = emission_of(material, flags) * opacity;
+        if (is_driven(flags, OUTPUT_EMISSION_STRENGTH)) {
+            factor *= max(output(material, OUTPUT_EMISSION_STRENGTH).x, 0.0);
+        }
+        rays[ray].triangle = MISS; // as the shadow ray's own result: nothing is in the way
+    }
+    path_write(PATH_LIGHT, slot, vec4f(path_read(PATH_LIGHT, slot).xyz * factor, 0.0));
+}
+
+// Stores `wanted` outputs of a path's hit, but for the bump, and returns the words they take.
+fn store_outputs(slot: u32, material: u32, flags: u32, wanted: u32) -> u32 {
+    var at = 0u;
+    var rest = wanted & ~(1u << OUTPUT_BUMP);
+    while (rest != 0u) {
+        let which = firstTrailingBit(rest);
+        rest &= rest - 1u;
+        if (((OUTPUT_VECTORS >> which) & 1u) != 0u) {
+            var v = output(material, which).xyz;
+            if (which == OUTPUT_EMISSION) {
+                v = emission_of(material, flags);
+            }
+            write_vector(slot, at, v);
+            at += 3u;
+        } else {
+            var v = output(material, which).x;
+            if (which == OUTPUT_OPACITY) {
+                v = opacity_of(material, flags);
+            }
+            result_write(slot, at, v);
+            at += 1u;
+        }
+    }
+    return at;
+}
+
+@compute @workgroup_size(64)
+fn proctex(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+           @builtin(local_invocation_index) local: u32) {
+    let index = thread_index(workgroup, workgroups, local);
+    if (index >= queue_length(QUEUE_PROCTEX)) {
+        return;
+    }
+    let entry = queue_read(QUEUE_PROCTEX, index);
+    let ray = entry & ENTRY_RAY;
+    let is_light = (entry & ENTRY_LIGHT) != 0u;
+    let is_shadow = ray >= frame.capacity;
+    let slot = select(ray, ray - frame.capacity, is_shadow);
+    let path = path_id(slot);
+    let hit = rays[ray];
+    let depth = path_depth(slot);
+    // A shadow ray meets what the path's next ray could have met, and a lamp looks the same to both.
+    var kind = select(RAY_CAMERA, RAY_SCATTERED, depth > 0u);
+    if (is_shadow && !is_light) {
+        kind = RAY_SHADOW;
+    }
+    let distance = select(hit.t_max, hit.t_min, is_shadow && !is_light);
+    let cone_width = path_read(PATH_RADIANCE, slot).w + frame.pixel_spread * distance;
+    let surface = surface_at(hit);
+    site.surface = surface;
+    site.anchor = surface.position;
+    site.instance = hit.instance;
+    site.bounce = depth;
+    site.kind = kind;
+    site.path = path;
+    site.ao_purpose = vertex_dimension(depth, select(DIMENSION_AO, DIMENSION_SHADOW_AO, is_shadow));
+    site.occluded = atomicLoad(&queues[ao_word(ray)]);
+    site.footprint = cone_width;
+
+    let may_pass = (site.surface.triangle.w & TRIANGLE_PROGRAM_ALPHA) != 0u;
+    var material = site.surface.triangle.w & TRIANGLE_MATERIAL;
+    var flags = head_word(material, HEAD_FLAGS);
+    var choice: f32;
+    if (is_shadow) {
+        choice = random_at(path, vertex_dimension(depth, DIMENSION_SHADOW_BLEND), hit.triangle, hit.instance);
+    } else {
+        choice = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_CHOICE)).y;
+    }
+
+    // All programs run from this one loop, so that the users' functions stand in the kernel once: first those of the
+    // material and of the blends above it, then the height of its bump map at three points.
+    var program = head_word(material, HEAD_PROGRAM);
+    var blends = 0u;
+    var bumps = 0u; // heights known
+    var words = 0u;
+    var heights = vec3f(0.0);
+    var bump: BumpFrame;
+    loop {
+        if (program != 0u) {
+            patina_run_program(program);
+        }
+        if (bumps == 0u) {
+            if ((flags & HEAD_IS_BLEND) != 0u && blends < MAX_BLEND_DEPTH) {
+                // One side is chosen at random, so a blend costs one material and is right on average.
+                var mask = bitcast<f32>(head_word(material, HEAD_MASK_VALUE));
+                if ((flags & HEAD_CONSTANT_MASK) == 0u) {
+                    mask = patina_link(head_word(material, HEAD_MASK)).x;
+                }
+                mask = saturate(mask);
+                if (choice < mask) {
+                    choice /= mask;
+                    material = head_word(material, HEAD_OVER);
+                } else {
+                    choice = (choice - mask) / (1.0 - mask);
+                    material = head_word(material, HEAD_BASE);
+                }
+                flags = head_word(material, HEAD_FLAGS);
+                program = head_word(material, HEAD_PROGRAM);
+                blends += 1u;
+                continue;
+            }
+            if (is_shadow) {
+                shade_shadow(ray, slot, material, flags, is_light);
+                break;
+            }
+            // Driven or not, the next kernel asks for the opacity.
+            let outputs = (flags & OUTPUTS) | select(0u, 1u << OUTPUT_OPACITY, may_pass);
+            words = store_outputs(slot, material, flags, outputs);
+            path_set_words(PATH_STATE, slot, vec4u(material, outputs, depth, 0u));
+            if ((flags & (1u << OUTPUT_BUMP)) == 0u) {
+                break;
+            }
+            program = head_word(material, HEAD_BUMP_PROGRAM);
+            bump = bump_frame(surface, hit.instance, hash2(hash2(path.pixel ^ frame.seed, path.sample), depth));
+            bumps = 1u;
+            continue;
+        }
+        heights[bumps - 1u] = output(material, OUTPUT_BUMP).x;
+        if (bumps == 3u) {
+            let slopes = (heights.yz - heights.x) * (bitcast<f32>(head_word(material, HEAD_BUMP_SCALE)) / bump.distance);
+            // Heights rise on the front.
+            let rise = (bump.along * slopes.x + bump.across * slopes.y) * select(-1.0, 1.0, surface.front);
+            write_vector(slot, words, rise);
+            break;
+        }
+        move_site(surface, bump, select(bump.across, bump.along, bumps == 1u) * bump.distance);
+        bumps += 1u;
+    }
+    if (patina_overrun != 0u) {
+        atomicMax(&queues[WORD_OVERRUN], patina_overrun);
+    }
+}

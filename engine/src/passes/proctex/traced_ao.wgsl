@@ -1,0 +1,16 @@
+// Ambient occlusion traced in a loop inside the texture kernel, with the same rays as the pass `ao`: for comparison.
+//!include shared/materials.wgsl
+//!include shared/occlusion.wgsl
+
+// 1 where nothing is near, 0 where everything is occluded.
+fn patina_attr_AO(slot: u32) -> vec4f {
+    let table = slot & 3u;
+    let samples = ao_tables[table].samples;
+    var s = site.surface;
+    s.position = site.anchor;
+    var occluded = 0u;
+    for (var sample = 0u; sample < samples; sample++) {
+        occluded += occlusion(s, site.instance, site.path, site.ao_purpose, table, sample).occluded;
+    }
+    return vec4f(1.0 - f32(occluded) / max(f32(samples), 1.0));
+}
