@@ -120,6 +120,7 @@ fn prepare(
         max_depth: job.max_depth,
         seed: job.seed,
         camera,
+        energy_compensation: true,
     };
     Renderer::new(gpu, &loaded.scene, &loaded.procedural, &settings).map_err(Failure::because)
 }
