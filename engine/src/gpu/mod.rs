@@ -50,6 +50,14 @@ pub enum GpuError {
         /// Errors with file and line.
         message: String,
     },
+    /// The driver refused a kernel that is valid WGSL.
+    #[error("the graphics driver refused the kernel `{label}`:\n{message}")]
+    Refused {
+        /// Kernel.
+        label: String,
+        /// The driver's words, and what is known about the cause.
+        message: String,
+    },
     /// A buffer or texture is larger than the device allows.
     #[error("{what} needs {needed} bytes, but this device binds at most {limit}; {remedy}")]
     TooLarge {

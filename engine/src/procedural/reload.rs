@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use texgen::{Diagnostic, Diagnostics, Graph, GraphError, Library, SourceFile, TextureType};
+use texgen::{Diagnostic, Diagnostics, GraphError, Library, SourceFile, TextureType};
 
 use super::build::{DEFAULT_AO, reads_ao};
 use super::sources::{SourcesError, TextureSources};
@@ -141,23 +141,29 @@ impl Procedural {
     /// A graph's error in the file of the texture whose change brought it about.
     fn of_graph(&self, library: &Library, error: &GraphError) -> Diagnostics {
         let diagnostic = Diagnostic::error(error.to_string());
-        let blamed = match error {
-            GraphError::LinkType { node, .. } | GraphError::MissingValue { node, .. } => Some(node),
-            GraphError::LinkSwizzle { source_node, .. } => Some(source_node),
-            _ => None,
+        let concerned: &[&String] = match error {
+            GraphError::LinkType {
+                node, source_node, ..
+            } => &[node, source_node],
+            GraphError::MissingValue { node, .. } => &[node],
+            GraphError::LinkSwizzle { source_node, .. } => &[source_node],
+            _ => &[],
         };
-        let file = blamed
-            .and_then(|node| texture_of(&self.graph, node))
-            .and_then(|texture| library.get(texture));
-        match file {
-            Some(texture) => at_entry(diagnostic, texture.file()).into(),
+        let texture_of = |node: &str| {
+            let former = self.graph.texture(self.graph.node(node)?);
+            let new = library.get(former.name())?;
+            Some((new.file(), new.file() != former.file()))
+        };
+        let files: Vec<_> = concerned
+            .iter()
+            .filter_map(|node| texture_of(node))
+            .collect();
+        let changed = files.iter().find(|(_, has_changed)| *has_changed);
+        match changed.or(files.first()) {
+            Some((file, _)) => at_entry(diagnostic, file).into(),
             None => diagnostic.into(),
         }
     }
-}
-
-fn texture_of<'g>(graph: &'g Graph, node: &str) -> Option<&'g str> {
-    graph.node(node).map(|id| graph.texture(id).name())
 }
 
 /// Points at the texture's signature, where parameters and result are declared.
