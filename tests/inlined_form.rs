@@ -125,9 +125,11 @@ fn film(renderer: &mut Renderer) -> Film {
 fn assert_same(name: &str, tested: &Film, reference: &Film) {
     let (tested, reference) = (Estimate::from_film(tested), Estimate::from_film(reference));
     // The same random numbers are used, so only paths that rounding sends another way differ at all.
-    let close = tested.mean.iter().zip(&reference.mean).filter(|(a, b)| {
-        (0..3).all(|c| (a[c] - b[c]).abs() <= 0.02 * b[c].abs().max(0.05))
-    });
+    let close = tested
+        .mean
+        .iter()
+        .zip(&reference.mean)
+        .filter(|(a, b)| (0..3).all(|c| (a[c] - b[c]).abs() <= 0.02 * b[c].abs().max(0.05)));
     let share = close.count() as f64 / tested.mean.len() as f64;
     assert!(share > 0.97, "{name}: {share} of the pixels are the same");
     ZTest::default()
@@ -159,5 +161,9 @@ fn the_inlined_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
     assert_eq!(gpu.pipelines_created(), pipelines, "edits are data");
     edit(&mut inlined);
     assert_eq!(gpu.pipelines_created(), pipelines + 2, "edits are code");
-    assert_same("inlined form, edited", &film(&mut inlined), &film(&mut stack));
+    assert_same(
+        "inlined form, edited",
+        &film(&mut inlined),
+        &film(&mut stack),
+    );
 }

@@ -82,17 +82,20 @@ pub struct SceneFeatures {
     pub textures: bool,
     /// Light comes from the environment.
     pub environment: bool,
+    /// Some material has a texture program.
+    pub programs: bool,
     /// A texture program decides about the opacity or the light of some surface, so that shadow rays need it too.
     pub program_shadows: bool,
 }
 
 impl SceneFeatures {
     /// Values of the kernels' `override` constants.
-    pub fn constants(&self) -> [(&'static str, f64); 4] {
+    pub fn constants(&self) -> [(&'static str, f64); 5] {
         [
             ("has_alpha", f64::from(u8::from(self.alpha))),
             ("has_textures", f64::from(u8::from(self.textures))),
             ("has_environment", f64::from(u8::from(self.environment))),
+            ("has_programs", f64::from(u8::from(self.programs))),
             (
                 "has_program_shadows",
                 f64::from(u8::from(self.program_shadows)),
@@ -192,6 +195,7 @@ impl GpuScene {
                 alpha: triangles.iter().any(|t| t[3] & TRIANGLE_ALPHA != 0),
                 textures: !scene.images.is_empty(),
                 environment: environment.emits,
+                programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
                 program_shadows: (0..scene.materials.len() as u32).any(|m| {
                     let program = program(m);
                     program.decides_opacity || program.decides_light && program.brightness > 0.0

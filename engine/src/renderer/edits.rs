@@ -215,6 +215,7 @@ impl Renderer {
         let is_inlined = self.form == TextureForm::Inlined;
         let needs_kernels = needs_kernels || changes.kernel || is_inlined;
         if needs_kernels {
+            self.scene.features.programs = true;
             self.kernels.rebuild_texture(
                 &self.gpu,
                 &self.scene.features,

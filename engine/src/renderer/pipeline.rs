@@ -90,6 +90,7 @@ impl Kernels {
         match &mut self.texture {
             Some(texture) => texture.proctex = proctex,
             None => {
+                self.brdf = brdf::kernel(gpu, features)?;
                 self.texture = Some(TextureKernels {
                     classify: classify::kernel(gpu, features)?,
                     ao: ao::kernel(gpu, features)?,

@@ -79,7 +79,7 @@ struct Driven {
 }
 
 fn gives(d: Driven, which: u32) -> bool {
-    return (d.outputs & (1u << which)) != 0u;
+    return has_programs && (d.outputs & (1u << which)) != 0u;
 }
 
 fn read_driven(slot: u32, outputs: u32) -> Driven {

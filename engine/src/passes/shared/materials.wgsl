@@ -41,9 +41,12 @@ const MATERIAL_PROGRAM_LIGHT = 64u; // and is sampled as a light, whose emission
 
 @group(0) @binding(14) var<storage, read> materials: array<Material>;
 
+// Whether any material of the scene has a texture program.
+override has_programs: bool = true;
+
 // Whether the texture program runs for a hit of this material: after the last scattering only emission matters.
 fn runs_program(flags: u32, depth: u32) -> bool {
-    return (flags & select(MATERIAL_PROGRAM, MATERIAL_PROGRAM_LAST, depth >= frame.max_depth)) != 0u;
+    return has_programs && (flags & select(MATERIAL_PROGRAM, MATERIAL_PROGRAM_LAST, depth >= frame.max_depth)) != 0u;
 }
 
 // Whether any material of the scene has a texture.
