@@ -5,7 +5,9 @@
 
 mod args;
 mod bench;
+mod cache;
 mod console;
+mod crash;
 mod devices;
 mod exit;
 mod interrupt;
@@ -39,6 +41,7 @@ fn run(job: Job) -> Result<(), Failure> {
     match job {
         Job::Render(job) => render::run(&job),
         Job::Devices => devices::run(),
+        Job::ProbeTexture { file, device } => crash::probe(&file, &device),
         Job::BenchTraverse(job) => bench::traverse(&job),
     }
 }

@@ -187,7 +187,7 @@ impl Kernel {
                 constants: &constants,
                 zero_initialize_workgroup_memory: false,
             },
-            cache: None,
+            cache: gpu.shared.cache.as_ref().map(|disk| &disk.cache),
         });
         gpu.shared.pipelines_created.fetch_add(1, Ordering::Relaxed);
         if let Some(error) = pollster::block_on(scope.pop()) {
