@@ -154,6 +154,18 @@ pub(crate) struct RenderArgs {
 /// What `patina bench` measures.
 #[derive(Debug, Subcommand)]
 pub(crate) enum BenchCommand {
+    /// The texture kernel: seconds to build it for 1 to 100 textures, and what a hit costs beside unused ones.
+    ///
+    /// Takes minutes: a hundred textures are a large kernel.
+    Kernel {
+        /// Folder with user textures, searched before the standard ones. May be given several times.
+        #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
+        texture_dirs: Vec<PathBuf>,
+
+        /// Device by number or by part of its name, as `patina devices` lists them.
+        #[arg(long, value_name = "NAME|N")]
+        device: Option<String>,
+    },
     /// Rays per second of the traversal kernel: primary, bounce and shadow rays.
     Traverse {
         /// The scene to shoot rays into; without it a built-in one of 262,144 triangles.

@@ -36,6 +36,13 @@ pub(crate) enum Job {
         /// Device to run it on.
         device: DeviceChoice,
     },
+    /// Measure the texture kernel.
+    BenchKernel {
+        /// Folders the user named, searched first.
+        texture_dirs: Vec<PathBuf>,
+        /// Device to measure.
+        device: DeviceChoice,
+    },
     /// Measure the traversal kernel.
     BenchTraverse(BenchTraverseJob),
 }
@@ -170,6 +177,16 @@ impl Job {
             Command::Devices => Self::Devices,
             Command::ProbeTexture { file, device } => Self::ProbeTexture {
                 file,
+                device: parse_device(device.as_deref())?,
+            },
+            Command::Bench {
+                what:
+                    BenchCommand::Kernel {
+                        texture_dirs,
+                        device,
+                    },
+            } => Self::BenchKernel {
+                texture_dirs,
                 device: parse_device(device.as_deref())?,
             },
             Command::Bench {

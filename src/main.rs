@@ -42,6 +42,10 @@ fn run(job: Job) -> Result<(), Failure> {
         Job::Render(job) => render::run(&job),
         Job::Devices => devices::run(),
         Job::ProbeTexture { file, device } => crash::probe(&file, &device),
+        Job::BenchKernel {
+            texture_dirs,
+            device,
+        } => bench::kernel::run(&texture_dirs, &device),
         Job::BenchTraverse(job) => bench::traverse(&job),
     }
 }
