@@ -30,6 +30,8 @@ Examples:
 
 Ctrl-C ends the render early and writes what has been rendered; a second one aborts.
 
+Compiled pipelines are kept in the system's folder for caches; PATINA_CACHE=DIR names another, PATINA_CACHE=off none.
+
 Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
 /// A path tracer extended with procedural textures in plain WGSL.
@@ -49,6 +51,16 @@ pub(crate) enum Command {
     Render(Box<RenderArgs>),
     /// List the devices a scene can be rendered on, with their limits.
     Devices,
+    /// Builds one texture alone and runs it once: what `render` starts to find a texture that ends the program.
+    #[command(hide = true)]
+    ProbeTexture {
+        /// The texture.
+        file: PathBuf,
+
+        /// Device by number or by part of its name, as `patina devices` lists them.
+        #[arg(long, value_name = "NAME|N")]
+        device: Option<String>,
+    },
     /// Measure parts of the renderer on this machine.
     Bench {
         /// What to measure.
@@ -142,6 +154,18 @@ pub(crate) struct RenderArgs {
 /// What `patina bench` measures.
 #[derive(Debug, Subcommand)]
 pub(crate) enum BenchCommand {
+    /// The texture kernel: seconds to build it for 1 to 100 textures, and what a hit costs beside unused ones.
+    ///
+    /// Takes minutes: a hundred textures are a large kernel.
+    Kernel {
+        /// Folder with user textures, searched before the standard ones. May be given several times.
+        #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
+        texture_dirs: Vec<PathBuf>,
+
+        /// Device by number or by part of its name, as `patina devices` lists them.
+        #[arg(long, value_name = "NAME|N")]
+        device: Option<String>,
+    },
     /// Rays per second of the traversal kernel: primary, bounce and shadow rays.
     Traverse {
         /// The scene to shoot rays into; without it a built-in one of 262,144 triangles.

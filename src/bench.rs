@@ -1,5 +1,7 @@
 //! `patina bench`: how fast parts of the renderer are on this machine.
 
+pub(crate) mod kernel;
+
 use std::f32::consts::TAU;
 
 use engine::gpu::Gpu;

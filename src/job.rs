@@ -29,6 +29,20 @@ pub(crate) enum Job {
     Render(RenderJob),
     /// List devices.
     Devices,
+    /// Build and run one texture alone.
+    ProbeTexture {
+        /// The texture.
+        file: PathBuf,
+        /// Device to run it on.
+        device: DeviceChoice,
+    },
+    /// Measure the texture kernel.
+    BenchKernel {
+        /// Folders the user named, searched first.
+        texture_dirs: Vec<PathBuf>,
+        /// Device to measure.
+        device: DeviceChoice,
+    },
     /// Measure the traversal kernel.
     BenchTraverse(BenchTraverseJob),
 }
@@ -161,6 +175,20 @@ impl Job {
         Ok(match args.command {
             Command::Render(args) => Self::Render(RenderJob::from_args(*args)?),
             Command::Devices => Self::Devices,
+            Command::ProbeTexture { file, device } => Self::ProbeTexture {
+                file,
+                device: parse_device(device.as_deref())?,
+            },
+            Command::Bench {
+                what:
+                    BenchCommand::Kernel {
+                        texture_dirs,
+                        device,
+                    },
+            } => Self::BenchKernel {
+                texture_dirs,
+                device: parse_device(device.as_deref())?,
+            },
             Command::Bench {
                 what: BenchCommand::Traverse { scene, device },
             } => Self::BenchTraverse(BenchTraverseJob {

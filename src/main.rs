@@ -5,7 +5,9 @@
 
 mod args;
 mod bench;
+mod cache;
 mod console;
+mod crash;
 mod devices;
 mod exit;
 mod interrupt;
@@ -39,6 +41,11 @@ fn run(job: Job) -> Result<(), Failure> {
     match job {
         Job::Render(job) => render::run(&job),
         Job::Devices => devices::run(),
+        Job::ProbeTexture { file, device } => crash::probe(&file, &device),
+        Job::BenchKernel {
+            texture_dirs,
+            device,
+        } => bench::kernel::run(&texture_dirs, &device),
         Job::BenchTraverse(job) => bench::traverse(&job),
     }
 }

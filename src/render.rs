@@ -16,7 +16,7 @@ use crate::job::RenderJob;
 use crate::output::{self, Fact, Picture};
 use crate::progress::Bar;
 use crate::report::{Report, Seconds};
-use crate::{console, interrupt, library};
+use crate::{cache, console, crash, interrupt, library};
 
 /// Renders a scene and writes the pictures. Ctrl-C ends the rendering early, not the writing.
 ///
@@ -44,7 +44,19 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
 
     bar.stage("preparing the device");
     let clock = Instant::now();
-    let gpu = Gpu::new(&job.device).map_err(Failure::because)?;
+    let cache = cache::folder();
+    let gpu = Gpu::with_cache(&job.device, cache.as_deref()).map_err(Failure::because)?;
+    let mut marker = None;
+    if !loaded.procedural.is_empty() {
+        let kernel = loaded.procedural.kernel().wgsl;
+        let (own, has_crashed) = crash::Marker::set(cache.as_deref(), &kernel, gpu.description());
+        if has_crashed {
+            bar.stage("looking for the texture that ended the program");
+            bar.suspend(|| console::warning(crash::SUSPICION));
+            crash::find(&loaded.procedural, gpu.description().index)?;
+        }
+        marker = own;
+    }
     let mut renderer = prepare(job, &gpu, &loaded, camera)?;
     if job.stats || job.stats_json.is_some() {
         renderer.time_passes().map_err(Failure::because)?;
@@ -53,7 +65,13 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
     let prepare_seconds = clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
-    let complete = accumulate(&mut renderer, job.spp.get(), &mut bar)?;
+    let first = |_: &Renderer| {
+        // Some drivers compile a kernel when it runs for the first time.
+        drop(marker.take());
+        // A cache that can't be written costs time at the next start, nothing else.
+        let _ = gpu.save_cache();
+    };
+    let complete = accumulate(&mut renderer, job.spp.get(), &mut bar, first)?;
     let film = renderer.film().map_err(Failure::because)?;
     let render_seconds = clock.elapsed().as_secs_f64();
     bar.finish();
@@ -125,10 +143,19 @@ fn prepare(
     Renderer::new(gpu, &loaded.scene, &loaded.procedural, &settings).map_err(Failure::because)
 }
 
-/// Renders wave by wave; returns whether all samples were taken before the user asked to stop.
-fn accumulate(renderer: &mut Renderer, spp: u32, bar: &mut Bar) -> Result<bool, Failure> {
+/// Renders wave by wave, with something to do after the first; returns whether all samples were taken before the user asked to stop.
+fn accumulate(
+    renderer: &mut Renderer,
+    spp: u32,
+    bar: &mut Bar,
+    after_first: impl FnOnce(&Renderer),
+) -> Result<bool, Failure> {
+    let mut after_first = Some(after_first);
     loop {
         let progress = renderer.step(spp).map_err(Failure::because)?;
+        if let Some(after_first) = after_first.take() {
+            after_first(renderer);
+        }
         bar.update(&progress);
         if progress.samples_done >= progress.samples_total {
             return Ok(true);

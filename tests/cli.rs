@@ -49,6 +49,7 @@ impl Bench {
         command
             .args(line.split_whitespace())
             .current_dir(&self.dir)
+            .env("PATINA_CACHE", "off")
             .stdin(Stdio::null());
         command
     }

@@ -21,6 +21,21 @@ const TEXTURES: &[(&str, &str)] = &[
         }",
     ),
     (
+        "arrays",
+        "fn sum(a: array<mat3x3f, 2>, i: i32) -> f32 { return a[i][2].y; }
+        fn userProc(a: array<f32, 2>, b: array<i32, 2>, c: array<u32, 2>, d: array<bool, 2>, e: array<vec2f, 2>,
+                    f: array<vec4f, 2>, g: array<mat3x3f, 2>, h: array<mat4x4f, 2>, i: i32) -> vec4f {
+            let u32 = g;
+            let whole = h;
+            return vec4f(
+                a[i] + f32(b[i]) * 10.0 + f32(c[i]) * 100.0,
+                select(0.0, 1.0, d[i]) + e[i].y * 10.0,
+                f[i].w + g[i][2].y * 10.0 + sum(u32, i) * 100.0,
+                h[i][3].x + whole[i][1].z * 10.0,
+            );
+        }",
+    ),
+    (
         "matrix",
         "fn userProc(m: mat3x3f, n: mat4x4f) -> vec3f { return m * vec3f(1.0, 2.0, 3.0) + (n * vec4f(1.0)).xyz; }",
     ),
@@ -144,6 +159,31 @@ fn programs_compute_what_the_language_promises() {
         let node = case.node("array", [0, 0], &values);
         case.expect(node, value);
     }
+
+    let all = |of: fn(f32) -> Value| Value::Array(vec![of(1.0), of(2.0)]);
+    let values = [
+        ("a", all(Value::F32)),
+        ("b", all(|x| Value::I32(-x as i32))),
+        ("c", all(|x| Value::U32(x as u32 + 5))),
+        ("d", all(|x| Value::Bool(x > 1.5))),
+        ("e", all(|x| Value::Vec2([0.0, x]))),
+        ("f", all(|x| Value::Vec4([0.0, 0.0, 0.0, x]))),
+        (
+            "g",
+            all(|x| Value::Mat3([[0.0; 3], [0.0; 3], [0.0, x, 0.0]])),
+        ),
+        (
+            "h",
+            all(|x| {
+                let [mut y, mut w] = [[0.0; 4]; 2];
+                (y[2], w[0]) = (x + 2.0, x + 6.0);
+                Value::Mat4([[0.0; 4], y, [0.0; 4], w])
+            }),
+        ),
+        ("i", Value::I32(1)),
+    ];
+    let arrays = case.node("arrays", [0, 0], &values);
+    case.expect(arrays, [682.0, 21.0, 222.0, 48.0]);
 
     let columns = [[1.0, 0.0, 2.0], [0.0, 1.0, 0.0], [0.0, 5.0, 1.0]];
     let more = [[1.0; 4], [0.0; 4], [0.0; 4], [2.0, 0.0, 0.0, 0.0]];

@@ -1,5 +1,7 @@
 //! Traversal on its own: traces given rays through the renderer's kernel, for tests of agreement and for
-//! `patina bench traverse`.
+//! `patina bench traverse`. [`kernel`] measures the texture kernel.
+
+pub mod kernel;
 
 use std::time::Instant;
 

@@ -1,8 +1,10 @@
 //! The order of the passes: a wave of paths from raygen to the film, again and again.
 
+mod culprit;
 mod edits;
 mod pipeline;
 mod record;
+mod reload;
 
 use std::time::{Duration, Instant};
 
@@ -25,7 +27,11 @@ use crate::{
 use self::pipeline::{Bound, Kernels};
 use self::record::Recorder;
 
-pub use self::edits::RenderEditError;
+pub use self::{
+    culprit::{Culprit, culprits},
+    edits::RenderEditError,
+    reload::{Reload, ReloadError},
+};
 
 /// Most paths of a wave on a GPU, and on a software driver whose caches are small.
 const GPU_CAPACITY: u32 = 1 << 20;

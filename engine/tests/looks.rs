@@ -1,9 +1,12 @@
-//! The looks that ship with Patina, and those in its documentation, are right.
+//! The looks that ship with Patina, and those in its documentation, are right; mutations of them are survived.
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use engine::load::{Loaded, load};
+use engine::procedural::{Procedural, TextureSources};
 use engine::scene::look::Look;
+use engine::scene::{Material, Scene};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -112,4 +115,148 @@ fn the_sponza_looks_put_a_car_into_the_hall() {
             "the car stands in the hall: {low} {high}"
         );
     }
+}
+
+/// Numbers without a pattern.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, limit: usize) -> usize {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as usize % limit.max(1)
+    }
+}
+
+/// Pieces that matter in a look.
+const PIECES: &[&str] = &[
+    "[node.a]",
+    "[[include]]",
+    "[material.",
+    "]",
+    "[",
+    "\"",
+    "\"\"\"",
+    "=",
+    "{",
+    "}",
+    ",",
+    "1e999",
+    "-1",
+    "nan",
+    "0x10",
+    "#ff8000",
+    "\"a.xyzw\"",
+    "blend = { base = \"A\", over = \"B\", mask = \"mask\" }",
+    "texture",
+    "ramp",
+    "occlusion",
+    "environment",
+    "camera",
+    ".",
+    "true",
+    "\n",
+    "é",
+    "\u{0}",
+    "99999999999999999999",
+    "[[0.0, \"#000\"]]",
+    "alpha_mode",
+    "bump",
+    "opacity",
+    "normal",
+    "'",
+    "interpolation",
+    "stops",
+];
+
+/// Changes a few pieces of a text; words change places with others of the text.
+fn mutated(text: &str, random: &mut Random) -> String {
+    let mut chars: Vec<char> = text.chars().collect();
+    for _ in 0..1 + random.below(4) {
+        let at = random.below(chars.len() + 1);
+        let end = (at + random.below(16)).min(chars.len());
+        let piece = PIECES[random.below(PIECES.len())].chars();
+        match random.below(4) {
+            0 => drop(chars.drain(at..end)),
+            1 => drop(chars.splice(at..at, piece)),
+            2 => drop(chars.splice(at..end, piece)),
+            _ => {
+                let text: String = chars.iter().collect();
+                let words: Vec<&str> = text.split_whitespace().collect();
+                let [a, b] = [0, 1].map(|_| words.get(random.below(words.len())).copied());
+                let (a, b) = (a.unwrap_or_default(), b.unwrap_or_default());
+                chars = text.replacen(a, b, 1 + random.below(3)).chars().collect();
+            }
+        }
+    }
+    chars.into_iter().collect()
+}
+
+#[test]
+fn mutated_looks_are_survived() {
+    let (budget, most) = match std::env::var_os("PATINA_FULL").is_some() {
+        true => (Duration::from_secs(300), 200_000),
+        false => (Duration::from_secs(10), 5_000),
+    };
+    let sources = TextureSources::scan(&[root().join("user_textures")]).expect("they are there");
+    let mut texts: Vec<String> = documentation()
+        .split("```toml\n")
+        .skip(1)
+        .map(|rest| rest.split("```").next().unwrap_or(rest).to_owned())
+        .collect();
+    let demo = root().join("examples/demo/demo.look.toml");
+    texts.push(std::fs::read_to_string(demo).expect("a part of the project"));
+    let names = [
+        "A",
+        "B",
+        "Helmet",
+        "ValvePaint",
+        "WheelPaint",
+        "Copper",
+        "Steel",
+        "Floor",
+    ];
+    let bare = Scene {
+        materials: names
+            .map(|name| Material {
+                name: name.to_owned(),
+                ..Material::default()
+            })
+            .to_vec(),
+        ..Scene::default()
+    };
+    let mut random = Random(5);
+    let start = Instant::now();
+    let (mut tried, mut parsed, mut built) = (0, 0, 0);
+    let mut slowest = Duration::ZERO;
+    while start.elapsed() < budget && tried < most {
+        tried += 1;
+        let text = mutated(&texts[random.below(texts.len())], &mut random);
+        let began = Instant::now();
+        let problems = match Look::parse(Path::new("mutated.look.toml"), &text) {
+            Ok(look) => {
+                parsed += 1;
+                Procedural::build(&look, &mut bare.clone(), &sources).err()
+            }
+            Err(problems) => Some(problems),
+        };
+        slowest = slowest.max(began.elapsed());
+        match problems {
+            Some(problems) => {
+                assert!(!problems.is_empty(), "refused without a reason:\n{text}");
+                for problem in &problems {
+                    assert!(!problem.message.is_empty(), "{text}");
+                }
+            }
+            None => built += 1,
+        }
+    }
+    eprintln!(
+        "{tried} mutated looks, {parsed} parsed, {built} built, the slowest took {slowest:?}"
+    );
+    assert!(parsed * 20 > tried, "most mutations must be subtle");
+    // Far more than any took; a machine may be busy.
+    assert!(slowest < Duration::from_secs(10), "{slowest:?}");
 }

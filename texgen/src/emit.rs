@@ -111,7 +111,6 @@ pub(crate) fn section_names(library: &Library) -> Vec<String> {
 pub(crate) struct Emitter {
     text: String,
     source_map: SourceMap,
-    custom: Vec<String>,
 }
 
 impl Emitter {
@@ -120,10 +119,10 @@ impl Emitter {
         let mut emitter = Self {
             text: String::new(),
             source_map: SourceMap::default(),
-            custom: library.custom_attributes(),
         };
         emitter.runtime(stack_slots);
         emitter.array_readers(library);
+        emitter.custom_attributes(library);
         emitter
     }
 
@@ -190,6 +189,18 @@ impl Emitter {
         }
     }
 
+    /// A constant for each custom attribute, so that a new one changes no texture's section but its own.
+    fn custom_attributes(&mut self, library: &Library) {
+        let names = library.custom_attributes();
+        if !names.is_empty() {
+            self.line("");
+            self.line("// Indices of custom attributes.");
+        }
+        for (index, name) in names.iter().enumerate() {
+            self.line(&format!("const patina_custom{name} = {index}u;"));
+        }
+    }
+
     /// A texture's source under a title.
     pub(crate) fn section(&mut self, texture: &TextureType, name: &str) {
         self.line("");
@@ -222,8 +233,7 @@ impl Emitter {
                         self.text.push_str("__");
                     }
                     Piece::CustomIndex(attribute) => {
-                        let index = self.custom.binary_search(attribute).unwrap_or(0);
-                        let _ = write!(self.text, "{index}u");
+                        let _ = write!(self.text, "patina_custom{attribute}");
                     }
                 }
             }

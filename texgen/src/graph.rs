@@ -45,6 +45,27 @@ pub struct Link {
     pub swizzle: Option<Swizzle>,
 }
 
+/// A value that was lost because its parameter is of another type now.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DroppedValue {
+    /// The node.
+    pub node: String,
+    /// Its parameter.
+    pub parameter: String,
+    /// The parameter's type now.
+    pub ty: ParameterType,
+}
+
+impl std::fmt::Display for DroppedValue {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "parameter `{}` of `{}` is of type {} now and has its default: its former value doesn't fit",
+            self.parameter, self.node, self.ty
+        )
+    }
+}
+
 #[derive(Clone, Debug)]
 pub(crate) struct Node {
     pub(crate) name: String,
@@ -94,27 +115,41 @@ impl Graph {
     /// The same graph over other versions of its textures, as after a file was edited: values and links of
     /// parameters that are still there are kept, and so are all [`NodeId`]s. The fake stack is laid out anew.
     ///
+    /// A parameter that is new, or of a type now that its value doesn't fit, has its default; the latter are told in
+    /// the second result. What was given to parameters that are gone is forgotten.
+    ///
     /// # Errors
-    /// A texture in use is gone; a value or link that doesn't fit any more.
-    pub fn with_library(&self, library: Arc<Library>) -> Result<Self, GraphError> {
+    /// A texture in use is gone; a link that doesn't fit any more.
+    pub fn with_library(
+        &self,
+        library: Arc<Library>,
+    ) -> Result<(Self, Vec<DroppedValue>), GraphError> {
         let mut new = Self::new(library);
+        let mut dropped = Vec::new();
         for node in &self.nodes {
             new.add_node(&node.name, self.texture_of(node).name(), node.occlusion)?;
         }
         for (id, node) in self.ids().zip(&self.nodes) {
             for (parameter, input) in self.texture_of(node).parameters().iter().zip(&node.inputs) {
-                if new.texture(id).parameter(&parameter.name).is_none() {
+                let Some((_, declared)) = new.texture(id).parameter(&parameter.name) else {
                     continue;
-                }
-                if let Some(value) = &input.value {
-                    new.set_value(id, &parameter.name, value.clone())?;
+                };
+                let ty = declared.ty;
+                if let Some(value) = &input.value
+                    && new.set_value(id, &parameter.name, value.clone()).is_err()
+                {
+                    dropped.push(DroppedValue {
+                        node: node.name.clone(),
+                        parameter: parameter.name.clone(),
+                        ty,
+                    });
                 }
                 if let Some(link) = input.link {
                     new.set_link(id, &parameter.name, link.source, link.swizzle)?;
                 }
             }
         }
-        Ok(new)
+        Ok((new, dropped))
     }
 
     /// Adds a node with its texture's default values. `occlusion` are the AO slots (0 to 3) that the texture

@@ -74,7 +74,7 @@ mod value;
 pub use attribute::{Attribute, BUILTIN_ATTRIBUTES, BuiltinAttribute, GLOBALS, Global};
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Location, Severity, SourceFile};
 pub use emit::{GeneratedKernel, HOST_STUB, LOOP_LIMIT};
-pub use graph::{Edit, Graph, Link, NodeId};
+pub use graph::{DroppedValue, Edit, Graph, Link, NodeId};
 pub use graph_error::GraphError;
 pub use inline::emit_inlined;
 pub use interface::{Parameter, Widget};

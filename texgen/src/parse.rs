@@ -83,21 +83,35 @@ impl Attempt<'_, '_> {
         let function = &self.outline.functions[index];
         let header =
             self.outline.span(function.keyword).start..self.outline.span(function.body.start).start;
-        let result = &self.outline.text[self.outline.span_of(&function.result)];
         let body = if function.result.is_empty() {
             String::new()
         } else {
-            format!("return {result}();")
+            let (zero, alias) = self.zero(index);
+            self.tail.push_str(&alias);
+            format!("return {zero};")
         };
         self.tail
             .push_str(&format!("{} {{ {body} }}\n", &self.outline.text[header]));
         self.stubs.insert(index)
     }
 
+    /// A zero of a function's result type, and the alias to be declared for it where a local hides the type's name.
+    fn zero(&self, index: usize) -> (String, String) {
+        let function = &self.outline.functions[index];
+        let result = &self.outline.text[self.outline.span_of(&function.result)];
+        if !self.outline.shadows_its_result(function) {
+            return (format!("{result}()"), String::new());
+        }
+        let name = format!("patina_result{index}");
+        let alias = format!("alias {name} = {result};\n");
+        (format!("{name}()"), alias)
+    }
+
     /// The text, and where how many bytes were inserted into the file's.
     fn text(&self) -> (String, Vec<(usize, usize)>) {
         let mut text = self.outline.text.to_owned();
         let mut insertions = Vec::new();
+        let mut aliases = String::new();
         for (index, function) in self.outline.functions.iter().enumerate().rev() {
             if self.stubs.contains(&index) {
                 let span = self.outline.span(function.keyword).start
@@ -105,16 +119,15 @@ impl Attempt<'_, '_> {
                 text.replace_range(span.clone(), &" ".repeat(span.len()));
             } else if self.outline.ends_with_endless_loop(function) {
                 let at = self.outline.span(function.body.end - 1).start;
-                let inserted = format!(
-                    " return {}();",
-                    &self.outline.text[self.outline.span_of(&function.result)]
-                );
+                let (zero, alias) = self.zero(index);
+                let inserted = format!(" return {zero};");
                 text.insert_str(at, &inserted);
+                aliases.push_str(&alias);
                 insertions.push((at, inserted.len()));
             }
         }
         insertions.reverse();
-        (text + &self.tail, insertions)
+        (text + &self.tail + &aliases, insertions)
     }
 }
 

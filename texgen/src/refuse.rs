@@ -217,6 +217,10 @@ fn refused_token(outline: &Outline<'_>, at: usize) -> Option<(String, String)> {
                 format!("a texture can't have entry points (`@{word}`)"),
                 "the entry of a texture is `fn userProc(...)`, without attributes: the renderer calls it",
             ),
+            "diagnostic" => error(
+                "a texture can't have `@diagnostic` attributes".into(),
+                "there is nothing for it to filter in a texture: remove it",
+            ),
             "group" | "binding" => None, // the variable behind it is refused
             "builtin" | "location" | "workgroup_size" => error(
                 format!("`@{word}` belongs to entry points, which a texture can't have"),

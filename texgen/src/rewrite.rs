@@ -14,7 +14,7 @@ pub(crate) enum Piece {
     Text(String),
     /// The texture's prefix.
     Prefix,
-    /// Index of a custom attribute, as a WGSL literal.
+    /// Name of the constant that is a custom attribute's index.
     CustomIndex(String),
 }
 
@@ -52,6 +52,7 @@ pub(crate) fn rewrite(
     let mut rewriter = Rewriter {
         outline,
         edits: Vec::new(),
+        aliased: Vec::new(),
     };
     // Guards first: where two insertions meet, the guard stands before the statement.
     let guards_loops = rewriter.loop_guards();
@@ -59,6 +60,7 @@ pub(crate) fn rewrite(
     rewriter.prefixes(reads);
     rewriter.reads(reads);
     rewriter.array_parameters(parameters);
+    rewriter.aliases();
     let mut edits = rewriter.edits;
     edits.sort_by_key(|edit| (edit.span.start, edit.span.end));
     Rewrite {
@@ -70,6 +72,8 @@ pub(crate) fn rewrite(
 struct Rewriter<'o, 'a> {
     outline: &'o Outline<'a>,
     edits: Vec<TextEdit>,
+    /// Functions whose result type needs a name that no local has.
+    aliased: Vec<usize>,
 }
 
 impl Rewriter<'_, '_> {
@@ -138,6 +142,10 @@ impl Rewriter<'_, '_> {
             let &ParameterType::Array(element, count) = ty else {
                 continue;
             };
+            let word = match self.outline.is_shadowed(entry, "u32") {
+                true => "patina_u32",
+                false => "u32",
+            };
             let ty = self.outline.span_of(&param.ty);
             self.edits
                 .retain(|edit| !(ty.start <= edit.span.start && edit.span.end <= ty.end));
@@ -159,7 +167,7 @@ impl Rewriter<'_, '_> {
                         name.start..name.start,
                         format!("{}(", element_reader(element)),
                     );
-                    self.replace(self.outline.span(at + 1), format!(", {count}u, u32("));
+                    self.replace(self.outline.span(at + 1), format!(", {count}u, {word}("));
                     self.replace(self.outline.span(self.outline.closing(at + 1)), "))");
                 } else {
                     self.replace(
@@ -195,41 +203,67 @@ impl Rewriter<'_, '_> {
     }
 
     /// `return` rather than `break`: behind a loop that only returns, WGSL lets a function end without a result.
-    fn way_out(&self, the_loop: &LoopDecl) -> Vec<Piece> {
+    fn way_out(&mut self, the_loop: &LoopDecl) -> Vec<Piece> {
         if the_loop.in_continuing {
             return vec![Piece::Text("break;".into())];
         }
-        self.return_zero(&self.outline.functions[the_loop.function])
+        self.return_zero(the_loop.function)
     }
 
     /// `return T();`, or `return;` from a function without a result.
-    fn return_zero(&self, function: &FunctionDecl) -> Vec<Piece> {
-        let mut pieces = vec![Piece::Text("return".into())];
+    fn return_zero(&mut self, index: usize) -> Vec<Piece> {
+        let function = &self.outline.functions[index];
+        if function.result.is_empty() {
+            return vec![Piece::Text("return;".into())];
+        }
+        let mut pieces = vec![Piece::Text("return ".into())];
+        if self.outline.shadows_its_result(function) {
+            if !self.aliased.contains(&index) {
+                self.aliased.push(index);
+            }
+            pieces.extend([Piece::Prefix, Piece::Text(alias_name(index))]);
+        } else {
+            pieces.extend(self.result_type(function));
+        }
+        pieces.push(Piece::Text("();".into()));
+        pieces
+    }
+
+    fn result_type(&self, function: &FunctionDecl) -> Vec<Piece> {
+        let mut pieces = Vec::new();
         for at in function.result.clone() {
-            let space = if at == function.result.start { " " } else { "" };
-            pieces.push(Piece::Text(space.into()));
             if self.outline.roles[at] == Role::Global {
                 pieces.push(Piece::Prefix);
             }
             pieces.push(Piece::Text(self.outline.word(at).to_owned()));
         }
-        pieces.push(Piece::Text(
-            if function.result.is_empty() {
-                ";"
-            } else {
-                "();"
-            }
-            .into(),
-        ));
         pieces
+    }
+
+    /// Declares, behind the file's text, the result types that a local of their function hides.
+    fn aliases(&mut self) {
+        let end = self.outline.text.len();
+        for index in std::mem::take(&mut self.aliased) {
+            let mut pieces = vec![
+                Piece::Text("\nalias ".into()),
+                Piece::Prefix,
+                Piece::Text(format!("{} = ", alias_name(index))),
+            ];
+            pieces.extend(self.result_type(&self.outline.functions[index]));
+            pieces.push(Piece::Text(";".into()));
+            self.edits.push(TextEdit {
+                span: end..end,
+                pieces,
+            });
+        }
     }
 
     /// naga wants a `return` behind a `loop` that never ends.
     fn returns_behind_loops(&mut self) {
-        for function in &self.outline.functions {
+        for (index, function) in self.outline.functions.iter().enumerate() {
             if self.outline.ends_with_endless_loop(function) {
                 let brace = self.outline.span(function.body.end - 1).start;
-                let mut pieces = self.return_zero(function);
+                let mut pieces = self.return_zero(index);
                 pieces.push(Piece::Text(" ".into()));
                 self.edits.push(TextEdit {
                     span: brace..brace,
@@ -238,6 +272,11 @@ impl Rewriter<'_, '_> {
             }
         }
     }
+}
+
+/// Name of the result type of the function with this number, where its own name is hidden.
+fn alias_name(function: usize) -> String {
+    format!("patina_result{function}")
 }
 
 /// For each function whether it loops, itself or through functions it calls.

@@ -79,6 +79,9 @@ fn patina_arg_i32(at: u32) -> i32 {
     return bitcast<i32>(patina_arg_word(at));
 }
 
+// For indices, in functions that have a local called `u32`.
+alias patina_u32 = u32;
+
 fn patina_arg_u32(at: u32) -> u32 {
     return patina_arg_word(at);
 }

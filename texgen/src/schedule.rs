@@ -361,11 +361,7 @@ mod tests {
             };
             let schedule = schedule(&dag);
             check(&dag, &schedule);
-            assert!(
-                schedule.slots_needed <= depth + 1,
-                "depth {depth}: {}",
-                schedule.slots_needed
-            );
+            assert_eq!(schedule.slots_needed, depth + 1, "depth {depth}");
         }
     }
 

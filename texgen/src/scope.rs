@@ -167,6 +167,19 @@ impl<'a> Outline<'a> {
         last && !function.result.is_empty()
     }
 
+    /// Whether a parameter or local anywhere in the function has this name.
+    pub(crate) fn is_shadowed(&self, function: &FunctionDecl, name: &str) -> bool {
+        let declares = |at: usize| self.roles[at] == Role::Local(at) && self.word(at) == name;
+        function.params.iter().any(|param| declares(param.name))
+            || function.body.clone().any(declares)
+    }
+
+    /// Whether an expression in the function could mean something else by its result type: a local has a name of it.
+    pub(crate) fn shadows_its_result(&self, function: &FunctionDecl) -> bool {
+        let mut words = function.result.clone().map(|at| self.word(at));
+        words.any(|word| self.is_shadowed(function, word))
+    }
+
     /// The token that closes the bracket opened at `open`, or the last token.
     pub(crate) fn closing(&self, open: usize) -> usize {
         matching(&self.tokens.tokens, open)

@@ -26,8 +26,8 @@ pub struct Kernel {
     bindings: Vec<(u32, String)>,
 }
 
-/// Named resources that kernels bind.
-#[derive(Debug, Default)]
+/// Named resources that kernels bind. Clones share them.
+#[derive(Debug, Clone, Default)]
 pub struct Resources {
     buffers: HashMap<&'static str, wgpu::Buffer>,
     views: HashMap<&'static str, wgpu::TextureView>,
@@ -187,11 +187,14 @@ impl Kernel {
                 constants: &constants,
                 zero_initialize_workgroup_memory: false,
             },
-            cache: None,
+            cache: gpu.shared.cache.as_ref().map(|disk| &disk.cache),
         });
         gpu.shared.pipelines_created.fetch_add(1, Ordering::Relaxed);
         if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(failed(error.to_string()));
+            return Err(GpuError::Refused {
+                label: entry.to_owned(),
+                message: error.to_string(),
+            });
         }
         Ok(Self {
             label: entry.to_owned(),

@@ -2,6 +2,7 @@
 //!
 //! Nothing here knows what is rendered.
 
+pub mod cache;
 pub mod kernel;
 pub mod timing;
 pub mod wgsl;
@@ -48,6 +49,14 @@ pub enum GpuError {
         /// Kernel.
         label: String,
         /// Errors with file and line.
+        message: String,
+    },
+    /// The driver refused a kernel that is valid WGSL.
+    #[error("the graphics driver refused the kernel `{label}`:\n{message}")]
+    Refused {
+        /// Kernel.
+        label: String,
+        /// The driver's words, and what is known about the cause.
         message: String,
     },
     /// A buffer or texture is larger than the device allows.
@@ -167,6 +176,7 @@ struct Shared {
     shader_modules_created: AtomicU64,
     pipelines_created: AtomicU64,
     first_error: Arc<Mutex<Option<String>>>,
+    cache: Option<cache::DiskCache>,
 }
 
 impl Gpu {
@@ -184,6 +194,18 @@ impl Gpu {
     /// # Errors
     /// If there is none, none that fits the choice and the passes' needs, or the driver refuses.
     pub fn new(choice: &DeviceChoice) -> Result<Self, GpuError> {
+        Self::with_cache(choice, None)
+    }
+
+    /// As [`Self::new`], with compiled pipelines read from a file in a folder, where the device offers that and a file is
+    /// there; [`Self::save_cache`] writes it.
+    ///
+    /// # Errors
+    /// As [`Self::new`]: a cache that can't be used is none.
+    pub fn with_cache(
+        choice: &DeviceChoice,
+        folder: Option<&std::path::Path>,
+    ) -> Result<Self, GpuError> {
         let adapters = adapters_by_preference();
         let descriptions: Vec<_> = adapters
             .iter()
@@ -216,13 +238,19 @@ impl Gpu {
             };
             return Err(GpuError::NotFound { wanted, available });
         };
-        Self::open(&adapters[description.index], description.clone())
+        Self::open(&adapters[description.index], description.clone(), folder)
     }
 
-    fn open(adapter: &wgpu::Adapter, description: AdapterDescription) -> Result<Self, GpuError> {
+    fn open(
+        adapter: &wgpu::Adapter,
+        description: AdapterDescription,
+        cache_folder: Option<&std::path::Path>,
+    ) -> Result<Self, GpuError> {
+        let mut features = wgpu::Features::TIMESTAMP_QUERY;
+        features.set(wgpu::Features::PIPELINE_CACHE, cache_folder.is_some());
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("patina"),
-            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_features: adapter.features() & features,
             required_limits: adapter.limits(),
             ..Default::default()
         }))
@@ -244,8 +272,11 @@ impl Gpu {
                 keep(&slot, format!("the device was lost: {message}"));
             }
         });
+        let cache = cache_folder
+            .and_then(|folder| cache::DiskCache::open(&device, &adapter.get_info(), folder));
         Ok(Self {
             shared: Arc::new(Shared {
+                cache,
                 device,
                 queue,
                 is_cpu: adapter.get_info().device_type == wgpu::DeviceType::Cpu,
@@ -255,6 +286,22 @@ impl Gpu {
                 first_error,
             }),
         })
+    }
+
+    /// Writes the pipelines compiled so far to the cache's file; nothing where there is no cache.
+    ///
+    /// # Errors
+    /// The file can't be written. Nothing depends on it but the time of the next start.
+    pub fn save_cache(&self) -> std::io::Result<()> {
+        self.shared
+            .cache
+            .as_ref()
+            .map_or(Ok(()), |cache| cache.save())
+    }
+
+    /// Whether compiled pipelines are kept in a file.
+    pub fn has_cache(&self) -> bool {
+        self.shared.cache.is_some()
     }
 
     /// What was opened.

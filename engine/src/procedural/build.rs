@@ -218,7 +218,7 @@ impl<'a> Builder<'a> {
             names.push(table.name.value.clone());
         }
         if names.is_empty() && graph.library().textures().iter().any(reads_ao) {
-            names.push("default".to_owned());
+            names.push(DEFAULT_AO.to_owned());
         }
         (settings, names)
     }
@@ -382,7 +382,10 @@ fn first_use<'l>(look: &'l Look, texture: &str) -> &'l Spanned<String> {
         .texture
 }
 
-fn reads_ao(texture: &TextureType) -> bool {
+/// Name of the AO table that a look without any has once a texture reads it.
+pub(super) const DEFAULT_AO: &str = "default";
+
+pub(super) fn reads_ao(texture: &TextureType) -> bool {
     [BuiltinAttribute::AO, BuiltinAttribute::AO1]
         .into_iter()
         .any(|ao| texture.attributes().contains(&Attribute::from(ao)))

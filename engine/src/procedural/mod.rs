@@ -42,6 +42,8 @@ mod inlined;
 mod materials;
 mod memory;
 mod output;
+mod probe;
+mod reload;
 mod sources;
 #[cfg(test)]
 mod tests;

@@ -124,6 +124,14 @@ impl Renderer {
         self.edit(|p| p.clear_link(node, parameter))
     }
 
+    /// Adds a node of one of the kernel's textures, with default values; nothing reads it yet. A small buffer write.
+    ///
+    /// # Errors
+    /// Unknown texture, a name that is taken, or the device.
+    pub fn add_node(&mut self, node: &str, texture: &str) -> Result<(), RenderEditError> {
+        self.edit(|p| p.add_node(node, texture))
+    }
+
     /// Changes an AO table. One small buffer write.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::culprit;
 use crate::{
     gpu::{
         Gpu,
@@ -76,6 +77,16 @@ impl Kernels {
         form: TextureForm,
     ) -> Result<(), RenderError> {
         let proctex = texture_kernel(gpu, features, procedural, form)?;
+        self.set_texture(gpu, features, proctex)
+    }
+
+    /// Takes a generated kernel that has been built elsewhere, in place of the one that is there, if one is.
+    pub(super) fn set_texture(
+        &mut self,
+        gpu: &Gpu,
+        features: &SceneFeatures,
+        proctex: Kernel,
+    ) -> Result<(), RenderError> {
         match &mut self.texture {
             Some(texture) => texture.proctex = proctex,
             None => {
@@ -111,7 +122,8 @@ impl Kernels {
     }
 }
 
-fn texture_kernel(
+/// Builds the generated kernel. Where the driver refuses it, the textures that it refuses alone are named.
+pub(super) fn texture_kernel(
     gpu: &Gpu,
     features: &SceneFeatures,
     procedural: &Procedural,
@@ -121,7 +133,13 @@ fn texture_kernel(
         TextureForm::Stack => procedural.kernel(),
         TextureForm::Inlined => procedural.inlined()?.kernel,
     };
-    Ok(proctex::kernel(gpu, form, &generated, features)?)
+    proctex::kernel(gpu, form, &generated, features).map_err(|error| {
+        let library = procedural.graph().library();
+        let build = |alone: &texgen::Library| {
+            proctex::kernel(gpu, TextureForm::Stack, &alone.emit(1), features).map(|_| ())
+        };
+        culprit::named(error, library, build).into()
+    })
 }
 
 /// The words that the kernel reads its heads, and its programs if it has any, from.

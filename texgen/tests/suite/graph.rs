@@ -495,8 +495,28 @@ fn a_new_version_of_a_texture_keeps_values_and_links() {
     graph.set_value(x, "b", Value::F32(2.0)).expect("fits");
     graph.set_value(x, "a", Value::F32(2.0)).expect("fits");
     graph.set_link(y, "c", x, None).expect("fits");
-    let graph = graph.with_library(new).expect("fits");
+    let (graph, dropped) = graph.with_library(new).expect("fits");
+    assert!(dropped.is_empty());
     assert_eq!(graph.value(x, "b"), Some(&Value::Vec4([2.0; 4])));
     assert_eq!(graph.link(y, "c").map(|link| link.source), Some(x));
     assert_eq!(graph.occlusion(x), [1, 0]);
+    // A value that fits no more gives way to the default, a link that fits no more is an error.
+    let retyped = library(&[(
+        "t",
+        "/// @param b = 7\nfn userProc(b: i32, c: f32) -> f32 { return c; }",
+    )]);
+    let (retyped, dropped) = graph.with_library(retyped).expect("links fit");
+    assert_eq!(retyped.value(x, "b"), Some(&Value::I32(7)));
+    assert_eq!(dropped.len(), 1);
+    assert_eq!(
+        dropped[0].to_string(),
+        "parameter `b` of `x` is of type i32 now and has its default: its former value doesn't fit"
+    );
+    let unlinkable = library(&[("t", "fn userProc(c: mat3x3f) -> f32 { return c[0].x; }")]);
+    let error = graph.with_library(unlinkable).expect_err("linked");
+    assert!(error.to_string().contains("`c` of `y`"), "{error}");
+    assert!(matches!(
+        graph.with_library(library(&[])),
+        Err(GraphError::UnknownTexture { .. })
+    ));
 }

@@ -31,7 +31,7 @@ fn attributes_become_functions() {
         section(
             "fn userProc() -> vec4f { return readAttr( /* uv */ TexCoord0 ) + readAttr(AO,) * readAttr(AO1)\n + readAttr(\n_WETNESS) + readGlobal(Time); }\n"
         ),
-        "fn t__userProc() -> vec4f { return patina_attr_TexCoord0( /* uv */  ) + patina_attr_AO(patina_occlusion.x) * patina_attr_AO(patina_occlusion.y)\n + patina_attr_custom(\n0u) + patina_global_Time(); }\n"
+        "fn t__userProc() -> vec4f { return patina_attr_TexCoord0( /* uv */  ) + patina_attr_AO(patina_occlusion.x) * patina_attr_AO(patina_occlusion.y)\n + patina_attr_custom(\npatina_custom_WETNESS) + patina_global_Time(); }\n"
     );
 }
 
@@ -294,8 +294,13 @@ fn custom_attributes_are_numbered_over_the_library() {
     ]);
     assert_eq!(library.custom_attributes(), ["_A", "_Z"]);
     let kernel = valid_kernel(&library);
-    assert_eq!(kernel.matches("patina_attr_custom(1u)").count(), 2);
-    assert_eq!(kernel.matches("patina_attr_custom(0u)").count(), 1);
+    assert!(kernel.contains("const patina_custom_A = 0u;\nconst patina_custom_Z = 1u;\n"));
+    assert_eq!(
+        kernel
+            .matches("patina_attr_custom(patina_custom_Z)")
+            .count(),
+        2
+    );
 }
 
 #[test]

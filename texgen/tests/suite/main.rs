@@ -5,5 +5,6 @@ mod docs;
 mod errors;
 mod graph;
 mod kernel;
+mod language;
 mod robustness;
 mod shipped;

@@ -1,0 +1,160 @@
+//! Hot reload: the generated kernel is built anew on a thread of its own while the old one keeps rendering, and is
+//! swapped between two waves. Whatever fails leaves kernel, graph and picture as they are.
+
+use std::sync::Arc;
+use std::thread::JoinHandle;
+
+use texgen::{Diagnostics, Library, SourceFile};
+
+use crate::{
+    gpu::{Gpu, kernel::Kernel},
+    gpu_scene::SceneFeatures,
+    passes::proctex::TextureForm,
+    procedural::Procedural,
+    wave,
+};
+
+use super::pipeline::texture_kernel;
+use super::{RenderError, Renderer, edits};
+
+/// naga recurses along a texture's expressions.
+const STACK_BYTES: usize = 8 << 20;
+
+/// Why changed textures are not in use. The former ones still are.
+#[derive(Debug, thiserror::Error)]
+pub enum ReloadError {
+    /// Their text is wrong, or doesn't fit the nodes any more: with file and line.
+    #[error("{0}")]
+    Textures(Diagnostics),
+    /// The device, or its driver.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// Another reload was finished after this one had begun.
+    #[error("the textures were changed by another reload meanwhile: begin this one again")]
+    Stale,
+    /// The thread that built the kernel did not start, or ended without a result.
+    #[error("the texture kernel could not be built in the background: {0}")]
+    Thread(String),
+}
+
+impl From<Diagnostics> for ReloadError {
+    fn from(problems: Diagnostics) -> Self {
+        Self::Textures(problems)
+    }
+}
+
+/// A texture kernel in the making; see [`Renderer::begin_reload`]. Dropped, it is built for nothing.
+#[derive(Debug)]
+pub struct Reload {
+    /// The library it began with.
+    base: Arc<Library>,
+    thread: Result<JoinHandle<Result<Built, ReloadError>>, ReloadError>,
+}
+
+#[derive(Debug)]
+struct Built {
+    library: Arc<Library>,
+    /// None where no material has a program, and for the inlined form, which edits made meanwhile change.
+    kernel: Option<Kernel>,
+    stack_slots: u32,
+}
+
+impl Reload {
+    /// Whether it is done, well or badly: then [`Renderer::finish_reload`] doesn't wait.
+    pub fn is_finished(&self) -> bool {
+        self.thread.as_ref().map_or(true, JoinHandle::is_finished)
+    }
+
+    fn wait(self) -> Result<Built, ReloadError> {
+        self.thread?.join().unwrap_or_else(|panic| {
+            let text = panic.downcast_ref::<String>().map(String::as_str);
+            let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+            Err(ReloadError::Thread(
+                text.unwrap_or("it panicked").to_owned(),
+            ))
+        })
+    }
+}
+
+impl Renderer {
+    /// Begins to build the kernel with these textures in the place of those of their names, or beside them. Returns at
+    /// once; rendering and edits go on with the old kernel. Hand the result to [`Self::finish_reload`] when it
+    /// [is finished](Reload::is_finished).
+    pub fn begin_reload(&self, files: Vec<SourceFile>) -> Reload {
+        let (gpu, procedural) = (self.gpu.clone(), self.procedural.clone());
+        let (features, form) = (self.scene.features, self.form);
+        Reload {
+            base: Arc::clone(procedural.graph().library()),
+            thread: std::thread::Builder::new()
+                .name("texture kernel".to_owned())
+                .stack_size(STACK_BYTES)
+                .spawn(move || build(&gpu, &procedural, &features, form, files))
+                .map_err(|error| ReloadError::Thread(error.to_string())),
+        }
+    }
+
+    /// Swaps the kernel for the one that was built, waiting for it if need be, and starts the picture anew. Edits made
+    /// since [`Self::begin_reload`] are kept. Returns what is odd about the change but not wrong: values that don't fit
+    /// a parameter's new type, warnings of the textures.
+    ///
+    /// # Errors
+    /// Wrong textures, with file and line; a kernel that the driver refuses; then nothing has changed.
+    pub fn finish_reload(&mut self, reload: Reload) -> Result<Diagnostics, ReloadError> {
+        let is_current = Arc::ptr_eq(&reload.base, self.procedural.graph().library());
+        let built = reload.wait()?;
+        if !is_current {
+            return Err(ReloadError::Stale);
+        }
+        let procedural = self.procedural.with_library(built.library)?;
+        // Edits made meanwhile may have brought the first program, or one that needs a larger stack.
+        let fits = |_: &Kernel| built.stack_slots >= procedural.stack_slots();
+        let kernel = match built.kernel.filter(fits) {
+            _ if procedural.is_empty() => None,
+            Some(kernel) => Some(kernel),
+            None => Some(texture_kernel(
+                &self.gpu,
+                &self.scene.features,
+                &procedural,
+                self.form,
+            )?),
+        };
+        // On copies of the handles, so that a device without memory leaves all as it is.
+        let mut resources = self.resources.clone();
+        let words = procedural.result_words();
+        wave::grow_results(&self.gpu, self.capacity, words, &mut resources)
+            .map_err(RenderError::from)?;
+        edits::allocate(&self.gpu, &procedural, self.form, &mut resources)?;
+        if let Some(kernel) = kernel {
+            self.kernels
+                .set_texture(&self.gpu, &self.scene.features, kernel)?;
+        }
+        self.resources = resources;
+        self.procedural = procedural;
+        self.bound = self.kernels.bind(&self.gpu, &self.resources);
+        self.restart();
+        self.gpu.check().map_err(RenderError::from)?;
+        Ok(self.procedural.warnings().clone())
+    }
+}
+
+/// What the thread does.
+fn build(
+    gpu: &Gpu,
+    procedural: &Procedural,
+    features: &SceneFeatures,
+    form: TextureForm,
+    files: Vec<SourceFile>,
+) -> Result<Built, ReloadError> {
+    let library = Arc::new(procedural.library_with(files)?);
+    let procedural = procedural.with_library(Arc::clone(&library))?;
+    let is_needed = !procedural.is_empty() && form == TextureForm::Stack;
+    let kernel = match is_needed {
+        true => Some(texture_kernel(gpu, features, &procedural, form)?),
+        false => None,
+    };
+    Ok(Built {
+        library,
+        kernel,
+        stack_slots: procedural.stack_slots(),
+    })
+}

@@ -1,0 +1,57 @@
+//! `patina bench kernel`: how long the texture kernel takes to build, and what a hit costs beside things it doesn't use.
+
+use std::path::PathBuf;
+
+use engine::bench::kernel;
+use engine::gpu::{DeviceChoice, Gpu};
+use engine::procedural::TextureSources;
+
+use crate::exit::Failure;
+use crate::progress::Bar;
+use crate::{console, devices, library};
+
+/// Textures in the kernels that are built.
+const COUNTS: [usize; 4] = [1, 10, 30, 100];
+
+/// Measures and prints two tables.
+///
+/// # Errors
+/// The textures are wrong or missing, or there is no device.
+pub(crate) fn run(texture_dirs: &[PathBuf], device: &DeviceChoice) -> Result<(), Failure> {
+    let bar = Bar::new("measuring");
+    let folders = library::texture_dirs(texture_dirs, None)?;
+    let sources = TextureSources::scan(&folders).map_err(Failure::because)?;
+    let gpu = Gpu::new(device).map_err(Failure::because)?;
+    bar.suspend(|| console::print(&devices::title(gpu.description())));
+
+    let head =
+        "textures   lines   cold: build, s   + first wave, s   warm: build, s   + first wave, s";
+    bar.suspend(|| console::print(&format!("\n{head}")));
+    for count in COUNTS {
+        let row = kernel::rebuild(&gpu, &sources, count).map_err(Failure::because)?;
+        let line = format!(
+            "{:8} {:7} {:16.3} {:17.3} {:16.3} {:17.3}",
+            row.textures,
+            console::grouped(row.lines as u64),
+            row.cold.build,
+            row.cold.first_wave,
+            row.warm.build,
+            row.warm.first_wave
+        );
+        bar.suspend(|| console::print(&line));
+    }
+
+    let rows = kernel::hits(&gpu, &sources).map_err(Failure::because)?;
+    bar.finish();
+    console::print("\nbesides                                      lines   ns/hit    ratio");
+    for row in rows {
+        console::print(&format!(
+            "{:40} {:>9} {:8.1} {:8.4}",
+            row.what,
+            console::grouped(row.lines as u64),
+            row.nanoseconds,
+            row.ratio
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,114 @@
+//! A program that ended while a texture kernel was built: the next start finds the marker, builds the textures one by one
+//! and goes on where none is to blame. The cache of pipelines lies beside it.
+
+#[expect(dead_code, reason = "other tests use the rest")]
+mod support;
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use engine::gpu::{DeviceChoice, Gpu};
+
+fn names(folder: &Path) -> Vec<String> {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let name = |entry: std::io::Result<std::fs::DirEntry>| {
+        entry
+            .expect("an entry")
+            .file_name()
+            .to_string_lossy()
+            .into_owned()
+    };
+    entries.map(name).collect()
+}
+
+fn render(cache: &Path, out: &Path) -> Command {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_patina"));
+    command
+        .current_dir(root)
+        .args(["render", "examples/demo/demo.gltf"])
+        .args(["--look", "examples/demo/demo.look.toml"])
+        .args(["--size", "16x16", "--spp", "1", "-o"])
+        .arg(out)
+        .env("PATINA_CACHE", cache)
+        .stdin(Stdio::null());
+    command
+}
+
+#[test]
+fn a_build_that_ended_the_program_is_looked_into_at_the_next_start() {
+    if support::device::open().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (cache, out) = (folder.path().join("cache"), folder.path().join("a.png"));
+    let marker = || {
+        names(&cache)
+            .iter()
+            .any(|name| name.starts_with("building_"))
+    };
+
+    // Ended from outside while it builds: the marker stays.
+    let mut child = render(&cache, &out)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("patina starts");
+    let start = Instant::now();
+    while !marker() {
+        assert!(start.elapsed() < Duration::from_secs(120), "no marker");
+        assert!(child.try_wait().expect("a child").is_none(), "too fast");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().expect("it runs");
+    child.wait().expect("it has ended");
+    assert!(marker());
+
+    let run = || render(&cache, &out).output().expect("patina starts");
+    let second = run();
+    let said = String::from_utf8_lossy(&second.stderr).into_owned();
+    assert!(second.status.success(), "none is to blame: {said}");
+    assert!(said.contains("ended without a word"), "{said}");
+    assert!(!marker(), "all went well");
+
+    let third = run();
+    let said = String::from_utf8_lossy(&third.stderr);
+    assert!(
+        third.status.success() && !said.contains("ended without a word"),
+        "{said}"
+    );
+}
+
+#[test]
+fn compiled_pipelines_are_kept_where_the_device_offers_it() {
+    if support::device::open().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let gpu = Gpu::with_cache(&DeviceChoice::Best, Some(folder.path())).expect("there is one");
+    gpu.save_cache().expect("the folder can be written");
+    let files = names(folder.path());
+    if !gpu.has_cache() {
+        assert!(files.is_empty(), "{files:?}");
+        return;
+    }
+    assert_eq!(files.len(), 1, "{files:?}");
+    // Whatever is in the file, the device opens.
+    let file = folder.path().join(&files[0]);
+    let whole = std::fs::read(&file).expect("there");
+    for broken in [
+        b"".to_vec(),
+        vec![7; 100],
+        whole[..whole.len() / 2].to_vec(),
+    ] {
+        std::fs::write(&file, broken).expect("written");
+        let gpu = Gpu::with_cache(&DeviceChoice::Best, Some(folder.path())).expect("there is one");
+        gpu.save_cache().expect("the folder can be written");
+        assert_eq!(std::fs::read(&file).expect("there").len(), whole.len());
+    }
+    let off = Gpu::new(&DeviceChoice::Best).expect("there is one");
+    assert!(!off.has_cache());
+}
