@@ -17,8 +17,8 @@ use glam::{Vec2, Vec3};
 use support::device;
 use support::estimate::Estimate;
 use support::scenes::{
-    Shot, add, camera, floor, floor_point, from_above, lambert, lamp, quad, render_textured, scene,
-    textured,
+    Shot, add, camera, faceted_sphere, floor, floor_point, from_above, lambert, lamp, quad,
+    render_textured, scene, textured,
 };
 use support::stats::ZTest;
 
@@ -41,6 +41,10 @@ const TEXTURES: &[(&str, &str)] = &[
             let cell = vec2i(floor(readAttr(TexCoord0).xy * size));
             return select(vec3f(0.0), color, ((cell.x + cell.y) & 1) == 0);
         }",
+    ),
+    (
+        "three",
+        "fn userProc(value: vec3f) -> vec3f { return value; }",
     ),
     ("value", "fn userProc(value: f32) -> f32 { return value; }"),
     (
@@ -140,6 +144,145 @@ const SHOT: Shot = Shot {
     max_depth: 4,
     spp: 256,
 };
+
+#[test]
+fn every_input_can_be_driven() {
+    let Some(gpu) = device::open() else { return };
+    // Other keys that the input needs to be seen, the input, its value for the file, and for the node.
+    let cases = [
+        ("", "base_color", "[0.3, 0.6, 0.9]", "[0.3, 0.6, 0.9]"),
+        ("", "metallic", "0.7", "[0.7, 0.7, 0.7]"),
+        ("metallic=1.0", "roughness", "0.4", "[0.4, 0.4, 0.4]"),
+        ("", "emission", "[1.0, 0.5, 0.2]", "[1.0, 0.5, 0.2]"),
+        (
+            "emission=[1.0, 0.5, 0.2]",
+            "emission_strength",
+            "3.0",
+            "[3.0, 3.0, 3.0]",
+        ),
+        ("", "opacity", "0.6", "[0.6, 0.6, 0.6]"),
+        ("roughness=0.2", "specular", "0.3", "[0.3, 0.3, 0.3]"),
+        (
+            "roughness=0.2",
+            "specular_color",
+            "[0.2, 0.5, 1.0]",
+            "[0.2, 0.5, 1.0]",
+        ),
+        ("roughness=0.2", "ior", "2.2", "[2.2, 2.2, 2.2]"),
+        ("roughness=0.3", "transmission", "0.8", "[0.8, 0.8, 0.8]"),
+        (
+            "roughness=0.3\ntransmission=1.0\nsolid=true",
+            "ior",
+            "1.3",
+            "[1.3, 1.3, 1.3]",
+        ),
+        ("", "diffuse_transmission", "0.5", "[0.5, 0.5, 0.5]"),
+        (
+            "diffuse_transmission=0.5",
+            "diffuse_transmission_color",
+            "[0.1, 0.8, 0.3]",
+            "[0.1, 0.8, 0.3]",
+        ),
+        ("", "coat", "0.8", "[0.8, 0.8, 0.8]"),
+        ("coat=1.0", "coat_roughness", "0.5", "[0.5, 0.5, 0.5]"),
+        (
+            "sheen_roughness=0.5",
+            "sheen_color",
+            "[0.8, 0.3, 0.1]",
+            "[0.8, 0.3, 0.1]",
+        ),
+        (
+            "sheen_color=[0.8, 0.3, 0.1]",
+            "sheen_roughness",
+            "0.7",
+            "[0.7, 0.7, 0.7]",
+        ),
+        (
+            "metallic=1.0\nroughness=0.3",
+            "anisotropy",
+            "0.8",
+            "[0.8, 0.8, 0.8]",
+        ),
+        (
+            "metallic=1.0\nroughness=0.3\nanisotropy=0.8",
+            "anisotropy_rotation",
+            "30.0",
+            "[0.5235988, 0.0, 0.0]",
+        ),
+        (
+            "metallic=1.0\nroughness=0.3",
+            "iridescence",
+            "0.8",
+            "[0.8, 0.8, 0.8]",
+        ),
+        (
+            "metallic=1.0\niridescence=1.0",
+            "iridescence_thickness",
+            "350.0",
+            "[350.0, 350.0, 350.0]",
+        ),
+    ];
+    let camera = camera(
+        Vec3::new(0.5, 1.5, 3.0),
+        Vec3::ZERO,
+        Vec3::Y,
+        Projection::Perspective { y_fov: 0.8 },
+    );
+    let shot = Shot {
+        size: (20, 20),
+        max_depth: 4,
+        spp: 64,
+    };
+    let room = || {
+        let ball = Material {
+            metallic: 0.0,
+            base_color: Vec3::splat(0.6).extend(1.0),
+            ..Material::default()
+        };
+        let lamp_quad = quad(Vec3::new(-1.0, 2.5, -1.0), Vec3::X * 2.0, Vec3::Z * 2.0);
+        scene(
+            [
+                (faceted_sphere(16), ball),
+                (lamp_quad, lamp(Vec3::splat(4.0))),
+            ],
+            Vec3::new(0.2, 0.3, 0.5),
+        )
+    };
+    for (others, key, constant, driven) in cases {
+        let picture = |value: &str| {
+            let look = format!(
+                "[node.n]\ntexture='three'\nvalue={driven}\n[material.'material 0']\n{others}\n{key}={value}\n"
+            );
+            view(&gpu, &mut room(), &look, &camera, shot)
+        };
+        let is_color = ["color", "emission"].iter().any(|end| key.ends_with(end));
+        let link = if is_color { "'n'" } else { "'n.x'" };
+        let (tested, reference) = (picture(link), picture(constant));
+        // The key matters at all: without it the picture is another one.
+        let plain = view(
+            &gpu,
+            &mut room(),
+            &format!("[material.'material 0']\n{others}\n"),
+            &camera,
+            shot,
+        );
+        let difference = |a: &Film, b: &Film| -> f32 {
+            let pairs = a.mean().into_iter().zip(b.mean());
+            pairs
+                .map(|(a, b)| (0..3).map(|c| (a[c] - b[c]).abs()).sum::<f32>())
+                .sum()
+        };
+        let (same, other) = (
+            difference(&tested, &reference),
+            difference(&plain, &reference),
+        );
+        assert!(
+            same < 0.5 * other,
+            "{key}: {same} from the constant, {other} from nothing"
+        );
+        assert_same(key, &tested, &reference, 0.01);
+    }
+}
 
 #[test]
 fn an_opacity_of_squares_is_squares() {

@@ -209,8 +209,12 @@ impl GpuScene {
                 alpha: triangles.iter().any(|t| t[3] & TRIANGLE_ALPHA != 0),
                 textures: !scene.images.is_empty(),
                 environment: environment.emits,
-                transmission: scene.materials.iter().any(materials::transmits),
-                layers: scene.materials.iter().any(materials::has_layers),
+                transmission: (0..)
+                    .zip(&scene.materials)
+                    .any(|(i, m)| materials::transmits(m) || program(i).transmits),
+                layers: (0..)
+                    .zip(&scene.materials)
+                    .any(|(i, m)| materials::has_layers(m) || program(i).has_layers),
                 energy_compensation: true,
                 programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
                 program_shadows: (0..scene.materials.len() as u32).any(|m| {
@@ -281,7 +285,8 @@ fn geometry(
     // What a material means for its triangles, without and with vertex colours.
     let flags_of = |index: u32, m: &Material, has_colors: bool| {
         // The back of a transparent body is where rays leave it.
-        let has_back = m.double_sided || m.is_solid && materials::transmits(m);
+        let has_back =
+            m.double_sided || m.is_solid && (materials::transmits(m) || program(index).transmits);
         let sides = if has_back { 0 } else { TRIANGLE_SINGLE_SIDED };
         let alpha = match program(index).decides_opacity {
             true => TRIANGLE_PROGRAM_ALPHA,

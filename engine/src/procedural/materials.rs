@@ -7,7 +7,7 @@ use glam::Vec3;
 use texgen::{Diagnostic, Diagnostics, Graph, SourceFile, did_you_mean};
 
 use crate::scene::look::{AlphaLook, Input, Look, MaterialLook, Span, Spanned};
-use crate::scene::{AlphaMode, Material, Scene};
+use crate::scene::{AlphaMode, Material, Scene, absorption};
 
 use super::traits::Surface;
 use super::wiring::{Blend, Mask, Wiring, check_driver};
@@ -143,7 +143,7 @@ impl Resolver<'_> {
             );
         }
         for output in Output::ALL {
-            let Some(input) = input_of(table, output) else {
+            let Some(input) = table.input(output.key()) else {
                 continue;
             };
             if let Input::Link(_) = input.value {
@@ -152,7 +152,7 @@ impl Resolver<'_> {
             }
         }
         let material = &mut scene.materials[index as usize];
-        if is_link(&table.opacity) {
+        if table.is_driven("opacity") {
             material.alpha_mode = AlphaMode::Opaque;
         }
         let mut surface = Surface {
@@ -160,10 +160,10 @@ impl Resolver<'_> {
             has_emission_image: material.emission_texture.is_some(),
             ..surface_of(material)
         };
-        if is_link(&table.emission) {
+        if table.is_driven("emission") {
             material.emission = Vec3::ZERO;
             material.emission_texture = None;
-            surface.emission = constant(&table.emission_strength).unwrap_or(Vec3::ONE);
+            surface.emission = table.constant("emission_strength").unwrap_or(Vec3::ONE);
         }
         surface.bump_scale = table.bump_scale.as_ref().map_or(1.0, |scale| scale.value);
         if material.unlit {
@@ -305,34 +305,6 @@ fn new_material(name: &str) -> Material {
     }
 }
 
-fn input_of(table: &MaterialLook, output: Output) -> Option<&Spanned<Input>> {
-    match output {
-        Output::BaseColor => table.base_color.as_ref(),
-        Output::Metallic => table.metallic.as_ref(),
-        Output::Roughness => table.roughness.as_ref(),
-        Output::Emission => table.emission.as_ref(),
-        Output::Opacity => table.opacity.as_ref(),
-        Output::Normal => table.normal.as_ref(),
-        Output::Specular => table.specular.as_ref(),
-        Output::SpecularColor => table.specular_color.as_ref(),
-        Output::Ior => table.ior.as_ref(),
-        Output::EmissionStrength => table.emission_strength.as_ref(),
-        Output::NormalScale => table.normal_scale.as_ref(),
-        Output::Bump => table.bump.as_ref(),
-    }
-}
-
-fn is_link(input: &Option<Spanned<Input>>) -> bool {
-    matches!(input, Some(input) if matches!(input.value, Input::Link(_)))
-}
-
-fn constant(input: &Option<Spanned<Input>>) -> Option<Vec3> {
-    match input.as_ref()?.value {
-        Input::Constant(value) => Some(value),
-        Input::Link(_) => None,
-    }
-}
-
 /// What a program must know of a material that no table of the look describes.
 fn surface_of(material: &Material) -> Surface {
     let alpha = material.base_color.w;
@@ -353,40 +325,70 @@ fn surface_of(material: &Material) -> Surface {
 }
 
 fn set_constants(table: &MaterialLook, material: &mut Material) {
-    fn set_scalar(target: &mut f32, input: &Option<Spanned<Input>>) {
-        if let Some(value) = constant(input) {
-            *target = value.x;
-        }
-    }
     fn set<T: Copy>(target: &mut T, value: &Option<Spanned<T>>) {
         if let Some(value) = value {
             *target = value.value;
         }
     }
-    if let Some(color) = constant(&table.base_color) {
+    if let Some(color) = table.constant("base_color") {
         material.base_color = color.extend(material.base_color.w);
     }
     if let Some(alpha) = &table.alpha {
         material.base_color.w = alpha.value;
     }
-    set_scalar(&mut material.metallic, &table.metallic);
-    set_scalar(&mut material.roughness, &table.roughness);
-    if let Some(emission) = constant(&table.emission) {
+    if let Some(emission) = table.constant("emission") {
         material.emission = emission;
     }
-    if let Some(strength) = constant(&table.emission_strength) {
+    if let Some(strength) = table.constant("emission_strength") {
         material.emission *= strength;
     }
-    if let Some(opacity) = constant(&table.opacity) {
+    if let Some(opacity) = table.constant("opacity") {
         material.base_color.w = opacity.x;
         material.alpha_mode = AlphaMode::Blend;
     }
-    set_scalar(&mut material.specular, &table.specular);
-    if let Some(color) = constant(&table.specular_color) {
-        material.specular_color = color;
+    let scalars = [
+        ("metallic", &mut material.metallic),
+        ("roughness", &mut material.roughness),
+        ("specular", &mut material.specular),
+        ("ior", &mut material.ior),
+        ("normal_scale", &mut material.normal_scale),
+        ("transmission", &mut material.transmission),
+        ("diffuse_transmission", &mut material.diffuse_transmission),
+        ("coat", &mut material.coat),
+        ("coat_roughness", &mut material.coat_roughness),
+        ("sheen_roughness", &mut material.sheen_roughness),
+        ("anisotropy", &mut material.anisotropy),
+        ("anisotropy_rotation", &mut material.anisotropy_rotation),
+        ("iridescence", &mut material.iridescence),
+    ];
+    for (key, target) in scalars {
+        if let Some(value) = table.constant(key) {
+            *target = value.x;
+        }
     }
-    set_scalar(&mut material.ior, &table.ior);
-    set_scalar(&mut material.normal_scale, &table.normal_scale);
+    let colors = [
+        ("specular_color", &mut material.specular_color),
+        ("sheen_color", &mut material.sheen_color),
+        (
+            "diffuse_transmission_color",
+            &mut material.diffuse_transmission_color,
+        ),
+    ];
+    for (key, target) in colors {
+        if let Some(value) = table.constant(key) {
+            *target = value;
+        }
+    }
+    if let Some(thickness) = table.constant("iridescence_thickness") {
+        material.iridescence_thickness = [thickness.x; 2];
+    }
+    set(&mut material.iridescence_ior, &table.iridescence_ior);
+    set(&mut material.is_solid, &table.solid);
+    if let Some(distance) = &table.attenuation_distance {
+        let color = table.attenuation_color.as_ref();
+        material.absorption =
+            absorption(color.map_or(Vec3::ONE, |color| color.value), distance.value);
+    }
     set(&mut material.double_sided, &table.double_sided);
     set(&mut material.unlit, &table.unlit);
     let cutoff = match (&table.alpha_cutoff, material.alpha_mode) {

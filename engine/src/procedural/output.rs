@@ -27,6 +27,28 @@ pub enum Output {
     EmissionStrength = 9,
     /// Factor on the slopes of the normal map.
     NormalScale = 10,
+    /// Share of the light below the reflection that goes through.
+    Transmission = 11,
+    /// Share of the diffuse light that comes out on the other side.
+    DiffuseTransmission = 12,
+    /// Its linear colour.
+    DiffuseTransmissionColor = 13,
+    /// Weight of the coat.
+    Coat = 14,
+    /// Perceptual roughness of the coat.
+    CoatRoughness = 15,
+    /// Linear colour of the sheen.
+    SheenColor = 16,
+    /// Perceptual roughness of the sheen.
+    SheenRoughness = 17,
+    /// How far reflections are stretched, 0 to 1.
+    Anisotropy = 18,
+    /// Where they are stretched to, radians from the tangent.
+    AnisotropyRotation = 19,
+    /// Weight of a thin film.
+    Iridescence = 20,
+    /// Its thickness, nanometres.
+    IridescenceThickness = 21,
     /// Height above the surface. Stored as the slope of the surface, so it comes last: it is known last.
     Bump = 23,
 }
@@ -44,7 +66,7 @@ pub enum Kind {
 
 impl Output {
     /// All of them, in the order of their numbers.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 23] = [
         Self::BaseColor,
         Self::Metallic,
         Self::Roughness,
@@ -56,6 +78,17 @@ impl Output {
         Self::Ior,
         Self::EmissionStrength,
         Self::NormalScale,
+        Self::Transmission,
+        Self::DiffuseTransmission,
+        Self::DiffuseTransmissionColor,
+        Self::Coat,
+        Self::CoatRoughness,
+        Self::SheenColor,
+        Self::SheenRoughness,
+        Self::Anisotropy,
+        Self::AnisotropyRotation,
+        Self::Iridescence,
+        Self::IridescenceThickness,
         Self::Bump,
     ];
 
@@ -73,6 +106,17 @@ impl Output {
             Self::Ior => "ior",
             Self::EmissionStrength => "emission_strength",
             Self::NormalScale => "normal_scale",
+            Self::Transmission => "transmission",
+            Self::DiffuseTransmission => "diffuse_transmission",
+            Self::DiffuseTransmissionColor => "diffuse_transmission_color",
+            Self::Coat => "coat",
+            Self::CoatRoughness => "coat_roughness",
+            Self::SheenColor => "sheen_color",
+            Self::SheenRoughness => "sheen_roughness",
+            Self::Anisotropy => "anisotropy",
+            Self::AnisotropyRotation => "anisotropy_rotation",
+            Self::Iridescence => "iridescence",
+            Self::IridescenceThickness => "iridescence_thickness",
             Self::Bump => "bump",
         }
     }
@@ -80,7 +124,11 @@ impl Output {
     /// What drives it.
     pub fn kind(self) -> Kind {
         match self {
-            Self::BaseColor | Self::Emission | Self::SpecularColor => Kind::Color,
+            Self::BaseColor
+            | Self::Emission
+            | Self::SpecularColor
+            | Self::DiffuseTransmissionColor
+            | Self::SheenColor => Kind::Color,
             Self::Normal => Kind::Vector,
             _ => Kind::Scalar,
         }
@@ -105,4 +153,20 @@ impl Output {
 pub(super) fn result_words(flags: u32) -> u32 {
     let driven = Output::ALL.iter().filter(|o| flags & o.bit() != 0);
     driven.map(|output| output.words()).sum()
+}
+
+/// Whether a program with these flags may let light through.
+pub(super) fn transmits(flags: u32) -> bool {
+    flags & (Output::Transmission.bit() | Output::DiffuseTransmission.bit()) != 0
+}
+
+/// Whether it may have a coat, sheen, a thin film or anisotropy.
+pub(super) fn has_layers(flags: u32) -> bool {
+    let layers = [
+        Output::Coat,
+        Output::SheenColor,
+        Output::Anisotropy,
+        Output::Iridescence,
+    ];
+    layers.iter().any(|output| flags & output.bit() != 0)
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{FLAG_BLEND, HEAD_FLAGS, Output, Procedural};
+use super::{FLAG_BLEND, HEAD_FLAGS, Output, Procedural, output};
 
 /// What is known of a material's texture program without running it. The material may be a blend; then this holds for
 /// whatever it may turn out to be.
@@ -14,6 +14,10 @@ pub struct ProgramTraits {
     pub decides_light: bool,
     /// It decides whether the surface is there.
     pub decides_opacity: bool,
+    /// It decides whether light goes through.
+    pub transmits: bool,
+    /// It decides about a coat, sheen, a thin film or anisotropy.
+    pub has_layers: bool,
     /// The surface may emit light at all.
     pub glows: bool,
     /// Luminance by which the surface is chosen as a light, W/m²/sr: a guess, since nobody knows what a program gives.
@@ -83,6 +87,8 @@ fn of_surface(flags: u32, surface: &Surface) -> ProgramTraits {
             || drives(Output::EmissionStrength)
             || drives(Output::Opacity),
         decides_opacity: drives(Output::Opacity),
+        transmits: output::transmits(flags),
+        has_layers: output::has_layers(flags),
         glows,
         brightness: if is_sampled {
             luminance(surface.emission)
@@ -103,6 +109,8 @@ fn of_blend(base: ProgramTraits, over: ProgramTraits) -> ProgramTraits {
         runs: true,
         decides_light: glows || decides_opacity,
         decides_opacity,
+        transmits: base.transmits || over.transmits,
+        has_layers: base.has_layers || over.has_layers,
         glows,
         brightness: if is_sampled {
             base.brightness.max(over.brightness)

@@ -25,9 +25,9 @@ pub enum RenderEditError {
     #[error(transparent)]
     Render(#[from] RenderError),
     /// Emission and opacity decide which triangles are lights and which let rays pass; those tables are made when the
-    /// scene is loaded.
+    /// scene is loaded. So are kernels without transmission or layers where no material has any.
     #[error(
-        "`{material}` can't begin or cease to be driven in its emission or opacity while rendering; change the look and load it again"
+        "`{material}` can't begin or cease to be driven in this way while rendering; change the look and load it again"
     )]
     Light {
         /// The material.
@@ -158,6 +158,8 @@ impl Renderer {
         let light = |p: &Procedural, m| {
             let traits = p.traits(m);
             (
+                traits.transmits && !self.scene.features.transmission,
+                traits.has_layers && !self.scene.features.layers,
                 traits.decides_light,
                 traits.decides_opacity,
                 traits.brightness > 0.0,

@@ -257,6 +257,12 @@ impl Default for Material {
     }
 }
 
+/// Absorption in 1/metres of a body in which white light has this linear colour after so many metres (KHR_materials_volume).
+pub fn absorption(color: Vec3, distance: f32) -> Vec3 {
+    // Black over any distance is as good as opaque.
+    -color.clamp(Vec3::splat(1e-6), Vec3::ONE).map(f32::ln) / distance
+}
+
 /// What the alpha of a material's base colour means (glTF 2.0, section 3.9.4).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AlphaMode {

@@ -49,67 +49,44 @@ fn is_direction(v: vec3f) -> bool {
     return length2 > 1e-12 && length2 < 1e12;
 }
 
-// Reads the results of a texture program one after the other, in the order of the outputs.
-fn take(slot: u32, at: ptr<function, u32>) -> f32 {
-    let value = result_read(slot, *at);
-    *at += 1u;
-    return value;
+// Whether the texture program gave this output.
+fn gives(outputs: u32, which: u32) -> bool {
+    return has_programs && (outputs & (1u << which)) != 0u;
 }
 
-fn take_vector(slot: u32, at: ptr<function, u32>) -> vec3f {
-    let x = take(slot, at);
-    let y = take(slot, at);
-    return vec3f(x, y, take(slot, at));
+// Its word among the path's results: those of outputs with lower numbers come first.
+fn result_place(outputs: u32, which: u32) -> u32 {
+    let before = outputs & ((1u << which) - 1u);
+    return countOneBits(before) + 2u * countOneBits(before & OUTPUT_VECTORS);
 }
 
-// What the texture program gave, in the place of the material's own values.
-struct Driven {
-    outputs: u32, // which of them it gave
-    base_color: vec3f,
-    metallic: f32,
-    roughness: f32,
-    emission: vec3f,
-    opacity: f32,
-    normal: vec3f,
-    specular: f32,
-    specular_color: vec3f,
-    ior: f32,
-    emission_strength: f32,
-    normal_scale: f32,
-    rise: vec3f, // slope of the bump map
+fn driven_vector(slot: u32, outputs: u32, which: u32) -> vec3f {
+    let at = result_place(outputs, which);
+    return vec3f(result_read(slot, at), result_read(slot, at + 1u), result_read(slot, at + 2u));
 }
 
-fn gives(d: Driven, which: u32) -> bool {
-    return has_programs && (d.outputs & (1u << which)) != 0u;
+// What the texture program gave, or else the material's own value.
+fn scalar_or(slot: u32, outputs: u32, which: u32, otherwise: f32) -> f32 {
+    if (gives(outputs, which)) {
+        return result_read(slot, result_place(outputs, which));
+    }
+    return otherwise;
 }
 
-fn read_driven(slot: u32, outputs: u32) -> Driven {
-    var d: Driven;
-    d.outputs = outputs;
-    var at = 0u;
-    if (gives(d, OUTPUT_BASE_COLOR)) { d.base_color = take_vector(slot, &at); }
-    if (gives(d, OUTPUT_METALLIC)) { d.metallic = take(slot, &at); }
-    if (gives(d, OUTPUT_ROUGHNESS)) { d.roughness = take(slot, &at); }
-    if (gives(d, OUTPUT_EMISSION)) { d.emission = take_vector(slot, &at); }
-    if (gives(d, OUTPUT_OPACITY)) { d.opacity = take(slot, &at); }
-    if (gives(d, OUTPUT_NORMAL)) { d.normal = take_vector(slot, &at); }
-    if (gives(d, OUTPUT_SPECULAR)) { d.specular = take(slot, &at); }
-    if (gives(d, OUTPUT_SPECULAR_COLOR)) { d.specular_color = take_vector(slot, &at); }
-    if (gives(d, OUTPUT_IOR)) { d.ior = take(slot, &at); }
-    if (gives(d, OUTPUT_EMISSION_STRENGTH)) { d.emission_strength = take(slot, &at); }
-    if (gives(d, OUTPUT_NORMAL_SCALE)) { d.normal_scale = take(slot, &at); }
-    if (gives(d, OUTPUT_BUMP)) { d.rise = take_vector(slot, &at); }
-    return d;
+fn color_or(slot: u32, outputs: u32, which: u32, otherwise: vec3f) -> vec3f {
+    if (gives(outputs, which)) {
+        return max(driven_vector(slot, outputs, which), vec3f(0.0));
+    }
+    return otherwise;
 }
 
 // The tangent that anisotropic reflections follow: that of the surface, turned by the material and its texture.
-fn stretched_tangent(s: Surface, material: u32, instance: u32, normal: vec3f, map: vec4f) -> vec3f {
-    if (!has_layers || materials[material].anisotropy <= 0.0) {
+fn stretched_tangent(s: Surface, material: u32, instance: u32, normal: vec3f, angle: f32, map: vec4f) -> vec3f {
+    if (!has_layers) {
         return any_perpendicular(normal);
     }
     let along = surface_tangent(s, instance, normal);
     let across = cross(normal, along.xyz) * along.w;
-    let angle = materials[material].anisotropy_rotation;
     var direction = vec2f(cos(angle), sin(angle));
     if ((materials[material].texture_mask & (1u << (FIRST_LAYER_TEXTURE + LAYER_ANISOTROPY))) != 0u) {
         let texel = map.xy * 2.0 - 1.0;
@@ -123,32 +100,40 @@ fn stretched_tangent(s: Surface, material: u32, instance: u32, normal: vec3f, ma
 }
 
 // The layers above and the inside below a metallic-roughness surface.
-fn add_layers(b: ptr<function, Bsdf>, material: u32, roughness: f32, ior: f32, is_inside: bool, cosine: f32,
-              coat_normal: vec3f, layers: array<vec4f, 11>) {
+fn add_layers(b: ptr<function, Bsdf>, slot: u32, driven: u32, material: u32, roughness: f32, ior: f32, is_inside: bool,
+              cosine: f32, coat_normal: vec3f, layers: array<vec4f, 11>) {
     if (has_layers && !is_inside) {
-        (*b).coat = materials[material].coat * layers[LAYER_COAT].x;
-        let coat_roughness = saturate(materials[material].coat_roughness * layers[LAYER_COAT_ROUGHNESS].y);
+        (*b).coat = saturate(scalar_or(slot, driven, OUTPUT_COAT, materials[material].coat * layers[LAYER_COAT].x));
+        let coat_roughness = saturate(scalar_or(slot, driven, OUTPUT_COAT_ROUGHNESS,
+            materials[material].coat_roughness * layers[LAYER_COAT_ROUGHNESS].y));
         (*b).coat_alpha = max(coat_roughness * coat_roughness, MIN_ALPHA);
         (*b).coat_normal = coat_normal;
-        (*b).sheen_color = min(materials[material].sheen_color * layers[LAYER_SHEEN_COLOR].xyz, vec3f(1.0));
-        (*b).sheen_roughness = saturate(materials[material].sheen_roughness * layers[LAYER_SHEEN_ROUGHNESS].w);
-        (*b).iridescence = materials[material].iridescence * layers[LAYER_IRIDESCENCE].x;
+        (*b).sheen_color = min(color_or(slot, driven, OUTPUT_SHEEN_COLOR,
+            materials[material].sheen_color * layers[LAYER_SHEEN_COLOR].xyz), vec3f(1.0));
+        (*b).sheen_roughness = saturate(scalar_or(slot, driven, OUTPUT_SHEEN_ROUGHNESS,
+            materials[material].sheen_roughness * layers[LAYER_SHEEN_ROUGHNESS].w));
+        (*b).iridescence = saturate(scalar_or(slot, driven, OUTPUT_IRIDESCENCE,
+            materials[material].iridescence * layers[LAYER_IRIDESCENCE].x));
         if ((*b).iridescence > 0.0) {
             let range = materials[material].iridescence_thickness;
-            let thickness = mix(range.x, range.y, layers[LAYER_IRIDESCENCE_THICKNESS].y);
+            let thickness = max(scalar_or(slot, driven, OUTPUT_IRIDESCENCE_THICKNESS,
+                mix(range.x, range.y, layers[LAYER_IRIDESCENCE_THICKNESS].y)), 0.0);
             let f0 = mix((*b).specular * (*b).dielectric_f0, (*b).base_color, (*b).metallic);
             (*b).iridescent_f0 = film_reflection(saturate(cosine), materials[material].iridescence_ior, thickness, f0);
         }
     }
-    if (has_layers && materials[material].anisotropy > 0.0) {
-        let strength = materials[material].anisotropy * layers[LAYER_ANISOTROPY].z;
+    if (has_layers) {
+        let strength = scalar_or(slot, driven, OUTPUT_ANISOTROPY,
+            materials[material].anisotropy * layers[LAYER_ANISOTROPY].z);
         (*b).alpha = anisotropic_alpha(roughness, saturate(strength));
     }
     if (has_transmission) {
-        (*b).transmission = materials[material].transmission * layers[LAYER_TRANSMISSION].x;
-        (*b).diffuse_transmission = materials[material].diffuse_transmission * layers[LAYER_DIFFUSE_TRANSMISSION].w;
-        (*b).diffuse_transmission_color = saturate(materials[material].diffuse_transmission_color
-            * layers[LAYER_DIFFUSE_TRANSMISSION_COLOR].xyz);
+        (*b).transmission = saturate(scalar_or(slot, driven, OUTPUT_TRANSMISSION,
+            materials[material].transmission * layers[LAYER_TRANSMISSION].x));
+        (*b).diffuse_transmission = saturate(scalar_or(slot, driven, OUTPUT_DIFFUSE_TRANSMISSION,
+            materials[material].diffuse_transmission * layers[LAYER_DIFFUSE_TRANSMISSION].w));
+        (*b).diffuse_transmission_color = saturate(color_or(slot, driven, OUTPUT_DIFFUSE_TRANSMISSION_COLOR,
+            materials[material].diffuse_transmission_color * layers[LAYER_DIFFUSE_TRANSMISSION_COLOR].xyz));
         if ((materials[material].flags & MATERIAL_SOLID) != 0u && ior > 1.0) {
             (*b).eta = select(ior, 1.0 / ior, is_inside);
         }
@@ -220,11 +205,11 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     let s = surface_at(hit);
     let own_material = s.triangle.w & TRIANGLE_MATERIAL;
     var material = own_material;
-    var driven: Driven;
+    var driven = 0u; // the outputs that the texture program gave
     if (runs_program(materials[own_material].flags, depth)) {
         let resolved = path_words(PATH_STATE, slot);
         material = resolved.x;
-        driven = read_driven(slot, resolved.y);
+        driven = resolved.y;
     }
     let flags = materials[material].flags;
     // Seen from the inside of a transparent body.
@@ -232,7 +217,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
 
     if (gives(driven, OUTPUT_OPACITY)) {
         let coin = random_at(path, vertex_dimension(depth, DIMENSION_OPACITY), hit.triangle, hit.instance);
-        if (coin >= driven.opacity) {
+        if (coin >= scalar_or(slot, driven, OUTPUT_OPACITY, 1.0)) {
             // Nothing is here: the ray goes on behind it, as if it had not been met.
             path_write(PATH_RADIANCE, slot, vec4f(radiance, gathered.w));
             rays[slot].t_min = hit.t_max;
@@ -260,7 +245,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     let wanted = select(0xffffffffu, 1u << TEXTURE_EMISSION, depth >= frame.max_depth && (flags & MATERIAL_UNLIT) == 0u);
     let texels = material_textures(material, wanted, s.triangle, s.weights);
     if (gives(driven, OUTPUT_BASE_COLOR)) {
-        base_color = driven.base_color;
+        base_color = driven_vector(slot, driven, OUTPUT_BASE_COLOR);
     } else {
         base_color = materials[material].base_color.xyz * texels[TEXTURE_BASE_COLOR].xyz
             * interpolate_color(s.triangle, s.weights).xyz;
@@ -273,13 +258,11 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     if (s.front || (flags & MATERIAL_DOUBLE_SIDED) != 0u) {
         var emission = materials[material].emission;
         if (gives(driven, OUTPUT_EMISSION)) {
-            emission = driven.emission;
+            emission = driven_vector(slot, driven, OUTPUT_EMISSION);
         } else if (max_component(emission) > 0.0) {
             emission *= texels[TEXTURE_EMISSION].xyz;
         }
-        if (gives(driven, OUTPUT_EMISSION_STRENGTH)) {
-            emission *= max(driven.emission_strength, 0.0);
-        }
+        emission *= max(scalar_or(slot, driven, OUTPUT_EMISSION_STRENGTH, 1.0), 0.0);
         var weight = 1.0;
         let light_pdf = materials[own_material].light_pdf * (1.0 - frame.environment_probability);
         if (bsdf_pdf > 0.0 && light_pdf > 0.0) {
@@ -293,40 +276,32 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         return;
     }
 
-    let normal_scale = select(materials[material].normal_scale, driven.normal_scale, gives(driven, OUTPUT_NORMAL_SCALE));
+    let normal_scale = scalar_or(slot, driven, OUTPUT_NORMAL_SCALE, materials[material].normal_scale);
     var normal = mapped_normal(s, material, hit.instance, TEXTURE_NORMAL, texels[TEXTURE_NORMAL].xyz, normal_scale);
-    if (gives(driven, OUTPUT_NORMAL) && is_direction(driven.normal)) {
-        normal = visible_normal(normalize(driven.normal), s);
+    if (gives(driven, OUTPUT_NORMAL)) {
+        let given = driven_vector(slot, driven, OUTPUT_NORMAL);
+        if (is_direction(given)) {
+            normal = visible_normal(normalize(given), s);
+        }
     }
     if (gives(driven, OUTPUT_BUMP)) {
         // Mikkelsen, "Bump Mapping Unparametrized Surfaces on the GPU", 2010: the normal leans against the slope.
-        let leaning = normal - (driven.rise - normal * dot(driven.rise, normal));
+        let rise = driven_vector(slot, driven, OUTPUT_BUMP);
+        let leaning = normal - (rise - normal * dot(rise, normal));
         if (is_direction(leaning)) {
             normal = visible_normal(normalize(leaning), s);
         }
     }
     let metallic_roughness = texels[TEXTURE_METALLIC_ROUGHNESS];
-    var metallic = materials[material].metallic * metallic_roughness.z;
-    if (gives(driven, OUTPUT_METALLIC)) {
-        metallic = driven.metallic;
-    }
-    var roughness = materials[material].roughness * metallic_roughness.y;
-    if (gives(driven, OUTPUT_ROUGHNESS)) {
-        roughness = driven.roughness;
-    }
-    var specular = materials[material].specular * texels[TEXTURE_SPECULAR].w;
-    if (gives(driven, OUTPUT_SPECULAR)) {
-        specular = driven.specular;
-    }
-    var specular_color = materials[material].specular_color * texels[TEXTURE_SPECULAR_COLOR].xyz;
-    if (gives(driven, OUTPUT_SPECULAR_COLOR)) {
-        specular_color = max(driven.specular_color, vec3f(0.0));
-    }
+    let metallic = scalar_or(slot, driven, OUTPUT_METALLIC, materials[material].metallic * metallic_roughness.z);
+    let roughness = scalar_or(slot, driven, OUTPUT_ROUGHNESS, materials[material].roughness * metallic_roughness.y);
+    let specular = scalar_or(slot, driven, OUTPUT_SPECULAR, materials[material].specular * texels[TEXTURE_SPECULAR].w);
+    let specular_color = color_or(slot, driven, OUTPUT_SPECULAR_COLOR,
+        materials[material].specular_color * texels[TEXTURE_SPECULAR_COLOR].xyz);
     var f0 = materials[material].dielectric_f0;
-    var ior = materials[material].ior;
+    let ior = max(scalar_or(slot, driven, OUTPUT_IOR, materials[material].ior), 0.0);
     if (gives(driven, OUTPUT_IOR)) {
-        ior = driven.ior;
-        let ratio = (driven.ior - 1.0) / (max(driven.ior, 0.0) + 1.0);
+        let ratio = (ior - 1.0) / (ior + 1.0);
         f0 = ratio * ratio;
     }
     let dielectric_f0 = min(f0 * specular_color, vec3f(1.0));
@@ -336,11 +311,12 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     var tangent = any_perpendicular(normal);
     if (has_layers || has_transmission) {
         let layers = layer_textures(material, s.triangle, s.weights);
-        tangent = stretched_tangent(s, material, hit.instance, normal, layers[LAYER_ANISOTROPY]);
+        let turn = scalar_or(slot, driven, OUTPUT_ANISOTROPY_ROTATION, materials[material].anisotropy_rotation);
+        tangent = stretched_tangent(s, material, hit.instance, normal, turn, layers[LAYER_ANISOTROPY]);
         let coat_normal = mapped_normal(s, material, hit.instance, FIRST_LAYER_TEXTURE + LAYER_COAT_NORMAL,
             layers[LAYER_COAT_NORMAL].xyz, materials[material].coat_normal_scale);
         let local = vec3f(dot(coat_normal, tangent), dot(coat_normal, cross(normal, tangent)), dot(coat_normal, normal));
-        add_layers(&b, material, roughness, ior, is_inside, dot(normal, s.wo), local, layers);
+        add_layers(&b, slot, driven, material, roughness, ior, is_inside, dot(normal, s.wo), local, layers);
     }
     let bitangent = cross(normal, tangent);
     let wo = vec3f(dot(s.wo, tangent), dot(s.wo, bitangent), dot(s.wo, normal));

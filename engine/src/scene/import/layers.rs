@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 
 use super::error::Fault;
 use super::materials::{Reader, other_transform};
-use crate::scene::{Material, TextureRef};
+use crate::scene::{Material, TextureRef, absorption};
 
 type Extension<'e> = &'e Map<String, Value>;
 
@@ -28,8 +28,7 @@ impl Reader<'_> {
             let color = self.color(e, "attenuationColor", Vec3::ONE);
             let distance = self.number(e, "attenuationDistance", f32::INFINITY);
             if distance > 0.0 && distance.is_finite() {
-                // Black over any distance is as good as opaque.
-                material.absorption = -color.max(Vec3::splat(1e-6)).map(f32::ln) / distance;
+                material.absorption = absorption(color, distance);
             }
         }
         if let Some(e) = find("KHR_materials_diffuse_transmission") {

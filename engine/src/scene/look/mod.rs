@@ -5,6 +5,7 @@
 //! not know which materials the scene has or which parameters a texture takes: `procedural` brings those together.
 //! `docs/look-file.md` is the reference for users.
 
+mod material;
 mod parse;
 mod reader;
 #[cfg(test)]
@@ -16,6 +17,7 @@ use std::path::{Path, PathBuf};
 use glam::{Affine3A, Vec3};
 use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle};
 
+pub use material::MaterialLook;
 pub use reader::{color, link_text};
 pub use value::{Field, Span, Spanned, Value};
 
@@ -162,118 +164,6 @@ pub enum Input {
     Constant(Vec3),
     /// Driven by a node.
     Link(Link),
-}
-
-/// `[material.NAME]`: overrides of a glTF material, or a new one. `None` leaves a value as it is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MaterialLook {
-    /// The glTF material's name, or a new one.
-    pub name: Spanned<String>,
-    /// Linear colour.
-    pub base_color: Option<Spanned<Input>>,
-    /// 0 dielectric .. 1 metal.
-    pub metallic: Option<Spanned<Input>>,
-    /// Perceptual roughness.
-    pub roughness: Option<Spanned<Input>>,
-    /// Linear colour, before `emission_strength`.
-    pub emission: Option<Spanned<Input>>,
-    /// Factor on the emission, W/m²/sr.
-    pub emission_strength: Option<Spanned<Input>>,
-    /// How much of the surface is there: 0 nothing, 1 all.
-    pub opacity: Option<Spanned<Input>>,
-    /// Shading normal in the world; always a link.
-    pub normal: Option<Spanned<Input>>,
-    /// Height above the surface; always a link.
-    pub bump: Option<Spanned<Input>>,
-    /// Metres per unit of `bump`.
-    pub bump_scale: Option<Spanned<f32>>,
-    /// Alpha of the base colour's factor.
-    pub alpha: Option<Spanned<f32>>,
-    /// `alpha_mode = "opaque" | "mask" | "blend"`.
-    pub alpha_mode: Option<Spanned<AlphaLook>>,
-    /// Threshold of `alpha_mode = "mask"`.
-    pub alpha_cutoff: Option<Spanned<f32>>,
-    /// Weight of the dielectric's specular lobe.
-    pub specular: Option<Spanned<Input>>,
-    /// Tint of the dielectric's F0, linear.
-    pub specular_color: Option<Spanned<Input>>,
-    /// Index of refraction.
-    pub ior: Option<Spanned<Input>>,
-    /// Factor on the normal map.
-    pub normal_scale: Option<Spanned<Input>>,
-    /// Both sides reflect and emit.
-    pub double_sided: Option<Spanned<bool>>,
-    /// The base colour is shown as it is.
-    pub unlit: Option<Spanned<bool>>,
-    /// This material is a blend of two others.
-    pub blend: Option<Spanned<BlendLook>>,
-}
-
-impl MaterialLook {
-    /// A table that overrides nothing yet.
-    pub fn new(name: Spanned<String>) -> Self {
-        Self {
-            name,
-            base_color: None,
-            metallic: None,
-            roughness: None,
-            emission: None,
-            emission_strength: None,
-            opacity: None,
-            normal: None,
-            bump: None,
-            bump_scale: None,
-            alpha: None,
-            alpha_mode: None,
-            alpha_cutoff: None,
-            specular: None,
-            specular_color: None,
-            ior: None,
-            normal_scale: None,
-            double_sided: None,
-            unlit: None,
-            blend: None,
-        }
-    }
-
-    /// All inputs that a node may drive.
-    pub fn inputs(&self) -> impl Iterator<Item = &Spanned<Input>> {
-        [
-            &self.base_color,
-            &self.metallic,
-            &self.roughness,
-            &self.emission,
-            &self.emission_strength,
-            &self.opacity,
-            &self.normal,
-            &self.bump,
-            &self.specular,
-            &self.specular_color,
-            &self.ior,
-            &self.normal_scale,
-        ]
-        .into_iter()
-        .flatten()
-    }
-
-    /// Where the first key that describes a surface is written, if there is one.
-    fn first_surface_key(&self) -> Option<&Span> {
-        fn at<T>(key: &Option<Spanned<T>>) -> Option<&Span> {
-            key.as_ref().map(|k| &k.span)
-        }
-        let keys = [
-            at(&self.bump_scale),
-            at(&self.alpha),
-            at(&self.alpha_mode),
-            at(&self.alpha_cutoff),
-            at(&self.double_sided),
-            at(&self.unlit),
-        ];
-        let inputs = self.inputs().map(|input| &input.span);
-        (keys.into_iter().flatten())
-            .chain(inputs)
-            .min_by_key(|span| span.start)
-    }
 }
 
 /// How alpha is used, without the threshold.

@@ -9,11 +9,12 @@ use glam::{Affine3A, EulerRot, Quat, Vec3};
 use texgen::{SourceFile, did_you_mean};
 use toml_edit::Document;
 
-use super::reader::{Reader, is_name, unit};
+use super::material::material;
+use super::reader::{Reader, is_name};
 use super::value::{Field, Span, Spanned, Value, fields};
 use super::{
-    AlphaLook, AoDirection, AoLook, AoSettings, BlendLook, CameraLook, EnvironmentLook, Include,
-    Input, Look, MAX_AO, MaterialLook, NodeLook,
+    AoDirection, AoLook, AoSettings, BlendLook, CameraLook, EnvironmentLook, Include, Input, Look,
+    MAX_AO, NodeLook,
 };
 
 /// A look larger than this is not one.
@@ -263,105 +264,7 @@ fn node(
     })
 }
 
-fn material(
-    reader: &mut Reader,
-    name: &Spanned<String>,
-    table: &[Field],
-    _: &Span,
-) -> Option<MaterialLook> {
-    const KEYS: [&str; 19] = [
-        "base_color",
-        "roughness",
-        "metallic",
-        "emission",
-        "emission_strength",
-        "opacity",
-        "normal",
-        "bump",
-        "bump_scale",
-        "alpha",
-        "alpha_mode",
-        "alpha_cutoff",
-        "specular",
-        "specular_color",
-        "ior",
-        "normal_scale",
-        "double_sided",
-        "unlit",
-        "blend",
-    ];
-    const MODES: [(&str, AlphaLook); 3] = [
-        ("opaque", AlphaLook::Opaque),
-        ("mask", AlphaLook::Mask),
-        ("blend", AlphaLook::Blend),
-    ];
-    const UNIT: &str = "a number from 0 to 1";
-    const POSITIVE: &str = "a number that isn't negative";
-    let mut m = MaterialLook::new(name.clone());
-    for Field { key, value } in table {
-        match key.value.as_str() {
-            "base_color" => m.base_color = reader.color_input(value),
-            "metallic" => m.metallic = reader.unit_input(value),
-            "roughness" => m.roughness = reader.unit_input(value),
-            "emission" => m.emission = reader.color_input(value),
-            "emission_strength" => {
-                m.emission_strength = reader.number_input(value, POSITIVE, |x| x >= 0.0);
-            }
-            "opacity" => m.opacity = reader.unit_input(value),
-            "normal" => m.normal = reader.link_input(value),
-            "bump" => m.bump = reader.link_input(value),
-            "bump_scale" => m.bump_scale = reader.number(value, "metres per unit", |_| true),
-            "alpha" => m.alpha = reader.number(value, UNIT, unit),
-            "alpha_mode" => m.alpha_mode = choice(reader, value, &MODES),
-            "alpha_cutoff" => m.alpha_cutoff = reader.number(value, POSITIVE, |x| x >= 0.0),
-            "specular" => m.specular = reader.unit_input(value),
-            "specular_color" => m.specular_color = reader.color_input(value),
-            "ior" => {
-                m.ior = reader.number_input(value, "0, or a number of at least 1", |x| {
-                    x == 0.0 || x >= 1.0
-                });
-            }
-            "normal_scale" => m.normal_scale = reader.number_input(value, "a number", |_| true),
-            "double_sided" => m.double_sided = reader.bool(value),
-            "unlit" => m.unlit = reader.bool(value),
-            "blend" => m.blend = blend(reader, value),
-            _ => reader.unknown_key(key, "[material.NAME]", &KEYS),
-        }
-    }
-    if let (Some(scale), None) = (&m.bump_scale, &m.bump) {
-        reader.problem_with_note(
-            &scale.span,
-            "`bump_scale` has no effect without `bump`",
-            "name the node that gives the height, as in bump = \"dents\"",
-        );
-    }
-    let has_alpha = m.alpha.is_some() || m.alpha_mode.is_some() || m.alpha_cutoff.is_some();
-    if let (Some(opacity), true) = (&m.opacity, has_alpha) {
-        reader.problem_with_note(
-            &opacity.span,
-            "`opacity` stands in place of alpha: give one of them",
-            "leave out `alpha`, `alpha_mode` and `alpha_cutoff`, or `opacity`",
-        );
-    }
-    if let (Some(blend), Some(key)) = (&m.blend, m.first_surface_key())
-        && blend.value.base.value != name.value
-    {
-        reader.problem_with_note(
-            key,
-            format!(
-                "[material.{}] is a blend of other materials and has no surface of its own",
-                name.value
-            ),
-            format!(
-                "set this on [material.{}] or [material.{}]",
-                blend.value.base.value, blend.value.over.value
-            ),
-        );
-    }
-    Some(m)
-}
-
-fn blend(reader: &mut Reader, value: &Spanned<Value>) -> Option<Spanned<BlendLook>> {
+pub(super) fn blend(reader: &mut Reader, value: &Spanned<Value>) -> Option<Spanned<BlendLook>> {
     const KEYS: [&str; 3] = ["base", "over", "mask"];
     const SHAPE: &str = "{ base = \"MATERIAL\", over = \"MATERIAL\", mask = \"NODE\" }";
     let table = reader.table(value, SHAPE)?;
@@ -484,7 +387,7 @@ fn scale(reader: &mut Reader, value: &Spanned<Value>) -> Option<Vec3> {
 }
 
 /// One of a few words.
-fn choice<T: Copy>(
+pub(super) fn choice<T: Copy>(
     reader: &mut Reader,
     value: &Spanned<Value>,
     words: &[(&str, T)],

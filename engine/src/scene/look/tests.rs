@@ -92,11 +92,11 @@ scale = 2
     );
     let iron = &look.materials[1];
     assert_eq!(
-        iron.roughness.as_ref().unwrap().value,
+        iron.input("roughness").unwrap().value,
         Input::Constant(Vec3::splat(0.9))
     );
     assert_eq!(
-        iron.emission.as_ref().unwrap().value,
+        iron.input("emission").unwrap().value,
         Input::Constant(Vec3::X)
     );
     // +Z turned by 90 degrees about +Y is +X.
