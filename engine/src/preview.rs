@@ -11,10 +11,7 @@ use crate::gpu::Gpu;
 use crate::isolated::{self, Isolated, Part, Subject};
 use crate::procedural::{CompileError, EditError, Output, TextureSources};
 use crate::renderer::{RenderError, RenderSettings, Renderer};
-use crate::scene::{Camera, Environment, Instance, Material, Mesh, Projection, Scene};
-
-/// Width of the picture by its height: as wide as the three objects.
-pub const ASPECT: u32 = 2;
+use crate::scene::{Camera, Environment, FloatImage, Instance, Material, Mesh, Projection, Scene};
 
 /// Material of the objects.
 const SHOWN: &str = "shown";
@@ -91,7 +88,7 @@ impl Preview {
         self.isolated.procedural.warnings()
     }
 
-    /// A renderer of the picture, `ASPECT` times as wide as high; `width` in pixels.
+    /// A renderer of the picture; `width` in pixels, it is two fifths as high.
     ///
     /// # Errors
     /// An image parameter is not set, or the device refuses.
@@ -100,9 +97,9 @@ impl Preview {
         procedural.set_output_link(SHOWN, Output::BaseColor, Some(&self.display))?;
         let settings = RenderSettings {
             width,
-            height: (width / ASPECT).max(1),
-            // Light that two objects throw at each other, and no more: it shows shape, the rest costs time.
-            max_depth: 2,
+            height: (width * 2 / 5).max(1),
+            // Light from one object to another would cost time and show nothing of the texture.
+            max_depth: 1,
             seed: 0,
             camera: camera(),
         };
@@ -135,55 +132,70 @@ fn display_of(output: OutputType) -> String {
     )
 }
 
-/// The three objects on a floor, a large lamp above them on the left, a weaker one on the right, and a grey sky.
+/// The three objects in soft light from the upper left. They don't shade one another and the light is smooth, so a few
+/// samples do.
 fn studio() -> Scene {
     let mut scene = Scene {
-        environment: Environment::Constant(Vec3::splat(0.5)),
+        materials: vec![Material {
+            name: SHOWN.to_owned(),
+            metallic: 0.0,
+            roughness: 0.6,
+            ..Material::default()
+        }],
+        environment: sky(),
         ..Scene::default()
     };
-    let material = |name: &str, color: f32, emission: f32| Material {
-        name: name.to_owned(),
-        base_color: Vec3::splat(color).extend(1.0),
-        metallic: 0.0,
-        roughness: 0.6,
-        emission: Vec3::splat(emission),
-        ..Material::default()
-    };
-    scene.materials = vec![
-        material(SHOWN, 0.8, 0.0),
-        material("floor", 0.4, 0.0),
-        material("key lamp", 0.0, 9.0),
-        material("fill lamp", 0.0, 2.5),
-    ];
-    let turned =
-        Affine3A::from_rotation_translation(Quat::from_rotation_y(0.6), Vec3::new(1.3, 0.42, 0.0));
-    let leaning =
-        Affine3A::from_rotation_translation(Quat::from_rotation_x(-0.2), Vec3::new(0.0, 0.52, 0.0));
-    add(
-        &mut scene,
-        sphere(0.5),
-        0,
-        Affine3A::from_translation(Vec3::new(-1.3, 0.5, 0.0)),
-    );
-    add(&mut scene, square(0.5), 0, leaning);
-    add(&mut scene, cube(0.42), 0, turned);
-    let floor = Affine3A::from_rotation_x(-0.5 * PI);
-    add(&mut scene, square(30.0), 1, floor);
-    let key = facing(Vec3::new(-2.5, 3.2, 3.0), Vec3::ZERO);
-    add(&mut scene, square(0.9), 2, key);
-    let fill = facing(Vec3::new(3.4, 2.0, 2.2), Vec3::ZERO);
-    add(&mut scene, square(0.9), 3, fill);
+    let turned = Quat::from_rotation_x(0.12) * Quat::from_rotation_y(0.62);
+    for (mesh, transform) in [
+        (sphere(0.5), Affine3A::from_translation(Vec3::X * -1.18)),
+        (square(0.5), Affine3A::from_rotation_x(-0.1)),
+        (
+            cube(0.38),
+            Affine3A::from_rotation_translation(turned, Vec3::X * 1.18),
+        ),
+    ] {
+        add(&mut scene, mesh, transform);
+    }
     scene
 }
 
+/// Grey all around, with a wide soft light on the upper left in front of the objects.
+fn sky() -> Environment {
+    const WIDTH: u32 = 128;
+    const HEIGHT: u32 = 64;
+    let light = Vec3::new(-0.55, 0.6, 0.6).normalize();
+    let mut rgb = Vec::new();
+    for row in 0..HEIGHT {
+        for column in 0..WIDTH {
+            let phi = TAU * (column as f32 + 0.5) / WIDTH as f32;
+            let theta = PI * (row as f32 + 0.5) / HEIGHT as f32;
+            let direction = Vec3::new(
+                theta.sin() * phi.sin(),
+                theta.cos(),
+                -theta.sin() * phi.cos(),
+            );
+            let radiance = 0.3 + 2.2 * direction.dot(light).max(0.0).powi(3);
+            rgb.push([radiance; 3]);
+        }
+    }
+    Environment::Image {
+        image: FloatImage {
+            width: WIDTH,
+            height: HEIGHT,
+            rgb,
+        },
+        rotation: 0.0,
+        intensity: 1.0,
+    }
+}
+
 fn camera() -> Camera {
-    let (eye, target) = (Vec3::new(0.0, 1.25, 5.6), Vec3::new(0.0, 0.44, 0.0));
-    // A camera looks along -Z, a lamp shines along +Z.
-    let back = facing(eye, 2.0 * eye - target);
+    let eye = Vec3::new(0.0, 0.9, 5.6);
+    // A camera looks along -Z.
     Camera {
         name: "preview".to_owned(),
-        transform: back,
-        projection: Projection::Perspective { y_fov: 0.36 },
+        transform: facing(eye, 2.0 * eye),
+        projection: Projection::Perspective { y_fov: 0.255 },
         aperture_radius: 0.0,
         focus_distance: 1.0,
     }
@@ -199,8 +211,8 @@ fn facing(place: Vec3, at: Vec3) -> Affine3A {
     }
 }
 
-fn add(scene: &mut Scene, mut mesh: Mesh, material: u32, transform: Affine3A) {
-    mesh.triangle_materials = vec![material; mesh.triangles.len()];
+fn add(scene: &mut Scene, mut mesh: Mesh, transform: Affine3A) {
+    mesh.triangle_materials = vec![0; mesh.triangles.len()];
     scene.instances.push(Instance {
         name: mesh.name.clone(),
         mesh: scene.meshes.len() as u32,
