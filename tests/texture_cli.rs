@@ -455,6 +455,54 @@ fn a_new_texture_is_a_good_texture_and_replaces_nothing() {
     }
 }
 
+/// Whether a line of output is what a document shows: numbers up to rounding, `...` stands for any rest.
+fn is_shown(shown: &str, line: &str) -> bool {
+    if let Some(beginning) = shown.strip_suffix("...") {
+        return line.starts_with(beginning.trim_end());
+    }
+    let (a, b) = (shown.split_whitespace(), line.split_whitespace());
+    let same = |(a, b): (&str, &str)| match (a.parse::<f32>(), b.parse::<f32>()) {
+        (Ok(a), Ok(b)) => (a - b).abs() < 1.0e-3,
+        _ => a == b,
+    };
+    a.clone().count() == b.clone().count() && a.zip(b).all(same)
+}
+
+#[test]
+fn the_documents_show_what_the_tools_print() {
+    if !device() {
+        return;
+    }
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/texture-language.md");
+    let page = fs::read_to_string(page).expect("the page is part of the project");
+    let (_, example) = page.split_once("```wgsl,error\n").expect("it has one");
+    let (example, _) = example.split_once("```").expect("the block ends");
+    let desk = Desk::new().with("example.wgsl", example);
+    let mut commands = 0;
+    let mut lines = page.lines();
+    while let Some(line) = lines.next() {
+        let Some(command) = line.strip_prefix("    $ patina ") else {
+            continue;
+        };
+        commands += 1;
+        let output = Command::new(env!("CARGO_BIN_EXE_patina"))
+            .args(command.replace('"', "").split_whitespace())
+            .current_dir(&desk.dir)
+            .output()
+            .expect("patina starts");
+        let output = String::from_utf8_lossy(&output.stdout).into_owned();
+        let mut printed = output.lines();
+        for shown in lines.by_ref().take_while(|line| !line.is_empty()) {
+            let found = printed.next().unwrap_or_default();
+            assert!(
+                is_shown(shown.trim_start(), found),
+                "{command}\nis said to print: {shown}\nbut prints:       {found}"
+            );
+        }
+    }
+    assert!(commands >= 3, "the page shows commands with their output");
+}
+
 /// One triangle; no other file is needed.
 const TRIANGLE: &str = r#"{
   "asset": { "version": "2.0" },

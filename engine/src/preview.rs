@@ -174,7 +174,7 @@ fn sky() -> Environment {
                 theta.cos(),
                 -theta.sin() * phi.cos(),
             );
-            let radiance = 0.3 + 2.2 * direction.dot(light).max(0.0).powi(3);
+            let radiance = 0.2 + 2.8 * direction.dot(light).max(0.0).powi(4);
             rgb.push([radiance; 3]);
         }
     }
