@@ -5,12 +5,15 @@
 pub mod alias;
 pub mod bench;
 pub mod bvh;
+pub mod evaluate;
 pub mod film;
 pub mod frame;
 pub mod gpu;
 pub mod gpu_scene;
+pub mod isolated;
 pub mod load;
 pub mod passes;
+pub mod preview;
 pub mod procedural;
 pub mod renderer;
 pub mod scene;

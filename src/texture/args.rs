@@ -143,7 +143,7 @@ pub(crate) struct PreviewArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Width of the picture in pixels; it is half as high.
+    /// Width of the picture in pixels; it is two fifths as high.
     #[arg(long, value_name = "N", default_value = "512")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) size: String,

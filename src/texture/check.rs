@@ -8,6 +8,7 @@ use texgen::{Diagnostic, Diagnostics, SourceFile, TextureType};
 use crate::console;
 use crate::exit::Failure;
 
+use super::counted;
 use super::job::CheckJob;
 
 /// Prints what is wrong and what is odd.
@@ -85,11 +86,4 @@ fn problems(file: &Read) -> Diagnostics {
 
 fn is_error(diagnostic: &Diagnostic) -> bool {
     diagnostic.severity == texgen::Severity::Error
-}
-
-fn counted(count: usize, what: &str) -> String {
-    match count {
-        1 => format!("1 {what}"),
-        _ => format!("{count} {what}s"),
-    }
 }

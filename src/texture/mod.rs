@@ -2,9 +2,13 @@
 
 pub(crate) mod args;
 mod check;
+mod eval;
+mod inspect;
 pub(crate) mod job;
 mod list;
 mod new;
+mod preview;
+mod programs;
 mod written;
 
 use std::path::{Path, PathBuf};
@@ -26,7 +30,9 @@ pub(crate) fn run(job: TextureJob) -> Result<(), Failure> {
         TextureJob::List(texture_dirs) => list::run(&texture_dirs),
         TextureJob::Check(job) => check::run(&job),
         TextureJob::New(job) => new::run(&job),
-        _ => Err(Failure::because("not yet")),
+        TextureJob::Inspect(job) => inspect::run(&job),
+        TextureJob::Eval(job) => eval::run(&job),
+        TextureJob::Preview(job) => preview::run(&job),
     }
 }
 
@@ -53,6 +59,13 @@ fn unknown(sources: &TextureSources, name: &str) -> Diagnostic {
     match did_you_mean(name, sources.names()) {
         Some(near) => error.with_note(format!("did you mean `{near}`?")),
         None => error.with_note("`patina texture list` shows those there are"),
+    }
+}
+/// A number of things, as in `2 errors`.
+fn counted(count: usize, what: &str) -> String {
+    match count {
+        1 => format!("1 {what}"),
+        _ => format!("{count} {what}s"),
     }
 }
 

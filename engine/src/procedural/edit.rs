@@ -24,6 +24,16 @@ pub enum EditError {
     /// A link that can't be understood, or whose type doesn't fit.
     #[error("{0}")]
     Link(String),
+    /// A written argument that the parameter doesn't take.
+    #[error("`{parameter}` = `{text}`: {message}")]
+    Argument {
+        /// The parameter.
+        parameter: String,
+        /// As written.
+        text: String,
+        /// What is wrong, and what to write.
+        message: String,
+    },
     /// AO settings out of range.
     #[error("AO needs a distance greater than 0 and 1 to 255 samples")]
     AoSettings,
@@ -172,7 +182,7 @@ impl Procedural {
         })
     }
 
-    fn node(&self, name: &str) -> Result<NodeId, EditError> {
+    pub(super) fn node(&self, name: &str) -> Result<NodeId, EditError> {
         self.graph
             .node(name)
             .ok_or_else(|| unknown("node", name, None))

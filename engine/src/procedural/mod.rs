@@ -50,6 +50,7 @@ mod tests;
 mod traits;
 mod values;
 mod wiring;
+mod written;
 
 use std::collections::HashMap;
 use std::ops::Range;

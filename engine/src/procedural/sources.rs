@@ -79,6 +79,17 @@ impl TextureSources {
         self.by_name.insert(name.to_owned(), Source::Text(file));
     }
 
+    /// Adds a texture from a file anywhere, in place of one of that name, and returns its name. It is read now.
+    ///
+    /// # Errors
+    /// The file can't be read, or is no text.
+    pub fn add_file(&mut self, path: &Path) -> Result<String, SourcesError> {
+        let file = Self::open(path)?;
+        let name = file.name().to_owned();
+        self.by_name.insert(name.clone(), Source::Text(file));
+        Ok(name)
+    }
+
     /// All names, sorted.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.by_name.keys().map(String::as_str)

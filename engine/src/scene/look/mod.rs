@@ -19,7 +19,7 @@ use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle};
 
 pub use material::MaterialLook;
 pub use reader::{color, link_text};
-pub use value::{Field, Span, Spanned, Value};
+pub use value::{Field, Span, Spanned, Value, parse_value};
 
 /// The most AO tables a look may have: the hit of a path carries this many occlusion values.
 pub const MAX_AO: usize = 4;

@@ -83,6 +83,12 @@ impl Value {
     }
 }
 
+/// One value as it stands on the right of a `=`; `None` where it isn't TOML.
+pub fn parse_value(text: &str) -> Option<Spanned<Value>> {
+    let value: toml_edit::Value = text.parse().ok()?;
+    Some(from_value(&value, 0))
+}
+
 /// Converts a parsed table; `end` stands in where toml_edit has no span (it has one for everything that was written).
 pub(super) fn fields(table: &dyn TableLike, end: usize) -> Vec<Field> {
     table

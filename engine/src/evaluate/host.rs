@@ -1,0 +1,136 @@
+//! The host of the generated kernel for evaluation: what texgen's host stub declares, read from a buffer of points.
+
+use std::fmt::Write;
+
+use texgen::{GeneratedKernel, HOST_STUB};
+
+use crate::gpu::wgsl::Source;
+
+use super::point::Layout;
+
+/// Resources and the entry point. `points` begins with a header: how many there are, the row of the image table where
+/// the texture's images begin, and the slot of the result.
+const FRAME: &str = "
+@group(0) @binding(0) var<storage, read> programs: array<u32>;
+@group(0) @binding(1) var<storage, read> args: array<u32>;
+@group(0) @binding(2) var<storage, read> points: array<vec4u>;
+@group(0) @binding(3) var<storage, read_write> values: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> overrun: array<atomic<u32>>;
+
+var<private> point: u32;
+
+fn point_value(i: u32) -> vec4f {
+    return bitcast<vec4f>(points[1u + point * POINT_STRIDE + i]);
+}
+
+@compute @workgroup_size(64)
+fn evaluate(@builtin(global_invocation_id) id: vec3u) {
+    point = id.x;
+    if (point >= points[0].x) {
+        return;
+    }
+    patina_run_program(0u);
+    values[point] = patina_link(points[0].z);
+    if (patina_overrun != 0u) {
+        atomicMax(&overrun[0], patina_overrun);
+    }
+}
+";
+
+/// The whole kernel. `second_occlusion` is the AO slot that the subject reads as `AO1`, where it isn't that of `AO`.
+pub(super) fn source(
+    layout: &Layout,
+    second_occlusion: Option<u32>,
+    generated: &GeneratedKernel,
+) -> Source {
+    // Images are sampled by the code that renders.
+    let mut source = Source::of("shared/images.wgsl");
+    source.text.push_str(FRAME);
+    let _ = writeln!(source.text, "const POINT_STRIDE = {}u;", layout.stride());
+    for line in HOST_STUB.lines() {
+        match line.strip_prefix("fn ").and_then(|l| l.split_once('(')) {
+            Some((name, _)) => {
+                let head = line.split_once('{').map_or(line, |(head, _)| head);
+                match body(layout, second_occlusion, name) {
+                    Some(body) => {
+                        let _ = writeln!(source.text, "{head}{{ {body} }}");
+                    }
+                    None => {
+                        let _ = writeln!(source.text, "{line}");
+                    }
+                }
+            }
+            None => {
+                let _ = writeln!(source.text, "{line}");
+            }
+        }
+    }
+    source.append_generated(generated);
+    source
+}
+
+/// What a host function does; `None` leaves it to do nothing.
+fn body(layout: &Layout, second_occlusion: Option<u32>, name: &str) -> Option<String> {
+    let read = |place: usize| format!("return point_value({place}u);");
+    Some(match name {
+        "patina_program_word" => "return programs[i];".to_owned(),
+        "patina_arg_word" => "return args[i];".to_owned(),
+        // There is one level so far, as in the renderer.
+        "patina_sample_image" | "patina_sample_image_lod" => {
+            "let row = textureLoad(image_table, vec2u((points[0].y + image) % IMAGE_TABLE_WIDTH, (points[0].y + image) / IMAGE_TABLE_WIDTH), 0); \
+             return sample_image(points[0].y + image, row.w, uv);"
+                .to_owned()
+        }
+        "patina_image_size" => {
+            "return vec2f(image_rect(points[0].y + image).size);".to_owned()
+        }
+        "patina_attr_AO" => {
+            let (first, second) = (layout.attribute("AO")?, layout.attribute("AO1")?);
+            match second_occlusion {
+                Some(slot) => {
+                    format!("return point_value(select({first}u, {second}u, slot == {slot}u));")
+                }
+                None => read(first),
+            }
+        }
+        "patina_attr_custom" => {
+            format!("return point_value({}u + index);", layout.custom_start())
+        }
+        _ => {
+            if let Some(attribute) = name.strip_prefix("patina_attr_") {
+                read(layout.attribute(attribute)?)
+            } else {
+                read(layout.global(name.strip_prefix("patina_global_")?)?)
+            }
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use texgen::{Library, SourceFile, TextureType};
+
+    #[test]
+    fn every_host_function_has_a_body_and_the_kernel_is_valid() {
+        let layout = Layout::new(vec!["_A".into()]);
+        let functions = HOST_STUB.lines().filter_map(|l| l.strip_prefix("fn "));
+        for name in functions.filter_map(|l| l.split_once('(').map(|(name, _)| name)) {
+            assert!(body(&layout, Some(1), name).is_some(), "{name}");
+        }
+        let text = "fn userProc(image: sam2D) -> vec4f {
+            return readAttr(_A) + readAttr(AO) + tex2D(image, texSize(image)) + readGlobal(Time); }";
+        let texture = TextureType::parse(SourceFile::new("t", "t.wgsl", text))
+            .unwrap_or_else(|problems| panic!("{problems}"));
+        let library = Library::new(vec![texture]).unwrap_or_else(|problem| panic!("{problem}"));
+        let source = source(&layout, Some(1), &library.emit(1));
+        let module = naga::front::wgsl::parse_str(&source.text)
+            .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source.text)));
+        naga::valid::Validator::new(
+            naga::valid::ValidationFlags::all(),
+            naga::valid::Capabilities::empty(),
+        )
+        .validate(&module)
+        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source.text)));
+    }
+}

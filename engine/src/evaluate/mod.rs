@@ -1,0 +1,269 @@
+//! Values of a texture at points of one's choice, without a scene: for tests of textures.
+//!
+//! The kernel is the one that renders, with another host: attributes and globals come from a list of [`Point`]s
+//! instead of hits.
+//!
+//! ```no_run
+//! use engine::evaluate::{Evaluator, Point};
+//! use engine::gpu::{DeviceChoice, Gpu};
+//!
+//! // As in a test of a texture with a parameter `scale`.
+//! let gpu = Gpu::new(&DeviceChoice::Best)?;
+//! let mut stripes = Evaluator::of_file(&gpu, "user_textures/stripes.wgsl".as_ref())?;
+//! stripes.set("scale", "3")?;
+//! let points = [0.0, 0.25, 0.5].map(|u| Point::new().with("TexCoord0", &[u, 0.0]));
+//! let values = stripes.evaluate(&points)?;
+//! assert_eq!(values[0], values[2], "stripes repeat");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod host;
+mod point;
+
+use std::path::Path;
+
+use texgen::{Diagnostics, GraphError, LOOP_LIMIT, Value, did_you_mean};
+
+use crate::gpu::kernel::{Extent, Kernel, Resources, Trust};
+use crate::gpu::{Gpu, GpuError};
+use crate::gpu_scene::images::GpuImages;
+use crate::isolated::{Isolated, Subject};
+use crate::procedural::{EditError, MAX_STACK_SLOTS, SourcesError, TextureSources};
+
+pub use point::Point;
+
+use point::Layout;
+
+/// Points of one dispatch.
+const BATCH: usize = 1 << 16;
+
+/// Why there are no values.
+#[derive(Debug, thiserror::Error)]
+pub enum EvaluateError {
+    /// The texture's file can't be read.
+    #[error(transparent)]
+    Source(#[from] SourcesError),
+    /// Mistakes in the texture.
+    #[error(transparent)]
+    Mistakes(#[from] Diagnostics),
+    /// An argument can't be set.
+    #[error(transparent)]
+    Edit(#[from] EditError),
+    /// An image is missing, or the graph is too large.
+    #[error(transparent)]
+    Graph(Box<GraphError>),
+    /// More intermediate results than a thread can hold.
+    #[error(
+        "{needed} intermediate results are needed at once, and at most {MAX_STACK_SLOTS} are possible"
+    )]
+    TooManySlots {
+        /// How many.
+        needed: u32,
+    },
+    /// A point names something that can't be read.
+    #[error("there is no attribute or global called `{name}` to be set{}", hint(.suggestion))]
+    UnknownName {
+        /// As given.
+        name: String,
+        /// A name it may have meant.
+        suggestion: Option<String>,
+    },
+    /// Not one to four numbers.
+    #[error("`{name}` takes 1 to 4 numbers, not {count}")]
+    Components {
+        /// The attribute or global.
+        name: String,
+        /// How many were given.
+        count: usize,
+    },
+    /// A loop doesn't end.
+    #[error(
+        "the loops of texture `{texture}` took more than {LOOP_LIMIT} steps at one point; look for a loop that doesn't end"
+    )]
+    Endless {
+        /// The texture.
+        texture: String,
+    },
+    /// The device.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+fn hint(suggestion: &Option<String>) -> String {
+    suggestion
+        .as_ref()
+        .map_or(String::new(), |name| format!("; did you mean `{name}`?"))
+}
+
+impl From<GraphError> for EvaluateError {
+    fn from(error: GraphError) -> Self {
+        Self::Graph(Box::new(error))
+    }
+}
+
+/// Evaluates one texture or node.
+#[derive(Debug)]
+pub struct Evaluator {
+    gpu: Gpu,
+    isolated: Isolated,
+    layout: Layout,
+    /// With the stack slots it was made for.
+    kernel: Option<(u32, Kernel)>,
+}
+
+impl Evaluator {
+    /// Evaluates `isolated`.
+    pub fn new(gpu: &Gpu, isolated: Isolated) -> Self {
+        let library = isolated.procedural.graph().library();
+        Self {
+            gpu: gpu.clone(),
+            layout: Layout::new(library.custom_attributes()),
+            isolated,
+            kernel: None,
+        }
+    }
+
+    /// Evaluates the texture in a file, with its default arguments.
+    ///
+    /// # Errors
+    /// The file can't be read; every mistake in it.
+    pub fn of_file(gpu: &Gpu, path: &Path) -> Result<Self, EvaluateError> {
+        let mut sources = TextureSources::default();
+        let name = sources.add_file(path)?;
+        let isolated = Isolated::new(Subject::Texture(&name), &sources)?;
+        Ok(Self::new(gpu, isolated))
+    }
+
+    /// Sets a parameter to what a text says: `3`, `[1, 0.5, 0]`, `#c46a2a`, the path of an image.
+    ///
+    /// # Errors
+    /// Unknown names, a value of another type, an image that can't be read.
+    pub fn set(&mut self, parameter: &str, text: &str) -> Result<(), EvaluateError> {
+        Ok(self.isolated.set(parameter, text)?)
+    }
+
+    /// Sets a parameter to a constant.
+    ///
+    /// # Errors
+    /// Unknown parameter; a value of another type, or not finite.
+    pub fn set_value(&mut self, parameter: &str, value: Value) -> Result<(), EvaluateError> {
+        Ok(self.isolated.set_value(parameter, value)?)
+    }
+
+    /// What is evaluated.
+    pub fn isolated(&self) -> &Isolated {
+        &self.isolated
+    }
+
+    /// The values at some points, in their order: an `f32` fills all components, behind a `vec2f` follow 0 and 1, and
+    /// behind a `vec3f` follows 1.
+    ///
+    /// # Errors
+    /// An image parameter is not set, a point names what doesn't exist, a loop doesn't end, or the device fails.
+    pub fn evaluate(&mut self, points: &[Point]) -> Result<Vec<[f32; 4]>, EvaluateError> {
+        for point in points {
+            self.check(point)?;
+        }
+        let graph = self.isolated.procedural.graph();
+        let node = graph.node(&self.isolated.node);
+        let node = node.expect("the subject is a node of its own graph");
+        let program = graph.compile(&[node])?;
+        if program.slots_needed > MAX_STACK_SLOTS {
+            return Err(EvaluateError::TooManySlots {
+                needed: program.slots_needed,
+            });
+        }
+        let args = graph.args().to_vec();
+        let [first, second] = graph.occlusion(node);
+        self.compile(program.slots_needed, (first != second).then_some(second))?;
+        let scene = &self.isolated.scene;
+        let images = GpuImages::new(&self.gpu, scene, self.isolated.procedural.textures())?;
+        let user_base = images.user_base;
+        let mut resources = Resources::default();
+        resources.set_view("image_table", images.table);
+        resources.set_view("image_layers", images.layers);
+        resources.set_view("image_layers_srgb", images.layers_srgb);
+        for (name, words) in [("programs", &program.words), ("args", &args)] {
+            let buffer = self
+                .gpu
+                .storage_buffer(name, bytemuck::cast_slice(words.as_slice()))?;
+            resources.set_buffer(name, buffer);
+        }
+        let mut values = Vec::with_capacity(points.len());
+        for batch in points.chunks(BATCH) {
+            let header = [batch.len() as u32, user_base, program.results[0], 0];
+            let words = self.layout.words(header, batch);
+            values.extend(self.dispatch(&mut resources, &words, batch.len())?);
+        }
+        Ok(values)
+    }
+
+    fn check(&self, point: &Point) -> Result<(), EvaluateError> {
+        for (name, components) in point.values() {
+            if !self.layout.has(name) {
+                let suggestion = did_you_mean(name, self.layout.names()).map(str::to_owned);
+                return Err(EvaluateError::UnknownName {
+                    name: name.to_owned(),
+                    suggestion,
+                });
+            }
+            if !(1..=4).contains(&components.len()) {
+                return Err(EvaluateError::Components {
+                    name: name.to_owned(),
+                    count: components.len(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the kernel, unless there is one with enough slots.
+    fn compile(&mut self, slots: u32, second_occlusion: Option<u32>) -> Result<(), EvaluateError> {
+        if self.kernel.as_ref().is_some_and(|(has, _)| *has >= slots) {
+            return Ok(());
+        }
+        let generated = self.isolated.procedural.graph().library().emit(slots);
+        let source = host::source(&self.layout, second_occlusion, &generated);
+        let kernel = Kernel::new(&self.gpu, &source, "evaluate", Trust::User, &[])?;
+        self.kernel = Some((slots, kernel));
+        Ok(())
+    }
+
+    fn dispatch(
+        &self,
+        resources: &mut Resources,
+        points: &[[u32; 4]],
+        count: usize,
+    ) -> Result<Vec<[f32; 4]>, EvaluateError> {
+        let (_, kernel) = self.kernel.as_ref().expect("it was made before");
+        let gpu = &self.gpu;
+        let bytes = 16 * count as u64;
+        let storage = wgpu::BufferUsages::STORAGE;
+        resources.set_buffer(
+            "points",
+            gpu.storage_buffer("points", bytemuck::cast_slice(points))?,
+        );
+        resources.set_buffer("values", gpu.empty_buffer("values", bytes, storage)?);
+        resources.set_buffer("overrun", gpu.empty_buffer("overrun", 4, storage)?);
+        let bound = kernel.bind(gpu, resources);
+        let mut encoder = gpu
+            .device()
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                label: Some("evaluate"),
+            });
+        bound.record(&mut encoder, Extent::Threads(count as u32), None);
+        gpu.queue().submit([encoder.finish()]);
+        gpu.wait()?;
+        let overrun = gpu.read_buffer(resources.buffer("overrun"), 0, 4)?;
+        let overrun: Vec<u32> = bytemuck::pod_collect_to_vec(&overrun);
+        if overrun[0] != 0 {
+            let textures = self.isolated.procedural.graph().library().textures();
+            let texture = textures.get(overrun[0] as usize - 1);
+            return Err(EvaluateError::Endless {
+                texture: texture.map_or_else(String::new, |texture| texture.name().to_owned()),
+            });
+        }
+        let values = gpu.read_buffer(resources.buffer("values"), 0, bytes)?;
+        Ok(bytemuck::pod_collect_to_vec(&values))
+    }
+}

@@ -1,0 +1,106 @@
+//! Arguments as people write them on a command line or in a test: `3`, `[1, 0.5, 0]`, `#c46a2a`, `wood.png`.
+
+use std::path::Path;
+
+use texgen::{GraphError, Value, did_you_mean};
+
+use crate::scene::Scene;
+use crate::scene::look::{self, Link, Spanned};
+
+use super::images::Images;
+use super::values::{Argument, argument};
+use super::{EditError, Procedural};
+
+impl Procedural {
+    /// Sets a parameter to what `text` says: a value as in a look file, where quotes may be left out around names,
+    /// colours and paths, and brackets around plain numbers. A name is a link to another node. An image is read from its
+    /// path (relative to the current folder) and added to `scene`, which has to be the one this was built for, before
+    /// it is uploaded.
+    ///
+    /// # Errors
+    /// Unknown names, a value of another type, an image that can't be read. Nothing has changed then.
+    pub fn set_written(
+        &mut self,
+        scene: &mut Scene,
+        node: &str,
+        parameter: &str,
+        text: &str,
+    ) -> Result<(), EditError> {
+        let texture = self.graph.texture(self.node(node)?);
+        let Some((_, declared)) = texture.parameter(parameter) else {
+            let names = texture.parameters().iter().map(|p| p.name.as_str());
+            return Err(EditError::from(GraphError::UnknownParameter {
+                texture: texture.name().to_owned(),
+                name: parameter.to_owned(),
+                suggestion: did_you_mean(parameter, names).map(str::to_owned),
+            }));
+        };
+        let refused = |message: String| EditError::Argument {
+            parameter: parameter.to_owned(),
+            text: text.to_owned(),
+            message,
+        };
+        match argument(&written(text), declared.ty).map_err(|bad| refused(bad.message))? {
+            Argument::Constant(value) => self.set_value(node, parameter, value),
+            Argument::Link(Link {
+                node: source,
+                swizzle,
+            }) => {
+                let swizzle = swizzle.map_or(String::new(), |s| s.to_string());
+                self.set_link(node, parameter, &format!("{source}{swizzle}"))
+            }
+            Argument::Image(image) => {
+                let mut images = Images::default();
+                std::mem::swap(&mut images.textures, &mut self.textures);
+                let path = Path::new(&image.file.value);
+                let handle = images.handle(scene, path, image.srgb, image.sampler);
+                std::mem::swap(&mut images.textures, &mut self.textures);
+                let handle = handle.map_err(refused)?;
+                self.set_value(node, parameter, Value::Image(handle))
+            }
+        }
+    }
+}
+
+/// What a text means: TOML, numbers with commas between, or else a string.
+fn written(text: &str) -> Spanned<look::Value> {
+    if let Some(value) = look::parse_value(text) {
+        return value;
+    }
+    let spanned = |value| Spanned::new(value, 0..0);
+    let numbers: Option<Vec<f64>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
+    spanned(match numbers.as_deref() {
+        Some(&[number]) => look::Value::Float(number),
+        Some(numbers) => {
+            let numbers = numbers.iter().map(|&n| spanned(look::Value::Float(n)));
+            look::Value::List(numbers.collect())
+        }
+        None => look::Value::Text(text.to_owned()),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quotes_and_brackets_may_be_left_out() {
+        let number = |n| Spanned::new(look::Value::Float(n), 0..0);
+        for (text, expected) in [
+            ("true", look::Value::Bool(true)),
+            ("3", look::Value::Integer(3)),
+            (".5", look::Value::Float(0.5)),
+            (
+                "1, -2.5",
+                look::Value::List(vec![number(1.0), number(-2.5)]),
+            ),
+            ("#ff8000", look::Value::Text("#ff8000".into())),
+            ("\"#ff8000\"", look::Value::Text("#ff8000".into())),
+            ("maps/a b.png", look::Value::Text("maps/a b.png".into())),
+            ("", look::Value::Text(String::new())),
+            ("1\nx = 2", look::Value::Text("1\nx = 2".into())),
+        ] {
+            assert_eq!(written(text).value, expected, "{text}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! `patina texture eval`: the value of a texture at points.
+
+use engine::evaluate::{EvaluateError, Evaluator, Point};
+use engine::gpu::Gpu;
+use engine::isolated::{Isolated, Subject};
+use engine::scene::look::Look;
+
+use crate::console;
+use crate::exit::Failure;
+
+use super::job::{EvalJob, TargetJob};
+use super::written;
+
+/// Prints a line per point: as many numbers as the texture gives, as JSON an array of them.
+///
+/// # Errors
+/// Mistakes in the texture, its arguments or points; no device.
+pub(crate) fn run(job: &EvalJob) -> Result<(), Failure> {
+    let TargetJob {
+        name,
+        look,
+        sets,
+        texture_dirs,
+        device,
+    } = &job.target;
+    let sources = super::sources(texture_dirs, look.as_deref())?;
+    let look = look.as_deref().map(Look::load).transpose()?;
+    let subject = match &look {
+        Some(look) => Subject::Node(name, look),
+        None => Subject::Texture(name),
+    };
+    let mut isolated = Isolated::new(subject, &sources)?;
+    console::diagnostics(isolated.procedural().warnings());
+    for (parameter, value) in sets {
+        isolated.set(parameter, value).map_err(Failure::because)?;
+    }
+    let components = isolated.output().components();
+
+    let gpu = Gpu::new(device).map_err(Failure::because)?;
+    let point = |values: &Vec<(String, Vec<f32>)>| {
+        let point = Point::new();
+        (values.iter()).fold(point, |point, (name, value)| point.with(name, value))
+    };
+    let points: Vec<Point> = job.points.iter().map(point).collect();
+    for value in Evaluator::new(&gpu, isolated).evaluate(&points)? {
+        console::print(&line(&value[..components]));
+    }
+    Ok(())
+}
+
+fn line(value: &[f32]) -> String {
+    if console::is_json() {
+        // What is not finite has no number in JSON: it becomes null.
+        return serde_json::to_string(value).unwrap_or_default();
+    }
+    let numbers: Vec<String> = value.iter().map(|&v| written::number(v)).collect();
+    numbers.join(" ")
+}
+
+impl From<EvaluateError> for Failure {
+    fn from(error: EvaluateError) -> Self {
+        match error {
+            EvaluateError::Mistakes(mistakes) => mistakes.into(),
+            _ => Self::because(error),
+        }
+    }
+}
