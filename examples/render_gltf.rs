@@ -35,6 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         max_depth: number(4, 9)?,
         seed: 0,
         camera,
+        energy_compensation: true,
     };
     let gpu = Gpu::new(&DeviceChoice::Best)?;
     println!("{} ({})", gpu.description().name, gpu.description().driver);

@@ -2,15 +2,20 @@
 //!
 //! Whether the values make sense together, and what they mean, is [`crate::job`]'s business.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{ArgAction, Parser, Subcommand};
+
+use crate::console::MessageFormat;
+use crate::texture::args::TextureCommand;
 
 const EXAMPLES: &str = "\
 Examples:
   patina render scene.glb                            writes scene-render.png
   patina render scene.glb -o a.png -o a.exr          a picture to look at and one to work with
   patina render scene.glb --look rust.look.toml      with procedural textures
+  patina texture list                                which textures there are
   patina devices                                     which devices there are
 
 `patina render --help` shows all options and more examples.
@@ -41,6 +46,10 @@ pub(crate) struct Args {
     /// What to do.
     #[command(subcommand)]
     pub(crate) command: Command,
+
+    /// How errors and warnings are written: as text, or as JSON for editors, one object per line.
+    #[arg(long, global = true, value_name = "FORMAT", default_value = "text")]
+    pub(crate) message_format: MessageFormat,
 }
 
 /// The commands.
@@ -49,6 +58,12 @@ pub(crate) enum Command {
     /// Render a glTF scene to PNG and EXR.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(Box<RenderArgs>),
+    /// List, check, inspect, evaluate, preview and begin textures.
+    Texture {
+        /// What to do with them.
+        #[command(subcommand)]
+        what: TextureCommand,
+    },
     /// List the devices a scene can be rendered on, with their limits.
     Devices,
     /// Builds one texture alone and runs it once: what `render` starts to find a texture that ends the program.
@@ -86,21 +101,13 @@ pub(crate) struct RenderArgs {
     pub(crate) outputs: Vec<PathBuf>,
 
     /// Samples (camera paths) per pixel.
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "64",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "N", default_value = "64")]
+    #[arg(allow_hyphen_values = true)]
     pub(crate) spp: String,
 
     /// Width and height of the picture in pixels.
-    #[arg(
-        long,
-        value_name = "WxH",
-        default_value = "1280x720",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "WxH", default_value = "1280x720")]
+    #[arg(allow_hyphen_values = true)]
     pub(crate) size: String,
 
     /// Camera of the scene by name; without it the first one, or a view of everything where there is none.
@@ -108,21 +115,13 @@ pub(crate) struct RenderArgs {
     pub(crate) camera: Option<String>,
 
     /// At most N surface points scatter light along a path; 1 is direct light only.
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "9",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "N", default_value = "9")]
+    #[arg(allow_hyphen_values = true)]
     pub(crate) max_depth: String,
 
     /// Seed of the random numbers; the same seed gives the same noise.
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "0",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "N", default_value = "0")]
+    #[arg(allow_hyphen_values = true)]
     pub(crate) seed: String,
 
     /// Device by number or by part of its name, as `patina devices` lists them.
@@ -134,12 +133,8 @@ pub(crate) struct RenderArgs {
     pub(crate) texture_dirs: Vec<PathBuf>,
 
     /// Brightness of PNG and JPEG files in stops: +1 is twice as bright. EXR files keep the radiance as it is.
-    #[arg(
-        long,
-        value_name = "STOPS",
-        default_value = "0",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "STOPS", default_value = "0")]
+    #[arg(allow_hyphen_values = true)]
     pub(crate) exposure: String,
 
     /// Print where the time and the memory went.
@@ -184,6 +179,17 @@ pub(crate) enum BenchCommand {
         #[arg(long, value_name = "NAME|N")]
         device: Option<String>,
     },
+}
+
+/// The message format asked for by a command line that can't be understood otherwise.
+pub(crate) fn message_format(words: impl Iterator<Item = OsString>) -> MessageFormat {
+    let words: Vec<OsString> = words.collect();
+    let pair = |pair: &[OsString]| pair[0] == "--message-format" && pair[1] == "json";
+    if words.windows(2).any(pair) || words.iter().any(|word| word == "--message-format=json") {
+        MessageFormat::Json
+    } else {
+        MessageFormat::Text
+    }
 }
 
 #[cfg(test)]

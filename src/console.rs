@@ -1,9 +1,35 @@
 //! The two streams: results on stdout, `error:` and `warning:` on stderr.
 //!
-//! All text the program prints goes through here. A reader that closed its end (`patina devices | head -1`) is not
+//! All text the program prints goes through here, so here it is decided whether messages are text for people or JSON for
+//! editors (`--message-format`). A reader that closed its end (`patina devices | head -1`) is not
 //! an error and must not panic, which is why `println!` isn't used.
 
 use std::io::{self, Write};
+use std::sync::OnceLock;
+
+use clap::ValueEnum;
+use texgen::{Diagnostic, Diagnostics, Severity};
+
+/// How errors and warnings are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MessageFormat {
+    /// For people: source lines with carets.
+    Text,
+    /// For programs: one JSON object per line.
+    Json,
+}
+
+static FORMAT: OnceLock<MessageFormat> = OnceLock::new();
+
+/// Chooses the format of all messages; the first choice holds.
+pub(crate) fn set_format(format: MessageFormat) {
+    let _ = FORMAT.set(format);
+}
+
+/// Whether messages are JSON.
+pub(crate) fn is_json() -> bool {
+    FORMAT.get() == Some(&MessageFormat::Json)
+}
 
 /// Prints a result line (or several) to stdout.
 pub(crate) fn print(text: &str) {
@@ -12,22 +38,47 @@ pub(crate) fn print(text: &str) {
 
 /// Prints an error to stderr. A text that already says `error:` (a diagnostic with source lines) is left as it is.
 pub(crate) fn error(text: &str) {
-    say("error", text);
+    say(Severity::Error, text);
 }
 
 /// Prints a warning to stderr.
 pub(crate) fn warning(text: &str) {
-    say("warning", text);
+    say(Severity::Warning, text);
 }
 
-fn say(severity: &str, text: &str) {
-    let text = text.trim_end();
-    let mut stderr = io::stderr().lock();
-    let _ = if text.starts_with(severity) {
-        writeln!(stderr, "{text}")
+/// Prints errors and warnings with their places to stderr.
+pub(crate) fn diagnostics(diagnostics: &Diagnostics) {
+    let _ = write!(io::stderr().lock(), "{}", shown(diagnostics));
+}
+
+/// Prints errors and warnings with their places to stdout: there they are the result.
+pub(crate) fn print_diagnostics(diagnostics: &Diagnostics) {
+    let _ = write!(io::stdout().lock(), "{}", shown(diagnostics));
+}
+
+fn shown(diagnostics: &Diagnostics) -> String {
+    if is_json() {
+        return diagnostics.to_json_lines();
+    }
+    let text = diagnostics.render();
+    match text.is_empty() {
+        true => text,
+        false => text + "\n",
+    }
+}
+
+fn say(severity: Severity, text: &str) {
+    let (word, text) = (severity.as_str(), text.trim_end());
+    let line = if is_json() {
+        let message = text.strip_prefix(word).and_then(|t| t.strip_prefix(": "));
+        let bare = Diagnostic::error(message.unwrap_or(text));
+        Diagnostic { severity, ..bare }.to_json()
+    } else if text.starts_with(word) {
+        text.to_owned()
     } else {
-        writeln!(stderr, "{severity}: {text}")
+        format!("{word}: {text}")
     };
+    let _ = writeln!(io::stderr().lock(), "{line}");
 }
 
 /// A number of bytes in the largest binary unit that keeps it above one.

@@ -159,6 +159,7 @@ pub(crate) fn probe(path: &Path, device: &DeviceChoice) -> Result<(), Failure> {
         max_depth: 1,
         seed: 0,
         camera: engine::scene::default_camera(&scene),
+        energy_compensation: true,
     };
     Renderer::new(&gpu, &scene, &procedural, &settings)
         .and_then(|mut renderer| renderer.render(1))

@@ -5,6 +5,10 @@
 use std::fmt;
 use std::process::ExitCode;
 
+use engine::load::LoadError;
+use engine::scene::look::LookError;
+use texgen::Diagnostics;
+
 use crate::console;
 use crate::job::UsageError;
 
@@ -15,6 +19,8 @@ pub(crate) enum Failure {
     Usage(UsageError),
     /// It was tried and failed; the text tells why and what to do. Exit code 1.
     Failed(String),
+    /// Mistakes in the user's files, each with its place. Exit code 1.
+    Mistakes(Diagnostics),
 }
 
 impl Failure {
@@ -30,13 +36,45 @@ impl From<UsageError> for Failure {
     }
 }
 
+impl From<Diagnostics> for Failure {
+    fn from(mistakes: Diagnostics) -> Self {
+        Self::Mistakes(mistakes)
+    }
+}
+
+impl From<LookError> for Failure {
+    fn from(error: LookError) -> Self {
+        match error {
+            LookError::Invalid(mistakes) => Self::Mistakes(mistakes),
+            LookError::Read { .. } => Self::because(error),
+        }
+    }
+}
+
+impl From<LoadError> for Failure {
+    fn from(error: LoadError) -> Self {
+        match error {
+            LoadError::Look(error) => error.into(),
+            _ => Self::because(error),
+        }
+    }
+}
+
 /// The exit code of an outcome; prints the error, if any.
 pub(crate) fn with(outcome: Result<(), Failure>) -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Usage(error)) => {
-            console::error(&format!("{error}\n\nFor more information, try '--help'."));
+            let hint = match console::is_json() {
+                true => "",
+                false => "\n\nFor more information, try '--help'.",
+            };
+            console::error(&format!("{error}{hint}"));
             ExitCode::from(2)
+        }
+        Err(Failure::Mistakes(mistakes)) => {
+            console::diagnostics(&mistakes);
+            ExitCode::from(1)
         }
         Err(Failure::Failed(text)) => {
             console::error(&text);
@@ -47,8 +85,12 @@ pub(crate) fn with(outcome: Result<(), Failure>) -> ExitCode {
 
 /// The exit code of what clap answers instead of arguments: help and version (0) or a usage error (2).
 pub(crate) fn with_clap(answer: &clap::Error) -> ExitCode {
-    // A closed pipe (`patina --help | head -1`) is no failure.
-    let _ = answer.print();
+    if console::is_json() && answer.use_stderr() {
+        console::error(&answer.render().to_string());
+    } else {
+        // A closed pipe (`patina --help | head -1`) is no failure.
+        let _ = answer.print();
+    }
     if answer.use_stderr() {
         ExitCode::from(2)
     } else {

@@ -10,6 +10,7 @@ use engine::gpu::DeviceChoice;
 use thiserror::Error;
 
 use crate::args::{Args, BenchCommand, Command, RenderArgs};
+use crate::texture::job::TextureJob;
 
 /// Longest side of a picture, pixels.
 pub(crate) const MAX_SIDE: u32 = engine::renderer::MAX_SIDE;
@@ -27,6 +28,8 @@ pub(crate) const MAX_EXPOSURE: f32 = 32.0;
 pub(crate) enum Job {
     /// Render a scene.
     Render(RenderJob),
+    /// Do something with textures.
+    Texture(TextureJob),
     /// List devices.
     Devices,
     /// Build and run one texture alone.
@@ -163,6 +166,40 @@ pub(crate) enum UsageError {
         /// The file.
         path: PathBuf,
     },
+    /// Not `NAME=VALUE`.
+    #[error("{flag} {given}: write NAME=VALUE, as in {example}")]
+    Pair {
+        /// The flag's name.
+        flag: &'static str,
+        /// As typed.
+        given: String,
+        /// How it is done.
+        example: &'static str,
+    },
+    /// Not one to four numbers.
+    #[error(
+        "--at {given}: `{name}` takes 1 to 4 numbers with commas between, as in --at \"WorldPos=1,2,3\""
+    )]
+    Numbers {
+        /// The point as typed.
+        given: String,
+        /// The attribute.
+        name: String,
+    },
+    /// Not two numbers, the second one the larger.
+    #[error("--range {given}: write two numbers, the smaller one first, as in --range -1..1")]
+    Range {
+        /// As typed.
+        given: String,
+    },
+    /// A name that no texture should have.
+    #[error("`{given}` can't be the name of a texture: {problem}")]
+    TextureName {
+        /// As typed.
+        given: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
     /// `--device ''`.
     #[error("--device: the name is empty; `patina devices` lists names and numbers")]
     EmptyDevice,
@@ -176,6 +213,7 @@ impl Job {
     pub(crate) fn from_args(args: Args) -> Result<Self, UsageError> {
         Ok(match args.command {
             Command::Render(args) => Self::Render(RenderJob::from_args(*args)?),
+            Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,
             Command::ProbeTexture { file, device } => Self::ProbeTexture {
                 file,
@@ -272,7 +310,12 @@ fn parse_size(given: &str) -> Result<(u32, u32), UsageError> {
     Ok((width, height))
 }
 
-fn parse_number(flag: &'static str, given: &str, low: u32, high: u32) -> Result<u32, UsageError> {
+pub(crate) fn parse_number(
+    flag: &'static str,
+    given: &str,
+    low: u32,
+    high: u32,
+) -> Result<u32, UsageError> {
     given
         .parse::<u32>()
         .ok()
@@ -296,7 +339,7 @@ fn parse_exposure(given: &str) -> Result<f32, UsageError> {
         })
 }
 
-fn parse_device(given: Option<&str>) -> Result<DeviceChoice, UsageError> {
+pub(crate) fn parse_device(given: Option<&str>) -> Result<DeviceChoice, UsageError> {
     match given.map(str::trim) {
         None => Ok(DeviceChoice::Best),
         Some("") => Err(UsageError::EmptyDevice),
@@ -307,7 +350,7 @@ fn parse_device(given: Option<&str>) -> Result<DeviceChoice, UsageError> {
     }
 }
 
-fn parse_output(path: PathBuf) -> Result<Output, UsageError> {
+pub(crate) fn parse_output(path: PathBuf) -> Result<Output, UsageError> {
     let extension = path
         .extension()
         .map(|extension| extension.to_ascii_lowercase());

@@ -1,4 +1,4 @@
-//! The `patina` command: renders scenes, lists devices, measures traversal.
+//! The `patina` command: renders scenes, works on textures, lists devices, measures traversal.
 //!
 //! This file only walks the path every invocation takes: raw flags ([`args`]) become a validated [`job`], the job
 //! is run by the file named after it, and what came of it becomes an exit code ([`exit`]). Nothing is decided here.
@@ -17,6 +17,7 @@ mod output;
 mod progress;
 mod render;
 mod report;
+mod texture;
 
 use std::process::ExitCode;
 
@@ -32,14 +33,19 @@ fn main() -> ExitCode {
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     let args = match Args::try_parse() {
         Ok(args) => args,
-        Err(answer) => return exit::with_clap(&answer),
+        Err(answer) => {
+            console::set_format(args::message_format(std::env::args_os()));
+            return exit::with_clap(&answer);
+        }
     };
+    console::set_format(args.message_format);
     exit::with(Job::from_args(args).map_err(Failure::from).and_then(run))
 }
 
 fn run(job: Job) -> Result<(), Failure> {
     match job {
         Job::Render(job) => render::run(&job),
+        Job::Texture(job) => texture::run(job),
         Job::Devices => devices::run(),
         Job::ProbeTexture { file, device } => crash::probe(&file, &device),
         Job::BenchKernel {

@@ -18,7 +18,7 @@ pub(crate) struct Bar {
 impl Bar {
     /// A bar that shows `stage` until the first samples arrive.
     pub(crate) fn new(stage: &'static str) -> Self {
-        let target = if io::stderr().is_terminal() {
+        let target = if io::stderr().is_terminal() && !console::is_json() {
             // Ten times a second is smooth enough and costs a render on the CPU nothing.
             ProgressDrawTarget::stderr_with_hz(10)
         } else {

@@ -32,9 +32,8 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
 
     let mut bar = Bar::new("loading the scene");
     let clock = Instant::now();
-    let loaded =
-        load::load(&job.scene, job.look.as_deref(), &texture_dirs).map_err(Failure::because)?;
-    bar.suspend(|| warn(&loaded.warnings));
+    let loaded = load::load(&job.scene, job.look.as_deref(), &texture_dirs)?;
+    bar.suspend(|| console::diagnostics(&loaded.warnings));
     let camera = match &job.camera {
         Some(wanted) => find_camera(&loaded.scene, wanted)?,
         None => loaded.camera.clone(),
@@ -138,6 +137,7 @@ fn prepare(
         max_depth: job.max_depth,
         seed: job.seed,
         camera,
+        energy_compensation: true,
     };
     Renderer::new(gpu, &loaded.scene, &loaded.procedural, &settings).map_err(Failure::because)
 }

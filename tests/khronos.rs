@@ -13,7 +13,7 @@ use glam::Vec3;
 use support::{device, shared};
 
 /// Models that need an extension that is not supported; the importer's error names it.
-const UNSUPPORTED: [&str; 3] = ["ClearCoatCarPaint", "Duck-Draco", "IridescenceSuzanne"];
+const UNSUPPORTED: [&str; 1] = ["Duck-Draco"];
 
 fn model_file(folder: &Path) -> Option<PathBuf> {
     let files = std::fs::read_dir(folder).ok()?.flatten().map(|e| e.path());
@@ -60,6 +60,7 @@ fn sample_models_render() {
             max_depth: 3,
             seed: 0,
             camera: loaded.camera.clone(),
+            energy_compensation: true,
         };
         let mut renderer = Renderer::new(&gpu, &loaded.scene, &loaded.procedural, &settings)
             .unwrap_or_else(|e| panic!("{name}: {e}"));

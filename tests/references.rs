@@ -38,6 +38,7 @@ struct Effort {
 /// accepts: given are a pixel's upper left corner and its side in units of the picture's height.
 fn compare(
     name: &str,
+    reference: &str,
     efforts: [Effort; 2],
     counts: impl Fn(Vec2, f32) -> bool,
 ) -> Option<Comparison> {
@@ -45,8 +46,8 @@ fn compare(
     let gpu = device::open()?;
     let effort = efforts[usize::from(device::full_run())];
     let reference = Estimate::from_exr(
-        &dir.join("ref_mitsuba.exr"),
-        &dir.join("ref_mitsuba_stderr.exr"),
+        &dir.join(format!("{reference}.exr")),
+        &dir.join(format!("{reference}_stderr.exr")),
     )
     .downsampled(effort.block);
     let scene = ["scene.glb", "cornell.glb"].map(|file| dir.join(file));
@@ -67,6 +68,8 @@ fn render(gpu: &Gpu, scene: &Path, (width, height): (usize, usize), spp: u32) ->
         max_depth: MAX_DEPTH,
         seed: 0,
         camera: loaded.camera,
+        // The references have none.
+        energy_compensation: false,
     };
     let mut renderer = Renderer::new(gpu, &loaded.scene, &loaded.procedural, &settings)
         .unwrap_or_else(|error| panic!("{error}"));
@@ -84,7 +87,7 @@ fn cornell_box() {
     // height-correlated one, which reflects up to 3 % more at grazing angles: pixels that see the sphere don't count.
     // What it reflects onto the other objects differs by far less than the noise and does count.
     let efforts = [Effort { block: 8, spp: 512 }, Effort { block: 1, spp: 512 }];
-    if let Some(comparison) = compare("cornell", efforts, |corner, side| {
+    if let Some(comparison) = compare("cornell", "ref_mitsuba", efforts, |corner, side| {
         !sees_cornell_sphere(corner, side)
     }) {
         comparison.assert_matches("cornell", PASSING, MEAN_ERROR);
@@ -106,8 +109,12 @@ fn sees_cornell_sphere(corner: Vec2, side: f32) -> bool {
 }
 
 fn whole_picture(name: &str, block: usize, spp: u32) {
+    whole_picture_of(name, "ref_mitsuba", block, spp);
+}
+
+fn whole_picture_of(name: &str, reference: &str, block: usize, spp: u32) {
     let efforts = [Effort { block, spp }, Effort { block: 1, spp: 512 }];
-    if let Some(comparison) = compare(name, efforts, |_, _| true) {
+    if let Some(comparison) = compare(name, reference, efforts, |_, _| true) {
         comparison.assert_matches(name, PASSING, MEAN_ERROR);
     }
 }
@@ -115,6 +122,12 @@ fn whole_picture(name: &str, block: usize, spp: u32) {
 #[test]
 fn image_based_light() {
     whole_picture("envlit", 4, 256);
+}
+
+#[test]
+fn glass_that_refracts() {
+    // Fresnel's equations in Schlick's approximation, as glTF has it.
+    whole_picture_of("glass", "ref_mitsuba_schlick", 4, 256);
 }
 
 #[test]

@@ -58,6 +58,9 @@ pub struct RenderSettings {
     pub seed: u32,
     /// From where.
     pub camera: Camera,
+    /// Rough surfaces give back the light that microfacets scatter more than once. Without it they are darker, as in
+    /// renderers that leave it out.
+    pub energy_compensation: bool,
 }
 
 /// Why rendering failed.
@@ -205,13 +208,14 @@ impl Renderer {
         }
         let capacity = capacity.next_multiple_of(64).max(64);
         let mut resources = Resources::default();
-        let gpu_scene = GpuScene::new(
+        let mut gpu_scene = GpuScene::new(
             gpu,
             scene,
             procedural.textures(),
             |m| procedural.traits(m),
             &mut resources,
         )?;
+        gpu_scene.features.energy_compensation = settings.energy_compensation;
         wave::allocate(gpu, capacity, procedural.result_words(), &mut resources)?;
         let pixels = u64::from(width) * u64::from(height);
         for name in ["film_sum", "film_sum_squares"] {

@@ -191,6 +191,7 @@ pub(crate) fn settings(camera: &Camera, shot: Shot) -> RenderSettings {
         max_depth: shot.max_depth,
         seed: 0,
         camera: camera.clone(),
+        energy_compensation: true,
     }
 }
 
@@ -214,10 +215,24 @@ pub(crate) fn render_textured(
     camera: &Camera,
     shot: Shot,
 ) -> Film {
-    let mut renderer = Renderer::new(gpu, scene, procedural, &settings(camera, shot))
-        .unwrap_or_else(|error| panic!("{error}"));
+    render_with(gpu, scene, procedural, &settings(camera, shot), shot.spp)
+}
+
+/// The picture of a scene with textures, rendered in a way of one's own.
+///
+/// # Panics
+/// It can't be rendered, or a sample was no number.
+pub(crate) fn render_with(
+    gpu: &Gpu,
+    scene: &Scene,
+    procedural: &Procedural,
+    settings: &RenderSettings,
+    spp: u32,
+) -> Film {
+    let mut renderer =
+        Renderer::new(gpu, scene, procedural, settings).unwrap_or_else(|error| panic!("{error}"));
     renderer
-        .render(shot.spp)
+        .render(spp)
         .unwrap_or_else(|error| panic!("{error}"));
     let stats = renderer.stats().unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(stats.invalid_samples, 0, "every sample is a number");

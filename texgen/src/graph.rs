@@ -212,6 +212,13 @@ impl Graph {
         self.texture_of(&self.nodes[node.index()])
     }
 
+    /// Where a node's constants lie in [`Self::args`], in words; see [`TextureType::argument_layout`]. The stops of
+    /// its ramps lie elsewhere.
+    pub fn block(&self, node: NodeId) -> Range<u32> {
+        let start = self.nodes[node.index()].block;
+        start..start + args::block_words(self.texture(node))
+    }
+
     /// What a node gives.
     pub fn output(&self, node: NodeId) -> OutputType {
         self.texture(node).output()

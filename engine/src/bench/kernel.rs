@@ -370,6 +370,7 @@ fn renderer(
             aperture_radius: 0.0,
             focus_distance: 1.0,
         },
+        energy_compensation: true,
     };
     Ok(Renderer::new(gpu, &scene, &procedural, &settings)?)
 }

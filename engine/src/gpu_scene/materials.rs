@@ -16,6 +16,9 @@ const BLEND: u32 = 8;
 const PROGRAM: u32 = 16;
 const PROGRAM_LAST: u32 = 32;
 const PROGRAM_LIGHT: u32 = 64;
+const SOLID: u32 = 128;
+/// Textures of a material.
+const TEXTURES: usize = 17;
 
 /// `TextureSlot` in `materials.wgsl`.
 #[repr(C)]
@@ -63,8 +66,24 @@ pub struct GpuMaterial {
     normal_scale: f32,
     flags: u32,
     texture_mask: u32,
-    spare: u32,
-    textures: [GpuTextureSlot; 6],
+    ior: f32,
+    absorption: Vec3,
+    transmission: f32,
+    diffuse_transmission_color: Vec3,
+    diffuse_transmission: f32,
+    sheen_color: Vec3,
+    sheen_roughness: f32,
+    coat: f32,
+    coat_roughness: f32,
+    coat_normal_scale: f32,
+    iridescence: f32,
+    anisotropy: f32,
+    anisotropy_rotation: f32,
+    iridescence_ior: f32,
+    spare: f32,
+    iridescence_thickness: [f32; 2],
+    more_spare: [f32; 2],
+    textures: [GpuTextureSlot; TEXTURES],
 }
 
 impl GpuMaterial {
@@ -85,6 +104,14 @@ impl GpuMaterial {
             alpha_cutoff,
             normal_scale,
             flags,
+            ior,
+            absorption,
+            transmission,
+            diffuse_transmission_color,
+            sheen_color,
+            coat,
+            anisotropy,
+            iridescence_thickness,
             textures
         ]
     }
@@ -112,15 +139,11 @@ impl GpuMaterial {
                 0.0
             }
         };
+        if material.is_solid {
+            flags |= SOLID;
+        }
         flags |= program_flags(program);
-        let textures = [
-            material.base_color_texture.as_ref(),
-            material.metallic_roughness_texture.as_ref(),
-            material.normal_texture.as_ref(),
-            material.emission_texture.as_ref(),
-            material.specular_texture.as_ref(),
-            material.specular_color_texture.as_ref(),
-        ];
+        let textures = material.textures();
         let texture_mask = (0..textures.len())
             .filter(|&i| textures[i].is_some())
             .fold(0, |mask, i| mask | 1 << i);
@@ -137,10 +160,39 @@ impl GpuMaterial {
             normal_scale: material.normal_scale,
             flags,
             texture_mask,
-            spare: 0,
-            textures: textures.map(GpuTextureSlot::new),
+            ior: material.ior,
+            absorption: material.absorption,
+            transmission: material.transmission,
+            diffuse_transmission_color: material.diffuse_transmission_color,
+            diffuse_transmission: material.diffuse_transmission,
+            sheen_color: material.sheen_color,
+            sheen_roughness: material.sheen_roughness,
+            coat: material.coat,
+            coat_roughness: material.coat_roughness,
+            coat_normal_scale: material.coat_normal_scale,
+            iridescence: material.iridescence,
+            anisotropy: material.anisotropy,
+            anisotropy_rotation: material.anisotropy_rotation,
+            iridescence_ior: material.iridescence_ior,
+            spare: 0.0,
+            iridescence_thickness: material.iridescence_thickness,
+            more_spare: [0.0; 2],
+            textures: textures.map(|texture| GpuTextureSlot::new(texture.as_ref())),
         }
     }
+}
+
+/// Whether light may go through the surface.
+pub fn transmits(material: &Material) -> bool {
+    material.transmission > 0.0 || material.diffuse_transmission > 0.0
+}
+
+/// Whether the surface has more than a metallic-roughness layer.
+pub fn has_layers(material: &Material) -> bool {
+    material.coat > 0.0
+        || material.sheen_color.max_element() > 0.0
+        || material.iridescence > 0.0
+        || material.anisotropy > 0.0
 }
 
 /// Byte offset of the flags in a [`GpuMaterial`].

@@ -1,6 +1,7 @@
 //! A scene on the GPU: buffers and textures in the layout of `geometry.wgsl`, `materials.wgsl`, `lights.wgsl` and
 //! `environment.wgsl`. Made once; live edits of textures do not touch it.
 
+pub mod albedo;
 pub mod environment;
 pub mod images;
 pub mod lights;
@@ -82,6 +83,12 @@ pub struct SceneFeatures {
     pub textures: bool,
     /// Light comes from the environment.
     pub environment: bool,
+    /// Some material lets light through.
+    pub transmission: bool,
+    /// Some material has a coat, sheen, a thin film or anisotropy.
+    pub layers: bool,
+    /// Rough surfaces give back what single scattering loses: no property of the scene, but of what is asked for.
+    pub energy_compensation: bool,
     /// Some material has a texture program.
     pub programs: bool,
     /// A texture program decides about the opacity or the light of some surface, so that shadow rays need it too.
@@ -90,11 +97,17 @@ pub struct SceneFeatures {
 
 impl SceneFeatures {
     /// Values of the kernels' `override` constants.
-    pub fn constants(&self) -> [(&'static str, f64); 5] {
+    pub fn constants(&self) -> [(&'static str, f64); 8] {
         [
             ("has_alpha", f64::from(u8::from(self.alpha))),
             ("has_textures", f64::from(u8::from(self.textures))),
             ("has_environment", f64::from(u8::from(self.environment))),
+            ("has_transmission", f64::from(u8::from(self.transmission))),
+            ("has_layers", f64::from(u8::from(self.layers))),
+            (
+                "energy_compensation",
+                f64::from(u8::from(self.energy_compensation)),
+            ),
             ("has_programs", f64::from(u8::from(self.programs))),
             (
                 "has_program_shadows",
@@ -187,6 +200,7 @@ impl GpuScene {
         resources.set_view("image_table", images.table.clone());
         resources.set_view("image_layers", images.layers.clone());
         resources.set_view("image_layers_srgb", images.layers_srgb.clone());
+        resources.set_view("albedo_table", albedo::upload(gpu));
         resources.set_view("environment_image", environment.image.clone());
         resources.set_view("environment_table", environment.table.clone());
         Ok(Self {
@@ -195,6 +209,9 @@ impl GpuScene {
                 alpha: triangles.iter().any(|t| t[3] & TRIANGLE_ALPHA != 0),
                 textures: !scene.images.is_empty(),
                 environment: environment.emits,
+                transmission: scene.materials.iter().any(materials::transmits),
+                layers: scene.materials.iter().any(materials::has_layers),
+                energy_compensation: true,
                 programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
                 program_shadows: (0..scene.materials.len() as u32).any(|m| {
                     let program = program(m);
@@ -263,11 +280,9 @@ fn geometry(
     let mut vertices = Vec::new();
     // What a material means for its triangles, without and with vertex colours.
     let flags_of = |index: u32, m: &Material, has_colors: bool| {
-        let sides = if m.double_sided {
-            0
-        } else {
-            TRIANGLE_SINGLE_SIDED
-        };
+        // The back of a transparent body is where rays leave it.
+        let has_back = m.double_sided || m.is_solid && materials::transmits(m);
+        let sides = if has_back { 0 } else { TRIANGLE_SINGLE_SIDED };
         let alpha = match program(index).decides_opacity {
             true => TRIANGLE_PROGRAM_ALPHA,
             false if materials::needs_alpha(m, has_colors) => TRIANGLE_ALPHA,

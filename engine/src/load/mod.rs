@@ -26,8 +26,8 @@ pub struct Loaded {
     pub camera: Camera,
     /// The look itself, where there is one.
     pub look: Option<Look>,
-    /// Sentences about what is shown differently from what the files say.
-    pub warnings: Vec<String>,
+    /// What is shown differently from what the files say, and what is odd in the look or its textures.
+    pub warnings: Diagnostics,
 }
 
 /// Why a scene can't be loaded.
@@ -90,15 +90,15 @@ pub fn load(scene: &Path, look: Option<&Path>, textures: &[PathBuf]) -> Result<L
     let nothing = Look::empty(Path::new(""), SourceFile::new("look", "", ""));
     let procedural = Procedural::build(look.as_ref().unwrap_or(&nothing), &mut scene, &sources)
         .map_err(LookError::from)?;
-    warnings.extend(procedural.warnings().iter().map(ToString::to_string));
+    let mut warnings: Diagnostics = warnings.into_iter().map(Diagnostic::warning).collect();
+    warnings.extend(procedural.warnings().iter().cloned());
     let states_environment = look.as_ref().is_some_and(|look| look.environment.is_some());
     let emits = |material: u32| procedural.traits(material).glows;
     if !states_environment && is_dark(&scene, emits) {
         scene.environment = Environment::Constant(Vec3::ONE);
-        warnings.push(
-            "the scene has no light: it is shown under an even white sky; a look can set its own `environment`"
-                .to_owned(),
-        );
+        warnings.push(Diagnostic::warning(
+            "the scene has no light: it is shown under an even white sky; a look can set its own `environment`",
+        ));
     }
     Ok(Loaded {
         scene,

@@ -100,6 +100,15 @@ impl TextureSources {
         })
     }
 
+    /// Reads a texture from a file anywhere; its name is that of the file without the ending.
+    ///
+    /// # Errors
+    /// The file can't be read, or is no text.
+    pub fn open(path: &Path) -> Result<SourceFile, SourcesError> {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        read_file(&name, path)
+    }
+
     /// The file of a texture, where it comes from one.
     pub fn path(&self, name: &str) -> Option<&Path> {
         match self.by_name.get(name)? {

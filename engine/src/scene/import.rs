@@ -18,6 +18,7 @@ mod geometry;
 mod hierarchy;
 mod images;
 mod join;
+mod layers;
 mod lights_cameras;
 mod materials;
 mod nodes;
@@ -153,15 +154,7 @@ fn merge(scene: &mut Scene, mut added: Scene, warnings: Vec<String>) -> Appended
         instance.mesh += first_mesh;
     }
     for material in &mut added.materials {
-        let textures = [
-            &mut material.base_color_texture,
-            &mut material.metallic_roughness_texture,
-            &mut material.normal_texture,
-            &mut material.emission_texture,
-            &mut material.specular_texture,
-            &mut material.specular_color_texture,
-        ];
-        for texture in textures.into_iter().flatten() {
+        for texture in material.textures_mut().into_iter().flatten() {
             texture.image += first_image;
         }
     }

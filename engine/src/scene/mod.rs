@@ -96,6 +96,58 @@ pub struct Material {
     pub specular_color_texture: Option<TextureRef>,
     /// Index of refraction of the dielectric.
     pub ior: f32,
+    /// KHR_materials_transmission: share of the light below the reflection that goes through.
+    pub transmission: f32,
+    /// Share in R, linear.
+    pub transmission_texture: Option<TextureRef>,
+    /// KHR_materials_volume: the surface bounds a body, which refracts and absorbs; otherwise it is a thin wall.
+    pub is_solid: bool,
+    /// Of the body, 1/metres: light that goes a metre is multiplied by exp(-absorption).
+    pub absorption: Vec3,
+    /// KHR_materials_diffuse_transmission: share of the diffuse light that comes out on the other side.
+    pub diffuse_transmission: f32,
+    /// Share in A, linear.
+    pub diffuse_transmission_texture: Option<TextureRef>,
+    /// Its linear colour.
+    pub diffuse_transmission_color: Vec3,
+    /// RGB, sRGB-encoded colour.
+    pub diffuse_transmission_color_texture: Option<TextureRef>,
+    /// KHR_materials_sheen, linear colour; black is none.
+    pub sheen_color: Vec3,
+    /// RGB, sRGB-encoded colour.
+    pub sheen_color_texture: Option<TextureRef>,
+    /// Perceptual roughness of the sheen.
+    pub sheen_roughness: f32,
+    /// Roughness in A, linear.
+    pub sheen_roughness_texture: Option<TextureRef>,
+    /// KHR_materials_clearcoat: weight of a coat with an index of 1.5.
+    pub coat: f32,
+    /// Weight in R, linear.
+    pub coat_texture: Option<TextureRef>,
+    /// Perceptual roughness of the coat.
+    pub coat_roughness: f32,
+    /// Roughness in G, linear.
+    pub coat_roughness_texture: Option<TextureRef>,
+    /// Tangent-space normal map of the coat, linear.
+    pub coat_normal_texture: Option<TextureRef>,
+    /// Factor on that map's x and y.
+    pub coat_normal_scale: f32,
+    /// KHR_materials_anisotropy: strength, 0 to 1.
+    pub anisotropy: f32,
+    /// Direction in which reflections are stretched, radians counter-clockwise from the tangent.
+    pub anisotropy_rotation: f32,
+    /// Direction in RG, strength in B, linear.
+    pub anisotropy_texture: Option<TextureRef>,
+    /// KHR_materials_iridescence: weight of a thin film.
+    pub iridescence: f32,
+    /// Weight in R, linear.
+    pub iridescence_texture: Option<TextureRef>,
+    /// Index of refraction of the film.
+    pub iridescence_ior: f32,
+    /// Thickness of the film where its texture is 0 and 1, nanometres; the latter without a texture.
+    pub iridescence_thickness: [f32; 2],
+    /// Thickness in G, linear.
+    pub iridescence_thickness_texture: Option<TextureRef>,
     /// What the base colour's alpha means.
     pub alpha_mode: AlphaMode,
     /// Both sides reflect and emit; otherwise rays pass through the back as if nothing were there (glTF 2.0, section
@@ -103,6 +155,54 @@ pub struct Material {
     pub double_sided: bool,
     /// KHR_materials_unlit: the base colour is shown as it is.
     pub unlit: bool,
+}
+
+impl Material {
+    /// All textures, in the order in which the kernels number them.
+    pub fn textures(&self) -> [&Option<TextureRef>; 17] {
+        [
+            &self.base_color_texture,
+            &self.metallic_roughness_texture,
+            &self.normal_texture,
+            &self.emission_texture,
+            &self.specular_texture,
+            &self.specular_color_texture,
+            &self.transmission_texture,
+            &self.diffuse_transmission_texture,
+            &self.diffuse_transmission_color_texture,
+            &self.sheen_color_texture,
+            &self.sheen_roughness_texture,
+            &self.coat_texture,
+            &self.coat_roughness_texture,
+            &self.coat_normal_texture,
+            &self.anisotropy_texture,
+            &self.iridescence_texture,
+            &self.iridescence_thickness_texture,
+        ]
+    }
+
+    /// The same, to be changed.
+    pub fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 17] {
+        [
+            &mut self.base_color_texture,
+            &mut self.metallic_roughness_texture,
+            &mut self.normal_texture,
+            &mut self.emission_texture,
+            &mut self.specular_texture,
+            &mut self.specular_color_texture,
+            &mut self.transmission_texture,
+            &mut self.diffuse_transmission_texture,
+            &mut self.diffuse_transmission_color_texture,
+            &mut self.sheen_color_texture,
+            &mut self.sheen_roughness_texture,
+            &mut self.coat_texture,
+            &mut self.coat_roughness_texture,
+            &mut self.coat_normal_texture,
+            &mut self.anisotropy_texture,
+            &mut self.iridescence_texture,
+            &mut self.iridescence_thickness_texture,
+        ]
+    }
 }
 
 impl Default for Material {
@@ -124,6 +224,32 @@ impl Default for Material {
             specular_color: Vec3::ONE,
             specular_color_texture: None,
             ior: 1.5,
+            transmission: 0.0,
+            transmission_texture: None,
+            is_solid: false,
+            absorption: Vec3::ZERO,
+            diffuse_transmission: 0.0,
+            diffuse_transmission_texture: None,
+            diffuse_transmission_color: Vec3::ONE,
+            diffuse_transmission_color_texture: None,
+            sheen_color: Vec3::ZERO,
+            sheen_color_texture: None,
+            sheen_roughness: 0.0,
+            sheen_roughness_texture: None,
+            coat: 0.0,
+            coat_texture: None,
+            coat_roughness: 0.0,
+            coat_roughness_texture: None,
+            coat_normal_texture: None,
+            coat_normal_scale: 1.0,
+            anisotropy: 0.0,
+            anisotropy_rotation: 0.0,
+            anisotropy_texture: None,
+            iridescence: 0.0,
+            iridescence_texture: None,
+            iridescence_ior: 1.3,
+            iridescence_thickness: [100.0, 400.0],
+            iridescence_thickness_texture: None,
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
             unlit: false,

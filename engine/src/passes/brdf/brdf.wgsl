@@ -11,14 +11,15 @@
 //!include shared/materials.wgsl
 //!include shared/surface.wgsl
 //!include shared/bsdf.wgsl
+//!include shared/thin_film.wgsl
 //!include shared/environment.wgsl
 //!include shared/lights.wgsl
 
 const ROULETTE_START = 4u;
 
-// Normal map in the frame of the interpolated normal; `s.shading_normal` where there is none.
-fn mapped_normal(s: Surface, material: u32, instance: u32, map: vec3f, scale: f32) -> vec3f {
-    if ((materials[material].texture_mask & (1u << TEXTURE_NORMAL)) == 0u) {
+// Normal map number `texture` in the frame of the interpolated normal; `s.shading_normal` where there is none.
+fn mapped_normal(s: Surface, material: u32, instance: u32, texture: u32, map: vec3f, scale: f32) -> vec3f {
+    if ((materials[material].texture_mask & (1u << texture)) == 0u) {
         return s.shading_normal;
     }
     let texel = map * 2.0 - 1.0;
@@ -101,6 +102,59 @@ fn read_driven(slot: u32, outputs: u32) -> Driven {
     return d;
 }
 
+// The tangent that anisotropic reflections follow: that of the surface, turned by the material and its texture.
+fn stretched_tangent(s: Surface, material: u32, instance: u32, normal: vec3f, map: vec4f) -> vec3f {
+    if (!has_layers || materials[material].anisotropy <= 0.0) {
+        return any_perpendicular(normal);
+    }
+    let along = surface_tangent(s, instance, normal);
+    let across = cross(normal, along.xyz) * along.w;
+    let angle = materials[material].anisotropy_rotation;
+    var direction = vec2f(cos(angle), sin(angle));
+    if ((materials[material].texture_mask & (1u << (FIRST_LAYER_TEXTURE + LAYER_ANISOTROPY))) != 0u) {
+        let texel = map.xy * 2.0 - 1.0;
+        direction = vec2f(direction.x * texel.x - direction.y * texel.y, direction.y * texel.x + direction.x * texel.y);
+    }
+    let stretched = along.xyz * direction.x + across * direction.y;
+    if (!is_direction(stretched)) {
+        return along.xyz;
+    }
+    return normalize(stretched);
+}
+
+// The layers above and the inside below a metallic-roughness surface.
+fn add_layers(b: ptr<function, Bsdf>, material: u32, roughness: f32, ior: f32, is_inside: bool, cosine: f32,
+              coat_normal: vec3f, layers: array<vec4f, 11>) {
+    if (has_layers && !is_inside) {
+        (*b).coat = materials[material].coat * layers[LAYER_COAT].x;
+        let coat_roughness = saturate(materials[material].coat_roughness * layers[LAYER_COAT_ROUGHNESS].y);
+        (*b).coat_alpha = max(coat_roughness * coat_roughness, MIN_ALPHA);
+        (*b).coat_normal = coat_normal;
+        (*b).sheen_color = min(materials[material].sheen_color * layers[LAYER_SHEEN_COLOR].xyz, vec3f(1.0));
+        (*b).sheen_roughness = saturate(materials[material].sheen_roughness * layers[LAYER_SHEEN_ROUGHNESS].w);
+        (*b).iridescence = materials[material].iridescence * layers[LAYER_IRIDESCENCE].x;
+        if ((*b).iridescence > 0.0) {
+            let range = materials[material].iridescence_thickness;
+            let thickness = mix(range.x, range.y, layers[LAYER_IRIDESCENCE_THICKNESS].y);
+            let f0 = mix((*b).specular * (*b).dielectric_f0, (*b).base_color, (*b).metallic);
+            (*b).iridescent_f0 = film_reflection(saturate(cosine), materials[material].iridescence_ior, thickness, f0);
+        }
+    }
+    if (has_layers && materials[material].anisotropy > 0.0) {
+        let strength = materials[material].anisotropy * layers[LAYER_ANISOTROPY].z;
+        (*b).alpha = anisotropic_alpha(roughness, saturate(strength));
+    }
+    if (has_transmission) {
+        (*b).transmission = materials[material].transmission * layers[LAYER_TRANSMISSION].x;
+        (*b).diffuse_transmission = materials[material].diffuse_transmission * layers[LAYER_DIFFUSE_TRANSMISSION].w;
+        (*b).diffuse_transmission_color = saturate(materials[material].diffuse_transmission_color
+            * layers[LAYER_DIFFUSE_TRANSMISSION_COLOR].xyz);
+        if ((materials[material].flags & MATERIAL_SOLID) != 0u && ior > 1.0) {
+            (*b).eta = select(ior, 1.0 / ior, is_inside);
+        }
+    }
+}
+
 // A path that ends here, but whose shadow ray may have to wait for texture programs, goes on with a dead ray.
 fn end_path(slot: u32, depth: u32, has_shadow_ray: bool) {
     if (has_program_shadows && has_shadow_ray) {
@@ -122,7 +176,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     let path = path_id(slot);
     let hit = rays[slot];
     let before = path_read(PATH_THROUGHPUT, slot);
-    let throughput = before.xyz;
+    var throughput = before.xyz;
     let bsdf_pdf = before.w; // 0 for camera rays
     let gathered = path_read(PATH_RADIANCE, slot);
     var radiance = gathered.xyz;
@@ -173,6 +227,8 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         driven = read_driven(slot, resolved.y);
     }
     let flags = materials[material].flags;
+    // Seen from the inside of a transparent body.
+    let is_inside = has_transmission && !s.front && (flags & MATERIAL_SOLID) != 0u;
 
     if (gives(driven, OUTPUT_OPACITY)) {
         let coin = random_at(path, vertex_dimension(depth, DIMENSION_OPACITY), hit.triangle, hit.instance);
@@ -184,6 +240,18 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
             rays[slot].triangle = MISS;
             queue_append(QUEUE_ACTIVE, slot);
             return;
+        }
+    }
+
+    // The body that the ray went through; where the path began inside one, its back says so.
+    var medium = 0u;
+    if (has_transmission) {
+        medium = path_words(PATH_STATE, slot).w;
+        if (medium == 0u && is_inside) {
+            medium = own_material + 1u;
+        }
+        if (medium != 0u) {
+            throughput *= exp(-materials[medium - 1u].absorption * hit.t_max);
         }
     }
 
@@ -226,7 +294,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     }
 
     let normal_scale = select(materials[material].normal_scale, driven.normal_scale, gives(driven, OUTPUT_NORMAL_SCALE));
-    var normal = mapped_normal(s, material, hit.instance, texels[TEXTURE_NORMAL].xyz, normal_scale);
+    var normal = mapped_normal(s, material, hit.instance, TEXTURE_NORMAL, texels[TEXTURE_NORMAL].xyz, normal_scale);
     if (gives(driven, OUTPUT_NORMAL) && is_direction(driven.normal)) {
         normal = visible_normal(normalize(driven.normal), s);
     }
@@ -237,14 +305,6 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
             normal = visible_normal(normalize(leaning), s);
         }
     }
-    let tangent = any_perpendicular(normal);
-    let bitangent = cross(normal, tangent);
-    let wo = vec3f(dot(s.wo, tangent), dot(s.wo, bitangent), dot(s.wo, normal));
-    if (wo.z <= 0.0) {
-        // Seen from behind the shading normal: nothing is reflected.
-        return;
-    }
-
     let metallic_roughness = texels[TEXTURE_METALLIC_ROUGHNESS];
     var metallic = materials[material].metallic * metallic_roughness.z;
     if (gives(driven, OUTPUT_METALLIC)) {
@@ -263,12 +323,31 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         specular_color = max(driven.specular_color, vec3f(0.0));
     }
     var f0 = materials[material].dielectric_f0;
+    var ior = materials[material].ior;
     if (gives(driven, OUTPUT_IOR)) {
+        ior = driven.ior;
         let ratio = (driven.ior - 1.0) / (max(driven.ior, 0.0) + 1.0);
         f0 = ratio * ratio;
     }
     let dielectric_f0 = min(f0 * specular_color, vec3f(1.0));
-    let b = make_bsdf(base_color, metallic, roughness, dielectric_f0, specular);
+    var b = plain_bsdf(base_color, metallic, roughness, dielectric_f0, specular);
+
+    // The frame of the BSDF; its x is where anisotropic reflections are stretched to.
+    var tangent = any_perpendicular(normal);
+    if (has_layers || has_transmission) {
+        let layers = layer_textures(material, s.triangle, s.weights);
+        tangent = stretched_tangent(s, material, hit.instance, normal, layers[LAYER_ANISOTROPY]);
+        let coat_normal = mapped_normal(s, material, hit.instance, FIRST_LAYER_TEXTURE + LAYER_COAT_NORMAL,
+            layers[LAYER_COAT_NORMAL].xyz, materials[material].coat_normal_scale);
+        let local = vec3f(dot(coat_normal, tangent), dot(coat_normal, cross(normal, tangent)), dot(coat_normal, normal));
+        add_layers(&b, material, roughness, ior, is_inside, dot(normal, s.wo), local, layers);
+    }
+    let bitangent = cross(normal, tangent);
+    let wo = vec3f(dot(s.wo, tangent), dot(s.wo, bitangent), dot(s.wo, normal));
+    if (wo.z <= 0.0) {
+        // Seen from behind the shading normal: nothing is reflected.
+        return;
+    }
 
     // Next-event estimation.
     var has_shadow_ray = false;
@@ -277,12 +356,14 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         let point = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_POINT));
         let light = light_sample(s.position, choice, point);
         let wi = vec3f(dot(light.wi, tangent), dot(light.wi, bitangent), dot(light.wi, normal));
-        if (light.pdf > 0.0 && wi.z > 0.0 && dot(light.wi, s.geometric_normal) > 0.0) {
+        // The light is on one side of both the surface and its shading normal.
+        let side = dot(light.wi, s.geometric_normal);
+        if (light.pdf > 0.0 && wi.z * side > 0.0 && (has_transmission || side > 0.0)) {
             let value = bsdf_eval(b, wo, wi);
             let weight = select(mis_weight(light.pdf, value.w), 1.0, light.delta);
             let contribution = throughput * value.xyz * light.radiance * (weight / light.pdf);
             if (max_component(contribution) > 0.0) {
-                let origin = offset_origin(s.position, s.geometric_normal);
+                let origin = offset_origin(s.position, select(-s.geometric_normal, s.geometric_normal, side > 0.0));
                 var direction = light.wi;
                 var t_max = light.distance;
                 if (light.distance < FAR) {
@@ -306,13 +387,25 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     let lobe = random2(path, vertex_dimension(depth, DIMENSION_BSDF_LOBE));
     let sampled = bsdf_sample(b, wo, random2(path, vertex_dimension(depth, DIMENSION_BSDF_DIRECTION)), lobe.x);
     let direction = tangent * sampled.wi.x + bitangent * sampled.wi.y + normal * sampled.wi.z;
-    if (sampled.pdf <= 0.0 || dot(direction, s.geometric_normal) <= 0.0) {
+    let side = dot(direction, s.geometric_normal);
+    if (sampled.pdf <= 0.0 || sampled.wi.z * side <= 0.0) {
         end_path(slot, depth, has_shadow_ray);
         return;
     }
+    var density = 1.0;
+    if (has_transmission) {
+        if (side < 0.0 && (flags & MATERIAL_SOLID) != 0u) {
+            // Bodies border on the air: whoever leaves one is in the air.
+            medium = select(own_material + 1u, 0u, is_inside);
+        }
+        if (medium != 0u) {
+            density = materials[medium - 1u].ior;
+        }
+    }
     var next = throughput * sampled.weight;
     if (depth >= ROULETTE_START) {
-        let survival = clamp(max_component(next), 0.05, 0.95);
+        // Inside a body radiance is denser, and throughput lower, by the square of its index; that is no reason to end.
+        let survival = clamp(max_component(next) * density * density, 0.05, 0.95);
         if (lobe.y >= survival) {
             end_path(slot, depth, has_shadow_ray);
             return;
@@ -324,7 +417,8 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         return;
     }
     path_write(PATH_THROUGHPUT, slot, vec4f(next, sampled.pdf));
-    path_set_words(PATH_STATE, slot, vec4u(0u, 0u, depth + 1u, 0u));
-    rays[slot] = RayHit(offset_origin(s.position, s.geometric_normal), 0.0, normalize(direction), 1e30, vec2f(0.0), MISS, 0u);
+    path_set_words(PATH_STATE, slot, vec4u(0u, 0u, depth + 1u, medium));
+    let leaving = select(-s.geometric_normal, s.geometric_normal, side > 0.0);
+    rays[slot] = RayHit(offset_origin(s.position, leaving), 0.0, normalize(direction), 1e30, vec2f(0.0), MISS, 0u);
     queue_append(QUEUE_ACTIVE, slot);
 }

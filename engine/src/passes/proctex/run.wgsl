@@ -198,7 +198,7 @@ fn proctex(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) wor
             // Driven or not, the next kernel asks for the opacity.
             let outputs = (flags & OUTPUTS) | select(0u, 1u << OUTPUT_OPACITY, may_pass);
             words = store_outputs(slot, material, flags, outputs);
-            path_set_words(PATH_STATE, slot, vec4u(material, outputs, depth, 0u));
+            path_set_words(PATH_STATE, slot, vec4u(material, outputs, depth, path_words(PATH_STATE, slot).w));
             if ((flags & (1u << OUTPUT_BUMP)) == 0u) {
                 break;
             }

@@ -1,127 +1,335 @@
-// The metallic-roughness BSDF of glTF 2.0 (appendix B) with KHR_materials_specular and KHR_materials_ior:
-// a Lambert base under a GGX layer, mixed with a GGX metal. Single scattering, height-correlated Smith.
-// Directions are in the local frame of the shading normal: z is the cosine.
+// The BSDF of glTF 2.0 (appendix B) with the extensions for specular, ior, transmission, volume, diffuse transmission,
+// sheen, clearcoat, anisotropy and iridescence. From the top: a coat, sheen, and a mixture of metal and dielectric; the
+// dielectric is a GGX layer over a Lambert base or over the inside of a transparent body.
+//
+// Directions are in the local frame of the shading normal: z is the cosine, x the direction of anisotropy. `wo` is
+// above; `wi` may be below, where light is transmitted.
+//!include shared/microfacet.wgsl
 
-const PI = 3.14159265358979;
+// Whether the light that single scattering between microfacets loses is given back (Turquin, "Practical Multiple
+// Scattering Compensation for Microfacet Models", 2019). Off for comparisons with renderers that don't.
+override energy_compensation: bool = true;
+
+// What the materials of the scene have: a coat, sheen or iridescence; transmission.
+override has_layers: bool = true;
+override has_transmission: bool = true;
 
 struct Bsdf {
     base_color: vec3f,
     metallic: f32,
-    alpha: f32, // GGX width, roughness squared
+    alpha: vec2f, // GGX widths along x and y
     dielectric_f0: vec3f,
-    specular: f32, // weight of the dielectric's specular lobe
+    specular: f32, // weight of the dielectric's reflection
+    transmission: f32, // share of the body that is transparent
+    eta: f32, // index of refraction below over that above; 1: a thin wall that doesn't refract
+    diffuse_transmission: f32, // share of the rest that scatters to the other side
+    diffuse_transmission_color: vec3f,
+    coat: f32,
+    coat_alpha: f32,
+    coat_normal: vec3f,
+    sheen_color: vec3f,
+    sheen_roughness: f32,
+    iridescent_f0: vec3f, // what a thin film makes of the normal reflection
+    iridescence: f32, // its weight
 }
 
 struct BsdfSample {
     wi: vec3f,
-    weight: vec3f, // f cos / pdf; zero: no sample
+    weight: vec3f, // f |cos| / pdf; zero: no sample
     pdf: f32,
 }
 
-// Widest mirror that single precision can evaluate.
-const MIN_ALPHA = 0.001;
-
-fn make_bsdf(base_color: vec3f, metallic: f32, roughness: f32, dielectric_f0: vec3f, specular: f32) -> Bsdf {
+fn plain_bsdf(base_color: vec3f, metallic: f32, roughness: f32, dielectric_f0: vec3f, specular: f32) -> Bsdf {
     let r = saturate(roughness);
-    return Bsdf(clamp(base_color, vec3f(0.0), vec3f(1.0)), saturate(metallic), max(r * r, MIN_ALPHA), dielectric_f0, saturate(specular));
+    var b: Bsdf;
+    b.base_color = clamp(base_color, vec3f(0.0), vec3f(1.0));
+    b.metallic = saturate(metallic);
+    b.alpha = vec2f(max(r * r, MIN_ALPHA));
+    b.dielectric_f0 = dielectric_f0;
+    b.specular = saturate(specular);
+    b.eta = 1.0;
+    b.coat_alpha = MIN_ALPHA;
+    b.coat_normal = vec3f(0.0, 0.0, 1.0);
+    return b;
 }
 
-fn schlick(f0: vec3f, cosine: f32) -> vec3f {
-    let m = saturate(1.0 - cosine);
-    let m2 = m * m;
-    return f0 + (vec3f(1.0) - f0) * (m2 * m2 * m);
+// KHR_materials_anisotropy: the width along x grows with the strength.
+fn anisotropic_alpha(roughness: f32, strength: f32) -> vec2f {
+    let r = saturate(roughness);
+    let a = max(r * r, MIN_ALPHA);
+    return vec2f(mix(a, 1.0, strength * strength), a);
 }
 
-fn max_component(v: vec3f) -> f32 {
-    return max(v.x, max(v.y, v.z));
+// What is known once the viewer's direction is: shares of the layers, and the probabilities of sampling them.
+struct Lobes {
+    cover: f32, // share of light that the coat reflects
+    sheen: f32, // albedo of the sheen towards the viewer
+    gloss: vec3f, // factor on the reflection for what multiple scattering gives back
+    through: f32, // the same for the transmission
+    body: vec3f, // factor on the light below the dielectric's reflection
+    coat_p: f32,
+    sheen_p: f32,
+    specular_p: f32,
+    diffuse_p: f32,
+    back_p: f32, // diffuse transmission
+    through_p: f32, // transmission
 }
 
-fn luminance(c: vec3f) -> f32 {
-    return dot(c, vec3f(0.2126, 0.7152, 0.0722));
+fn mean_alpha(b: Bsdf) -> f32 {
+    return sqrt(b.alpha.x * b.alpha.y);
 }
 
-fn ggx_d(h: vec3f, alpha: f32) -> f32 {
-    let a2 = alpha * alpha;
-    // 1 + (a2 - 1) cos² without the cancellation near the pole.
-    let t = a2 * h.z * h.z + h.x * h.x + h.y * h.y;
-    return a2 / (PI * t * t);
+// The reflection of the dielectric's surface at an angle to a microfacet; `cosine` is on wo's side.
+fn dielectric_fresnel(b: Bsdf, cosine: f32) -> vec3f {
+    var outside = cosine;
+    if (has_transmission && b.eta < 1.0) {
+        // Seen from the inside: what counts is the angle in the air, and beyond the critical one all is reflected.
+        let sine2 = (1.0 - cosine * cosine) / (b.eta * b.eta);
+        if (sine2 >= 1.0) {
+            return vec3f(1.0);
+        }
+        outside = sqrt(1.0 - sine2);
+    }
+    let plain = min(b.specular * b.dielectric_f0 + (b.specular - b.specular * b.dielectric_f0) * schlick_weight(outside), vec3f(1.0));
+    return with_film(b, plain);
 }
 
-// Smith's Lambda times 2 plus 1: sqrt(1 + alpha² tan²).
-fn ggx_root(v: vec3f, alpha: f32) -> f32 {
-    return sqrt(1.0 + alpha * alpha * (v.x * v.x + v.y * v.y) / (v.z * v.z));
+// A reflection under the thin film.
+fn with_film(b: Bsdf, fresnel: vec3f) -> vec3f {
+    if (has_layers && b.iridescence > 0.0) {
+        return mix(fresnel, b.iridescent_f0, b.iridescence);
+    }
+    return fresnel;
 }
 
-// Probability of sampling the specular lobe.
-fn specular_probability(b: Bsdf, wo: vec3f) -> f32 {
-    let dielectric = b.specular * max_component(schlick(b.dielectric_f0, wo.z));
-    let specular = mix(dielectric, max_component(schlick(b.base_color, wo.z)), b.metallic);
-    let diffuse = (1.0 - b.metallic) * (1.0 - dielectric) * max_component(b.base_color);
-    if (specular <= 0.0) {
+fn metal_fresnel(b: Bsdf, cosine: f32) -> vec3f {
+    return with_film(b, schlick(b.base_color, cosine));
+}
+
+// The coat's reflection: KHR_materials_clearcoat takes it at the normal, with an index of 1.5.
+fn coat_fresnel(b: Bsdf, w: vec3f) -> f32 {
+    if (!has_layers || b.coat <= 0.0) {
         return 0.0;
     }
-    if (diffuse <= 0.0) {
-        return 1.0;
-    }
-    return clamp(specular / (specular + diffuse), 0.1, 0.9);
+    return b.coat * (0.04 + 0.96 * schlick_weight(abs(dot(w, b.coat_normal))));
 }
 
-// f cos and the pdf of sampling wi, both for one pair of directions above the surface.
+fn lobes(b: Bsdf, wo: vec3f) -> Lobes {
+    var l: Lobes;
+    l.cover = coat_fresnel(b, wo);
+    l.gloss = vec3f(1.0);
+    l.through = 1.0;
+    l.body = vec3f(1.0);
+    let roughness = sqrt(mean_alpha(b));
+    let dielectric = dielectric_fresnel(b, wo.z);
+    let metal = metal_fresnel(b, wo.z);
+    if (energy_compensation) {
+        let table = albedo_lookup(wo.z, roughness);
+        let single = max(table.x + table.y, 1e-3);
+        let lost = (1.0 - single) / single;
+        var f0 = b.specular * b.dielectric_f0;
+        if (has_transmission && b.eta == 1.0) {
+            // What a thin transparent wall doesn't reflect isn't absorbed: it meets the next microfacet. Where light is
+            // refracted, what is lost depends on the index too, and isn't given back.
+            f0 = mix(f0, vec3f(1.0), b.transmission);
+            l.through = 1.0 + lost;
+        }
+        l.gloss = vec3f(1.0) + with_film(b, mix(f0, b.base_color, b.metallic)) * lost;
+        // Below the reflection remains what isn't reflected, whatever the angle at a microfacet.
+        let f = b.specular * (b.dielectric_f0 * table.x + table.y);
+        let film = with_film(b, f);
+        l.body = vec3f(1.0) - min(film * (vec3f(1.0) + with_film(b, b.specular * b.dielectric_f0) * lost), vec3f(1.0));
+    }
+    if (has_layers && max_component(b.sheen_color) > 0.0) {
+        l.sheen = albedo_lookup(wo.z, b.sheen_roughness).z;
+    }
+
+    let below = (1.0 - l.cover) * (1.0 - max_component(b.sheen_color) * l.sheen);
+    let inside = below * (1.0 - b.metallic) * (1.0 - max_component(dielectric));
+    l.coat_p = l.cover;
+    l.sheen_p = (1.0 - l.cover) * max_component(b.sheen_color) * l.sheen;
+    l.specular_p = below * max_component(mix(dielectric, metal, b.metallic));
+    let diffuse = inside * (1.0 - b.transmission);
+    l.diffuse_p = diffuse * (1.0 - b.diffuse_transmission) * max_component(b.base_color);
+    l.back_p = diffuse * b.diffuse_transmission * max_component(b.diffuse_transmission_color);
+    l.through_p = inside * b.transmission * max_component(b.base_color);
+    let sum = l.coat_p + l.sheen_p + l.specular_p + l.diffuse_p + l.back_p + l.through_p;
+    if (sum > 0.0) {
+        // No lobe that matters may starve: what looks dark from here may be bright elsewhere.
+        let least = 0.05 * sum;
+        l.coat_p = raised(l.coat_p, least);
+        l.sheen_p = raised(l.sheen_p, least);
+        l.specular_p = raised(l.specular_p, least);
+        l.diffuse_p = raised(l.diffuse_p, least);
+        l.back_p = raised(l.back_p, least);
+        l.through_p = raised(l.through_p, least);
+        let scale = 1.0 / (l.coat_p + l.sheen_p + l.specular_p + l.diffuse_p + l.back_p + l.through_p);
+        l.coat_p *= scale;
+        l.sheen_p *= scale;
+        l.specular_p *= scale;
+        l.diffuse_p *= scale;
+        l.back_p *= scale;
+        l.through_p *= scale;
+    }
+    return l;
+}
+
+fn raised(p: f32, least: f32) -> f32 {
+    return select(0.0, max(p, least), p > 0.0);
+}
+
+// The frame of the coat's normal: a vector of the local frame in it.
+fn to_coat(b: Bsdf, w: vec3f) -> vec3f {
+    let x = any_perpendicular(b.coat_normal);
+    return vec3f(dot(w, x), dot(w, cross(b.coat_normal, x)), dot(w, b.coat_normal));
+}
+
+fn from_coat(b: Bsdf, w: vec3f) -> vec3f {
+    let x = any_perpendicular(b.coat_normal);
+    return x * w.x + cross(b.coat_normal, x) * w.y + b.coat_normal * w.z;
+}
+
+// f |cos| and the pdf of sampling wi.
 fn bsdf_eval(b: Bsdf, wo: vec3f, wi: vec3f) -> vec4f {
-    if (wo.z <= 0.0 || wi.z <= 0.0) {
+    if (wo.z <= 0.0) {
         return vec4f(0.0);
     }
-    let p_specular = specular_probability(b, wo);
-    var f = vec3f(0.0);
-    var pdf = (1.0 - p_specular) * wi.z / PI;
+    return bsdf_eval_lobes(b, lobes(b, wo), wo, wi);
+}
+
+fn bsdf_eval_lobes(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
+    if (wi.z > 0.0) {
+        return eval_above(b, l, wo, wi);
+    }
+    if (has_transmission && wi.z < 0.0 && l.back_p + l.through_p > 0.0) {
+        return eval_below(b, l, wo, wi);
+    }
+    return vec4f(0.0);
+}
+
+fn eval_above(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
     let h = normalize(wo + wi);
     let cosine = dot(wo, h);
-    let dielectric_fresnel = min(schlick(b.dielectric_f0, cosine), vec3f(1.0));
-    f += (1.0 - b.metallic) * (1.0 - b.specular * max_component(dielectric_fresnel)) * b.base_color / PI;
-    if (p_specular > 0.0) {
-        let d = ggx_d(h, b.alpha);
-        let root_o = ggx_root(wo, b.alpha);
-        let root_i = ggx_root(wi, b.alpha);
-        // G2 / (4 cos cos) with G2 = 1 / (1 + Lambda_o + Lambda_i).
-        let visibility = 1.0 / (2.0 * wo.z * wi.z * (root_o + root_i));
-        let metal_fresnel = schlick(b.base_color, cosine);
-        let fresnel = mix(b.specular * dielectric_fresnel, metal_fresnel, b.metallic);
-        f += fresnel * d * visibility;
-        // pdf of visible normals: G1 D / (4 cos_o).
-        pdf += p_specular * d / (2.0 * (1.0 + root_o) * wo.z);
+    let dielectric = dielectric_fresnel(b, cosine);
+    var f = vec3f(0.0);
+    var pdf = 0.0;
+    if (l.specular_p > 0.0) {
+        let fresnel = mix(dielectric, metal_fresnel(b, cosine), b.metallic);
+        f += fresnel * l.gloss * ggx_reflection(wo, wi, h, b.alpha);
+        pdf += l.specular_p * ggx_reflection_pdf(wo, h, b.alpha);
     }
-    return vec4f(f * wi.z, pdf);
+    if (l.diffuse_p > 0.0) {
+        f += body_share(b, l, dielectric) * (1.0 - b.diffuse_transmission) * b.base_color / PI;
+        pdf += l.diffuse_p * wi.z / PI;
+    }
+    if (has_layers && l.sheen_p > 0.0) {
+        let darker = 1.0 - max_component(b.sheen_color) * max(l.sheen, albedo_lookup(wi.z, b.sheen_roughness).z);
+        f = f * darker + b.sheen_color * charlie(wo, wi, max(b.sheen_roughness * b.sheen_roughness, 0.0025));
+        pdf += l.sheen_p / (2.0 * PI);
+    }
+    f *= (1.0 - l.cover) * wi.z;
+    if (has_layers && l.coat_p > 0.0) {
+        let o = to_coat(b, wo);
+        let i = to_coat(b, wi);
+        if (o.z > 0.0 && i.z > 0.0) {
+            let n = normalize(o + i);
+            let alpha = vec2f(b.coat_alpha);
+            f += l.cover * ggx_reflection(o, i, n, alpha) * i.z;
+            pdf += l.coat_p * ggx_reflection_pdf(o, n, alpha);
+        }
+    }
+    return vec4f(f, pdf);
 }
 
-// A visible normal (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023).
-fn sample_visible_normal(wo: vec3f, alpha: f32, u: vec2f) -> vec3f {
-    let v = normalize(vec3f(wo.xy * alpha, wo.z));
-    let phi = 2.0 * PI * u.x;
-    let z = (1.0 - u.y) * (1.0 + v.z) - v.z;
-    let s = sqrt(saturate(1.0 - z * z));
-    let h = vec3f(s * cos(phi), s * sin(phi), z) + v;
-    return normalize(vec3f(h.xy * alpha, max(h.z, 1e-7)));
+// Share of light that reaches the body below the dielectric's reflection and is not transmitted.
+fn body_share(b: Bsdf, l: Lobes, dielectric: vec3f) -> vec3f {
+    var share = vec3f(1.0 - max_component(dielectric));
+    if (energy_compensation) {
+        share = vec3f(1.0 - max_component(vec3f(1.0) - l.body));
+    }
+    return share * ((1.0 - b.metallic) * (1.0 - b.transmission));
 }
 
-fn sample_cosine(u: vec2f) -> vec3f {
-    let r = sqrt(u.x);
-    let phi = 2.0 * PI * u.y;
-    return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 1e-12)));
+fn eval_below(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
+    var f = vec3f(0.0);
+    var pdf = 0.0;
+    if (l.back_p > 0.0) {
+        let share = body_share(b, l, dielectric_fresnel(b, wo.z));
+        f += share * b.diffuse_transmission * b.diffuse_transmission_color * (-wi.z / PI);
+        pdf += l.back_p * -wi.z / PI;
+    }
+    if (l.through_p > 0.0) {
+        let passing = b.base_color * ((1.0 - b.metallic) * b.transmission * l.through);
+        if (b.eta == 1.0) {
+            // A thin wall: the reflection's lobe, mirrored to the other side.
+            let mirrored = vec3f(wi.xy, -wi.z);
+            let h = normalize(wo + mirrored);
+            let fresnel = dielectric_fresnel(b, dot(wo, h));
+            f += passing * (vec3f(1.0) - fresnel) * ggx_reflection(wo, mirrored, h, b.alpha) * mirrored.z;
+            pdf += l.through_p * ggx_reflection_pdf(wo, h, b.alpha);
+        } else {
+            // Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007. Radiance is carried, which
+            // is denser inside by the square of the index.
+            var h = normalize(wo + wi * b.eta);
+            h = select(-h, h, h.z > 0.0);
+            let o = dot(wo, h);
+            let i = dot(wi, h);
+            if (o > 0.0 && i < 0.0) {
+                let t = i + o / b.eta;
+                let jacobian = -i / (t * t);
+                let fresnel = dielectric_fresnel(b, o);
+                let normals = ggx_normal_pdf(wo, h, b.alpha);
+                let masking = (1.0 + ggx_root(wo, b.alpha)) / (ggx_root(wo, b.alpha) + ggx_root(wi, b.alpha));
+                f += passing * (vec3f(1.0) - fresnel) * (normals * jacobian * masking / (b.eta * b.eta));
+                pdf += l.through_p * normals * jacobian;
+            }
+        }
+    }
+    f *= (1.0 - l.cover) * (1.0 - max_component(b.sheen_color) * l.sheen);
+    return vec4f(f, pdf);
 }
 
-fn bsdf_sample(b: Bsdf, wo: vec3f, u: vec2f, lobe: f32) -> BsdfSample {
+fn bsdf_sample(b: Bsdf, wo: vec3f, u: vec2f, choice: f32) -> BsdfSample {
+    let none = BsdfSample(vec3f(0.0), vec3f(0.0), 0.0);
     if (wo.z <= 0.0) {
-        return BsdfSample(vec3f(0.0), vec3f(0.0), 0.0);
+        return none;
     }
+    let l = lobes(b, wo);
+    var rest = choice - l.specular_p;
     var wi: vec3f;
-    if (lobe < specular_probability(b, wo)) {
+    var side = 1.0; // where the lobe lies: a direction that misses its side isn't one of another lobe
+    if (rest < 0.0) {
         wi = reflect(-wo, sample_visible_normal(wo, b.alpha, u));
-    } else {
+    } else if (rest < l.diffuse_p) {
         wi = sample_cosine(u);
+    } else if (has_transmission && rest < l.diffuse_p + l.through_p) {
+        let h = sample_visible_normal(wo, b.alpha, u);
+        if (b.eta == 1.0) {
+            wi = reflect(-wo, h);
+            wi.z = -wi.z;
+        } else {
+            wi = refract(-wo, h, 1.0 / b.eta);
+        }
+        side = -1.0;
+    } else if (has_layers && rest < l.diffuse_p + l.through_p + l.coat_p) {
+        let o = to_coat(b, wo);
+        if (o.z <= 0.0) {
+            return none;
+        }
+        wi = from_coat(b, reflect(-o, sample_visible_normal(o, vec2f(b.coat_alpha), u)));
+    } else if (has_transmission && rest < l.diffuse_p + l.through_p + l.coat_p + l.back_p) {
+        wi = sample_cosine(u);
+        wi.z = -wi.z;
+        side = -1.0;
+    } else {
+        wi = sample_hemisphere(u);
     }
-    let value = bsdf_eval(b, wo, wi);
+    if (wi.z * side <= 0.0) {
+        return none;
+    }
+    let value = bsdf_eval_lobes(b, l, wo, wi);
     if (value.w <= 0.0) {
-        return BsdfSample(vec3f(0.0), vec3f(0.0), 0.0);
+        return none;
     }
     return BsdfSample(wi, value.xyz / value.w, value.w);
 }

@@ -20,8 +20,25 @@ struct Material {
     normal_scale: f32,
     flags: u32,
     texture_mask: u32, // bit per texture that is there
-    spare0: u32,
-    textures: array<TextureSlot, 6>,
+    ior: f32,
+    absorption: vec3f, // 1/metres
+    transmission: f32,
+    diffuse_transmission_color: vec3f,
+    diffuse_transmission: f32,
+    sheen_color: vec3f,
+    sheen_roughness: f32,
+    coat: f32,
+    coat_roughness: f32,
+    coat_normal_scale: f32,
+    iridescence: f32,
+    anisotropy: f32,
+    anisotropy_rotation: f32, // radians
+    iridescence_ior: f32,
+    spare0: f32,
+    iridescence_thickness: vec2f, // nanometres
+    spare1: f32,
+    spare2: f32,
+    textures: array<TextureSlot, 17>,
 }
 
 const TEXTURE_BASE_COLOR = 0u;
@@ -30,6 +47,19 @@ const TEXTURE_NORMAL = 2u;
 const TEXTURE_EMISSION = 3u;
 const TEXTURE_SPECULAR = 4u;
 const TEXTURE_SPECULAR_COLOR = 5u;
+// The textures of layers begin here; their numbers are relative to it.
+const FIRST_LAYER_TEXTURE = 6u;
+const LAYER_TRANSMISSION = 0u;
+const LAYER_DIFFUSE_TRANSMISSION = 1u;
+const LAYER_DIFFUSE_TRANSMISSION_COLOR = 2u;
+const LAYER_SHEEN_COLOR = 3u;
+const LAYER_SHEEN_ROUGHNESS = 4u;
+const LAYER_COAT = 5u;
+const LAYER_COAT_ROUGHNESS = 6u;
+const LAYER_COAT_NORMAL = 7u;
+const LAYER_ANISOTROPY = 8u;
+const LAYER_IRIDESCENCE = 9u;
+const LAYER_IRIDESCENCE_THICKNESS = 10u;
 
 const MATERIAL_DOUBLE_SIDED = 1u;
 const MATERIAL_UNLIT = 2u;
@@ -37,6 +67,7 @@ const MATERIAL_MASK = 4u;
 const MATERIAL_BLEND = 8u;
 const MATERIAL_PROGRAM = 16u; // has a head in the texture programs
 const MATERIAL_PROGRAM_LAST = 32u; // and needs it to know how much light comes out of it: emission, opacity
+const MATERIAL_SOLID = 128u; // bounds a body
 const MATERIAL_PROGRAM_LIGHT = 64u; // and is sampled as a light, whose emission the program tells
 
 @group(0) @binding(14) var<storage, read> materials: array<Material>;
@@ -73,11 +104,28 @@ fn material_textures(material: u32, wanted: u32, triangle: vec4u, weights: vec3f
         texels[i] = vec4f(1.0);
     }
     if (has_textures) {
-        var mask = materials[material].texture_mask & wanted;
+        var mask = materials[material].texture_mask & wanted & ((1u << FIRST_LAYER_TEXTURE) - 1u);
         while (mask != 0u) {
             let texture = firstTrailingBit(mask);
             mask &= mask - 1u;
             texels[texture] = material_texture(material, texture, triangle, weights);
+        }
+    }
+    return texels;
+}
+
+// The same for the textures of layers.
+fn layer_textures(material: u32, triangle: vec4u, weights: vec3f) -> array<vec4f, 11> {
+    var texels: array<vec4f, 11>;
+    for (var i = 0u; i < 11u; i++) {
+        texels[i] = vec4f(1.0);
+    }
+    if (has_textures) {
+        var mask = materials[material].texture_mask >> FIRST_LAYER_TEXTURE;
+        while (mask != 0u) {
+            let layer = firstTrailingBit(mask);
+            mask &= mask - 1u;
+            texels[layer] = material_texture(material, FIRST_LAYER_TEXTURE + layer, triangle, weights);
         }
     }
     return texels;

@@ -1,4 +1,5 @@
 // The surface at a hit: position and frames in the world, facing the viewer.
+//!include shared/vectors.wgsl
 
 struct Surface {
     position: vec3f,
@@ -61,11 +62,4 @@ fn surface_tangent(s: Surface, instance: u32, normal: vec3f) -> vec4f {
         }
     }
     return vec4f(any_perpendicular(normal), 1.0);
-}
-
-// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
-fn any_perpendicular(n: vec3f) -> vec3f {
-    let sign = select(-1.0, 1.0, n.z >= 0.0);
-    let a = -1.0 / (sign + n.z);
-    return vec3f(1.0 + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x);
 }

@@ -46,7 +46,7 @@ pub(super) fn read(
     Ok((materials, reader.requests))
 }
 
-struct Reader<'a> {
+pub(super) struct Reader<'a> {
     root: &'a json::Root,
     requests: ImageRequests,
     found: HashMap<(usize, bool), u32>,
@@ -121,10 +121,10 @@ impl Reader<'_> {
                 self.positive3("specularColorFactor", specular.specular_color_factor.0);
             material.specular_color_texture = self.info(&specular.specular_color_texture, true)?;
         }
-        Ok(())
+        self.layers(&extensions.others, material)
     }
 
-    fn info(
+    pub(super) fn info(
         &mut self,
         info: &Option<json::texture::Info>,
         srgb: bool,
@@ -139,7 +139,7 @@ impl Reader<'_> {
         self.texture(info.index.value(), info.tex_coord, transform, srgb)
     }
 
-    fn texture(
+    pub(super) fn texture(
         &mut self,
         index: usize,
         uv_set: u32,
@@ -249,7 +249,7 @@ impl Reader<'_> {
         texture_transform(values)
     }
 
-    fn unit(&mut self, what: &str, value: f32) -> f32 {
+    pub(super) fn unit(&mut self, what: &str, value: f32) -> f32 {
         self.within(what, value, 0.0, 1.0, 1.0)
     }
 
@@ -257,12 +257,19 @@ impl Reader<'_> {
         Vec4::from(value.map(|value| self.unit(what, value)))
     }
 
-    fn positive3(&mut self, what: &str, value: [f32; 3]) -> Vec3 {
+    pub(super) fn positive3(&mut self, what: &str, value: [f32; 3]) -> Vec3 {
         Vec3::from(value.map(|value| self.within(what, value, 0.0, f32::MAX, 0.0)))
     }
 
     /// Clamps, with a warning where that changes something; `default` stands in for infinity and NaN.
-    fn within(&mut self, what: &str, value: f32, least: f32, most: f32, default: f32) -> f32 {
+    pub(super) fn within(
+        &mut self,
+        what: &str,
+        value: f32,
+        least: f32,
+        most: f32,
+        default: f32,
+    ) -> f32 {
         let valid = if value.is_finite() {
             value.clamp(least, most)
         } else {
@@ -279,7 +286,9 @@ impl Reader<'_> {
     }
 }
 
-fn other_transform(others: Option<&Map<String, Value>>) -> Result<Option<TextureTransform>, Fault> {
+pub(super) fn other_transform(
+    others: Option<&Map<String, Value>>,
+) -> Result<Option<TextureTransform>, Fault> {
     match others.and_then(|others| others.get("KHR_texture_transform")) {
         None => Ok(None),
         Some(value) => serde_json::from_value(value.clone())

@@ -279,10 +279,10 @@ fn a_required_extension_is_named_and_an_optional_one_a_warning() {
     assert!(message.contains("without mesh compression"), "{message}");
 
     let mut tree = square();
-    tree["materials"] = json!([{ "extensions": { "KHR_materials_sheen": {} } }, { "extensions": { "KHR_materials_sheen": {} } }]);
+    tree["materials"] = json!([{ "extensions": { "KHR_materials_dispersion": {} } }, { "extensions": { "KHR_materials_dispersion": {} } }]);
     let warnings = import(tree).unwrap().warnings;
     assert_eq!(warnings.len(), 1);
-    assert!(warnings[0].contains("KHR_materials_sheen"));
+    assert!(warnings[0].contains("KHR_materials_dispersion"));
 }
 
 #[test]

@@ -1,0 +1,139 @@
+//! The table of directional albedos in `microfacet.wgsl`: what share of light a rough surface reflects. It depends on
+//! nothing but cosine and roughness, and is integrated when a scene is put on the GPU, in some milliseconds.
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+
+use crate::gpu::Gpu;
+
+use super::images::filled_texture;
+
+/// Cells along each side.
+const SIDE: u32 = 32;
+/// Points of each integral.
+const POINTS: u32 = 256;
+/// As `MIN_ALPHA` in `microfacet.wgsl`.
+const MIN_ALPHA: f32 = 0.001;
+
+/// Puts the table on the GPU.
+pub fn upload(gpu: &Gpu) -> wgpu::TextureView {
+    let texels: Vec<[f32; 4]> = (0..SIDE * SIDE)
+        .map(|i| {
+            let at = |k: u32| k as f32 / (SIDE - 1) as f32;
+            let (cosine, roughness) = (at(i % SIDE).max(1e-3), at(i / SIDE));
+            let [f0, f90] = ggx(cosine, roughness);
+            [f0, f90, charlie(cosine, roughness), 0.0]
+        })
+        .collect();
+    filled_texture(
+        gpu,
+        "albedo table",
+        SIDE,
+        SIDE,
+        wgpu::TextureFormat::Rgba32Float,
+        bytemuck::cast_slice(&texels),
+    )
+}
+
+/// Directional albedo of GGX with Smith's height-correlated masking for F = f0 * x + f90 * y (Karis, "Real Shading in
+/// Unreal Engine 4", 2013).
+fn ggx(cosine: f32, roughness: f32) -> [f32; 2] {
+    let alpha = (roughness * roughness).max(MIN_ALPHA);
+    let wo = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
+    let root = |v: Vec3| (1.0 + alpha * alpha * (v.x * v.x + v.y * v.y) / (v.z * v.z)).sqrt();
+    let mut sums = [0.0; 2];
+    for i in 0..POINTS {
+        let h = visible_normal(wo, alpha, point(i));
+        let wi = h * (2.0 * wo.dot(h)) - wo;
+        if wi.z <= 0.0 {
+            continue;
+        }
+        // G2 / G1: the weight of a direction that is reflected at a visible normal.
+        let weight = (1.0 + root(wo)) / (root(wo) + root(wi));
+        let fresnel = (1.0 - wo.dot(h)).clamp(0.0, 1.0).powi(5);
+        sums[0] += weight * (1.0 - fresnel);
+        sums[1] += weight * fresnel;
+    }
+    sums.map(|sum| sum / POINTS as f32)
+}
+
+/// Dupuy and Benyoub 2023, as in `microfacet.wgsl`.
+fn visible_normal(wo: Vec3, alpha: f32, u: Vec2) -> Vec3 {
+    let v = Vec3::new(wo.x * alpha, wo.y * alpha, wo.z).normalize();
+    let (sin, cos) = (2.0 * PI * u.x).sin_cos();
+    let z = (1.0 - u.y) * (1.0 + v.z) - v.z;
+    let s = (1.0 - z * z).max(0.0).sqrt();
+    let h = Vec3::new(s * cos, s * sin, z) + v;
+    Vec3::new(h.x * alpha, h.y * alpha, h.z.max(1e-7)).normalize()
+}
+
+/// Directional albedo of Charlie's sheen.
+fn charlie(cosine: f32, roughness: f32) -> f32 {
+    let alpha = (roughness * roughness).max(0.0025);
+    let wo = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
+    let count = POINTS * 4;
+    let sum: f32 = (0..count)
+        .map(|i| {
+            let u = point(i);
+            let (z, phi) = (u.x.max(1e-4), 2.0 * PI * u.y);
+            let r = (1.0 - z * z).max(0.0).sqrt();
+            let wi = Vec3::new(r * phi.cos(), r * phi.sin(), z);
+            let h = (wo + wi).normalize();
+            let sine2 = (1.0 - h.z * h.z).max(0.0078125 * 0.0078125);
+            let d = (2.0 + 1.0 / alpha) * sine2.powf(0.5 / alpha) / (2.0 * PI);
+            let masking = 1.0 + charlie_lambda(wo.z, alpha) + charlie_lambda(z, alpha);
+            2.0 * PI * d / (4.0 * wo.z * masking)
+        })
+        .sum();
+    (sum / count as f32).min(1.0)
+}
+
+fn charlie_lambda(cosine: f32, alpha: f32) -> f32 {
+    if cosine < 0.5 {
+        charlie_fit(cosine, alpha).exp()
+    } else {
+        (2.0 * charlie_fit(0.5, alpha) - charlie_fit(1.0 - cosine, alpha)).exp()
+    }
+}
+
+/// Fit of Estevez and Kulla 2017.
+fn charlie_fit(x: f32, alpha: f32) -> f32 {
+    let t = (1.0 - alpha) * (1.0 - alpha);
+    let mix = |rough: f32, smooth: f32| rough + (smooth - rough) * t;
+    let (a, b, c) = (
+        mix(21.5473, 25.3245),
+        mix(3.82987, 3.32435),
+        mix(0.19823, 0.16801),
+    );
+    let (d, e) = (mix(-1.97760, -1.27393), mix(-4.32054, -4.85967));
+    a / (1.0 + b * x.max(1e-6).powf(c)) + d * x + e
+}
+
+/// Point `i` of an evenly spread sequence (M. Roberts' R2, 2018).
+fn point(i: u32) -> Vec2 {
+    let at = |step: f64| ((0.5 + step * f64::from(i + 1)).fract()) as f32;
+    Vec2::new(at(0.754_877_666_246_692_8), at(0.569_840_290_998_053_3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mirror_reflects_all_and_a_rough_surface_loses_some() {
+        let albedo = |cosine, roughness| ggx(cosine, roughness).iter().sum::<f32>();
+        assert!((albedo(0.5, 0.0) - 1.0).abs() < 1e-3);
+        // With a width of 1 and straight on, the integral is that of c / (1 + c) over c from 0 to 1.
+        let expected = 1.0 - 2.0_f32.ln();
+        assert!((albedo(1.0, 1.0) - expected).abs() < 5e-3);
+        assert!(ggx(1.0, 0.3)[1] < 0.01, "no grazing reflection straight on");
+    }
+
+    #[test]
+    fn sheen_is_strongest_at_grazing_angles() {
+        for roughness in [0.3, 0.6, 1.0] {
+            assert!(charlie(0.05, roughness) > charlie(0.9, roughness));
+        }
+    }
+}

@@ -1,0 +1,112 @@
+// Distributions of microfacets and what they reflect. Directions are in the local frame of the shading normal: z is the
+// cosine. No materials here.
+//!include shared/vectors.wgsl
+
+const PI = 3.14159265358979;
+
+// Widest mirror that single precision can evaluate.
+const MIN_ALPHA = 0.001;
+
+// Directional albedos, by cosine (x) and perceptual roughness (y): GGX as f0 * r + f90 * g; Charlie's sheen in b.
+// Computed by `gpu_scene::albedo`.
+@group(0) @binding(21) var albedo_table: texture_2d<f32>;
+
+// Bilinear between the table's cells, whose first and last lie at 0 and 1.
+fn albedo_lookup(cosine: f32, roughness: f32) -> vec3f {
+    let size = textureDimensions(albedo_table);
+    let at = saturate(vec2f(cosine, roughness)) * vec2f(size - 1u);
+    let cell = min(vec2u(at), size - 2u);
+    let f = at - vec2f(cell);
+    let low = mix(textureLoad(albedo_table, cell, 0), textureLoad(albedo_table, cell + vec2u(1u, 0u), 0), f.x);
+    let high = mix(textureLoad(albedo_table, cell + vec2u(0u, 1u), 0), textureLoad(albedo_table, cell + 1u, 0), f.x);
+    return mix(low, high, f.y).xyz;
+}
+
+fn schlick_weight(cosine: f32) -> f32 {
+    let m = saturate(1.0 - cosine);
+    let m2 = m * m;
+    return m2 * m2 * m;
+}
+
+fn schlick(f0: vec3f, cosine: f32) -> vec3f {
+    return f0 + (vec3f(1.0) - f0) * schlick_weight(cosine);
+}
+
+// Density of normals (Trowbridge and Reitz), widths `alpha` along x and y.
+fn ggx_d(h: vec3f, alpha: vec2f) -> f32 {
+    let area = alpha.x * alpha.y;
+    // 1 / (pi ax ay (hx²/ax² + hy²/ay² + hz²)²) without its cancellation at narrow peaks.
+    let v = vec3f(alpha.y * h.x, alpha.x * h.y, area * h.z);
+    let t = dot(v, v) / area;
+    return area / (PI * t * t);
+}
+
+// Smith's Lambda times 2 plus 1.
+fn ggx_root(v: vec3f, alpha: vec2f) -> f32 {
+    let a = alpha * v.xy;
+    return sqrt(1.0 + dot(a, a) / (v.z * v.z));
+}
+
+// G1 D / (4 cos): the pdf of a direction that is reflected at a visible normal.
+fn ggx_reflection_pdf(wo: vec3f, h: vec3f, alpha: vec2f) -> f32 {
+    return ggx_d(h, alpha) / (2.0 * (1.0 + ggx_root(wo, alpha)) * abs(wo.z));
+}
+
+// The pdf of a visible normal.
+fn ggx_normal_pdf(wo: vec3f, h: vec3f, alpha: vec2f) -> f32 {
+    return 4.0 * abs(dot(wo, h)) * ggx_reflection_pdf(wo, h, alpha);
+}
+
+// G2 D / (4 cos cos), height-correlated.
+fn ggx_reflection(wo: vec3f, wi: vec3f, h: vec3f, alpha: vec2f) -> f32 {
+    let roots = ggx_root(wo, alpha) + ggx_root(wi, alpha);
+    return ggx_d(h, alpha) / (2.0 * abs(wo.z * wi.z) * roots);
+}
+
+// A visible normal (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023).
+fn sample_visible_normal(wo: vec3f, alpha: vec2f, u: vec2f) -> vec3f {
+    let v = normalize(vec3f(wo.xy * alpha, wo.z));
+    let phi = 2.0 * PI * u.x;
+    let z = (1.0 - u.y) * (1.0 + v.z) - v.z;
+    let s = sqrt(saturate(1.0 - z * z));
+    let h = vec3f(s * cos(phi), s * sin(phi), z) + v;
+    return normalize(vec3f(h.xy * alpha, max(h.z, 1e-7)));
+}
+
+fn sample_cosine(u: vec2f) -> vec3f {
+    let r = sqrt(u.x);
+    let phi = 2.0 * PI * u.y;
+    return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 1e-12)));
+}
+
+fn sample_hemisphere(u: vec2f) -> vec3f {
+    let z = max(u.x, 1e-6);
+    let r = sqrt(saturate(1.0 - z * z));
+    let phi = 2.0 * PI * u.y;
+    return vec3f(r * cos(phi), r * sin(phi), z);
+}
+
+// Charlie's sheen without its colour (Estevez and Kulla, "Production Friendly Microfacet Sheen BRDF", 2017).
+fn charlie(wo: vec3f, wi: vec3f, alpha: f32) -> f32 {
+    let h = normalize(wo + wi);
+    let sine2 = max(1.0 - h.z * h.z, 0.0078125 * 0.0078125);
+    let d = (2.0 + 1.0 / alpha) * pow(sine2, 0.5 / alpha) / (2.0 * PI);
+    return d / (4.0 * wo.z * wi.z * (1.0 + charlie_lambda(wo.z, alpha) + charlie_lambda(wi.z, alpha)));
+}
+
+fn charlie_lambda(cosine: f32, alpha: f32) -> f32 {
+    if (cosine < 0.5) {
+        return exp(charlie_fit(cosine, alpha));
+    }
+    return exp(2.0 * charlie_fit(0.5, alpha) - charlie_fit(1.0 - cosine, alpha));
+}
+
+fn charlie_fit(x: f32, alpha: f32) -> f32 {
+    let t = (1.0 - alpha) * (1.0 - alpha);
+    let a = mix(21.5473, 25.3245, t);
+    let b = mix(3.82987, 3.32435, t);
+    let c = mix(0.19823, 0.16801, t);
+    let d = mix(-1.97760, -1.27393, t);
+    let e = mix(-4.32054, -4.85967, t);
+    return a / (1.0 + b * pow(max(x, 1e-6), c)) + d * x + e;
+}

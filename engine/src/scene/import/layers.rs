@@ -1,0 +1,121 @@
+//! The extensions of glTF materials that the JSON reader leaves as they are: transmission, volume, diffuse transmission,
+//! sheen, clearcoat, anisotropy and iridescence.
+
+use glam::Vec3;
+use gltf::json;
+use serde_json::{Map, Value};
+
+use super::error::Fault;
+use super::materials::{Reader, other_transform};
+use crate::scene::{Material, TextureRef};
+
+type Extension<'e> = &'e Map<String, Value>;
+
+impl Reader<'_> {
+    /// Reads what a material's extensions say.
+    pub(super) fn layers(
+        &mut self,
+        extensions: Extension<'_>,
+        material: &mut Material,
+    ) -> Result<(), Fault> {
+        let find = |name: &str| extensions.get(name).and_then(Value::as_object);
+        if let Some(e) = find("KHR_materials_transmission") {
+            material.transmission = self.share(e, "transmissionFactor", 0.0);
+            material.transmission_texture = self.picture(e, "transmissionTexture", false)?;
+        }
+        if let Some(e) = find("KHR_materials_volume") {
+            material.is_solid = self.number(e, "thicknessFactor", 0.0) > 0.0;
+            let color = self.color(e, "attenuationColor", Vec3::ONE);
+            let distance = self.number(e, "attenuationDistance", f32::INFINITY);
+            if distance > 0.0 && distance.is_finite() {
+                // Black over any distance is as good as opaque.
+                material.absorption = -color.max(Vec3::splat(1e-6)).map(f32::ln) / distance;
+            }
+        }
+        if let Some(e) = find("KHR_materials_diffuse_transmission") {
+            material.diffuse_transmission = self.share(e, "diffuseTransmissionFactor", 0.0);
+            material.diffuse_transmission_texture =
+                self.picture(e, "diffuseTransmissionTexture", false)?;
+            material.diffuse_transmission_color =
+                self.color(e, "diffuseTransmissionColorFactor", Vec3::ONE);
+            material.diffuse_transmission_color_texture =
+                self.picture(e, "diffuseTransmissionColorTexture", true)?;
+        }
+        if let Some(e) = find("KHR_materials_sheen") {
+            material.sheen_color = self.color(e, "sheenColorFactor", Vec3::ZERO);
+            material.sheen_color_texture = self.picture(e, "sheenColorTexture", true)?;
+            material.sheen_roughness = self.share(e, "sheenRoughnessFactor", 0.0);
+            material.sheen_roughness_texture = self.picture(e, "sheenRoughnessTexture", false)?;
+        }
+        if let Some(e) = find("KHR_materials_clearcoat") {
+            material.coat = self.share(e, "clearcoatFactor", 0.0);
+            material.coat_texture = self.picture(e, "clearcoatTexture", false)?;
+            material.coat_roughness = self.share(e, "clearcoatRoughnessFactor", 0.0);
+            material.coat_roughness_texture =
+                self.picture(e, "clearcoatRoughnessTexture", false)?;
+            material.coat_normal_texture = self.picture(e, "clearcoatNormalTexture", false)?;
+            if let Some(normal) = e.get("clearcoatNormalTexture").and_then(Value::as_object) {
+                material.coat_normal_scale = self.number(normal, "scale", 1.0);
+            }
+        }
+        if let Some(e) = find("KHR_materials_anisotropy") {
+            material.anisotropy = self.share(e, "anisotropyStrength", 0.0);
+            material.anisotropy_rotation = self.number(e, "anisotropyRotation", 0.0);
+            material.anisotropy_texture = self.picture(e, "anisotropyTexture", false)?;
+        }
+        if let Some(e) = find("KHR_materials_iridescence") {
+            material.iridescence = self.share(e, "iridescenceFactor", 0.0);
+            material.iridescence_texture = self.picture(e, "iridescenceTexture", false)?;
+            let ior = self.number(e, "iridescenceIor", 1.3);
+            material.iridescence_ior = self.within("iridescenceIor", ior, 1.0, 100.0, 1.3);
+            let mut thickness = |name: &str, default: f32| {
+                let given = self.number(e, name, default);
+                self.within(name, given, 0.0, 1e6, default)
+            };
+            material.iridescence_thickness = [
+                thickness("iridescenceThicknessMinimum", 100.0),
+                thickness("iridescenceThicknessMaximum", 400.0),
+            ];
+            material.iridescence_thickness_texture =
+                self.picture(e, "iridescenceThicknessTexture", false)?;
+        }
+        Ok(())
+    }
+
+    fn number(&mut self, e: Extension<'_>, name: &str, default: f32) -> f32 {
+        let given = e.get(name).and_then(Value::as_f64);
+        let value = given.map_or(default, |value| value as f32);
+        if value.is_nan() { default } else { value }
+    }
+
+    /// A number of 0 to 1.
+    fn share(&mut self, e: Extension<'_>, name: &str, default: f32) -> f32 {
+        let value = self.number(e, name, default);
+        self.unit(name, value)
+    }
+
+    fn color(&mut self, e: Extension<'_>, name: &str, default: Vec3) -> Vec3 {
+        let list = e.get(name).and_then(Value::as_array);
+        let Some(list) = list.filter(|list| list.len() == 3) else {
+            return default;
+        };
+        let at = |i: usize| list[i].as_f64().unwrap_or(0.0) as f32;
+        self.positive3(name, [at(0), at(1), at(2)])
+    }
+
+    fn picture(
+        &mut self,
+        e: Extension<'_>,
+        name: &str,
+        srgb: bool,
+    ) -> Result<Option<TextureRef>, Fault> {
+        let Some(info) = e.get(name) else {
+            return Ok(None);
+        };
+        let read: json::texture::Info =
+            serde_json::from_value(info.clone()).map_err(|error| format!("{name}: {error}"))?;
+        let extensions = info.get("extensions").and_then(Value::as_object);
+        let transform = other_transform(extensions)?;
+        self.texture(read.index.value(), read.tex_coord, transform.as_ref(), srgb)
+    }
+}
