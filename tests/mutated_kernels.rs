@@ -30,11 +30,10 @@ fn what_texgen_accepts_the_device_accepts() {
         .collect();
     texts.extend([RICH, RICH, RICH].map(str::to_owned));
     let features = SceneFeatures {
-        alpha: true,
         programs: true,
         textures: true,
-        environment: true,
         program_shadows: true,
+        ..SceneFeatures::default()
     };
     let budget = match std::env::var_os("PATINA_FULL").is_some() {
         true => Duration::from_secs(300),
