@@ -151,8 +151,17 @@ pub(crate) struct RenderArgs {
 pub(crate) enum BenchCommand {
     /// The texture kernel: seconds to build it for 1 to 100 textures, and what a hit costs beside unused ones.
     ///
-    /// Takes minutes: a hundred textures are a large kernel.
+    /// A hundred textures are a large kernel: software drivers take many minutes to compile it.
     Kernel {
+        /// No kernel holds more textures than this.
+        #[arg(
+            long,
+            value_name = "N",
+            default_value = "100",
+            allow_hyphen_values = true
+        )]
+        most: String,
+
         /// Folder with user textures, searched before the standard ones. May be given several times.
         #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
         texture_dirs: Vec<PathBuf>,

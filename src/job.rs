@@ -41,6 +41,8 @@ pub(crate) enum Job {
     },
     /// Measure the texture kernel.
     BenchKernel {
+        /// Most textures in a kernel.
+        most: u32,
         /// Folders the user named, searched first.
         texture_dirs: Vec<PathBuf>,
         /// Device to measure.
@@ -220,10 +222,12 @@ impl Job {
             Command::Bench {
                 what:
                     BenchCommand::Kernel {
+                        most,
                         texture_dirs,
                         device,
                     },
             } => Self::BenchKernel {
+                most: parse_number("--most", &most, 1, 100)?,
                 texture_dirs,
                 device: parse_device(device.as_deref())?,
             },

@@ -49,9 +49,10 @@ fn run(job: Job) -> Result<(), Failure> {
         Job::Devices => devices::run(),
         Job::ProbeTexture { file, device } => crash::probe(&file, &device),
         Job::BenchKernel {
+            most,
             texture_dirs,
             device,
-        } => bench::kernel::run(&texture_dirs, &device),
+        } => bench::kernel::run(most as usize, &texture_dirs, &device),
         Job::BenchTraverse(job) => bench::traverse(&job),
     }
 }

@@ -17,7 +17,11 @@ const COUNTS: [usize; 4] = [1, 10, 30, 100];
 ///
 /// # Errors
 /// The textures are wrong or missing, or there is no device.
-pub(crate) fn run(texture_dirs: &[PathBuf], device: &DeviceChoice) -> Result<(), Failure> {
+pub(crate) fn run(
+    most: usize,
+    texture_dirs: &[PathBuf],
+    device: &DeviceChoice,
+) -> Result<(), Failure> {
     let bar = Bar::new("measuring");
     let folders = library::texture_dirs(texture_dirs, None)?;
     let sources = TextureSources::scan(&folders).map_err(Failure::because)?;
@@ -27,7 +31,7 @@ pub(crate) fn run(texture_dirs: &[PathBuf], device: &DeviceChoice) -> Result<(),
     let head =
         "textures   lines   cold: build, s   + first wave, s   warm: build, s   + first wave, s";
     bar.suspend(|| console::print(&format!("\n{head}")));
-    for count in COUNTS {
+    for count in COUNTS.into_iter().filter(|&count| count <= most) {
         let row = kernel::rebuild(&gpu, &sources, count).map_err(Failure::because)?;
         let line = format!(
             "{:8} {:7} {:16.3} {:17.3} {:16.3} {:17.3}",
@@ -41,13 +45,14 @@ pub(crate) fn run(texture_dirs: &[PathBuf], device: &DeviceChoice) -> Result<(),
         bar.suspend(|| console::print(&line));
     }
 
-    let rows = kernel::hits(&gpu, &sources).map_err(Failure::because)?;
+    let rows = kernel::hits(&gpu, &sources, most).map_err(Failure::because)?;
     bar.finish();
-    console::print("\nbesides                                      lines   ns/hit    ratio");
+    console::print("\nbesides                              textures    lines   ns/hit    ratio");
     for row in rows {
         console::print(&format!(
-            "{:40} {:>9} {:8.1} {:8.4}",
+            "{:36} {:8} {:>8} {:8.1} {:8.3}",
             row.what,
+            row.textures,
             console::grouped(row.lines as u64),
             row.nanoseconds,
             row.ratio

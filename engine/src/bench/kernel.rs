@@ -17,6 +17,8 @@ use crate::scene::{Camera, Environment, Instance, Material, Mesh, Projection, Sc
 
 /// Unused textures, and nodes on other materials, in the second measurement.
 const OTHERS: usize = 100;
+/// Textures of the nodes on other materials in one of its cases.
+const FEW: usize = 10;
 /// Side of the picture in which hits are timed, all of it covered.
 const SIDE: u32 = 256;
 /// Samples per pixel of one timing.
@@ -80,6 +82,8 @@ pub struct Rebuild {
 pub struct HitCost {
     /// What there is besides.
     pub what: &'static str,
+    /// Textures in the kernel.
+    pub textures: usize,
     /// Lines of the kernel's generated text.
     pub lines: usize,
     /// Of the texture kernel, nanoseconds for each hit; median.
@@ -141,20 +145,36 @@ pub fn rebuild(
 }
 
 /// Measures what a hit costs without anything besides, with unused textures in the folder, and with nodes on other
-/// materials. The last row is the first case once more: how far timings differ by themselves.
+/// materials, whose textures are those of the measured one, ten others, or as many others as the kernel may hold. The
+/// last row is the first case once more: how far timings differ by themselves.
 ///
 /// # Errors
 /// The textures of the measured material (`rust_color`, `rust_mask`, `mix_color`) are missing or wrong, or the device.
-pub fn hits(gpu: &Gpu, sources: &TextureSources) -> Result<Vec<HitCost>, KernelBenchError> {
+pub fn hits(
+    gpu: &Gpu,
+    sources: &TextureSources,
+    most_textures: usize,
+) -> Result<Vec<HitCost>, KernelBenchError> {
+    let most = most_textures.clamp(1, OTHERS);
     let originals = originals(sources)?;
     let mut more = sources.clone();
-    let mut of_others = SUBJECT.to_owned();
-    let mut of_the_same = SUBJECT.to_owned();
+    let [mut of_the_same, mut of_few, mut of_most] = [(); 3].map(|()| SUBJECT.to_owned());
     for number in 0..OTHERS {
         let texture = &originals[number % originals.len()];
         let name = format!("other{number:03}");
         more.insert(&name, variant(texture, &name, number as u64).text());
-        node(&mut of_others, number, &name, number + 1);
+        node(
+            &mut of_few,
+            number,
+            &format!("other{:03}", number % FEW),
+            number + 1,
+        );
+        node(
+            &mut of_most,
+            number,
+            &format!("other{:03}", number % most),
+            number + 1,
+        );
         let same = ["rust_color", "rust_mask", "mix_color"][number % 3];
         node(&mut of_the_same, number, same, number + 1);
     }
@@ -162,7 +182,8 @@ pub fn hits(gpu: &Gpu, sources: &TextureSources) -> Result<Vec<HitCost>, KernelB
         ("nothing", SUBJECT, sources),
         ("100 unused textures in the folder", SUBJECT, &more),
         ("100 nodes on 100 other materials", &of_the_same, sources),
-        ("100 nodes of 100 other textures on them", &of_others, &more),
+        ("the same, of 10 other textures", &of_few, &more),
+        ("the same, of more other textures", &of_most, &more),
         ("nothing, again", SUBJECT, sources),
     ];
     let mut renderers = Vec::new();
@@ -183,6 +204,7 @@ pub fn hits(gpu: &Gpu, sources: &TextureSources) -> Result<Vec<HitCost>, KernelB
             let ratios = own.iter().zip(&times[0]).map(|(own, first)| own / first);
             HitCost {
                 what,
+                textures: renderer.procedural().graph().library().textures().len(),
                 lines: renderer.procedural().kernel().wgsl.lines().count(),
                 nanoseconds: median(own.iter().copied()),
                 ratio: median(ratios),
@@ -191,8 +213,11 @@ pub fn hits(gpu: &Gpu, sources: &TextureSources) -> Result<Vec<HitCost>, KernelB
         .collect())
 }
 
-/// The material whose hits are timed.
+/// The material whose hits are timed. Occlusion is traced elsewhere, and is no matter here.
 const SUBJECT: &str = r#"
+[ao.least]
+distance = 0.1
+samples = 1
 [node.mask]
 texture = "rust_mask"
 [node.rust]

@@ -75,7 +75,7 @@ impl GpuInstance {
 }
 
 /// What a scene uses: kernels are compiled without what it doesn't.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub struct SceneFeatures {
     /// Some surface may be transparent.
     pub alpha: bool,

@@ -6,5 +6,6 @@ mod errors;
 mod graph;
 mod kernel;
 mod language;
+mod mutate;
 mod robustness;
 mod shipped;

@@ -1,0 +1,66 @@
+//! What texgen accepts, the device accepts: mutated textures that pass its checks are built into the kernel that really
+//! runs, by the driver. With `PATINA_FULL` set there are many more of them.
+
+#[path = "../texgen/tests/suite/mutate.rs"]
+mod mutate;
+#[expect(dead_code, reason = "other tests use the rest")]
+mod support;
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use engine::gpu_scene::SceneFeatures;
+use engine::passes::proctex::{self, TextureForm};
+use engine::procedural::TextureSources;
+use texgen::{Library, SourceFile, TextureType};
+
+use mutate::{RICH, Random, mutate};
+
+#[test]
+fn what_texgen_accepts_the_device_accepts() {
+    let Some(gpu) = support::device::open() else {
+        return;
+    };
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("user_textures");
+    let sources = TextureSources::scan(&[folder]).unwrap_or_else(|error| panic!("{error}"));
+    let mut texts: Vec<String> = sources
+        .names()
+        .filter_map(|name| sources.read(name)?.ok())
+        .map(|file| file.text().to_owned())
+        .collect();
+    texts.extend([RICH, RICH, RICH].map(str::to_owned));
+    let features = SceneFeatures {
+        programs: true,
+        textures: true,
+        program_shadows: true,
+        ..SceneFeatures::default()
+    };
+    let budget = match std::env::var_os("PATINA_FULL").is_some() {
+        true => Duration::from_secs(300),
+        false => Duration::from_secs(10),
+    };
+    let mut random = Random(23);
+    let (start, mut built) = (Instant::now(), 0);
+    let mut together: Vec<TextureType> = Vec::new();
+    while start.elapsed() < budget {
+        let text = mutate(&texts[random.below(texts.len())], &mut random);
+        let name = format!("mutated {}", together.len());
+        let Ok(texture) = TextureType::parse(SourceFile::new(name.clone(), name, text)) else {
+            continue;
+        };
+        together.push(texture);
+        if together.len() < 4 {
+            continue;
+        }
+        let textures = std::mem::take(&mut together);
+        let library = Library::new(textures).unwrap_or_else(|problem| panic!("{problem}"));
+        let kernel = library.emit(4);
+        if let Err(error) = proctex::kernel(&gpu, TextureForm::Stack, &kernel, &features) {
+            let texts = library.textures().iter().map(|t| t.file().text());
+            panic!("{error}\n{}", texts.collect::<Vec<_>>().join("\n// ----\n"));
+        }
+        built += 1;
+    }
+    eprintln!("{built} kernels of four mutated textures");
+    assert!(built > 0);
+}
