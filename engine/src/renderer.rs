@@ -202,7 +202,7 @@ impl Renderer {
         let gpu_scene = GpuScene::new(
             gpu,
             scene,
-            procedural.textures(),
+            &procedural.reads(),
             |m| procedural.traits(m),
             &mut resources,
         )?;

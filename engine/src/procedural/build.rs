@@ -49,6 +49,7 @@ impl Procedural {
         }
 
         let mut procedural = Self {
+            custom_attributes: graph.library().custom_attributes(),
             graph,
             ao,
             ao_names,
@@ -66,6 +67,7 @@ impl Procedural {
             warnings: builder.warnings,
         };
         procedural.compile_all(look, &nodes)?;
+        procedural.warn_of_missing_attributes(scene);
         procedural.take_changes();
         Ok(procedural)
     }
@@ -123,13 +125,6 @@ impl Procedural {
             (None, Some(table)) => table.name.span.clone(),
             (None, None) => 0..0,
         }
-    }
-}
-
-fn custom(attribute: &Attribute) -> Option<&str> {
-    match attribute {
-        Attribute::Custom(name) => Some(name),
-        Attribute::Builtin(_) => None,
     }
 }
 
@@ -192,15 +187,6 @@ impl<'a> Builder<'a> {
                     let message = format!("there is no texture called `{name}`");
                     self.problem(&first_use(look, name).span, message, Some(note));
                 }
-            }
-        }
-        for texture in &types {
-            for name in texture.attributes().iter().filter_map(custom) {
-                let message = format!(
-                    "{}: `readAttr({name})` gives 0: custom attributes of meshes are not loaded yet",
-                    texture.file().path()
-                );
-                self.warnings.push(Diagnostic::warning(message));
             }
         }
         Library::new(types).unwrap_or_else(|problem| {

@@ -42,6 +42,7 @@ mod inlined;
 mod materials;
 mod memory;
 mod output;
+mod reads;
 mod sources;
 #[cfg(test)]
 mod tests;
@@ -65,6 +66,7 @@ pub use memory::{
     HEAD_PROGRAM, HEAD_WORDS,
 };
 pub use output::{Kind, Output};
+pub use reads::TextureReads;
 pub use sources::{SourcesError, TextureSources};
 pub use traits::ProgramTraits;
 pub use wiring::CompileError;
@@ -93,6 +95,8 @@ pub struct Procedural {
     /// Where the surface of a material that blends with itself went.
     surface_names: HashMap<String, u32>,
     textures: Vec<TextureRef>,
+    /// As [`texgen::Library::custom_attributes`].
+    custom_attributes: Vec<String>,
     stack_slots: u32,
     changed_args: RangeSet,
     changed_ao: bool,

@@ -149,9 +149,8 @@ fn patina_attr_Time() -> vec4f {
     return vec4f(frame.time);
 }
 
-// Meshes are loaded without their custom attributes so far; whoever reads one was warned when the look was loaded.
 fn patina_attr_custom(index: u32) -> vec4f {
-    return vec4f(0.0);
+    return interpolate_custom(site.surface.triangle, site.surface.weights, index);
 }
 
 fn patina_global_Time() -> vec4f {
