@@ -4,6 +4,7 @@
 pub mod environment;
 mod geometry;
 pub mod images;
+mod levels;
 pub mod lights;
 pub mod materials;
 
@@ -152,7 +153,7 @@ impl GpuScene {
             .collect();
         let lights: Vec<GpuLight> = lights::gather(scene, &bvh, radius, &program, &mut materials);
         let (triangles, vertices) = geometry(scene, &bvh, &program, reads.attributes);
-        let images = GpuImages::new(gpu, scene, reads.images)?;
+        let images = GpuImages::new(gpu, scene, reads)?;
         let environment = GpuEnvironment::new(gpu, &scene.environment)?;
 
         resources.set_buffer(

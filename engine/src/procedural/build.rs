@@ -59,6 +59,7 @@ impl Procedural {
             order: resolved.order,
             material_names: resolved.names,
             surface_names: resolved.surfaces,
+            images_with_levels: builder.images.with_levels.into_iter().collect(),
             textures: builder.images.textures,
             stack_slots: MIN_STACK_SLOTS,
             changed_args: RangeSet::default(),
@@ -312,8 +313,11 @@ impl<'a> Builder<'a> {
     ) {
         let result = match argument {
             Argument::Constant(value) => graph.set_value(node, &parameter.name, value),
-            Argument::Image(image) => match self.image(&image, scene) {
+            Argument::Image(image) => match self.image(&image, parameter, scene) {
                 Some(handle) => {
+                    if graph.texture(node).reads_levels() {
+                        self.images.read_levels(handle);
+                    }
                     graph.set_value(node, &parameter.name, texgen::Value::Image(handle))
                 }
                 None => return,
@@ -347,9 +351,15 @@ impl<'a> Builder<'a> {
         );
     }
 
-    fn image(&mut self, image: &ImageArgument, scene: &mut Scene) -> Option<u32> {
+    fn image(
+        &mut self,
+        image: &ImageArgument,
+        parameter: &Parameter,
+        scene: &mut Scene,
+    ) -> Option<u32> {
         let path = self.look.resolve(&image.file.value);
-        match self.images.handle(scene, &path, image.srgb, image.sampler) {
+        let srgb = image.srgb.unwrap_or(!parameter.is_data);
+        match self.images.handle(scene, &path, srgb, image.sampler) {
             Ok(handle) => Some(handle),
             Err(error) => {
                 let message = format!("the image {}: {error}", path.display());

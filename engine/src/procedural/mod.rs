@@ -95,6 +95,8 @@ pub struct Procedural {
     /// Where the surface of a material that blends with itself went.
     surface_names: HashMap<String, u32>,
     textures: Vec<TextureRef>,
+    /// Of the scene's images, ascending.
+    images_with_levels: Vec<u32>,
     /// As [`texgen::Library::custom_attributes`].
     custom_attributes: Vec<String>,
     stack_slots: u32,

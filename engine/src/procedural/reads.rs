@@ -12,6 +12,8 @@ use crate::scene::{Scene, TextureRef};
 pub struct TextureReads<'a> {
     /// The images of `sam2D` parameters; a texture's image handle is an index into this list.
     pub images: &'a [TextureRef],
+    /// Of [`Scene::images`], ascending: those whose mip levels some texture reads.
+    pub with_levels: &'a [u32],
     /// Names of the custom mesh attributes; the kernel asks for them by their index in this list.
     pub attributes: &'a [String],
 }
@@ -21,6 +23,7 @@ impl Procedural {
     pub fn reads(&self) -> TextureReads<'_> {
         TextureReads {
             images: &self.textures,
+            with_levels: &self.images_with_levels,
             attributes: &self.custom_attributes,
         }
     }
