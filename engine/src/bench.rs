@@ -17,6 +17,7 @@ use crate::{
     },
     gpu_scene::GpuScene,
     passes::traverse::{self, Rays},
+    procedural::TextureReads,
     renderer::RenderError,
     scene::{Camera, Projection, Scene},
     wave::{self, RayHit},
@@ -43,7 +44,13 @@ impl Tracer {
     /// If it is empty or does not fit the device.
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, RenderError> {
         let mut resources = Resources::default();
-        let gpu_scene = GpuScene::new(gpu, scene, &[], |_| Default::default(), &mut resources)?;
+        let gpu_scene = GpuScene::new(
+            gpu,
+            scene,
+            &TextureReads::default(),
+            |_| Default::default(),
+            &mut resources,
+        )?;
         wave::allocate(gpu, BATCH, 0, &mut resources)?;
         let camera = crate::scene::default_camera(scene);
         let frame = Frame::new((1, 1), &camera, 1, 0, BATCH, &gpu_scene);

@@ -102,6 +102,7 @@ impl Preview {
             max_depth: 1,
             seed: 0,
             camera: camera(),
+            energy_compensation: true,
         };
         Ok(Renderer::new(
             gpu,

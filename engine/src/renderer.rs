@@ -211,7 +211,7 @@ impl Renderer {
         let mut gpu_scene = GpuScene::new(
             gpu,
             scene,
-            procedural.textures(),
+            &procedural.reads(),
             |m| procedural.traits(m),
             &mut resources,
         )?;

@@ -17,7 +17,7 @@ fn readGlobal(name: u32) -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
 // The image at uv, linear RGBA; (0, 0) is the outer corner of its first pixel, at the top left.
 fn tex2D(image: sam2D, uv: vec2f) -> vec4f { return vec4f(1.0); }
 
-// The same at a given mip level; 0 is the full image.
+// The same at a given mip level: 0 is the full image, each next one half as wide and high; fractions mix two.
 fn tex2DLod(image: sam2D, uv: vec2f, lod: f32) -> vec4f { return vec4f(1.0); }
 
 // Width and height of the full image in pixels.

@@ -61,6 +61,12 @@ pub(crate) fn find_reads(file: &SourceFile, outline: &Outline<'_>) -> (Vec<Read>
     (reads, problems)
 }
 
+/// Whether the language's `tex2DLod` is mentioned.
+pub(crate) fn reads_levels(outline: &Outline<'_>) -> bool {
+    let mut tokens = 0..outline.tokens.tokens.len();
+    tokens.any(|at| outline.roles[at] == Role::Predeclared && outline.word(at) == "tex2DLod")
+}
+
 fn reader_of(name: &str) -> Option<&'static str> {
     if BuiltinAttribute::from_name(name).is_some() {
         Some("readAttr")

@@ -29,6 +29,7 @@ pub struct TextureType {
     output: OutputType,
     attributes: BTreeSet<Attribute>,
     globals: BTreeSet<Global>,
+    reads_levels: bool,
     private_bytes: u32,
     warnings: Diagnostics,
     rewrite: Rewrite,
@@ -103,6 +104,7 @@ impl TextureType {
             output,
             attributes,
             globals,
+            reads_levels: reads::reads_levels(&outline),
             private_bytes,
             warnings: warnings.into_iter().collect(),
             rewrite,
@@ -160,6 +162,11 @@ impl TextureType {
     /// The globals it reads anywhere in the file.
     pub fn globals(&self) -> &BTreeSet<Global> {
         &self.globals
+    }
+
+    /// Whether it calls `tex2DLod` anywhere in the file: whether its images need mip levels.
+    pub fn reads_levels(&self) -> bool {
+        self.reads_levels
     }
 
     /// Bytes of local variables in all its functions, as naga lays them out: what it may need per thread.

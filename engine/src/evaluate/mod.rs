@@ -177,7 +177,7 @@ impl Evaluator {
         let [first, second] = graph.occlusion(node);
         self.compile(program.slots_needed, (first != second).then_some(second))?;
         let scene = &self.isolated.scene;
-        let images = GpuImages::new(&self.gpu, scene, self.isolated.procedural.textures())?;
+        let images = GpuImages::new(&self.gpu, scene, &self.isolated.procedural.reads())?;
         let user_base = images.user_base;
         let mut resources = Resources::default();
         resources.set_view("image_table", images.table);

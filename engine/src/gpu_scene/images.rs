@@ -2,10 +2,11 @@
 
 use crate::{
     gpu::{Gpu, GpuError},
-    scene::{Image, Scene, TextureRef},
+    procedural::TextureReads,
+    scene::{Image, Scene},
 };
 
-use super::materials::sampler_bits;
+use super::{levels, materials::sampler_bits};
 
 /// Entries in a row of the table; `IMAGE_TABLE_WIDTH` in `images.wgsl`.
 const TABLE_WIDTH: u32 = 1024;
@@ -34,18 +35,26 @@ struct Place {
 }
 
 impl GpuImages {
-    /// Uploads the scene's images and the table, with one more row per image argument of a texture.
+    /// Uploads the scene's images and the table, with one more row per image argument of a texture, and the mip levels
+    /// that textures read.
     ///
     /// # Errors
     /// If the images need more layers than the device has, or the driver is out of memory.
-    pub fn new(gpu: &Gpu, scene: &Scene, arguments: &[TextureRef]) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, scene: &Scene, reads: &TextureReads<'_>) -> Result<Self, GpuError> {
         let limits = gpu.device().limits();
         let fitted: Vec<std::borrow::Cow<'_, Image>> = scene
             .images
             .iter()
             .map(|image| fit(image, limits.max_texture_dimension_2d.min(32768)))
             .collect();
-        let sizes: Vec<(u32, u32)> = fitted.iter().map(|i| (i.width, i.height)).collect();
+        // The images, then the levels of each that has any.
+        let mut sizes: Vec<(u32, u32)> = fitted.iter().map(|i| (i.width, i.height)).collect();
+        let mut with_levels = Vec::new();
+        for &image in reads.with_levels {
+            let full = sizes[image as usize];
+            with_levels.push((image as usize, sizes.len()));
+            sizes.extend((1..=levels::levels_below(full)).map(|l| levels::size_of_level(full, l)));
+        }
         let (side, layers, places) = place_all(
             &sizes,
             limits.max_texture_dimension_2d,
@@ -84,30 +93,40 @@ impl GpuImages {
                 "{layers} layers of {side} x {side} texels for images: {error}"
             )));
         }
-        for (image, place) in fitted.iter().zip(&places) {
-            upload(
-                gpu,
-                &texture,
-                place,
-                image.width,
-                image.height,
-                4,
-                &image.rgba8,
-            );
+        let send = |number: usize, bytes: &[u8]| {
+            let (width, height) = sizes[number];
+            upload(gpu, &texture, &places[number], width, height, 4, bytes);
             // Lets the driver take over the staged texels instead of keeping all images twice.
             gpu.queue().submit([]);
+        };
+        for (number, image) in fitted.iter().enumerate() {
+            send(number, &image.rgba8);
+        }
+        for &(image, first) in &with_levels {
+            for (number, bytes) in (first..).zip(levels::pyramid(&fitted[image])) {
+                send(number, &bytes);
+            }
         }
 
-        let mut rows: Vec<[u32; 4]> = fitted
-            .iter()
-            .zip(&places)
-            .map(|(image, place)| row(image, *place))
+        let mut rows: Vec<[u32; 4]> = (fitted.iter().zip(&sizes).zip(&places))
+            .map(|((image, &size), &place)| row(size, place, image.srgb))
             .collect();
         let user_base = rows.len() as u32;
-        for argument in arguments {
-            let mut entry = rows[argument.image as usize];
+        let levels_base = user_base + reads.images.len() as u32;
+        for argument in reads.images {
+            let image = argument.image as usize;
+            let mut entry = rows[image];
             entry[3] = sampler_bits(&argument.sampler);
+            if let Ok(found) = with_levels.binary_search_by_key(&image, |&(image, _)| image) {
+                let first = with_levels[found].1 - fitted.len();
+                entry[3] |= level_bits(levels::levels_below(sizes[image]), levels_base, first);
+            }
             rows.push(entry);
+        }
+        for &(image, first) in &with_levels {
+            let srgb = fitted[image].srgb;
+            let below = levels::levels_below(sizes[image]) as usize;
+            rows.extend((first..first + below).map(|n| row(sizes[n], places[n], srgb)));
         }
         let table = upload_table(gpu, &mut rows);
         let view = |format| {
@@ -128,13 +147,23 @@ impl GpuImages {
 }
 
 /// `ImageRect` in `images.wgsl`, packed.
-fn row(image: &Image, place: Place) -> [u32; 4] {
+fn row((width, height): (u32, u32), place: Place, srgb: bool) -> [u32; 4] {
     [
         place.x | place.y << 16,
-        image.width | image.height << 16,
-        place.layer | u32::from(image.srgb) << 31,
+        width | height << 16,
+        place.layer | u32::from(srgb) << 31,
         0,
     ]
+}
+
+/// How many levels an image argument has below the full one, and the row of the first, above the sampler's bits. None
+/// where the row can't be told in 21 bits, with two million images.
+fn level_bits(below: u32, levels_base: u32, first: usize) -> u32 {
+    let row = levels_base as usize + first;
+    match row < 1 << 21 {
+        true => below << 6 | (row as u32) << 11,
+        false => 0,
+    }
 }
 
 /// The image itself, or a smaller one where the device can't hold it.

@@ -3,31 +3,30 @@
 
 pub mod albedo;
 pub mod environment;
+mod geometry;
 pub mod images;
+mod levels;
 pub mod lights;
 pub mod materials;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Vec2, Vec3, Vec4};
+use glam::{Affine3A, Vec3};
 
 use crate::{
     bvh::{BvhError, SceneBvh},
     gpu::{Gpu, GpuError, kernel::Resources},
-    procedural::ProgramTraits,
-    scene::{Material, Mesh, Scene, TextureRef},
+    procedural::{ProgramTraits, TextureReads},
+    scene::Scene,
 };
 
 use self::{
-    environment::GpuEnvironment, images::GpuImages, lights::GpuLight, materials::GpuMaterial,
+    environment::GpuEnvironment,
+    geometry::{TRIANGLE_ALPHA, geometry},
+    images::GpuImages,
+    lights::GpuLight,
+    materials::GpuMaterial,
 };
 
-const TRIANGLE_ALPHA: u32 = 1 << 31;
-const TRIANGLE_HAS_UV: u32 = 1 << 30;
-const TRIANGLE_HAS_EXTRA: u32 = 1 << 29;
-const TRIANGLE_HAS_TANGENT: u32 = 1 << 28;
-const TRIANGLE_HAS_COLOR: u32 = 1 << 27;
-const TRIANGLE_SINGLE_SIDED: u32 = 1 << 26;
-const TRIANGLE_PROGRAM_ALPHA: u32 = 1 << 25;
 /// Materials that a triangle's word can name.
 const MAX_MATERIALS: usize = 1 << 24;
 
@@ -140,14 +139,14 @@ pub struct GpuScene {
 
 impl GpuScene {
     /// Uploads the scene and names its resources. `program` says what is known of a material's texture program,
-    /// `arguments` are the images of texture arguments.
+    /// `reads` what of the scene its textures read.
     ///
     /// # Errors
     /// If the scene is empty or exceeds what the device can bind.
     pub fn new(
         gpu: &Gpu,
         scene: &Scene,
-        arguments: &[TextureRef],
+        reads: &TextureReads<'_>,
         program: impl Fn(u32) -> ProgramTraits,
         resources: &mut Resources,
     ) -> Result<Self, GpuSceneError> {
@@ -166,8 +165,8 @@ impl GpuScene {
             .map(|(i, m)| GpuMaterial::new(m, &program(i as u32)))
             .collect();
         let lights: Vec<GpuLight> = lights::gather(scene, &bvh, radius, &program, &mut materials);
-        let (triangles, vertices) = geometry(scene, &bvh, &program);
-        let images = GpuImages::new(gpu, scene, arguments)?;
+        let (triangles, vertices) = geometry(scene, &bvh, &program, reads.attributes);
+        let images = GpuImages::new(gpu, scene, reads)?;
         let environment = GpuEnvironment::new(gpu, &scene.environment)?;
 
         resources.set_buffer(
@@ -272,133 +271,4 @@ fn object_random(index: u32) -> f32 {
     v = (v ^ (v >> 16)).wrapping_mul(0x7feb_352d);
     v = (v ^ (v >> 15)).wrapping_mul(0x846c_a68b);
     ((v ^ (v >> 16)) >> 8) as f32 / (1 << 24) as f32
-}
-
-/// Triangles in hierarchy order, and the heap of vertices: each mesh has records of one to three `vec4u`.
-fn geometry(
-    scene: &Scene,
-    bvh: &SceneBvh,
-    program: impl Fn(u32) -> ProgramTraits,
-) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
-    let mut triangles = Vec::with_capacity(scene.meshes.iter().map(|m| m.triangles.len()).sum());
-    let mut vertices = Vec::new();
-    // What a material means for its triangles, without and with vertex colours.
-    let flags_of = |index: u32, m: &Material, has_colors: bool| {
-        // The back of a transparent body is where rays leave it.
-        let has_back =
-            m.double_sided || m.is_solid && (materials::transmits(m) || program(index).transmits);
-        let sides = if has_back { 0 } else { TRIANGLE_SINGLE_SIDED };
-        let alpha = match program(index).decides_opacity {
-            true => TRIANGLE_PROGRAM_ALPHA,
-            false if materials::needs_alpha(m, has_colors) => TRIANGLE_ALPHA,
-            false => 0,
-        };
-        sides | alpha
-    };
-    let flags: Vec<[u32; 2]> = (0..)
-        .zip(&scene.materials)
-        .map(|(index, m)| [false, true].map(|has_colors| flags_of(index, m, has_colors)))
-        .collect();
-    for (mesh, order) in scene.meshes.iter().zip(&bvh.triangle_order) {
-        if order.is_empty() {
-            continue;
-        }
-        let base = vertices.len() as u32;
-        let layout = VertexLayout::of(mesh);
-        layout.append(mesh, &mut vertices);
-        let has_colors = !mesh.colors.is_empty();
-        for &t in order {
-            let [a, b, c] = mesh.triangles[t as usize].map(|v| base + v * layout.stride);
-            let material = mesh.triangle_materials[t as usize];
-            let material_flags = flags[material as usize][usize::from(has_colors)];
-            triangles.push([a, b, c, material | layout.flags | material_flags]);
-        }
-    }
-    (triangles, vertices)
-}
-
-struct VertexLayout {
-    stride: u32,
-    flags: u32,
-}
-
-impl VertexLayout {
-    fn of(mesh: &Mesh) -> Self {
-        let mut flags = 0;
-        let mut stride = 1;
-        if !mesh.uv0.is_empty() || !mesh.tangents.is_empty() {
-            flags |= TRIANGLE_HAS_UV;
-            stride = 2;
-        }
-        if !mesh.uv1.is_empty() || !mesh.colors.is_empty() {
-            flags |= TRIANGLE_HAS_UV | TRIANGLE_HAS_EXTRA;
-            stride = 3;
-        }
-        if !mesh.tangents.is_empty() {
-            flags |= TRIANGLE_HAS_TANGENT;
-        }
-        if !mesh.colors.is_empty() {
-            flags |= TRIANGLE_HAS_COLOR;
-        }
-        Self { stride, flags }
-    }
-
-    fn append(&self, mesh: &Mesh, heap: &mut Vec<[u32; 4]>) {
-        heap.reserve(mesh.positions.len() * self.stride as usize);
-        for (i, p) in mesh.positions.iter().enumerate() {
-            let normal = mesh.normals.get(i).copied().unwrap_or(Vec3::Y);
-            heap.push([
-                p.x.to_bits(),
-                p.y.to_bits(),
-                p.z.to_bits(),
-                octahedral(normal),
-            ]);
-            if self.stride >= 2 {
-                let uv = mesh.uv0.get(i).copied().unwrap_or(Vec2::ZERO);
-                let tangent = mesh.tangents.get(i).copied().unwrap_or(Vec4::X);
-                heap.push([
-                    uv.x.to_bits(),
-                    uv.y.to_bits(),
-                    octahedral(tangent.truncate()),
-                    u32::from(tangent.w >= 0.0),
-                ]);
-            }
-            if self.stride >= 3 {
-                // A second set that isn't there is the first one, as textures are told.
-                let uv = mesh
-                    .uv1
-                    .get(i)
-                    .or(mesh.uv0.get(i))
-                    .copied()
-                    .unwrap_or(Vec2::ZERO);
-                let color = mesh.colors.get(i).copied().unwrap_or(Vec4::ONE);
-                heap.push([
-                    uv.x.to_bits(),
-                    uv.y.to_bits(),
-                    unorm16(color.x, color.y),
-                    unorm16(color.z, color.w),
-                ]);
-            }
-        }
-    }
-}
-
-fn unorm16(x: f32, y: f32) -> u32 {
-    let q = |v: f32| (v.clamp(0.0, 1.0) * 65535.0 + 0.5) as u32;
-    q(x) | q(y) << 16
-}
-
-/// A unit vector as two signed 16-bit numbers; `octahedral_decode` in `geometry.wgsl`.
-fn octahedral(v: Vec3) -> u32 {
-    let sum = v.abs().element_sum();
-    if !(sum > 0.0 && sum.is_finite()) {
-        return octahedral(Vec3::Y);
-    }
-    let mut e = Vec2::new(v.x, v.y) / sum;
-    if v.z < 0.0 {
-        let sign = |s: f32| if s >= 0.0 { 1.0 } else { -1.0 };
-        e = Vec2::new((1.0 - e.y.abs()) * sign(e.x), (1.0 - e.x.abs()) * sign(e.y));
-    }
-    let q = |x: f32| u32::from((x.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
-    q(e.x) | q(e.y) << 16
 }

@@ -49,6 +49,7 @@ impl Procedural {
         }
 
         let mut procedural = Self {
+            custom_attributes: graph.library().custom_attributes(),
             graph,
             ao,
             ao_names,
@@ -58,6 +59,7 @@ impl Procedural {
             order: resolved.order,
             material_names: resolved.names,
             surface_names: resolved.surfaces,
+            images_with_levels: builder.images.with_levels.into_iter().collect(),
             textures: builder.images.textures,
             stack_slots: MIN_STACK_SLOTS,
             changed_args: RangeSet::default(),
@@ -66,6 +68,7 @@ impl Procedural {
             warnings: builder.warnings,
         };
         procedural.compile_all(look, &nodes)?;
+        procedural.warn_of_missing_attributes(scene);
         procedural.take_changes();
         Ok(procedural)
     }
@@ -123,13 +126,6 @@ impl Procedural {
             (None, Some(table)) => table.name.span.clone(),
             (None, None) => 0..0,
         }
-    }
-}
-
-fn custom(attribute: &Attribute) -> Option<&str> {
-    match attribute {
-        Attribute::Custom(name) => Some(name),
-        Attribute::Builtin(_) => None,
     }
 }
 
@@ -192,15 +188,6 @@ impl<'a> Builder<'a> {
                     let message = format!("there is no texture called `{name}`");
                     self.problem(&first_use(look, name).span, message, Some(note));
                 }
-            }
-        }
-        for texture in &types {
-            for name in texture.attributes().iter().filter_map(custom) {
-                let message = format!(
-                    "{}: `readAttr({name})` gives 0: custom attributes of meshes are not loaded yet",
-                    texture.file().path()
-                );
-                self.warnings.push(Diagnostic::warning(message));
             }
         }
         Library::new(types).unwrap_or_else(|problem| {
@@ -326,8 +313,11 @@ impl<'a> Builder<'a> {
     ) {
         let result = match argument {
             Argument::Constant(value) => graph.set_value(node, &parameter.name, value),
-            Argument::Image(image) => match self.image(&image, scene) {
+            Argument::Image(image) => match self.image(&image, parameter, scene) {
                 Some(handle) => {
+                    if graph.texture(node).reads_levels() {
+                        self.images.read_levels(handle);
+                    }
                     graph.set_value(node, &parameter.name, texgen::Value::Image(handle))
                 }
                 None => return,
@@ -361,9 +351,15 @@ impl<'a> Builder<'a> {
         );
     }
 
-    fn image(&mut self, image: &ImageArgument, scene: &mut Scene) -> Option<u32> {
+    fn image(
+        &mut self,
+        image: &ImageArgument,
+        parameter: &Parameter,
+        scene: &mut Scene,
+    ) -> Option<u32> {
         let path = self.look.resolve(&image.file.value);
-        match self.images.handle(scene, &path, image.srgb, image.sampler) {
+        let srgb = image.srgb.unwrap_or(!parameter.is_data);
+        match self.images.handle(scene, &path, srgb, image.sampler) {
             Ok(handle) => Some(handle),
             Err(error) => {
                 let message = format!("the image {}: {error}", path.display());

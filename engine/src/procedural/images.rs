@@ -1,6 +1,6 @@
 //! The images of `sam2D` parameters: loaded once each into the scene.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
@@ -13,9 +13,17 @@ use crate::scene::{Sampler, Scene, TextureRef};
 pub(super) struct Images {
     by_path: HashMap<(PathBuf, bool), u32>,
     pub(super) textures: Vec<TextureRef>,
+    /// Of the scene's images: those whose mip levels a texture reads.
+    pub(super) with_levels: BTreeSet<u32>,
 }
 
 impl Images {
+    /// Some texture reads the mip levels of the image behind a handle.
+    pub(super) fn read_levels(&mut self, handle: u32) {
+        self.with_levels
+            .insert(self.textures[handle as usize].image);
+    }
+
     /// The handle of an image read in a certain way; the image is added to the scene where it isn't there yet.
     pub(super) fn handle(
         &mut self,

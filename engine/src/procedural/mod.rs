@@ -43,6 +43,7 @@ mod materials;
 mod memory;
 mod output;
 mod probe;
+mod reads;
 mod reload;
 mod sources;
 #[cfg(test)]
@@ -68,6 +69,7 @@ pub use memory::{
     HEAD_PROGRAM, HEAD_WORDS,
 };
 pub use output::{Kind, Output};
+pub use reads::TextureReads;
 pub use sources::{SourcesError, TextureSources};
 pub use traits::ProgramTraits;
 pub use wiring::CompileError;
@@ -96,6 +98,10 @@ pub struct Procedural {
     /// Where the surface of a material that blends with itself went.
     surface_names: HashMap<String, u32>,
     textures: Vec<TextureRef>,
+    /// Of the scene's images, ascending.
+    images_with_levels: Vec<u32>,
+    /// As [`texgen::Library::custom_attributes`].
+    custom_attributes: Vec<String>,
     stack_slots: u32,
     changed_args: RangeSet,
     changed_ao: bool,

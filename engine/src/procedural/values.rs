@@ -22,7 +22,7 @@ pub(super) enum Argument {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ImageArgument {
     pub(super) file: Spanned<String>,
-    pub(super) srgb: bool,
+    pub(super) srgb: Option<bool>,
     pub(super) sampler: Sampler,
 }
 
@@ -287,7 +287,7 @@ fn stop(item: &Written) -> Result<(f32, [f32; 4]), BadArgument> {
 fn image(value: &Written) -> Result<ImageArgument, BadArgument> {
     let mut argument = ImageArgument {
         file: value.with(String::new()),
-        srgb: true,
+        srgb: None,
         sampler: Sampler::default(),
     };
     match &value.value {
@@ -304,11 +304,15 @@ fn image(value: &Written) -> Result<ImageArgument, BadArgument> {
                     ("file", look::Value::Text(path)) => argument.file = v.with(path.clone()),
                     ("file", _) => return bad(v, "expected the path of an image"),
                     ("color_space", _) => {
-                        argument.srgb = word(v, &[("srgb", true), ("linear", false)])?
+                        argument.srgb = Some(word(v, &[("srgb", true), ("linear", false)])?)
                     }
                     ("wrap", _) => {
-                        argument.sampler.wrap_u = word(v, &WRAPS)?;
-                        argument.sampler.wrap_v = argument.sampler.wrap_u;
+                        let [u, v] = match &v.value {
+                            look::Value::List(both) if both.len() == 2 => [&both[0], &both[1]],
+                            _ => [v, v],
+                        };
+                        argument.sampler.wrap_u = word(u, &WRAPS)?;
+                        argument.sampler.wrap_v = word(v, &WRAPS)?;
                     }
                     ("filter", _) => {
                         argument.sampler.filter = word(

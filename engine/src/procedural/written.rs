@@ -35,6 +35,7 @@ impl Procedural {
                 suggestion: did_you_mean(parameter, names).map(str::to_owned),
             }));
         };
+        let (is_data, reads_levels) = (declared.is_data, texture.reads_levels());
         let refused = |message: String| EditError::Argument {
             parameter: parameter.to_owned(),
             text: text.to_owned(),
@@ -53,9 +54,15 @@ impl Procedural {
                 let mut images = Images::default();
                 std::mem::swap(&mut images.textures, &mut self.textures);
                 let path = Path::new(&image.file.value);
-                let handle = images.handle(scene, path, image.srgb, image.sampler);
+                let srgb = image.srgb.unwrap_or(!is_data);
+                let handle = images.handle(scene, path, srgb, image.sampler);
                 std::mem::swap(&mut images.textures, &mut self.textures);
                 let handle = handle.map_err(refused)?;
+                let image = self.textures[handle as usize].image;
+                if reads_levels && !self.images_with_levels.contains(&image) {
+                    self.images_with_levels.push(image);
+                    self.images_with_levels.sort_unstable();
+                }
                 self.set_value(node, parameter, Value::Image(handle))
             }
         }

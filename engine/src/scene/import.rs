@@ -9,6 +9,7 @@
 mod accessor;
 mod budget;
 mod container;
+mod custom;
 mod deform;
 mod document;
 mod environment;

@@ -46,10 +46,21 @@ pub struct Mesh {
     pub uv1: Vec<Vec2>,
     /// COLOR_0, linear RGBA.
     pub colors: Vec<Vec4>,
+    /// Attributes whose names begin with an underscore, sorted by name; none of them is empty.
+    pub custom: Vec<CustomAttribute>,
     /// Vertex indices of each triangle; all in range, no two equal.
     pub triangles: Vec<[u32; 3]>,
     /// Index into [`Scene::materials`] of each triangle; as long as `triangles`.
     pub triangle_materials: Vec<u32>,
+}
+
+/// A custom attribute of a mesh (glTF 2.0, section 3.7.2.1), read by textures.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CustomAttribute {
+    /// As glTF and textures call it, underscore included: `_WETNESS`.
+    pub name: String,
+    /// One per vertex, finite. Components that the file doesn't have are those of (0, 0, 0, 1).
+    pub values: Vec<Vec4>,
 }
 
 /// A mesh placed in the world.
@@ -433,6 +444,13 @@ pub struct FloatImage {
     pub height: u32,
     /// Linear Rec.709 per texel, `width * height` of them; finite and not negative.
     pub rgb: Vec<[f32; 3]>,
+}
+
+impl Mesh {
+    /// The custom attribute of that name.
+    pub fn custom(&self, name: &str) -> Option<&CustomAttribute> {
+        self.custom.iter().find(|attribute| attribute.name == name)
+    }
 }
 
 impl Scene {

@@ -149,9 +149,8 @@ fn patina_attr_Time() -> vec4f {
     return vec4f(frame.time);
 }
 
-// Meshes are loaded without their custom attributes so far; whoever reads one was warned when the look was loaded.
 fn patina_attr_custom(index: u32) -> vec4f {
-    return vec4f(0.0);
+    return interpolate_custom(site.surface.triangle, site.surface.weights, index);
 }
 
 fn patina_global_Time() -> vec4f {
@@ -193,9 +192,8 @@ fn patina_sample_image(image: u32, uv: vec2f) -> vec4f {
     return sample_image(row, user_image(image).w, uv);
 }
 
-// Images have one level so far.
 fn patina_sample_image_lod(image: u32, uv: vec2f, lod: f32) -> vec4f {
-    return patina_sample_image(image, uv);
+    return sample_image_level(frame.user_image_base + image, user_image(image).w, uv, lod);
 }
 
 fn patina_image_size(image: u32) -> vec2f {

@@ -11,9 +11,12 @@ const TRIANGLE_HAS_TANGENT = 0x10000000u;
 const TRIANGLE_HAS_COLOR = 0x08000000u;
 const TRIANGLE_SINGLE_SIDED = 0x04000000u; // rays pass through its back
 const TRIANGLE_PROGRAM_ALPHA = 0x02000000u; // a texture program decides whether a hit counts
+const TRIANGLE_HAS_CUSTOM = 0x01000000u; // a vertex has custom attributes behind the others
 
-// A vertex is one to three vec4u: position and octahedral normal; uv0, octahedral tangent with handedness, spare;
-// uv1 and colour (rgba16unorm).
+// A vertex is one to three vec4u: position and octahedral normal; uv0, octahedral tangent, its handedness in bit 0 and
+// above it the place of the table of custom attributes; uv1 and colour (rgba16unorm). Then a vec4f for each custom
+// attribute that the mesh has. The table has a word for each attribute that textures read: the number of its record
+// in a vertex, 0 where the mesh has none.
 @group(0) @binding(12) var<storage, read> vertices: array<vec4u>;
 
 struct Instance {
@@ -76,6 +79,22 @@ fn interpolate_uv(triangle: vec4u, weights: vec3f, uv_set: u32) -> vec2f {
     let a = bitcast<vec2f>(vertices[triangle.x + 2u].xy);
     let b = bitcast<vec2f>(vertices[triangle.y + 2u].xy);
     let c = bitcast<vec2f>(vertices[triangle.z + 2u].xy);
+    return a * weights.x + b * weights.y + c * weights.z;
+}
+
+// A custom attribute by its number among those that textures read; 0 where the mesh has none.
+fn interpolate_custom(triangle: vec4u, weights: vec3f, number: u32) -> vec4f {
+    if ((triangle.w & TRIANGLE_HAS_CUSTOM) == 0u) {
+        return vec4f(0.0);
+    }
+    let table = vertices[triangle.x + 1u].w >> 1u;
+    let record = vertices[table + number / 4u][number % 4u];
+    if (record == 0u) {
+        return vec4f(0.0);
+    }
+    let a = bitcast<vec4f>(vertices[triangle.x + record]);
+    let b = bitcast<vec4f>(vertices[triangle.y + record]);
+    let c = bitcast<vec4f>(vertices[triangle.z + record]);
     return a * weights.x + b * weights.y + c * weights.z;
 }
 

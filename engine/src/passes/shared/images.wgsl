@@ -13,6 +13,9 @@ const WRAP_REPEAT = 0u;
 const WRAP_MIRROR = 1u;
 const SAMPLER_NEAREST = 16u;
 const SAMPLER_UV1 = 32u;
+// For images of texture arguments: levels below the full one (5 bits), row of the first of these in the table.
+const SAMPLER_LEVELS_SHIFT = 6u;
+const SAMPLER_LEVEL_ROW_SHIFT = 11u;
 
 struct ImageRect {
     corner: vec2i,
@@ -75,4 +78,27 @@ fn sample_image(image: u32, sampler: u32, uv: vec2f) -> vec4f {
     let top = mix(load_texel(rect, x0, y0), load_texel(rect, x1, y0), f.x);
     let bottom = mix(load_texel(rect, x0, y1), load_texel(rect, x1, y1), f.x);
     return mix(top, bottom, f.y);
+}
+
+// A level between two whole ones is a mixture of them, or the nearer one where the filter is nearest.
+fn sample_image_level(image: u32, sampler: u32, uv: vec2f, lod: f32) -> vec4f {
+    let below = (sampler >> SAMPLER_LEVELS_SHIFT) & 31u;
+    let level = clamp(lod, 0.0, f32(below));
+    if ((sampler & SAMPLER_NEAREST) != 0u) {
+        return sample_image(level_row(image, sampler, u32(level + 0.5)), sampler, uv);
+    }
+    let fine = u32(level);
+    let finer = sample_image(level_row(image, sampler, fine), sampler, uv);
+    let mixed = level - f32(fine);
+    if (mixed <= 0.0) {
+        return finer;
+    }
+    return mix(finer, sample_image(level_row(image, sampler, fine + 1u), sampler, uv), mixed);
+}
+
+// Row of a level in the table of images. A level that isn't there is the last one.
+fn level_row(image: u32, sampler: u32, level: u32) -> u32 {
+    let below = (sampler >> SAMPLER_LEVELS_SHIFT) & 31u;
+    let found = min(level, below);
+    return select((sampler >> SAMPLER_LEVEL_ROW_SHIFT) + found - 1u, image, found == 0u);
 }

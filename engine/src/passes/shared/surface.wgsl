@@ -53,7 +53,7 @@ fn surface_tangent(s: Surface, instance: u32, normal: vec3f) -> vec4f {
         let pc = vertices[s.triangle.z + 1u].zw;
         let object_tangent = octahedral_decode(pa.x) * s.weights.x + octahedral_decode(pb.x) * s.weights.y
             + octahedral_decode(pc.x) * s.weights.z;
-        let sign = select(-1.0, 1.0, pa.y != 0u) * instances[instance].handedness;
+        let sign = select(-1.0, 1.0, (pa.y & 1u) != 0u) * instances[instance].handedness;
         let world_tangent = transform_vector(instances[instance].world_from_object, object_tangent);
         let across = world_tangent - normal * dot(world_tangent, normal);
         let across_length = length(across);

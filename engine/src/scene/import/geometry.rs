@@ -4,6 +4,7 @@
 //! show. What the renderer cannot use (points, lines, degenerate triangles, NaN) ends here.
 
 use super::accessor::Accessor;
+use super::custom;
 use super::deform::{self, Pose};
 use super::document::Document;
 use super::error::{At as _, Fault, ImportError, Warnings};
@@ -18,7 +19,7 @@ use json::mesh::{Mode, Semantic};
 use json::validation::Checked;
 use rayon::prelude::*;
 
-/// What a vertex costs with all its attributes.
+/// What a vertex costs with all its attributes but the custom ones.
 const VERTEX_BYTES: u64 = 72;
 
 /// What all meshes are built from.
@@ -78,6 +79,8 @@ impl Builder<'_> {
             built.dropped.add(part.dropped);
             built.warnings.extend(part.warnings);
         }
+        self.take_joined(&meshes)
+            .at(path, || format!("mesh {index} \"{name}\""))?;
         built.mesh = merge(meshes);
         built.mesh.name = name;
         Ok(built)
@@ -167,7 +170,7 @@ impl Builder<'_> {
     }
 
     /// An attribute with as many elements as the positions have, and one of the given numbers of components.
-    fn attribute(
+    pub(super) fn attribute(
         &self,
         primitive: &json::mesh::Primitive,
         semantic: Semantic,
@@ -185,7 +188,11 @@ impl Builder<'_> {
             .accessor(index.value())
             .map_err(|fault| format!("{name}: {fault}"))?;
         if !components.contains(&accessor.components()) {
-            return Err(format!("{name}: has {} components", accessor.components()));
+            return Err(format!(
+                "{name}: accessor {} has {} components",
+                index.value(),
+                accessor.components()
+            ));
         }
         let vertices = match positions.and_then(|p| self.document.root.accessors.get(p.value())) {
             Some(positions) => positions.count.0,
@@ -193,7 +200,8 @@ impl Builder<'_> {
         };
         if u64::from(accessor.count()) < vertices {
             return Err(format!(
-                "{name}: has {} elements for {vertices} vertices",
+                "{name}: accessor {} has {} elements for {vertices} vertices",
+                index.value(),
                 accessor.count()
             ));
         }
@@ -239,6 +247,7 @@ impl Builder<'_> {
                 *color = color.max(Vec4::ZERO);
             }
         }
+        mesh.custom = self.custom_attributes(primitive, used, dropped)?;
         Ok(())
     }
 
@@ -276,7 +285,7 @@ impl Builder<'_> {
             .collect();
         self.document
             .budget
-            .take(3 * normals.len() as u64, VERTEX_BYTES)?;
+            .take(3 * normals.len() as u64, vertex_bytes(mesh))?;
         let mut list = std::mem::take(&mut mesh.triangles);
         let (sources, normals) = split_vertices(mesh.positions.len(), &mut list, |t, _| normals[t]);
         reorder(mesh, &sources);
@@ -313,7 +322,7 @@ impl Builder<'_> {
         }
         self.document
             .budget
-            .take(3 * mesh.triangles.len() as u64, VERTEX_BYTES)?;
+            .take(3 * mesh.triangles.len() as u64, vertex_bytes(mesh))?;
         let mut list = std::mem::take(&mut mesh.triangles);
         let (sources, tangents) = tangents::generate(&mesh.positions, &mesh.normals, uv, &mut list);
         reorder(mesh, &sources);
@@ -346,6 +355,10 @@ impl Dropped {
         self.non_finite += other.non_finite;
         self.bad_values += other.bad_values;
     }
+}
+
+fn vertex_bytes(mesh: &Mesh) -> u64 {
+    VERTEX_BYTES + custom::VALUE_BYTES * mesh.custom.len() as u64
 }
 
 /// Makes normals unit length; one that has no direction becomes that of the triangles around it.

@@ -1,8 +1,9 @@
 //! Vertex attributes of a mesh as one: renumbered together, and joined with those of another.
 
 use super::tangents;
-use crate::scene::Mesh;
+use crate::scene::{CustomAttribute, Mesh};
 use glam::{Vec2, Vec3, Vec4};
+use std::collections::BTreeSet;
 
 /// Makes vertex `i` of all attributes a copy of the old vertex `sources[i]`.
 pub(super) fn reorder(mesh: &mut Mesh, sources: &[u32]) {
@@ -20,6 +21,9 @@ pub(super) fn reorder(mesh: &mut Mesh, sources: &[u32]) {
     pick(&mut mesh.uv0, sources);
     pick(&mut mesh.uv1, sources);
     pick(&mut mesh.colors, sources);
+    for attribute in &mut mesh.custom {
+        pick(&mut attribute.values, sources);
+    }
 }
 
 /// Joins the primitives of a mesh. An attribute that only some of them have gets its neutral value in the others.
@@ -35,6 +39,7 @@ pub(super) fn merge(mut parts: Vec<Mesh>) -> Mesh {
         |m| &mut m.tangents,
         |n| tangents::sanitize(Vec4::ZERO, n),
     );
+    complete_custom(&mut parts);
     let mut mesh = Mesh::default();
     for part in parts {
         let start = mesh.positions.len() as u32;
@@ -44,11 +49,36 @@ pub(super) fn merge(mut parts: Vec<Mesh>) -> Mesh {
         mesh.uv0.extend(part.uv0);
         mesh.uv1.extend(part.uv1);
         mesh.colors.extend(part.colors);
+        if mesh.custom.is_empty() {
+            mesh.custom = part.custom;
+        } else {
+            for (all, more) in mesh.custom.iter_mut().zip(part.custom) {
+                all.values.extend(more.values);
+            }
+        }
         mesh.triangles
             .extend(part.triangles.into_iter().map(|t| t.map(|v| v + start)));
         mesh.triangle_materials.extend(part.triangle_materials);
     }
     mesh
+}
+
+/// Gives all primitives the same custom attributes in the order of their names. Where one isn't there it is 0, as in
+/// a mesh that has none.
+fn complete_custom(parts: &mut [Mesh]) {
+    let custom = parts.iter().flat_map(|part| &part.custom);
+    let names: BTreeSet<String> = custom.map(|attribute| attribute.name.clone()).collect();
+    for part in parts {
+        let mut there = std::mem::take(&mut part.custom).into_iter().peekable();
+        let all = names.iter().map(|name| {
+            let own = there.next_if(|attribute| attribute.name == *name);
+            own.unwrap_or_else(|| CustomAttribute {
+                name: name.clone(),
+                values: vec![Vec4::ZERO; part.positions.len()],
+            })
+        });
+        part.custom = all.collect();
+    }
 }
 
 fn for_missing<T>(

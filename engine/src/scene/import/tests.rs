@@ -566,3 +566,19 @@ fn made_up_names_avoid_those_of_the_file() {
         .collect();
     assert_eq!(names, ["a", "a.002", "a.001", "a.003"]);
 }
+
+#[test]
+fn primitives_that_each_have_another_attribute_cannot_buy_memory() {
+    let mut tree = square();
+    let primitive = |i: u32| {
+        let mut attributes = json!({ "POSITION": 1 });
+        attributes[format!("_A{i}")] = json!(1);
+        json!({ "attributes": attributes, "indices": 0 })
+    };
+    tree["meshes"][0]["primitives"] = (0..40).map(primitive).collect();
+    let few = scene(tree.clone());
+    assert_eq!(few.meshes[0].custom.len(), 40);
+    // Each of the joined mesh's vertices would have all of them: more than a gigabyte.
+    tree["meshes"][0]["primitives"] = (0..4200).map(primitive).collect();
+    assert!(error(tree).contains("far more than the size of the file explains"));
+}
