@@ -174,6 +174,11 @@ fn a_wrong_texture_is_reported_and_changes_nothing() {
             "// no colour any more\nfn userProc(amount: f32) -> vec2f { return vec2f(amount); }",
             ["tint.wgsl:2:1", "a colour is needed"],
         ),
+        (
+            "rings",
+            "fn userProc(count: f32) -> f32 { return count * readAttr(_WETNESS).x; }",
+            ["rings.wgsl:1:1", "the mesh attribute `_WETNESS`"],
+        ),
     ] {
         let reload = renderer.begin_reload(vec![file(name, text)]);
         let error = renderer.finish_reload(reload).expect_err("wrong");

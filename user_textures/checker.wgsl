@@ -12,7 +12,10 @@ fn userProc(color_a: vec3f, color_b: vec3f, scale: f32) -> vec3f {
 
 // Mean over [x - width/2, x + width/2] of the square wave that is 1 on [0, 1), -1 on [1, 2), and so on.
 fn mean_of_wave(x: f32, width: f32) -> f32 {
-    return (integral_of_wave(x + 0.5 * width) - integral_of_wave(x - 0.5 * width)) / width;
+    // Far from the origin the difference of two integrals would have no digits left.
+    let near = x - 2.0 * floor(0.5 * x);
+    let mean = (integral_of_wave(near + 0.5 * width) - integral_of_wave(near - 0.5 * width)) / width;
+    return clamp(mean, -1.0, 1.0);
 }
 
 fn integral_of_wave(x: f32) -> f32 {

@@ -19,7 +19,21 @@ fn userProc(scale: f32, ramp: ramp1D, grain: f32, flakes: f32) -> vec3f {
     let t = 0.5 + 0.42 * stains + lift + 0.4 * grain * speckles;
     // Pits are deeper than the ramp can say: nearly no light comes back.
     let pits = smoothstep(0.35, 0.75, speckles) * grain;
-    return rampEval(ramp, saturate(t)).rgb * (1.0 - 0.6 * pits);
+    // What is too fine to be seen spreads t over the pixel: the deviations of stains, speckles and flakes.
+    let spread = smoothstep(vec2f(0.3), vec2f(0.7), vec2f(pixel, pixel * 9.0)) * vec2f(0.076, 0.072 * grain);
+    let blisters = 0.06 * flakes * smoothstep(0.15, 0.5, pixel);
+    let color = ramp_mean(ramp, t, length(vec3f(spread, blisters)));
+    return color * (1.0 - 0.6 * pits);
+}
+
+// Mean of the ramp over a bell curve around t (Gauss-Hermite quadrature with three points).
+fn ramp_mean(ramp: ramp1D, t: f32, deviation: f32) -> vec3f {
+    let middle = rampEval(ramp, saturate(t)).rgb;
+    if deviation <= 0.0 {
+        return middle;
+    }
+    let away = 1.7320508 * deviation;
+    return (4.0 * middle + rampEval(ramp, saturate(t - away)).rgb + rampEval(ramp, saturate(t + away)).rgb) / 6.0;
 }
 
 // Random cells: distance from the border of the cell, random number of the cell.

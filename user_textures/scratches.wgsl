@@ -30,7 +30,7 @@ fn userProc(
         let q = vec2f(p.x / max(length, 1.0), p.y + waviness * 1.5 * bend);
         let drawn = scratch(q, width, amount, pixel * frequency);
         // Cells smaller than the pixel fade into their mean, which was measured.
-        let mean = 0.07 * saturate(amount) * width;
+        let mean = 0.094 * saturate(amount) * width;
         let depth = mix(drawn, mean, smoothstep(0.3, 1.0, pixel * frequency));
         untouched *= 1.0 - depth * (1.0 - 0.15 * f32(layer));
     }

@@ -6,9 +6,11 @@
 fn userProc(scale: f32, randomness: f32) -> vec4f {
     let pixel = readAttr(Footprint).x * scale;
     let cells = voronoi(readAttr(WorldPos).xyz * scale, saturate(randomness));
-    // Cells smaller than the pixel fade into their mean.
+    // Cells smaller than the pixel fade into their mean, which was measured.
     let fade = smoothstep(0.3, 1.0, pixel);
-    return vec4f(mix(cells, vec3f(0.52, 0.19, 0.5), fade), 1.0);
+    let irregular = saturate(randomness) * saturate(randomness);
+    let mean = mix(vec3f(0.48, 0.223, 0.5), vec3f(0.52, 0.196, 0.5), irregular);
+    return vec4f(mix(cells, mean, fade), 1.0);
 }
 
 // Distance to the nearest centre, distance from the border, random number of the cell.

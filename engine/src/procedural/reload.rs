@@ -67,6 +67,7 @@ impl Procedural {
             .with_library(Arc::clone(&library))
             .map_err(|error| self.of_graph(&library, &error))?;
         let former = Arc::clone(self.graph.library());
+        self.check_loaded(&library)?;
         let mut new = Self {
             graph,
             ..self.clone()
@@ -93,6 +94,30 @@ impl Procedural {
             }
         }
         Ok(new)
+    }
+
+    /// Whether what the textures of a library read of the meshes is what was loaded: the kernel asks by number.
+    fn check_loaded(&self, library: &Library) -> Result<(), Diagnostics> {
+        let wanted = library.custom_attributes();
+        if wanted == self.custom_attributes {
+            return Ok(());
+        }
+        let differs = |a: &[String], b: &[String]| a.iter().find(|name| !b.contains(name)).cloned();
+        let name = differs(&wanted, &self.custom_attributes)
+            .or_else(|| differs(&self.custom_attributes, &wanted))
+            .unwrap_or_default();
+        let message = format!(
+            "textures begin or cease to read the mesh attribute `{name}`, which belongs to the geometry"
+        );
+        let reader = library.textures().iter().find(|texture| {
+            let custom = texgen::Attribute::Custom(name.clone());
+            texture.attributes().contains(&custom)
+        });
+        let diagnostic = Diagnostic::error(message).with_note("load the scene again");
+        Err(match reader {
+            Some(texture) => at_entry(diagnostic, texture.file()).into(),
+            None => diagnostic.into(),
+        })
     }
 
     /// Adds a node of a texture of the library, with default values; nothing reads it yet.

@@ -307,3 +307,28 @@ fn custom_attributes_are_numbered_over_the_library() {
 fn an_empty_library_makes_a_kernel() {
     valid_kernel(&Library::default());
 }
+
+#[test]
+fn a_texture_says_whether_it_reads_mip_levels() {
+    for (text, expected) in [
+        (
+            "fn userProc(i: sam2D) -> vec4f { return tex2D(i, vec2f()); } // not tex2DLod",
+            false,
+        ),
+        (
+            "fn userProc(i: sam2D) -> vec4f { return tex2DLod(i, vec2f(), 1.0); }",
+            true,
+        ),
+        (
+            "fn userProc(i: sam2D) -> vec4f { let tex2DLod = 1.0; return vec4f(tex2DLod); }",
+            false,
+        ),
+        (
+            "fn h(i: sam2D) -> vec4f { return tex2DLod(i, vec2f(), 1.0); } fn userProc(i: sam2D) -> vec4f { return h(i); }",
+            true,
+        ),
+    ] {
+        let library = library(&[("t", text)]);
+        assert_eq!(library.textures()[0].reads_levels(), expected, "{text}");
+    }
+}
