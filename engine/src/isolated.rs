@@ -2,13 +2,14 @@
 //!
 //! The materials of a look, its models, camera and light don't enter here.
 
+use std::collections::HashSet;
 use std::path::Path;
 
-use texgen::{Diagnostic, Diagnostics, OutputType, SourceFile, Value, did_you_mean};
+use texgen::{Diagnostic, Diagnostics, OutputType, SourceFile, did_you_mean};
 
 use crate::procedural::{EditError, Procedural, TextureSources};
 use crate::scene::Scene;
-use crate::scene::look::{AoLook, AoSettings, CameraLook, Look, NodeLook, Spanned};
+use crate::scene::look::{AoLook, AoSettings, CameraLook, Look, NodeLook, Spanned, Value};
 
 /// What is looked at.
 #[derive(Debug, Clone, Copy)]
@@ -55,6 +56,7 @@ impl Subject<'_> {
                     camera: CameraLook::default(),
                     materials: Vec::new(),
                     includes: Vec::new(),
+                    nodes: with_sources(node, &look.nodes),
                     ..look.clone()
                 };
                 (alone, name.to_owned(), node.texture.value.as_str())
@@ -84,6 +86,26 @@ pub(crate) struct Part {
     pub(crate) node: String,
     /// Its texture.
     pub(crate) file: SourceFile,
+}
+
+/// A node and those below it, in the order of the look. What isn't needed is not built, and its mistakes don't matter.
+fn with_sources(node: &NodeLook, all: &[NodeLook]) -> Vec<NodeLook> {
+    let mut needed: HashSet<&str> = HashSet::new();
+    let mut open = vec![node];
+    while let Some(node) = open.pop() {
+        if !needed.insert(&node.name.value) {
+            continue;
+        }
+        for parameter in &node.params {
+            if let Value::Text(text) = &parameter.value.value {
+                // A path that reads like a link only takes a node too many along.
+                let source = text.split('.').next().unwrap_or_default();
+                open.extend(all.iter().filter(|other| other.name.value == source));
+            }
+        }
+    }
+    let is_needed = |node: &&NodeLook| needed.contains(node.name.value.as_str());
+    all.iter().filter(is_needed).cloned().collect()
 }
 
 fn ao(name: &str) -> AoLook {
@@ -149,7 +171,7 @@ impl Isolated {
     ///
     /// # Errors
     /// Unknown parameter; a value of another type, or not finite.
-    pub fn set_value(&mut self, parameter: &str, value: Value) -> Result<(), EditError> {
+    pub fn set_value(&mut self, parameter: &str, value: texgen::Value) -> Result<(), EditError> {
         self.procedural.set_value(&self.node, parameter, value)
     }
 
@@ -163,5 +185,31 @@ impl Isolated {
     /// Its graph and what is odd in it.
     pub fn procedural(&self) -> &Procedural {
         &self.procedural
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_a_node_needs_is_built() {
+        let text = "[node.a]\ntexture = \"t\"\nx = \"b.x\"\n[node.b]\ntexture = \"t\"\nx = \"a\"\n\
+                    [node.c]\ntexture = \"missing\"\n[node.d]\ntexture = \"t\"\nx = 1.0\n\
+                    [material.M]\nbase_color = \"c\"\n";
+        let look = Look::parse(Path::new("l.toml"), text).unwrap_or_else(|e| panic!("{e}"));
+        let mut sources = TextureSources::default();
+        sources.insert("t", "fn userProc(x: f32) -> f32 { return x; }");
+        let names = |node: &str| {
+            let part = Subject::Node(node, &look).part(&sources);
+            let look = part.unwrap_or_else(|e| panic!("{e}")).look;
+            let names = look.nodes.into_iter().map(|node| node.name.value);
+            names.collect::<Vec<_>>()
+        };
+        assert_eq!(names("d"), ["d"]);
+        assert_eq!(names("a"), ["a", "b"]);
+        assert!(Isolated::new(Subject::Node("d", &look), &sources).is_ok());
+        let circle = Isolated::new(Subject::Node("a", &look), &sources);
+        assert!(circle.is_err_and(|e| e.to_string().contains("circle")));
     }
 }

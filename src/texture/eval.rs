@@ -30,7 +30,10 @@ pub(crate) fn run(job: &EvalJob) -> Result<(), Failure> {
         None => Subject::Texture(name),
     };
     let mut isolated = Isolated::new(subject, &sources)?;
-    console::diagnostics(isolated.procedural().warnings());
+    let textures = isolated.procedural().graph().library().textures();
+    for texture in textures {
+        console::diagnostics(texture.warnings());
+    }
     for (parameter, value) in sets {
         isolated.set(parameter, value).map_err(Failure::because)?;
     }
