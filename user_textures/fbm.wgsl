@@ -13,15 +13,20 @@ fn userProc(scale: f32, octaves: f32, lacunarity: f32, gain: f32, contrast: f32)
 
 // Sum of octaves, about -1 to 1. `pixel` is the width of a pixel in units of p.
 fn fbm(p: vec3f, pixel: f32, octaves: f32, lacunarity: f32, gain: f32) -> f32 {
-    var sum = 0.0;
-    var amplitude = 1.0;
-    var frequency = 1.0;
+    // Octaves too fine to be seen count as well, or the others would grow as they leave.
     var weight = 0.0;
+    var amplitude = 1.0;
+    for (var octave = 0; octave < 12; octave++) {
+        weight += amplitude * saturate(octaves - f32(octave));
+        amplitude *= gain;
+    }
+    var sum = 0.0;
+    amplitude = 1.0;
+    var frequency = 1.0;
     for (var octave = 0; octave < 12; octave++) {
         let present = saturate(octaves - f32(octave));
         // A feature that covers less than about two pixels can't be shown.
         let visible = 1.0 - smoothstep(0.3, 0.7, pixel * frequency);
-        weight += amplitude * present;
         if present * visible <= 0.0 {
             break; // all further octaves are finer still
         }
