@@ -119,6 +119,10 @@ pub(crate) struct RenderArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) max_depth: String,
 
+    /// Leave out the light that rough surfaces scatter more than once in themselves, as glTF's own formula does.
+    #[arg(long)]
+    pub(crate) no_energy_compensation: bool,
+
     /// Seed of the random numbers; the same seed gives the same noise.
     #[arg(long, value_name = "N", default_value = "0")]
     #[arg(allow_hyphen_values = true)]

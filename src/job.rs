@@ -71,6 +71,8 @@ pub(crate) struct RenderJob {
     pub(crate) camera: Option<String>,
     /// Most scattering vertices of a path.
     pub(crate) max_depth: u32,
+    /// Rough surfaces keep the energy that single scattering between microfacets loses.
+    pub(crate) energy_compensation: bool,
     /// Seed of the random numbers.
     pub(crate) seed: u32,
     /// Device to render on.
@@ -268,6 +270,7 @@ impl RenderJob {
             width,
             height,
             camera: args.camera,
+            energy_compensation: !args.no_energy_compensation,
             max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
             seed: parse_number("--seed", &args.seed, 0, u32::MAX)?,
             device: parse_device(args.device.as_deref())?,

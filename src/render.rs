@@ -137,7 +137,7 @@ fn prepare(
         max_depth: job.max_depth,
         seed: job.seed,
         camera,
-        energy_compensation: true,
+        energy_compensation: job.energy_compensation,
     };
     Renderer::new(gpu, &loaded.scene, &loaded.procedural, &settings).map_err(Failure::because)
 }

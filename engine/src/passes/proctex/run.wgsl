@@ -1,6 +1,6 @@
 // One thread per hit with a program: chooses the sides of blends, runs the programs, stores what they drive.
 
-const MAX_BLEND_DEPTH = 16u;
+const MAX_BLEND_DEPTH = 4096u; // blends have no circles: this is never met
 
 // Where the heights of a bump map are evaluated: at the hit and beside it, along two directions in the triangle's plane.
 struct BumpFrame {
