@@ -315,6 +315,10 @@ fn values_are_those_of_the_formula() {
 }",
         )
         .with(
+            "user_textures/levels.wgsl",
+            "fn userProc(photo: sam2D, lod: f32) -> vec4f { return tex2DLod(photo, vec2f(0.25, 0.5), lod); }",
+        )
+        .with(
             "user_textures/endless.wgsl",
             "fn userProc(x: f32) -> f32 { var s = x; while s >= 0.0 { s += 1.0; } return s; }",
         )
@@ -331,6 +335,11 @@ fn values_are_those_of_the_formula() {
     assert_eq!(values, [[321.0, 642.0, -321.0], [-1.0, -2.0, 1.0]]);
     let values = desk.values(&format!("wave {set} --set on=true --at TexCoord0=0.75,0.5"));
     assert_eq!(values, [[1.0, 0.0, 1.0]]);
+
+    let picture = "--set photo={file=\"dot.png\",color_space=\"linear\"}";
+    let level = |lod| desk.values(&format!("levels {picture} --set lod={lod}"))[0][0];
+    assert_eq!(level(0), 0.0);
+    assert!((level(1) - 0.5).abs() < 0.01, "the last level is the mean");
 
     assert_eq!(desk.values("reads"), [[1.0, 1.0, 0.0, 1280.0]]);
     let at = "--at AO=0.25;Normal=0,-1,0;_WET=7;Resolution=64,32;Time=2";

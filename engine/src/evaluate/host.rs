@@ -69,21 +69,21 @@ pub(super) fn source(
     source
 }
 
+/// Where an image of the texture stands in the table, and how it is sampled.
+const ROW: &str = "let row = points[0].y + image; \
+    let sampling = textureLoad(image_table, vec2u(row % IMAGE_TABLE_WIDTH, row / IMAGE_TABLE_WIDTH), 0).w;";
+
 /// What a host function does; `None` leaves it to do nothing.
 fn body(layout: &Layout, second_occlusion: Option<u32>, name: &str) -> Option<String> {
     let read = |place: usize| format!("return point_value({place}u);");
     Some(match name {
         "patina_program_word" => "return programs[i];".to_owned(),
         "patina_arg_word" => "return args[i];".to_owned(),
-        // There is one level so far, as in the renderer.
-        "patina_sample_image" | "patina_sample_image_lod" => {
-            "let row = textureLoad(image_table, vec2u((points[0].y + image) % IMAGE_TABLE_WIDTH, (points[0].y + image) / IMAGE_TABLE_WIDTH), 0); \
-             return sample_image(points[0].y + image, row.w, uv);"
-                .to_owned()
+        "patina_sample_image" => format!("{ROW} return sample_image(row, sampling, uv);"),
+        "patina_sample_image_lod" => {
+            format!("{ROW} return sample_image_level(row, sampling, uv, lod);")
         }
-        "patina_image_size" => {
-            "return vec2f(image_rect(points[0].y + image).size);".to_owned()
-        }
+        "patina_image_size" => "return vec2f(image_rect(points[0].y + image).size);".to_owned(),
         "patina_attr_AO" => {
             let (first, second) = (layout.attribute("AO")?, layout.attribute("AO1")?);
             match second_occlusion {
@@ -119,7 +119,7 @@ mod tests {
             assert!(body(&layout, Some(1), name).is_some(), "{name}");
         }
         let text = "fn userProc(image: sam2D) -> vec4f {
-            return readAttr(_A) + readAttr(AO) + tex2D(image, texSize(image)) + readGlobal(Time); }";
+            return readAttr(_A) + readAttr(AO) + tex2D(image, texSize(image)) + tex2DLod(image, vec2f(0.0), 1.0) + readGlobal(Time); }";
         let texture = TextureType::parse(SourceFile::new("t", "t.wgsl", text))
             .unwrap_or_else(|problems| panic!("{problems}"));
         let library = Library::new(vec![texture]).unwrap_or_else(|problem| panic!("{problem}"));

@@ -124,7 +124,7 @@ impl Layout {
             let globals = GLOBALS
                 .iter()
                 .map(|g| point.value(g.name(), plain_global(*g)));
-            let custom = self.custom.iter().map(|name| point.value(name, [0.0; 4]));
+            let custom = self.custom.iter().map(|name| custom(point, name));
             let values = attributes.chain(globals).chain(custom);
             words.extend(values.map(|value| value.map(f32::to_bits)));
         }
@@ -153,6 +153,14 @@ fn attribute(point: &Point, attribute: BuiltinAttribute) -> [f32; 4] {
         _ => [0.0; 4],
     };
     point.value(attribute.name(), plain)
+}
+
+/// The value of a custom attribute: what a mesh's attribute of so many components gives, or 0 where there is none.
+fn custom(point: &Point, name: &str) -> [f32; 4] {
+    match point.values().any(|(known, _)| known == name) {
+        true => point.value(name, [0.0, 0.0, 0.0, 1.0]),
+        false => [0.0; 4],
+    }
 }
 
 fn plain_global(global: Global) -> [f32; 4] {
@@ -194,6 +202,8 @@ mod tests {
         for place in time.into_iter().flatten() {
             assert_eq!(second[place], [3.0f32.to_bits(); 4]);
         }
-        assert_eq!(second[layout.custom_start() + 1][0], 7.0f32.to_bits());
+        let custom = &second[layout.custom_start()..];
+        assert_eq!(custom[0], [0; 4], "a mesh without it");
+        assert_eq!(custom[1], [7.0, 0.0, 0.0, 1.0].map(f32::to_bits));
     }
 }
