@@ -33,14 +33,17 @@ pub(crate) fn run(
     bar.suspend(|| console::print(&format!("\n{head}")));
     for count in COUNTS.into_iter().filter(|&count| count <= most) {
         let row = kernel::rebuild(&gpu, &sources, count).map_err(Failure::because)?;
+        let wave = |seconds: Option<f64>| {
+            seconds.map_or("not run".to_owned(), |seconds| format!("{seconds:.3}"))
+        };
         let line = format!(
-            "{:8} {:7} {:16.3} {:17.3} {:16.3} {:17.3}",
+            "{:8} {:>7} {:16.3} {:>17} {:16.3} {:>17}",
             row.textures,
             console::grouped(row.lines as u64),
             row.cold.build,
-            row.cold.first_wave,
+            wave(row.cold.first_wave),
             row.warm.build,
-            row.warm.first_wave
+            wave(row.warm.first_wave)
         );
         bar.suspend(|| console::print(&line));
     }

@@ -25,6 +25,8 @@ const SIDE: u32 = 256;
 const SAMPLES: u32 = 4;
 /// Timings of each case, in turn.
 const ROUNDS: usize = 9;
+/// More textures than these are built, but not run, on a software driver: it takes minutes or more to compile them.
+const MOST_RUN_ON_CPU: usize = 30;
 
 /// Why nothing was measured.
 #[derive(Debug, thiserror::Error)]
@@ -60,8 +62,9 @@ impl From<Diagnostics> for KernelBenchError {
 pub struct BuildTime {
     /// From the changed text to the pipeline, in the background: textures, graph, shader module, pipeline.
     pub build: f64,
-    /// By how much the first wave takes longer than the next: some drivers compile only then.
-    pub first_wave: f64,
+    /// By how much the first wave takes longer than the next: some drivers compile only then. None where no wave was
+    /// run, because a software driver would compile for too long.
+    pub first_wave: Option<f64>,
 }
 
 /// How long it takes to build the kernel again after one texture of several has changed.
@@ -116,23 +119,27 @@ pub fn rebuild(
     }
     let mut renderer = renderer(gpu, &look, &all, textures, 64)?;
     let lines = renderer.procedural().kernel().wgsl.lines().count();
-    wave(&mut renderer)?;
+    let is_run = !gpu.is_cpu() || textures <= MOST_RUN_ON_CPU;
+    if is_run {
+        wave(&mut renderer)?;
+    }
     let mut time = |seed: u64| -> Result<BuildTime, KernelBenchError> {
         let start = Instant::now();
         let reload = renderer.begin_reload(vec![variant(0, seed)]);
         renderer.finish_reload(reload)?;
         let build = start.elapsed().as_secs_f64();
-        let first = wave(&mut renderer)?;
-        let next = wave(&mut renderer)?.min(wave(&mut renderer)?);
-        Ok(BuildTime {
-            build,
-            first_wave: (first - next).max(0.0),
-        })
+        let first_wave = match is_run {
+            true => {
+                let first = wave(&mut renderer)?;
+                let next = wave(&mut renderer)?.min(wave(&mut renderer)?);
+                Some((first - next).max(0.0))
+            }
+            false => None,
+        };
+        Ok(BuildTime { build, first_wave })
     };
-    // Large kernels take so long that once is enough.
-    let rounds = if textures < 50 { 3 } else { 1 };
     let (mut cold, mut warm) = (Vec::new(), Vec::new());
-    for round in 0..rounds {
+    for round in 0..3 {
         cold.push(time(seed + 1_000_000 * (round + 1))?);
         warm.push(time(seed)?);
     }
@@ -155,7 +162,12 @@ pub fn hits(
     sources: &TextureSources,
     most_textures: usize,
 ) -> Result<Vec<HitCost>, KernelBenchError> {
-    let most = most_textures.clamp(1, OTHERS);
+    let can_run = if gpu.is_cpu() {
+        MOST_RUN_ON_CPU
+    } else {
+        OTHERS
+    };
+    let most = most_textures.clamp(1, can_run);
     let originals = originals(sources)?;
     let mut more = sources.clone();
     let [mut of_the_same, mut of_few, mut of_most] = [(); 3].map(|()| SUBJECT.to_owned());
@@ -378,7 +390,8 @@ fn renderer(
 fn median_time(times: &[BuildTime]) -> BuildTime {
     BuildTime {
         build: median(times.iter().map(|time| time.build)),
-        first_wave: median(times.iter().map(|time| time.first_wave)),
+        first_wave: (times.first().and_then(|time| time.first_wave))
+            .map(|_| median(times.iter().filter_map(|time| time.first_wave))),
     }
 }
 
