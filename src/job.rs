@@ -4,20 +4,23 @@
 //! is opened, read or written here.
 
 use std::num::NonZeroU32;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use engine::gpu::DeviceChoice;
 use thiserror::Error;
 
-use crate::args::{Args, BenchCommand, Command, RenderArgs};
+use crate::args::{Args, BenchCommand, Command, MergeArgs, RenderArgs};
 use crate::texture::job::TextureJob;
 
 /// Longest side of a picture, pixels.
 pub(crate) const MAX_SIDE: u32 = engine::renderer::MAX_SIDE;
-/// Most pixels of a picture. The film keeps 28 bytes for each.
+/// Most pixels of a picture. The film keeps 80 bytes for each.
 pub(crate) const MAX_PIXELS: u64 = 1 << 26;
-/// Most samples per pixel. The film's sums are 32-bit floats, which more samples would not make better.
-pub(crate) const MAX_SPP: u32 = 1 << 20;
+/// Most samples per pixel, and the end of the last range of samples.
+pub(crate) const MAX_SPP: u32 = engine::film::MAX_SAMPLES;
+/// What the name of a film's file ends in.
+const FILM_EXTENSION: &str = "patina-film";
 /// Most scattering vertices of a path.
 pub(crate) const MAX_DEPTH: u32 = 255;
 /// Strongest exposure in stops, either way.
@@ -28,6 +31,8 @@ pub(crate) const MAX_EXPOSURE: f32 = 32.0;
 pub(crate) enum Job {
     /// Render a scene.
     Render(RenderJob),
+    /// Add films.
+    Merge(MergeJob),
     /// Do something with textures.
     Texture(TextureJob),
     /// List devices.
@@ -59,10 +64,12 @@ pub(crate) struct RenderJob {
     pub(crate) scene: PathBuf,
     /// The look file.
     pub(crate) look: Option<PathBuf>,
-    /// Where the picture goes; at least one, no two alike.
-    pub(crate) outputs: Vec<Output>,
+    /// Where the picture and the film go.
+    pub(crate) outputs: Outputs,
     /// Samples per pixel.
     pub(crate) spp: NonZeroU32,
+    /// The first of them.
+    pub(crate) first_sample: u32,
     /// Pixels.
     pub(crate) width: u32,
     /// Pixels.
@@ -85,6 +92,49 @@ pub(crate) struct RenderJob {
     pub(crate) stats: bool,
     /// Write statistics.
     pub(crate) stats_json: Option<PathBuf>,
+}
+
+/// A merge, complete.
+#[derive(Debug, PartialEq)]
+pub(crate) struct MergeJob {
+    /// The films; at least one, no two alike.
+    pub(crate) parts: Vec<PathBuf>,
+    /// Where the picture and the film go.
+    pub(crate) outputs: Outputs,
+    /// Stops; EXR keeps the radiance.
+    pub(crate) exposure: f32,
+}
+
+/// The files to write; at least one, no two alike.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Outputs {
+    /// Pictures.
+    pub(crate) pictures: Vec<Output>,
+    /// Exact sums of samples.
+    pub(crate) films: Vec<PathBuf>,
+}
+
+impl Outputs {
+    fn from_paths(paths: Vec<PathBuf>) -> Result<Self, UsageError> {
+        let is_film = |path: &PathBuf| {
+            let extension = path.extension();
+            extension.is_some_and(|e| e.eq_ignore_ascii_case(FILM_EXTENSION))
+        };
+        let (films, pictures): (Vec<_>, Vec<_>) = paths.into_iter().partition(is_film);
+        Ok(Self {
+            pictures: pictures
+                .into_iter()
+                .map(parse_output)
+                .collect::<Result<_, _>>()?,
+            films,
+        })
+    }
+
+    /// All files.
+    pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        let pictures = self.pictures.iter().map(|output| &output.path);
+        pictures.chain(&self.films)
+    }
 }
 
 /// A picture file to write.
@@ -163,10 +213,25 @@ pub(crate) enum UsageError {
         path: PathBuf,
     },
     /// A result would overwrite an input.
-    #[error("{} is an input of this render; write the result to another file", path.display())]
+    #[error("{} is an input; write the result to another file", path.display())]
     OverwritesInput {
         /// The file.
         path: PathBuf,
+    },
+    /// The same part twice.
+    #[error("{} is given twice; each part may be merged once", path.display())]
+    PartTwice {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Not a range of samples.
+    #[error(
+        "--sample-range {given}: write two whole numbers from 0 to {MAX_SPP}, the smaller one first, as in \
+         --sample-range 0..64"
+    )]
+    SampleRange {
+        /// As typed.
+        given: String,
     },
     /// Not `NAME=VALUE`.
     #[error("{flag} {given}: write NAME=VALUE, as in {example}")]
@@ -215,6 +280,7 @@ impl Job {
     pub(crate) fn from_args(args: Args) -> Result<Self, UsageError> {
         Ok(match args.command {
             Command::Render(args) => Self::Render(RenderJob::from_args(*args)?),
+            Command::Merge(args) => Self::Merge(MergeJob::from_args(args)?),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,
             Command::ProbeTexture { file, device } => Self::ProbeTexture {
@@ -246,27 +312,24 @@ impl Job {
 impl RenderJob {
     fn from_args(args: RenderArgs) -> Result<Self, UsageError> {
         let (width, height) = parse_size(&args.size)?;
-        let outputs = if args.outputs.is_empty() {
-            vec![default_output(&args.scene)]
-        } else {
-            args.outputs
-                .into_iter()
-                .map(parse_output)
-                .collect::<Result<_, _>>()?
+        let mut outputs = Outputs::from_paths(args.outputs)?;
+        if outputs.paths().next().is_none() {
+            outputs.pictures.push(default_output(&args.scene));
+        }
+        let samples = match &args.sample_range {
+            Some(range) => parse_sample_range(range)?,
+            None => 0..parse_number("--spp", &args.spp, 1, MAX_SPP)?,
         };
         refuse_overwriting(
-            outputs
-                .iter()
-                .map(|output| &output.path)
-                .chain(&args.stats_json),
+            outputs.paths().chain(&args.stats_json),
             [Some(&args.scene), args.look.as_ref()]
                 .into_iter()
                 .flatten(),
         )?;
         Ok(Self {
             outputs,
-            spp: NonZeroU32::new(parse_number("--spp", &args.spp, 1, MAX_SPP)?)
-                .expect("the range starts at 1"),
+            spp: NonZeroU32::new(samples.end - samples.start).expect("the range is not empty"),
+            first_sample: samples.start,
             width,
             height,
             camera: args.camera,
@@ -282,6 +345,32 @@ impl RenderJob {
             look: args.look,
         })
     }
+}
+
+impl MergeJob {
+    fn from_args(args: MergeArgs) -> Result<Self, UsageError> {
+        let outputs = Outputs::from_paths(args.outputs)?;
+        refuse_overwriting(outputs.paths(), args.parts.iter())?;
+        let mut parts = args.parts.iter().enumerate();
+        if let Some((_, path)) = parts.find(|(i, path)| args.parts[..*i].contains(path)) {
+            return Err(UsageError::PartTwice { path: path.clone() });
+        }
+        Ok(Self {
+            parts: args.parts,
+            outputs,
+            exposure: parse_exposure(&args.exposure)?,
+        })
+    }
+}
+
+fn parse_sample_range(given: &str) -> Result<Range<u32>, UsageError> {
+    let range = given.split_once("..").and_then(|(first, end)| {
+        let range = first.trim().parse().ok()?..end.trim().parse().ok()?;
+        (range.start < range.end && range.end <= MAX_SPP).then_some(range)
+    });
+    range.ok_or_else(|| UsageError::SampleRange {
+        given: given.to_owned(),
+    })
 }
 
 fn parse_size(given: &str) -> Result<(u32, u32), UsageError> {
@@ -419,19 +508,56 @@ mod tests {
         assert_eq!((job.width, job.height), (1280, 720));
         assert_eq!((job.spp.get(), job.max_depth, job.seed), (64, 9, 0));
         assert_eq!(job.device, DeviceChoice::Best);
-        assert_eq!(job.outputs[0].path, Path::new("helmet-render.png"));
-        assert_eq!(job.outputs[0].format, Format::Png);
+        assert_eq!(job.first_sample, 0);
+        let expected = Output {
+            path: "helmet-render.png".into(),
+            format: Format::Png,
+        };
+        assert_eq!(job.outputs.pictures, [expected]);
+        assert!(job.outputs.films.is_empty());
     }
 
     #[test]
     fn formats_follow_the_extension_in_any_case() {
         let job = render("render a.glb -o x.PNG --output y.exr").unwrap();
-        let formats: Vec<_> = job.outputs.iter().map(|output| output.format).collect();
+        let formats: Vec<_> = job.outputs.pictures.iter().map(|o| o.format).collect();
         assert_eq!(formats, [Format::Png, Format::Exr]);
         for bad in ["x", "x.gif", "png", ".png", "x.png.gz"] {
             let error = render(&format!("render a.glb -o {bad}")).unwrap_err();
             assert!(error.to_string().contains(".exr"), "{bad}: {error}");
         }
+    }
+
+    #[test]
+    fn a_range_of_samples_is_two_ascending_numbers() {
+        let job = render("render a.glb --sample-range 16..40 -o x.patina-film").unwrap();
+        assert_eq!((job.first_sample, job.spp.get()), (16, 24));
+        assert_eq!(job.outputs.films, [Path::new("x.patina-film")]);
+        assert!(job.outputs.pictures.is_empty());
+        for bad in [
+            "16",
+            "3..3",
+            "4..3",
+            "..3",
+            "3..",
+            "-1..3",
+            "0..1048577",
+            "0..1e3",
+        ] {
+            let error = render(&format!("render a.glb --sample-range {bad}")).unwrap_err();
+            assert!(matches!(error, UsageError::SampleRange { .. }), "{bad}");
+        }
+    }
+
+    #[test]
+    fn parts_are_merged_once_and_not_overwritten() {
+        assert!(job("merge a.patina-film b.patina-film -o c.exr").is_ok());
+        let error = job("merge a.patina-film a.patina-film -o c.exr").unwrap_err();
+        assert!(matches!(error, UsageError::PartTwice { .. }));
+        let error = job("merge a.patina-film -o a.patina-film").unwrap_err();
+        assert!(matches!(error, UsageError::OverwritesInput { .. }));
+        let error = job("merge a.patina-film -o a.tiff").unwrap_err();
+        assert!(matches!(error, UsageError::Extension { .. }));
     }
 
     #[test]

@@ -3,10 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3};
 
-use crate::{
-    gpu_scene::GpuScene,
-    scene::{Camera, Projection},
-};
+use crate::{gpu_scene::GpuScene, scene::Projection, settings::RenderSettings};
 
 /// `Frame` in `frame.wgsl`.
 #[repr(C)]
@@ -103,15 +100,9 @@ const BLOCK: u32 = 8;
 
 impl Frame {
     /// For a picture of a scene. `capacity` is the number of path slots of a wave.
-    pub fn new(
-        size: (u32, u32),
-        camera: &Camera,
-        max_depth: u32,
-        seed: u32,
-        capacity: u32,
-        scene: &GpuScene,
-    ) -> Self {
-        let (width, height) = size;
+    pub fn new(settings: &RenderSettings, capacity: u32, scene: &GpuScene) -> Self {
+        let (width, height) = (settings.width, settings.height);
+        let camera = &settings.camera;
         let blocks = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
         let axes = Mat3::from(camera.transform.matrix3);
         let (half_height, orthographic, pixel_spread) = match camera.projection {
@@ -144,8 +135,8 @@ impl Frame {
             first_sample: 0,
             wave_size: 0,
             padded_pixels: blocks.0 * blocks.1 * BLOCK * BLOCK,
-            seed,
-            max_depth,
+            seed: settings.seed,
+            max_depth: settings.max_depth,
             light_count: scene.light_count,
             environment_probability,
             environment_scale: environment.scale,

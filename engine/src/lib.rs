@@ -17,5 +17,6 @@ pub mod preview;
 pub mod procedural;
 pub mod renderer;
 pub mod scene;
+pub mod settings;
 pub mod stats;
 pub mod wave;

@@ -178,6 +178,8 @@ pub struct Totals {
     pub ao_rays: u64,
     /// Samples that were not finite.
     pub invalid: u64,
+    /// Samples beyond the film's range.
+    pub clamped: u64,
     /// Type number of a texture whose loops were ended early.
     pub overrun: Option<u32>,
 }
@@ -190,6 +192,7 @@ impl Totals {
             rays: pair(9),
             ao_rays: pair(13),
             invalid: u64::from(words[15]),
+            clamped: u64::from(words[12]),
             overrun: words[11].checked_sub(1),
         }
     }
