@@ -237,7 +237,8 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     if (blocker == MISS) {
         radiance += path_read(PATH_LIGHT, slot).xyz;
     }
-    path_write(PATH_LIGHT, slot, vec4f(0.0));
+    let receiver_before = path_words(PATH_LIGHT, slot).w; // of the vertex that the ray comes from
+    path_set_words(PATH_LIGHT, slot, vec4u(0u, 0u, 0u, receiver_before));
 
     if (hit.triangle == MISS) {
         if (has_program_shadows && hit.t_max < 0.0) {
@@ -334,10 +335,9 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         }
         emission *= max(scalar_or(slot, driven, OUTPUT_EMISSION_STRENGTH, 1.0), 0.0);
         var weight = 1.0;
-        let light_pdf = materials[own_material].light_pdf * (1.0 - frame.environment_probability);
-        if (bsdf_pdf > 0.0 && light_pdf > 0.0) {
+        if (bsdf_pdf > 0.0 && materials[own_material].light_radiance > 0.0 && max_component(emission) > 0.0) {
             let cosine = max(dot(s.geometric_normal, s.wo), 1e-7);
-            weight = mis_weight(bsdf_pdf, light_pdf * hit.t_max * hit.t_max / cosine);
+            weight = mis_weight(bsdf_pdf, light_hit_pdf(hit, receiver_before, cosine));
         }
         radiance += throughput * emission * weight;
     }
@@ -428,10 +428,15 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
 
     // Next-event estimation.
     var has_shadow_ray = false;
-    if (frame.light_count > 0u || frame.environment_probability > 0.0) {
+    let is_opaque = !has_transmission || (b.transmission <= 0.0 && b.diffuse_transmission <= 0.0);
+    // Where a ray may dip below the triangle's plane, the shading normal's horizon is what counts.
+    let facing = octahedral_encode(select(s.geometric_normal, normal, is_lifted));
+    let receiver = select(RECEIVER_ALL_AROUND, facing, is_opaque);
+    path_set_words(PATH_LIGHT, slot, vec4u(0u, 0u, 0u, receiver));
+    if (light_groups() > 0u) {
         let choice = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_CHOICE)).x;
         let point = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_POINT));
-        let light = light_sample(s.position + lift, choice, point);
+        let light = light_sample(s.position + lift, above, receiver, choice, point);
         let wi = vec3f(dot(light.wi, tangent), dot(light.wi, bitangent), dot(light.wi, normal));
         if (light.pdf > 0.0 && leaves(wi.z, dot(light.wi, s.geometric_normal), is_lifted)) {
             let value = bsdf_eval(b, wo, wi);
@@ -452,7 +457,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
                     t_max *= 0.9999; // stops short of the light's own surface
                 }
                 rays[frame.capacity + slot] = RayHit(origin, 0.0, direction, t_max, vec2f(0.0), MISS, 0u);
-                path_write(PATH_LIGHT, slot, vec4f(contribution, 0.0));
+                path_set_words(PATH_LIGHT, slot, vec4u(bitcast<vec3u>(contribution), receiver));
                 if (has_program_shadows) {
                     path_set_words(PATH_LIGHT_POINT, slot, light.point);
                 }

@@ -3,7 +3,9 @@
 
 const PATH_THROUGHPUT = 0u; // rgb, then the pdf of the direction that was sampled last (0: not from a BSDF)
 const PATH_RADIANCE = 1u; // rgb gathered so far, then the ray cone's width at the ray's origin
-const PATH_LIGHT = 2u; // rgb that arrives if the shadow ray is free
+// rgb that arrives if the shadow ray is free, then what light samples know of the vertex scattered at last, for the weight
+// of a lamp that the path's ray hits: see `light_tree.wgsl`
+const PATH_LIGHT = 2u;
 // Material after blends, its driven outputs, vertices that have scattered, and the hue of a path that was dispersed, see
 // media.wgsl, or 0.
 const PATH_STATE = 3u;
