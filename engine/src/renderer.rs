@@ -21,7 +21,7 @@ use crate::{
     procedural::{CompileError, Procedural},
     scene::{Camera, Scene},
     stats::{PassStats, Stats},
-    wave::{self, Queue},
+    wave::{self, PathBytes, Queue},
 };
 
 use self::pipeline::{Bound, Kernels};
@@ -419,6 +419,11 @@ impl Renderer {
         ))
     }
 
+    /// GPU memory of one path.
+    pub fn path_bytes(&self) -> PathBytes {
+        PathBytes::new(self.procedural.result_words())
+    }
+
     /// Figures so far.
     ///
     /// # Errors
@@ -471,6 +476,7 @@ impl Renderer {
         Ok(Stats {
             passes,
             rays,
+            shadow_rays: totals.shadow_rays,
             ao_rays: totals.ao_rays,
             mrays_per_second: rate(rays, tracing) * 1e-6,
             samples_per_second: rate(samples, self.seconds),
