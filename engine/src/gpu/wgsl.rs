@@ -85,6 +85,7 @@ const FILES: &[(&str, &str)] = files![
     "shared/images.wgsl",
     "shared/lights.wgsl",
     "shared/materials.wgsl",
+    "shared/media.wgsl",
     "shared/microfacet.wgsl",
     "shared/occlusion.wgsl",
     "shared/outputs.wgsl",
