@@ -3,7 +3,12 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3};
 
-use crate::{gpu_scene::GpuScene, scene::Projection, settings::RenderSettings};
+use crate::{
+    filter::{FilterTable, PixelFilter},
+    gpu_scene::GpuScene,
+    scene::Projection,
+    settings::RenderSettings,
+};
 
 /// `Frame` in `frame.wgsl`.
 #[repr(C)]
@@ -48,6 +53,10 @@ pub struct Frame {
     frame_index: u32,
     bounds_max: Vec3,
     spare: u32,
+    filter_radius: f32,
+    filter_positive: f32,
+    filter_weight: f32,
+    filter_is_box: u32,
 }
 
 impl Frame {
@@ -90,7 +99,11 @@ impl Frame {
             bounds_min,
             frame_index,
             bounds_max,
-            spare
+            spare,
+            filter_radius,
+            filter_positive,
+            filter_weight,
+            filter_is_box
         ]
     }
 }
@@ -103,6 +116,7 @@ impl Frame {
     pub fn new(settings: &RenderSettings, capacity: u32, scene: &GpuScene) -> Self {
         let (width, height) = (settings.width, settings.height);
         let camera = &settings.camera;
+        let filter = FilterTable::new(settings.filter);
         let blocks = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
         let axes = Mat3::from(camera.transform.matrix3);
         let (half_height, orthographic, pixel_spread) = match camera.projection {
@@ -153,6 +167,10 @@ impl Frame {
             frame_index: 0,
             bounds_max: scene.bounds[1],
             spare: 0,
+            filter_radius: 0.5 * settings.filter_width,
+            filter_positive: filter.positive,
+            filter_weight: filter.weight * filter.weight,
+            filter_is_box: u32::from(settings.filter == PixelFilter::Box),
         }
     }
 }

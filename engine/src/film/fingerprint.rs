@@ -22,6 +22,8 @@ pub fn fingerprint(
         camera,
         energy_compensation,
         first_sample: _,
+        filter,
+        filter_width,
     } = settings;
     let mut hash = Hash::new();
     hash.scene(scene);
@@ -39,6 +41,7 @@ pub fn fingerprint(
         ("seed", seed.to_string()),
         ("camera", camera),
         ("energy-compensation", energy_compensation.to_string()),
+        ("filter", format!("{} of {filter_width}", filter.name())),
         ("scene", scene),
         ("textures", hash.finish()),
     ]

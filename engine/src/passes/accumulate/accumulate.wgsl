@@ -5,6 +5,8 @@
 //!include shared/rays.wgsl
 //!include shared/paths.wgsl
 //!include shared/queues.wgsl
+//!include shared/random.wgsl
+//!include shared/filter.wgsl
 
 // Twenty words per pixel: the sums of red, green and blue, of their squares, the number of samples, one to spare.
 // Five buffers, because a device need not bind more than 128 MiB of one.
@@ -92,8 +94,9 @@ fn accumulate(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
             value = vec3f(0.0);
             atomicAdd(&queues[WORD_INVALID], 1u);
         }
-        if (any(value > vec3f(LARGEST))) {
-            value = min(value, vec3f(LARGEST));
+        value *= filter_weight(random2(path_id(slot), DIMENSION_PIXEL));
+        if (any(abs(value) > vec3f(LARGEST))) {
+            value = clamp(value, vec3f(-LARGEST), vec3f(LARGEST));
             atomicAdd(&queues[WORD_CLAMPED], 1u);
         }
         let square = min(value * value, vec3f(LARGEST_SQUARE));
