@@ -309,7 +309,7 @@ impl Renderer {
         );
         let paths = Extent::Threads(self.frame.wave_size);
         let max_depth = self.settings.max_depth;
-        let may_take_longer = self.scene.features.program_shadows;
+        let may_take_longer = self.scene.features.passages;
         self.submit(|wave| {
             wave.run(&wave.bound.raygen, paths);
             wave.run(wave.after(After::Raygen), Extent::One);
@@ -328,7 +328,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Rays that texture programs let pass take rounds in which nothing scatters: as many follow as there is work for.
+    /// Rays that pass surfaces, because a texture program says so, through clear walls or inside overlapping bodies, take
+    /// rounds in which nothing scatters: as many follow as there is work for.
     fn finish_paths(&mut self) -> Result<(), GpuError> {
         for _ in 0..MOST_PASSAGES / PASSAGES {
             let queues = self.resources.buffer("queues");

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use crate::gpu::{Gpu, GpuError, kernel::Resources};
 
 /// `vec4u` fields of a path in `paths.wgsl`, before the results of texture programs.
-const PATH_FIELDS: u64 = 5;
+const PATH_FIELDS: u64 = 6;
 /// Words before the lists in `queues.wgsl`.
 pub const QUEUE_HEADER: u64 = 16;
 /// Lists of `capacity` words behind the header: both halves of the active list, the shadow list, and two each for the

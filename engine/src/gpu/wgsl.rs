@@ -86,6 +86,7 @@ const FILES: &[(&str, &str)] = files![
     "shared/images.wgsl",
     "shared/lights.wgsl",
     "shared/materials.wgsl",
+    "shared/media.wgsl",
     "shared/microfacet.wgsl",
     "shared/occlusion.wgsl",
     "shared/outputs.wgsl",

@@ -58,6 +58,7 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
     path_write(PATH_RADIANCE, slot, vec4f(0.0, 0.0, 0.0, width));
     path_write(PATH_LIGHT, slot, vec4f(0.0));
     path_set_words(PATH_STATE, slot, vec4u(0u));
+    path_set_words(PATH_MEDIA, slot, vec4u(0u));
     path_set_words(PATH_LIGHT_POINT, slot, vec4u(MISS, 0u, 0u, 0u));
     rays[frame.capacity + slot].triangle = MISS;
     if (pixel.x >= frame.width || pixel.y >= frame.height || path.sample >= frame.sample_limit) {

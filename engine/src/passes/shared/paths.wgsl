@@ -4,11 +4,12 @@
 const PATH_THROUGHPUT = 0u; // rgb, then the pdf of the direction that was sampled last (0: not from a BSDF)
 const PATH_RADIANCE = 1u; // rgb gathered so far, then the ray cone's width at the ray's origin
 const PATH_LIGHT = 2u; // rgb that arrives if the shadow ray is free
-// Material after blends, its driven outputs, vertices that have scattered, and 1 + the material of the body that the path
-// is in, or 0.
+// Material after blends, its driven outputs, vertices that have scattered, and the hue of a path that was dispersed, see
+// media.wgsl, or 0.
 const PATH_STATE = 3u;
 const PATH_LIGHT_POINT = 4u; // triangle (or MISS), instance and barycentrics of a light that a program has yet to judge
-const PATH_RESULTS = 5u; // the driven outputs' values, word by word: as many fields as the hungriest material needs
+const PATH_MEDIA = 5u; // the bodies that the path is in, see media.wgsl; read only where light goes through something
+const PATH_RESULTS = 6u; // the driven outputs' values, word by word: as many fields as the hungriest material needs
 
 @group(0) @binding(2) var<storage, read_write> paths: array<vec4u>;
 
