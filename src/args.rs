@@ -152,6 +152,12 @@ pub(crate) struct RenderArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) filter_width: Option<String>,
 
+    /// Let no contribution of indirect light (scattered twice or more) exceed X. Takes away fireflies, and light with them:
+    /// the picture is biased. Off by default.
+    #[arg(long, value_name = "X")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) clamp: Option<String>,
+
     /// Leave out the light that rough surfaces scatter more than once in themselves, as glTF's own formula does.
     #[arg(long)]
     pub(crate) no_energy_compensation: bool,

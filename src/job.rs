@@ -83,6 +83,8 @@ pub(crate) struct RenderJob {
     pub(crate) filter: PixelFilter,
     /// From edge to edge, pixels.
     pub(crate) filter_width: f32,
+    /// Most that one contribution of indirect light adds.
+    pub(crate) clamp: Option<f32>,
     /// Rough surfaces keep the energy that single scattering between microfacets loses.
     pub(crate) energy_compensation: bool,
     /// Seed of the random numbers.
@@ -373,6 +375,9 @@ impl RenderJob {
                 }
                 None => filter.default_width(),
             },
+            clamp: (args.clamp.as_deref())
+                .map(|most| parse_decimal("--clamp", most, "greater than 0", |x| x > 0.0))
+                .transpose()?,
             energy_compensation: !args.no_energy_compensation,
             max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
             seed: parse_number("--seed", &args.seed, 0, u32::MAX)?,
@@ -667,6 +672,7 @@ mod tests {
             ("--max-depth 256", "from 1 to 255"),
             ("--seed -1", "from 0 to 4294967295"),
             ("--seed 4294967296", "from 0 to 4294967295"),
+            ("--clamp 0", "greater than 0"),
             ("--filter cone", "must be box, gaussian"),
             ("--filter-width 0", "from 0.1 to 16"),
             ("--filter-width wide", "from 0.1 to 16"),

@@ -57,6 +57,10 @@ pub struct Frame {
     filter_positive: f32,
     filter_weight: f32,
     filter_is_box: u32,
+    indirect_clamp: f32,
+    estimator: u32,
+    roulette_start: u32,
+    sampler: u32,
 }
 
 impl Frame {
@@ -103,11 +107,17 @@ impl Frame {
             filter_radius,
             filter_positive,
             filter_weight,
-            filter_is_box
+            filter_is_box,
+            indirect_clamp,
+            estimator,
+            roulette_start,
+            sampler
         ]
     }
 }
 
+/// Vertices that scatter before Russian roulette begins.
+const ROULETTE_START: u32 = 4;
 /// Pixels along the side of a block.
 const BLOCK: u32 = 8;
 
@@ -171,6 +181,10 @@ impl Frame {
             filter_positive: filter.positive,
             filter_weight: filter.weight * filter.weight,
             filter_is_box: u32::from(settings.filter == PixelFilter::Box),
+            indirect_clamp: settings.clamp.unwrap_or(f32::MAX),
+            estimator: 0,
+            roulette_start: ROULETTE_START,
+            sampler: 0,
         }
     }
 }

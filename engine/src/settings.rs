@@ -26,6 +26,10 @@ pub struct RenderSettings {
     pub filter: PixelFilter,
     /// Width of the filter from edge to edge, pixels.
     pub filter_width: f32,
+    /// Most that one contribution of indirect light may add to a sample: the largest of red, green and blue; the colour is
+    /// kept. Indirect is what has been scattered by two surfaces or more. Takes fireflies out of a picture and light with
+    /// them: with it, rendering is *biased*.
+    pub clamp: Option<f32>,
 }
 
 impl RenderSettings {
@@ -42,6 +46,7 @@ impl RenderSettings {
             first_sample: 0,
             filter: PixelFilter::Box,
             filter_width: PixelFilter::Box.default_width(),
+            clamp: None,
         }
     }
 }

@@ -24,6 +24,7 @@ pub fn fingerprint(
         first_sample: _,
         filter,
         filter_width,
+        clamp,
     } = settings;
     let mut hash = Hash::new();
     hash.scene(scene);
@@ -42,6 +43,10 @@ pub fn fingerprint(
         ("camera", camera),
         ("energy-compensation", energy_compensation.to_string()),
         ("filter", format!("{} of {filter_width}", filter.name())),
+        (
+            "clamp",
+            clamp.map_or("off".to_owned(), |most| most.to_string()),
+        ),
         ("scene", scene),
         ("textures", hash.finish()),
     ]

@@ -87,7 +87,7 @@ fn shade_shadow(ray: u32, slot: u32, material: u32, flags: u32, is_light: bool) 
         }
         rays[ray].triangle = MISS; // as the shadow ray's own result: nothing is in the way
     }
-    path_write(PATH_LIGHT, slot, vec4f(path_read(PATH_LIGHT, slot).xyz * factor, 0.0));
+    path_write(PATH_LIGHT, slot, path_read(PATH_LIGHT, slot) * vec4f(factor, 1.0));
 }
 
 // Stores `wanted` outputs of a path's hit, but for the bump, and returns the words they take.
