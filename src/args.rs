@@ -144,6 +144,21 @@ pub(crate) struct RenderArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) max_depth: String,
 
+    /// How a pixel weighs the light around its centre: box, gaussian, blackman-harris or mitchell.
+    #[arg(long, value_name = "NAME", default_value = "box")]
+    pub(crate) filter: String,
+
+    /// Width of the filter from edge to edge; 1 for the box, 3 for gaussian and blackman-harris, 4 for mitchell.
+    #[arg(long, value_name = "PIXELS")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) filter_width: Option<String>,
+
+    /// Let no contribution of indirect light (scattered twice or more) exceed X. Takes away fireflies, and light with them:
+    /// the picture is biased. Off by default.
+    #[arg(long, value_name = "X")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) clamp: Option<String>,
+
     /// Leave out the light that rough surfaces scatter more than once in themselves, as glTF's own formula does.
     #[arg(long)]
     pub(crate) no_energy_compensation: bool,

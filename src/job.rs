@@ -7,6 +7,7 @@ use std::num::NonZeroU32;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use engine::filter::PixelFilter;
 use engine::gpu::DeviceChoice;
 use thiserror::Error;
 
@@ -70,6 +71,12 @@ pub(crate) struct RenderJob {
     pub(crate) camera: Option<String>,
     /// Most scattering vertices of a path.
     pub(crate) max_depth: u32,
+    /// How a pixel weighs the light around its centre.
+    pub(crate) filter: PixelFilter,
+    /// From edge to edge, pixels.
+    pub(crate) filter_width: f32,
+    /// Most that one contribution of indirect light adds.
+    pub(crate) clamp: Option<f32>,
     /// Rough surfaces keep the energy that single scattering between microfacets loses.
     pub(crate) energy_compensation: bool,
     /// Seed of the random numbers.
@@ -207,6 +214,26 @@ pub(crate) enum UsageError {
         /// The file.
         path: PathBuf,
     },
+    /// Not one of the words that a flag knows.
+    #[error("{flag} {given}: must be {}", known.join(", "))]
+    Word {
+        /// The flag's name.
+        flag: &'static str,
+        /// As typed.
+        given: String,
+        /// What it may be.
+        known: Vec<&'static str>,
+    },
+    /// Not a number in the range.
+    #[error("{flag} {given}: must be a number {range}")]
+    Decimal {
+        /// The flag's name.
+        flag: &'static str,
+        /// As typed.
+        given: String,
+        /// Which numbers there are.
+        range: &'static str,
+    },
     /// Not a range of samples.
     #[error(
         "--sample-range {given}: write two whole numbers from 0 to {MAX_SPP}, the smaller one first, as in \
@@ -286,6 +313,12 @@ impl RenderJob {
             Some(range) => parse_sample_range(range)?,
             None => 0..parse_number("--spp", &args.spp, 1, MAX_SPP)?,
         };
+        let filter = parse_word(
+            "--filter",
+            &args.filter,
+            PixelFilter::ALL,
+            PixelFilter::name,
+        )?;
         refuse_overwriting(
             outputs.paths().chain(&args.stats_json),
             [Some(&args.scene), args.look.as_ref()]
@@ -299,6 +332,18 @@ impl RenderJob {
             width,
             height,
             camera: args.camera,
+            filter,
+            filter_width: match &args.filter_width {
+                Some(width) => {
+                    parse_decimal("--filter-width", width, "of pixels from 0.1 to 16", |w| {
+                        (0.1..=16.0).contains(&w)
+                    })?
+                }
+                None => filter.default_width(),
+            },
+            clamp: (args.clamp.as_deref())
+                .map(|most| parse_decimal("--clamp", most, "greater than 0", |x| x > 0.0))
+                .transpose()?,
             energy_compensation: !args.no_energy_compensation,
             max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
             seed: parse_number("--seed", &args.seed, 0, u32::MAX)?,
@@ -337,6 +382,39 @@ fn parse_sample_range(given: &str) -> Result<Range<u32>, UsageError> {
     range.ok_or_else(|| UsageError::SampleRange {
         given: given.to_owned(),
     })
+}
+
+/// The value of that name.
+fn parse_word<T: Copy>(
+    flag: &'static str,
+    given: &str,
+    all: impl IntoIterator<Item = T>,
+    name: impl Fn(T) -> &'static str,
+) -> Result<T, UsageError> {
+    let all: Vec<T> = all.into_iter().collect();
+    let found = all.iter().copied().find(|&value| name(value) == given);
+    found.ok_or_else(|| UsageError::Word {
+        flag,
+        given: given.to_owned(),
+        known: all.into_iter().map(name).collect(),
+    })
+}
+
+/// A finite number that is accepted.
+fn parse_decimal(
+    flag: &'static str,
+    given: &str,
+    range: &'static str,
+    accept: impl Fn(f32) -> bool,
+) -> Result<f32, UsageError> {
+    let number = given.parse().ok();
+    number
+        .filter(|&x: &f32| x.is_finite() && accept(x))
+        .ok_or_else(|| UsageError::Decimal {
+            flag,
+            given: given.to_owned(),
+            range,
+        })
 }
 
 pub(crate) fn parse_size(given: &str) -> Result<(u32, u32), UsageError> {
@@ -560,6 +638,10 @@ mod tests {
             ("--max-depth 256", "from 1 to 255"),
             ("--seed -1", "from 0 to 4294967295"),
             ("--seed 4294967296", "from 0 to 4294967295"),
+            ("--clamp 0", "greater than 0"),
+            ("--filter cone", "must be box, gaussian"),
+            ("--filter-width 0", "from 0.1 to 16"),
+            ("--filter-width wide", "from 0.1 to 16"),
             ("--exposure NaN", "number of stops"),
             ("--exposure inf", "number of stops"),
             ("--exposure bright", "number of stops"),

@@ -148,6 +148,9 @@ fn settings(job: &RenderJob, camera: &Camera) -> RenderSettings {
         seed: job.seed,
         energy_compensation: job.energy_compensation,
         first_sample: job.first_sample,
+        filter: job.filter,
+        clamp: job.clamp,
+        filter_width: job.filter_width,
         ..RenderSettings::new(job.width, job.height, camera)
     }
 }

@@ -7,6 +7,7 @@ pub mod bench;
 pub mod bvh;
 pub mod evaluate;
 pub mod film;
+pub mod filter;
 pub mod frame;
 pub mod gpu;
 pub mod gpu_scene;

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use crate::{
     film::{self, Film},
+    filter::FilterTable,
     frame::Frame,
     gpu::{
         Gpu, GpuError,
@@ -208,6 +209,11 @@ impl Renderer {
                 gpu.empty_buffer("the picture", pixels * 16, wgpu::BufferUsages::STORAGE)?,
             );
         }
+        let filter = FilterTable::new(settings.filter).distances;
+        resources.set_buffer(
+            "filter_table",
+            gpu.storage_buffer("the pixel filter", bytemuck::cast_slice(&filter))?,
+        );
         resources.set_buffer(
             "frame",
             gpu.empty_buffer(

@@ -22,6 +22,9 @@ pub fn fingerprint(
         camera,
         energy_compensation,
         first_sample: _,
+        filter,
+        filter_width,
+        clamp,
     } = settings;
     let mut hash = Hash::new();
     hash.scene(scene);
@@ -39,6 +42,11 @@ pub fn fingerprint(
         ("seed", seed.to_string()),
         ("camera", camera),
         ("energy-compensation", energy_compensation.to_string()),
+        ("filter", format!("{} of {filter_width}", filter.name())),
+        (
+            "clamp",
+            clamp.map_or("off".to_owned(), |most| most.to_string()),
+        ),
         ("scene", scene),
         ("textures", hash.finish()),
     ]

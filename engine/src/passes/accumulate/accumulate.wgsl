@@ -5,6 +5,8 @@
 //!include shared/rays.wgsl
 //!include shared/paths.wgsl
 //!include shared/queues.wgsl
+//!include shared/random.wgsl
+//!include shared/filter.wgsl
 
 // Twenty words per pixel: the sums of red, green and blue, of their squares, the number of samples, one to spare.
 // Five buffers, because a device need not bind more than 128 MiB of one.
@@ -85,15 +87,17 @@ fn accumulate(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
         // Unless the shadow ray met more surfaces than anyone waits for.
         let is_known = !has_program_shadows || path_words(PATH_LIGHT_POINT, slot).x == MISS;
         if (rays[frame.capacity + slot].triangle == MISS && is_known) {
-            value += path_read(PATH_LIGHT, slot).xyz;
+            // The path ended where it sampled this light, before that vertex was counted.
+            value += waiting_light(slot, path_depth(slot) + 1u);
         }
         // A sample that isn't finite would spoil its pixel for good. Comparisons with NaN are false.
         if (!(all(value >= vec3f(0.0)) && all(value <= vec3f(1e30)))) {
             value = vec3f(0.0);
             atomicAdd(&queues[WORD_INVALID], 1u);
         }
-        if (any(value > vec3f(LARGEST))) {
-            value = min(value, vec3f(LARGEST));
+        value *= filter_weight(random2(path_id(slot), DIMENSION_PIXEL));
+        if (any(abs(value) > vec3f(LARGEST))) {
+            value = clamp(value, vec3f(-LARGEST), vec3f(LARGEST));
             atomicAdd(&queues[WORD_CLAMPED], 1u);
         }
         let square = min(value * value, vec3f(LARGEST_SQUARE));

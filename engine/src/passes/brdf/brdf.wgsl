@@ -16,8 +16,6 @@
 //!include shared/environment.wgsl
 //!include shared/lights.wgsl
 
-const ROULETTE_START = 4u;
-
 // Normal map number `texture` in the frame of the interpolated normal; `s.shading_normal` where there is none.
 fn mapped_normal(s: Surface, material: u32, instance: u32, texture: u32, map: vec3f, scale: f32) -> vec3f {
     if ((materials[material].texture_mask & (1u << texture)) == 0u) {
@@ -235,7 +233,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         return;
     }
     if (blocker == MISS) {
-        radiance += path_read(PATH_LIGHT, slot).xyz;
+        radiance += waiting_light(slot, depth);
     }
     let receiver_before = path_words(PATH_LIGHT, slot).w; // of the vertex that the ray comes from
     path_set_words(PATH_LIGHT, slot, vec4u(0u, 0u, 0u, receiver_before));
@@ -249,7 +247,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         if (has_environment && bsdf_pdf > 0.0) {
             weight = mis_weight(bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
         }
-        radiance += throughput * environment_radiance(hit.direction) * weight;
+        radiance += limited(throughput * environment_radiance(hit.direction) * weight, f32(depth));
         path_write(PATH_RADIANCE, slot, vec4f(radiance, cone_width));
         return;
     }
@@ -322,7 +320,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
             * interpolate_color(s.triangle, s.weights).xyz;
     }
     if ((flags & MATERIAL_UNLIT) != 0u) {
-        path_write(PATH_RADIANCE, slot, vec4f(radiance + throughput * base_color, cone_width));
+        path_write(PATH_RADIANCE, slot, vec4f(radiance + limited(throughput * base_color, f32(depth)), cone_width));
         return;
     }
 
@@ -339,7 +337,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
             let cosine = max(dot(s.geometric_normal, s.wo), 1e-7);
             weight = mis_weight(bsdf_pdf, light_hit_pdf(hit, receiver_before, cosine));
         }
-        radiance += throughput * emission * weight;
+        radiance += limited(throughput * emission * weight, f32(depth));
     }
     path_write(PATH_RADIANCE, slot, vec4f(radiance, cone_width));
     if (depth >= frame.max_depth) {
@@ -485,7 +483,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         }
     }
     var next = throughput * sampled.weight;
-    if (depth >= ROULETTE_START) {
+    if (depth >= frame.roulette_start) {
         // Inside a body radiance is denser, and throughput lower, by the square of its index; that is no reason to end.
         let survival = clamp(max_component(next) * density * density, 0.05, 0.95);
         if (lobe.y >= survival) {

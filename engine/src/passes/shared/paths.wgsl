@@ -38,6 +38,20 @@ fn path_set_words(field: u32, slot: u32, value: vec4u) {
     paths[field * frame.capacity + slot] = value;
 }
 
+// What light adds to a sample that this many surfaces have scattered: indirect light is clamped where that is asked for.
+fn limited(light: vec3f, scatterings: f32) -> vec3f {
+    let most = max(max(light.x, light.y), light.z);
+    if (scatterings < 2.0 || most <= frame.indirect_clamp) {
+        return light;
+    }
+    return light * (frame.indirect_clamp / most);
+}
+
+// The light sample that waits for its shadow ray, which so many surfaces will have scattered.
+fn waiting_light(slot: u32, scatterings: u32) -> vec3f {
+    return limited(path_read(PATH_LIGHT, slot).xyz, f32(scatterings));
+}
+
 // Vertices of the path that have scattered.
 fn path_depth(slot: u32) -> u32 {
     return paths[PATH_STATE * frame.capacity + slot].z;
