@@ -126,16 +126,16 @@ impl Report {
                 ao_rays = row.ao_rays;
                 let _ = writeln!(
                     text,
-                    "\n{ao_rays} AO rays\n{:<9}{:<11}{:>10}  {:<28}{:>8}{:>10}{:>10}{:>10}{:>11}",
+                    "\n{ao_rays} AO rays\n{:<9}{:<11}{:>10}  {:<28}{:>8}{:>10}{:>11}{:>12}{:>11}",
                     "form",
                     "texture",
                     "ms/spp",
                     "over gray",
                     "bytes",
                     "edit, ms",
-                    "pipelines",
-                    "source, ms",
-                    "known, ms"
+                    " pipelines",
+                    " source, ms",
+                    " known, ms"
                 );
             }
             write_row(&mut text, row);
@@ -152,7 +152,7 @@ fn write_row(text: &mut String, row: &TextureResult) {
     };
     let _ = writeln!(
         text,
-        "{:<9}{:<11}{:>10.1}  {increase:<28}{:>8}{:>10.1}{:>10}{:>10.0}{:>11.0}",
+        "{:<9}{:<11}{:>10.1}  {increase:<28}{:>8}{:>10.1}{:>11}{:>12.0}{:>11.0}",
         row.mode,
         row.texture,
         row.ms_per_spp.median,
