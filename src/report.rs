@@ -88,7 +88,7 @@ impl Report {
             width: film.width,
             height: film.height,
             samples_per_pixel: job.spp.get(),
-            samples_per_pixel_done: film.samples.iter().copied().min().unwrap_or(0),
+            samples_per_pixel_done: film.sample_bounds().0,
             max_depth: job.max_depth,
             seed: job.seed,
             seconds,

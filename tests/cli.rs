@@ -470,3 +470,57 @@ fn ctrl_c_writes_what_has_been_rendered() {
     }
     panic!("Ctrl-C 40 s into a render wrote nothing");
 }
+
+#[test]
+fn parts_of_a_picture_are_merged_to_exactly_the_whole() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let render = |flags: &str| {
+        bench.run(&format!(
+            "render triangle.gltf --size 33x17 --max-depth 2 {flags}"
+        ))
+    };
+    render("--spp 11 -o whole.png -o whole.patina-film").expect_code(0);
+    for (name, range) in [("a", "0..2"), ("b", "2..9"), ("c", "9..11"), ("d", "8..10")] {
+        render(&format!("--sample-range {range} -o {name}.patina-film")).expect_code(0);
+    }
+    render("--sample-range 9..11 --seed 1 -o other.patina-film").expect_code(0);
+    let merged = bench
+        .run("merge c.patina-film a.patina-film -o ac.patina-film")
+        .expect_code(0);
+    assert!(merged.stdout.contains("0..2, 9..11: 4 per pixel"));
+    bench
+        .run("merge ac.patina-film b.patina-film -o merged.exr -o merged.patina-film -o m.png")
+        .expect_code(0);
+    let bytes = |name| fs::read(bench.path(name)).expect("it was written");
+    assert!(bytes("whole.png") == bytes("m.png"));
+    assert!(bytes("whole.patina-film") == bytes("merged.patina-film"));
+
+    let whole = bytes("c.patina-film");
+    fs::write(bench.path("short.patina-film"), &whole[..whole.len() - 1]).expect("written");
+    let mut changed = whole;
+    let middle = changed.len() / 2;
+    changed[middle] ^= 1;
+    fs::write(bench.path("changed.patina-film"), changed).expect("written");
+    for (parts, mentions) in [
+        ("a b d c", "samples 9..10 are in two of the parts"),
+        ("a b other", "seed is 1, but in the parts before it 0"),
+        ("a short", "wrong length"),
+        ("a changed", "checksum"),
+        ("a missing", "missing.patina-film"),
+    ] {
+        let parts: String = parts
+            .split(' ')
+            .map(|part| format!("{part}.patina-film "))
+            .collect();
+        bench
+            .run(&format!("merge {parts} -o refused.exr"))
+            .expect_error(1, mentions);
+    }
+    bench
+        .run("merge triangle.gltf -o refused.exr")
+        .expect_error(1, "no film of Patina");
+    assert!(!bench.path("refused.exr").exists());
+}

@@ -45,12 +45,8 @@ fn sample_models_render() {
         // The same light for all, none of it from within, so that a black picture is a failure.
         loaded.scene.environment = Environment::Constant(Vec3::ONE);
         let settings = RenderSettings {
-            width: 32,
-            height: 24,
             max_depth: 3,
-            seed: 0,
-            camera: loaded.camera.clone(),
-            energy_compensation: true,
+            ..RenderSettings::new(32, 24, &loaded.camera)
         };
         let mut renderer = Renderer::new(&gpu, &loaded.scene, &loaded.procedural, &settings)
             .unwrap_or_else(|e| panic!("{name}: {e}"));

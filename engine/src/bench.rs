@@ -24,6 +24,7 @@ use crate::{
     procedural::TextureReads,
     renderer::RenderError,
     scene::{Camera, Projection, Scene},
+    settings::RenderSettings,
     wave::{self, RayHit},
 };
 
@@ -57,7 +58,7 @@ impl Tracer {
         )?;
         wave::allocate(gpu, BATCH, 0, &mut resources)?;
         let camera = crate::scene::default_camera(scene);
-        let frame = Frame::new((1, 1), &camera, 1, 0, BATCH, &gpu_scene);
+        let frame = Frame::new(&RenderSettings::new(1, 1, &camera), BATCH, &gpu_scene);
         resources.set_buffer(
             "frame",
             gpu.empty_buffer(

@@ -212,6 +212,8 @@ pub struct Totals {
     pub ao_rays: u64,
     /// Samples that were not finite.
     pub invalid: u64,
+    /// Samples beyond the film's range.
+    pub clamped: u64,
     /// Type number of a texture whose loops were ended early.
     pub overrun: Option<u32>,
 }
@@ -225,6 +227,7 @@ impl Totals {
             shadow_rays: pair(16),
             ao_rays: pair(13),
             invalid: u64::from(words[15]),
+            clamped: u64::from(words[12]),
             overrun: words[11].checked_sub(1),
         }
     }

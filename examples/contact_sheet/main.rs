@@ -124,14 +124,7 @@ fn render(
 ) -> Result<Shot, Box<dyn Error>> {
     let mut loaded = load(file, None, &[])?;
     loaded.scene.environment = environment.clone();
-    let settings = RenderSettings {
-        width: TILE,
-        height: TILE,
-        max_depth: 9,
-        seed: 0,
-        camera: view(&loaded.scene),
-        energy_compensation: true,
-    };
+    let settings = RenderSettings::new(TILE, TILE, &view(&loaded.scene));
     let mut renderer = Renderer::new(gpu, &loaded.scene, &loaded.procedural, &settings)?;
     renderer.render(spp)?;
     let mean = renderer.film()?.mean();

@@ -82,12 +82,8 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
             scene: &prepared.scene,
             procedural: &prepared.procedural,
             settings: RenderSettings {
-                width: job.width,
-                height: job.height,
                 max_depth: job.max_depth,
-                seed: 0,
-                camera: prepared.camera.clone(),
-                energy_compensation: true,
+                ..RenderSettings::new(job.width, job.height, &prepared.camera)
             },
         })
         .collect();

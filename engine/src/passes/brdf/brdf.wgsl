@@ -16,8 +16,6 @@
 //!include shared/environment.wgsl
 //!include shared/lights.wgsl
 
-const ROULETTE_START = 4u;
-
 // Normal map number `texture` in the frame of the interpolated normal; `s.shading_normal` where there is none.
 fn mapped_normal(s: Surface, material: u32, instance: u32, texture: u32, map: vec3f, scale: f32) -> vec3f {
     if ((materials[material].texture_mask & (1u << texture)) == 0u) {
@@ -235,9 +233,10 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         return;
     }
     if (blocker == MISS) {
-        radiance += path_read(PATH_LIGHT, slot).xyz;
+        radiance += waiting_light(slot, depth);
     }
-    path_write(PATH_LIGHT, slot, vec4f(0.0));
+    let receiver_before = path_words(PATH_LIGHT, slot).w; // of the vertex that the ray comes from
+    path_set_words(PATH_LIGHT, slot, vec4u(0u, 0u, 0u, receiver_before));
 
     if (hit.triangle == MISS) {
         if (has_program_shadows && hit.t_max < 0.0) {
@@ -248,7 +247,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         if (has_environment && bsdf_pdf > 0.0) {
             weight = mis_weight(bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
         }
-        radiance += throughput * environment_radiance(hit.direction) * weight;
+        radiance += limited(throughput * environment_radiance(hit.direction) * weight, f32(depth));
         path_write(PATH_RADIANCE, slot, vec4f(radiance, cone_width));
         return;
     }
@@ -321,7 +320,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
             * interpolate_color(s.triangle, s.weights).xyz;
     }
     if ((flags & MATERIAL_UNLIT) != 0u) {
-        path_write(PATH_RADIANCE, slot, vec4f(radiance + throughput * base_color, cone_width));
+        path_write(PATH_RADIANCE, slot, vec4f(radiance + limited(throughput * base_color, f32(depth)), cone_width));
         return;
     }
 
@@ -334,12 +333,11 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         }
         emission *= max(scalar_or(slot, driven, OUTPUT_EMISSION_STRENGTH, 1.0), 0.0);
         var weight = 1.0;
-        let light_pdf = materials[own_material].light_pdf * (1.0 - frame.environment_probability);
-        if (bsdf_pdf > 0.0 && light_pdf > 0.0) {
+        if (bsdf_pdf > 0.0 && materials[own_material].light_radiance > 0.0 && max_component(emission) > 0.0) {
             let cosine = max(dot(s.geometric_normal, s.wo), 1e-7);
-            weight = mis_weight(bsdf_pdf, light_pdf * hit.t_max * hit.t_max / cosine);
+            weight = mis_weight(bsdf_pdf, light_hit_pdf(hit, receiver_before, cosine));
         }
-        radiance += throughput * emission * weight;
+        radiance += limited(throughput * emission * weight, f32(depth));
     }
     path_write(PATH_RADIANCE, slot, vec4f(radiance, cone_width));
     if (depth >= frame.max_depth) {
@@ -428,10 +426,15 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
 
     // Next-event estimation.
     var has_shadow_ray = false;
-    if (frame.light_count > 0u || frame.environment_probability > 0.0) {
+    let is_opaque = !has_transmission || (b.transmission <= 0.0 && b.diffuse_transmission <= 0.0);
+    // Where a ray may dip below the triangle's plane, the shading normal's horizon is what counts.
+    let facing = octahedral_encode(select(s.geometric_normal, normal, is_lifted));
+    let receiver = select(RECEIVER_ALL_AROUND, facing, is_opaque);
+    path_set_words(PATH_LIGHT, slot, vec4u(0u, 0u, 0u, receiver));
+    if (light_groups() > 0u) {
         let choice = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_CHOICE)).x;
         let point = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_POINT));
-        let light = light_sample(s.position + lift, choice, point);
+        let light = light_sample(s.position + lift, above, receiver, choice, point);
         let wi = vec3f(dot(light.wi, tangent), dot(light.wi, bitangent), dot(light.wi, normal));
         if (light.pdf > 0.0 && leaves(wi.z, dot(light.wi, s.geometric_normal), is_lifted)) {
             let value = bsdf_eval(b, wo, wi);
@@ -452,7 +455,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
                     t_max *= 0.9999; // stops short of the light's own surface
                 }
                 rays[frame.capacity + slot] = RayHit(origin, 0.0, direction, t_max, vec2f(0.0), MISS, 0u);
-                path_write(PATH_LIGHT, slot, vec4f(contribution, 0.0));
+                path_set_words(PATH_LIGHT, slot, vec4u(bitcast<vec3u>(contribution), receiver));
                 if (has_program_shadows) {
                     path_set_words(PATH_LIGHT_POINT, slot, light.point);
                 }
@@ -480,7 +483,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         }
     }
     var next = throughput * sampled.weight;
-    if (depth >= ROULETTE_START) {
+    if (depth >= frame.roulette_start) {
         // Inside a body radiance is denser, and throughput lower, by the square of its index; that is no reason to end.
         let survival = clamp(max_component(next) * density * density, 0.05, 0.95);
         if (lobe.y >= survival) {
