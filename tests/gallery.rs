@@ -77,14 +77,7 @@ fn the_living_room_is_laid_out_and_lit_as_in_its_gallery() {
     let file = folder.join("living-room.gltf");
     let loaded = load(&file, None, &[]).unwrap_or_else(|error| panic!("{error}"));
     let (width, height) = (COLUMNS * CELL, ROWS * CELL);
-    let settings = RenderSettings {
-        width: width as u32,
-        height: height as u32,
-        max_depth: 9,
-        seed: 0,
-        camera: loaded.camera.clone(),
-        energy_compensation: true,
-    };
+    let settings = RenderSettings::new(width as u32, height as u32, &loaded.camera);
     let mut renderer = Renderer::new(&gpu, &loaded.scene, &loaded.procedural, &settings)
         .unwrap_or_else(|error| panic!("{error}"));
     renderer

@@ -84,7 +84,7 @@ pub const TRAFFIC: [Traffic; 5] = [
     Traffic {
         pass: "accumulate",
         once_per: "camera path",
-        fields_read: &["RADIANCE", "LIGHT"],
+        fields_read: &["RADIANCE", "LIGHT", "STATE"],
         fields_written: &[],
         transparent: &[],
         rays_read: TRIANGLE,
@@ -184,8 +184,10 @@ mod tests {
         ]) {
             assert!(text.contains(&format!("fn {}(", pass.pass)) || text == occlusion);
             let mut read = fields(text, &["path_read", "path_words"]);
-            if text.contains("path_depth(") {
-                read.insert("STATE".to_owned());
+            for (call, field) in [("path_depth(", "STATE"), ("waiting_light(", "LIGHT")] {
+                if text.contains(call) {
+                    read.insert(field.to_owned());
+                }
             }
             let mut written = fields(text, &["path_write", "path_set_words"]);
             if pass.pass != "raygen" {
