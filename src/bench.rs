@@ -4,6 +4,7 @@ pub(crate) mod args;
 pub(crate) mod job;
 mod kernel;
 mod render;
+mod textures;
 
 use engine::bench::scenes;
 use engine::gpu::Gpu;
@@ -28,6 +29,7 @@ pub(crate) fn run(job: &BenchJob) -> Result<(), Failure> {
             device,
         } => kernel::run(*most as usize, texture_dirs, device),
         BenchJob::Render(job) => render::run(job),
+        BenchJob::Textures(job) => textures::run(job),
         BenchJob::Traverse(job) => traverse(job),
     }
 }

@@ -505,7 +505,7 @@ fn parts_of_a_picture_are_merged_to_exactly_the_whole() {
     changed[middle] ^= 1;
     fs::write(bench.path("changed.patina-film"), changed).expect("written");
     for (parts, mentions) in [
-        ("a b d c", "samples 9..10 are in two of the parts"),
+        ("a b d c", "samples 8..9 are in two of the parts"),
         ("a b other", "seed is 1, but in the parts before it 0"),
         ("a short", "wrong length"),
         ("a changed", "checksum"),
