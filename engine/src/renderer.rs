@@ -5,6 +5,7 @@ mod edits;
 mod pipeline;
 mod record;
 mod reload;
+mod update;
 
 use std::time::{Duration, Instant};
 
@@ -32,6 +33,7 @@ pub use self::{
     edits::RenderEditError,
     reload::{Reload, ReloadError},
 };
+pub(crate) use self::update::Touched;
 
 /// Most paths of a wave on a GPU, and on a software driver whose caches are small.
 const GPU_CAPACITY: u32 = 1 << 20;

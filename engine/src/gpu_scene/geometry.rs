@@ -32,23 +32,7 @@ pub(super) fn geometry(
     let mut triangles = Vec::with_capacity(scene.meshes.iter().map(|m| m.triangles.len()).sum());
     let mut vertices = Vec::new();
     let mut tables = CustomTables::default();
-    // What a material means for its triangles, without and with vertex colours.
-    let flags_of = |index: u32, m: &Material, has_colors: bool| {
-        // The back of a transparent body is where rays leave it.
-        let has_back =
-            m.double_sided || m.is_solid && (materials::transmits(m) || program(index).transmits);
-        let sides = if has_back { 0 } else { TRIANGLE_SINGLE_SIDED };
-        let alpha = match program(index).decides_opacity {
-            true => TRIANGLE_PROGRAM_ALPHA,
-            false if materials::needs_alpha(m, has_colors) => TRIANGLE_ALPHA,
-            false => 0,
-        };
-        sides | alpha
-    };
-    let flags: Vec<[u32; 2]> = (0..)
-        .zip(&scene.materials)
-        .map(|(index, m)| [false, true].map(|has_colors| flags_of(index, m, has_colors)))
-        .collect();
+    let flags = material_flags(scene, &program);
     for (mesh, order) in scene.meshes.iter().zip(&bvh.triangle_order) {
         if order.is_empty() {
             continue;
@@ -66,6 +50,29 @@ pub(super) fn geometry(
         }
     }
     (triangles, vertices)
+}
+
+/// What each material means for its triangles, without and with vertex colours.
+pub(super) fn material_flags(
+    scene: &Scene,
+    program: impl Fn(u32) -> ProgramTraits,
+) -> Vec<[u32; 2]> {
+    let flags_of = |index: u32, m: &Material, has_colors: bool| {
+        // The back of a transparent body is where rays leave it.
+        let has_back =
+            m.double_sided || m.is_solid && (materials::transmits(m) || program(index).transmits);
+        let sides = if has_back { 0 } else { TRIANGLE_SINGLE_SIDED };
+        let alpha = match program(index).decides_opacity {
+            true => TRIANGLE_PROGRAM_ALPHA,
+            false if materials::needs_alpha(m, has_colors) => TRIANGLE_ALPHA,
+            false => 0,
+        };
+        sides | alpha
+    };
+    (0..)
+        .zip(&scene.materials)
+        .map(|(index, m)| [false, true].map(|has_colors| flags_of(index, m, has_colors)))
+        .collect()
 }
 
 struct VertexLayout<'a> {

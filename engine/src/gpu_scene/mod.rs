@@ -1,5 +1,5 @@
 //! A scene on the GPU: buffers and textures in the layout of `geometry.wgsl`, `materials.wgsl`, `lights.wgsl` and
-//! `environment.wgsl`. Made once; live edits of textures do not touch it.
+//! `environment.wgsl`. Made once; edits of material constants are written over it (`update.rs`), those of textures do not touch it.
 
 pub mod albedo;
 pub mod environment;
@@ -8,6 +8,7 @@ pub mod images;
 mod levels;
 pub mod lights;
 pub mod materials;
+mod update;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
@@ -25,7 +26,10 @@ use self::{
     images::GpuImages,
     lights::GpuLight,
     materials::GpuMaterial,
+    update::Uploaded,
 };
+
+pub(crate) use self::update::Update;
 
 /// Materials that a triangle's word can name.
 const MAX_MATERIALS: usize = 1 << 24;
@@ -135,6 +139,8 @@ pub struct GpuScene {
     pub user_image_base: u32,
     /// Bytes of the image layers.
     pub image_bytes: u64,
+    /// What later changes of materials are compared with.
+    uploaded: Uploaded,
 }
 
 impl GpuScene {
@@ -153,7 +159,7 @@ impl GpuScene {
         if scene.materials.len() > MAX_MATERIALS {
             return Err(GpuSceneError::TooManyMaterials(scene.materials.len()));
         }
-        let bvh = SceneBvh::build(scene)?;
+        let mut bvh = SceneBvh::build(scene)?;
         let (lo, hi) = scene.bounds().ok_or(BvhError::Empty)?;
         let center = (lo + hi) * 0.5;
         let radius = (0.5 * (hi - lo).length()).max(1e-6);
@@ -202,7 +208,9 @@ impl GpuScene {
         resources.set_view("albedo_table", albedo::upload(gpu));
         resources.set_view("environment_image", environment.image.clone());
         resources.set_view("environment_table", environment.table.clone());
+        bvh.nodes = Vec::new();
         Ok(Self {
+            uploaded: Uploaded::new(scene, &program, materials, bvh),
             light_count: lights.len() as u32,
             features: SceneFeatures {
                 alpha: triangles.iter().any(|t| t[3] & TRIANGLE_ALPHA != 0),
