@@ -39,6 +39,17 @@ Compiled pipelines are kept in the system's folder for caches; PATINA_CACHE=DIR 
 
 Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
+const WATCH_EXAMPLES: &str = "\
+Examples:
+  Write a texture with the picture in view, in any viewer that notices a new file:
+    patina watch helmet.glb --look rust.look.toml --textures my_textures -o helmet.png
+
+The look, the textures in use, the scene and its images are watched. After each change the picture is written at 1, 4,
+16, 64, ... samples per pixel, with a line on how long that took. What is wrong is shown with file, line and caret,
+and the former picture goes on. Ctrl-C ends it.
+
+Exit codes: 0 ended, 1 failed, 2 wrong usage.";
+
 /// A path tracer extended with procedural textures in plain WGSL.
 #[derive(Debug, Parser)]
 #[command(name = "patina", version, after_help = EXAMPLES, arg_required_else_help = true)]
@@ -58,6 +69,9 @@ pub(crate) enum Command {
     /// Render a glTF scene to PNG and EXR.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(Box<RenderArgs>),
+    /// Render a scene again and again while its files are edited.
+    #[command(after_help = WATCH_EXAMPLES)]
+    Watch(Box<WatchArgs>),
     /// List, check, inspect, evaluate, preview and begin textures.
     Texture {
         /// What to do with them.
@@ -150,6 +164,60 @@ pub(crate) struct RenderArgs {
     pub(crate) stats_json: Option<PathBuf>,
 }
 
+/// Flags of `patina watch`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct WatchArgs {
+    /// The scene: a glTF 2.0 file (.gltf or .glb).
+    pub(crate) scene: PathBuf,
+
+    /// The look: a TOML file with procedural textures, environment and overrides.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) look: Option<PathBuf>,
+
+    /// Where to write: .png, .jpg or .exr. May be given several times.
+    ///
+    /// Without it the picture goes to SCENE-render.png in the current directory.
+    #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append)]
+    pub(crate) outputs: Vec<PathBuf>,
+
+    /// Samples per pixel of the last picture after each change.
+    #[arg(long, value_name = "N", default_value = "1024")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) spp: String,
+
+    /// Width and height of the picture in pixels.
+    #[arg(long, value_name = "WxH", default_value = "640x360")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) size: String,
+
+    /// Camera of the scene by name, in place of the look's.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) camera: Option<String>,
+
+    /// At most N surface points scatter light along a path; 1 is direct light only.
+    #[arg(long, value_name = "N", default_value = "9")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) max_depth: String,
+
+    /// Seed of the random numbers.
+    #[arg(long, value_name = "N", default_value = "0")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) seed: String,
+
+    /// Device by number or by part of its name, as `patina devices` lists them.
+    #[arg(long, value_name = "NAME|N")]
+    pub(crate) device: Option<String>,
+
+    /// Folder with user textures (.wgsl). May be given several times; searched before the standard ones.
+    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
+    pub(crate) texture_dirs: Vec<PathBuf>,
+
+    /// Brightness of PNG and JPEG files in stops.
+    #[arg(long, value_name = "STOPS", default_value = "0")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) exposure: String,
+}
+
 /// What `patina bench` measures.
 #[derive(Debug, Subcommand)]
 pub(crate) enum BenchCommand {
@@ -169,6 +237,30 @@ pub(crate) enum BenchCommand {
         /// Folder with user textures, searched before the standard ones. May be given several times.
         #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
         texture_dirs: Vec<PathBuf>,
+
+        /// Device by number or by part of its name, as `patina devices` lists them.
+        #[arg(long, value_name = "NAME|N")]
+        device: Option<String>,
+    },
+    /// Live edits of a look with many nodes: milliseconds from the call to the command submitted, and to a picture.
+    Edit {
+        /// Nodes of the look.
+        #[arg(
+            long,
+            value_name = "N",
+            default_value = "1000",
+            allow_hyphen_values = true
+        )]
+        nodes: String,
+
+        /// Edits of each kind.
+        #[arg(
+            long,
+            value_name = "N",
+            default_value = "1000",
+            allow_hyphen_values = true
+        )]
+        edits: String,
 
         /// Device by number or by part of its name, as `patina devices` lists them.
         #[arg(long, value_name = "NAME|N")]

@@ -1,5 +1,6 @@
 //! `patina bench`: how fast parts of the renderer are on this machine.
 
+pub(crate) mod edit;
 pub(crate) mod kernel;
 
 use std::f32::consts::TAU;

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use engine::gpu::DeviceChoice;
 use thiserror::Error;
 
-use crate::args::{Args, BenchCommand, Command, RenderArgs};
+use crate::args::{Args, BenchCommand, Command, RenderArgs, WatchArgs};
 use crate::texture::job::TextureJob;
 
 /// Longest side of a picture, pixels.
@@ -28,6 +28,8 @@ pub(crate) const MAX_EXPOSURE: f32 = 32.0;
 pub(crate) enum Job {
     /// Render a scene.
     Render(RenderJob),
+    /// Render a scene whenever its files change.
+    Watch(WatchJob),
     /// Do something with textures.
     Texture(TextureJob),
     /// List devices.
@@ -45,6 +47,15 @@ pub(crate) enum Job {
         most: u32,
         /// Folders the user named, searched first.
         texture_dirs: Vec<PathBuf>,
+        /// Device to measure.
+        device: DeviceChoice,
+    },
+    /// Measure live edits.
+    BenchEdit {
+        /// Nodes of the look.
+        nodes: u32,
+        /// Edits of each kind.
+        edits: u32,
         /// Device to measure.
         device: DeviceChoice,
     },
@@ -85,6 +96,35 @@ pub(crate) struct RenderJob {
     pub(crate) stats: bool,
     /// Write statistics.
     pub(crate) stats_json: Option<PathBuf>,
+}
+
+/// A scene to be rendered live.
+#[derive(Debug, PartialEq)]
+pub(crate) struct WatchJob {
+    /// The glTF file.
+    pub(crate) scene: PathBuf,
+    /// The look file.
+    pub(crate) look: Option<PathBuf>,
+    /// Where the picture goes; at least one, no two alike.
+    pub(crate) outputs: Vec<Output>,
+    /// Samples per pixel of the last picture.
+    pub(crate) spp: NonZeroU32,
+    /// Pixels.
+    pub(crate) width: u32,
+    /// Pixels.
+    pub(crate) height: u32,
+    /// Name of the camera.
+    pub(crate) camera: Option<String>,
+    /// Most scattering vertices of a path.
+    pub(crate) max_depth: u32,
+    /// Seed of the random numbers.
+    pub(crate) seed: u32,
+    /// Device to render on.
+    pub(crate) device: DeviceChoice,
+    /// Folders the user named, searched first.
+    pub(crate) texture_dirs: Vec<PathBuf>,
+    /// Stops; EXR keeps the radiance.
+    pub(crate) exposure: f32,
 }
 
 /// A picture file to write.
@@ -215,6 +255,7 @@ impl Job {
     pub(crate) fn from_args(args: Args) -> Result<Self, UsageError> {
         Ok(match args.command {
             Command::Render(args) => Self::Render(RenderJob::from_args(*args)?),
+            Command::Watch(args) => Self::Watch(WatchJob::from_args(*args)?),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,
             Command::ProbeTexture { file, device } => Self::ProbeTexture {
@@ -234,6 +275,18 @@ impl Job {
                 device: parse_device(device.as_deref())?,
             },
             Command::Bench {
+                what:
+                    BenchCommand::Edit {
+                        nodes,
+                        edits,
+                        device,
+                    },
+            } => Self::BenchEdit {
+                nodes: parse_number("--nodes", &nodes, 4, 100_000)?,
+                edits: parse_number("--edits", &edits, 100, 1_000_000)?,
+                device: parse_device(device.as_deref())?,
+            },
+            Command::Bench {
                 what: BenchCommand::Traverse { scene, device },
             } => Self::BenchTraverse(BenchTraverseJob {
                 scene,
@@ -246,14 +299,7 @@ impl Job {
 impl RenderJob {
     fn from_args(args: RenderArgs) -> Result<Self, UsageError> {
         let (width, height) = parse_size(&args.size)?;
-        let outputs = if args.outputs.is_empty() {
-            vec![default_output(&args.scene)]
-        } else {
-            args.outputs
-                .into_iter()
-                .map(parse_output)
-                .collect::<Result<_, _>>()?
-        };
+        let outputs = parse_outputs(args.outputs, &args.scene)?;
         refuse_overwriting(
             outputs
                 .iter()
@@ -281,6 +327,42 @@ impl RenderJob {
             scene: args.scene,
             look: args.look,
         })
+    }
+}
+
+impl WatchJob {
+    fn from_args(args: WatchArgs) -> Result<Self, UsageError> {
+        let (width, height) = parse_size(&args.size)?;
+        let outputs = parse_outputs(args.outputs, &args.scene)?;
+        refuse_overwriting(
+            outputs.iter().map(|output| &output.path),
+            [Some(&args.scene), args.look.as_ref()]
+                .into_iter()
+                .flatten(),
+        )?;
+        Ok(Self {
+            outputs,
+            spp: NonZeroU32::new(parse_number("--spp", &args.spp, 1, MAX_SPP)?)
+                .expect("the range starts at 1"),
+            width,
+            height,
+            camera: args.camera,
+            max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
+            seed: parse_number("--seed", &args.seed, 0, u32::MAX)?,
+            device: parse_device(args.device.as_deref())?,
+            texture_dirs: args.texture_dirs,
+            exposure: parse_exposure(&args.exposure)?,
+            scene: args.scene,
+            look: args.look,
+        })
+    }
+}
+
+/// The outputs asked for, or the usual one.
+fn parse_outputs(given: Vec<PathBuf>, scene: &Path) -> Result<Vec<Output>, UsageError> {
+    match given.is_empty() {
+        true => Ok(vec![default_output(scene)]),
+        false => given.into_iter().map(parse_output).collect(),
     }
 }
 

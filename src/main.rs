@@ -18,6 +18,7 @@ mod progress;
 mod render;
 mod report;
 mod texture;
+mod watch;
 
 use std::process::ExitCode;
 
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
 fn run(job: Job) -> Result<(), Failure> {
     match job {
         Job::Render(job) => render::run(&job),
+        Job::Watch(job) => watch::run(&job),
         Job::Texture(job) => texture::run(job),
         Job::Devices => devices::run(),
         Job::ProbeTexture { file, device } => crash::probe(&file, &device),
@@ -53,6 +55,11 @@ fn run(job: Job) -> Result<(), Failure> {
             texture_dirs,
             device,
         } => bench::kernel::run(most as usize, &texture_dirs, &device),
+        Job::BenchEdit {
+            nodes,
+            edits,
+            device,
+        } => bench::edit::run(nodes, edits, &device),
         Job::BenchTraverse(job) => bench::traverse(&job),
     }
 }

@@ -21,6 +21,12 @@ fn text(t: &str) -> Value {
     Value::Text(t.to_owned())
 }
 
+fn blend() -> Value {
+    engine::scene::look::parse_value("{ base = 'Floor', over = 'Worn', mask = 0.25 }")
+        .expect("TOML")
+        .value
+}
+
 fn ramp() -> Ramp {
     Ramp {
         stops: vec![(0.1, [0.9, 0.1, 0.2, 1.0]), (0.7, [0.1, 0.3, 0.7, 1.0])],
@@ -52,6 +58,8 @@ fn kinds() -> Vec<(&'static str, Vec<Edit>)> {
         ("a constant mask", one(Edit::material("Wall", "blend.mask", number(0.5)))),
         ("a material constant", one(Edit::material("Wall", "metallic", number(0.75)))),
         ("a layer's constant", one(Edit::material("Wall", "coat_roughness", number(0.4)))),
+        ("a layer that is gone", one(Edit::material("Wall", "coat", number(0.0)))),
+        ("a layer that is back", one(Edit::material("Wall", "coat", number(0.9)))),
         ("a new material's constant", one(Edit::material("Worn", "roughness", number(0.25)))),
         ("the sky", one(Edit::environment("intensity", number(0.6)))),
         ("the camera", vec![
@@ -122,7 +130,7 @@ fn refused_edits_change_neither_look_nor_picture() {
         (Edit::argument("ring", "count", &texgen::Value::F32(1.0)), "texture"),
         (Edit::argument("rings", "cuont", &texgen::Value::F32(1.0)), "did you mean `count`?"),
         (Edit::argument("rings", "count", &texgen::Value::Vec3([1.0; 3])), "count"),
-        (Edit::link("rings", "count", "rings"), "itself"),
+        (Edit::link("rings", "count", "rings"), "circle"),
         (Edit::link("paint", "amount", "nothing"), "nothing"),
         (Edit::material("Floor", "roughness", number(1.5)), "0 to 1"),
         (Edit::material("Floor", "roughness", text("paint")), "one number"),
@@ -157,13 +165,10 @@ fn what_is_made_once_is_built_in_the_background() {
     for (what, edit) in [
         ("light through a wall", Edit::material("Floor", "transmission", number(0.5))),
         ("a lamp", Edit::material("Wall", "emission", Value::numbers(&[2.0, 1.0, 0.5]))),
-        ("another base", Edit::material("Wall", "blend.over", text("Floor"))),
+        ("another blend", Edit::material("Floor", "blend", blend())),
         ("no sky of its own", Edit::Remove { section: Section::Environment }),
         ("opacity by a node", Edit::material("Floor", "opacity", text("rings"))),
     ] {
-        if what == "another base" {
-            live.edit(&Edit::reset_material("Wall", "emission")).expect("known");
-        }
         live.edit(&edit).unwrap_or_else(|error| panic!("{what}: {error}"));
         settle(&mut live);
         assert!(live.problems().is_empty(), "{what}: {}", live.problems());

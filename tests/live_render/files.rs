@@ -96,7 +96,7 @@ fn mistakes_in_a_look_are_told_and_forgotten() {
         ("[camera]", "[camera", "not valid TOML"),
         ("count = 5.0", "cuont = 5.0", "scene.look.toml:16:1"),
         ("count = 5.0", "count = [1, 2]", "scene.look.toml:16:9"),
-        ("amount = \"rings\"", "amount = \"ring\"", "did you mean `rings`?"),
+        ("amount = \"rings\"", "amount = \"rigns\"", "did you mean `rings`?"),
         ("\"tint\"", "\"tnt\"", "did you mean `tint`?"),
         ("over = \"Worn\"", "over = \"Wron\"", "did you mean `Worn`?"),
         ("roughness = 0.9", "roughness = 9", "0 to 1"),

@@ -11,3 +11,4 @@ mod look;
 mod losses;
 mod random;
 mod stage;
+mod watch;

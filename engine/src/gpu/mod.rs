@@ -375,6 +375,8 @@ impl Gpu {
 
     /// Whether the device is gone.
     pub fn is_lost(&self) -> bool {
+        // The driver tells while it is polled.
+        let _ = self.device().poll(wgpu::PollType::Poll);
         self.shared.lost.get().is_some()
     }
 

@@ -190,7 +190,7 @@ impl LiveRender {
                 self.warnings = loaded.warnings;
                 self.renderer = renderer;
                 self.was_without_lamp = self.has_no_lamp();
-                self.problems = super::Problems::default();
+                (self.problems.look, self.problems.sources) = Default::default();
                 self.generation += 1;
                 self.shown = Some(placed_fields(&text));
                 self.catch_up();

@@ -133,6 +133,8 @@ struct Again {
 /// What is wrong now, by where it was found.
 #[derive(Debug, Default)]
 struct Problems {
+    /// The look's file can't be read, or understood: the look is a former one.
+    file: Diagnostics,
     look: Diagnostics,
     sources: Diagnostics,
 }
@@ -198,6 +200,10 @@ impl LiveRender {
     /// # Errors
     /// The device; a lost one is opened again, and the picture starts anew.
     pub fn step(&mut self, target_spp: u32) -> Result<Progress, LiveError> {
+        // Before anything is built for a device that is gone.
+        if self.renderer.gpu().is_lost() {
+            self.recover()?;
+        }
         self.poll();
         match self.renderer.step(target_spp) {
             Ok(progress) => Ok(progress),
@@ -234,7 +240,12 @@ impl LiveRender {
 
     /// What is wrong with the files as they are now. Empty once it has been mended.
     pub fn problems(&self) -> Diagnostics {
-        let all = self.problems.look.iter().chain(self.problems.sources.iter());
+        let Problems {
+            file,
+            look,
+            sources,
+        } = &self.problems;
+        let all = file.iter().chain(look.iter()).chain(sources.iter());
         all.cloned().collect()
     }
 
@@ -318,24 +329,25 @@ impl LiveRender {
         let text = match read_look(&path) {
             Ok(text) => text,
             Err(error) => {
-                self.problems.look = Diagnostic::error(error.to_string()).into();
+                self.problems.file = Diagnostic::error(error.to_string()).into();
                 return;
             }
         };
         if text == self.saved && self.shown.is_none() && !self.has_unsaved_edits() {
-            self.problems.look = Diagnostics::new();
+            self.problems.file = Diagnostics::new();
             return;
         }
         let checked = Look::parse(&path, &text);
         match (checked, parse_look(&self.inputs, &text)) {
             (Ok(_), Ok(document)) => {
+                self.problems.file = Diagnostics::new();
                 let former = self.document.fields();
                 self.shown.get_or_insert(former);
                 self.document = document;
                 self.saved = text;
                 self.catch_up();
             }
-            (Err(problems), _) | (_, Err(problems)) => self.problems.look = problems,
+            (Err(problems), _) | (_, Err(problems)) => self.problems.file = problems,
         }
     }
 
