@@ -28,12 +28,12 @@ use crate::{
 use self::pipeline::{Bound, Kernels};
 use self::record::Recorder;
 
+pub(crate) use self::update::Touched;
 pub use self::{
     culprit::{Culprit, culprits},
     edits::RenderEditError,
     reload::{Reload, ReloadError},
 };
-pub(crate) use self::update::Touched;
 
 /// Most paths of a wave on a GPU, and on a software driver whose caches are small.
 const GPU_CAPACITY: u32 = 1 << 20;

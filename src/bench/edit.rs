@@ -66,7 +66,8 @@ pub(crate) fn run(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), F
     let gpu = live.renderer().gpu().clone();
     let made = || (gpu.pipelines_created(), gpu.shader_modules_created());
     let before = made();
-    let mut table = String::from("milliseconds to the command submitted   median     99 %  longest\n");
+    let mut table =
+        String::from("milliseconds to the command submitted   median     99 %  longest\n");
     for (what, make) in KINDS {
         let mut times = Vec::new();
         for i in 0..edits {
@@ -92,7 +93,12 @@ pub(crate) fn run(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), F
         live.snapshot()?;
         times.push(clock.elapsed().as_secs_f64() * 1e3);
     }
-    let _ = writeln!(table, "{:<36}{}", "to a picture of 1 spp", percentiles(times));
+    let _ = writeln!(
+        table,
+        "{:<36}{}",
+        "to a picture of 1 spp",
+        percentiles(times)
+    );
     let after = made();
     bar.finish();
     console::print(&format!(
@@ -133,7 +139,11 @@ fn value(i: u32) -> f32 {
 
 fn argument(i: u32, nodes: u32, _: u32) -> Vec<Edit> {
     let node = format!("n{}", i * 7 % nodes);
-    vec![Edit::argument(&node, "amount", &texgen::Value::F32(value(i)))]
+    vec![Edit::argument(
+        &node,
+        "amount",
+        &texgen::Value::F32(value(i)),
+    )]
 }
 
 fn ramp(i: u32, nodes: u32, _: u32) -> Vec<Edit> {
@@ -151,12 +161,20 @@ fn link(i: u32, nodes: u32, materials: u32) -> Vec<Edit> {
     let chain = i % materials * CHAIN;
     let last = (chain + CHAIN).min(nodes) - 1;
     let source = chain + i / materials % (last - chain).max(1);
-    vec![Edit::link(&format!("n{last}"), "scale", &format!("n{source}"))]
+    vec![Edit::link(
+        &format!("n{last}"),
+        "scale",
+        &format!("n{source}"),
+    )]
 }
 
 fn slot(i: u32, nodes: u32, materials: u32) -> Vec<Edit> {
     let node = Value::Text(format!("n{}", i * 3 % nodes));
-    vec![Edit::material(&format!("M{}", i % (materials - 1) + 1), "roughness", node)]
+    vec![Edit::material(
+        &format!("M{}", i % (materials - 1) + 1),
+        "roughness",
+        node,
+    )]
 }
 
 fn mask(i: u32, _: u32, _: u32) -> Vec<Edit> {
@@ -165,7 +183,11 @@ fn mask(i: u32, _: u32, _: u32) -> Vec<Edit> {
 
 fn constant(i: u32, _: u32, materials: u32) -> Vec<Edit> {
     let value = Value::number(value(i));
-    vec![Edit::material(&format!("M{}", i % (materials - 1) + 1), "metallic", value)]
+    vec![Edit::material(
+        &format!("M{}", i % (materials - 1) + 1),
+        "metallic",
+        value,
+    )]
 }
 
 fn ao(i: u32, _: u32, _: u32) -> Vec<Edit> {
@@ -181,7 +203,10 @@ fn sky(i: u32, _: u32, _: u32) -> Vec<Edit> {
 }
 
 fn camera(i: u32, _: u32, _: u32) -> Vec<Edit> {
-    vec![Edit::camera("position", Value::numbers(&[value(i), 12.0, 9.0]))]
+    vec![Edit::camera(
+        "position",
+        Value::numbers(&[value(i), 12.0, 9.0]),
+    )]
 }
 
 /// A floor of squares, each of its own material with a chain of nodes; the first one is a blend.
@@ -201,7 +226,8 @@ fn write_files(folder: &Path, nodes: u32, materials: u32) -> std::io::Result<()>
     }
     fs::write(folder.join("square.bin"), bytes)?;
     let side = f64::from(materials).sqrt().ceil() as u32;
-    let list = |item: &dyn Fn(u32) -> String| (0..materials).map(item).collect::<Vec<_>>().join(",");
+    let list =
+        |item: &dyn Fn(u32) -> String| (0..materials).map(item).collect::<Vec<_>>().join(",");
     let scene = serde_json::json!({
         "asset": { "version": "2.0" },
         "scene": 0,
@@ -221,10 +247,16 @@ fn write_files(folder: &Path, nodes: u32, materials: u32) -> std::io::Result<()>
     text.pop();
     let square = |i: u32| {
         let at = |n: u32| f64::from(n) - f64::from(side) * 0.5;
-        format!("{{\"mesh\":{i},\"translation\":[{},0,{}]}}", at(i % side), at(i / side))
+        format!(
+            "{{\"mesh\":{i},\"translation\":[{},0,{}]}}",
+            at(i % side),
+            at(i / side)
+        )
     };
     let mesh = |i: u32| {
-        format!("{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0}},\"indices\":1,\"material\":{i}}}]}}")
+        format!(
+            "{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0}},\"indices\":1,\"material\":{i}}}]}}"
+        )
     };
     let material = |i: u32| format!("{{\"name\":\"M{i}\"}}");
     let _ = write!(
@@ -246,7 +278,11 @@ fn look(nodes: u32, materials: u32) -> String {
         "environment = { color = [1, 1, 1], intensity = 1.0 }\n\n[camera]\nposition = [0, 12, 9]\nlook_at = [0, 0, 0]\n\n[ao.near]\ndistance = 0.2\nsamples = 2\n",
     );
     for node in 0..nodes {
-        let _ = write!(look, "\n[node.n{node}]\ntexture = \"bench{}\"\namount = 0.25 # of one\n", node % 4);
+        let _ = write!(
+            look,
+            "\n[node.n{node}]\ntexture = \"bench{}\"\namount = 0.25 # of one\n",
+            node % 4
+        );
         if node % CHAIN > 0 {
             let _ = writeln!(look, "scale = \"n{}\"", node - 1);
         }

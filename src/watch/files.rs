@@ -66,7 +66,11 @@ impl Watcher {
     ///
     /// # Errors
     /// The system offers no way.
-    pub(crate) fn new(files: &[PathBuf], textures: &[PathBuf]) -> Result<Self, Failure> {
+    pub(crate) fn new(
+        files: &[PathBuf],
+        look: Option<&Path>,
+        textures: &[PathBuf],
+    ) -> Result<Self, Failure> {
         let refused = |error| Failure::Failed(format!("can't watch files: {error}"));
         let (sender, events) = channel();
         let watcher = notify::recommended_watcher(sender).map_err(refused)?;
@@ -82,23 +86,26 @@ impl Watcher {
         for folder in this.texture_folders.clone() {
             this.watch(folder);
         }
-        this.set_files(files);
+        this.set_files(files, look);
         Ok(this)
     }
 
     /// Watches these files from now on.
-    pub(crate) fn set_files(&mut self, files: &[PathBuf]) {
+    pub(crate) fn set_files(&mut self, files: &[PathBuf], look: Option<&Path>) {
+        let look = look.map(real);
         self.files.clear();
         for file in files {
             let path = real(file);
-            let kind = match path.to_string_lossy().ends_with(".toml") {
+            let kind = match Some(&path) == look.as_ref() {
                 true => Kind::Look,
                 false => Kind::Asset,
             };
             if let Some(folder) = path.parent() {
                 self.watch(folder.to_owned());
             }
-            self.stamps.entry(path.clone()).or_insert_with(|| stamp(&path));
+            self.stamps
+                .entry(path.clone())
+                .or_insert_with(|| stamp(&path));
             self.files.insert(path, kind);
         }
     }
@@ -213,5 +220,62 @@ fn real(path: &Path) -> PathBuf {
     match (folder.canonicalize(), path.file_name()) {
         (Ok(folder), Some(name)) => folder.join(name),
         _ => path.canonicalize().unwrap_or_else(|_| path.to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    /// What comes within some seconds.
+    fn next(watcher: &mut Watcher) -> Option<Changes> {
+        let end = Instant::now() + Duration::from_secs(10);
+        while Instant::now() < end {
+            if let Some(changes) = watcher.wait(Duration::from_millis(10)) {
+                return Some(changes);
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn bursts_of_saves_are_one_change() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir(path("textures")).expect("a folder");
+        for name in ["a.look.toml", "a.gltf", "other.txt", "textures/t.wgsl"] {
+            fs::write(path(name), "old").expect("written");
+        }
+        let files = [path("a.gltf"), path("a.look.toml")];
+        let look = path("a.look.toml");
+        let mut watcher = Watcher::new(&files, Some(&look), &[path("textures")]).expect("watched");
+        // An editor that writes aside and renames, several times, and files that nobody watches.
+        for i in 0..5 {
+            fs::write(path("textures/t.tmp"), format!("{i}")).expect("written");
+            fs::rename(path("textures/t.tmp"), path("textures/t.wgsl")).expect("renamed");
+            fs::write(path("other.txt"), "new").expect("written");
+        }
+        let changes = next(&mut watcher).expect("noticed");
+        assert!(
+            changes.textures && !changes.look && !changes.assets,
+            "{changes:?}"
+        );
+        assert_eq!(changes.names, ["t.wgsl"]);
+
+        fs::write(&look, "new").expect("written");
+        fs::remove_file(path("a.gltf")).expect("removed");
+        let changes = next(&mut watcher).expect("noticed");
+        assert!(
+            changes.look && changes.assets && !changes.textures,
+            "{changes:?}"
+        );
+        fs::write(path("a.gltf"), "another").expect("written");
+        let changes = next(&mut watcher).expect("noticed");
+        assert_eq!(changes.names, ["a.gltf"]);
+        // A folder that is removed, and a file that is only looked at.
+        let _ = fs::read(path("a.gltf"));
+        assert!(watcher.wait(Duration::from_millis(200)).is_none());
     }
 }

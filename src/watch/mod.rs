@@ -19,6 +19,8 @@ use files::{Changes, Watcher};
 
 /// How often a watch that has nothing to render looks whether something in the background is ready.
 const IDLE: Duration = Duration::from_millis(20);
+/// The same while something is being built.
+const BUSY: Duration = Duration::from_millis(2);
 /// Each picture has so many times the samples of the one before.
 const STEP: u32 = 4;
 
@@ -34,26 +36,36 @@ pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
     let clock = Instant::now();
     let mut live = open(job)?;
     console::diagnostics(live.warnings());
-    let mut watcher = Watcher::new(&live.files(), &live.inputs().textures)?;
+    let mut watcher = Watcher::new(&live.files(), job.look.as_deref(), &live.inputs().textures)?;
     let mut update = Update::new("start".to_owned(), clock);
     let mut told = String::new();
     let mut generation = live.generation();
     while !interrupt::requested() {
-        let is_idle = update.next > job.spp.get() && live.is_up_to_date();
-        if let Some(changes) = watcher.wait(if is_idle { IDLE } else { Duration::ZERO }) {
+        let wait = match (update.next > job.spp.get(), live.is_building()) {
+            (false, _) => Duration::ZERO,
+            (true, true) => BUSY,
+            (true, false) => IDLE,
+        };
+        if let Some(changes) = watcher.wait(wait) {
             update.changed(&changes);
             follow(&mut live, &changes);
         }
-        let target = update.next.min(job.spp.get());
-        let progress = live.step(target).map_err(Failure::because)?;
-        tell_problems(&live, &mut told);
+        live.poll()?;
         if live.generation() != generation {
             generation = live.generation();
             update.begin();
-            watcher.set_files(&live.files());
-            continue;
+            watcher.set_files(&live.files(), job.look.as_deref());
+        } else if !live.is_building() {
+            // Nothing to be seen came of it.
+            update.coming = None;
         }
-        if progress.is_done() && update.next <= job.spp.get() {
+        tell_problems(&live, &mut told);
+        let target = update.next.min(job.spp.get());
+        let progress = live.step(target)?;
+        // What was swapped in meanwhile is noticed, and begun anew, in the next round.
+        if live.generation() != generation {
+            live.restart();
+        } else if progress.is_done() && update.next <= job.spp.get() {
             write(job, &mut live, &update)?;
             update.next = match update.next {
                 last if last == job.spp.get() => u32::MAX,
@@ -145,7 +157,7 @@ impl Update {
 }
 
 fn write(job: &WatchJob, live: &mut LiveRender, update: &Update) -> Result<(), Failure> {
-    let snapshot = live.snapshot().map_err(Failure::because)?;
+    let snapshot = live.snapshot()?;
     let film = snapshot.film;
     let spp = film.samples.iter().copied().min().unwrap_or(0);
     let picture = Picture {

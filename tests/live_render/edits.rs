@@ -5,8 +5,8 @@ use engine::scene::look::{AoDirection, AoSettings, Section, Value};
 use texgen::{Interpolation, Ramp};
 
 use crate::look::{LOOK, TEXTURES};
-use crate::support::device;
 use crate::stage::{Stage, film, is_same, read, settle};
+use crate::support::device;
 
 fn made(live: &LiveRender) -> (u64, u64) {
     let gpu = live.renderer().gpu();
@@ -44,33 +44,85 @@ fn kinds() -> Vec<(&'static str, Vec<Edit>)> {
     };
     let one = |edit| vec![edit];
     vec![
-        ("an argument", one(Edit::argument("rings", "count", &texgen::Value::F32(7.25)))),
-        ("a colour", one(Edit::argument("paint", "color", &texgen::Value::Vec3([0.1, 0.7, 0.3])))),
-        ("a ramp", one(Edit::argument("worn", "ramp", &texgen::Value::Ramp(ramp())))),
+        (
+            "an argument",
+            one(Edit::argument("rings", "count", &texgen::Value::F32(7.25))),
+        ),
+        (
+            "a colour",
+            one(Edit::argument(
+                "paint",
+                "color",
+                &texgen::Value::Vec3([0.1, 0.7, 0.3]),
+            )),
+        ),
+        (
+            "a ramp",
+            one(Edit::argument("worn", "ramp", &texgen::Value::Ramp(ramp()))),
+        ),
         ("a link", one(Edit::link("paint", "amount", "other"))),
-        ("a constant for a link", one(Edit::argument("paint", "amount", &texgen::Value::F32(0.8)))),
+        (
+            "a constant for a link",
+            one(Edit::argument("paint", "amount", &texgen::Value::F32(0.8))),
+        ),
         ("a default", one(Edit::reset("rings", "count"))),
         ("AO", Edit::ao("crevices", &ao).to_vec()),
-        ("a slot", one(Edit::material("Floor", "roughness", text("other")))),
-        ("a slot let go", one(Edit::reset_material("Floor", "base_color"))),
-        ("a constant for a slot", one(Edit::material("Floor", "roughness", number(0.3)))),
-        ("a blend's mask", one(Edit::material("Wall", "blend.mask", text("other")))),
-        ("a constant mask", one(Edit::material("Wall", "blend.mask", number(0.5)))),
-        ("a material constant", one(Edit::material("Wall", "metallic", number(0.75)))),
-        ("a layer's constant", one(Edit::material("Wall", "coat_roughness", number(0.4)))),
-        ("a layer that is gone", one(Edit::material("Wall", "coat", number(0.0)))),
-        ("a layer that is back", one(Edit::material("Wall", "coat", number(0.9)))),
-        ("a new material's constant", one(Edit::material("Worn", "roughness", number(0.25)))),
+        (
+            "a slot",
+            one(Edit::material("Floor", "roughness", text("other"))),
+        ),
+        (
+            "a slot let go",
+            one(Edit::reset_material("Floor", "base_color")),
+        ),
+        (
+            "a constant for a slot",
+            one(Edit::material("Floor", "roughness", number(0.3))),
+        ),
+        (
+            "a blend's mask",
+            one(Edit::material("Wall", "blend.mask", text("other"))),
+        ),
+        (
+            "a constant mask",
+            one(Edit::material("Wall", "blend.mask", number(0.5))),
+        ),
+        (
+            "a material constant",
+            one(Edit::material("Wall", "metallic", number(0.75))),
+        ),
+        (
+            "a layer's constant",
+            one(Edit::material("Wall", "coat_roughness", number(0.4))),
+        ),
+        (
+            "a layer that is gone",
+            one(Edit::material("Wall", "coat", number(0.0))),
+        ),
+        (
+            "a layer that is back",
+            one(Edit::material("Wall", "coat", number(0.9))),
+        ),
+        (
+            "a new material's constant",
+            one(Edit::material("Worn", "roughness", number(0.25))),
+        ),
         ("the sky", one(Edit::environment("intensity", number(0.6)))),
-        ("the camera", vec![
-            Edit::camera("position", Value::numbers(&[0.7, 1.1, 2.7])),
-            Edit::camera("y_fov", number(38.0)),
-        ]),
-        ("a new node", vec![
-            Edit::add_node("third", "rings"),
-            Edit::argument("third", "count", &texgen::Value::F32(1.5)),
-            Edit::material("Worn", "metallic", text("third")),
-        ]),
+        (
+            "the camera",
+            vec![
+                Edit::camera("position", Value::numbers(&[0.7, 1.1, 2.7])),
+                Edit::camera("y_fov", number(38.0)),
+            ],
+        ),
+        (
+            "a new node",
+            vec![
+                Edit::add_node("third", "rings"),
+                Edit::argument("third", "count", &texgen::Value::F32(1.5)),
+                Edit::material("Worn", "metallic", text("third")),
+            ],
+        ),
     ]
 }
 
@@ -85,14 +137,19 @@ fn every_kind_of_edit_is_a_buffer_write() {
     let before = made(&live);
     for (what, edits) in kinds() {
         let generation = live.generation();
-        live.edit_all(&edits).unwrap_or_else(|error| panic!("{what}: {error}"));
+        live.edit_all(&edits)
+            .unwrap_or_else(|error| panic!("{what}: {error}"));
         assert!(live.is_up_to_date() && live.problems().is_empty(), "{what}");
         assert!(live.generation() > generation, "{what}");
         let now = film(&mut live);
         assert_eq!(made(&live), before, "{what}: pipelines and shader modules");
         assert!(!is_same(&now, &last), "{what} is seen");
         let fresh = stage.fresh(&live.look_text());
-        assert!(is_same(&now, &fresh), "{what}: not the look's picture\n{}", live.look_text());
+        assert!(
+            is_same(&now, &fresh),
+            "{what}: not the look's picture\n{}",
+            live.look_text()
+        );
         last = now;
     }
 }
@@ -127,18 +184,36 @@ fn refused_edits_change_neither_look_nor_picture() {
     let mut live = stage.open("scene.look.toml");
     let before = film(&mut live);
     for (edit, says) in [
-        (Edit::argument("ring", "count", &texgen::Value::F32(1.0)), "texture"),
-        (Edit::argument("rings", "cuont", &texgen::Value::F32(1.0)), "did you mean `count`?"),
-        (Edit::argument("rings", "count", &texgen::Value::Vec3([1.0; 3])), "count"),
+        (
+            Edit::argument("ring", "count", &texgen::Value::F32(1.0)),
+            "texture",
+        ),
+        (
+            Edit::argument("rings", "cuont", &texgen::Value::F32(1.0)),
+            "did you mean `count`?",
+        ),
+        (
+            Edit::argument("rings", "count", &texgen::Value::Vec3([1.0; 3])),
+            "count",
+        ),
         (Edit::link("rings", "count", "rings"), "circle"),
         (Edit::link("paint", "amount", "nothing"), "nothing"),
         (Edit::material("Floor", "roughness", number(1.5)), "0 to 1"),
-        (Edit::material("Floor", "roughness", text("paint")), "one number"),
+        (
+            Edit::material("Floor", "roughness", text("paint")),
+            "one number",
+        ),
         (Edit::material("Floor", "rougness", number(0.5)), "rougness"),
-        (Edit::camera("look_at", Value::numbers(&[0.1, 0.9, 3.0])), "direction"),
+        (
+            Edit::camera("look_at", Value::numbers(&[0.1, 0.9, 3.0])),
+            "direction",
+        ),
         (Edit::environment("intensity", number(-1.0)), "negative"),
         (Edit::remove_node("rings"), "in use"),
-        (Edit::set(Section::Ao("crevices".into()), "samples", Value::Integer(0)), "1 to 255"),
+        (
+            Edit::set(Section::Ao("crevices".into()), "samples", Value::Integer(0)),
+            "1 to 255",
+        ),
     ] {
         match live.edit(&edit) {
             Err(LiveError::Refused(message)) => {
@@ -147,7 +222,10 @@ fn refused_edits_change_neither_look_nor_picture() {
             other => panic!("{edit:?}: {other:?}"),
         }
         assert_eq!(live.look_text(), LOOK, "{edit:?}");
-        assert!(live.is_up_to_date() && live.problems().is_empty(), "{edit:?}");
+        assert!(
+            live.is_up_to_date() && live.problems().is_empty(),
+            "{edit:?}"
+        );
     }
     assert!(is_same(&before, &film(&mut live)), "not begun anew");
     live.restart();
@@ -163,13 +241,28 @@ fn what_is_made_once_is_built_in_the_background() {
     let mut live = stage.open("scene.look.toml");
     film(&mut live);
     for (what, edit) in [
-        ("light through a wall", Edit::material("Floor", "transmission", number(0.5))),
-        ("a lamp", Edit::material("Wall", "emission", Value::numbers(&[2.0, 1.0, 0.5]))),
+        (
+            "light through a wall",
+            Edit::material("Floor", "transmission", number(0.5)),
+        ),
+        (
+            "a lamp",
+            Edit::material("Wall", "emission", Value::numbers(&[2.0, 1.0, 0.5])),
+        ),
         ("another blend", Edit::material("Floor", "blend", blend())),
-        ("no sky of its own", Edit::Remove { section: Section::Environment }),
-        ("opacity by a node", Edit::material("Floor", "opacity", text("rings"))),
+        (
+            "no sky of its own",
+            Edit::Remove {
+                section: Section::Environment,
+            },
+        ),
+        (
+            "opacity by a node",
+            Edit::material("Floor", "opacity", text("rings")),
+        ),
     ] {
-        live.edit(&edit).unwrap_or_else(|error| panic!("{what}: {error}"));
+        live.edit(&edit)
+            .unwrap_or_else(|error| panic!("{what}: {error}"));
         settle(&mut live);
         assert!(live.problems().is_empty(), "{what}: {}", live.problems());
         let fresh = stage.fresh(&live.look_text());
@@ -184,7 +277,8 @@ fn a_saved_look_keeps_what_was_not_edited() {
     }
     let stage = Stage::new(LOOK, &TEXTURES);
     let mut live = stage.open("scene.look.toml");
-    live.edit(&Edit::argument("rings", "count", &texgen::Value::F32(6.5))).expect("known");
+    live.edit(&Edit::argument("rings", "count", &texgen::Value::F32(6.5)))
+        .expect("known");
     assert!(live.has_unsaved_edits());
     live.save(None).unwrap_or_else(|error| panic!("{error}"));
     assert!(!live.has_unsaved_edits());
@@ -192,5 +286,9 @@ fn a_saved_look_keeps_what_was_not_edited() {
     assert_eq!(saved, LOOK.replace("count = 5.0 #", "count = 6.5 #"));
     let generation = live.generation();
     live.look_changed();
-    assert_eq!(live.generation(), generation, "one's own saving is no change");
+    assert_eq!(
+        live.generation(),
+        generation,
+        "one's own saving is no change"
+    );
 }

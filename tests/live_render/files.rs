@@ -71,7 +71,11 @@ fn a_look_is_followed_by_difference() {
         + "\n[node.extra]\ntexture = 'tint'\n";
     stage.replace("scene.look.toml", &changed);
     live.look_changed();
-    assert!(live.is_up_to_date() && live.problems().is_empty(), "{}", live.problems());
+    assert!(
+        live.is_up_to_date() && live.problems().is_empty(),
+        "{}",
+        live.problems()
+    );
     assert_eq!(live.renderer().gpu().pipelines_created(), pipelines);
     let new = film(&mut live);
     assert!(!is_same(&old, &new) && is_same(&new, &stage.fresh(&changed)));
@@ -96,19 +100,34 @@ fn mistakes_in_a_look_are_told_and_forgotten() {
         ("[camera]", "[camera", "not valid TOML"),
         ("count = 5.0", "cuont = 5.0", "scene.look.toml:16:1"),
         ("count = 5.0", "count = [1, 2]", "scene.look.toml:16:9"),
-        ("amount = \"rings\"", "amount = \"rigns\"", "did you mean `rings`?"),
+        (
+            "amount = \"rings\"",
+            "amount = \"rigns\"",
+            "did you mean `rings`?",
+        ),
         ("\"tint\"", "\"tnt\"", "did you mean `tint`?"),
         ("over = \"Worn\"", "over = \"Wron\"", "did you mean `Worn`?"),
         ("roughness = 0.9", "roughness = 9", "0 to 1"),
-        ("look_at = [0, 0.4, 0]", "look_at = [0.1, 0.9, 3.0]", "no direction"),
-        ("environment", "[[include]]\nfile = 'no.glb'\n[other]\nenvironment", "no key `other`"),
+        (
+            "look_at = [0, 0.4, 0]",
+            "look_at = [0.1, 0.9, 3.0]",
+            "no direction",
+        ),
+        (
+            "environment",
+            "[[include]]\nfile = 'no.glb'\n[other]\nenvironment",
+            "no key `other`",
+        ),
     ] {
         stage.write("scene.look.toml", &LOOK.replacen(from, to, 1));
         live.look_changed();
         settle(&mut live);
         let shown = live.problems().to_string();
         assert!(shown.contains(says), "{to}: {shown}");
-        assert!(is_same(&old, &film(&mut live)), "{to}: the picture is not lost");
+        assert!(
+            is_same(&old, &film(&mut live)),
+            "{to}: the picture is not lost"
+        );
         stage.write("scene.look.toml", LOOK);
         live.look_changed();
         settle(&mut live);
@@ -133,11 +152,24 @@ fn a_texture_that_is_new_to_the_look_costs_one_kernel() {
     stage.write("scene.look.toml", &changed);
     live.look_changed();
     settle(&mut live);
-    assert!(live.problems().to_string().contains("no texture called `squares`"), "{}", live.problems());
-    stage.write("textures/squares.wgsl", &SQUARES.replace("select", "selekt"));
+    assert!(
+        live.problems()
+            .to_string()
+            .contains("no texture called `squares`"),
+        "{}",
+        live.problems()
+    );
+    stage.write(
+        "textures/squares.wgsl",
+        &SQUARES.replace("select", "selekt"),
+    );
     live.sources_changed();
     settle(&mut live);
-    assert!(live.problems().to_string().contains("squares.wgsl:5"), "{}", live.problems());
+    assert!(
+        live.problems().to_string().contains("squares.wgsl:5"),
+        "{}",
+        live.problems()
+    );
     stage.write("textures/squares.wgsl", SQUARES);
     live.sources_changed();
     settle(&mut live);
@@ -183,9 +215,17 @@ fn files_that_vanish_take_nothing_with_them() {
     let old = film(&mut live);
     let files = live.files();
     for name in ["scene.gltf", "squares.bin", "scene.look.toml"] {
-        assert!(files.contains(&stage.path(name)), "{name} is not among {files:?}");
+        assert!(
+            files.contains(&stage.path(name)),
+            "{name} is not among {files:?}"
+        );
     }
-    for name in ["scene.look.toml", "textures/rings.wgsl", "scene.gltf", "squares.bin"] {
+    for name in [
+        "scene.look.toml",
+        "textures/rings.wgsl",
+        "scene.gltf",
+        "squares.bin",
+    ] {
         let aside = stage.path("gone");
         fs::rename(stage.path(name), &aside).expect("it is there");
         live.look_changed();
@@ -193,9 +233,13 @@ fn files_that_vanish_take_nothing_with_them() {
         live.assets_changed();
         settle(&mut live);
         assert!(!live.problems().is_empty(), "{name} is missed");
-        live.step(2).unwrap_or_else(|error| panic!("{name}: {error}"));
+        live.step(2)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(live.look_text(), LOOK, "{name}");
-        assert!(is_same(&old, &film(&mut live)), "{name}: the picture is not lost");
+        assert!(
+            is_same(&old, &film(&mut live)),
+            "{name}: the picture is not lost"
+        );
         fs::rename(&aside, stage.path(name)).expect("back");
         live.look_changed();
         live.sources_changed();

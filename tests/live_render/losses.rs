@@ -30,7 +30,10 @@ fn a_lost_device_is_replaced() {
     let aside = stage.path("gone");
     std::fs::rename(stage.path("scene.gltf"), &aside).expect("it is there");
     live.restart();
-    assert!(is_same(&before, &film(&mut live)), "the same picture on another device");
+    assert!(
+        is_same(&before, &film(&mut live)),
+        "the same picture on another device"
+    );
     assert_eq!(live.look_text(), text);
     assert!(live.generation() > generation);
     std::fs::rename(&aside, stage.path("scene.gltf")).expect("back");
@@ -39,7 +42,11 @@ fn a_lost_device_is_replaced() {
     stage.write("textures/rings.wgsl", SQUARES);
     live.sources_changed();
     live.renderer().gpu().device().destroy();
-    let dead = live.edit(&Edit::argument("paint", "color", &texgen::Value::Vec3([0.2, 0.9, 0.4])));
+    let dead = live.edit(&Edit::argument(
+        "paint",
+        "color",
+        &texgen::Value::Vec3([0.2, 0.9, 0.4]),
+    ));
     assert!(dead.is_ok(), "{dead:?}");
     settle(&mut live);
     assert!(live.problems().is_empty(), "{}", live.problems());
@@ -61,9 +68,11 @@ fn where_no_device_is_left_the_look_is_kept() {
     let has_device = Arc::new(AtomicBool::new(true));
     let switch = Arc::clone(&has_device);
     let mut live = stage
-        .open_on("scene.look.toml", move || match switch.load(Ordering::Relaxed) {
-            true => Gpu::new(&DeviceChoice::Best),
-            false => Err(GpuError::NoAdapter),
+        .open_on("scene.look.toml", move || {
+            match switch.load(Ordering::Relaxed) {
+                true => Gpu::new(&DeviceChoice::Best),
+                false => Err(GpuError::NoAdapter),
+            }
         })
         .unwrap_or_else(|error| panic!("{error}"));
     live.edit(&edit()).unwrap_or_else(|error| panic!("{error}"));
@@ -78,5 +87,8 @@ fn where_no_device_is_left_the_look_is_kept() {
     let saved = crate::stage::read(&stage.path("scene.look.toml"));
     assert!(saved.contains("count = 8.0"), "{saved}");
     has_device.store(true, Ordering::Relaxed);
-    assert!(is_same(&before, &film(&mut live)), "once there is one again");
+    assert!(
+        is_same(&before, &film(&mut live)),
+        "once there is one again"
+    );
 }

@@ -44,10 +44,22 @@ fn any(random: &mut Random) -> Vec<Edit> {
     match random.below(20) {
         0 | 1 => {
             let node = random.pick(&["rings", "other", "extra"]);
-            one(Edit::argument(node, "count", &texgen::Value::F32(9.0 * random.unit())))
+            one(Edit::argument(
+                node,
+                "count",
+                &texgen::Value::F32(9.0 * random.unit()),
+            ))
         }
-        2 => one(Edit::argument("paint", "color", &texgen::Value::Vec3(random.color()))),
-        3 => one(Edit::argument("worn", "scale", &texgen::Value::F32(1.0 + random.unit()))),
+        2 => one(Edit::argument(
+            "paint",
+            "color",
+            &texgen::Value::Vec3(random.color()),
+        )),
+        3 => one(Edit::argument(
+            "worn",
+            "scale",
+            &texgen::Value::F32(1.0 + random.unit()),
+        )),
         4 => {
             let stops = (0..1 + random.below(4)).map(|_| {
                 let [r, g, b] = random.color();
@@ -60,8 +72,15 @@ fn any(random: &mut Random) -> Vec<Edit> {
             one(Edit::argument("worn", "ramp", &texgen::Value::Ramp(ramp)))
         }
         5 => one(Edit::link("paint", "amount", random.pick(&scalars))),
-        6 => one(Edit::link(random.pick(&["rings", "other"]), "count", random.pick(&scalars))),
-        7 => one(Edit::reset(random.pick(&["rings", "paint"]), random.pick(&["count", "amount"]))),
+        6 => one(Edit::link(
+            random.pick(&["rings", "other"]),
+            "count",
+            random.pick(&scalars),
+        )),
+        7 => one(Edit::reset(
+            random.pick(&["rings", "paint"]),
+            random.pick(&["count", "amount"]),
+        )),
         8 => {
             let settings = AoSettings {
                 distance: 0.1 + random.unit(),
@@ -71,19 +90,35 @@ fn any(random: &mut Random) -> Vec<Edit> {
             };
             Edit::ao("crevices", &settings).to_vec()
         }
-        9 => one(Edit::material("Floor", "base_color", Value::numbers(&random.color()))),
+        9 => one(Edit::material(
+            "Floor",
+            "base_color",
+            Value::numbers(&random.color()),
+        )),
         10 => {
             let node = random.pick(&["paint", "worn", "rings"]);
-            one(Edit::material("Floor", "base_color", Value::Text(node.to_owned())))
+            one(Edit::material(
+                "Floor",
+                "base_color",
+                Value::Text(node.to_owned()),
+            ))
         }
         11 => {
             let key = random.pick(&["roughness", "metallic", "specular"]);
             let node = Value::Text(random.pick(&scalars).to_owned());
-            one(Edit::material(random.pick(&["Floor", "Wall", "Worn"]), key, node))
+            one(Edit::material(
+                random.pick(&["Floor", "Wall", "Worn"]),
+                key,
+                node,
+            ))
         }
         12 => {
             let key = random.pick(&["roughness", "metallic", "coat_roughness", "anisotropy"]);
-            one(Edit::material(random.pick(&["Floor", "Wall", "Worn"]), key, unit))
+            one(Edit::material(
+                random.pick(&["Floor", "Wall", "Worn"]),
+                key,
+                unit,
+            ))
         }
         13 => one(Edit::reset_material(
             random.pick(&["Floor", "Wall"]),
@@ -98,7 +133,10 @@ fn any(random: &mut Random) -> Vec<Edit> {
         17 => one(Edit::environment("color", Value::numbers(&random.color()))),
         18 => {
             let [x, y, z] = random.color();
-            one(Edit::camera("position", Value::numbers(&[x, 0.5 + y, 2.0 + z])))
+            one(Edit::camera(
+                "position",
+                Value::numbers(&[x, 0.5 + y, 2.0 + z]),
+            ))
         }
         _ => match random.below(2) {
             0 => one(Edit::add_node("extra", "rings")),
@@ -128,26 +166,46 @@ fn a_thousand_random_edits_give_the_picture_of_the_final_look() {
         let edits = any(&mut random);
         refused += u32::from(is_refused(&mut live, &edits));
         if step % 7 == 0 {
-            live.step(2).unwrap_or_else(|error| panic!("step {step}: {error}"));
+            live.step(2)
+                .unwrap_or_else(|error| panic!("step {step}: {error}"));
         }
         // A source that is wrong for a while, in the middle of the edits.
         match step % 250 {
-            50 => stage.write("textures/rings.wgsl", "fn userProc(count: f32) -> f32 { return cuont; }"),
+            50 => stage.write(
+                "textures/rings.wgsl",
+                "fn userProc(count: f32) -> f32 { return cuont; }",
+            ),
             100 => stage.write("textures/rings.wgsl", "fn userProc(cou"),
-            150 => stage.write("textures/rings.wgsl", if step < 500 { SQUARES } else { RINGS }),
+            150 => stage.write(
+                "textures/rings.wgsl",
+                if step < 500 { SQUARES } else { RINGS },
+            ),
             _ => continue,
         }
         live.sources_changed();
         settle(&mut live);
-        assert_eq!(!live.problems().is_empty(), step % 250 < 150, "{}", live.problems());
+        assert_eq!(
+            !live.problems().is_empty(),
+            step % 250 < 150,
+            "{}",
+            live.problems()
+        );
         if step % 500 == 400 {
             let fresh = stage.fresh(&live.look_text());
-            assert!(is_same(&film(&mut live), &fresh), "after step {step}\n{}", live.look_text());
+            assert!(
+                is_same(&film(&mut live), &fresh),
+                "after step {step}\n{}",
+                live.look_text()
+            );
         }
     }
     assert!((1..500).contains(&refused), "{refused} edits were refused");
     settle(&mut live);
-    assert!(live.is_up_to_date() && live.problems().is_empty(), "{}", live.problems());
+    assert!(
+        live.is_up_to_date() && live.problems().is_empty(),
+        "{}",
+        live.problems()
+    );
     let fresh = stage.fresh(&live.look_text());
     assert!(is_same(&film(&mut live), &fresh), "{}", live.look_text());
 }
@@ -165,13 +223,22 @@ fn what_is_saved_after_random_edits_is_what_is_shown() {
         is_refused(&mut live, &edits);
     }
     settle(&mut live);
-    live.save(Some(&stage.path("saved.look.toml"))).unwrap_or_else(|error| panic!("{error}"));
+    live.save(Some(&stage.path("saved.look.toml")))
+        .unwrap_or_else(|error| panic!("{error}"));
     let mut again = stage.open("saved.look.toml");
     assert_eq!(again.look_text(), live.look_text());
     assert!(is_same(&film(&mut live), &film(&mut again)));
     // What no edit names is as it was, and where it was.
     let text = live.look_text();
-    for line in ["# A look to be edited.", "# Rings around the origin.", "# Not in the scene.", "look_at = [0, 0.4, 0]"] {
-        assert!(text.lines().any(|l| l == line), "{line} is missing:\n{text}");
+    for line in [
+        "# A look to be edited.",
+        "# Rings around the origin.",
+        "# Not in the scene.",
+        "look_at = [0, 0.4, 0]",
+    ] {
+        assert!(
+            text.lines().any(|l| l == line),
+            "{line} is missing:\n{text}"
+        );
     }
 }

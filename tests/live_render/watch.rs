@@ -90,12 +90,19 @@ fn a_saved_texture_is_seen_and_a_wrong_one_is_told() {
     let second = pixels(&stage.path("out.png"));
     assert_ne!(first, second, "the change is seen");
 
-    stage.write("textures/rings.wgsl", "fn userProc(count: f32) -> f32 {\n    return cuont;\n}\n");
+    stage.write(
+        "textures/rings.wgsl",
+        "fn userProc(count: f32) -> f32 {\n    return cuont;\n}\n",
+    );
     watch.expect(&["error"]);
     watch.expect(&["rings.wgsl:2:12"]);
     watch.expect(&["return cuont;"]);
     watch.expect(&["^"]);
-    assert_eq!(second, pixels(&stage.path("out.png")), "the picture is not lost");
+    assert_eq!(
+        second,
+        pixels(&stage.path("out.png")),
+        "the picture is not lost"
+    );
 
     stage.write("textures/rings.wgsl", RINGS);
     watch.expect(&["no more problems"]);
@@ -103,7 +110,10 @@ fn a_saved_texture_is_seen_and_a_wrong_one_is_told() {
     assert_eq!(first, pixels(&stage.path("out.png")), "mended");
 
     // The look, and then the scene.
-    stage.replace("scene.look.toml", &LOOK.replace("intensity = 1.0", "intensity = 0.5"));
+    stage.replace(
+        "scene.look.toml",
+        &LOOK.replace("intensity = 1.0", "intensity = 0.5"),
+    );
     watch.expect(&["scene.look.toml", "16 spp"]);
     let darker = pixels(&stage.path("out.png"));
     assert_ne!(first, darker);
@@ -129,5 +139,8 @@ fn what_can_not_be_watched_is_refused() {
     let (code, said) = run("watch no-such-scene.glb --spp 0");
     assert_eq!(code, Some(2), "{said}");
     let (code, said) = run("watch no-such-scene.glb");
-    assert!(code == Some(1) && said.contains("no-such-scene.glb"), "{said}");
+    assert!(
+        code == Some(1) && said.contains("no-such-scene.glb"),
+        "{said}"
+    );
 }

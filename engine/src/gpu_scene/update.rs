@@ -111,7 +111,8 @@ impl GpuScene {
             }
             let bytes: &[u8] = bytemuck::cast_slice(&lights);
             if resources.buffer("lights").size() >= bytes.len() as u64 {
-                gpu.queue().write_buffer(resources.buffer("lights"), 0, bytes);
+                gpu.queue()
+                    .write_buffer(resources.buffer("lights"), 0, bytes);
             } else {
                 resources.set_buffer("lights", gpu.storage_buffer("lights", bytes)?);
                 is_moved = true;

@@ -37,9 +37,7 @@ pub(super) fn load(inputs: &LiveInputs, text: &str) -> Result<Loaded, LoadError>
     let look = match &inputs.look {
         Some(path) => Some(Look::parse(path, text).map_err(LookError::from)?),
         // Edits of a look without a file.
-        None if !text.is_empty() => {
-            Some(Look::parse("".as_ref(), text).map_err(LookError::from)?)
-        }
+        None if !text.is_empty() => Some(Look::parse("".as_ref(), text).map_err(LookError::from)?),
         None => None,
     };
     let mut loaded = load::load_with(&inputs.scene, look, &inputs.textures)?;
@@ -79,17 +77,23 @@ impl LiveRender {
         let mut wanted: Vec<&str> = changes
             .iter()
             .filter(|change| matches!(change.section, Section::Node(_)))
-            .filter_map(|change| match &find(change.after.as_deref()?, "texture")?.value {
-                Value::Text(name) => Some(name.as_str()),
-                _ => None,
-            })
+            .filter_map(
+                |change| match &find(change.after.as_deref()?, "texture")?.value {
+                    Value::Text(name) => Some(name.as_str()),
+                    _ => None,
+                },
+            )
             .filter(|name| library.get(name).is_none())
             .collect();
         wanted.sort_unstable();
         wanted.dedup();
         let files: Result<Option<Vec<_>>, SourcesError> =
-            TextureSources::scan(&self.inputs.textures)
-                .and_then(|sources| wanted.iter().map(|name| sources.read(name).transpose()).collect());
+            TextureSources::scan(&self.inputs.textures).and_then(|sources| {
+                wanted
+                    .iter()
+                    .map(|name| sources.read(name).transpose())
+                    .collect()
+            });
         match files {
             // What doesn't fit what was loaded needs all of it anew; what can't be read is told at its place in the look.
             Ok(Some(files)) => self.begin_kernel(files),
@@ -135,7 +139,7 @@ impl LiveRender {
     }
 
     /// Swaps in what has become ready, and begins what has been waiting for it.
-    pub(super) fn poll(&mut self) {
+    pub(super) fn swap(&mut self) {
         let is_ready = match &self.job {
             None => !self.again.is_empty(),
             Some(Job::Kernel(reload)) => reload.is_finished(),

@@ -100,7 +100,9 @@ fn tables<'f>(fields: &'f [Field], key: &str) -> impl Iterator<Item = &'f Field>
 }
 
 fn by_name<'f>(fields: &'f [Field], key: &str) -> HashMap<&'f str, &'f Field> {
-    tables(fields, key).map(|f| (f.key.value.as_str(), f)).collect()
+    tables(fields, key)
+        .map(|f| (f.key.value.as_str(), f))
+        .collect()
 }
 
 fn keys(value: &Spanned<Value>) -> Option<Vec<Field>> {
@@ -149,6 +151,9 @@ mod tests {
         assert!(sections("", "[[include]]\nfile = 'a.glb'").is_none());
         let (a, b) = ("[ao.a]\ndistance = 1\n", "[ao.b]\ndistance = 1\n");
         assert!(sections(&format!("{a}{b}"), &format!("{b}{a}")).is_none());
-        assert_eq!(sections(a, "[ao.a]\ndistance = 2"), Some(vec!["[ao.a]".to_owned()]));
+        assert_eq!(
+            sections(a, "[ao.a]\ndistance = 2"),
+            Some(vec!["[ao.a]".to_owned()])
+        );
     }
 }

@@ -83,7 +83,10 @@ impl LiveRender {
     ///
     /// # Errors
     /// As [`Self::edit`], at the first one that is refused; those before it stay.
-    pub fn edit_all<'e>(&mut self, edits: impl IntoIterator<Item = &'e Edit>) -> Result<(), LiveError> {
+    pub fn edit_all<'e>(
+        &mut self,
+        edits: impl IntoIterator<Item = &'e Edit>,
+    ) -> Result<(), LiveError> {
         edits.into_iter().try_for_each(|edit| self.edit(edit))
     }
 
@@ -169,7 +172,11 @@ impl LiveRender {
     }
 
     /// Follows several changes, all or none.
-    fn follow_all(&mut self, file: &SourceFile, changes: &[TableChange]) -> Result<(), UpdateError> {
+    fn follow_all(
+        &mut self,
+        file: &SourceFile,
+        changes: &[TableChange],
+    ) -> Result<(), UpdateError> {
         let before = self.before();
         let procedural = self.renderer.procedural().clone();
         let mut touched = Touched::default();
@@ -221,6 +228,9 @@ impl LiveRender {
             touched.materials = true;
             return procedural.update_material(&mut self.scene, file, &table);
         }
+        if let (Section::Ao(_) | Section::Environment, None) = (section, after) {
+            return Err(UpdateError::Rebuild);
+        }
         match (section, read(file)?) {
             (_, Table::Node(node)) => {
                 procedural.update_node(file, before.as_deref().unwrap_or_default(), &node)
@@ -229,10 +239,10 @@ impl LiveRender {
                 touched.materials = true;
                 procedural.update_material(&mut self.scene, file, &material)
             }
-            (Section::Ao(name), Table::Ao(settings)) if before.is_some() && after.is_some() => {
+            (Section::Ao(name), Table::Ao(settings)) if before.is_some() => {
                 procedural.update_ao(name, settings)
             }
-            (_, Table::Environment(environment)) if before.is_some() && after.is_some() => {
+            (_, Table::Environment(environment)) if before.is_some() => {
                 let image = |fields| find(fields, "image").map(|value| value.value.clone());
                 if image(before.as_deref().unwrap_or_default()) != image(fields) {
                     return Err(UpdateError::Rebuild);

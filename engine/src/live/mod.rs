@@ -163,7 +163,8 @@ impl LiveRender {
             None => String::new(),
         };
         let loaded = background::load(&inputs, &saved)?;
-        let document = parse_look(&inputs, &saved).map_err(|e| LoadError::from(LookError::from(e)))?;
+        let document =
+            parse_look(&inputs, &saved).map_err(|e| LoadError::from(LookError::from(e)))?;
         let gpu = open_device().map_err(RenderError::from)?;
         let Loaded {
             scene,
@@ -194,17 +195,12 @@ impl LiveRender {
         Ok(live)
     }
 
-    /// Renders one wave towards `target_spp` samples per pixel, and swaps in what has become ready in the background.
-    /// With nothing left to render it only does the latter.
+    /// Swaps in what has become ready in the background, then renders one wave towards `target_spp` samples per pixel.
     ///
     /// # Errors
     /// The device; a lost one is opened again, and the picture starts anew.
     pub fn step(&mut self, target_spp: u32) -> Result<Progress, LiveError> {
-        // Before anything is built for a device that is gone.
-        if self.renderer.gpu().is_lost() {
-            self.recover()?;
-        }
-        self.poll();
+        self.poll()?;
         match self.renderer.step(target_spp) {
             Ok(progress) => Ok(progress),
             Err(_) if self.renderer.gpu().is_lost() => {
@@ -213,6 +209,20 @@ impl LiveRender {
             }
             Err(error) => Err(error.into()),
         }
+    }
+
+    /// Swaps in what has become ready in the background, as [`Self::step`] does first. The number of the
+    /// [generation](Self::generation) tells whether the picture has begun anew.
+    ///
+    /// # Errors
+    /// The device was lost, and there is no other.
+    pub fn poll(&mut self) -> Result<(), LiveError> {
+        // Before anything is built for a device that is gone.
+        if self.renderer.gpu().is_lost() {
+            self.recover()?;
+        }
+        self.swap();
+        Ok(())
     }
 
     /// The picture as far as it is. All its samples are of the look that is shown now.

@@ -190,7 +190,6 @@ fn read_environment(
     }
 }
 
-
 /// The camera that a look asks for.
 ///
 /// # Errors

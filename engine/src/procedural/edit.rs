@@ -191,9 +191,10 @@ impl Procedural {
     }
 
     pub(super) fn node(&self, name: &str) -> Result<NodeId, EditError> {
-        self.graph
-            .node(name)
-            .ok_or_else(|| unknown("node", name, None))
+        self.graph.node(name).ok_or_else(|| {
+            let names = self.graph.ids().map(|id| self.graph.name(id));
+            unknown("node", name, did_you_mean(name, names))
+        })
     }
 
     fn material(&self, name: &str) -> Result<u32, EditError> {

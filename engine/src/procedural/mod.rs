@@ -60,8 +60,8 @@ use std::sync::Arc;
 
 use texgen::{Diagnostics, GeneratedKernel, Graph, NodeId, Swizzle};
 
-use crate::scene::{Material, TextureRef};
 use crate::scene::look::{AoSettings, MAX_AO};
+use crate::scene::{Material, TextureRef};
 
 pub use edit::EditError;
 pub use inlined::Inlined;

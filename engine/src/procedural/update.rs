@@ -3,8 +3,8 @@
 
 use texgen::{Diagnostic, Diagnostics, NodeId, Parameter, SourceFile, did_you_mean};
 
-use crate::scene::look::{AoSettings, Field, Input, MaterialLook, NodeLook, Span, Spanned, find};
 use crate::scene::Scene;
+use crate::scene::look::{AoSettings, Field, Input, MaterialLook, NodeLook, Span, Spanned, find};
 
 use super::materials::{Resolver, copy_bases};
 use super::values::{Argument, argument};
@@ -40,9 +40,7 @@ impl Procedural {
         match self.graph.node(&table.name.value) {
             Some(node) if self.graph.texture(node).name() == texture => Ok(()),
             Some(_) => Err(UpdateError::Rebuild),
-            None if self.graph.library().get(texture).is_none() => {
-                Err(UpdateError::NewTexture)
-            }
+            None if self.graph.library().get(texture).is_none() => Err(UpdateError::NewTexture),
             None => Ok(self.add_node(&table.name.value, texture)?),
         }
     }
@@ -98,8 +96,13 @@ impl Procedural {
         field: &Field,
     ) -> Result<(), UpdateError> {
         let span = &field.value.span;
-        let given = argument(&field.value, parameter.ty)
-            .map_err(|bad| at(file, &bad.span, format!("`{}`: {}", parameter.name, bad.message)))?;
+        let given = argument(&field.value, parameter.ty).map_err(|bad| {
+            at(
+                file,
+                &bad.span,
+                format!("`{}`: {}", parameter.name, bad.message),
+            )
+        })?;
         let done = match given {
             Argument::Constant(value) => self.set_value(name, &parameter.name, value),
             Argument::Link(link) => {
@@ -222,7 +225,11 @@ impl Procedural {
     }
 
     /// Changes how an AO table is traced.
-    pub(crate) fn update_ao(&mut self, name: &str, settings: AoSettings) -> Result<(), UpdateError> {
+    pub(crate) fn update_ao(
+        &mut self,
+        name: &str,
+        settings: AoSettings,
+    ) -> Result<(), UpdateError> {
         // A look without tables has one that it doesn't name.
         match self.ao_slot(name) {
             Ok(_) => Ok(self.set_ao(name, settings)?),

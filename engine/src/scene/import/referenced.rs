@@ -11,8 +11,12 @@ pub fn referenced_files(path: &Path) -> Vec<PathBuf> {
         let parts = container::split(&bytes).ok()?;
         let json: serde_json::Value = serde_json::from_slice(bytes.get(parts.json)?).ok()?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let entries = ["buffers", "images"].into_iter().filter_map(|key| json.get(key)?.as_array());
-        let uris = entries.flatten().filter_map(|entry| entry.get("uri")?.as_str());
+        let entries = ["buffers", "images"]
+            .into_iter()
+            .filter_map(|key| json.get(key)?.as_array());
+        let uris = entries
+            .flatten()
+            .filter_map(|entry| entry.get("uri")?.as_str());
         let files = uris
             .filter(|uri| !uri.starts_with("data:"))
             .filter_map(|uri| match files::resolve(folder, uri).ok()? {

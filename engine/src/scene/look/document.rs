@@ -205,7 +205,9 @@ impl LookDocument {
         let (key, name) = section.place();
         let item = self.document.get(key);
         Kept(match name {
-            Some(name) => item.and_then(|item| item.as_table_like()?.get(name)).cloned(),
+            Some(name) => item
+                .and_then(|item| item.as_table_like()?.get(name))
+                .cloned(),
             None => item.cloned(),
         })
     }
@@ -216,14 +218,19 @@ impl LookDocument {
             return self.remove_table(section);
         };
         let (key, name) = section.place();
-        match (name, self.document.get_mut(key)) {
-            (Some(name), Some(parent)) => {
-                if let Some(parent) = parent.as_table_like_mut() {
-                    parent.insert(name, item);
-                }
-            }
-            _ => {
-                self.document.insert(key, item);
+        let parent: Option<&mut dyn TableLike> = match name {
+            None => Some(self.document.as_table_mut()),
+            Some(_) => self.document.get_mut(key).and_then(Item::as_table_like_mut),
+        };
+        let name = name.unwrap_or(key);
+        let Some(parent) = parent else {
+            return;
+        };
+        // In its place, where comments before its key are kept.
+        match parent.get_mut(name) {
+            Some(now) => *now = item,
+            None => {
+                parent.insert(name, item);
             }
         }
     }
@@ -271,5 +278,193 @@ impl LookDocument {
             }
         };
         item.as_table_like_mut().ok_or_else(in_the_way)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::look::{Look, find};
+
+    const TEXT: &str = "# Head.\nenvironment = { color = [1, 1, 1] } # white\n\n[node.a] # first\ntexture = 't'   # of mine\nscale   = 4     # odd spacing\n\n# Second.\n[node.b]\ntexture = 't'\n[material.\"A b\"]\n  roughness = 0.5 # rough\n# The end.\n";
+
+    fn parsed(text: &str) -> LookDocument {
+        LookDocument::parse(Path::new("a.look.toml"), text).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    fn node(name: &str) -> Section {
+        Section::Node(name.to_owned())
+    }
+
+    #[test]
+    fn an_edit_changes_its_line_alone() {
+        let mut document = parsed(TEXT);
+        assert_eq!(document.text(), TEXT);
+        document
+            .set(&node("a"), "scale", &Value::number(0.1))
+            .unwrap();
+        let section = Section::Material("A b".to_owned());
+        document
+            .set(&section, "roughness", &Value::Text("a".to_owned()))
+            .unwrap();
+        document
+            .set(&Section::Environment, "intensity", &Value::number(2.0))
+            .unwrap();
+        let expected = TEXT
+            .replace("= 4  ", "= 0.1  ")
+            .replace("= 0.5 #", "= \"a\" #")
+            .replace("[1, 1, 1] }", "[1, 1, 1] , intensity = 2.0}");
+        let (text, same) = (document.text(), |a: &str, b: &str| {
+            let bare = |t: &str| t.replace(' ', "");
+            bare(a) == bare(b)
+        });
+        assert!(same(&text, &expected), "{text}");
+        let changed = |a: &str, b: &str| a.lines().zip(b.lines()).filter(|(a, b)| a != b).count();
+        assert_eq!(changed(TEXT, &text), 3, "{text}");
+    }
+
+    #[test]
+    fn tables_come_and_go_and_comments_stay() {
+        let mut document = parsed(TEXT);
+        document
+            .set(&node("c"), "texture", &Value::Text("t".to_owned()))
+            .unwrap();
+        document
+            .set(&node("c"), "amount", &Value::Bool(true))
+            .unwrap();
+        document
+            .set(&Section::Camera, "y_fov", &Value::Integer(40))
+            .unwrap();
+        document
+            .set(
+                &Section::Ao("near".to_owned()),
+                "distance",
+                &Value::number(0.5),
+            )
+            .unwrap();
+        let text = document.text();
+        let again = parsed(&text);
+        assert_eq!(again.text(), text);
+        let c = again.table(&node("c")).expect("added");
+        assert!(find(&c, "amount").is_some_and(|v| v.value == Value::Bool(true)));
+        assert!(again.table(&Section::Ao("near".to_owned())).is_some());
+        for line in TEXT.lines() {
+            assert!(
+                text.lines().any(|l| l == line),
+                "{line} is missing:\n{text}"
+            );
+        }
+        document.remove_table(&node("c"));
+        document.remove_table(&Section::Camera);
+        document.remove_table(&Section::Ao("near".to_owned()));
+        assert_eq!(document.text(), TEXT);
+        document.remove(&node("a"), "scale");
+        assert_eq!(
+            document.text(),
+            TEXT.replace("scale   = 4     # odd spacing\n", "")
+        );
+    }
+
+    #[test]
+    fn what_is_kept_is_put_back_to_the_byte() {
+        for section in [
+            node("a"),
+            node("b"),
+            node("new"),
+            Section::Environment,
+            Section::Camera,
+        ] {
+            let mut document = parsed(TEXT);
+            let kept = document.keep(&section);
+            document
+                .set(&section, "scale", &Value::number(3.0))
+                .unwrap();
+            assert_ne!(document.text(), TEXT);
+            document.put_back(&section, kept);
+            assert_eq!(document.text(), TEXT, "{section}");
+        }
+    }
+
+    #[test]
+    fn tables_of_any_shape_can_be_edited() {
+        for text in [
+            "node = { a = { texture = 't', scale = 1 } }",
+            "node.a.texture = 't'\nnode.a.scale = 1",
+            "[node]\na.texture = 't'\na.scale = 1",
+            "[node]\na = { texture = 't', scale = 1 }",
+            "",
+        ] {
+            let mut document = parsed(text);
+            for name in ["a", "b"] {
+                document
+                    .set(&node(name), "texture", &Value::Text("t".to_owned()))
+                    .unwrap();
+                document
+                    .set(&node(name), "scale", &Value::number(2.5))
+                    .unwrap();
+                document
+                    .set(&node(name), "deep.er", &Value::number(1.0))
+                    .unwrap();
+            }
+            let again = parsed(&document.text());
+            for name in ["a", "b"] {
+                let table = again
+                    .table(&node(name))
+                    .unwrap_or_else(|| panic!("{}", document.text()));
+                assert!(find(&table, "scale").is_some_and(|v| v.value == Value::Float(2.5)));
+                assert!(find(&table, "deep").is_some());
+            }
+        }
+        let mut document = parsed("node = 3");
+        assert!(document.set(&node("a"), "x", &Value::Integer(1)).is_err());
+        assert_eq!(document.text(), "node = 3");
+    }
+
+    #[test]
+    fn line_ends_and_byte_order_marks_stay() {
+        let text = format!("{BYTE_ORDER_MARK}{}", TEXT.replace('\n', "\r\n"));
+        let mut document = parsed(&text);
+        document
+            .set(&node("a"), "scale", &Value::Integer(5))
+            .unwrap();
+        assert_eq!(document.text(), text.replace("= 4 ", "= 5 "));
+        assert!(Look::parse(Path::new("a"), &document.text()).is_ok());
+    }
+
+    #[test]
+    fn numbers_come_back_to_the_bit() {
+        let mut bits = 0x1234_5678_u32;
+        for _ in 0..20_000 {
+            bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let number = f32::from_bits(bits);
+            if !number.is_finite() {
+                continue;
+            }
+            let mut document = LookDocument::empty();
+            document
+                .set(&Section::Camera, "y_fov", &Value::number(number))
+                .unwrap();
+            let table = parsed(&document.text()).table(&Section::Camera).unwrap();
+            let read = find(&table, "y_fov")
+                .and_then(|v| v.value.as_number())
+                .unwrap() as f32;
+            assert_eq!(read.to_bits(), number.to_bits(), "{}", document.text());
+        }
+    }
+
+    #[test]
+    fn saving_replaces_a_file_and_leaves_nothing_else() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.look.toml");
+        std::fs::write(&path, "old").expect("written");
+        let document = parsed(TEXT);
+        document.save(&path).expect("saved");
+        assert_eq!(std::fs::read_to_string(&path).expect("there"), TEXT);
+        assert!(
+            document
+                .save(&folder.path().join("no/a.look.toml"))
+                .is_err()
+        );
+        assert_eq!(std::fs::read_dir(folder.path()).expect("listed").count(), 1);
     }
 }

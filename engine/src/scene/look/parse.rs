@@ -72,7 +72,9 @@ fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
 
 /// All tables of a text with their places; none where it is no TOML.
 pub(crate) fn placed_fields(text: &str) -> Vec<Field> {
-    Document::parse(text).map_or(Vec::new(), |document| fields(document.as_table(), text.len()))
+    Document::parse(text).map_or(Vec::new(), |document| {
+        fields(document.as_table(), text.len())
+    })
 }
 
 /// One table of a look, read alone. Names of nodes and AO tables in it are not checked.
@@ -89,12 +91,16 @@ pub(crate) fn table(
     let whole = || Spanned::new(Value::Table(fields.to_vec()), span.clone());
     let named = |name: &str| Spanned::new(name.to_owned(), span.clone());
     let read = match section {
-        Section::Environment => environment(&mut reader, &whole()).map(|e| Table::Environment(e.value)),
+        Section::Environment => {
+            environment(&mut reader, &whole()).map(|e| Table::Environment(e.value))
+        }
         Section::Camera => Some(Table::Camera(camera(&mut reader, &whole()))),
-        Section::Ao(name) => ao(&mut reader, &named(name), fields, span).map(|ao| Table::Ao(ao.settings)),
+        Section::Ao(name) => {
+            ao(&mut reader, &named(name), fields, span).map(|ao| Table::Ao(ao.settings))
+        }
         Section::Node(name) => node(&mut reader, &named(name), fields, span).map(Table::Node),
         Section::Material(name) => {
-            material(&mut reader, &named(name), fields, span).map(Table::Material)
+            material(&mut reader, &named(name), fields, span).map(|m| Table::Material(Box::new(m)))
         }
     };
     match read {
@@ -109,7 +115,7 @@ pub(crate) enum Table {
     Camera(CameraLook),
     Ao(AoSettings),
     Node(NodeLook),
-    Material(MaterialLook),
+    Material(Box<MaterialLook>),
 }
 
 /// Reads a table of tables, as `[node.a]` and `[node.b]` make.

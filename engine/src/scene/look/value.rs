@@ -80,7 +80,8 @@ impl Value {
             }
             (Self::Table(a), Self::Table(b)) => {
                 let same = |field: &Field| {
-                    find(b, &field.key.value).is_some_and(|value| value.value.is_same(&field.value.value))
+                    find(b, &field.key.value)
+                        .is_some_and(|value| value.value.is_same(&field.value.value))
                 };
                 a.len() == b.len() && a.iter().all(same)
             }
