@@ -7,8 +7,10 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Parser, Subcommand};
 
+use crate::bench::args::BenchCommand;
 use crate::console::MessageFormat;
 use crate::texture::args::TextureCommand;
+use crate::watch::args::WatchArgs;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -39,16 +41,20 @@ Compiled pipelines are kept in the system's folder for caches; PATINA_CACHE=DIR 
 
 Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
-const WATCH_EXAMPLES: &str = "\
+const MERGE_EXAMPLES: &str = "\
 Examples:
-  Write a texture with the picture in view, in any viewer that notices a new file:
-    patina watch helmet.glb --look rust.look.toml --textures my_textures -o helmet.png
+  Two machines render half of the samples each, and the halves make exactly the whole:
+    patina render room.glb --sample-range 0..128 -o a.patina-film
+    patina render room.glb --sample-range 128..256 -o b.patina-film
+    patina merge a.patina-film b.patina-film -o room.exr -o room.png
+  More samples later:
+    patina render room.glb --sample-range 256..512 -o c.patina-film
+    patina merge a.patina-film b.patina-film c.patina-film -o all.patina-film -o room.exr
 
-The look, the textures in use, the scene and its images are watched. After each change the picture is written at 1, 4,
-16, 64, ... samples per pixel, with a line on how long that took. What is wrong is shown with file, line and caret,
-and the former picture goes on. Ctrl-C ends it.
+The parts may have gaps between them, but no sample in common. They must have been rendered from the same scene, look,
+size, camera and settings; a device of another kind gives other last bits.
 
-Exit codes: 0 ended, 1 failed, 2 wrong usage.";
+Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
 /// A path tracer extended with procedural textures in plain WGSL.
 #[derive(Debug, Parser)]
@@ -70,8 +76,11 @@ pub(crate) enum Command {
     #[command(after_help = RENDER_EXAMPLES)]
     Render(Box<RenderArgs>),
     /// Render a scene again and again while its files are edited.
-    #[command(after_help = WATCH_EXAMPLES)]
+    #[command(after_help = crate::watch::args::EXAMPLES)]
     Watch(Box<WatchArgs>),
+    /// Add films of parts of a picture's samples, as `render --sample-range` writes them.
+    #[command(after_help = MERGE_EXAMPLES)]
+    Merge(MergeArgs),
     /// List, check, inspect, evaluate, preview and begin textures.
     Texture {
         /// What to do with them.
@@ -108,7 +117,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) look: Option<PathBuf>,
 
-    /// Where to write: .png or .jpg (8-bit sRGB) or .exr (linear float). May be given several times.
+    /// Where to write: .png or .jpg (8-bit sRGB), .exr (linear float) or .patina-film (exact sums for `patina merge`).
+    /// May be given several times.
     ///
     /// Without it the picture goes to SCENE-render.png in the current directory.
     #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append)]
@@ -118,6 +128,11 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", default_value = "64")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) spp: String,
+
+    /// Render only the samples from A up to, but not including, B of each pixel: part of a picture, see `patina merge`.
+    #[arg(long, value_name = "A..B", conflicts_with = "spp")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) sample_range: Option<String>,
 
     /// Width and height of the picture in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
@@ -132,6 +147,21 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", default_value = "9")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) max_depth: String,
+
+    /// How a pixel weighs the light around its centre: box, gaussian, blackman-harris or mitchell.
+    #[arg(long, value_name = "NAME", default_value = "box")]
+    pub(crate) filter: String,
+
+    /// Width of the filter from edge to edge; 1 for the box, 3 for gaussian and blackman-harris, 4 for mitchell.
+    #[arg(long, value_name = "PIXELS")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) filter_width: Option<String>,
+
+    /// Let no contribution of indirect light (scattered twice or more) exceed X. Takes away fireflies, and light with them:
+    /// the picture is biased. Off by default.
+    #[arg(long, value_name = "X")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) clamp: Option<String>,
 
     /// Leave out the light that rough surfaces scatter more than once in themselves, as glTF's own formula does.
     #[arg(long)]
@@ -164,117 +194,22 @@ pub(crate) struct RenderArgs {
     pub(crate) stats_json: Option<PathBuf>,
 }
 
-/// Flags of `patina watch`.
+/// Flags of `patina merge`.
 #[derive(Debug, clap::Args)]
-pub(crate) struct WatchArgs {
-    /// The scene: a glTF 2.0 file (.gltf or .glb).
-    pub(crate) scene: PathBuf,
+pub(crate) struct MergeArgs {
+    /// The parts (.patina-film), in any order.
+    #[arg(required = true, value_name = "PART")]
+    pub(crate) parts: Vec<PathBuf>,
 
-    /// The look: a TOML file with procedural textures, environment and overrides.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) look: Option<PathBuf>,
-
-    /// Where to write: .png, .jpg or .exr. May be given several times.
-    ///
-    /// Without it the picture goes to SCENE-render.png in the current directory.
-    #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append)]
+    /// Where to write: .png or .jpg (8-bit sRGB), .exr (linear float) or .patina-film (to be merged again). May be given
+    /// several times.
+    #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append, required = true)]
     pub(crate) outputs: Vec<PathBuf>,
 
-    /// Samples per pixel of the last picture after each change.
-    #[arg(long, value_name = "N", default_value = "1024")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) spp: String,
-
-    /// Width and height of the picture in pixels.
-    #[arg(long, value_name = "WxH", default_value = "640x360")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) size: String,
-
-    /// Camera of the scene by name, in place of the look's.
-    #[arg(long, value_name = "NAME")]
-    pub(crate) camera: Option<String>,
-
-    /// At most N surface points scatter light along a path; 1 is direct light only.
-    #[arg(long, value_name = "N", default_value = "9")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) max_depth: String,
-
-    /// Seed of the random numbers.
-    #[arg(long, value_name = "N", default_value = "0")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) seed: String,
-
-    /// Device by number or by part of its name, as `patina devices` lists them.
-    #[arg(long, value_name = "NAME|N")]
-    pub(crate) device: Option<String>,
-
-    /// Folder with user textures (.wgsl). May be given several times; searched before the standard ones.
-    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
-    pub(crate) texture_dirs: Vec<PathBuf>,
-
-    /// Brightness of PNG and JPEG files in stops.
+    /// Brightness of PNG and JPEG files in stops: +1 is twice as bright. EXR files keep the radiance as it is.
     #[arg(long, value_name = "STOPS", default_value = "0")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) exposure: String,
-}
-
-/// What `patina bench` measures.
-#[derive(Debug, Subcommand)]
-pub(crate) enum BenchCommand {
-    /// The texture kernel: seconds to build it for 1 to 100 textures, and what a hit costs beside unused ones.
-    ///
-    /// A hundred textures are a large kernel: software drivers take many minutes to compile it.
-    Kernel {
-        /// No kernel holds more textures than this.
-        #[arg(
-            long,
-            value_name = "N",
-            default_value = "100",
-            allow_hyphen_values = true
-        )]
-        most: String,
-
-        /// Folder with user textures, searched before the standard ones. May be given several times.
-        #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
-        texture_dirs: Vec<PathBuf>,
-
-        /// Device by number or by part of its name, as `patina devices` lists them.
-        #[arg(long, value_name = "NAME|N")]
-        device: Option<String>,
-    },
-    /// Live edits of a look with many nodes: milliseconds from the call to the command submitted, and to a picture.
-    Edit {
-        /// Nodes of the look.
-        #[arg(
-            long,
-            value_name = "N",
-            default_value = "1000",
-            allow_hyphen_values = true
-        )]
-        nodes: String,
-
-        /// Edits of each kind.
-        #[arg(
-            long,
-            value_name = "N",
-            default_value = "1000",
-            allow_hyphen_values = true
-        )]
-        edits: String,
-
-        /// Device by number or by part of its name, as `patina devices` lists them.
-        #[arg(long, value_name = "NAME|N")]
-        device: Option<String>,
-    },
-    /// Rays per second of the traversal kernel: primary, bounce and shadow rays.
-    Traverse {
-        /// The scene to shoot rays into; without it a built-in one of 262,144 triangles.
-        scene: Option<PathBuf>,
-
-        /// Device by number or by part of its name, as `patina devices` lists them.
-        #[arg(long, value_name = "NAME|N")]
-        device: Option<String>,
-    },
 }
 
 /// The message format asked for by a command line that can't be understood otherwise.

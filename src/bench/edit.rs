@@ -49,12 +49,8 @@ pub(crate) fn run(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), F
         camera: None,
     };
     let settings = |camera| RenderSettings {
-        width: SIZE.0,
-        height: SIZE.1,
         max_depth: 3,
-        seed: 0,
-        camera,
-        energy_compensation: true,
+        ..RenderSettings::new(SIZE.0, SIZE.1, &camera)
     };
     let mut live = LiveRender::open(
         inputs,

@@ -1,7 +1,9 @@
 //! `patina watch`: renders live without a window. After each change of a file the picture is written anew at 1, 4, 16,
 //! 64, ... samples per pixel; what is wrong with the files is said once, and that it has been mended.
 
+pub(crate) mod args;
 mod files;
+pub(crate) mod job;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,11 +13,11 @@ use engine::live::{LiveInputs, LiveRender};
 use engine::renderer::RenderSettings;
 
 use crate::exit::Failure;
-use crate::job::WatchJob;
 use crate::output::{self, Fact, Picture};
 use crate::{cache, console, interrupt, library};
 
 use files::{Changes, Watcher};
+use job::WatchJob;
 
 /// How often a watch that has nothing to render looks whether something in the background is ready.
 const IDLE: Duration = Duration::from_millis(20);
@@ -89,12 +91,9 @@ fn open(job: &WatchJob) -> Result<LiveRender, Failure> {
         inputs,
         Arc::new(move || Gpu::with_cache(&device, folder.as_deref())),
         Arc::new(move |camera| RenderSettings {
-            width,
-            height,
             max_depth,
             seed,
-            camera,
-            energy_compensation: true,
+            ..RenderSettings::new(width, height, &camera)
         }),
     )
     .map_err(Failure::from)
@@ -159,7 +158,7 @@ impl Update {
 fn write(job: &WatchJob, live: &mut LiveRender, update: &Update) -> Result<(), Failure> {
     let snapshot = live.snapshot()?;
     let film = snapshot.film;
-    let spp = film.samples.iter().copied().min().unwrap_or(0);
+    let (spp, _) = film.sample_bounds();
     let picture = Picture {
         width: film.width,
         height: film.height,

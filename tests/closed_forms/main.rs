@@ -10,6 +10,7 @@ mod appearance;
 mod determinism;
 mod direct;
 mod environment;
+mod filters;
 mod furnace;
 
 use engine::film::Film;

@@ -6,6 +6,7 @@ pub mod environment;
 mod geometry;
 pub mod images;
 mod levels;
+pub mod light_tree;
 pub mod lights;
 pub mod materials;
 mod update;
@@ -17,14 +18,14 @@ use crate::{
     bvh::{BvhError, SceneBvh},
     gpu::{Gpu, GpuError, kernel::Resources},
     procedural::{ProgramTraits, TextureReads},
-    scene::Scene,
+    scene::{Mesh, Scene},
 };
 
 use self::{
     environment::GpuEnvironment,
     geometry::{TRIANGLE_ALPHA, geometry},
     images::GpuImages,
-    lights::GpuLight,
+    lights::LightTable,
     materials::GpuMaterial,
     update::Uploaded,
 };
@@ -88,6 +89,10 @@ pub struct SceneFeatures {
     pub environment: bool,
     /// Some material lets light through.
     pub transmission: bool,
+    /// Some material is a clear thin wall.
+    pub clear: bool,
+    /// A path may pass surfaces without being scattered, so that it takes more rounds than vertices that scatter.
+    pub passages: bool,
     /// Some material has a coat, sheen, a thin film or anisotropy.
     pub layers: bool,
     /// Rough surfaces give back what single scattering loses: no property of the scene, but of what is asked for.
@@ -100,12 +105,13 @@ pub struct SceneFeatures {
 
 impl SceneFeatures {
     /// Values of the kernels' `override` constants.
-    pub fn constants(&self) -> [(&'static str, f64); 8] {
+    pub fn constants(&self) -> [(&'static str, f64); 9] {
         [
             ("has_alpha", f64::from(u8::from(self.alpha))),
             ("has_textures", f64::from(u8::from(self.textures))),
             ("has_environment", f64::from(u8::from(self.environment))),
             ("has_transmission", f64::from(u8::from(self.transmission))),
+            ("has_clear", f64::from(u8::from(self.clear))),
             ("has_layers", f64::from(u8::from(self.layers))),
             (
                 "energy_compensation",
@@ -123,8 +129,10 @@ impl SceneFeatures {
 /// What the frame needs to know about the scene, and its memory.
 #[derive(Debug)]
 pub struct GpuScene {
-    /// Entries of the light table.
+    /// Lights with a place.
     pub light_count: u32,
+    /// Lights infinitely far away, but for the environment.
+    pub directional_count: u32,
     /// What the kernels must be able to do.
     pub features: SceneFeatures,
     /// The environment's numbers.
@@ -170,7 +178,7 @@ impl GpuScene {
             .enumerate()
             .map(|(i, m)| GpuMaterial::new(m, &program(i as u32)))
             .collect();
-        let lights: Vec<GpuLight> = lights::gather(scene, &bvh, radius, &program, &mut materials);
+        let lights = LightTable::gather(scene, &bvh, &program, &mut materials);
         let (triangles, vertices) = geometry(scene, &bvh, &program, reads.attributes);
         let images = GpuImages::new(gpu, scene, reads)?;
         let environment = GpuEnvironment::new(gpu, &scene.environment)?;
@@ -195,23 +203,19 @@ impl GpuScene {
             "materials",
             gpu.storage_buffer("materials", bytemuck::cast_slice(&materials))?,
         );
-        // At least one entry, so that the array binding is never shorter than its element.
-        let light_bytes = if lights.is_empty() {
-            vec![0; size_of::<GpuLight>()]
-        } else {
-            bytemuck::cast_slice(&lights).to_vec()
-        };
-        resources.set_buffer("lights", gpu.storage_buffer("lights", &light_bytes)?);
+        resources.set_buffer("lights", gpu.storage_buffer("lights", &lights.bytes())?);
         resources.set_view("image_table", images.table.clone());
         resources.set_view("image_layers", images.layers.clone());
         resources.set_view("image_layers_srgb", images.layers_srgb.clone());
         resources.set_view("albedo_table", albedo::upload(gpu));
         resources.set_view("environment_image", environment.image.clone());
         resources.set_view("environment_table", environment.table.clone());
+        let shadows = Shadows::of(scene, &program);
         bvh.nodes = Vec::new();
         Ok(Self {
             uploaded: Uploaded::new(scene, &program, materials, bvh),
-            light_count: lights.len() as u32,
+            light_count: lights.placed.len() as u32,
+            directional_count: lights.directional.len() as u32,
             features: SceneFeatures {
                 alpha: triangles.iter().any(|t| t[3] & TRIANGLE_ALPHA != 0),
                 textures: !scene.images.is_empty(),
@@ -224,10 +228,9 @@ impl GpuScene {
                     .any(|(i, m)| materials::has_layers(m) || program(i).has_layers),
                 energy_compensation: true,
                 programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
-                program_shadows: (0..scene.materials.len() as u32).any(|m| {
-                    let program = program(m);
-                    program.decides_opacity || program.decides_light && program.brightness > 0.0
-                }),
+                program_shadows: shadows.by_program,
+                clear: shadows.clear,
+                passages: shadows.passages,
             },
             environment,
             bounds: [lo, hi],
@@ -237,6 +240,51 @@ impl GpuScene {
             image_bytes: images.bytes,
         })
     }
+}
+
+/// What rays may meet besides what ends them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Shadows {
+    by_program: bool,
+    clear: bool,
+    passages: bool,
+}
+
+impl Shadows {
+    fn of(scene: &Scene, program: impl Fn(u32) -> ProgramTraits) -> Self {
+        let clear = (0..)
+            .zip(&scene.materials)
+            .any(|(i, m)| materials::is_clear(m, &program(i)));
+        let by_program = (0..scene.materials.len() as u32).any(|m| {
+            let program = program(m);
+            program.decides_opacity || program.decides_light && program.brightness > 0.0
+        });
+        Self {
+            by_program,
+            clear,
+            passages: by_program || clear || bodies(scene) > 1,
+        }
+    }
+}
+
+/// How many bodies there are that may overlap: meshes of instances with a solid material, each for itself.
+fn bodies(scene: &Scene) -> usize {
+    let is_body = |&m: &u32| {
+        let material = &scene.materials[m as usize];
+        material.is_solid
+    };
+    let of_mesh = |mesh: &Mesh| {
+        let mut solid: Vec<u32> = (mesh.triangle_materials.iter().copied())
+            .filter(is_body)
+            .collect();
+        solid.sort_unstable();
+        solid.dedup();
+        solid.len()
+    };
+    let counts: Vec<usize> = scene.meshes.iter().map(of_mesh).collect();
+    (scene.instances.iter())
+        .map(|instance| counts[instance.mesh as usize])
+        .sum()
 }
 
 fn instances(scene: &Scene, bvh: &SceneBvh) -> Vec<GpuInstance> {

@@ -10,7 +10,10 @@ use crate::{
     scene::{Material, Scene},
 };
 
-use super::{GpuScene, GpuSceneError, geometry, lights, materials, materials::GpuMaterial};
+use super::{
+    GpuScene, GpuSceneError, Shadows, geometry, lights::LightTable, materials,
+    materials::GpuMaterial,
+};
 
 /// What is remembered of the upload.
 #[derive(Debug)]
@@ -29,6 +32,7 @@ struct Emission {
     constant: Vec3,
     image: Option<u32>,
     unlit: bool,
+    double_sided: bool,
     by_program: Option<f32>,
 }
 
@@ -55,6 +59,7 @@ fn emission(scene: &Scene, program: impl Fn(u32) -> ProgramTraits) -> Vec<Emissi
             constant: material.emission,
             image: material.emission_texture.map(|texture| texture.image),
             unlit: material.unlit,
+            double_sided: material.double_sided,
             by_program: program.decides_light.then_some(program.brightness),
         }
     };
@@ -100,16 +105,15 @@ impl GpuScene {
         let emission = emission(scene, &program);
         if emission == self.uploaded.emission {
             for (record, former) in records.iter_mut().zip(&self.uploaded.materials) {
-                record.light_pdf = former.light_pdf;
+                record.light_radiance = former.light_radiance;
             }
         } else {
-            let (bvh, radius) = (&self.uploaded.bvh, self.radius);
-            let lights = lights::gather(scene, bvh, radius, &program, &mut records);
-            // The sky's share of the light samples, and kernels, depend on whether there are lights at all.
-            if lights.is_empty() != (self.light_count == 0) {
+            let lights = LightTable::gather(scene, &self.uploaded.bvh, &program, &mut records);
+            // Whether there are lights at all is decided once.
+            if lights.placed.is_empty() != (self.light_count == 0) {
                 return Ok(Update::Rebuild);
             }
-            let bytes: &[u8] = bytemuck::cast_slice(&lights);
+            let bytes = &lights.bytes()[..];
             if resources.buffer("lights").size() >= bytes.len() as u64 {
                 gpu.queue()
                     .write_buffer(resources.buffer("lights"), 0, bytes);
@@ -117,7 +121,7 @@ impl GpuScene {
                 resources.set_buffer("lights", gpu.storage_buffer("lights", bytes)?);
                 is_moved = true;
             }
-            self.light_count = lights.len() as u32;
+            self.light_count = lights.placed.len() as u32;
             self.uploaded.emission = emission;
         }
         let size = size_of::<GpuMaterial>();
@@ -137,12 +141,13 @@ impl GpuScene {
         let indexed = || (0..).zip(&scene.materials);
         let transmits = indexed().any(|(i, m)| materials::transmits(m) || program(i).transmits);
         let has_layers = indexed().any(|(i, m)| materials::has_layers(m) || program(i).has_layers);
-        let shadows = indexed().any(|(i, _)| {
-            let program = program(i);
-            program.decides_opacity || program.decides_light && program.brightness > 0.0
-        });
+        let former = Shadows {
+            by_program: self.features.program_shadows,
+            clear: self.features.clear,
+            passages: self.features.passages,
+        };
         (self.features.transmission || !transmits)
             && (self.features.layers || !has_layers)
-            && self.features.program_shadows == shadows
+            && Shadows::of(scene, program) == former
     }
 }

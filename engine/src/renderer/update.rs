@@ -79,14 +79,7 @@ impl Renderer {
     }
 
     pub(super) fn fresh_frame(&self) -> Frame {
-        Frame::new(
-            (self.settings.width, self.settings.height),
-            &self.settings.camera,
-            self.settings.max_depth,
-            self.settings.seed,
-            self.capacity,
-            &self.scene,
-        )
+        Frame::new(&self.settings, self.capacity, &self.scene)
     }
 
     /// Renders another view from now on, from the first sample.
