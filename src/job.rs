@@ -14,6 +14,7 @@ use thiserror::Error;
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
 use crate::bench::job::BenchJob;
 use crate::texture::job::TextureJob;
+use crate::watch::job::WatchJob;
 
 /// Longest side of a picture, pixels.
 pub(crate) const MAX_SIDE: u32 = engine::renderer::MAX_SIDE;
@@ -33,6 +34,8 @@ pub(crate) const MAX_EXPOSURE: f32 = 32.0;
 pub(crate) enum Job {
     /// Render a scene.
     Render(RenderJob),
+    /// Render a scene whenever its files change.
+    Watch(WatchJob),
     /// Add films.
     Merge(MergeJob),
     /// Do something with textures.
@@ -114,7 +117,14 @@ pub(crate) struct Outputs {
 }
 
 impl Outputs {
-    fn from_paths(paths: Vec<PathBuf>) -> Result<Self, UsageError> {
+    /// By their endings. Where nothing is given, the usual picture of `scene`.
+    pub(crate) fn from_paths(
+        mut paths: Vec<PathBuf>,
+        scene: Option<&Path>,
+    ) -> Result<Self, UsageError> {
+        if let (true, Some(scene)) = (paths.is_empty(), scene) {
+            paths.push(default_output(scene));
+        }
         let is_film = |path: &PathBuf| {
             let extension = path.extension();
             extension.is_some_and(|e| e.eq_ignore_ascii_case(FILM_EXTENSION))
@@ -290,6 +300,7 @@ impl Job {
     pub(crate) fn from_args(args: Args) -> Result<Self, UsageError> {
         Ok(match args.command {
             Command::Render(args) => Self::Render(RenderJob::from_args(*args)?),
+            Command::Watch(args) => Self::Watch(WatchJob::from_args(*args)?),
             Command::Merge(args) => Self::Merge(MergeJob::from_args(args)?),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,
@@ -305,10 +316,7 @@ impl Job {
 impl RenderJob {
     fn from_args(args: RenderArgs) -> Result<Self, UsageError> {
         let (width, height) = parse_size(&args.size)?;
-        let mut outputs = Outputs::from_paths(args.outputs)?;
-        if outputs.paths().next().is_none() {
-            outputs.pictures.push(default_output(&args.scene));
-        }
+        let outputs = Outputs::from_paths(args.outputs, Some(&args.scene))?;
         let samples = match &args.sample_range {
             Some(range) => parse_sample_range(range)?,
             None => 0..parse_number("--spp", &args.spp, 1, MAX_SPP)?,
@@ -360,7 +368,7 @@ impl RenderJob {
 
 impl MergeJob {
     fn from_args(args: MergeArgs) -> Result<Self, UsageError> {
-        let outputs = Outputs::from_paths(args.outputs)?;
+        let outputs = Outputs::from_paths(args.outputs, None)?;
         refuse_overwriting(outputs.paths(), args.parts.iter())?;
         let mut parts = args.parts.iter().enumerate();
         if let Some((_, path)) = parts.find(|(i, path)| args.parts[..*i].contains(path)) {
@@ -464,7 +472,7 @@ pub(crate) fn parse_number(
         })
 }
 
-fn parse_exposure(given: &str) -> Result<f32, UsageError> {
+pub(crate) fn parse_exposure(given: &str) -> Result<f32, UsageError> {
     given
         .parse::<f32>()
         .ok()
@@ -500,15 +508,12 @@ pub(crate) fn parse_output(path: PathBuf) -> Result<Output, UsageError> {
 }
 
 /// `SCENE-render.png`: not `SCENE.png`, which may well be a texture of the scene.
-fn default_output(scene: &Path) -> Output {
+fn default_output(scene: &Path) -> PathBuf {
     let mut name = scene
         .file_stem()
         .map_or_else(|| "scene".into(), ToOwned::to_owned);
     name.push("-render.png");
-    Output {
-        path: name.into(),
-        format: Format::Png,
-    }
+    name.into()
 }
 
 pub(crate) fn refuse_overwriting<'a>(

@@ -34,6 +34,30 @@ pub(crate) enum BenchCommand {
         #[arg(long, value_name = "NAME|N")]
         device: Option<String>,
     },
+    /// Live edits of a look with many nodes: milliseconds from the call to the command submitted, and to a picture.
+    Edit {
+        /// Nodes of the look.
+        #[arg(
+            long,
+            value_name = "N",
+            default_value = "1000",
+            allow_hyphen_values = true
+        )]
+        nodes: String,
+
+        /// Edits of each kind.
+        #[arg(
+            long,
+            value_name = "N",
+            default_value = "1000",
+            allow_hyphen_values = true
+        )]
+        edits: String,
+
+        /// Device by number or by part of its name, as `patina devices` lists them.
+        #[arg(long, value_name = "NAME|N")]
+        device: Option<String>,
+    },
     /// Whole renders: samples and rays per second, time of each pass, for several scenes in turn.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArgs),

@@ -26,6 +26,15 @@ pub(crate) enum BenchJob {
         /// Device to measure.
         device: DeviceChoice,
     },
+    /// Live edits.
+    Edit {
+        /// Nodes of the look.
+        nodes: u32,
+        /// Edits of each kind.
+        edits: u32,
+        /// Device to measure.
+        device: DeviceChoice,
+    },
     /// Whole renders.
     Render(RenderJob),
     /// What textures cost.
@@ -111,6 +120,16 @@ impl BenchJob {
             } => Self::Kernel {
                 most: parse_number("--most", &most, 1, 100)?,
                 texture_dirs,
+                device: parse_device(device.as_deref())?,
+            },
+            BenchCommand::Edit {
+                nodes,
+                edits,
+                device,
+            } => Self::Edit {
+                // One chain for the blend's base, one for what lies over it.
+                nodes: parse_number("--nodes", &nodes, 20, 100_000)?,
+                edits: parse_number("--edits", &edits, 100, 1_000_000)?,
                 device: parse_device(device.as_deref())?,
             },
             BenchCommand::Render(args) => Self::Render(RenderJob::from_args(args)?),

@@ -3,6 +3,7 @@
 //! This is the order in which the readers are called, and nothing more. No GPU here.
 
 mod camera;
+mod files;
 mod include;
 
 use std::path::{Path, PathBuf};
@@ -14,6 +15,8 @@ use crate::procedural::{Procedural, SourcesError, TextureSources};
 use crate::scene::import::{self, ImportError, Imported};
 use crate::scene::look::{EnvironmentLook, Look, LookError, Spanned};
 use crate::scene::{Camera, Environment, Material, Scene};
+
+pub use files::files;
 
 /// A scene ready to be uploaded.
 #[derive(Debug)]
@@ -64,9 +67,20 @@ pub enum LoadError {
 /// # Errors
 /// Whatever is wrong with the files, all mistakes of the look at once, and a scene without triangles.
 pub fn load(scene: &Path, look: Option<&Path>, textures: &[PathBuf]) -> Result<Loaded, LoadError> {
-    let path = scene;
     // First what is small, so that a mistake in the look doesn't wait for a large scene.
     let look = look.map(Look::load).transpose()?;
+    load_with(scene, look, textures)
+}
+
+/// As [`load`], with a look that is at hand.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with(
+    path: &Path,
+    look: Option<Look>,
+    textures: &[PathBuf],
+) -> Result<Loaded, LoadError> {
     let uses_textures = look.as_ref().is_some_and(|look| !look.nodes.is_empty());
     let sources = if uses_textures {
         TextureSources::scan(textures)?
@@ -176,13 +190,26 @@ fn read_environment(
     }
 }
 
+/// The camera that a look asks for.
+///
+/// # Errors
+/// There is none of its name, or it has no direction.
+pub(crate) fn camera_of(look: &Look, scene: &Scene) -> Result<Camera, Diagnostic> {
+    camera::resolve(look, scene)
+}
+
 /// Whether nothing in the scene gives light, so that its picture would be black.
 fn is_dark(scene: &Scene, glows: impl Fn(u32) -> bool) -> bool {
+    let is_black = matches!(scene.environment, Environment::Constant(c) if c.max_element() <= 0.0);
+    is_black && has_no_lamp(scene, glows)
+}
+
+/// Whether all light that there may be comes from the environment.
+pub(crate) fn has_no_lamp(scene: &Scene, glows: impl Fn(u32) -> bool) -> bool {
     let emits = |(index, material): (usize, &Material)| {
         material.unlit || material.emission.max_element() > 0.0 || glows(index as u32)
     };
-    let is_black = matches!(scene.environment, Environment::Constant(c) if c.max_element() <= 0.0);
-    is_black && scene.lights.is_empty() && !scene.materials.iter().enumerate().any(emits)
+    scene.lights.is_empty() && !scene.materials.iter().enumerate().any(emits)
 }
 
 /// What is seen without a look: the file's first camera, or all of the scene.

@@ -5,6 +5,7 @@
 //! not know which materials the scene has or which parameters a texture takes: `procedural` brings those together.
 //! `docs/look-file.md` is the reference for users.
 
+mod document;
 mod material;
 mod parse;
 mod reader;
@@ -17,9 +18,11 @@ use std::path::{Path, PathBuf};
 use glam::{Affine3A, Vec3};
 use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle};
 
+pub use document::{LookDocument, Section};
 pub use material::MaterialLook;
+pub(crate) use parse::{Table, placed_fields, table};
 pub use reader::{color, link_text};
-pub use value::{Field, Span, Spanned, Value, parse_value};
+pub use value::{Field, Span, Spanned, Value, find, parse_value};
 
 /// The most AO tables a look may have: the hit of a path carries this many occlusion values.
 pub const MAX_AO: usize = 4;

@@ -6,10 +6,11 @@
 use std::path::Path;
 
 use glam::{Affine3A, EulerRot, Quat, Vec3};
-use texgen::{SourceFile, did_you_mean};
+use texgen::{Diagnostics, SourceFile, did_you_mean};
 use toml_edit::Document;
 
-use super::material::material;
+use super::document::Section;
+use super::material::{MaterialLook, material};
 use super::reader::{Reader, is_name};
 use super::value::{Field, Span, Spanned, Value, fields};
 use super::{
@@ -67,6 +68,54 @@ fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
         look.ao.truncate(MAX_AO);
     }
     check_names(reader, look);
+}
+
+/// All tables of a text with their places; none where it is no TOML.
+pub(crate) fn placed_fields(text: &str) -> Vec<Field> {
+    Document::parse(text).map_or(Vec::new(), |document| {
+        fields(document.as_table(), text.len())
+    })
+}
+
+/// One table of a look, read alone. Names of nodes and AO tables in it are not checked.
+///
+/// # Errors
+/// All mistakes of the table.
+pub(crate) fn table(
+    file: &SourceFile,
+    section: &Section,
+    fields: &[Field],
+    span: &Span,
+) -> Result<Table, Diagnostics> {
+    let mut reader = Reader::new(file.clone());
+    let whole = || Spanned::new(Value::Table(fields.to_vec()), span.clone());
+    let named = |name: &str| Spanned::new(name.to_owned(), span.clone());
+    let read = match section {
+        Section::Environment => {
+            environment(&mut reader, &whole()).map(|e| Table::Environment(e.value))
+        }
+        Section::Camera => Some(Table::Camera(camera(&mut reader, &whole()))),
+        Section::Ao(name) => {
+            ao(&mut reader, &named(name), fields, span).map(|ao| Table::Ao(ao.settings))
+        }
+        Section::Node(name) => node(&mut reader, &named(name), fields, span).map(Table::Node),
+        Section::Material(name) => {
+            material(&mut reader, &named(name), fields, span).map(|m| Table::Material(Box::new(m)))
+        }
+    };
+    match read {
+        Some(table) if reader.problems.is_empty() => Ok(table),
+        _ => Err(reader.problems.into_iter().collect()),
+    }
+}
+
+/// What [`table`] read.
+pub(crate) enum Table {
+    Environment(EnvironmentLook),
+    Camera(CameraLook),
+    Ao(AoSettings),
+    Node(NodeLook),
+    Material(Box<MaterialLook>),
 }
 
 /// Reads a table of tables, as `[node.a]` and `[node.b]` make.
