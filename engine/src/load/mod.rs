@@ -4,6 +4,7 @@
 
 mod camera;
 mod include;
+mod light;
 
 use std::path::{Path, PathBuf};
 
@@ -123,7 +124,7 @@ impl Loaded {
     }
 }
 
-/// Everything of the look that is not a material: includes, environment, camera.
+/// Everything of the look that is not a material: includes, environment, lights, camera.
 fn apply(look: &Look, scene: &mut Scene, warnings: &mut Vec<String>) -> Result<Camera, LookError> {
     let mut problems = Diagnostics::new();
     for table in &look.includes {
@@ -140,6 +141,9 @@ fn apply(look: &Look, scene: &mut Scene, warnings: &mut Vec<String>) -> Result<C
             }
             Err(problem) => problems.push(problem),
         }
+    }
+    for table in &look.lights {
+        problems.extend(light::apply(look, table, scene).err());
     }
     match camera::resolve(look, scene) {
         Ok(camera) if problems.is_empty() => Ok(camera),

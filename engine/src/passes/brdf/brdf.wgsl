@@ -199,6 +199,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
             weight = mis_weight(bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
         }
         radiance += throughput * environment_radiance(hit.direction) * weight;
+        radiance += throughput * disk_radiance(hit.direction, bsdf_pdf);
         path_write(PATH_RADIANCE, slot, vec4f(radiance, cone_width));
         return;
     }

@@ -5,6 +5,7 @@
 //! not know which materials the scene has or which parameters a texture takes: `procedural` brings those together.
 //! `docs/look-file.md` is the reference for users.
 
+mod light;
 mod material;
 mod parse;
 mod reader;
@@ -35,6 +36,8 @@ pub struct Look {
     pub environment: Option<Spanned<EnvironmentLook>>,
     /// Overrides of a glTF camera, or a camera of its own.
     pub camera: CameraLook,
+    /// `[light.NAME]` tables, in the order of the file.
+    pub lights: Vec<LightLook>,
     /// `[ao.NAME]` tables, in the order of the file; at most [`MAX_AO`].
     pub ao: Vec<AoLook>,
     /// `[node.NAME]` tables, in the order of the file.
@@ -85,6 +88,15 @@ impl CameraLook {
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
+}
+
+/// `[light.NAME]`: overrides of the lights of that name; whatever is `None` is left as it is in the glTF file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LightLook {
+    /// A directional light of the glTF file.
+    pub name: Spanned<String>,
+    /// Degrees; 0 for light from a single direction.
+    pub angular_diameter: Option<Spanned<f32>>,
 }
 
 /// `[ao.NAME]`: one kind of ambient occlusion, traced for every hit whose textures read it.
@@ -250,6 +262,7 @@ impl Look {
             path: path.to_owned(),
             file,
             environment: None,
+            lights: Vec::new(),
             camera: CameraLook::default(),
             ao: Vec::new(),
             nodes: Vec::new(),

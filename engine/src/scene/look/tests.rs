@@ -205,6 +205,12 @@ fn mistakes_of_value_are_explained() {
         "can't be negative",
     );
     one_problem("[camera]\nposition = [1, 2]", 2, 12, "found 2 values");
+    one_problem(
+        "[light.Sun]\nangular_diameter = 100",
+        2,
+        20,
+        "degrees from 0 to 90",
+    );
     one_problem("[camera]\nposition = [1, 2, nan]", 2, 19, "finite number");
     one_problem("[camera]\nup = [0, 0, 0]", 2, 6, "no direction");
     one_problem("[material.A]\nroughness = 1.5", 2, 13, "from 0 to 1");
