@@ -2,9 +2,11 @@
 //!
 //! Nothing in this folder knows wgpu. Conventions: Y up, right-handed, metres, radians, linear Rec.709.
 
+mod atmosphere;
 pub mod import;
 pub mod look;
 mod material;
+pub mod sky;
 
 pub use import::default_camera;
 pub use material::{AlphaMode, Filter, Material, Sampler, TextureRef, Wrap, absorption};

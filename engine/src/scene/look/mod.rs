@@ -18,6 +18,8 @@ use std::path::{Path, PathBuf};
 use glam::{Affine3A, Vec3};
 use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle};
 
+use crate::scene::sky::Sky;
+
 pub use material::MaterialLook;
 pub use reader::{color, link_text};
 pub use value::{Field, Span, Spanned, Value, parse_value};
@@ -62,6 +64,8 @@ pub enum EnvironmentLook {
         /// Factor on the radiance.
         intensity: f32,
     },
+    /// A clear sky with its sun.
+    Sky(Sky),
 }
 
 /// `[camera]`: whatever is `None` is left as it is in the glTF file.
