@@ -30,12 +30,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         .cloned()
         .unwrap_or_else(|| scene::default_camera(&scene));
     let settings = RenderSettings {
-        width: number(1, 512)?,
-        height: number(2, 512)?,
         max_depth: number(4, 9)?,
-        seed: 0,
-        camera,
-        energy_compensation: true,
+        ..RenderSettings::new(number(1, 512)?, number(2, 512)?, &camera)
     };
     let gpu = Gpu::new(&DeviceChoice::Best)?;
     println!("{} ({})", gpu.description().name, gpu.description().driver);

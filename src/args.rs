@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Parser, Subcommand};
 
+use crate::bench::args::BenchCommand;
 use crate::console::MessageFormat;
 use crate::texture::args::TextureCommand;
 
@@ -39,6 +40,21 @@ Compiled pipelines are kept in the system's folder for caches; PATINA_CACHE=DIR 
 
 Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
+const MERGE_EXAMPLES: &str = "\
+Examples:
+  Two machines render half of the samples each, and the halves make exactly the whole:
+    patina render room.glb --sample-range 0..128 -o a.patina-film
+    patina render room.glb --sample-range 128..256 -o b.patina-film
+    patina merge a.patina-film b.patina-film -o room.exr -o room.png
+  More samples later:
+    patina render room.glb --sample-range 256..512 -o c.patina-film
+    patina merge a.patina-film b.patina-film c.patina-film -o all.patina-film -o room.exr
+
+The parts may have gaps between them, but no sample in common. They must have been rendered from the same scene, look,
+size, camera and settings; a device of another kind gives other last bits.
+
+Exit codes: 0 done, 1 failed, 2 wrong usage.";
+
 /// A path tracer extended with procedural textures in plain WGSL.
 #[derive(Debug, Parser)]
 #[command(name = "patina", version, after_help = EXAMPLES, arg_required_else_help = true)]
@@ -58,6 +74,9 @@ pub(crate) enum Command {
     /// Render a glTF scene to PNG and EXR.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(Box<RenderArgs>),
+    /// Add films of parts of a picture's samples, as `render --sample-range` writes them.
+    #[command(after_help = MERGE_EXAMPLES)]
+    Merge(MergeArgs),
     /// List, check, inspect, evaluate, preview and begin textures.
     Texture {
         /// What to do with them.
@@ -94,7 +113,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) look: Option<PathBuf>,
 
-    /// Where to write: .png or .jpg (8-bit sRGB) or .exr (linear float). May be given several times.
+    /// Where to write: .png or .jpg (8-bit sRGB), .exr (linear float) or .patina-film (exact sums for `patina merge`).
+    /// May be given several times.
     ///
     /// Without it the picture goes to SCENE-render.png in the current directory.
     #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append)]
@@ -104,6 +124,11 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", default_value = "64")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) spp: String,
+
+    /// Render only the samples from A up to, but not including, B of each pixel: part of a picture, see `patina merge`.
+    #[arg(long, value_name = "A..B", conflicts_with = "spp")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) sample_range: Option<String>,
 
     /// Width and height of the picture in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
@@ -118,6 +143,21 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", default_value = "9")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) max_depth: String,
+
+    /// How a pixel weighs the light around its centre: box, gaussian, blackman-harris or mitchell.
+    #[arg(long, value_name = "NAME", default_value = "box")]
+    pub(crate) filter: String,
+
+    /// Width of the filter from edge to edge; 1 for the box, 3 for gaussian and blackman-harris, 4 for mitchell.
+    #[arg(long, value_name = "PIXELS")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) filter_width: Option<String>,
+
+    /// Let no contribution of indirect light (scattered twice or more) exceed X. Takes away fireflies, and light with them:
+    /// the picture is biased. Off by default.
+    #[arg(long, value_name = "X")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) clamp: Option<String>,
 
     /// Leave out the light that rough surfaces scatter more than once in themselves, as glTF's own formula does.
     #[arg(long)]
@@ -150,39 +190,22 @@ pub(crate) struct RenderArgs {
     pub(crate) stats_json: Option<PathBuf>,
 }
 
-/// What `patina bench` measures.
-#[derive(Debug, Subcommand)]
-pub(crate) enum BenchCommand {
-    /// The texture kernel: seconds to build it for 1 to 100 textures, and what a hit costs beside unused ones.
-    ///
-    /// A hundred textures are a large kernel: software drivers take many minutes to compile it.
-    Kernel {
-        /// No kernel holds more textures than this.
-        #[arg(
-            long,
-            value_name = "N",
-            default_value = "100",
-            allow_hyphen_values = true
-        )]
-        most: String,
+/// Flags of `patina merge`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct MergeArgs {
+    /// The parts (.patina-film), in any order.
+    #[arg(required = true, value_name = "PART")]
+    pub(crate) parts: Vec<PathBuf>,
 
-        /// Folder with user textures, searched before the standard ones. May be given several times.
-        #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
-        texture_dirs: Vec<PathBuf>,
+    /// Where to write: .png or .jpg (8-bit sRGB), .exr (linear float) or .patina-film (to be merged again). May be given
+    /// several times.
+    #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append, required = true)]
+    pub(crate) outputs: Vec<PathBuf>,
 
-        /// Device by number or by part of its name, as `patina devices` lists them.
-        #[arg(long, value_name = "NAME|N")]
-        device: Option<String>,
-    },
-    /// Rays per second of the traversal kernel: primary, bounce and shadow rays.
-    Traverse {
-        /// The scene to shoot rays into; without it a built-in one of 262,144 triangles.
-        scene: Option<PathBuf>,
-
-        /// Device by number or by part of its name, as `patina devices` lists them.
-        #[arg(long, value_name = "NAME|N")]
-        device: Option<String>,
-    },
+    /// Brightness of PNG and JPEG files in stops: +1 is twice as bright. EXR files keep the radiance as it is.
+    #[arg(long, value_name = "STOPS", default_value = "0")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) exposure: String,
 }
 
 /// The message format asked for by a command line that can't be understood otherwise.

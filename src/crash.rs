@@ -154,12 +154,8 @@ pub(crate) fn probe(path: &Path, device: &DeviceChoice) -> Result<(), Failure> {
     let (scene, procedural) = Procedural::probe(&file).map_err(Failure::because)?;
     let gpu = Gpu::new(device).map_err(Failure::because)?;
     let settings = RenderSettings {
-        width: 8,
-        height: 8,
         max_depth: 1,
-        seed: 0,
-        camera: engine::scene::default_camera(&scene),
-        energy_compensation: true,
+        ..RenderSettings::new(8, 8, &engine::scene::default_camera(&scene))
     };
     Renderer::new(&gpu, &scene, &procedural, &settings)
         .and_then(|mut renderer| renderer.render(1))

@@ -4,20 +4,25 @@
 //! is opened, read or written here.
 
 use std::num::NonZeroU32;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use engine::filter::PixelFilter;
 use engine::gpu::DeviceChoice;
 use thiserror::Error;
 
-use crate::args::{Args, BenchCommand, Command, RenderArgs};
+use crate::args::{Args, Command, MergeArgs, RenderArgs};
+use crate::bench::job::BenchJob;
 use crate::texture::job::TextureJob;
 
 /// Longest side of a picture, pixels.
 pub(crate) const MAX_SIDE: u32 = engine::renderer::MAX_SIDE;
-/// Most pixels of a picture. The film keeps 28 bytes for each.
+/// Most pixels of a picture. The film keeps 80 bytes for each.
 pub(crate) const MAX_PIXELS: u64 = 1 << 26;
-/// Most samples per pixel. The film's sums are 32-bit floats, which more samples would not make better.
-pub(crate) const MAX_SPP: u32 = 1 << 20;
+/// Most samples per pixel, and the end of the last range of samples.
+pub(crate) const MAX_SPP: u32 = engine::film::MAX_SAMPLES;
+/// What the name of a film's file ends in.
+const FILM_EXTENSION: &str = "patina-film";
 /// Most scattering vertices of a path.
 pub(crate) const MAX_DEPTH: u32 = 255;
 /// Strongest exposure in stops, either way.
@@ -28,6 +33,8 @@ pub(crate) const MAX_EXPOSURE: f32 = 32.0;
 pub(crate) enum Job {
     /// Render a scene.
     Render(RenderJob),
+    /// Add films.
+    Merge(MergeJob),
     /// Do something with textures.
     Texture(TextureJob),
     /// List devices.
@@ -39,17 +46,8 @@ pub(crate) enum Job {
         /// Device to run it on.
         device: DeviceChoice,
     },
-    /// Measure the texture kernel.
-    BenchKernel {
-        /// Most textures in a kernel.
-        most: u32,
-        /// Folders the user named, searched first.
-        texture_dirs: Vec<PathBuf>,
-        /// Device to measure.
-        device: DeviceChoice,
-    },
-    /// Measure the traversal kernel.
-    BenchTraverse(BenchTraverseJob),
+    /// Measure the renderer.
+    Bench(BenchJob),
 }
 
 /// A render, complete.
@@ -59,10 +57,12 @@ pub(crate) struct RenderJob {
     pub(crate) scene: PathBuf,
     /// The look file.
     pub(crate) look: Option<PathBuf>,
-    /// Where the picture goes; at least one, no two alike.
-    pub(crate) outputs: Vec<Output>,
+    /// Where the picture and the film go.
+    pub(crate) outputs: Outputs,
     /// Samples per pixel.
     pub(crate) spp: NonZeroU32,
+    /// The first of them.
+    pub(crate) first_sample: u32,
     /// Pixels.
     pub(crate) width: u32,
     /// Pixels.
@@ -71,6 +71,12 @@ pub(crate) struct RenderJob {
     pub(crate) camera: Option<String>,
     /// Most scattering vertices of a path.
     pub(crate) max_depth: u32,
+    /// How a pixel weighs the light around its centre.
+    pub(crate) filter: PixelFilter,
+    /// From edge to edge, pixels.
+    pub(crate) filter_width: f32,
+    /// Most that one contribution of indirect light adds.
+    pub(crate) clamp: Option<f32>,
     /// Rough surfaces keep the energy that single scattering between microfacets loses.
     pub(crate) energy_compensation: bool,
     /// Seed of the random numbers.
@@ -85,6 +91,49 @@ pub(crate) struct RenderJob {
     pub(crate) stats: bool,
     /// Write statistics.
     pub(crate) stats_json: Option<PathBuf>,
+}
+
+/// A merge, complete.
+#[derive(Debug, PartialEq)]
+pub(crate) struct MergeJob {
+    /// The films; at least one, no two alike.
+    pub(crate) parts: Vec<PathBuf>,
+    /// Where the picture and the film go.
+    pub(crate) outputs: Outputs,
+    /// Stops; EXR keeps the radiance.
+    pub(crate) exposure: f32,
+}
+
+/// The files to write; at least one, no two alike.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Outputs {
+    /// Pictures.
+    pub(crate) pictures: Vec<Output>,
+    /// Exact sums of samples.
+    pub(crate) films: Vec<PathBuf>,
+}
+
+impl Outputs {
+    fn from_paths(paths: Vec<PathBuf>) -> Result<Self, UsageError> {
+        let is_film = |path: &PathBuf| {
+            let extension = path.extension();
+            extension.is_some_and(|e| e.eq_ignore_ascii_case(FILM_EXTENSION))
+        };
+        let (films, pictures): (Vec<_>, Vec<_>) = paths.into_iter().partition(is_film);
+        Ok(Self {
+            pictures: pictures
+                .into_iter()
+                .map(parse_output)
+                .collect::<Result<_, _>>()?,
+            films,
+        })
+    }
+
+    /// All files.
+    pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        let pictures = self.pictures.iter().map(|output| &output.path);
+        pictures.chain(&self.films)
+    }
 }
 
 /// A picture file to write.
@@ -105,15 +154,6 @@ pub(crate) enum Format {
     Jpeg,
     /// 32-bit linear Rec.709 floats, as rendered.
     Exr,
-}
-
-/// A measurement of the traversal kernel.
-#[derive(Debug, PartialEq)]
-pub(crate) struct BenchTraverseJob {
-    /// The glTF file; `None` is the built-in scene.
-    pub(crate) scene: Option<PathBuf>,
-    /// Device to measure.
-    pub(crate) device: DeviceChoice,
 }
 
 /// A command line that makes no sense.
@@ -163,10 +203,45 @@ pub(crate) enum UsageError {
         path: PathBuf,
     },
     /// A result would overwrite an input.
-    #[error("{} is an input of this render; write the result to another file", path.display())]
+    #[error("{} is an input; write the result to another file", path.display())]
     OverwritesInput {
         /// The file.
         path: PathBuf,
+    },
+    /// The same part twice.
+    #[error("{} is given twice; each part may be merged once", path.display())]
+    PartTwice {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Not one of the words that a flag knows.
+    #[error("{flag} {given}: must be {}", known.join(", "))]
+    Word {
+        /// The flag's name.
+        flag: &'static str,
+        /// As typed.
+        given: String,
+        /// What it may be.
+        known: Vec<&'static str>,
+    },
+    /// Not a number in the range.
+    #[error("{flag} {given}: must be a number {range}")]
+    Decimal {
+        /// The flag's name.
+        flag: &'static str,
+        /// As typed.
+        given: String,
+        /// Which numbers there are.
+        range: &'static str,
+    },
+    /// Not a range of samples.
+    #[error(
+        "--sample-range {given}: write two whole numbers from 0 to {MAX_SPP}, the smaller one first, as in \
+         --sample-range 0..64"
+    )]
+    SampleRange {
+        /// As typed.
+        given: String,
     },
     /// Not `NAME=VALUE`.
     #[error("{flag} {given}: write NAME=VALUE, as in {example}")]
@@ -215,30 +290,14 @@ impl Job {
     pub(crate) fn from_args(args: Args) -> Result<Self, UsageError> {
         Ok(match args.command {
             Command::Render(args) => Self::Render(RenderJob::from_args(*args)?),
+            Command::Merge(args) => Self::Merge(MergeJob::from_args(args)?),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,
             Command::ProbeTexture { file, device } => Self::ProbeTexture {
                 file,
                 device: parse_device(device.as_deref())?,
             },
-            Command::Bench {
-                what:
-                    BenchCommand::Kernel {
-                        most,
-                        texture_dirs,
-                        device,
-                    },
-            } => Self::BenchKernel {
-                most: parse_number("--most", &most, 1, 100)?,
-                texture_dirs,
-                device: parse_device(device.as_deref())?,
-            },
-            Command::Bench {
-                what: BenchCommand::Traverse { scene, device },
-            } => Self::BenchTraverse(BenchTraverseJob {
-                scene,
-                device: parse_device(device.as_deref())?,
-            }),
+            Command::Bench { what } => Self::Bench(BenchJob::from_args(what)?),
         })
     }
 }
@@ -246,30 +305,45 @@ impl Job {
 impl RenderJob {
     fn from_args(args: RenderArgs) -> Result<Self, UsageError> {
         let (width, height) = parse_size(&args.size)?;
-        let outputs = if args.outputs.is_empty() {
-            vec![default_output(&args.scene)]
-        } else {
-            args.outputs
-                .into_iter()
-                .map(parse_output)
-                .collect::<Result<_, _>>()?
+        let mut outputs = Outputs::from_paths(args.outputs)?;
+        if outputs.paths().next().is_none() {
+            outputs.pictures.push(default_output(&args.scene));
+        }
+        let samples = match &args.sample_range {
+            Some(range) => parse_sample_range(range)?,
+            None => 0..parse_number("--spp", &args.spp, 1, MAX_SPP)?,
         };
+        let filter = parse_word(
+            "--filter",
+            &args.filter,
+            PixelFilter::ALL,
+            PixelFilter::name,
+        )?;
         refuse_overwriting(
-            outputs
-                .iter()
-                .map(|output| &output.path)
-                .chain(&args.stats_json),
+            outputs.paths().chain(&args.stats_json),
             [Some(&args.scene), args.look.as_ref()]
                 .into_iter()
                 .flatten(),
         )?;
         Ok(Self {
             outputs,
-            spp: NonZeroU32::new(parse_number("--spp", &args.spp, 1, MAX_SPP)?)
-                .expect("the range starts at 1"),
+            spp: NonZeroU32::new(samples.end - samples.start).expect("the range is not empty"),
+            first_sample: samples.start,
             width,
             height,
             camera: args.camera,
+            filter,
+            filter_width: match &args.filter_width {
+                Some(width) => {
+                    parse_decimal("--filter-width", width, "of pixels from 0.1 to 16", |w| {
+                        (0.1..=16.0).contains(&w)
+                    })?
+                }
+                None => filter.default_width(),
+            },
+            clamp: (args.clamp.as_deref())
+                .map(|most| parse_decimal("--clamp", most, "greater than 0", |x| x > 0.0))
+                .transpose()?,
             energy_compensation: !args.no_energy_compensation,
             max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
             seed: parse_number("--seed", &args.seed, 0, u32::MAX)?,
@@ -284,7 +358,66 @@ impl RenderJob {
     }
 }
 
-fn parse_size(given: &str) -> Result<(u32, u32), UsageError> {
+impl MergeJob {
+    fn from_args(args: MergeArgs) -> Result<Self, UsageError> {
+        let outputs = Outputs::from_paths(args.outputs)?;
+        refuse_overwriting(outputs.paths(), args.parts.iter())?;
+        let mut parts = args.parts.iter().enumerate();
+        if let Some((_, path)) = parts.find(|(i, path)| args.parts[..*i].contains(path)) {
+            return Err(UsageError::PartTwice { path: path.clone() });
+        }
+        Ok(Self {
+            parts: args.parts,
+            outputs,
+            exposure: parse_exposure(&args.exposure)?,
+        })
+    }
+}
+
+fn parse_sample_range(given: &str) -> Result<Range<u32>, UsageError> {
+    let range = given.split_once("..").and_then(|(first, end)| {
+        let range = first.trim().parse().ok()?..end.trim().parse().ok()?;
+        (range.start < range.end && range.end <= MAX_SPP).then_some(range)
+    });
+    range.ok_or_else(|| UsageError::SampleRange {
+        given: given.to_owned(),
+    })
+}
+
+/// The value of that name.
+fn parse_word<T: Copy>(
+    flag: &'static str,
+    given: &str,
+    all: impl IntoIterator<Item = T>,
+    name: impl Fn(T) -> &'static str,
+) -> Result<T, UsageError> {
+    let all: Vec<T> = all.into_iter().collect();
+    let found = all.iter().copied().find(|&value| name(value) == given);
+    found.ok_or_else(|| UsageError::Word {
+        flag,
+        given: given.to_owned(),
+        known: all.into_iter().map(name).collect(),
+    })
+}
+
+/// A finite number that is accepted.
+fn parse_decimal(
+    flag: &'static str,
+    given: &str,
+    range: &'static str,
+    accept: impl Fn(f32) -> bool,
+) -> Result<f32, UsageError> {
+    let number = given.parse().ok();
+    number
+        .filter(|&x: &f32| x.is_finite() && accept(x))
+        .ok_or_else(|| UsageError::Decimal {
+            flag,
+            given: given.to_owned(),
+            range,
+        })
+}
+
+pub(crate) fn parse_size(given: &str) -> Result<(u32, u32), UsageError> {
     let refuse = |problem: String| UsageError::Size {
         given: given.to_owned(),
         problem,
@@ -378,7 +511,7 @@ fn default_output(scene: &Path) -> Output {
     }
 }
 
-fn refuse_overwriting<'a>(
+pub(crate) fn refuse_overwriting<'a>(
     written: impl Iterator<Item = &'a PathBuf>,
     read: impl Iterator<Item = &'a PathBuf>,
 ) -> Result<(), UsageError> {
@@ -419,19 +552,56 @@ mod tests {
         assert_eq!((job.width, job.height), (1280, 720));
         assert_eq!((job.spp.get(), job.max_depth, job.seed), (64, 9, 0));
         assert_eq!(job.device, DeviceChoice::Best);
-        assert_eq!(job.outputs[0].path, Path::new("helmet-render.png"));
-        assert_eq!(job.outputs[0].format, Format::Png);
+        assert_eq!(job.first_sample, 0);
+        let expected = Output {
+            path: "helmet-render.png".into(),
+            format: Format::Png,
+        };
+        assert_eq!(job.outputs.pictures, [expected]);
+        assert!(job.outputs.films.is_empty());
     }
 
     #[test]
     fn formats_follow_the_extension_in_any_case() {
         let job = render("render a.glb -o x.PNG --output y.exr").unwrap();
-        let formats: Vec<_> = job.outputs.iter().map(|output| output.format).collect();
+        let formats: Vec<_> = job.outputs.pictures.iter().map(|o| o.format).collect();
         assert_eq!(formats, [Format::Png, Format::Exr]);
         for bad in ["x", "x.gif", "png", ".png", "x.png.gz"] {
             let error = render(&format!("render a.glb -o {bad}")).unwrap_err();
             assert!(error.to_string().contains(".exr"), "{bad}: {error}");
         }
+    }
+
+    #[test]
+    fn a_range_of_samples_is_two_ascending_numbers() {
+        let job = render("render a.glb --sample-range 16..40 -o x.patina-film").unwrap();
+        assert_eq!((job.first_sample, job.spp.get()), (16, 24));
+        assert_eq!(job.outputs.films, [Path::new("x.patina-film")]);
+        assert!(job.outputs.pictures.is_empty());
+        for bad in [
+            "16",
+            "3..3",
+            "4..3",
+            "..3",
+            "3..",
+            "-1..3",
+            "0..1048577",
+            "0..1e3",
+        ] {
+            let error = render(&format!("render a.glb --sample-range {bad}")).unwrap_err();
+            assert!(matches!(error, UsageError::SampleRange { .. }), "{bad}");
+        }
+    }
+
+    #[test]
+    fn parts_are_merged_once_and_not_overwritten() {
+        assert!(job("merge a.patina-film b.patina-film -o c.exr").is_ok());
+        let error = job("merge a.patina-film a.patina-film -o c.exr").unwrap_err();
+        assert!(matches!(error, UsageError::PartTwice { .. }));
+        let error = job("merge a.patina-film -o a.patina-film").unwrap_err();
+        assert!(matches!(error, UsageError::OverwritesInput { .. }));
+        let error = job("merge a.patina-film -o a.tiff").unwrap_err();
+        assert!(matches!(error, UsageError::Extension { .. }));
     }
 
     #[test]
@@ -468,6 +638,10 @@ mod tests {
             ("--max-depth 256", "from 1 to 255"),
             ("--seed -1", "from 0 to 4294967295"),
             ("--seed 4294967296", "from 0 to 4294967295"),
+            ("--clamp 0", "greater than 0"),
+            ("--filter cone", "must be box, gaussian"),
+            ("--filter-width 0", "from 0.1 to 16"),
+            ("--filter-width wide", "from 0.1 to 16"),
             ("--exposure NaN", "number of stops"),
             ("--exposure inf", "number of stops"),
             ("--exposure bright", "number of stops"),
@@ -501,14 +675,5 @@ mod tests {
         assert!(matches!(stats, UsageError::Twice { .. }));
         let input = render("render a.glb --look l.toml --stats-json l.toml").unwrap_err();
         assert!(matches!(input, UsageError::OverwritesInput { .. }));
-    }
-
-    #[test]
-    fn the_benchmark_needs_no_scene() {
-        let expected = BenchTraverseJob {
-            scene: None,
-            device: DeviceChoice::Best,
-        };
-        assert_eq!(job("bench traverse"), Ok(Job::BenchTraverse(expected)));
     }
 }

@@ -7,6 +7,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use engine::film::Part;
 use exr::image::{Encoding, Image, Layer, SpecificChannels};
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
@@ -18,7 +19,9 @@ use image::{ExtendedColorType, ImageEncoder};
 use tempfile::NamedTempFile;
 use thiserror::Error;
 
-use crate::job::{Format, Output};
+use crate::console;
+use crate::exit::Failure;
+use crate::job::{Format, Output, Outputs};
 
 /// A picture of linear Rec.709 radiance and how it came about.
 #[derive(Debug)]
@@ -96,6 +99,58 @@ pub(crate) fn write(output: &Output, picture: &Picture, exposure: f32) -> Result
         }
         Format::Exr => write_exr(file, picture),
     })
+}
+
+/// Writes the files of a render or a merge: its pictures, and its sums.
+///
+/// # Errors
+/// What could not be written. The other files are written all the same: one full disk must not cost all.
+pub(crate) fn write_all(outputs: &Outputs, part: &Part, exposure: f32) -> Result<(), Failure> {
+    let picture = Picture {
+        width: part.film.width,
+        height: part.film.height,
+        rgb: part.film.mean(),
+        facts: facts(part),
+    };
+    let pictures = outputs
+        .pictures
+        .iter()
+        .map(|output| (&output.path, write(output, &picture, exposure)));
+    let films = outputs.films.iter().map(|path| {
+        let written = write_aside(path, |file| part.write(file));
+        (path, written)
+    });
+    let mut failed = Vec::new();
+    for (path, outcome) in pictures.chain(films) {
+        match outcome {
+            Ok(()) => console::print(&format!("wrote {}", path.display())),
+            Err(error) => failed.push(error.to_string()),
+        }
+    }
+    match failed.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::Failed(failed.join("\n"))),
+    }
+}
+
+/// How a picture came about.
+fn facts(part: &Part) -> Vec<(&'static str, Fact)> {
+    let origin = &part.origin;
+    let setting = |name| part.setting(name).unwrap_or_default();
+    let (lowest, _) = part.film.sample_bounds();
+    let mut facts = vec![
+        ("samplesPerPixel", Fact::Count(u64::from(lowest))),
+        (
+            "maxDepth",
+            Fact::Count(setting("max-depth").parse().unwrap_or_default()),
+        ),
+        // Text, as a seed may exceed the format's signed integers.
+        ("seed", Fact::Text(setting("seed").to_owned())),
+        ("device", Fact::Text(origin.device.clone())),
+        ("scene", Fact::Text(origin.scene.clone())),
+    ];
+    facts.extend(origin.look.clone().map(|look| ("look", Fact::Text(look))));
+    facts
 }
 
 /// Creates or replaces the file at `path` with what `fill` writes, all of it or nothing.

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::time::Instant;
 
-use engine::film::Film;
+use engine::film::{Origin, Part, fingerprint};
 use engine::gpu::Gpu;
-use engine::load::{self, Loaded};
+use engine::load;
 use engine::renderer::{RenderSettings, Renderer};
 use engine::scene::{Camera, Scene};
 use engine::stats::Stats;
@@ -13,7 +13,7 @@ use texgen::LOOP_LIMIT;
 
 use crate::exit::Failure;
 use crate::job::RenderJob;
-use crate::output::{self, Fact, Picture};
+use crate::output;
 use crate::progress::Bar;
 use crate::report::{Report, Seconds};
 use crate::{cache, console, crash, interrupt, library};
@@ -24,8 +24,7 @@ use crate::{cache, console, crash, interrupt, library};
 /// Anything that keeps even one of the results from being written.
 pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
     interrupt::listen();
-    let written = job.outputs.iter().map(|output| output.path.as_path());
-    for path in written.chain(job.stats_json.as_deref()) {
+    for path in job.outputs.paths().chain(&job.stats_json) {
         output::check(path).map_err(Failure::because)?;
     }
     let texture_dirs = library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
@@ -56,7 +55,10 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
         }
         marker = own;
     }
-    let mut renderer = prepare(job, &gpu, &loaded, camera)?;
+    let settings = settings(job, &camera);
+    let settings_written = fingerprint(&loaded.scene, &loaded.procedural, &settings);
+    let mut renderer = Renderer::new(&gpu, &loaded.scene, &loaded.procedural, &settings)
+        .map_err(Failure::because)?;
     if job.stats || job.stats_json.is_some() {
         renderer.time_passes().map_err(Failure::because)?;
     }
@@ -71,12 +73,18 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
         let _ = gpu.save_cache();
     };
     let complete = accumulate(&mut renderer, job.spp.get(), &mut bar, first)?;
-    let film = renderer.film().map_err(Failure::because)?;
+    let mut film = renderer.film().map_err(Failure::because)?;
+    if !complete && !job.outputs.films.is_empty() {
+        // A film that is to be merged has the same samples in all pixels.
+        let (_, most) = film.sample_bounds();
+        renderer.render(most).map_err(Failure::because)?;
+        film = renderer.film().map_err(Failure::because)?;
+    }
     let render_seconds = clock.elapsed().as_secs_f64();
     bar.finish();
 
-    let lowest = film.samples.iter().copied().min().unwrap_or(0);
-    if film.samples.iter().all(|&samples| samples == 0) {
+    let (lowest, most) = film.sample_bounds();
+    if most == 0 {
         return Err(interrupted_too_early());
     }
     if !complete {
@@ -87,7 +95,10 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
     }
     let stats = renderer.stats().map_err(Failure::because)?;
     warn(&doubts(&stats));
-    let mut outcome = write_pictures(job, &film, gpu.description().name.as_str());
+    let origin = origin(job, &gpu.description().name, settings_written);
+    let samples = job.first_sample..job.first_sample + most;
+    let part = Part::new(film, samples, origin);
+    let mut outcome = output::write_all(&job.outputs, &part, job.exposure);
 
     if job.stats || job.stats_json.is_some() {
         let seconds = Seconds {
@@ -95,7 +106,7 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
             prepare: prepare_seconds,
             render: render_seconds,
         };
-        let report = Report::new(job, gpu.description(), &film, seconds, stats);
+        let report = Report::new(job, gpu.description(), &part.film, seconds, stats);
         if job.stats {
             console::print(&report.table());
         }
@@ -122,24 +133,26 @@ fn doubts(stats: &Stats) -> Vec<String> {
             console::grouped(stats.invalid_samples)
         ));
     }
+    if stats.clamped_samples > 0 {
+        doubts.push(format!(
+            "{} samples were brighter than 2147483648 and were clamped to that; the picture is darker there than it should be",
+            console::grouped(stats.clamped_samples)
+        ));
+    }
     doubts
 }
 
-fn prepare(
-    job: &RenderJob,
-    gpu: &Gpu,
-    loaded: &Loaded,
-    camera: Camera,
-) -> Result<Renderer, Failure> {
-    let settings = RenderSettings {
-        width: job.width,
-        height: job.height,
+fn settings(job: &RenderJob, camera: &Camera) -> RenderSettings {
+    RenderSettings {
         max_depth: job.max_depth,
         seed: job.seed,
-        camera,
         energy_compensation: job.energy_compensation,
-    };
-    Renderer::new(gpu, &loaded.scene, &loaded.procedural, &settings).map_err(Failure::because)
+        first_sample: job.first_sample,
+        filter: job.filter,
+        clamp: job.clamp,
+        filter_width: job.filter_width,
+        ..RenderSettings::new(job.width, job.height, camera)
+    }
 }
 
 /// Renders wave by wave, with something to do after the first; returns whether all samples were taken before the user asked to stop.
@@ -186,48 +199,18 @@ fn find_camera(scene: &Scene, wanted: &str) -> Result<Camera, Failure> {
     })
 }
 
-fn write_pictures(job: &RenderJob, film: &Film, device: &str) -> Result<(), Failure> {
-    let picture = Picture {
-        width: film.width,
-        height: film.height,
-        rgb: film.mean(),
-        facts: facts(job, film, device),
-    };
-    let mut failed = Vec::new();
-    for output in &job.outputs {
-        // One full disk must not cost the other files.
-        match output::write(output, &picture, job.exposure) {
-            Ok(()) => console::print(&format!("wrote {}", output.path.display())),
-            Err(error) => failed.push(error.to_string()),
-        }
-    }
-    if failed.is_empty() {
-        Ok(())
-    } else {
-        Err(Failure::Failed(failed.join("\n")))
-    }
-}
-
-fn facts(job: &RenderJob, film: &Film, device: &str) -> Vec<(&'static str, Fact)> {
-    let lowest = film.samples.iter().copied().min().unwrap_or(0);
+/// What was rendered, for the files' headers and for merging.
+fn origin(job: &RenderJob, device: &str, settings: Vec<(String, String)>) -> Origin {
     let name = |path: &Path| {
-        Fact::Text(
-            path.file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned(),
-        )
+        let name = path.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
     };
-    let mut facts = vec![
-        ("samplesPerPixel", Fact::Count(u64::from(lowest))),
-        ("maxDepth", Fact::Count(u64::from(job.max_depth))),
-        // Text, as a seed may exceed the format's signed integers.
-        ("seed", Fact::Text(job.seed.to_string())),
-        ("device", Fact::Text(device.to_owned())),
-        ("scene", name(&job.scene)),
-    ];
-    facts.extend(job.look.as_deref().map(|look| ("look", name(look))));
-    facts
+    Origin {
+        device: device.to_owned(),
+        scene: name(&job.scene),
+        look: job.look.as_deref().map(name),
+        settings,
+    }
 }
 
 fn warn(warnings: &[String]) {

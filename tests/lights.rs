@@ -16,6 +16,7 @@ use engine::gpu::kernel::{Extent, Kernel, Resources, Trust};
 use engine::gpu::wgsl::Source;
 use engine::gpu_scene::GpuScene;
 use engine::procedural::TextureReads;
+use engine::renderer::RenderSettings;
 use engine::scene::{
     Environment, FloatImage, Instance, LightKind, Material, Mesh, PunctualLight, Scene,
 };
@@ -123,7 +124,8 @@ impl Harness {
         let reads = TextureReads::default();
         let scene = GpuScene::new(&gpu, scene, &reads, |_| Default::default(), &mut resources)
             .unwrap_or_else(|error| panic!("{error}"));
-        let frame = Frame::new((1, 1), &from_above(1.0, 1.0), 1, 0, 64, &scene);
+        let settings = RenderSettings::new(1, 1, &from_above(1.0, 1.0));
+        let frame = Frame::new(&settings, 64, &scene);
         let uniform = wgpu::BufferUsages::UNIFORM;
         for (name, size) in [
             ("frame", size_of::<Frame>()),

@@ -63,13 +63,10 @@ fn compare(
 fn render(gpu: &Gpu, scene: &Path, (width, height): (usize, usize), spp: u32) -> Estimate {
     let loaded = load(scene, None, &[]).unwrap_or_else(|error| panic!("{error}"));
     let settings = RenderSettings {
-        width: width as u32,
-        height: height as u32,
         max_depth: MAX_DEPTH,
-        seed: 0,
-        camera: loaded.camera,
         // The references have none.
         energy_compensation: false,
+        ..RenderSettings::new(width as u32, height as u32, &loaded.camera)
     };
     let mut renderer = Renderer::new(gpu, &loaded.scene, &loaded.procedural, &settings)
         .unwrap_or_else(|error| panic!("{error}"));

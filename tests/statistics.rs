@@ -122,13 +122,9 @@ fn a_failure_leaves_maps_to_look_at() {
 #[test]
 fn a_film_is_an_estimate() {
     // Samples 1 and 3 in one pixel: mean 2, standard deviation sqrt(2), standard error 1.
-    let film = engine::film::Film {
-        width: 1,
-        height: 1,
-        samples: vec![2],
-        sum: vec![[4.0; 3]],
-        sum_squares: vec![[10.0; 3]],
-    };
+    let mut film = engine::film::Film::new(1, 1);
+    film.add_sample(0, [1.0; 3]);
+    film.add_sample(0, [3.0; 3]);
     let estimate = Estimate::from_film(&film);
     assert_eq!(estimate.mean, [[2.0; 3]]);
     assert!((estimate.error[0][0] - 1.0).abs() < 1.0e-6);

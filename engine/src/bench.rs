@@ -1,7 +1,10 @@
 //! Traversal on its own: traces given rays through the renderer's kernel, for tests of agreement and for
-//! `patina bench traverse`. [`kernel`] measures the texture kernel.
+//! `patina bench traverse`. [`kernel`] measures the texture kernel, [`render`] whole renders, [`scenes`] are there to be
+//! rendered.
 
 pub mod kernel;
+pub mod render;
+pub mod scenes;
 
 use std::time::Instant;
 
@@ -20,6 +23,7 @@ use crate::{
     procedural::TextureReads,
     renderer::RenderError,
     scene::{Camera, Projection, Scene},
+    settings::RenderSettings,
     wave::{self, RayHit},
 };
 
@@ -53,7 +57,7 @@ impl Tracer {
         )?;
         wave::allocate(gpu, BATCH, 0, &mut resources)?;
         let camera = crate::scene::default_camera(scene);
-        let frame = Frame::new((1, 1), &camera, 1, 0, BATCH, &gpu_scene);
+        let frame = Frame::new(&RenderSettings::new(1, 1, &camera), BATCH, &gpu_scene);
         resources.set_buffer(
             "frame",
             gpu.empty_buffer(

@@ -1,44 +1,123 @@
-//! The film on the CPU: sums of samples and of their squares, so that the error of each pixel is known.
+//! The film on the CPU: exact sums of samples and of their squares, so that films can be added and the error of each
+//! pixel is known.
+//!
+//! A sum of floating-point numbers depends on their order. The film's sums are whole numbers of 96 bits, in units of
+//! 2^-44 for radiance and of 2^-36 for its square: a sample is rounded to a whole number of units once, and what is
+//! added up afterwards is exact in any order. With at most [`MAX_SAMPLES`] samples no sum can leave 96 bits:
+//!
+//! | | unit | largest sample | sum of 2^20 samples |
+//! |---|---|---|---|
+//! | radiance, signed | 2^-44 = 5.7e-14 | 2^31 = 2.1e9 | 2^95 units |
+//! | its square | 2^-36 = 1.5e-11 | 2^40, of radiance 1.0e6 | 2^96 units |
+//!
+//! 24 bits of a sample's radiance are kept from 1e-6 on, and the sun's disk in W/m²/sr has room above. Larger samples
+//! are clamped and counted ([`crate::stats::Stats::clamped_samples`]). Larger squares are clamped in silence: the
+//! picture stays as it is, and the error of such a pixel, which is enormous anyway, is underestimated.
+
+mod fingerprint;
+mod part;
+
+pub use fingerprint::fingerprint;
+pub use part::{Origin, Part, PartError};
+
+/// Most samples of a pixel: more could leave the range of the sums.
+pub const MAX_SAMPLES: u32 = 1 << 20;
+
+/// Buffers of the film on the GPU, each with four words per pixel: so few that a picture of 3840 x 2160 pixels stays
+/// within the 128 MiB that every device can bind.
+pub(crate) const PLANES: [&str; 5] = ["film0", "film1", "film2", "film3", "film4"];
+
+/// Words before the sums of squares, and before the number of samples, in the order of the planes.
+const SQUARES: usize = 9;
+const COUNT: usize = 18;
+/// Bits behind the point, and the largest sample, of both kinds of sums. `accumulate.wgsl` has the same numbers.
+const SUM_BITS: i32 = 44;
+const SQUARE_BITS: i32 = 36;
+const LARGEST: f32 = 2_147_483_520.0;
+const LARGEST_SQUARE: f32 = 1_099_511_562_240.0;
 
 /// What has been gathered for each pixel, row 0 on top.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Film {
     /// Columns.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Samples of each pixel.
-    pub samples: Vec<u32>,
-    /// Sum of radiance, linear Rec.709.
-    pub sum: Vec<[f32; 3]>,
-    /// Sum of squared radiance.
-    pub sum_squares: Vec<[f32; 3]>,
+    /// As on the GPU: three words for each sum of red, green and blue, three for each of their squares, the least
+    /// significant one first, the number of samples, and a spare word.
+    planes: [Vec<[u32; 4]>; PLANES.len()],
 }
 
 impl Film {
-    /// From the GPU's two buffers of `vec4f`.
-    pub(crate) fn from_gpu(
-        width: u32,
-        height: u32,
-        sum: &[[f32; 4]],
-        squares: &[[f32; 4]],
-    ) -> Self {
-        let rgb = |v: &[f32; 4]| [v[0], v[1], v[2]];
+    /// A film without samples.
+    pub fn new(width: u32, height: u32) -> Self {
+        let pixels = width as usize * height as usize;
         Self {
             width,
             height,
-            samples: sum.iter().map(|v| v[3] as u32).collect(),
-            sum: sum.iter().map(rgb).collect(),
-            sum_squares: squares.iter().map(rgb).collect(),
+            planes: std::array::from_fn(|_| vec![[0; 4]; pixels]),
         }
+    }
+
+    /// From the GPU's buffers, in the order of [`PLANES`].
+    pub(crate) fn from_planes(
+        width: u32,
+        height: u32,
+        planes: [Vec<[u32; 4]>; PLANES.len()],
+    ) -> Self {
+        Self {
+            width,
+            height,
+            planes,
+        }
+    }
+
+    /// Columns times rows.
+    pub fn pixels(&self) -> usize {
+        self.planes[0].len()
+    }
+
+    /// Samples of a pixel, counted row by row from the upper left one.
+    pub fn samples(&self, pixel: usize) -> u32 {
+        self.word(pixel, COUNT)
+    }
+
+    /// The fewest and the most samples that a pixel has.
+    pub fn sample_bounds(&self) -> (u32, u32) {
+        (0..self.pixels())
+            .map(|pixel| self.samples(pixel))
+            .fold(None, |bounds: Option<(u32, u32)>, n| {
+                bounds.map_or(Some((n, n)), |(low, high)| Some((low.min(n), high.max(n))))
+            })
+            .unwrap_or_default()
+    }
+
+    /// Sum of a pixel's radiance, linear Rec.709.
+    pub fn sum(&self, pixel: usize) -> [f64; 3] {
+        std::array::from_fn(|c| {
+            let [low, middle, high] = self.words(pixel, 3 * c);
+            // The topmost word has the sign.
+            let whole = i128::from(high as i32) << 64 | i128::from(middle) << 32 | i128::from(low);
+            whole as f64 * f64::from(-SUM_BITS).exp2()
+        })
+    }
+
+    /// Sum of a pixel's squared radiance.
+    pub fn sum_squares(&self, pixel: usize) -> [f64; 3] {
+        std::array::from_fn(|c| {
+            let [low, middle, high] = self.words(pixel, SQUARES + 3 * c);
+            let whole = u128::from(high) << 64 | u128::from(middle) << 32 | u128::from(low);
+            whole as f64 * f64::from(-SQUARE_BITS).exp2()
+        })
     }
 
     /// Mean radiance of each pixel; black where there is no sample.
     pub fn mean(&self) -> Vec<[f32; 3]> {
-        self.sum
-            .iter()
-            .zip(&self.samples)
-            .map(|(s, &n)| s.map(|v| if n == 0 { 0.0 } else { v / n as f32 }))
+        (0..self.pixels())
+            .map(|pixel| match self.samples(pixel) {
+                0 => [0.0; 3],
+                n => self.sum(pixel).map(|sum| (sum / f64::from(n)) as f32),
+            })
             .collect()
     }
 
@@ -46,24 +125,88 @@ impl Film {
     ///
     /// The samples are points of a low-discrepancy sequence, so this overestimates the error.
     pub fn standard_error(&self) -> Vec<[f32; 3]> {
-        let pixel = |((s, q), &n): ((&[f32; 3], &[f32; 3]), &u32)| {
+        let of = |pixel| {
+            let count = self.samples(pixel);
+            if count < 2 {
+                return [f32::INFINITY; 3];
+            }
+            let n = f64::from(count);
+            let (sum, squares) = (self.sum(pixel), self.sum_squares(pixel));
             std::array::from_fn(|c| {
-                if n < 2 {
-                    return f32::INFINITY;
-                }
-                let n = f64::from(n);
-                let mean = f64::from(s[c]) / n;
-                let variance = (f64::from(q[c]) / n - mean * mean).max(0.0) * n / (n - 1.0);
+                let mean = sum[c] / n;
+                let variance = (squares[c] / n - mean * mean).max(0.0) * n / (n - 1.0);
                 (variance / n).sqrt() as f32
             })
         };
-        self.sum
-            .iter()
-            .zip(&self.sum_squares)
-            .zip(&self.samples)
-            .map(pixel)
-            .collect()
+        (0..self.pixels()).map(of).collect()
     }
+
+    /// Adds one sample to a pixel: the twin of `accumulate.wgsl`, for films that are made on the CPU.
+    pub fn add_sample(&mut self, pixel: usize, radiance: [f32; 3]) {
+        for (c, value) in radiance.into_iter().enumerate() {
+            let value = value.clamp(-LARGEST, LARGEST);
+            self.add_words(pixel, 3 * c, words(whole(value, SUM_BITS)));
+            let square = (value * value).min(LARGEST_SQUARE);
+            self.add_words(pixel, SQUARES + 3 * c, words(whole(square, SQUARE_BITS)));
+        }
+        let count = self.samples(pixel) + 1;
+        self.set_word(pixel, COUNT, count);
+    }
+
+    /// Adds the samples of another film of the same size: exactly what one film with all of them would hold.
+    ///
+    /// # Panics
+    /// The films differ in size.
+    pub fn add(&mut self, other: &Self) {
+        assert_eq!(
+            (self.width, self.height),
+            (other.width, other.height),
+            "films of one size are added"
+        );
+        for pixel in 0..self.pixels() {
+            for first in (0..COUNT).step_by(3) {
+                self.add_words(pixel, first, other.words(pixel, first));
+            }
+            let count = self.samples(pixel).saturating_add(other.samples(pixel));
+            self.set_word(pixel, COUNT, count);
+        }
+    }
+
+    fn planes(&self) -> &[Vec<[u32; 4]>] {
+        &self.planes
+    }
+
+    fn word(&self, pixel: usize, word: usize) -> u32 {
+        self.planes[word / 4][pixel][word % 4]
+    }
+
+    fn set_word(&mut self, pixel: usize, word: usize, value: u32) {
+        self.planes[word / 4][pixel][word % 4] = value;
+    }
+
+    fn words(&self, pixel: usize, first: usize) -> [u32; 3] {
+        std::array::from_fn(|i| self.word(pixel, first + i))
+    }
+
+    /// Adds a number of 96 bits.
+    fn add_words(&mut self, pixel: usize, first: usize, summand: [u32; 3]) {
+        let mut carry = 0;
+        for (i, summand) in summand.into_iter().enumerate() {
+            let sum = u64::from(self.word(pixel, first + i)) + u64::from(summand) + carry;
+            self.set_word(pixel, first + i, sum as u32);
+            carry = sum >> 32;
+        }
+    }
+}
+
+/// The nearest whole number of units; halves away from zero.
+fn whole(value: f32, bits: i32) -> i128 {
+    (f64::from(value) * f64::from(bits).exp2()).round() as i128
+}
+
+/// The lowest 96 bits, least significant word first.
+fn words(whole: i128) -> [u32; 3] {
+    [whole as u32, (whole >> 32) as u32, (whole >> 64) as u32]
 }
 
 #[cfg(test)]
@@ -73,14 +216,61 @@ mod tests {
     #[test]
     fn error_of_known_samples() {
         // Samples 1 and 3: mean 2, variance 2, standard error 1.
-        let film = Film {
-            width: 1,
-            height: 1,
-            samples: vec![2],
-            sum: vec![[4.0; 3]],
-            sum_squares: vec![[10.0; 3]],
-        };
+        let mut film = Film::new(1, 1);
+        film.add_sample(0, [1.0; 3]);
+        assert_eq!(film.standard_error(), [[f32::INFINITY; 3]]);
+        film.add_sample(0, [3.0; 3]);
         assert_eq!(film.mean(), vec![[2.0; 3]]);
         assert!((film.standard_error()[0][0] - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_order_of_samples_does_not_matter() {
+        // Summed as floats, the small ones would vanish beside the large ones.
+        let samples = [
+            1e9,
+            1e-7,
+            0.1,
+            3.0,
+            -2.5,
+            1e-13,
+            7e5,
+            f32::MIN_POSITIVE,
+            -1e9,
+        ];
+        let film = |order: &[f32]| {
+            let mut film = Film::new(2, 1);
+            for &value in order {
+                film.add_sample(1, [value, -value, 0.5 * value]);
+            }
+            film
+        };
+        let whole = film(&samples);
+        let reversed: Vec<f32> = samples.into_iter().rev().collect();
+        assert_eq!(whole, film(&reversed));
+        for split in 0..=samples.len() {
+            let mut merged = film(&samples[..split]);
+            merged.add(&film(&samples[split..]));
+            assert_eq!(whole, merged);
+        }
+        let exact: f64 = [0.1_f32, 3.0, -2.5, 7e5]
+            .iter()
+            .map(|&v| f64::from(v))
+            .sum();
+        assert!((whole.sum(1)[0] - exact - 1e-7).abs() < 1e-9);
+        assert_eq!(whole.sum(1)[0], -whole.sum(1)[1]);
+        assert_eq!((whole.samples(0), whole.samples(1)), (0, 9));
+        assert_eq!(whole.sample_bounds(), (0, 9));
+    }
+
+    #[test]
+    fn samples_beyond_the_range_are_clamped() {
+        let mut film = Film::new(1, 1);
+        for _ in 0..3 {
+            film.add_sample(0, [f32::MAX, -f32::MAX, 0.0]);
+        }
+        let largest = f64::from(LARGEST);
+        assert_eq!(film.sum(0), [3.0 * largest, -3.0 * largest, 0.0]);
+        assert_eq!(film.sum_squares(0)[0], 3.0 * f64::from(LARGEST_SQUARE));
     }
 }

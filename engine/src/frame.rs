@@ -4,8 +4,10 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3};
 
 use crate::{
+    filter::{FilterTable, PixelFilter},
     gpu_scene::GpuScene,
-    scene::{Camera, Projection},
+    scene::Projection,
+    settings::RenderSettings,
 };
 
 /// `Frame` in `frame.wgsl`.
@@ -51,6 +53,14 @@ pub struct Frame {
     frame_index: u32,
     bounds_max: Vec3,
     directional_count: u32,
+    filter_radius: f32,
+    filter_positive: f32,
+    filter_weight: f32,
+    filter_is_box: u32,
+    indirect_clamp: f32,
+    estimator: u32,
+    roulette_start: u32,
+    sampler: u32,
 }
 
 impl Frame {
@@ -93,25 +103,30 @@ impl Frame {
             bounds_min,
             frame_index,
             bounds_max,
-            directional_count
+            directional_count,
+            filter_radius,
+            filter_positive,
+            filter_weight,
+            filter_is_box,
+            indirect_clamp,
+            estimator,
+            roulette_start,
+            sampler
         ]
     }
 }
 
+/// Vertices that scatter before Russian roulette begins.
+const ROULETTE_START: u32 = 4;
 /// Pixels along the side of a block.
 const BLOCK: u32 = 8;
 
 impl Frame {
     /// For a picture of a scene. `capacity` is the number of path slots of a wave.
-    pub fn new(
-        size: (u32, u32),
-        camera: &Camera,
-        max_depth: u32,
-        seed: u32,
-        capacity: u32,
-        scene: &GpuScene,
-    ) -> Self {
-        let (width, height) = size;
+    pub fn new(settings: &RenderSettings, capacity: u32, scene: &GpuScene) -> Self {
+        let (width, height) = (settings.width, settings.height);
+        let camera = &settings.camera;
+        let filter = FilterTable::new(settings.filter);
         let blocks = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
         let axes = Mat3::from(camera.transform.matrix3);
         let (half_height, orthographic, pixel_spread) = match camera.projection {
@@ -145,8 +160,8 @@ impl Frame {
             first_sample: 0,
             wave_size: 0,
             padded_pixels: blocks.0 * blocks.1 * BLOCK * BLOCK,
-            seed,
-            max_depth,
+            seed: settings.seed,
+            max_depth: settings.max_depth,
             light_count: scene.light_count,
             environment_probability,
             environment_scale: environment.scale,
@@ -163,6 +178,14 @@ impl Frame {
             frame_index: 0,
             bounds_max: scene.bounds[1],
             directional_count: scene.directional_count,
+            filter_radius: 0.5 * settings.filter_width,
+            filter_positive: filter.positive,
+            filter_weight: filter.weight * filter.weight,
+            filter_is_box: u32::from(settings.filter == PixelFilter::Box),
+            indirect_clamp: settings.clamp.unwrap_or(f32::MAX),
+            estimator: 0,
+            roulette_start: ROULETTE_START,
+            sampler: 0,
         }
     }
 }

@@ -96,13 +96,9 @@ impl Preview {
         let mut procedural = self.isolated.procedural.clone();
         procedural.set_output_link(SHOWN, Output::BaseColor, Some(&self.display))?;
         let settings = RenderSettings {
-            width,
-            height: (width * 2 / 5).max(1),
             // Light from one object to another would cost time and show nothing of the texture.
             max_depth: 1,
-            seed: 0,
-            camera: camera(),
-            energy_compensation: true,
+            ..RenderSettings::new(width, (width * 2 / 5).max(1), &camera())
         };
         Ok(Renderer::new(
             gpu,

@@ -9,7 +9,8 @@ mod reload;
 use std::time::{Duration, Instant};
 
 use crate::{
-    film::Film,
+    film::{self, Film},
+    filter::FilterTable,
     frame::Frame,
     gpu::{
         Gpu, GpuError,
@@ -19,13 +20,15 @@ use crate::{
     gpu_scene::{GpuScene, GpuSceneError},
     passes::{advance::After, proctex::TextureForm},
     procedural::{CompileError, Procedural},
-    scene::{Camera, Scene},
+    scene::Scene,
     stats::{PassStats, Stats},
-    wave::{self, Queue},
+    wave::{self, PathBytes, Queue},
 };
 
 use self::pipeline::{Bound, Kernels};
 use self::record::Recorder;
+
+pub use crate::settings::RenderSettings;
 
 pub use self::{
     culprit::{Culprit, culprits},
@@ -44,24 +47,6 @@ const PASSAGES: u32 = 4;
 const MOST_PASSAGES: u32 = 2048;
 /// The largest side of a picture.
 pub const MAX_SIDE: u32 = 16384;
-
-/// What is rendered and how.
-#[derive(Debug, Clone)]
-pub struct RenderSettings {
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// At most this many surface vertices scatter along a path; 1 is direct light only.
-    pub max_depth: u32,
-    /// Of the random numbers: same seed, same device, same picture.
-    pub seed: u32,
-    /// From where.
-    pub camera: Camera,
-    /// Rough surfaces give back the light that microfacets scatter more than once. Without it they are darker, as in
-    /// renderers that leave it out.
-    pub energy_compensation: bool,
-}
 
 /// Why rendering failed.
 #[derive(Debug, thiserror::Error)]
@@ -218,12 +203,17 @@ impl Renderer {
         gpu_scene.features.energy_compensation = settings.energy_compensation;
         wave::allocate(gpu, capacity, procedural.result_words(), &mut resources)?;
         let pixels = u64::from(width) * u64::from(height);
-        for name in ["film_sum", "film_sum_squares"] {
+        for name in film::PLANES {
             resources.set_buffer(
                 name,
                 gpu.empty_buffer("the picture", pixels * 16, wgpu::BufferUsages::STORAGE)?,
             );
         }
+        let filter = FilterTable::new(settings.filter).distances;
+        resources.set_buffer(
+            "filter_table",
+            gpu.storage_buffer("the pixel filter", bytemuck::cast_slice(&filter))?,
+        );
         resources.set_buffer(
             "frame",
             gpu.empty_buffer(
@@ -241,14 +231,7 @@ impl Renderer {
             settings: settings.clone(),
             procedural: procedural.clone(),
             form,
-            frame: Frame::new(
-                (width, height),
-                &settings.camera,
-                settings.max_depth,
-                settings.seed,
-                capacity,
-                &gpu_scene,
-            ),
+            frame: Frame::new(settings, capacity, &gpu_scene),
             scene: gpu_scene,
             resources,
             kernels,
@@ -270,20 +253,24 @@ impl Renderer {
         Ok(())
     }
 
-    /// Renders one wave towards `target_spp` samples per pixel. Call it until the progress is done.
+    /// Renders one wave towards `target_spp` samples per pixel, at most [`film::MAX_SAMPLES`]. Call it until the progress
+    /// is done.
     ///
     /// # Errors
     /// What the driver reports.
     pub fn step(&mut self, target_spp: u32) -> Result<Progress, RenderError> {
+        let first = self.settings.first_sample;
+        // More would leave the range of the film's sums, or that of the samples' numbers.
+        let target_spp = target_spp.min(film::MAX_SAMPLES).min(u32::MAX - first);
         let padded = u64::from(self.frame.padded_pixels);
         let total = padded * u64::from(target_spp);
         if self.position < total {
             let start = Instant::now();
             let wave = u64::from(self.wave_size).min(total - self.position);
             self.frame.first_pixel = (self.position % padded) as u32;
-            self.frame.first_sample = (self.position / padded) as u32;
+            self.frame.first_sample = first + (self.position / padded) as u32;
             self.frame.wave_size = wave as u32;
-            self.frame.sample_limit = target_spp;
+            self.frame.sample_limit = first + target_spp;
             self.render_wave()?;
             self.position += wave;
             self.adapt_wave(start.elapsed());
@@ -322,7 +309,7 @@ impl Renderer {
         );
         let paths = Extent::Threads(self.frame.wave_size);
         let max_depth = self.settings.max_depth;
-        let may_take_longer = self.scene.features.program_shadows;
+        let may_take_longer = self.scene.features.passages;
         self.submit(|wave| {
             wave.run(&wave.bound.raygen, paths);
             wave.run(wave.after(After::Raygen), Extent::One);
@@ -341,7 +328,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Rays that texture programs let pass take rounds in which nothing scatters: as many follow as there is work for.
+    /// Rays that pass surfaces, because a texture program says so, through clear walls or inside overlapping bodies, take
+    /// rounds in which nothing scatters: as many follow as there is work for.
     fn finish_paths(&mut self) -> Result<(), GpuError> {
         for _ in 0..MOST_PASSAGES / PASSAGES {
             let queues = self.resources.buffer("queues");
@@ -391,7 +379,7 @@ impl Renderer {
                 .create_command_encoder(&wgpu::CommandEncoderDescriptor {
                     label: Some("restart"),
                 });
-        for name in ["film_sum", "film_sum_squares"] {
+        for name in film::PLANES {
             encoder.clear_buffer(self.resources.buffer(name), 0, None);
         }
         self.gpu.queue().submit([encoder.finish()]);
@@ -405,18 +393,17 @@ impl Renderer {
     pub fn film(&self) -> Result<Film, RenderError> {
         let (width, height) = (self.settings.width, self.settings.height);
         let bytes = u64::from(width) * u64::from(height) * 16;
-        let sum = self
-            .gpu
-            .read_buffer(self.resources.buffer("film_sum"), 0, bytes)?;
-        let squares = self
-            .gpu
-            .read_buffer(self.resources.buffer("film_sum_squares"), 0, bytes)?;
-        Ok(Film::from_gpu(
-            width,
-            height,
-            &bytemuck::pod_collect_to_vec::<_, [f32; 4]>(&sum),
-            &bytemuck::pod_collect_to_vec::<_, [f32; 4]>(&squares),
-        ))
+        let mut planes = [const { Vec::new() }; film::PLANES.len()];
+        for (plane, name) in planes.iter_mut().zip(film::PLANES) {
+            let buffer = self.resources.buffer(name);
+            *plane = bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(buffer, 0, bytes)?);
+        }
+        Ok(Film::from_planes(width, height, planes))
+    }
+
+    /// GPU memory of one path.
+    pub fn path_bytes(&self) -> PathBytes {
+        PathBytes::new(self.procedural.result_words())
     }
 
     /// Figures so far.
@@ -471,11 +458,13 @@ impl Renderer {
         Ok(Stats {
             passes,
             rays,
+            shadow_rays: totals.shadow_rays,
             ao_rays: totals.ao_rays,
             mrays_per_second: rate(rays, tracing) * 1e-6,
             samples_per_second: rate(samples, self.seconds),
             seconds: self.seconds,
             invalid_samples: totals.invalid,
+            clamped_samples: totals.clamped,
             endless_texture: totals.overrun.and_then(|number| {
                 let textures = self.procedural.graph().library().textures();
                 Some(textures.get(number as usize)?.name().to_owned())

@@ -22,6 +22,8 @@ pub struct Stats {
     pub passes: Vec<PassStats>,
     /// Rays traced: paths, shadow and ambient occlusion.
     pub rays: u64,
+    /// Of these, shadow rays: to any hit.
+    pub shadow_rays: u64,
     /// Of these, ambient occlusion.
     pub ao_rays: u64,
     /// Million rays per second of the time spent in traversal (of wall time, without timestamps).
@@ -32,6 +34,8 @@ pub struct Stats {
     pub seconds: f64,
     /// Samples that were not finite and count as black.
     pub invalid_samples: u64,
+    /// Samples that were brighter than 2^31 and were clamped to that: see [`crate::film`].
+    pub clamped_samples: u64,
     /// A texture whose loops ran so long that they were ended early.
     pub endless_texture: Option<String>,
     /// Bytes of GPU memory by purpose.

@@ -95,7 +95,10 @@ fn surfaces_return_their_directional_albedo() {
         let tested = Estimate::from_film(&film);
         for (i, material) in strips.iter().enumerate() {
             let albedo = directional_albedo(material, f64::from(angle));
-            let expected = Estimate::exact(shot.size, |_| albedo.as_vec3());
+            let mut expected = Estimate::exact(shot.size, |_| albedo.as_vec3());
+            // Of a mirror one sample in ten thousand is lost below the horizon: the samples of most pixels are all
+            // alike, and their spread says nothing about those.
+            expected.error.fill([2.0e-4; 3]);
             let name = format!(
                 "albedo of strip {i} (roughness {}) at {degrees} degrees, {albedo:.4}",
                 material.roughness

@@ -78,7 +78,7 @@ fn a_lamp_lights_a_floor_by_its_form_factor() {
 fn a_lamp_shines_from_its_back_only_if_it_has_two_sides() {
     let Some(gpu) = device::open() else { return };
     let film = view(&gpu, &mut lamp_scene(lamp(RADIANCE), true));
-    assert!(film.sum.iter().all(|&sum| sum == [0.0; 3]));
+    assert!(film.mean().iter().all(|&mean| mean == [0.0; 3]));
     let two_sided = Material {
         double_sided: true,
         ..lamp(RADIANCE)

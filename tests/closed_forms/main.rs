@@ -11,6 +11,7 @@ mod determinism;
 mod direct;
 mod disk;
 mod environment;
+mod filters;
 mod furnace;
 
 use engine::film::Film;

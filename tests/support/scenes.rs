@@ -186,12 +186,8 @@ pub(crate) fn textured(scene: &mut Scene, look: &str, sources: &TextureSources) 
 /// Settings with seed 0.
 pub(crate) fn settings(camera: &Camera, shot: Shot) -> RenderSettings {
     RenderSettings {
-        width: shot.size.0,
-        height: shot.size.1,
         max_depth: shot.max_depth,
-        seed: 0,
-        camera: camera.clone(),
-        energy_compensation: true,
+        ..RenderSettings::new(shot.size.0, shot.size.1, camera)
     }
 }
 

@@ -366,23 +366,20 @@ fn renderer(
     }
     let look = Look::parse(Path::new("bench.look.toml"), look)?;
     let procedural = Procedural::build(&look, &mut scene, sources)?;
+    let camera = Camera {
+        name: "front".to_owned(),
+        transform: Affine3A {
+            matrix3: Mat3A::IDENTITY,
+            translation: Vec3::Z.into(),
+        },
+        projection: Projection::Orthographic { y_mag: 1.0 },
+        aperture_radius: 0.0,
+        focus_distance: 1.0,
+    };
     let settings = RenderSettings {
-        width: side,
-        height: side,
         // Hits of the camera's rays alone.
         max_depth: 1,
-        seed: 0,
-        camera: Camera {
-            name: "front".to_owned(),
-            transform: Affine3A {
-                matrix3: Mat3A::IDENTITY,
-                translation: Vec3::Z.into(),
-            },
-            projection: Projection::Orthographic { y_mag: 1.0 },
-            aperture_radius: 0.0,
-            focus_distance: 1.0,
-        },
-        energy_compensation: true,
+        ..RenderSettings::new(side, side, &camera)
     };
     Ok(Renderer::new(gpu, &scene, &procedural, &settings)?)
 }

@@ -1,39 +1,69 @@
 //! The table of directional albedos in `microfacet.wgsl`: what share of light a rough surface reflects. It depends on
-//! nothing but cosine and roughness, and is integrated when a scene is put on the GPU, in some milliseconds.
+//! nothing but cosine, roughness and, for glass, the index of refraction, and is integrated once in the life of a program.
 
 use std::f32::consts::PI;
+use std::sync::OnceLock;
 
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 use crate::gpu::Gpu;
 
 use super::images::filled_texture;
 
-/// Cells along each side.
+/// Cells along each side of a block; as `ALBEDO_SIDE` in `microfacet.wgsl`.
 const SIDE: u32 = 32;
+/// Blocks of glass, as `GLASS_BLOCKS`.
+const GLASS_BLOCKS: u32 = 15;
+/// (index - 1) / (index + 1) at the end of the last one, as `GLASS_MOST`.
+const GLASS_MOST: f32 = 0.5;
 /// Points of each integral.
-const POINTS: u32 = 256;
+const POINTS: u32 = 512;
 /// As `MIN_ALPHA` in `microfacet.wgsl`.
 const MIN_ALPHA: f32 = 0.001;
 
 /// Puts the table on the GPU.
 pub fn upload(gpu: &Gpu) -> wgpu::TextureView {
-    let texels: Vec<[f32; 4]> = (0..SIDE * SIDE)
-        .map(|i| {
-            let at = |k: u32| k as f32 / (SIDE - 1) as f32;
-            let (cosine, roughness) = (at(i % SIDE).max(1e-3), at(i / SIDE));
-            let [f0, f90] = ggx(cosine, roughness);
-            [f0, f90, charlie(cosine, roughness), 0.0]
-        })
-        .collect();
+    // The same for every scene.
+    static TABLE: OnceLock<Vec<[f32; 4]>> = OnceLock::new();
     filled_texture(
         gpu,
         "albedo table",
         SIDE,
-        SIDE,
+        SIDE * (1 + GLASS_BLOCKS),
         wgpu::TextureFormat::Rgba32Float,
-        bytemuck::cast_slice(&texels),
+        bytemuck::cast_slice(TABLE.get_or_init(table)),
     )
+}
+
+/// The blocks, one below the other.
+fn table() -> Vec<[f32; 4]> {
+    let block = |of: &(dyn Fn(f32, f32) -> [f32; 4] + Sync)| -> Vec<[f32; 4]> {
+        let cell = |i: u32| {
+            let at = |k: u32| k as f32 / (SIDE - 1) as f32;
+            of(at(i % SIDE).max(1e-3), at(i / SIDE))
+        };
+        (0..SIDE * SIDE).into_par_iter().map(cell).collect()
+    };
+    let mut table = block(&|cosine, roughness| {
+        let [f0, f90] = ggx(cosine, roughness);
+        [f0, f90, charlie(cosine, roughness), 0.0]
+    });
+    let slices: Vec<Vec<[f32; 4]>> = (0..=GLASS_BLOCKS)
+        .map(|slice| {
+            let ratio = slice as f32 / GLASS_BLOCKS as f32 * GLASS_MOST;
+            let index = (1.0 + ratio) / (1.0 - ratio);
+            block(&|cosine, roughness| {
+                let both = [index, 1.0 / index].map(|eta| glass(cosine, roughness, eta));
+                [both[0], both[1], 0.0, 0.0]
+            })
+        })
+        .collect();
+    for pair in slices.windows(2) {
+        let cells = pair[0].iter().zip(&pair[1]);
+        table.extend(cells.map(|(low, high)| [low[0], low[1], high[0], high[1]]));
+    }
+    table
 }
 
 /// Directional albedo of GGX with Smith's height-correlated masking for F = f0 * x + f90 * y (Karis, "Real Shading in
@@ -56,6 +86,37 @@ fn ggx(cosine: f32, roughness: f32) -> [f32; 2] {
         sums[1] += weight * fresnel;
     }
     sums.map(|sum| sum / POINTS as f32)
+}
+
+/// Share of light that single scattering at the surface of a clear body reflects or refracts, with Schlick's reflection as
+/// in `bsdf.wgsl`. Not the density of radiance, which changes with the index.
+fn glass(cosine: f32, roughness: f32, eta: f32) -> f32 {
+    let alpha = (roughness * roughness).max(MIN_ALPHA);
+    let wo = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
+    let root = |v: Vec3| (1.0 + alpha * alpha * (v.x * v.x + v.y * v.y) / (v.z * v.z)).sqrt();
+    let f0 = ((eta - 1.0) / (eta + 1.0)).powi(2);
+    let sum: f32 = (0..POINTS)
+        .map(|i| {
+            let h = visible_normal(wo, alpha, point(i));
+            let o = wo.dot(h);
+            let refracted2 = 1.0 - (1.0 - o * o) / (eta * eta);
+            let inside = refracted2.max(0.0).sqrt();
+            let outside = if eta < 1.0 { inside } else { o };
+            let reflected = match refracted2 > 0.0 {
+                true => f0 + (1.0 - f0) * (1.0 - outside).clamp(0.0, 1.0).powi(5),
+                false => 1.0,
+            };
+            // G2 / G1: the weight of a direction that comes of a visible normal.
+            let weight = |wi: Vec3, is_there: bool| match is_there {
+                true => (1.0 + root(wo)) / (root(wo) + root(wi)),
+                false => 0.0,
+            };
+            let up = h * (2.0 * o) - wo;
+            let down = h * (o / eta - inside) - wo / eta;
+            reflected * weight(up, up.z > 0.0) + (1.0 - reflected) * weight(down, down.z < 0.0)
+        })
+        .sum();
+    sum / POINTS as f32
 }
 
 /// Dupuy and Benyoub 2023, as in `microfacet.wgsl`.
@@ -128,6 +189,17 @@ mod tests {
         let expected = 1.0 - 2.0_f32.ln();
         assert!((albedo(1.0, 1.0) - expected).abs() < 5e-3);
         assert!(ggx(1.0, 0.3)[1] < 0.01, "no grazing reflection straight on");
+    }
+
+    #[test]
+    fn smooth_glass_loses_nothing_and_rough_glass_some() {
+        for eta in [1.5, 1.0 / 1.5] {
+            for cosine in [0.2, 0.7, 1.0] {
+                assert!((glass(cosine, 0.0, eta) - 1.0).abs() < 2e-3);
+                let rough = glass(cosine, 1.0, eta);
+                assert!((0.3..0.97).contains(&rough), "{eta}, {cosine}: {rough}");
+            }
+        }
     }
 
     #[test]

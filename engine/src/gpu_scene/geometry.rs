@@ -40,7 +40,13 @@ pub(super) fn geometry(
         let sides = if has_back { 0 } else { TRIANGLE_SINGLE_SIDED };
         let alpha = match program(index).decides_opacity {
             true => TRIANGLE_PROGRAM_ALPHA,
-            false if materials::needs_alpha(m, has_colors) => TRIANGLE_ALPHA,
+            // Shadow rays look up what a clear wall lets through.
+            false
+                if materials::needs_alpha(m, has_colors)
+                    || materials::is_clear(m, &program(index)) =>
+            {
+                TRIANGLE_ALPHA
+            }
             false => 0,
         };
         sides | alpha

@@ -17,6 +17,9 @@ const PROGRAM: u32 = 16;
 const PROGRAM_LAST: u32 = 32;
 const PROGRAM_LIGHT: u32 = 64;
 const SOLID: u32 = 128;
+const CLEAR: u32 = 256;
+/// As `MIN_ALPHA` in `microfacet.wgsl`: surfaces below it are mirrors.
+const SMOOTH_ALPHA: f32 = 0.001;
 /// Textures of a material.
 const TEXTURES: usize = 17;
 
@@ -80,9 +83,10 @@ pub struct GpuMaterial {
     anisotropy: f32,
     anisotropy_rotation: f32,
     iridescence_ior: f32,
-    spare: f32,
+    dispersion: f32,
     iridescence_thickness: [f32; 2],
-    more_spare: [f32; 2],
+    priority: f32,
+    spare: f32,
     textures: [GpuTextureSlot; TEXTURES],
 }
 
@@ -111,7 +115,9 @@ impl GpuMaterial {
             sheen_color,
             coat,
             anisotropy,
+            dispersion,
             iridescence_thickness,
+            priority,
             textures
         ]
     }
@@ -139,8 +145,11 @@ impl GpuMaterial {
                 0.0
             }
         };
-        if material.is_solid {
+        if material.is_solid && (transmits(material) || program.transmits) {
             flags |= SOLID;
+        }
+        if is_clear(material, program) {
+            flags |= CLEAR;
         }
         flags |= program_flags(program);
         let textures = material.textures();
@@ -174,9 +183,10 @@ impl GpuMaterial {
             anisotropy: material.anisotropy,
             anisotropy_rotation: material.anisotropy_rotation,
             iridescence_ior: material.iridescence_ior,
-            spare: 0.0,
+            dispersion: material.dispersion,
             iridescence_thickness: material.iridescence_thickness,
-            more_spare: [0.0; 2],
+            priority: material.priority as f32,
+            spare: 0.0,
             textures: textures.map(|texture| GpuTextureSlot::new(texture.as_ref())),
         }
     }
@@ -185,6 +195,21 @@ impl GpuMaterial {
 /// Whether light may go through the surface.
 pub fn transmits(material: &Material) -> bool {
     material.transmission > 0.0 || material.diffuse_transmission > 0.0
+}
+
+/// Whether the surface is a thin wall that light goes through straight on, and nothing else happens to it that a shadow ray
+/// couldn't tell.
+pub fn is_clear(material: &Material, program: &ProgramTraits) -> bool {
+    material.transmission > 0.0
+        && !material.is_solid
+        && material.roughness * material.roughness <= SMOOTH_ALPHA
+        && material.metallic == 0.0
+        && material.specular_texture.is_none()
+        && material.specular_color_texture.is_none()
+        && material.emission == Vec3::ZERO
+        && !material.unlit
+        && !has_layers(material)
+        && !program.runs
 }
 
 /// Whether the surface has more than a metallic-roughness layer.

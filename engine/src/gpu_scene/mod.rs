@@ -17,7 +17,7 @@ use crate::{
     bvh::{BvhError, SceneBvh},
     gpu::{Gpu, GpuError, kernel::Resources},
     procedural::{ProgramTraits, TextureReads},
-    scene::Scene,
+    scene::{Mesh, Scene},
 };
 
 use self::{
@@ -85,6 +85,10 @@ pub struct SceneFeatures {
     pub environment: bool,
     /// Some material lets light through.
     pub transmission: bool,
+    /// Some material is a clear thin wall.
+    pub clear: bool,
+    /// A path may pass surfaces without being scattered, so that it takes more rounds than vertices that scatter.
+    pub passages: bool,
     /// Some material has a coat, sheen, a thin film or anisotropy.
     pub layers: bool,
     /// Rough surfaces give back what single scattering loses: no property of the scene, but of what is asked for.
@@ -97,12 +101,13 @@ pub struct SceneFeatures {
 
 impl SceneFeatures {
     /// Values of the kernels' `override` constants.
-    pub fn constants(&self) -> [(&'static str, f64); 8] {
+    pub fn constants(&self) -> [(&'static str, f64); 9] {
         [
             ("has_alpha", f64::from(u8::from(self.alpha))),
             ("has_textures", f64::from(u8::from(self.textures))),
             ("has_environment", f64::from(u8::from(self.environment))),
             ("has_transmission", f64::from(u8::from(self.transmission))),
+            ("has_clear", f64::from(u8::from(self.clear))),
             ("has_layers", f64::from(u8::from(self.layers))),
             (
                 "energy_compensation",
@@ -199,6 +204,13 @@ impl GpuScene {
         resources.set_view("albedo_table", albedo::upload(gpu));
         resources.set_view("environment_image", environment.image.clone());
         resources.set_view("environment_table", environment.table.clone());
+        let clear = (0..)
+            .zip(&scene.materials)
+            .any(|(i, m)| materials::is_clear(m, &program(i)));
+        let program_shadows = (0..scene.materials.len() as u32).any(|m| {
+            let program = program(m);
+            program.decides_opacity || program.decides_light && program.brightness > 0.0
+        });
         Ok(Self {
             light_count: lights.placed.len() as u32,
             directional_count: lights.directional.len() as u32,
@@ -214,10 +226,9 @@ impl GpuScene {
                     .any(|(i, m)| materials::has_layers(m) || program(i).has_layers),
                 energy_compensation: true,
                 programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
-                program_shadows: (0..scene.materials.len() as u32).any(|m| {
-                    let program = program(m);
-                    program.decides_opacity || program.decides_light && program.brightness > 0.0
-                }),
+                program_shadows,
+                clear,
+                passages: program_shadows || clear || bodies(scene) > 1,
             },
             environment,
             bounds: [lo, hi],
@@ -227,6 +238,26 @@ impl GpuScene {
             image_bytes: images.bytes,
         })
     }
+}
+
+/// How many bodies there are that may overlap: meshes of instances with a solid material, each for itself.
+fn bodies(scene: &Scene) -> usize {
+    let is_body = |&m: &u32| {
+        let material = &scene.materials[m as usize];
+        material.is_solid
+    };
+    let of_mesh = |mesh: &Mesh| {
+        let mut solid: Vec<u32> = (mesh.triangle_materials.iter().copied())
+            .filter(is_body)
+            .collect();
+        solid.sort_unstable();
+        solid.dedup();
+        solid.len()
+    };
+    let counts: Vec<usize> = scene.meshes.iter().map(of_mesh).collect();
+    (scene.instances.iter())
+        .map(|instance| counts[instance.mesh as usize])
+        .sum()
 }
 
 fn instances(scene: &Scene, bvh: &SceneBvh) -> Vec<GpuInstance> {

@@ -383,6 +383,10 @@ fn set_constants(table: &MaterialLook, material: &mut Material) {
         material.iridescence_thickness = [thickness.x; 2];
     }
     set(&mut material.iridescence_ior, &table.iridescence_ior);
+    set(&mut material.dispersion, &table.dispersion);
+    if let Some(priority) = &table.priority {
+        material.priority = priority.value as i32;
+    }
     set(&mut material.is_solid, &table.solid);
     if let Some(distance) = &table.attenuation_distance {
         let color = table.attenuation_color.as_ref();

@@ -41,6 +41,11 @@ pub struct Material {
     pub transmission_texture: Option<TextureRef>,
     /// KHR_materials_volume: the surface bounds a body, which refracts and absorbs; otherwise it is a thin wall.
     pub is_solid: bool,
+    /// KHR_materials_dispersion: 20 divided by the Abbe number of the body; 0 is none.
+    pub dispersion: f32,
+    /// Of a body among others that it overlaps: light travels in the one with the highest, among equals in the one that it
+    /// entered last.
+    pub priority: i32,
     /// Of the body, 1/metres: light that goes a metre is multiplied by exp(-absorption).
     pub absorption: Vec3,
     /// KHR_materials_diffuse_transmission: share of the diffuse light that comes out on the other side.
@@ -166,6 +171,8 @@ impl Default for Material {
             transmission: 0.0,
             transmission_texture: None,
             is_solid: false,
+            dispersion: 0.0,
+            priority: 0,
             absorption: Vec3::ZERO,
             diffuse_transmission: 0.0,
             diffuse_transmission_texture: None,

@@ -9,13 +9,12 @@
 //!include shared/geometry.wgsl
 //!include shared/images.wgsl
 //!include shared/materials.wgsl
+//!include shared/media.wgsl
 //!include shared/surface.wgsl
 //!include shared/bsdf.wgsl
 //!include shared/thin_film.wgsl
 //!include shared/environment.wgsl
 //!include shared/lights.wgsl
-
-const ROULETTE_START = 4u;
 
 // Normal map number `texture` in the frame of the interpolated normal; `s.shading_normal` where there is none.
 fn mapped_normal(s: Surface, material: u32, instance: u32, texture: u32, map: vec3f, scale: f32) -> vec3f {
@@ -100,7 +99,7 @@ fn stretched_tangent(s: Surface, material: u32, instance: u32, normal: vec3f, an
 }
 
 // The layers above and the inside below a metallic-roughness surface.
-fn add_layers(b: ptr<function, Bsdf>, slot: u32, driven: u32, material: u32, roughness: f32, ior: f32, is_inside: bool,
+fn add_layers(b: ptr<function, Bsdf>, slot: u32, driven: u32, material: u32, roughness: f32, eta: f32, is_inside: bool,
               cosine: f32, coat_normal: vec3f, layers: array<vec4f, 11>) {
     if (has_layers && !is_inside) {
         (*b).coat = saturate(scalar_or(slot, driven, OUTPUT_COAT, materials[material].coat * layers[LAYER_COAT].x));
@@ -134,10 +133,60 @@ fn add_layers(b: ptr<function, Bsdf>, slot: u32, driven: u32, material: u32, rou
             materials[material].diffuse_transmission * layers[LAYER_DIFFUSE_TRANSMISSION].w));
         (*b).diffuse_transmission_color = saturate(color_or(slot, driven, OUTPUT_DIFFUSE_TRANSMISSION_COLOR,
             materials[material].diffuse_transmission_color * layers[LAYER_DIFFUSE_TRANSMISSION_COLOR].xyz));
-        if ((materials[material].flags & MATERIAL_SOLID) != 0u && ior > 1.0) {
-            (*b).eta = select(ior, 1.0 / ior, is_inside);
-        }
+        (*b).eta = eta;
     }
+}
+
+// How far above its triangle a point lies on the curved surface that the vertices' normals suggest: rays that leave from
+// there aren't stopped by the coarseness of the mesh (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021,
+// chapter 4). Zero where the surface is flat or hollow.
+fn curved_lift(s: Surface, instance: u32) -> vec3f {
+    let object_from_world = instances[instance].object_from_world;
+    let p = transform_point(object_from_world, s.position);
+    let side = select(-1.0, 1.0, s.front);
+    var lift = vec3f(0.0);
+    for (var i = 0u; i < 3u; i++) {
+        let vertex = vertices[s.triangle[i]];
+        let normal = octahedral_decode(vertex.w) * side;
+        lift -= normal * (s.weights[i] * min(dot(p - bitcast<vec3f>(vertex.xyz), normal), 0.0));
+    }
+    return transform_vector(instances[instance].world_from_object, lift);
+}
+
+// Sends the path on behind the surface that it met, as if nothing were there.
+fn pass_on(slot: u32, throughput: vec4f, radiance: vec4f, t: f32) {
+    path_write(PATH_THROUGHPUT, slot, throughput);
+    path_write(PATH_RADIANCE, slot, radiance);
+    rays[slot].t_min = t;
+    rays[slot].t_max = 1e30;
+    rays[slot].triangle = MISS;
+    queue_append(QUEUE_ACTIVE, slot);
+}
+
+// The index of refraction of a medium for the path's hue: 1 + material, 0 for air. `own` is the material at hand, whose
+// index a texture program may have changed to `own_ior`.
+fn medium_ior(medium: u32, own: u32, own_ior: f32, hue: f32) -> f32 {
+    if (medium == 0u) {
+        return 1.0;
+    }
+    let ior = select(materials[medium - 1u].ior, own_ior, medium == own + 1u);
+    return dispersed(max(ior, 1.0), materials[medium - 1u].dispersion, hue);
+}
+
+fn medium_dispersion(medium: u32) -> f32 {
+    if (medium == 0u) {
+        return 0.0;
+    }
+    return materials[medium - 1u].dispersion;
+}
+
+// Whether a ray leaves the surface on the side of its shading normal that it was meant for; `side` is its cosine to the
+// triangle. Above a curved surface it may dip below the triangle's plane: then it is for tracing to say what it meets.
+fn leaves(cosine: f32, side: f32, is_lifted: bool) -> bool {
+    if (cosine > 0.0) {
+        return side > 0.0 || is_lifted;
+    }
+    return has_transmission && cosine < 0.0 && side < 0.0;
 }
 
 // A path that ends here, but whose shadow ray may have to wait for texture programs, goes on with a dead ray.
@@ -184,7 +233,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         return;
     }
     if (blocker == MISS) {
-        radiance += path_read(PATH_LIGHT, slot).xyz;
+        radiance += waiting_light(slot, depth);
     }
     let receiver_before = path_words(PATH_LIGHT, slot).w; // of the vertex that the ray comes from
     path_set_words(PATH_LIGHT, slot, vec4u(0u, 0u, 0u, receiver_before));
@@ -198,8 +247,8 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         if (has_environment && bsdf_pdf > 0.0) {
             weight = mis_weight(bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
         }
-        radiance += throughput * environment_radiance(hit.direction) * weight;
-        radiance += throughput * disk_radiance(hit.direction, bsdf_pdf);
+        let sky = environment_radiance(hit.direction) * weight + disk_radiance(hit.direction, bsdf_pdf);
+        radiance += limited(throughput * sky, f32(depth));
         path_write(PATH_RADIANCE, slot, vec4f(radiance, cone_width));
         return;
     }
@@ -214,32 +263,51 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         driven = resolved.y;
     }
     let flags = materials[material].flags;
+    let is_solid = has_transmission && (flags & MATERIAL_SOLID) != 0u;
     // Seen from the inside of a transparent body.
-    let is_inside = has_transmission && !s.front && (flags & MATERIAL_SOLID) != 0u;
+    let is_inside = is_solid && !s.front;
+
+    // The bodies that the ray went through; where the path began inside one, its back says so.
+    var media = vec4u(0u);
+    var medium = 0u;
+    if (has_transmission) {
+        media = path_words(PATH_MEDIA, slot);
+        if (is_inside && !media_hold(media, own_material)) {
+            media = media_entered(media, own_material);
+        }
+        medium = medium_among(media);
+        throughput *= medium_transmittance(medium, hit.t_max - hit.t_min);
+    }
 
     if (gives(driven, OUTPUT_OPACITY)) {
         let coin = random_at(path, vertex_dimension(depth, DIMENSION_OPACITY), hit.triangle, hit.instance);
         if (coin >= scalar_or(slot, driven, OUTPUT_OPACITY, 1.0)) {
-            // Nothing is here: the ray goes on behind it, as if it had not been met.
-            path_write(PATH_RADIANCE, slot, vec4f(radiance, gathered.w));
-            rays[slot].t_min = hit.t_max;
-            rays[slot].t_max = 1e30;
-            rays[slot].triangle = MISS;
-            queue_append(QUEUE_ACTIVE, slot);
+            pass_on(slot, vec4f(throughput, bsdf_pdf), vec4f(radiance, gathered.w), hit.t_max);
             return;
         }
     }
 
-    // The body that the ray went through; where the path began inside one, its back says so.
-    var medium = 0u;
-    if (has_transmission) {
-        medium = path_words(PATH_STATE, slot).w;
-        if (medium == 0u && is_inside) {
-            medium = own_material + 1u;
+    // What is behind the surface of a body. Inside one that counts more, nothing changes here.
+    var beyond = media;
+    if (is_solid) {
+        beyond = media_behind(is_inside, media, own_material);
+        if (medium_among(beyond) == medium) {
+            path_set_words(PATH_MEDIA, slot, beyond);
+            pass_on(slot, vec4f(throughput, bsdf_pdf), vec4f(radiance, gathered.w), hit.t_max);
+            return;
         }
-        if (medium != 0u) {
-            throughput *= exp(-materials[medium - 1u].absorption * hit.t_max);
+    }
+
+    // A thin clear wall: what goes straight through meets the lights as if the wall were only a filter, as shadow rays do.
+    let is_clear = has_clear && (materials[own_material].flags & MATERIAL_CLEAR) != 0u;
+    if (is_clear) {
+        let passing = clear_transmittance(material, s.triangle, s.weights, dot(s.geometric_normal, s.wo));
+        let chance = max_component(passing);
+        if (random_at(path, vertex_dimension(depth, DIMENSION_OPACITY), hit.triangle, hit.instance) < chance) {
+            pass_on(slot, vec4f(throughput * passing / chance, bsdf_pdf), vec4f(radiance, gathered.w), hit.t_max);
+            return;
         }
+        throughput /= 1.0 - chance;
     }
 
     var base_color: vec3f;
@@ -253,7 +321,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
             * interpolate_color(s.triangle, s.weights).xyz;
     }
     if ((flags & MATERIAL_UNLIT) != 0u) {
-        path_write(PATH_RADIANCE, slot, vec4f(radiance + throughput * base_color, cone_width));
+        path_write(PATH_RADIANCE, slot, vec4f(radiance + limited(throughput * base_color, f32(depth)), cone_width));
         return;
     }
 
@@ -270,7 +338,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
             let cosine = max(dot(s.geometric_normal, s.wo), 1e-7);
             weight = mis_weight(bsdf_pdf, light_hit_pdf(hit, receiver_before, cosine));
         }
-        radiance += throughput * emission * weight;
+        radiance += limited(throughput * emission * weight, f32(depth));
     }
     path_write(PATH_RADIANCE, slot, vec4f(radiance, cone_width));
     if (depth >= frame.max_depth) {
@@ -305,8 +373,33 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         let ratio = (ior - 1.0) / (ior + 1.0);
         f0 = ratio * ratio;
     }
+    var matched = 1.0;
+    var eta = select(1.0, 0.0, is_clear);
+    if (is_solid) {
+        // The border of two media.
+        let behind = medium_among(beyond);
+        var state = path_words(PATH_STATE, slot);
+        var hue = bitcast<f32>(state.w);
+        if (hue == 0.0 && max(medium_dispersion(medium), medium_dispersion(behind)) > 0.0) {
+            // From here on the path has one hue. It is kept off zero, which stands for white.
+            hue = hue_of(random2(path, vertex_dimension(depth, DIMENSION_HUE))) + HUE_OFFSET;
+            throughput *= hue_weight(hue - HUE_OFFSET);
+            path_set_words(PATH_STATE, slot, vec4u(state.xyz, bitcast<u32>(hue)));
+        }
+        let pure = select(hue - HUE_OFFSET, 0.5, hue == 0.0);
+        let here = medium_ior(medium, own_material, ior, pure);
+        let there = medium_ior(behind, own_material, ior, pure);
+        eta = there / here;
+        let ratio = (there - here) / (there + here);
+        f0 = ratio * ratio;
+        if (abs(ratio) < 1e-4) {
+            // Nothing is reflected between equals.
+            eta = 1.0;
+            matched = 0.0;
+        }
+    }
     let dielectric_f0 = min(f0 * specular_color, vec3f(1.0));
-    var b = plain_bsdf(base_color, metallic, roughness, dielectric_f0, specular);
+    var b = plain_bsdf(base_color, metallic, roughness, dielectric_f0, specular * matched);
 
     // The frame of the BSDF; its x is where anisotropic reflections are stretched to.
     var tangent = any_perpendicular(normal);
@@ -317,7 +410,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         let coat_normal = mapped_normal(s, material, hit.instance, FIRST_LAYER_TEXTURE + LAYER_COAT_NORMAL,
             layers[LAYER_COAT_NORMAL].xyz, materials[material].coat_normal_scale);
         let local = vec3f(dot(coat_normal, tangent), dot(coat_normal, cross(normal, tangent)), dot(coat_normal, normal));
-        add_layers(&b, slot, driven, material, roughness, ior, is_inside, dot(normal, s.wo), local, layers);
+        add_layers(&b, slot, driven, material, roughness, eta, is_inside, dot(normal, s.wo), local, layers);
     }
     let bitangent = cross(normal, tangent);
     let wo = vec3f(dot(s.wo, tangent), dot(s.wo, bitangent), dot(s.wo, normal));
@@ -326,29 +419,38 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         return;
     }
 
+    // Where rays leave that are reflected.
+    let lift = curved_lift(s, hit.instance);
+    let is_lifted = dot(lift, lift) > 1e-12 * dot(s.position, s.position);
+    let below = offset_origin(s.position, -s.geometric_normal);
+    let above = offset_origin(s.position + lift, s.geometric_normal);
+
     // Next-event estimation.
     var has_shadow_ray = false;
-    let leaving_front = offset_origin(s.position, s.geometric_normal);
     let is_opaque = !has_transmission || (b.transmission <= 0.0 && b.diffuse_transmission <= 0.0);
-    let receiver = select(RECEIVER_ALL_AROUND, octahedral_encode(s.geometric_normal), is_opaque);
+    // Where a ray may dip below the triangle's plane, the shading normal's horizon is what counts.
+    let facing = octahedral_encode(select(s.geometric_normal, normal, is_lifted));
+    let receiver = select(RECEIVER_ALL_AROUND, facing, is_opaque);
     path_set_words(PATH_LIGHT, slot, vec4u(0u, 0u, 0u, receiver));
     if (light_groups() > 0u) {
         let choice = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_CHOICE)).x;
         let point = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_POINT));
-        let light = light_sample(s.position, leaving_front, receiver, choice, point);
+        let light = light_sample(s.position + lift, above, receiver, choice, point);
         let wi = vec3f(dot(light.wi, tangent), dot(light.wi, bitangent), dot(light.wi, normal));
-        // The light is on one side of both the surface and its shading normal.
-        let side = dot(light.wi, s.geometric_normal);
-        if (light.pdf > 0.0 && wi.z * side > 0.0 && (has_transmission || side > 0.0)) {
+        if (light.pdf > 0.0 && leaves(wi.z, dot(light.wi, s.geometric_normal), is_lifted)) {
             let value = bsdf_eval(b, wo, wi);
             let weight = select(mis_weight(light.pdf, value.w), 1.0, light.delta);
-            let contribution = throughput * value.xyz * light.radiance * (weight / light.pdf);
+            var contribution = throughput * value.xyz * light.radiance * (weight / light.pdf);
+            if (has_transmission && light.distance < FAR) {
+                let through = medium_among(select(media, beyond, wi.z < 0.0));
+                contribution *= medium_transmittance(through, light.distance);
+            }
             if (max_component(contribution) > 0.0) {
-                let origin = offset_origin(s.position, select(-s.geometric_normal, s.geometric_normal, side > 0.0));
+                let origin = select(below, above, wi.z > 0.0);
                 var direction = light.wi;
                 var t_max = light.distance;
                 if (light.distance < FAR) {
-                    let to = s.position + light.wi * light.distance - origin;
+                    let to = s.position + lift + light.wi * light.distance - origin;
                     t_max = length(to);
                     direction = to / t_max;
                     t_max *= 0.9999; // stops short of the light's own surface
@@ -368,23 +470,21 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     let lobe = random2(path, vertex_dimension(depth, DIMENSION_BSDF_LOBE));
     let sampled = bsdf_sample(b, wo, random2(path, vertex_dimension(depth, DIMENSION_BSDF_DIRECTION)), lobe.x);
     let direction = tangent * sampled.wi.x + bitangent * sampled.wi.y + normal * sampled.wi.z;
-    let side = dot(direction, s.geometric_normal);
-    if (sampled.pdf <= 0.0 || sampled.wi.z * side <= 0.0) {
+    if (sampled.pdf <= 0.0 || !leaves(sampled.wi.z, dot(direction, s.geometric_normal), is_lifted)) {
         end_path(slot, depth, has_shadow_ray);
         return;
     }
     var density = 1.0;
     if (has_transmission) {
-        if (side < 0.0 && (flags & MATERIAL_SOLID) != 0u) {
-            // Bodies border on the air: whoever leaves one is in the air.
-            medium = select(own_material + 1u, 0u, is_inside);
-        }
-        if (medium != 0u) {
-            density = materials[medium - 1u].ior;
+        let next_media = select(media, beyond, sampled.wi.z < 0.0);
+        path_set_words(PATH_MEDIA, slot, next_media);
+        let next_medium = medium_among(next_media);
+        if (next_medium != 0u) {
+            density = materials[next_medium - 1u].ior;
         }
     }
     var next = throughput * sampled.weight;
-    if (depth >= ROULETTE_START) {
+    if (depth >= frame.roulette_start) {
         // Inside a body radiance is denser, and throughput lower, by the square of its index; that is no reason to end.
         let survival = clamp(max_component(next) * density * density, 0.05, 0.95);
         if (lobe.y >= survival) {
@@ -398,8 +498,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         return;
     }
     path_write(PATH_THROUGHPUT, slot, vec4f(next, sampled.pdf));
-    path_set_words(PATH_STATE, slot, vec4u(0u, 0u, depth + 1u, medium));
-    let leaving = select(-s.geometric_normal, s.geometric_normal, side > 0.0);
-    rays[slot] = RayHit(offset_origin(s.position, leaving), 0.0, normalize(direction), 1e30, vec2f(0.0), MISS, 0u);
+    path_set_words(PATH_STATE, slot, vec4u(0u, 0u, depth + 1u, path_words(PATH_STATE, slot).w));
+    rays[slot] = RayHit(select(below, above, sampled.wi.z > 0.0), 0.0, normalize(direction), 1e30, vec2f(0.0), MISS, 0u);
     queue_append(QUEUE_ACTIVE, slot);
 }

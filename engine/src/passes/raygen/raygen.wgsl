@@ -5,6 +5,31 @@
 //!include shared/queues.wgsl
 //!include shared/random.wgsl
 
+// Steps of each lobe in the table of distances: the positive lobe first, then the negative one. See `filter.rs`.
+const FILTER_SLOTS = 512u;
+
+@group(0) @binding(5) var<storage, read> filter_table: array<f32>;
+
+// Where a sample lies along an axis, seen from the centre of its pixel, distributed as the filter's absolute value.
+fn filter_offset(u: f32) -> f32 {
+    let side = 2.0 * u - 1.0;
+    if (frame.filter_is_box != 0u) {
+        return side * frame.filter_radius;
+    }
+    var share = abs(side) / frame.filter_positive;
+    var first = 0u;
+    if (abs(side) > frame.filter_positive) {
+        share = (abs(side) - frame.filter_positive) / (1.0 - frame.filter_positive);
+        first = FILTER_SLOTS + 1u;
+    }
+    share = min(share, 1.0);
+    let end = sqrt(0.5 * min(share, 1.0 - share));
+    let scaled = select(1.0 - end, end, share < 0.5) * f32(FILTER_SLOTS);
+    let slot = min(u32(scaled), FILTER_SLOTS - 1u);
+    let distance = mix(filter_table[first + slot], filter_table[first + slot + 1u], scaled - f32(slot));
+    return sign(side) * distance * frame.filter_radius;
+}
+
 fn disk(u: vec2f) -> vec2f {
     // Concentric map (Shirley and Chiu 1997).
     let a = 2.0 * u - 1.0;
@@ -33,6 +58,7 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
     path_write(PATH_RADIANCE, slot, vec4f(0.0, 0.0, 0.0, width));
     path_write(PATH_LIGHT, slot, vec4f(0.0));
     path_set_words(PATH_STATE, slot, vec4u(0u));
+    path_set_words(PATH_MEDIA, slot, vec4u(0u));
     path_set_words(PATH_LIGHT_POINT, slot, vec4u(MISS, 0u, 0u, 0u));
     rays[frame.capacity + slot].triangle = MISS;
     if (pixel.x >= frame.width || pixel.y >= frame.height || path.sample >= frame.sample_limit) {
@@ -40,7 +66,8 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
         return;
     }
     let size = vec2f(f32(frame.width), f32(frame.height));
-    let film = vec2f(pixel) + random2(path, DIMENSION_PIXEL);
+    let place = random2(path, DIMENSION_PIXEL);
+    let film = vec2f(pixel) + 0.5 + vec2f(filter_offset(place.x), filter_offset(place.y));
     let ndc = vec2f(2.0 * film.x - size.x, size.y - 2.0 * film.y) / size.y * frame.half_height;
     var origin: vec3f;
     var direction: vec3f; // in the camera's frame

@@ -21,7 +21,9 @@ struct Bsdf {
     dielectric_f0: vec3f,
     specular: f32, // weight of the dielectric's reflection
     transmission: f32, // share of the body that is transparent
-    eta: f32, // index of refraction below over that above; 1: a thin wall that doesn't refract
+    // Index of refraction below over that above. 1: a thin wall that doesn't refract. 0: the same, but what goes straight
+    // through it has been dealt with apart.
+    eta: f32,
     diffuse_transmission: f32, // share of the rest that scatters to the other side
     diffuse_transmission_color: vec3f,
     coat: f32,
@@ -82,7 +84,7 @@ fn mean_alpha(b: Bsdf) -> f32 {
 // The reflection of the dielectric's surface at an angle to a microfacet; `cosine` is on wo's side.
 fn dielectric_fresnel(b: Bsdf, cosine: f32) -> vec3f {
     var outside = cosine;
-    if (has_transmission && b.eta < 1.0) {
+    if (has_transmission && b.eta < 1.0 && b.eta > 0.0) {
         // Seen from the inside: what counts is the angle in the air, and beyond the critical one all is reflected.
         let sine2 = (1.0 - cosine * cosine) / (b.eta * b.eta);
         if (sine2 >= 1.0) {
@@ -128,13 +130,17 @@ fn lobes(b: Bsdf, wo: vec3f) -> Lobes {
         let single = max(table.x + table.y, 1e-3);
         let lost = (1.0 - single) / single;
         var f0 = b.specular * b.dielectric_f0;
-        if (has_transmission && b.eta == 1.0) {
-            // What a thin transparent wall doesn't reflect isn't absorbed: it meets the next microfacet. Where light is
-            // refracted, what is lost depends on the index too, and isn't given back.
+        if (has_transmission && (b.eta == 1.0 || b.eta == 0.0)) {
+            // What a thin transparent wall doesn't reflect isn't absorbed: it meets the next microfacet.
             f0 = mix(f0, vec3f(1.0), b.transmission);
             l.through = 1.0 + lost;
         }
         l.gloss = vec3f(1.0) + with_film(b, mix(f0, b.base_color, b.metallic)) * lost;
+        if (has_transmission && b.transmission > 0.0 && b.eta > 0.0 && b.eta != 1.0) {
+            // The same at the surface of a body, where what single scattering leaves depends on the index too.
+            l.through = 1.0 / max(glass_albedo(wo.z, roughness, b.eta), 0.1);
+            l.gloss = mix(l.gloss, vec3f(l.through), b.transmission * (1.0 - b.metallic));
+        }
         // Below the reflection remains what isn't reflected, whatever the angle at a microfacet.
         let f = b.specular * (b.dielectric_f0 * table.x + table.y);
         let film = with_film(b, f);
@@ -152,7 +158,12 @@ fn lobes(b: Bsdf, wo: vec3f) -> Lobes {
     let diffuse = inside * (1.0 - b.transmission);
     l.diffuse_p = diffuse * (1.0 - b.diffuse_transmission) * max_component(b.base_color);
     l.back_p = diffuse * b.diffuse_transmission * max_component(b.diffuse_transmission_color);
-    l.through_p = inside * b.transmission * max_component(b.base_color);
+    if (b.eta > 0.0) {
+        // Where the surface as a whole reflects all, rough as it is, some of its microfacets let light out.
+        let least = select(0.0, 0.5 * roughness, b.eta < 1.0);
+        let passing = below * (1.0 - b.metallic) * max(1.0 - max_component(dielectric), least);
+        l.through_p = passing * b.transmission * max_component(b.base_color);
+    }
     let sum = l.coat_p + l.sheen_p + l.specular_p + l.diffuse_p + l.back_p + l.through_p;
     if (sum > 0.0) {
         // No lobe that matters may starve: what looks dark from here may be bright elsewhere.

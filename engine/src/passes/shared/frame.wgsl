@@ -36,6 +36,14 @@ struct Frame {
     frame_index: u32, // number of the picture, for textures that move
     bounds_max: vec3f,
     directional_count: u32,
+    filter_radius: f32, // half the width of the pixel filter, pixels
+    filter_positive: f32, // share of its absolute value along an axis that is positive
+    filter_weight: f32, // of a sample, without its sign
+    filter_is_box: u32,
+    indirect_clamp: f32, // most that one contribution of indirect light adds
+    estimator: u32, // see estimator.wgsl
+    roulette_start: u32, // vertices that scatter before Russian roulette begins
+    sampler: u32, // see random.wgsl
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

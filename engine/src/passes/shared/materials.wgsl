@@ -34,10 +34,10 @@ struct Material {
     anisotropy: f32,
     anisotropy_rotation: f32, // radians
     iridescence_ior: f32,
-    spare0: f32,
+    dispersion: f32, // 20 / Abbe number
     iridescence_thickness: vec2f, // nanometres
-    spare1: f32,
-    spare2: f32,
+    priority: f32, // of a body among bodies that overlap
+    spare: f32,
     textures: array<TextureSlot, 17>,
 }
 
@@ -68,6 +68,7 @@ const MATERIAL_BLEND = 8u;
 const MATERIAL_PROGRAM = 16u; // has a head in the texture programs
 const MATERIAL_PROGRAM_LAST = 32u; // and needs it to know how much light comes out of it: emission, opacity
 const MATERIAL_SOLID = 128u; // bounds a body
+const MATERIAL_CLEAR = 256u; // a thin wall that light goes through straight on, so that shadow rays can follow it
 const MATERIAL_PROGRAM_LIGHT = 64u; // and is sampled as a light, whose emission the program tells
 
 @group(0) @binding(14) var<storage, read> materials: array<Material>;
@@ -140,9 +141,26 @@ fn material_base_color(material: u32, triangle: vec4u, weights: vec3f) -> vec4f 
 
 // How much of the surface is there at a point: glTF's alpha mask (0 or 1), or alpha as coverage.
 fn material_coverage(material: u32, triangle: vec4u, weights: vec3f) -> f32 {
+    if ((materials[material].flags & (MATERIAL_MASK | MATERIAL_BLEND)) == 0u) {
+        return 1.0;
+    }
     let alpha = material_base_color(material, triangle, weights).a;
     if ((materials[material].flags & MATERIAL_MASK) != 0u) {
         return select(0.0, 1.0, alpha >= materials[material].alpha_cutoff);
     }
     return alpha;
+}
+
+// Whether any material of the scene is a clear thin wall.
+override has_clear: bool = true;
+
+// What goes straight through a clear wall. `cosine` is that to the triangle: shadow rays know no other.
+fn clear_transmittance(material: u32, triangle: vec4u, weights: vec3f, cosine: f32) -> vec3f {
+    let f0 = materials[material].dielectric_f0 * materials[material].specular_color;
+    let grazing = pow(saturate(1.0 - abs(cosine)), 5.0);
+    let reflected = materials[material].specular * (f0 + (vec3f(1.0) - f0) * grazing);
+    let share = materials[material].transmission
+        * material_texture(material, FIRST_LAYER_TEXTURE + LAYER_TRANSMISSION, triangle, weights).x;
+    let color = saturate(material_base_color(material, triangle, weights).xyz);
+    return color * (vec3f(1.0) - min(reflected, vec3f(1.0))) * share;
 }

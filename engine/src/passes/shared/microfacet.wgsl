@@ -7,19 +7,39 @@ const PI = 3.14159265358979;
 // Widest mirror that single precision can evaluate.
 const MIN_ALPHA = 0.001;
 
-// Directional albedos, by cosine (x) and perceptual roughness (y): GGX as f0 * r + f90 * g; Charlie's sheen in b.
-// Computed by `gpu_scene::albedo`.
+// Directional albedos, in blocks of ALBEDO_SIDE x ALBEDO_SIDE cells by cosine (x) and perceptual roughness (y). The first
+// block: GGX as f0 * r + f90 * g; Charlie's sheen in b. Below it glass, one block between each two neighbouring indices:
+// what a body's surface reflects and refracts together, from the outside and from the inside, at the lower index (rg) and
+// at the higher one (ba). Computed by `gpu_scene::albedo`.
 @group(0) @binding(21) var albedo_table: texture_2d<f32>;
 
-// Bilinear between the table's cells, whose first and last lie at 0 and 1.
-fn albedo_lookup(cosine: f32, roughness: f32) -> vec3f {
-    let size = textureDimensions(albedo_table);
-    let at = saturate(vec2f(cosine, roughness)) * vec2f(size - 1u);
-    let cell = min(vec2u(at), size - 2u);
+const ALBEDO_SIDE = 32u;
+const GLASS_BLOCKS = 15u;
+const GLASS_MOST = 0.5; // of (index - 1) / (index + 1), by which the blocks are spread evenly
+
+// Bilinear between a block's cells, whose first and last lie at 0 and 1.
+fn albedo_block(block: u32, cosine: f32, roughness: f32) -> vec4f {
+    let at = saturate(vec2f(cosine, roughness)) * f32(ALBEDO_SIDE - 1u);
+    let cell = min(vec2u(at), vec2u(ALBEDO_SIDE - 2u));
     let f = at - vec2f(cell);
-    let low = mix(textureLoad(albedo_table, cell, 0), textureLoad(albedo_table, cell + vec2u(1u, 0u), 0), f.x);
-    let high = mix(textureLoad(albedo_table, cell + vec2u(0u, 1u), 0), textureLoad(albedo_table, cell + 1u, 0), f.x);
-    return mix(low, high, f.y).xyz;
+    let first = cell + vec2u(0u, block * ALBEDO_SIDE);
+    let low = mix(textureLoad(albedo_table, first, 0), textureLoad(albedo_table, first + vec2u(1u, 0u), 0), f.x);
+    let high = mix(textureLoad(albedo_table, first + vec2u(0u, 1u), 0), textureLoad(albedo_table, first + 1u, 0), f.x);
+    return mix(low, high, f.y);
+}
+
+fn albedo_lookup(cosine: f32, roughness: f32) -> vec3f {
+    return albedo_block(0u, cosine, roughness).xyz;
+}
+
+// Share of light that single scattering at the surface of a clear body reflects or refracts. `eta` is the index below over
+// that above.
+fn glass_albedo(cosine: f32, roughness: f32, eta: f32) -> f32 {
+    let place = saturate(abs(eta - 1.0) / ((eta + 1.0) * GLASS_MOST)) * f32(GLASS_BLOCKS);
+    let block = min(u32(place), GLASS_BLOCKS - 1u);
+    let cells = albedo_block(1u + block, cosine, roughness);
+    let pair = select(cells.xz, cells.yw, eta < 1.0);
+    return mix(pair.x, pair.y, place - f32(block));
 }
 
 fn schlick_weight(cosine: f32) -> f32 {

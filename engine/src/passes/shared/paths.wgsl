@@ -6,11 +6,12 @@ const PATH_RADIANCE = 1u; // rgb gathered so far, then the ray cone's width at t
 // rgb that arrives if the shadow ray is free, then what light samples know of the vertex scattered at last, for the weight
 // of a lamp that the path's ray hits: see `light_tree.wgsl`
 const PATH_LIGHT = 2u;
-// Material after blends, its driven outputs, vertices that have scattered, and 1 + the material of the body that the path
-// is in, or 0.
+// Material after blends, its driven outputs, vertices that have scattered, and the hue of a path that was dispersed, see
+// media.wgsl, or 0.
 const PATH_STATE = 3u;
 const PATH_LIGHT_POINT = 4u; // triangle (or MISS), instance and barycentrics of a light that a program has yet to judge
-const PATH_RESULTS = 5u; // the driven outputs' values, word by word: as many fields as the hungriest material needs
+const PATH_MEDIA = 5u; // the bodies that the path is in, see media.wgsl; read only where light goes through something
+const PATH_RESULTS = 6u; // the driven outputs' values, word by word: as many fields as the hungriest material needs
 
 @group(0) @binding(2) var<storage, read_write> paths: array<vec4u>;
 
@@ -35,6 +36,20 @@ fn path_words(field: u32, slot: u32) -> vec4u {
 
 fn path_set_words(field: u32, slot: u32, value: vec4u) {
     paths[field * frame.capacity + slot] = value;
+}
+
+// What light adds to a sample that this many surfaces have scattered: indirect light is clamped where that is asked for.
+fn limited(light: vec3f, scatterings: f32) -> vec3f {
+    let most = max(max(light.x, light.y), light.z);
+    if (scatterings < 2.0 || most <= frame.indirect_clamp) {
+        return light;
+    }
+    return light * (frame.indirect_clamp / most);
+}
+
+// The light sample that waits for its shadow ray, which so many surfaces will have scattered.
+fn waiting_light(slot: u32, scatterings: u32) -> vec3f {
+    return limited(path_read(PATH_LIGHT, slot).xyz, f32(scatterings));
 }
 
 // Vertices of the path that have scattered.

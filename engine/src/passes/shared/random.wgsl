@@ -12,8 +12,9 @@ const DIMENSION_BSDF_DIRECTION = 2u;
 const DIMENSION_BSDF_LOBE = 3u; // x: which lobe; y: Russian roulette
 const DIMENSION_AO = 4u; // and the following, one for each AO table
 const DIMENSION_SHADOW_AO = 8u; // the same for what a shadow ray met
-const DIMENSION_OPACITY = 12u; // x: whether the path's ray passes
+const DIMENSION_OPACITY = 12u; // x: whether the path's ray passes, by opacity or through a clear wall
 const DIMENSION_SHADOW_BLEND = 13u; // x: which side of a material blend a shadow ray met
+const DIMENSION_HUE = 14u; // of a path that is dispersed
 
 fn hash(x: u32) -> u32 {
     // "lowbias32" by C. Wellons.

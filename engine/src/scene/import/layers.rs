@@ -31,6 +31,10 @@ impl Reader<'_> {
                 material.absorption = absorption(color, distance);
             }
         }
+        if let Some(e) = find("KHR_materials_dispersion") {
+            let dispersion = self.number(e, "dispersion", 0.0);
+            material.dispersion = self.within("dispersion", dispersion, 0.0, 1e3, 0.0);
+        }
         if let Some(e) = find("KHR_materials_diffuse_transmission") {
             material.diffuse_transmission = self.share(e, "diffuseTransmissionFactor", 0.0);
             material.diffuse_transmission_texture =

@@ -30,6 +30,10 @@ pub struct MaterialLook {
     pub attenuation_color: Option<Spanned<Vec3>>,
     /// Metres.
     pub attenuation_distance: Option<Spanned<f32>>,
+    /// 20 divided by the Abbe number of the body.
+    pub dispersion: Option<Spanned<f32>>,
+    /// Whose inside it is where bodies overlap: a whole number.
+    pub priority: Option<Spanned<f32>>,
     /// Index of refraction of a thin film.
     pub iridescence_ior: Option<Spanned<f32>>,
     /// Both sides reflect and emit.
@@ -93,7 +97,7 @@ const INPUTS: [(&str, Takes); 23] = [
 ];
 
 /// The other keys.
-const OTHERS: [&str; 11] = [
+const OTHERS: [&str; 13] = [
     "bump_scale",
     "alpha",
     "alpha_mode",
@@ -101,6 +105,8 @@ const OTHERS: [&str; 11] = [
     "solid",
     "attenuation_color",
     "attenuation_distance",
+    "dispersion",
+    "priority",
     "iridescence_ior",
     "double_sided",
     "unlit",
@@ -120,6 +126,8 @@ impl MaterialLook {
             solid: None,
             attenuation_color: None,
             attenuation_distance: None,
+            dispersion: None,
+            priority: None,
             iridescence_ior: None,
             double_sided: None,
             unlit: None,
@@ -164,6 +172,8 @@ impl MaterialLook {
             at(&self.solid),
             at(&self.attenuation_color),
             at(&self.attenuation_distance),
+            at(&self.dispersion),
+            at(&self.priority),
             at(&self.iridescence_ior),
             at(&self.double_sided),
             at(&self.unlit),
@@ -227,6 +237,12 @@ pub(super) fn material(
             "attenuation_color" => m.attenuation_color = reader.color(value),
             "attenuation_distance" => {
                 m.attenuation_distance = reader.number(value, "metres greater than 0", |x| x > 0.0);
+            }
+            "dispersion" => m.dispersion = reader.number(value, POSITIVE, |x| x >= 0.0),
+            "priority" => {
+                m.priority = reader.number(value, "a whole number from -1000 to 1000", |x| {
+                    x.fract() == 0.0 && x.abs() <= 1000.0
+                });
             }
             "iridescence_ior" => {
                 m.iridescence_ior = reader.number(value, "a number of at least 1", |x| x >= 1.0);

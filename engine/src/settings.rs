@@ -1,0 +1,52 @@
+//! What is rendered and how: the settings of a render that are neither scene nor texture.
+
+use crate::filter::PixelFilter;
+use crate::scene::Camera;
+
+/// What is rendered and how. [`RenderSettings::new`] gives every setting a sensible value.
+#[derive(Debug, Clone)]
+pub struct RenderSettings {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// At most this many surface vertices scatter along a path; 1 is direct light only.
+    pub max_depth: u32,
+    /// Of the random numbers: same seed, same device, same picture.
+    pub seed: u32,
+    /// From where.
+    pub camera: Camera,
+    /// Rough surfaces give back the light that microfacets scatter more than once. Without it they are darker, as in
+    /// renderers that leave it out.
+    pub energy_compensation: bool,
+    /// Where in the sequence of each pixel's samples the picture begins. A picture of samples 0 to 10 and one of
+    /// samples 10 to 64 add up to that of samples 0 to 64: see [`crate::film::Film::add`].
+    pub first_sample: u32,
+    /// How a pixel weighs the light around its centre.
+    pub filter: PixelFilter,
+    /// Width of the filter from edge to edge, pixels.
+    pub filter_width: f32,
+    /// Most that one contribution of indirect light may add to a sample: the largest of red, green and blue; the colour is
+    /// kept. Indirect is what has been scattered by two surfaces or more. Takes fireflies out of a picture and light with
+    /// them: with it, rendering is *biased*.
+    pub clamp: Option<f32>,
+}
+
+impl RenderSettings {
+    /// A picture of `width` x `height` pixels: nine vertices at most, seed 0, from the first sample on,
+    /// a box of one pixel as filter.
+    pub fn new(width: u32, height: u32, camera: &Camera) -> Self {
+        Self {
+            width,
+            height,
+            max_depth: 9,
+            seed: 0,
+            camera: camera.clone(),
+            energy_compensation: true,
+            first_sample: 0,
+            filter: PixelFilter::Box,
+            filter_width: PixelFilter::Box.default_width(),
+            clamp: None,
+        }
+    }
+}
