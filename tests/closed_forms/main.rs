@@ -9,6 +9,7 @@ mod albedo;
 mod appearance;
 mod determinism;
 mod direct;
+mod disk;
 mod environment;
 mod filters;
 mod furnace;

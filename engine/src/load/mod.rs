@@ -5,6 +5,7 @@
 mod camera;
 mod files;
 mod include;
+mod light;
 
 use std::path::{Path, PathBuf};
 
@@ -137,7 +138,7 @@ impl Loaded {
     }
 }
 
-/// Everything of the look that is not a material: includes, environment, camera.
+/// Everything of the look that is not a material: includes, environment, lights, camera.
 fn apply(look: &Look, scene: &mut Scene, warnings: &mut Vec<String>) -> Result<Camera, LookError> {
     let mut problems = Diagnostics::new();
     for table in &look.includes {
@@ -147,13 +148,13 @@ fn apply(look: &Look, scene: &mut Scene, warnings: &mut Vec<String>) -> Result<C
         }
     }
     if let Some(environment) = &look.environment {
-        match read_environment(look, environment) {
-            Ok((environment, more)) => {
-                scene.environment = environment;
-                warnings.extend(more);
-            }
+        match set_environment(look, environment, scene) {
+            Ok(more) => warnings.extend(more),
             Err(problem) => problems.push(problem),
         }
+    }
+    for table in &look.lights {
+        problems.extend(light::apply(look, table, scene).err());
     }
     match camera::resolve(look, scene) {
         Ok(camera) if problems.is_empty() => Ok(camera),
@@ -165,29 +166,38 @@ fn apply(look: &Look, scene: &mut Scene, warnings: &mut Vec<String>) -> Result<C
     }
 }
 
-fn read_environment(
+/// Gives the scene the look's environment; returns warnings.
+fn set_environment(
     look: &Look,
     environment: &Spanned<EnvironmentLook>,
-) -> Result<(Environment, Vec<String>), Diagnostic> {
-    match &environment.value {
-        EnvironmentLook::Constant(radiance) => Ok((Environment::Constant(*radiance), Vec::new())),
+    scene: &mut Scene,
+) -> Result<Vec<String>, Diagnostic> {
+    let mut warnings = Vec::new();
+    scene.environment = match &environment.value {
+        EnvironmentLook::Constant(radiance) => Environment::Constant(*radiance),
         EnvironmentLook::Image {
             image,
             rotation,
             intensity,
         } => {
             let path = look.resolve(&image.value);
-            let (image, warnings) = import::load_environment_image(&path).map_err(|error| {
+            let loaded = import::load_environment_image(&path).map_err(|error| {
                 Diagnostic::error(error.to_string()).with_label(&look.file, image.span.clone(), "")
             })?;
-            let environment = Environment::Image {
-                image,
+            warnings = loaded.1;
+            Environment::Image {
+                image: loaded.0,
                 rotation: *rotation,
                 intensity: *intensity,
-            };
-            Ok((environment, warnings))
+            }
         }
-    }
+        EnvironmentLook::Sky(sky) => {
+            let (environment, sun) = sky.build();
+            scene.lights.extend(sun);
+            environment
+        }
+    };
+    Ok(warnings)
 }
 
 /// The camera that a look asks for.

@@ -6,6 +6,7 @@
 //! `docs/look-file.md` is the reference for users.
 
 mod document;
+mod light;
 mod material;
 mod parse;
 mod reader;
@@ -17,6 +18,8 @@ use std::path::{Path, PathBuf};
 
 use glam::{Affine3A, Vec3};
 use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle};
+
+use crate::scene::sky::Sky;
 
 pub use document::{LookDocument, Section};
 pub use material::MaterialLook;
@@ -38,6 +41,8 @@ pub struct Look {
     pub environment: Option<Spanned<EnvironmentLook>>,
     /// Overrides of a glTF camera, or a camera of its own.
     pub camera: CameraLook,
+    /// `[light.NAME]` tables, in the order of the file.
+    pub lights: Vec<LightLook>,
     /// `[ao.NAME]` tables, in the order of the file; at most [`MAX_AO`].
     pub ao: Vec<AoLook>,
     /// `[node.NAME]` tables, in the order of the file.
@@ -62,6 +67,8 @@ pub enum EnvironmentLook {
         /// Factor on the radiance.
         intensity: f32,
     },
+    /// A clear sky with its sun.
+    Sky(Sky),
 }
 
 /// `[camera]`: whatever is `None` is left as it is in the glTF file.
@@ -88,6 +95,15 @@ impl CameraLook {
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
+}
+
+/// `[light.NAME]`: overrides of the lights of that name; whatever is `None` is left as it is in the glTF file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LightLook {
+    /// A directional light of the glTF file.
+    pub name: Spanned<String>,
+    /// Degrees; 0 for light from a single direction.
+    pub angular_diameter: Option<Spanned<f32>>,
 }
 
 /// `[ao.NAME]`: one kind of ambient occlusion, traced for every hit whose textures read it.
@@ -253,6 +269,7 @@ impl Look {
             path: path.to_owned(),
             file,
             environment: None,
+            lights: Vec::new(),
             camera: CameraLook::default(),
             ao: Vec::new(),
             nodes: Vec::new(),

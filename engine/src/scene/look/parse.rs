@@ -10,12 +10,12 @@ use texgen::{Diagnostics, SourceFile, did_you_mean};
 use toml_edit::Document;
 
 use super::document::Section;
+use super::light::{environment, light};
 use super::material::{MaterialLook, material};
 use super::reader::{Reader, is_name};
 use super::value::{Field, Span, Spanned, Value, fields};
 use super::{
-    AoDirection, AoLook, AoSettings, BlendLook, CameraLook, EnvironmentLook, Include, Input, Look,
-    MAX_AO, NodeLook,
+    AoDirection, AoLook, AoSettings, BlendLook, CameraLook, Include, Input, Look, MAX_AO, NodeLook,
 };
 
 /// A look larger than this is not one.
@@ -47,11 +47,20 @@ pub(super) fn parse(path: &Path, text: &str) -> (Look, Reader) {
 }
 
 fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
-    const KEYS: [&str; 6] = ["environment", "camera", "ao", "node", "material", "include"];
+    const KEYS: [&str; 7] = [
+        "environment",
+        "camera",
+        "light",
+        "ao",
+        "node",
+        "material",
+        "include",
+    ];
     for Field { key, value } in root {
         match key.value.as_str() {
             "environment" => look.environment = environment(reader, value),
             "camera" => look.camera = camera(reader, value),
+            "light" => look.lights = named(reader, value, "[light.NAME]", light),
             "ao" => look.ao = named(reader, value, "[ao.NAME]", ao),
             "node" => look.nodes = named(reader, value, "[node.NAME]", node),
             "material" => look.materials = named(reader, value, "[material.NAME]", material),
@@ -144,52 +153,6 @@ fn named<T>(
         out.extend(read(reader, key, fields, &value.span));
     }
     out
-}
-
-fn environment(reader: &mut Reader, value: &Spanned<Value>) -> Option<Spanned<EnvironmentLook>> {
-    const KEYS: [&str; 4] = ["image", "color", "rotation", "intensity"];
-    let table = reader.table(value, "{ image = \"sky.hdr\" } or { color = [r, g, b] }")?;
-    let (mut image, mut color, mut rotation, mut intensity) = (None, None, None, None);
-    for Field { key, value } in table {
-        match key.value.as_str() {
-            "image" => image = reader.text(value),
-            "color" => color = reader.color(value),
-            "rotation" => rotation = reader.number(value, "degrees", |_| true),
-            "intensity" => {
-                intensity = reader.number(value, "a number that isn't negative", |x| x >= 0.0)
-            }
-            _ => reader.unknown_key(key, "`environment`", &KEYS),
-        }
-    }
-    let intensity = intensity.map_or(1.0, |i| i.value);
-    let has = |name: &str| table.iter().any(|f| f.key.value == name);
-    match (has("image"), has("color")) {
-        (true, true) => {
-            reader.problem(
-                &value.span,
-                "`environment` takes either `image` or `color`, not both",
-            );
-            None
-        }
-        (true, false) => Some(value.with(EnvironmentLook::Image {
-            image: image?,
-            rotation: rotation.map_or(0.0, |r| r.value),
-            intensity,
-        })),
-        (false, true) => {
-            if let Some(rotation) = rotation {
-                reader.problem(
-                    &rotation.span,
-                    "`rotation` needs `image`: a constant colour has no direction",
-                );
-            }
-            Some(value.with(EnvironmentLook::Constant(color?.value * intensity)))
-        }
-        (false, false) => {
-            reader.problem(&value.span, "`environment` needs `image` or `color`");
-            None
-        }
-    }
 }
 
 fn camera(reader: &mut Reader, value: &Spanned<Value>) -> CameraLook {
