@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use engine::filter::PixelFilter;
 use engine::gpu::DeviceChoice;
+use engine::settings::Estimator;
 use thiserror::Error;
 
 use crate::args::{Args, BenchCommand, Command, MergeArgs, RenderArgs};
@@ -85,6 +86,10 @@ pub(crate) struct RenderJob {
     pub(crate) filter_width: f32,
     /// Most that one contribution of indirect light adds.
     pub(crate) clamp: Option<f32>,
+    /// How light is found.
+    pub(crate) estimator: Estimator,
+    /// Dark paths may end at random.
+    pub(crate) roulette: bool,
     /// Rough surfaces keep the energy that single scattering between microfacets loses.
     pub(crate) energy_compensation: bool,
     /// Seed of the random numbers.
@@ -378,6 +383,13 @@ impl RenderJob {
             clamp: (args.clamp.as_deref())
                 .map(|most| parse_decimal("--clamp", most, "greater than 0", |x| x > 0.0))
                 .transpose()?,
+            estimator: parse_word(
+                "--estimator",
+                &args.estimator,
+                Estimator::ALL,
+                Estimator::name,
+            )?,
+            roulette: !args.no_roulette,
             energy_compensation: !args.no_energy_compensation,
             max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
             seed: parse_number("--seed", &args.seed, 0, u32::MAX)?,

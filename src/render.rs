@@ -150,6 +150,8 @@ fn settings(job: &RenderJob, camera: &Camera) -> RenderSettings {
         first_sample: job.first_sample,
         filter: job.filter,
         clamp: job.clamp,
+        estimator: job.estimator,
+        roulette: job.roulette,
         filter_width: job.filter_width,
         ..RenderSettings::new(job.width, job.height, camera)
     }

@@ -7,7 +7,7 @@ use crate::{
     filter::{FilterTable, PixelFilter},
     gpu_scene::GpuScene,
     scene::Projection,
-    settings::RenderSettings,
+    settings::{Estimator, RenderSettings},
 };
 
 /// `Frame` in `frame.wgsl`.
@@ -182,8 +182,15 @@ impl Frame {
             filter_weight: filter.weight * filter.weight,
             filter_is_box: u32::from(settings.filter == PixelFilter::Box),
             indirect_clamp: settings.clamp.unwrap_or(f32::MAX),
-            estimator: 0,
-            roulette_start: ROULETTE_START,
+            estimator: match settings.estimator {
+                Estimator::Mis => 0,
+                Estimator::Bsdf => 1,
+                Estimator::Lights => 2,
+            },
+            roulette_start: match settings.roulette {
+                true => ROULETTE_START,
+                false => u32::MAX,
+            },
             sampler: 0,
         }
     }

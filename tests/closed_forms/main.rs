@@ -10,6 +10,7 @@ mod appearance;
 mod determinism;
 mod direct;
 mod environment;
+mod estimators;
 mod filters;
 mod furnace;
 

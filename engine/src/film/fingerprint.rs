@@ -25,6 +25,8 @@ pub fn fingerprint(
         filter,
         filter_width,
         clamp,
+        estimator,
+        roulette,
     } = settings;
     let mut hash = Hash::new();
     hash.scene(scene);
@@ -47,6 +49,8 @@ pub fn fingerprint(
             "clamp",
             clamp.map_or("off".to_owned(), |most| most.to_string()),
         ),
+        ("estimator", estimator.name().to_owned()),
+        ("roulette", roulette.to_string()),
         ("scene", scene),
         ("textures", hash.finish()),
     ]

@@ -15,6 +15,7 @@
 //!include shared/thin_film.wgsl
 //!include shared/environment.wgsl
 //!include shared/lights.wgsl
+//!include shared/estimator.wgsl
 
 // Normal map number `texture` in the frame of the interpolated normal; `s.shading_normal` where there is none.
 fn mapped_normal(s: Surface, material: u32, instance: u32, texture: u32, map: vec3f, scale: f32) -> vec3f {
@@ -244,7 +245,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         }
         var weight = 1.0;
         if (has_environment && bsdf_pdf > 0.0) {
-            weight = mis_weight(bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
+            weight = met_light_weight(bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
         }
         radiance += limited(throughput * environment_radiance(hit.direction) * weight, f32(depth));
         path_write(PATH_RADIANCE, slot, vec4f(radiance, cone_width));
@@ -335,7 +336,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         let light_pdf = materials[own_material].light_pdf * (1.0 - frame.environment_probability);
         if (bsdf_pdf > 0.0 && light_pdf > 0.0) {
             let cosine = max(dot(s.geometric_normal, s.wo), 1e-7);
-            weight = mis_weight(bsdf_pdf, light_pdf * hit.t_max * hit.t_max / cosine);
+            weight = met_light_weight(bsdf_pdf, light_pdf * hit.t_max * hit.t_max / cosine);
         }
         radiance += limited(throughput * emission * weight, f32(depth));
     }
@@ -433,7 +434,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         let wi = vec3f(dot(light.wi, tangent), dot(light.wi, bitangent), dot(light.wi, normal));
         if (light.pdf > 0.0 && leaves(wi.z, dot(light.wi, s.geometric_normal), is_lifted)) {
             let value = bsdf_eval(b, wo, wi);
-            let weight = select(mis_weight(light.pdf, value.w), 1.0, light.delta);
+            let weight = light_sample_weight(light.pdf, value.w, light.delta);
             var contribution = throughput * value.xyz * light.radiance * (weight / light.pdf);
             if (has_transmission && light.distance < FAR) {
                 let through = medium_among(select(media, beyond, wi.z < 0.0));
