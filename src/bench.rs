@@ -95,6 +95,8 @@ fn built_in() -> Scene {
         transform: Affine3A::from_translation(Vec3::new(RING, 0.0, 0.0)),
         projection: Projection::Perspective { y_fov: 1.2 },
         aperture_radius: 0.0,
+        aperture_blades: 0,
+        aperture_rotation: 0.0,
         focus_distance: 1.0,
     };
     Scene {

@@ -246,6 +246,8 @@ mod tests {
                 transform: glam::Affine3A::IDENTITY,
                 projection: Projection::Perspective { y_fov: 1.0 },
                 aperture_radius: 0.0,
+                aperture_blades: 0,
+                aperture_rotation: 0.0,
                 focus_distance: 1.0,
             })
             .collect();

@@ -61,6 +61,10 @@ pub struct Frame {
     estimator: u32,
     roulette_start: u32,
     sampler: u32,
+    aperture_blades: u32,
+    aperture_rotation: f32,
+    spare1: u32,
+    spare2: u32,
 }
 
 impl Frame {
@@ -111,7 +115,11 @@ impl Frame {
             indirect_clamp,
             estimator,
             roulette_start,
-            sampler
+            sampler,
+            aperture_blades,
+            aperture_rotation,
+            spare1,
+            spare2
         ]
     }
 }
@@ -192,6 +200,10 @@ impl Frame {
                 false => u32::MAX,
             },
             sampler: 0,
+            aperture_blades: camera.aperture_blades,
+            aperture_rotation: camera.aperture_rotation,
+            spare1: 0,
+            spare2: 0,
         }
     }
 }

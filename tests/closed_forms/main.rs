@@ -6,6 +6,7 @@
 mod support;
 
 mod albedo;
+mod aperture;
 mod appearance;
 mod determinism;
 mod direct;
