@@ -167,6 +167,10 @@ pub(crate) struct RenderArgs {
     #[arg(long)]
     pub(crate) no_roulette: bool,
 
+    /// Where random numbers come from: sobol (evenly spread points) or independent (plain random numbers, to compare with).
+    #[arg(long, value_name = "NAME", default_value = "sobol")]
+    pub(crate) sampler: String,
+
     /// Leave out the light that rough surfaces scatter more than once in themselves, as glTF's own formula does.
     #[arg(long)]
     pub(crate) no_energy_compensation: bool,

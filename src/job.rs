@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use engine::filter::PixelFilter;
 use engine::gpu::DeviceChoice;
-use engine::settings::Estimator;
+use engine::settings::{Estimator, Sampler};
 use thiserror::Error;
 
 use crate::args::{Args, BenchCommand, Command, MergeArgs, RenderArgs};
@@ -90,6 +90,8 @@ pub(crate) struct RenderJob {
     pub(crate) estimator: Estimator,
     /// Dark paths may end at random.
     pub(crate) roulette: bool,
+    /// Where random numbers come from.
+    pub(crate) sampler: Sampler,
     /// Rough surfaces keep the energy that single scattering between microfacets loses.
     pub(crate) energy_compensation: bool,
     /// Seed of the random numbers.
@@ -390,6 +392,7 @@ impl RenderJob {
                 Estimator::name,
             )?,
             roulette: !args.no_roulette,
+            sampler: parse_word("--sampler", &args.sampler, Sampler::ALL, Sampler::name)?,
             energy_compensation: !args.no_energy_compensation,
             max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
             seed: parse_number("--seed", &args.seed, 0, u32::MAX)?,

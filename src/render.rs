@@ -152,6 +152,7 @@ fn settings(job: &RenderJob, camera: &Camera) -> RenderSettings {
         clamp: job.clamp,
         estimator: job.estimator,
         roulette: job.roulette,
+        sampler: job.sampler,
         filter_width: job.filter_width,
         ..RenderSettings::new(job.width, job.height, camera)
     }

@@ -7,7 +7,8 @@ use crate::{
     filter::{FilterTable, PixelFilter},
     gpu_scene::GpuScene,
     scene::Projection,
-    settings::{Estimator, RenderSettings},
+    settings::{Estimator, RenderSettings, Sampler},
+    sobol,
 };
 
 /// `Frame` in `frame.wgsl`.
@@ -65,6 +66,7 @@ pub struct Frame {
     aperture_rotation: f32,
     spare1: u32,
     spare2: u32,
+    sobol: [[u32; 4]; sobol::ROWS],
 }
 
 impl Frame {
@@ -119,7 +121,8 @@ impl Frame {
             aperture_blades,
             aperture_rotation,
             spare1,
-            spare2
+            spare2,
+            sobol
         ]
     }
 }
@@ -199,11 +202,15 @@ impl Frame {
                 true => ROULETTE_START,
                 false => u32::MAX,
             },
-            sampler: 0,
+            sampler: match settings.sampler {
+                Sampler::Sobol => 0,
+                Sampler::Independent => 1,
+            },
             aperture_blades: camera.aperture_blades,
             aperture_rotation: camera.aperture_rotation,
             spare1: 0,
             spare2: 0,
+            sobol: sobol::directions(),
         }
     }
 }

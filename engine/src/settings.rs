@@ -34,6 +34,31 @@ pub struct RenderSettings {
     pub estimator: Estimator,
     /// Whether dark paths may end at random. The picture is the same but for its noise.
     pub roulette: bool,
+    /// Where random numbers come from.
+    pub sampler: Sampler,
+}
+
+/// Where random numbers come from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Sampler {
+    /// Owen-scrambled Sobol points, which fill each pixel's domain evenly however many there are.
+    #[default]
+    Sobol,
+    /// Independent random numbers: more noise, and no order that an integrand could be at odds with.
+    Independent,
+}
+
+impl Sampler {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Sobol, Self::Independent];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sobol => "sobol",
+            Self::Independent => "independent",
+        }
+    }
 }
 
 /// How light is found at a surface.
@@ -79,6 +104,7 @@ impl RenderSettings {
             clamp: None,
             estimator: Estimator::Mis,
             roulette: true,
+            sampler: Sampler::Sobol,
         }
     }
 }

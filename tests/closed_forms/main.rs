@@ -8,6 +8,7 @@ mod support;
 mod albedo;
 mod aperture;
 mod appearance;
+mod convergence;
 mod determinism;
 mod direct;
 mod environment;

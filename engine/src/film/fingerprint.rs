@@ -27,6 +27,7 @@ pub fn fingerprint(
         clamp,
         estimator,
         roulette,
+        sampler,
     } = settings;
     let mut hash = Hash::new();
     hash.scene(scene);
@@ -60,6 +61,7 @@ pub fn fingerprint(
         ),
         ("estimator", estimator.name().to_owned()),
         ("roulette", roulette.to_string()),
+        ("sampler", sampler.name().to_owned()),
         ("scene", scene),
         ("textures", hash.finish()),
     ]

@@ -428,9 +428,8 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     // Next-event estimation.
     var has_shadow_ray = false;
     if (frame.light_count > 0u || frame.environment_probability > 0.0) {
-        let choice = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_CHOICE)).x;
-        let point = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_POINT));
-        let light = light_sample(s.position + lift, choice, point);
+        let numbers = random4(path, vertex_dimension(depth, DIMENSION_LIGHT));
+        let light = light_sample(s.position + lift, numbers.z, numbers.xy);
         let wi = vec3f(dot(light.wi, tangent), dot(light.wi, bitangent), dot(light.wi, normal));
         if (light.pdf > 0.0 && leaves(wi.z, dot(light.wi, s.geometric_normal), is_lifted)) {
             let value = bsdf_eval(b, wo, wi);
@@ -462,8 +461,8 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     }
 
     // The next direction.
-    let lobe = random2(path, vertex_dimension(depth, DIMENSION_BSDF_LOBE));
-    let sampled = bsdf_sample(b, wo, random2(path, vertex_dimension(depth, DIMENSION_BSDF_DIRECTION)), lobe.x);
+    let numbers = random4(path, vertex_dimension(depth, DIMENSION_BSDF));
+    let sampled = bsdf_sample(b, wo, numbers.xy, numbers.z);
     let direction = tangent * sampled.wi.x + bitangent * sampled.wi.y + normal * sampled.wi.z;
     if (sampled.pdf <= 0.0 || !leaves(sampled.wi.z, dot(direction, s.geometric_normal), is_lifted)) {
         end_path(slot, depth, has_shadow_ray);
@@ -482,7 +481,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     if (depth >= frame.roulette_start) {
         // Inside a body radiance is denser, and throughput lower, by the square of its index; that is no reason to end.
         let survival = clamp(max_component(next) * density * density, 0.05, 0.95);
-        if (lobe.y >= survival) {
+        if (numbers.w >= survival) {
             end_path(slot, depth, has_shadow_ray);
             return;
         }

@@ -81,7 +81,7 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
         return;
     }
     let size = vec2f(f32(frame.width), f32(frame.height));
-    let place = random2(path, DIMENSION_PIXEL);
+    let place = random4(path, DIMENSION_CAMERA);
     let film = vec2f(pixel) + 0.5 + vec2f(filter_offset(place.x), filter_offset(place.y));
     let ndc = vec2f(2.0 * film.x - size.x, size.y - 2.0 * film.y) / size.y * frame.half_height;
     var origin: vec3f;
@@ -95,7 +95,7 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
     }
     if (frame.aperture_radius > 0.0) {
         let focus = origin + direction * frame.focus_distance;
-        origin += vec3f(aperture(random2(path, DIMENSION_LENS)) * frame.aperture_radius, 0.0);
+        origin += vec3f(aperture(place.zw) * frame.aperture_radius, 0.0);
         direction = focus - origin;
     }
     let world_origin = frame.camera_position + frame.camera_right * origin.x + frame.camera_up * origin.y;
