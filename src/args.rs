@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Parser, Subcommand};
 
+use crate::bench::args::BenchCommand;
 use crate::console::MessageFormat;
 use crate::texture::args::TextureCommand;
 
@@ -218,41 +219,6 @@ pub(crate) struct MergeArgs {
     #[arg(long, value_name = "STOPS", default_value = "0")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) exposure: String,
-}
-
-/// What `patina bench` measures.
-#[derive(Debug, Subcommand)]
-pub(crate) enum BenchCommand {
-    /// The texture kernel: seconds to build it for 1 to 100 textures, and what a hit costs beside unused ones.
-    ///
-    /// A hundred textures are a large kernel: software drivers take many minutes to compile it.
-    Kernel {
-        /// No kernel holds more textures than this.
-        #[arg(
-            long,
-            value_name = "N",
-            default_value = "100",
-            allow_hyphen_values = true
-        )]
-        most: String,
-
-        /// Folder with user textures, searched before the standard ones. May be given several times.
-        #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
-        texture_dirs: Vec<PathBuf>,
-
-        /// Device by number or by part of its name, as `patina devices` lists them.
-        #[arg(long, value_name = "NAME|N")]
-        device: Option<String>,
-    },
-    /// Rays per second of the traversal kernel: primary, bounce and shadow rays.
-    Traverse {
-        /// The scene to shoot rays into; without it a built-in one of 262,144 triangles.
-        scene: Option<PathBuf>,
-
-        /// Device by number or by part of its name, as `patina devices` lists them.
-        #[arg(long, value_name = "NAME|N")]
-        device: Option<String>,
-    },
 }
 
 /// The message format asked for by a command line that can't be understood otherwise.

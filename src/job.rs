@@ -12,7 +12,8 @@ use engine::gpu::DeviceChoice;
 use engine::settings::{Estimator, Sampler};
 use thiserror::Error;
 
-use crate::args::{Args, BenchCommand, Command, MergeArgs, RenderArgs};
+use crate::args::{Args, Command, MergeArgs, RenderArgs};
+use crate::bench::job::BenchJob;
 use crate::texture::job::TextureJob;
 
 /// Longest side of a picture, pixels.
@@ -46,17 +47,8 @@ pub(crate) enum Job {
         /// Device to run it on.
         device: DeviceChoice,
     },
-    /// Measure the texture kernel.
-    BenchKernel {
-        /// Most textures in a kernel.
-        most: u32,
-        /// Folders the user named, searched first.
-        texture_dirs: Vec<PathBuf>,
-        /// Device to measure.
-        device: DeviceChoice,
-    },
-    /// Measure the traversal kernel.
-    BenchTraverse(BenchTraverseJob),
+    /// Measure the renderer.
+    Bench(BenchJob),
 }
 
 /// A render, complete.
@@ -169,15 +161,6 @@ pub(crate) enum Format {
     Jpeg,
     /// 32-bit linear Rec.709 floats, as rendered.
     Exr,
-}
-
-/// A measurement of the traversal kernel.
-#[derive(Debug, PartialEq)]
-pub(crate) struct BenchTraverseJob {
-    /// The glTF file; `None` is the built-in scene.
-    pub(crate) scene: Option<PathBuf>,
-    /// Device to measure.
-    pub(crate) device: DeviceChoice,
 }
 
 /// A command line that makes no sense.
@@ -321,24 +304,7 @@ impl Job {
                 file,
                 device: parse_device(device.as_deref())?,
             },
-            Command::Bench {
-                what:
-                    BenchCommand::Kernel {
-                        most,
-                        texture_dirs,
-                        device,
-                    },
-            } => Self::BenchKernel {
-                most: parse_number("--most", &most, 1, 100)?,
-                texture_dirs,
-                device: parse_device(device.as_deref())?,
-            },
-            Command::Bench {
-                what: BenchCommand::Traverse { scene, device },
-            } => Self::BenchTraverse(BenchTraverseJob {
-                scene,
-                device: parse_device(device.as_deref())?,
-            }),
+            Command::Bench { what } => Self::Bench(BenchJob::from_args(what)?),
         })
     }
 }
@@ -466,7 +432,7 @@ fn parse_decimal(
         })
 }
 
-fn parse_size(given: &str) -> Result<(u32, u32), UsageError> {
+pub(crate) fn parse_size(given: &str) -> Result<(u32, u32), UsageError> {
     let refuse = |problem: String| UsageError::Size {
         given: given.to_owned(),
         problem,
@@ -560,7 +526,7 @@ fn default_output(scene: &Path) -> Output {
     }
 }
 
-fn refuse_overwriting<'a>(
+pub(crate) fn refuse_overwriting<'a>(
     written: impl Iterator<Item = &'a PathBuf>,
     read: impl Iterator<Item = &'a PathBuf>,
 ) -> Result<(), UsageError> {
@@ -724,14 +690,5 @@ mod tests {
         assert!(matches!(stats, UsageError::Twice { .. }));
         let input = render("render a.glb --look l.toml --stats-json l.toml").unwrap_err();
         assert!(matches!(input, UsageError::OverwritesInput { .. }));
-    }
-
-    #[test]
-    fn the_benchmark_needs_no_scene() {
-        let expected = BenchTraverseJob {
-            scene: None,
-            device: DeviceChoice::Best,
-        };
-        assert_eq!(job("bench traverse"), Ok(Job::BenchTraverse(expected)));
     }
 }

@@ -1,4 +1,4 @@
-//! The `patina` command: renders scenes, merges films, works on textures, lists devices, measures traversal.
+//! The `patina` command: renders scenes, merges films, works on textures, lists devices, measures itself.
 //!
 //! This file only walks the path every invocation takes: raw flags ([`args`]) become a validated [`job`], the job
 //! is run by the file named after it, and what came of it becomes an exit code ([`exit`]). Nothing is decided here.
@@ -50,11 +50,6 @@ fn run(job: Job) -> Result<(), Failure> {
         Job::Texture(job) => texture::run(job),
         Job::Devices => devices::run(),
         Job::ProbeTexture { file, device } => crash::probe(&file, &device),
-        Job::BenchKernel {
-            most,
-            texture_dirs,
-            device,
-        } => bench::kernel::run(most as usize, &texture_dirs, &device),
-        Job::BenchTraverse(job) => bench::traverse(&job),
+        Job::Bench(job) => bench::run(&job),
     }
 }

@@ -48,13 +48,27 @@ pub(crate) struct Seconds {
     pub(crate) render: f64,
 }
 
+/// What it was rendered on.
 #[derive(Debug, Serialize)]
-struct Device {
+pub(crate) struct Device {
+    /// In one line.
     #[serde(skip)]
-    title: String,
+    pub(crate) title: String,
     name: String,
     backend: String,
     driver: String,
+}
+
+impl Device {
+    /// What the adapter says of itself.
+    pub(crate) fn new(device: &AdapterDescription) -> Self {
+        Self {
+            title: devices::title(device),
+            name: device.name.clone(),
+            backend: device.backend.clone(),
+            driver: device.driver.clone(),
+        }
+    }
 }
 
 impl Report {
@@ -70,12 +84,7 @@ impl Report {
             patina: env!("CARGO_PKG_VERSION"),
             scene: job.scene.display().to_string(),
             look: job.look.as_ref().map(|look| look.display().to_string()),
-            device: Device {
-                title: devices::title(device),
-                name: device.name.clone(),
-                backend: device.backend.clone(),
-                driver: device.driver.clone(),
-            },
+            device: Device::new(device),
             width: film.width,
             height: film.height,
             samples_per_pixel: job.spp.get(),

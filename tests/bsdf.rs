@@ -425,7 +425,7 @@ fn weights_are_the_ratio_of_value_and_density() {
 /// Share of light that comes back from a furnace, per channel, by sampling. Weights carry radiance, which is denser inside
 /// a body by the square of its index; what is counted here is power.
 fn albedo_of(harness: &Harness, params: &Params) -> Vec3 {
-    const SAMPLES: u32 = 1 << 17;
+    const SAMPLES: u32 = 1 << 18;
     let refracted = f64::from(params.eta).powi(2);
     let sum: glam::DVec3 = (harness.samples(params, SAMPLES).iter())
         .filter(|s| s.1 > 0.0)

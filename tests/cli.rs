@@ -177,6 +177,7 @@ fn wrong_usage_is_code_2_and_says_what_is_right() {
         ("render triangle.gltf -o a.png -o a.png", "twice"),
         ("render triangle.gltf --stats-json triangle.gltf", "input"),
         ("bench", "traverse"),
+        ("bench render --runs 0", "--runs 0"),
     ] {
         let outcome = bench.run(line).expect_code(2);
         assert!(
@@ -234,6 +235,9 @@ fn missing_inputs_are_code_1_and_named() {
         .expect_error(1, "no/folder");
     bench
         .run("bench traverse no/such.glb")
+        .expect_error(1, "no/such.glb");
+    bench
+        .run("bench render no/such.glb")
         .expect_error(1, "no/such.glb");
     bench.run("render .").expect_error(1, "");
     assert_eq!(bench.files(), ["triangle.gltf"], "nothing may be written");
@@ -328,6 +332,57 @@ fn a_render_writes_every_output_and_nothing_else() {
             .as_u64()
             .is_some_and(|n| n > 0)
     );
+}
+
+#[test]
+fn whole_renders_are_measured_in_turn() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    fs::write(bench.path("other.gltf"), TRIANGLE).expect("the scene is written");
+    let outcome = bench
+        .run("bench render triangle.gltf other.gltf --size 16x16 --spp 2 --runs 2 --json b.json")
+        .expect_code(0);
+    for wanted in [
+        "other.gltf",
+        "samples/s",
+        "closest, Mrays/s",
+        "bytes per path",
+    ] {
+        let text = &outcome.stdout;
+        assert!(text.contains(wanted), "{wanted}:\n{text}");
+    }
+    let text = fs::read_to_string(bench.path("b.json")).expect("a file");
+    let report: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(report["runs"], 2);
+    assert!(report["device"]["driver"].is_string());
+    let scenes = report["scenes"].as_array().expect("a list");
+    assert_eq!(scenes.len(), 2);
+    for scene in scenes {
+        assert_eq!(scene["triangles"], 1);
+        assert_eq!(scene["samples"], 16 * 16 * 2);
+        assert_eq!(scene["invalid_samples"], 0);
+        // One camera ray for each sample, and what the triangle scatters.
+        assert!(scene["closest"]["rays"].as_u64() >= Some(512), "{scene}");
+        let figures = [
+            &scene["samples_per_second"],
+            &scene["closest"]["mrays_per_second"],
+        ];
+        for figure in figures {
+            let part = |name: &str| figure[name].as_f64().expect("a number");
+            assert!(
+                part("low") > 0.0 && part("low") <= part("median"),
+                "{scene}"
+            );
+            assert!(part("median") <= part("high"), "{scene}");
+        }
+        let passes = scene["passes"].as_array().expect("a list");
+        for wanted in ["raygen", "traverse_closest", "brdf", "accumulate"] {
+            assert!(passes.iter().any(|pass| pass["name"] == wanted), "{scene}");
+        }
+        assert!(scene["path_bytes"]["rays"].as_u64() >= Some(96), "{scene}");
+    }
 }
 
 #[test]
@@ -450,7 +505,7 @@ fn parts_of_a_picture_are_merged_to_exactly_the_whole() {
     changed[middle] ^= 1;
     fs::write(bench.path("changed.patina-film"), changed).expect("written");
     for (parts, mentions) in [
-        ("a b d c", "samples 9..10 are in two of the parts"),
+        ("a b d c", "samples 8..9 are in two of the parts"),
         ("a b other", "seed is 1, but in the parts before it 0"),
         ("a short", "wrong length"),
         ("a changed", "checksum"),

@@ -1,7 +1,10 @@
 //! Traversal on its own: traces given rays through the renderer's kernel, for tests of agreement and for
-//! `patina bench traverse`. [`kernel`] measures the texture kernel.
+//! `patina bench traverse`. [`kernel`] measures the texture kernel, [`render`] whole renders, [`scenes`] are there to be
+//! rendered.
 
 pub mod kernel;
+pub mod render;
+pub mod scenes;
 
 use std::time::Instant;
 

@@ -53,7 +53,7 @@ pub struct Frame {
     bounds_min: Vec3,
     frame_index: u32,
     bounds_max: Vec3,
-    spare: u32,
+    directional_count: u32,
     filter_radius: f32,
     filter_positive: f32,
     filter_weight: f32,
@@ -109,7 +109,7 @@ impl Frame {
             bounds_min,
             frame_index,
             bounds_max,
-            spare,
+            directional_count,
             filter_radius,
             filter_positive,
             filter_weight,
@@ -148,10 +148,11 @@ impl Frame {
             Projection::Orthographic { y_mag } => (y_mag, 1, 0.0),
         };
         let environment = &scene.environment;
-        let environment_probability = match (environment.emits, scene.light_count) {
-            (false, _) => 0.0,
-            (true, 0) => 1.0,
-            (true, _) => 0.5,
+        // An equal share of the samples for each kind of light that there is, as in `light_groups`.
+        let others = u8::from(scene.light_count > 0) + u8::from(scene.directional_count > 0);
+        let environment_probability = match environment.emits {
+            false => 0.0,
+            true => 1.0 / f32::from(1 + others),
         };
         Self {
             camera_right: axes.x_axis,
@@ -187,7 +188,7 @@ impl Frame {
             bounds_min: scene.bounds[0],
             frame_index: 0,
             bounds_max: scene.bounds[1],
-            spare: 0,
+            directional_count: scene.directional_count,
             filter_radius: 0.5 * settings.filter_width,
             filter_positive: filter.positive,
             filter_weight: filter.weight * filter.weight,

@@ -22,7 +22,7 @@ use crate::{
     procedural::{CompileError, Procedural},
     scene::Scene,
     stats::{PassStats, Stats},
-    wave::{self, Queue},
+    wave::{self, PathBytes, Queue},
 };
 
 use self::pipeline::{Bound, Kernels};
@@ -401,6 +401,11 @@ impl Renderer {
         Ok(Film::from_planes(width, height, planes))
     }
 
+    /// GPU memory of one path.
+    pub fn path_bytes(&self) -> PathBytes {
+        PathBytes::new(self.procedural.result_words())
+    }
+
     /// Figures so far.
     ///
     /// # Errors
@@ -453,6 +458,7 @@ impl Renderer {
         Ok(Stats {
             passes,
             rays,
+            shadow_rays: totals.shadow_rays,
             ao_rays: totals.ao_rays,
             mrays_per_second: rate(rays, tracing) * 1e-6,
             samples_per_second: rate(samples, self.seconds),

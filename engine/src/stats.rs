@@ -22,6 +22,8 @@ pub struct Stats {
     pub passes: Vec<PassStats>,
     /// Rays traced: paths, shadow and ambient occlusion.
     pub rays: u64,
+    /// Of these, shadow rays: to any hit.
+    pub shadow_rays: u64,
     /// Of these, ambient occlusion.
     pub ao_rays: u64,
     /// Million rays per second of the time spent in traversal (of wall time, without timestamps).

@@ -2,13 +2,14 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
+use serde::Serialize;
 
 use crate::gpu::{Gpu, GpuError, kernel::Resources};
 
 /// `vec4u` fields of a path in `paths.wgsl`, before the results of texture programs.
 const PATH_FIELDS: u64 = 6;
 /// Words before the lists in `queues.wgsl`.
-pub const QUEUE_HEADER: u64 = 16;
+pub const QUEUE_HEADER: u64 = 32;
 /// Lists of `capacity` words behind the header: both halves of the active list, the shadow list, and two each for the
 /// texture list, the AO list and the counts of occluded AO rays, which hold hits of the paths' and of the shadow rays.
 const QUEUE_LISTS: u64 = 9;
@@ -93,9 +94,40 @@ pub struct GpuAoTable {
     pub same_object: u32,
 }
 
+/// GPU memory of one path of a wave, bytes by what it is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct PathBytes {
+    /// Throughput, radiance, waiting light and what else is kept from vertex to vertex.
+    pub state: u64,
+    /// Results of its texture program.
+    pub results: u64,
+    /// Its own ray and its shadow ray, each with what it hit.
+    pub rays: u64,
+    /// Its places in the queues.
+    pub queues: u64,
+}
+
+impl PathBytes {
+    /// With room for so many words of results.
+    pub fn new(result_words: u32) -> Self {
+        Self {
+            state: 16 * PATH_FIELDS,
+            results: 16 * u64::from(result_words.div_ceil(4)),
+            rays: 2 * size_of::<RayHit>() as u64,
+            queues: 4 * QUEUE_LISTS,
+        }
+    }
+
+    /// All of it.
+    pub fn total(&self) -> u64 {
+        self.state + self.results + self.rays + self.queues
+    }
+}
+
 /// Bytes of the paths' state.
 fn path_bytes(capacity: u32, result_words: u32) -> u64 {
-    u64::from(capacity) * 16 * (PATH_FIELDS + u64::from(result_words.div_ceil(4)))
+    let path = PathBytes::new(result_words);
+    u64::from(capacity) * (path.state + path.results)
 }
 
 /// Makes room for results of so many words where there is too little; true if there was.
@@ -174,6 +206,8 @@ pub fn fresh_queues() -> [u32; 9] {
 pub struct Totals {
     /// Path and shadow rays.
     pub rays: u64,
+    /// Of these, shadow rays.
+    pub shadow_rays: u64,
     /// Ambient-occlusion rays.
     pub ao_rays: u64,
     /// Samples that were not finite.
@@ -190,6 +224,7 @@ impl Totals {
         let pair = |i: usize| u64::from(words[i]) | u64::from(words[i + 1]) << 32;
         Self {
             rays: pair(9),
+            shadow_rays: pair(16),
             ao_rays: pair(13),
             invalid: u64::from(words[15]),
             clamped: u64::from(words[12]),

@@ -6,7 +6,7 @@ use std::mem::{offset_of, size_of};
 use engine::{
     frame::Frame,
     gpu::wgsl::Source,
-    gpu_scene::{GpuInstance, lights::GpuLight, materials::GpuMaterial},
+    gpu_scene::{GpuInstance, light_tree::GpuLightNode, lights::GpuLight, materials::GpuMaterial},
     wave::{GpuAoTable, RayHit},
 };
 
@@ -87,6 +87,12 @@ fn shared_structs_agree() {
         &GpuMaterial::offsets(),
     );
     assert_layout(&brdf, "Light", size_of::<GpuLight>(), &GpuLight::offsets());
+    assert_layout(
+        &brdf,
+        "LightNode",
+        size_of::<GpuLightNode>(),
+        &GpuLightNode::offsets(),
+    );
     assert_layout(
         &brdf,
         "Instance",

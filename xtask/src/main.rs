@@ -40,6 +40,12 @@ const SPONZA_PICTURES: [(&str, &str); 2] = [
     ),
 ];
 
+/// Sample models and the light they are shown in.
+const MODELS: &str = "../shared/scenes/khronos";
+const MODELS_LIGHT: &str = "../shared/scenes/hdri/brown_photostudio_02_1k.hdr";
+const MODELS_PICTURE: &str = "docs/images/khronos.jpg";
+const MODELS_SPP: &str = "96";
+
 const USAGE: &str = "\
 Usage: cargo xtask <COMMAND>
 
@@ -48,6 +54,7 @@ Commands:
   test          Check formatting, lints and documentation, and run all tests
   test --full   The same with the tests that take long
   pictures      Render the README's pictures to docs/images/
+  contact-sheet Render Khronos' sample models, where they lie beside the checkout, to docs/images/khronos.jpg
 
 Each of them first finds a Vulkan driver, or installs Mesa's on Debian and Ubuntu.";
 
@@ -59,6 +66,7 @@ fn main() -> ExitCode {
         ["test"] => test(false),
         ["test", "--full"] => test(true),
         ["pictures"] => pictures(),
+        ["contact-sheet"] => contact_sheet(),
         ["help" | "--help" | "-h"] => {
             println!("{USAGE}");
             Ok(())
@@ -152,6 +160,22 @@ fn pictures() -> Result<()> {
             println!("{picture}: skipped, {SPONZA} is not on this machine");
         }
     }
+    steps.finish();
+    Ok(())
+}
+
+/// All sample models in one picture; fails where one can't be rendered or has samples that are not finite.
+fn contact_sheet() -> Result<()> {
+    if !root().join(MODELS).is_dir() {
+        bail!("{MODELS} is not on this machine: glTF models, each in a folder of its own");
+    }
+    let mut steps = Steps::new();
+    steps.run("Vulkan driver", vulkan::ensure)?;
+    steps.run(MODELS_PICTURE, || {
+        cargo(["run", "--release", "--example", "contact_sheet", "--"])
+            .args([MODELS, MODELS_PICTURE, MODELS_LIGHT, MODELS_SPP])
+            .run()
+    })?;
     steps.finish();
     Ok(())
 }

@@ -85,6 +85,7 @@ const FILES: &[(&str, &str)] = files![
     "shared/frame.wgsl",
     "shared/geometry.wgsl",
     "shared/images.wgsl",
+    "shared/light_tree.wgsl",
     "shared/lights.wgsl",
     "shared/materials.wgsl",
     "shared/media.wgsl",

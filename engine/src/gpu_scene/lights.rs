@@ -1,4 +1,7 @@
-//! The table of lights: emissive triangles and punctual lights, chosen by power.
+//! The table of lights: emissive triangles and punctual lights. Those with a place are chosen by the light tree, those
+//! infinitely far away by their irradiance.
+
+use std::f32::consts::PI;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3};
@@ -10,7 +13,10 @@ use crate::{
     scene::{Image, LightKind, Material, PunctualLight, Scene},
 };
 
-use super::materials::GpuMaterial;
+use super::{
+    light_tree::{self, Emitter, GpuLightNode},
+    materials::GpuMaterial,
+};
 
 const TRIANGLE: u32 = 0;
 const POINT: u32 = 1;
@@ -26,14 +32,11 @@ pub struct GpuLight {
     direction: Vec3,
     range: f32,
     intensity: Vec3,
-    probability: f32,
-    alias_index: u32,
-    alias_threshold: f32,
-    spot_scale: f32,
-    spot_outer: f32,
+    leaf: u32,
     triangle: u32,
     instance: u32,
-    spare: [u32; 2],
+    spot_scale: f32,
+    spot_outer: f32,
 }
 
 impl GpuLight {
@@ -43,139 +46,169 @@ impl GpuLight {
             ($($member:ident),* $(,)?) => { vec![$((stringify!($member), std::mem::offset_of!(GpuLight, $member))),*] };
         }
         offsets![
-            position,
-            kind,
-            direction,
-            range,
-            intensity,
-            probability,
-            alias_index,
-            alias_threshold,
-            spot_scale,
+            position, kind, direction, range, intensity, leaf, triangle, instance, spot_scale,
             spot_outer,
-            triangle,
-            instance
         ]
     }
 }
 
-/// Gathers the lights and tells each emissive material its pdf per area.
-///
-/// `program` says what is known of a material's texture program. `radius` is that of a sphere around the scene, metres.
-pub fn gather(
-    scene: &Scene,
-    bvh: &SceneBvh,
-    radius: f32,
-    program: impl Fn(u32) -> ProgramTraits,
-    materials: &mut [GpuMaterial],
-) -> Vec<GpuLight> {
-    let strength: Vec<f32> = scene
-        .materials
-        .iter()
-        .enumerate()
-        .map(|(i, m)| {
-            let program = program(i as u32);
-            match (m.unlit, program.decides_light) {
-                (true, _) => 0.0,
-                (false, true) => program.brightness,
-                (false, false) => average_emission(m, &scene.images),
-            }
-        })
-        .collect();
-    let mut lights = Vec::new();
-    let mut weights = Vec::new();
-    for (place, &source) in bvh.instance_order.iter().enumerate() {
-        let instance = &scene.instances[source as usize];
-        let mesh = &scene.meshes[instance.mesh as usize];
-        if !mesh
-            .triangle_materials
-            .iter()
-            .any(|&m| strength[m as usize] > 0.0)
-        {
-            continue;
-        }
-        let first = bvh.mesh_first_triangle[instance.mesh as usize];
-        for (offset, &t) in bvh.triangle_order[instance.mesh as usize]
-            .iter()
-            .enumerate()
-        {
-            let material = mesh.triangle_materials[t as usize] as usize;
-            if strength[material] <= 0.0 {
-                continue;
-            }
-            let [a, b, c] = mesh.triangles[t as usize].map(|v| {
-                instance
-                    .transform
-                    .transform_point3(mesh.positions[v as usize])
-            });
-            let area = 0.5 * (b - a).cross(c - a).length();
-            // A triangle without area can't be hit, nor can a point on it be sampled.
-            if area <= 0.0 || !area.is_finite() {
-                continue;
-            }
-            weights.push(f64::from(area * strength[material] * std::f32::consts::PI));
-            lights.push(GpuLight {
-                position: a,
-                kind: TRIANGLE,
-                direction: b - a,
-                intensity: c - a,
-                triangle: first + offset as u32,
-                instance: place as u32,
-                ..GpuLight::zeroed()
-            });
-        }
-    }
-    for light in &scene.lights {
-        let (entry, weight) = punctual(light, radius);
-        if weight > 0.0 {
-            lights.push(entry);
-            weights.push(weight);
-        }
-    }
-    let total: f64 = weights.iter().sum();
-    for (light, cell) in lights.iter_mut().zip(alias_table(&weights)) {
-        light.probability = cell.probability;
-        light.alias_index = cell.alias;
-        light.alias_threshold = cell.threshold;
-    }
-    if total > 0.0 {
-        for (material, &strength) in materials.iter_mut().zip(&strength) {
-            material.light_pdf = (f64::from(strength * std::f32::consts::PI) / total) as f32;
-        }
-    }
-    lights
+/// The lights of a scene but for its environment.
+#[derive(Debug, Default)]
+pub struct LightTable {
+    /// Lights with a place: triangles by instance and triangle in the hierarchy's order, then points and spots.
+    pub placed: Vec<GpuLight>,
+    /// Those infinitely far away.
+    pub directional: Vec<GpuLight>,
+    /// The hierarchy over `placed`.
+    pub tree: Vec<GpuLightNode>,
 }
 
-fn punctual(light: &PunctualLight, radius: f32) -> (GpuLight, f64) {
-    let luminance = luminance(light.intensity);
-    let mut entry = GpuLight {
-        position: light.position,
-        direction: light.direction,
-        range: light.range,
-        intensity: light.intensity,
-        ..GpuLight::zeroed()
-    };
-    let sphere = 4.0 * std::f32::consts::PI;
-    let power = match light.kind {
-        LightKind::Point => {
-            entry.kind = POINT;
-            luminance * sphere
+impl LightTable {
+    /// Gathers the lights and tells emissive materials that they are among them.
+    ///
+    /// `program` says what is known of a material's texture program.
+    pub fn gather(
+        scene: &Scene,
+        bvh: &SceneBvh,
+        program: impl Fn(u32) -> ProgramTraits,
+        materials: &mut [GpuMaterial],
+    ) -> Self {
+        let mut table = Self::default();
+        let mut emitters = Vec::new();
+        for (i, (material, source)) in materials.iter_mut().zip(&scene.materials).enumerate() {
+            let program = program(i as u32);
+            material.light_radiance = match (source.unlit, program.decides_light) {
+                (true, _) => 0.0,
+                (false, true) => program.brightness,
+                (false, false) => average_emission(source, &scene.images),
+            };
         }
-        LightKind::Spot {
-            inner_angle,
-            outer_angle,
-        } => {
-            entry.kind = SPOT;
-            entry.spot_outer = outer_angle.cos();
-            entry.spot_scale = 1.0 / (inner_angle.cos() - outer_angle.cos()).max(1e-4);
-            luminance * sphere * 0.5 * (1.0 - 0.5 * (inner_angle.cos() + outer_angle.cos()))
+        table.add_triangles(scene, bvh, materials, &mut emitters);
+        table.add_punctual(&scene.lights, &mut emitters);
+        table.tree = light_tree::build(&emitters);
+        for (place, node) in (0..).zip(&table.tree) {
+            // The second record is no node.
+            if place != 1
+                && let Some(light) = node.light()
+            {
+                table.placed[light as usize].leaf = place;
+            }
         }
-        LightKind::Directional => {
-            entry.kind = DIRECTIONAL;
-            luminance * std::f32::consts::PI * radius * radius
+        table
+    }
+
+    fn add_triangles(
+        &mut self,
+        scene: &Scene,
+        bvh: &SceneBvh,
+        materials: &[GpuMaterial],
+        emitters: &mut Vec<Emitter>,
+    ) {
+        let radiance = |material: u32| materials[material as usize].light_radiance;
+        for (place, &source) in (0..).zip(&bvh.instance_order) {
+            let instance = &scene.instances[source as usize];
+            let mesh = &scene.meshes[instance.mesh as usize];
+            if !mesh.triangle_materials.iter().any(|&m| radiance(m) > 0.0) {
+                continue;
+            }
+            let handedness = handedness(&Mat3::from(instance.transform.matrix3));
+            let first = bvh.mesh_first_triangle[instance.mesh as usize];
+            for (triangle, &t) in (first..).zip(&bvh.triangle_order[instance.mesh as usize]) {
+                let material = mesh.triangle_materials[t as usize];
+                if radiance(material) <= 0.0 {
+                    continue;
+                }
+                let corners = mesh.triangles[t as usize].map(|v| {
+                    instance
+                        .transform
+                        .transform_point3(mesh.positions[v as usize])
+                });
+                let [a, b, c] = corners;
+                let normal = (b - a).cross(c - a);
+                let area = 0.5 * normal.length();
+                let intensity = area * radiance(material);
+                // A triangle without area can't be hit, nor can a point on it be sampled.
+                if !(area > 0.0 && intensity > 0.0 && intensity.is_finite()) {
+                    continue;
+                }
+                emitters.push(Emitter::triangle(
+                    corners,
+                    normal.normalize_or(Vec3::Y) * handedness,
+                    intensity,
+                    scene.materials[material as usize].double_sided,
+                ));
+                self.placed.push(GpuLight {
+                    position: a,
+                    kind: TRIANGLE,
+                    direction: b - a,
+                    intensity: c - a,
+                    triangle,
+                    instance: place,
+                    ..GpuLight::zeroed()
+                });
+            }
         }
-    };
-    (entry, f64::from(power))
+    }
+
+    fn add_punctual(&mut self, lights: &[PunctualLight], emitters: &mut Vec<Emitter>) {
+        let mut irradiances = Vec::new();
+        for light in lights {
+            let strength = luminance(light.intensity);
+            if !(strength > 0.0 && strength.is_finite()) {
+                continue;
+            }
+            let mut entry = GpuLight {
+                position: light.position,
+                direction: light.direction,
+                range: light.range,
+                intensity: light.intensity,
+                ..GpuLight::zeroed()
+            };
+            let angle = match light.kind {
+                LightKind::Directional => {
+                    entry.kind = DIRECTIONAL;
+                    irradiances.push(f64::from(strength));
+                    self.directional.push(entry);
+                    continue;
+                }
+                LightKind::Point => {
+                    entry.kind = POINT;
+                    PI
+                }
+                LightKind::Spot {
+                    inner_angle,
+                    outer_angle,
+                } => {
+                    entry.kind = SPOT;
+                    entry.spot_outer = outer_angle.cos();
+                    entry.spot_scale = 1.0 / (inner_angle.cos() - outer_angle.cos()).max(1e-4);
+                    outer_angle
+                }
+            };
+            emitters.push(Emitter::point(
+                light.position,
+                light.direction,
+                angle,
+                strength,
+            ));
+            self.placed.push(entry);
+        }
+        for (light, cell) in self.directional.iter_mut().zip(alias_table(&irradiances)) {
+            // `DISTANT_PROBABILITY` and `DISTANT_THRESHOLD`.
+            light.position = Vec3::new(cell.probability, cell.threshold, 0.0);
+            light.leaf = cell.alias;
+        }
+    }
+
+    /// What the buffer `lights` holds.
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut bytes = bytemuck::cast_slice(&self.placed).to_vec();
+        bytes.extend_from_slice(bytemuck::cast_slice(&self.directional));
+        bytes.extend_from_slice(bytemuck::cast_slice(&self.tree));
+        // At least one record, so that the array binding is never shorter than its element.
+        bytes.resize(bytes.len().max(size_of::<GpuLight>()), 0);
+        bytes
+    }
 }
 
 fn luminance(c: Vec3) -> f32 {

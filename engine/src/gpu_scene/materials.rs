@@ -58,8 +58,8 @@ impl GpuTextureSlot {
 pub struct GpuMaterial {
     base_color: [f32; 4],
     emission: Vec3,
-    /// Set by the lights: pdf per area of a light sample.
-    pub light_pdf: f32,
+    /// Set by the lights: mean radiance by which triangles are in their table, W/(m² sr); 0 where they are not.
+    pub light_radiance: f32,
     specular_color: Vec3,
     specular: f32,
     metallic: f32,
@@ -99,7 +99,7 @@ impl GpuMaterial {
         offsets![
             base_color,
             emission,
-            light_pdf,
+            light_radiance,
             specular_color,
             specular,
             metallic,
@@ -159,7 +159,7 @@ impl GpuMaterial {
         Self {
             base_color: material.base_color.to_array(),
             emission: material.emission,
-            light_pdf: 0.0,
+            light_radiance: 0.0,
             specular_color: material.specular_color,
             specular: material.specular,
             metallic: material.metallic,

@@ -6,6 +6,7 @@ pub mod environment;
 mod geometry;
 pub mod images;
 mod levels;
+pub mod light_tree;
 pub mod lights;
 pub mod materials;
 
@@ -23,7 +24,7 @@ use self::{
     environment::GpuEnvironment,
     geometry::{TRIANGLE_ALPHA, geometry},
     images::GpuImages,
-    lights::GpuLight,
+    lights::LightTable,
     materials::GpuMaterial,
 };
 
@@ -124,8 +125,10 @@ impl SceneFeatures {
 /// What the frame needs to know about the scene, and its memory.
 #[derive(Debug)]
 pub struct GpuScene {
-    /// Entries of the light table.
+    /// Lights with a place.
     pub light_count: u32,
+    /// Lights infinitely far away, but for the environment.
+    pub directional_count: u32,
     /// What the kernels must be able to do.
     pub features: SceneFeatures,
     /// The environment's numbers.
@@ -169,7 +172,7 @@ impl GpuScene {
             .enumerate()
             .map(|(i, m)| GpuMaterial::new(m, &program(i as u32)))
             .collect();
-        let lights: Vec<GpuLight> = lights::gather(scene, &bvh, radius, &program, &mut materials);
+        let lights = LightTable::gather(scene, &bvh, &program, &mut materials);
         let (triangles, vertices) = geometry(scene, &bvh, &program, reads.attributes);
         let images = GpuImages::new(gpu, scene, reads)?;
         let environment = GpuEnvironment::new(gpu, &scene.environment)?;
@@ -194,13 +197,7 @@ impl GpuScene {
             "materials",
             gpu.storage_buffer("materials", bytemuck::cast_slice(&materials))?,
         );
-        // At least one entry, so that the array binding is never shorter than its element.
-        let light_bytes = if lights.is_empty() {
-            vec![0; size_of::<GpuLight>()]
-        } else {
-            bytemuck::cast_slice(&lights).to_vec()
-        };
-        resources.set_buffer("lights", gpu.storage_buffer("lights", &light_bytes)?);
+        resources.set_buffer("lights", gpu.storage_buffer("lights", &lights.bytes())?);
         resources.set_view("image_table", images.table.clone());
         resources.set_view("image_layers", images.layers.clone());
         resources.set_view("image_layers_srgb", images.layers_srgb.clone());
@@ -215,7 +212,8 @@ impl GpuScene {
             program.decides_opacity || program.decides_light && program.brightness > 0.0
         });
         Ok(Self {
-            light_count: lights.len() as u32,
+            light_count: lights.placed.len() as u32,
+            directional_count: lights.directional.len() as u32,
             features: SceneFeatures {
                 alpha: triangles.iter().any(|t| t[3] & TRIANGLE_ALPHA != 0),
                 textures: !scene.images.is_empty(),

@@ -12,6 +12,7 @@ mod container;
 mod custom;
 mod deform;
 mod document;
+mod draco;
 mod environment;
 mod error;
 mod files;

@@ -87,7 +87,8 @@ fn accumulate(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
         // Unless the shadow ray met more surfaces than anyone waits for.
         let is_known = !has_program_shadows || path_words(PATH_LIGHT_POINT, slot).x == MISS;
         if (rays[frame.capacity + slot].triangle == MISS && is_known) {
-            value += waiting_light(slot);
+            // The path ended where it sampled this light, before that vertex was counted.
+            value += waiting_light(slot, path_depth(slot) + 1u);
         }
         // A sample that isn't finite would spoil its pixel for good. Comparisons with NaN are false.
         if (!(all(value >= vec3f(0.0)) && all(value <= vec3f(1e30)))) {

@@ -61,4 +61,5 @@ fn advance_bounce() {
     size_dispatch(QUEUE_SHADOW, shadow);
     atomicAdd(&queues[WORD_ROUND], 1u);
     add_total(WORD_RAYS, live + shadow);
+    add_total(WORD_SHADOW_RAYS, shadow);
 }

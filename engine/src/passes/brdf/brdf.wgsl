@@ -234,9 +234,10 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         return;
     }
     if (blocker == MISS) {
-        radiance += waiting_light(slot);
+        radiance += waiting_light(slot, depth);
     }
-    path_write(PATH_LIGHT, slot, vec4f(0.0));
+    let receiver_before = path_words(PATH_LIGHT, slot).w; // of the vertex that the ray comes from
+    path_set_words(PATH_LIGHT, slot, vec4u(0u, 0u, 0u, receiver_before));
 
     if (hit.triangle == MISS) {
         if (has_program_shadows && hit.t_max < 0.0) {
@@ -333,10 +334,9 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         }
         emission *= max(scalar_or(slot, driven, OUTPUT_EMISSION_STRENGTH, 1.0), 0.0);
         var weight = 1.0;
-        let light_pdf = materials[own_material].light_pdf * (1.0 - frame.environment_probability);
-        if (bsdf_pdf > 0.0 && light_pdf > 0.0) {
+        if (bsdf_pdf > 0.0 && materials[own_material].light_radiance > 0.0 && max_component(emission) > 0.0) {
             let cosine = max(dot(s.geometric_normal, s.wo), 1e-7);
-            weight = met_light_weight(bsdf_pdf, light_pdf * hit.t_max * hit.t_max / cosine);
+            weight = met_light_weight(bsdf_pdf, light_hit_pdf(hit, receiver_before, cosine));
         }
         radiance += limited(throughput * emission * weight, f32(depth));
     }
@@ -427,9 +427,14 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
 
     // Next-event estimation.
     var has_shadow_ray = false;
-    if (frame.light_count > 0u || frame.environment_probability > 0.0) {
+    let is_opaque = !has_transmission || (b.transmission <= 0.0 && b.diffuse_transmission <= 0.0);
+    // Where a ray may dip below the triangle's plane, the shading normal's horizon is what counts.
+    let facing = octahedral_encode(select(s.geometric_normal, normal, is_lifted));
+    let receiver = select(RECEIVER_ALL_AROUND, facing, is_opaque);
+    path_set_words(PATH_LIGHT, slot, vec4u(0u, 0u, 0u, receiver));
+    if (light_groups() > 0u) {
         let numbers = random4(path, vertex_dimension(depth, DIMENSION_LIGHT));
-        let light = light_sample(s.position + lift, numbers.z, numbers.xy);
+        let light = light_sample(s.position + lift, above, receiver, numbers.z, numbers.xy);
         let wi = vec3f(dot(light.wi, tangent), dot(light.wi, bitangent), dot(light.wi, normal));
         if (light.pdf > 0.0 && leaves(wi.z, dot(light.wi, s.geometric_normal), is_lifted)) {
             let value = bsdf_eval(b, wo, wi);
@@ -450,7 +455,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
                     t_max *= 0.9999; // stops short of the light's own surface
                 }
                 rays[frame.capacity + slot] = RayHit(origin, 0.0, direction, t_max, vec2f(0.0), MISS, 0u);
-                path_write(PATH_LIGHT, slot, vec4f(contribution, f32(depth + 1u)));
+                path_set_words(PATH_LIGHT, slot, vec4u(bitcast<vec3u>(contribution), receiver));
                 if (has_program_shadows) {
                     path_set_words(PATH_LIGHT_POINT, slot, light.point);
                 }

@@ -87,7 +87,8 @@ fn shade_shadow(ray: u32, slot: u32, material: u32, flags: u32, is_light: bool) 
         }
         rays[ray].triangle = MISS; // as the shadow ray's own result: nothing is in the way
     }
-    path_write(PATH_LIGHT, slot, path_read(PATH_LIGHT, slot) * vec4f(factor, 1.0));
+    let waiting = path_words(PATH_LIGHT, slot);
+    path_set_words(PATH_LIGHT, slot, vec4u(bitcast<vec3u>(bitcast<vec3f>(waiting.xyz) * factor), waiting.w));
 }
 
 // Stores `wanted` outputs of a path's hit, but for the bump, and returns the words they take.

@@ -20,7 +20,7 @@ struct Frame {
     padded_pixels: u32, // pixels of whole blocks
     seed: u32,
     max_depth: u32, // surface vertices that may scatter
-    light_count: u32,
+    light_count: u32, // those with a place
     environment_probability: f32, // of choosing the environment for a light sample
     environment_scale: vec3f,
     environment_turn: f32, // rotation / 360 degrees
@@ -35,7 +35,7 @@ struct Frame {
     bounds_min: vec3f, // corners of a box around the scene
     frame_index: u32, // number of the picture, for textures that move
     bounds_max: vec3f,
-    spare: u32,
+    directional_count: u32,
     filter_radius: f32, // half the width of the pixel filter, pixels
     filter_positive: f32, // share of its absolute value along an axis that is positive
     filter_weight: f32, // of a sample, without its sign

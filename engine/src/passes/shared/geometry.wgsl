@@ -60,6 +60,15 @@ fn octahedral_decode(packed: u32) -> vec3f {
     return normalize(v);
 }
 
+// A unit vector packed as `octahedral_decode` reads it.
+fn octahedral_encode(v: vec3f) -> u32 {
+    var e = v.xy / (abs(v.x) + abs(v.y) + abs(v.z));
+    if (v.z < 0.0) {
+        e = (vec2f(1.0) - abs(e.yx)) * select(vec2f(-1.0), vec2f(1.0), e >= vec2f(0.0));
+    }
+    return pack2x16snorm(e);
+}
+
 // Weights of the three vertices.
 fn barycentric_weights(b: vec2f) -> vec3f {
     return vec3f(1.0 - b.x - b.y, b.x, b.y);

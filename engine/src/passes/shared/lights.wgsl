@@ -1,20 +1,17 @@
-// Light samples: one light by its power (alias table), one point on it. The Rust twin is `lights::GpuLight`.
+// Light samples: one light by the light tree or, of those far away, by its power, and one point on it. The Rust twin is
+// `lights::GpuLight`.
 
 struct Light {
-    position: vec3f, // of a triangle: its first vertex in the world
+    position: vec3f, // of a triangle: its first vertex in the world; of a directional light: see DISTANT_ below
     kind: u32,
     direction: vec3f, // where a spot or directional light shines; of a triangle: first edge
     range: f32,
     intensity: vec3f, // of a triangle: second edge
-    probability: f32, // of being chosen among lights other than the environment
-    alias_index: u32,
-    alias_threshold: f32,
-    spot_scale: f32, // 1 / (cos inner - cos outer)
-    spot_outer: f32, // cos outer
+    leaf: u32, // its node in the light tree; of a directional light: what the alias table has instead
     triangle: u32,
     instance: u32,
-    spare0: u32,
-    spare1: u32,
+    spot_scale: f32, // 1 / (cos inner - cos outer)
+    spot_outer: f32, // cos outer
 }
 
 const LIGHT_TRIANGLE = 0u;
@@ -22,7 +19,20 @@ const LIGHT_POINT = 1u;
 const LIGHT_SPOT = 2u;
 const LIGHT_DIRECTIONAL = 3u;
 
-@group(0) @binding(15) var<storage, read> lights: array<Light>;
+// Components of a directional light's `position`.
+const DISTANT_PROBABILITY = 0u; // of being chosen among its like
+const DISTANT_THRESHOLD = 1u; // of the alias table
+
+// 64 bytes a record: `frame.light_count` lights with a place, of them the triangles first, by instance and triangle; then
+// `frame.directional_count` directional ones; then the nodes of the light tree.
+@group(0) @binding(15) var<storage, read> lights: array<array<vec4u, 4>>;
+//!include shared/light_tree.wgsl
+
+fn light_at(index: u32) -> Light {
+    let w = lights[index];
+    return Light(bitcast<vec3f>(w[0].xyz), w[0].w, bitcast<vec3f>(w[1].xyz), bitcast<f32>(w[1].w),
+        bitcast<vec3f>(w[2].xyz), w[2].w, w[3].x, w[3].y, bitcast<f32>(w[3].z), bitcast<f32>(w[3].w));
+}
 
 struct LightSample {
     wi: vec3f, // to the light, unit
@@ -36,65 +46,95 @@ struct LightSample {
 
 const FAR = 1e30;
 
-fn light_sample(p: vec3f, choice: f32, u: vec2f) -> LightSample {
+// The environment, directional lights and lights with a place get equal shares of the samples, as far as there are any.
+fn light_groups() -> u32 {
+    return u32(frame.environment_probability > 0.0) + min(frame.directional_count, 1u) + min(frame.light_count, 1u);
+}
+
+// A light for the surface point `p`. `origin` is where scattered rays start: the density of what they hit is found from
+// there, so that this does so too. `receiver` is the side that receives light.
+fn light_sample(p: vec3f, origin: vec3f, receiver: u32, choice: f32, u: vec2f) -> LightSample {
+    let share = 1.0 / f32(max(light_groups(), 1u));
     var pick = choice;
     if (has_environment && pick < frame.environment_probability) {
         let e = environment_sample(u);
-        return LightSample(e.wi, FAR, e.radiance, frame.environment_probability * e.pdf, false, vec4u(MISS));
+        return LightSample(e.wi, FAR, e.radiance, share * e.pdf, false, vec4u(MISS));
     }
-    let none = LightSample(vec3f(0.0, 1.0, 0.0), 0.0, vec3f(0.0), 0.0, true, vec4u(MISS));
+    pick -= frame.environment_probability;
+    let salt = bitcast<u32>(choice) ^ hash(bitcast<u32>(u.x));
+    if (frame.directional_count > 0u) {
+        if (pick < share || frame.light_count == 0u) {
+            return directional_sample(saturate(pick / share), share, salt);
+        }
+        pick -= share;
+    }
     if (frame.light_count == 0u) {
-        return none;
+        return no_light();
     }
-    let share = 1.0 - frame.environment_probability;
-    pick = saturate((pick - frame.environment_probability) / share);
-    let chosen = cell_of(pick, frame.light_count, bitcast<u32>(choice) ^ hash(bitcast<u32>(u.x)));
-    var index = chosen.index;
-    if (chosen.place >= lights[index].alias_threshold) {
-        index = lights[index].alias_index;
+    let chosen = choose_light(origin, receiver_normal(receiver), saturate(pick / share), salt);
+    if (chosen.probability <= 0.0) {
+        return no_light();
     }
-    let light = lights[index];
-    let probability = light.probability * share;
-
+    let light = light_at(chosen.index);
+    let probability = chosen.probability * share;
     if (light.kind == LIGHT_TRIANGLE) {
-        // Uniform over the triangle (Heitz, "A Low-Distortion Map Between Triangle and Square", 2019).
-        var b = vec2f(u.x * 0.5, u.y - u.x * 0.5);
-        if (u.y <= u.x) {
-            b = vec2f(u.x - u.y * 0.5, u.y * 0.5);
-        }
-        let normal = cross(light.direction, light.intensity);
-        let area = 0.5 * length(normal);
-        let to = light.position + light.direction * b.x + light.intensity * b.y - p;
-        let distance2 = dot(to, to);
-        if (distance2 <= 0.0 || area <= 0.0) {
-            return none;
-        }
-        let distance = sqrt(distance2);
-        let wi = to / distance;
-        let cosine = -dot(normal, wi) / (2.0 * area) * instances[light.instance].handedness;
-        let triangle = triangles[light.triangle];
-        let material = triangle.w & TRIANGLE_MATERIAL;
-        let two_sided = (materials[material].flags & MATERIAL_DOUBLE_SIDED) != 0u;
-        if (abs(cosine) < 1e-7 || (cosine < 0.0 && !two_sided)) {
-            return none;
-        }
-        var point = vec4u(MISS);
-        var radiance = vec3f(1.0);
-        if ((materials[material].flags & MATERIAL_PROGRAM_LIGHT) != 0u) {
-            point = vec4u(light.triangle, light.instance, bitcast<vec2u>(b));
-        } else {
-            radiance = materials[material].emission
-                * material_texture(material, TEXTURE_EMISSION, triangle, barycentric_weights(b)).xyz;
-        }
-        if ((triangle.w & TRIANGLE_ALPHA) != 0u) {
-            // Scattered rays find the lamp only where it is there.
-            radiance *= material_coverage(material, triangle, barycentric_weights(b));
-        }
-        return LightSample(wi, distance, radiance, probability / area * distance2 / abs(cosine), false, point);
+        return triangle_sample(light, probability, p, u);
     }
-    if (light.kind == LIGHT_DIRECTIONAL) {
-        return LightSample(-light.direction, FAR, light.intensity, probability, true, vec4u(MISS));
+    return punctual_sample(light, probability, p);
+}
+
+fn no_light() -> LightSample {
+    return LightSample(vec3f(0.0, 1.0, 0.0), 0.0, vec3f(0.0), 0.0, true, vec4u(MISS));
+}
+
+fn directional_sample(pick: f32, share: f32, salt: u32) -> LightSample {
+    let cell = cell_of(pick, frame.directional_count, salt);
+    var light = light_at(frame.light_count + cell.index);
+    if (cell.place >= light.position[DISTANT_THRESHOLD]) {
+        light = light_at(frame.light_count + light.leaf);
     }
+    let probability = light.position[DISTANT_PROBABILITY] * share;
+    return LightSample(-light.direction, FAR, light.intensity, probability, true, vec4u(MISS));
+}
+
+// Uniform over the triangle (Heitz, "A Low-Distortion Map Between Triangle and Square", 2019).
+fn triangle_sample(light: Light, probability: f32, p: vec3f, u: vec2f) -> LightSample {
+    var b = vec2f(u.x * 0.5, u.y - u.x * 0.5);
+    if (u.y <= u.x) {
+        b = vec2f(u.x - u.y * 0.5, u.y * 0.5);
+    }
+    let normal = cross(light.direction, light.intensity);
+    let area = 0.5 * length(normal);
+    let to = light.position + light.direction * b.x + light.intensity * b.y - p;
+    let distance2 = dot(to, to);
+    if (distance2 <= 0.0 || area <= 0.0) {
+        return no_light();
+    }
+    let distance = sqrt(distance2);
+    let wi = to / distance;
+    let cosine = -dot(normal, wi) / (2.0 * area) * instances[light.instance].handedness;
+    let triangle = triangles[light.triangle];
+    let material = triangle.w & TRIANGLE_MATERIAL;
+    let two_sided = (materials[material].flags & MATERIAL_DOUBLE_SIDED) != 0u;
+    if (abs(cosine) < 1e-7 || (cosine < 0.0 && !two_sided)) {
+        return no_light();
+    }
+    var point = vec4u(MISS);
+    var radiance = vec3f(1.0);
+    if ((materials[material].flags & MATERIAL_PROGRAM_LIGHT) != 0u) {
+        point = vec4u(light.triangle, light.instance, bitcast<vec2u>(b));
+    } else {
+        radiance = materials[material].emission
+            * material_texture(material, TEXTURE_EMISSION, triangle, barycentric_weights(b)).xyz;
+    }
+    if ((triangle.w & TRIANGLE_ALPHA) != 0u) {
+        // Scattered rays find the lamp only where it is there.
+        radiance *= material_coverage(material, triangle, barycentric_weights(b));
+    }
+    return LightSample(wi, distance, radiance, probability / area * distance2 / abs(cosine), false, point);
+}
+
+fn punctual_sample(light: Light, probability: f32, p: vec3f) -> LightSample {
     let to = light.position - p;
     let distance2 = max(dot(to, to), 1e-20);
     let distance = sqrt(distance2);
@@ -111,8 +151,44 @@ fn light_sample(p: vec3f, choice: f32, u: vec2f) -> LightSample {
     return LightSample(wi, distance, radiance, probability, true, vec4u(MISS));
 }
 
+// The number of a triangle's light; `frame.light_count` where it is none.
+fn light_of(instance: u32, triangle: u32) -> u32 {
+    var low = 0u;
+    var high = frame.light_count;
+    while (low < high) {
+        let middle = (low + high) / 2u;
+        let kind = lights[middle][0].w;
+        let place = lights[middle][3].xy; // triangle and instance
+        if (kind == LIGHT_TRIANGLE && (place.y < instance || (place.y == instance && place.x < triangle))) {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    if (low < frame.light_count) {
+        let found = light_at(low);
+        if (found.kind == LIGHT_TRIANGLE && found.instance == instance && found.triangle == triangle) {
+            return low;
+        }
+    }
+    return frame.light_count;
+}
+
+// pdf per solid angle with which `light_sample` finds the point of an emissive triangle that a scattered ray has hit, at
+// an angle of this cosine.
+fn light_hit_pdf(hit: RayHit, receiver: u32, cosine: f32) -> f32 {
+    let index = light_of(hit.instance, hit.triangle);
+    if (index == frame.light_count) {
+        return 0.0;
+    }
+    let light = light_at(index);
+    let area = 0.5 * length(cross(light.direction, light.intensity));
+    let probability = light_probability(light.leaf, hit.origin, receiver_normal(receiver)) / f32(light_groups());
+    return probability / area * hit.t_max * hit.t_max / cosine;
+}
+
 // Power heuristic (Veach 1997, section 9.2.4).
 fn mis_weight(pdf: f32, other: f32) -> f32 {
-    let a = pdf * pdf;
-    return a / (a + other * other);
+    let ratio = other / pdf; // squares of densities may be too large for a number
+    return 1.0 / (1.0 + ratio * ratio);
 }

@@ -10,7 +10,7 @@ struct TextureSlot {
 struct Material {
     base_color: vec4f,
     emission: vec3f,
-    light_pdf: f32, // pdf per area with which a light sample finds a point of an emissive triangle; 0: it is no light
+    light_radiance: f32, // mean radiance by which triangles are in the table of lights; 0: they are not
     specular_color: vec3f,
     specular: f32,
     metallic: f32,

@@ -3,7 +3,9 @@
 
 const PATH_THROUGHPUT = 0u; // rgb, then the pdf of the direction that was sampled last (0: not from a BSDF)
 const PATH_RADIANCE = 1u; // rgb gathered so far, then the ray cone's width at the ray's origin
-const PATH_LIGHT = 2u; // rgb that arrives if the shadow ray is free, then how many surfaces will have scattered it
+// rgb that arrives if the shadow ray is free, then what light samples know of the vertex scattered at last, for the weight
+// of a lamp that the path's ray hits: see `light_tree.wgsl`
+const PATH_LIGHT = 2u;
 // Material after blends, its driven outputs, vertices that have scattered, and the hue of a path that was dispersed, see
 // media.wgsl, or 0.
 const PATH_STATE = 3u;
@@ -45,10 +47,9 @@ fn limited(light: vec3f, scatterings: f32) -> vec3f {
     return light * (frame.indirect_clamp / most);
 }
 
-// The light sample that waits for its shadow ray.
-fn waiting_light(slot: u32) -> vec3f {
-    let light = path_read(PATH_LIGHT, slot);
-    return limited(light.xyz, light.w);
+// The light sample that waits for its shadow ray, which so many surfaces will have scattered.
+fn waiting_light(slot: u32, scatterings: u32) -> vec3f {
+    return limited(path_read(PATH_LIGHT, slot).xyz, f32(scatterings));
 }
 
 // Vertices of the path that have scattered.

@@ -20,7 +20,8 @@ const WORD_OVERRUN = 11u; // number + 1 of a texture whose loops were ended earl
 const WORD_CLAMPED = 12u; // samples beyond the film's range
 const WORD_AO_RAYS = 13u; // 64-bit total
 const WORD_INVALID = 15u; // samples that were not finite and were dropped
-const QUEUE_HEADER = 16u;
+const WORD_SHADOW_RAYS = 16u; // 64-bit total of shadow rays alone
+const QUEUE_HEADER = 32u;
 
 @group(0) @binding(3) var<storage, read_write> queues: array<atomic<u32>>;
 

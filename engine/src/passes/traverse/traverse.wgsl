@@ -58,8 +58,8 @@ fn traverse_occlusion(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
             passing *= clear_transmittance(material, triangle, barycentric_weights(hit.barycentrics), cosine);
             hit = trace(rays[slot].origin, rays[slot].direction, hit.t, rays[slot].t_max, true, MISS);
         }
-        let light = path_read(PATH_LIGHT, path);
-        path_write(PATH_LIGHT, path, vec4f(light.xyz * passing, light.w));
+        let light = path_words(PATH_LIGHT, path);
+        path_set_words(PATH_LIGHT, path, vec4u(bitcast<vec3u>(bitcast<vec3f>(light.xyz) * passing), light.w));
     }
     rays[slot].triangle = hit.triangle;
     if (hit.triangle != MISS && (triangles[hit.triangle].w & TRIANGLE_PROGRAM_ALPHA) != 0u) {

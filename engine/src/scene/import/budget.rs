@@ -25,6 +25,11 @@ impl Budget {
         Self::new((512 << 20) + file_bytes.saturating_mul(32))
     }
 
+    /// Bytes that may still be taken.
+    pub(super) fn left(&self) -> u64 {
+        self.left.load(Ordering::Relaxed)
+    }
+
     /// Takes `count` items of `size` bytes. Nothing is ever given back, so this bounds time as well.
     pub(super) fn take(&self, count: u64, size: u64) -> Result<(), Fault> {
         let bytes = count.saturating_mul(size);

@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 const SUPPORTED_EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -99,6 +100,7 @@ impl Document {
         document.check_extensions()?;
         document.load_buffers(parts.bin)?;
         document.budget = Budget::for_geometry(document.size());
+        document.decompress()?;
         document.check_layout()?;
         Ok(document)
     }
@@ -183,6 +185,26 @@ impl Document {
         }
     }
 
+    /// Makes `bytes` the data of an accessor that exists.
+    pub(super) fn add_data(&mut self, accessor: usize, bytes: Vec<u8>) {
+        let view = json::buffer::View {
+            buffer: json::Index::new(self.buffers.len() as u32),
+            byte_length: bytes.len().into(),
+            byte_offset: None,
+            byte_stride: None,
+            name: None,
+            target: None,
+            extensions: None,
+            extras: Default::default(),
+        };
+        let index = json::Index::new(self.root.buffer_views.len() as u32);
+        self.root.buffer_views.push(view);
+        self.buffers.push(Buffer::Owned(bytes));
+        let accessor = &mut self.root.accessors[accessor];
+        accessor.buffer_view = Some(index);
+        accessor.byte_offset = None;
+    }
+
     fn load_buffers(&mut self, mut bin: Option<Range<usize>>) -> Result<(), ImportError> {
         for (index, buffer) in self.root.buffers.iter().enumerate() {
             let place = || format!("buffer {index}");
@@ -255,9 +277,7 @@ impl Document {
     /// The error for an extension that the content cannot do without.
     pub(super) fn unsupported(&self, extension: &str) -> ImportError {
         let remedy = match extension {
-            "KHR_draco_mesh_compression"
-            | "EXT_meshopt_compression"
-            | "KHR_meshopt_compression" => {
+            "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
                 "export it without mesh compression (gltf-transform copies a file decompressed)"
             }
             "KHR_texture_basisu" => "export its textures as PNG, JPEG or WebP",

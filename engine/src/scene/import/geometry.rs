@@ -63,7 +63,6 @@ impl Builder<'_> {
             .par_iter()
             .enumerate()
             .map(|(number, primitive)| {
-                self.check_compression(primitive)?;
                 let place = || format!("mesh {index} \"{name}\", primitive {number}");
                 let mut part = Built::default();
                 let mesh = self
@@ -328,23 +327,6 @@ impl Builder<'_> {
         reorder(mesh, &sources);
         mesh.tangents = tangents;
         mesh.triangles = list;
-        Ok(())
-    }
-
-    /// Compressed primitives may come with an uncompressed copy; without one they can't be shown.
-    fn check_compression(&self, primitive: &json::mesh::Primitive) -> Result<(), ImportError> {
-        const DRACO: &str = "KHR_draco_mesh_compression";
-        let compressed = primitive
-            .extensions
-            .as_ref()
-            .is_some_and(|extensions| extensions.others.contains_key(DRACO));
-        let has_copy = |index: &json::Index<json::Accessor>| {
-            let accessor = self.document.accessor(index.value());
-            accessor.is_ok_and(|accessor| accessor.has_data())
-        };
-        if compressed && !primitive.attributes.values().all(has_copy) {
-            return Err(self.document.unsupported(DRACO));
-        }
         Ok(())
     }
 }

@@ -1,0 +1,109 @@
+//! The command line of `patina bench` as the user typed it. What it means is [`super::job`]'s business.
+
+use std::path::PathBuf;
+
+use clap::{ArgAction, Args, Subcommand};
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  patina bench render                                the built-in scenes
+  patina bench render a.glb b.glb --runs 5           two scenes in turn, five times each
+  patina bench render a.glb --look a.look.toml --json a.json";
+
+/// What `patina bench` measures.
+#[derive(Debug, Subcommand)]
+pub(crate) enum BenchCommand {
+    /// The texture kernel: seconds to build it for 1 to 100 textures, and what a hit costs beside unused ones.
+    ///
+    /// A hundred textures are a large kernel: software drivers take many minutes to compile it.
+    Kernel {
+        /// No kernel holds more textures than this.
+        #[arg(
+            long,
+            value_name = "N",
+            default_value = "100",
+            allow_hyphen_values = true
+        )]
+        most: String,
+
+        /// Folder with user textures, searched before the standard ones. May be given several times.
+        #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
+        texture_dirs: Vec<PathBuf>,
+
+        /// Device by number or by part of its name, as `patina devices` lists them.
+        #[arg(long, value_name = "NAME|N")]
+        device: Option<String>,
+    },
+    /// Whole renders: samples and rays per second, time of each pass, for several scenes in turn.
+    #[command(after_help = RENDER_EXAMPLES)]
+    Render(RenderArgs),
+    /// Rays per second of the traversal kernel: primary, bounce and shadow rays.
+    Traverse {
+        /// The scene to shoot rays into; without it a built-in one of 262,144 triangles.
+        scene: Option<PathBuf>,
+
+        /// Device by number or by part of its name, as `patina devices` lists them.
+        #[arg(long, value_name = "NAME|N")]
+        device: Option<String>,
+    },
+}
+
+/// Flags of `patina bench render`.
+#[derive(Debug, Args)]
+pub(crate) struct RenderArgs {
+    /// glTF files; without them two scenes are built in: a tunnel of 262,144 triangles and a Cornell box.
+    #[arg(value_name = "SCENE")]
+    pub(crate) scenes: Vec<PathBuf>,
+
+    /// A look for all of the scenes.
+    #[arg(long, value_name = "FILE", requires = "scenes")]
+    pub(crate) look: Option<PathBuf>,
+
+    /// Samples (camera paths) per pixel of each run.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "16",
+        allow_hyphen_values = true
+    )]
+    pub(crate) spp: String,
+
+    /// Width and height of the picture in pixels.
+    #[arg(
+        long,
+        value_name = "WxH",
+        default_value = "512x512",
+        allow_hyphen_values = true
+    )]
+    pub(crate) size: String,
+
+    /// Timed runs of each scene, in turn: A B C A B C. One more comes first and isn't counted.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "3",
+        allow_hyphen_values = true
+    )]
+    pub(crate) runs: String,
+
+    /// At most N surface points scatter light along a path.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "9",
+        allow_hyphen_values = true
+    )]
+    pub(crate) max_depth: String,
+
+    /// Write the figures as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+
+    /// Folder with user textures, searched before the standard ones. May be given several times.
+    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
+    pub(crate) texture_dirs: Vec<PathBuf>,
+
+    /// Device by number or by part of its name, as `patina devices` lists them.
+    #[arg(long, value_name = "NAME|N")]
+    pub(crate) device: Option<String>,
+}

@@ -1,0 +1,156 @@
+//! Validated jobs of `patina bench`: numbers and names are understood here, and nothing is opened.
+
+use std::path::PathBuf;
+
+use engine::gpu::DeviceChoice;
+
+use crate::job::{
+    MAX_DEPTH, MAX_SPP, UsageError, parse_device, parse_number, parse_size, refuse_overwriting,
+};
+
+use super::args::{BenchCommand, RenderArgs};
+
+/// Most timed runs of a scene.
+const MAX_RUNS: u32 = 1000;
+
+/// What is to be measured.
+#[derive(Debug, PartialEq)]
+pub(crate) enum BenchJob {
+    /// The texture kernel.
+    Kernel {
+        /// Most textures in a kernel.
+        most: u32,
+        /// Folders the user named, searched first.
+        texture_dirs: Vec<PathBuf>,
+        /// Device to measure.
+        device: DeviceChoice,
+    },
+    /// Whole renders.
+    Render(RenderJob),
+    /// The traversal kernel.
+    Traverse(TraverseJob),
+}
+
+/// A measurement of whole renders.
+#[derive(Debug, PartialEq)]
+pub(crate) struct RenderJob {
+    /// glTF files; the built-in scenes where there is none.
+    pub(crate) scenes: Vec<PathBuf>,
+    /// A look for all of them.
+    pub(crate) look: Option<PathBuf>,
+    /// Samples per pixel of a run.
+    pub(crate) spp: u32,
+    /// Pixels.
+    pub(crate) width: u32,
+    /// Pixels.
+    pub(crate) height: u32,
+    /// Timed runs of each scene.
+    pub(crate) runs: u32,
+    /// Most scattering vertices of a path.
+    pub(crate) max_depth: u32,
+    /// Where the figures go.
+    pub(crate) json: Option<PathBuf>,
+    /// Folders the user named, searched first.
+    pub(crate) texture_dirs: Vec<PathBuf>,
+    /// Device to measure.
+    pub(crate) device: DeviceChoice,
+}
+
+/// A measurement of the traversal kernel.
+#[derive(Debug, PartialEq)]
+pub(crate) struct TraverseJob {
+    /// The glTF file; `None` is the built-in scene.
+    pub(crate) scene: Option<PathBuf>,
+    /// Device to measure.
+    pub(crate) device: DeviceChoice,
+}
+
+impl BenchJob {
+    /// Validates a command line.
+    ///
+    /// # Errors
+    /// The first flag that makes no sense.
+    pub(crate) fn from_args(what: BenchCommand) -> Result<Self, UsageError> {
+        Ok(match what {
+            BenchCommand::Kernel {
+                most,
+                texture_dirs,
+                device,
+            } => Self::Kernel {
+                most: parse_number("--most", &most, 1, 100)?,
+                texture_dirs,
+                device: parse_device(device.as_deref())?,
+            },
+            BenchCommand::Render(args) => Self::Render(RenderJob::from_args(args)?),
+            BenchCommand::Traverse { scene, device } => Self::Traverse(TraverseJob {
+                scene,
+                device: parse_device(device.as_deref())?,
+            }),
+        })
+    }
+}
+
+impl RenderJob {
+    fn from_args(args: RenderArgs) -> Result<Self, UsageError> {
+        refuse_overwriting(args.json.iter(), args.scenes.iter().chain(&args.look))?;
+        let (width, height) = parse_size(&args.size)?;
+        Ok(Self {
+            spp: parse_number("--spp", &args.spp, 1, MAX_SPP)?,
+            width,
+            height,
+            runs: parse_number("--runs", &args.runs, 1, MAX_RUNS)?,
+            max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
+            json: args.json,
+            device: parse_device(args.device.as_deref())?,
+            texture_dirs: args.texture_dirs,
+            scenes: args.scenes,
+            look: args.look,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::Args;
+    use crate::job::Job;
+    use clap::Parser;
+
+    fn job(line: &str) -> Result<BenchJob, UsageError> {
+        let words = ["patina", "bench"]
+            .into_iter()
+            .chain(line.split_whitespace());
+        let args = Args::try_parse_from(words).expect("clap accepts the line");
+        Job::from_args(args).map(|job| match job {
+            Job::Bench(job) => job,
+            other => panic!("not a measurement: {other:?}"),
+        })
+    }
+
+    #[test]
+    fn no_measurement_needs_a_scene() {
+        let expected = TraverseJob {
+            scene: None,
+            device: DeviceChoice::Best,
+        };
+        assert_eq!(job("traverse"), Ok(BenchJob::Traverse(expected)));
+        let Ok(BenchJob::Render(job)) = job("render") else {
+            panic!("a render without scenes is fine");
+        };
+        assert_eq!(job.scenes, [""; 0].map(PathBuf::from));
+        assert_eq!((job.spp, job.width, job.runs), (16, 512, 3));
+    }
+
+    #[test]
+    fn senseless_numbers_are_refused() {
+        for (line, because) in [
+            ("render --runs 0", "--runs 0"),
+            ("render --spp x", "--spp x"),
+            ("render --size 3", "--size 3"),
+            ("render a.glb --json a.glb", "input"),
+        ] {
+            let error = job(line).unwrap_err().to_string();
+            assert!(error.contains(because), "{line}: {error}");
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! `patina bench render`: whole renders of several scenes in turn, as a table and as JSON.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+
+use engine::bench::render::{self as bench, RenderReport, Spread, Subject};
+use engine::bench::scenes;
+use engine::gpu::Gpu;
+use engine::load;
+use engine::procedural::{Procedural, TextureSources};
+use engine::renderer::RenderSettings;
+use engine::scene::look::{Look, LookError};
+use engine::scene::{Camera, Scene, default_camera};
+use serde::Serialize;
+
+use crate::exit::Failure;
+use crate::progress::Bar;
+use crate::report::Device;
+use crate::{console, library, output};
+
+use super::job::RenderJob;
+
+/// Figures of all scenes. The JSON form is read by other programs: fields are added, never renamed.
+#[derive(Debug, Serialize)]
+struct Report {
+    /// Version of this program.
+    patina: &'static str,
+    device: Device,
+    /// Pixels.
+    width: u32,
+    /// Pixels.
+    height: u32,
+    samples_per_pixel: u32,
+    max_depth: u32,
+    /// Timed runs of each scene, in turn.
+    runs: u32,
+    scenes: Vec<RenderReport>,
+}
+
+/// Something to be rendered.
+struct Prepared {
+    name: String,
+    scene: Scene,
+    procedural: Procedural,
+    camera: Camera,
+}
+
+impl Prepared {
+    /// A built-in scene, seen by its first camera.
+    fn built_in(name: &str, mut scene: Scene) -> Result<Self, Failure> {
+        let nothing = Look::parse(Path::new(""), "")?;
+        let procedural = Procedural::build(&nothing, &mut scene, &TextureSources::default())
+            .map_err(LookError::from)?;
+        let camera = scene.cameras.first().cloned();
+        let camera = camera.unwrap_or_else(|| default_camera(&scene));
+        Ok(Self {
+            name: name.to_owned(),
+            camera,
+            procedural,
+            scene,
+        })
+    }
+}
+
+/// Measures, prints a table for each scene and writes the figures.
+///
+/// # Errors
+/// A scene or look that can't be loaded or rendered, no device, a file that can't be written.
+pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
+    if let Some(path) = &job.json {
+        output::check(path).map_err(Failure::because)?;
+    }
+    let bar = Bar::new("loading the scenes");
+    let prepared = prepare(job, &bar)?;
+    bar.stage("measuring");
+    let gpu = Gpu::new(&job.device).map_err(Failure::because)?;
+    let subjects: Vec<Subject<'_>> = prepared
+        .iter()
+        .map(|prepared| Subject {
+            name: prepared.name.clone(),
+            scene: &prepared.scene,
+            procedural: &prepared.procedural,
+            settings: RenderSettings {
+                max_depth: job.max_depth,
+                ..RenderSettings::new(job.width, job.height, &prepared.camera)
+            },
+        })
+        .collect();
+    let scenes =
+        bench::render(&gpu, &subjects, job.spp, job.runs, |_| ()).map_err(Failure::because)?;
+    bar.finish();
+
+    let report = Report {
+        patina: env!("CARGO_PKG_VERSION"),
+        device: Device::new(gpu.description()),
+        width: job.width,
+        height: job.height,
+        samples_per_pixel: job.spp,
+        max_depth: job.max_depth,
+        runs: job.runs,
+        scenes,
+    };
+    console::print(&report.table());
+    if let Some(path) = &job.json {
+        output::write_aside(path, |file| {
+            serde_json::to_writer_pretty(&mut *file, &report)?;
+            file.write_all(b"\n")
+        })
+        .map_err(Failure::because)?;
+    }
+    Ok(())
+}
+
+fn prepare(job: &RenderJob, bar: &Bar) -> Result<Vec<Prepared>, Failure> {
+    if job.scenes.is_empty() {
+        return Ok(vec![
+            Prepared::built_in("tunnel", scenes::tunnel())?,
+            Prepared::built_in("Cornell box", scenes::cornell_box())?,
+        ]);
+    }
+    let texture_dirs = library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
+    let mut prepared = Vec::new();
+    for path in &job.scenes {
+        let loaded = load::load(path, job.look.as_deref(), &texture_dirs)?;
+        bar.suspend(|| console::diagnostics(&loaded.warnings));
+        prepared.push(Prepared {
+            name: path.display().to_string(),
+            scene: loaded.scene,
+            procedural: loaded.procedural,
+            camera: loaded.camera,
+        });
+    }
+    Ok(prepared)
+}
+
+impl Report {
+    fn table(&self) -> String {
+        let mut text = format!(
+            "{}\n{}x{}, {} samples per pixel, depth {}; medians of {} runs in turn (lowest to highest)\n",
+            self.device.title,
+            self.width,
+            self.height,
+            self.samples_per_pixel,
+            self.max_depth,
+            self.runs
+        );
+        for scene in &self.scenes {
+            write_scene(&mut text, scene);
+        }
+        text
+    }
+}
+
+fn write_scene(text: &mut String, scene: &RenderReport) {
+    let _ = writeln!(
+        text,
+        "\n{}: {} triangles, {} bytes per path, {} samples not finite\n",
+        scene.name,
+        console::grouped(scene.triangles),
+        scene.path_bytes.total(),
+        console::grouped(scene.invalid_samples)
+    );
+    let _ = writeln!(
+        text,
+        "{:<20}{:>12.0}  ({:.0} to {:.0})",
+        "samples/s",
+        scene.samples_per_second.median,
+        scene.samples_per_second.low,
+        scene.samples_per_second.high
+    );
+    for (name, rays) in [
+        ("closest, Mrays/s", &scene.closest),
+        ("occlusion, Mrays/s", &scene.occlusion),
+        ("AO, Mrays/s", &scene.ao),
+    ] {
+        let Spread { median, low, high } = rays.mrays_per_second;
+        if rays.rays > 0 {
+            let _ = writeln!(
+                text,
+                "{name:<20}{median:>12.2}  ({low:.2} to {high:.2}; {} rays)",
+                console::grouped(rays.rays)
+            );
+        }
+    }
+    if !scene.timestamps {
+        let _ = writeln!(
+            text,
+            "This device has no timestamps: rays are counted per second of everything."
+        );
+        return;
+    }
+    let _ = writeln!(text, "\n{:<20}{:>12}{:>9}", "pass", "ms", "share");
+    for pass in &scene.passes {
+        let Spread { median, low, high } = pass.milliseconds;
+        let _ = writeln!(
+            text,
+            "{:<20}{median:>12.1}{:>8.1}%  ({low:.1} to {high:.1}; {} dispatches)",
+            pass.name,
+            pass.share * 100.0,
+            console::grouped(pass.dispatches)
+        );
+    }
+}
