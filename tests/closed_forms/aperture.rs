@@ -46,7 +46,7 @@ fn a_point_out_of_focus_has_the_shape_of_the_aperture() {
         let shot = Shot {
             size: (SIDE, SIDE),
             max_depth: 1,
-            spp: 4096,
+            spp: 1024,
         };
         let film = render(&gpu, &mut scene, &camera, shot);
         let area = match blades {

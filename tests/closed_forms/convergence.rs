@@ -73,7 +73,7 @@ fn sobol_points_halve_the_noise_of_random_numbers() {
     let Some(gpu) = device::open() else { return };
     let depths = if full_run() { 1..=4 } else { 1..=1 };
     for max_depth in depths {
-        let reference = picture(&gpu, Sampler::Sobol, max_depth, 4096, 7);
+        let reference = picture(&gpu, Sampler::Sobol, max_depth, 2048, 7);
         let (sobol, slope) = errors(&gpu, Sampler::Sobol, max_depth, &reference);
         let (independent, plain_slope) = errors(&gpu, Sampler::Independent, max_depth, &reference);
         // Over a thousand values: chance moves an error by three hundredths, and a slope by less.

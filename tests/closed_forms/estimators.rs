@@ -97,7 +97,7 @@ fn estimators_agree_path_length_by_path_length() {
     let mut room = room();
     for max_depth in 1..=4 {
         let reference = view(&gpu, &mut room, max_depth, 256, |_| {});
-        for (estimator, spp) in [(Estimator::Bsdf, 1024), (Estimator::Lights, 1024)] {
+        for (estimator, spp) in [(Estimator::Bsdf, 512), (Estimator::Lights, 512)] {
             let film = view(&gpu, &mut room, max_depth, spp, |settings| {
                 settings.estimator = estimator;
                 settings.seed = 1;
@@ -114,8 +114,8 @@ fn roulette_changes_nothing_but_noise() {
     let mut room = room();
     // It begins at the fifth vertex.
     for max_depth in [5, 9] {
-        let with = view(&gpu, &mut room, max_depth, 512, |_| {});
-        let without = view(&gpu, &mut room, max_depth, 512, |settings| {
+        let with = view(&gpu, &mut room, max_depth, 256, |_| {});
+        let without = view(&gpu, &mut room, max_depth, 256, |settings| {
             settings.roulette = false;
             settings.seed = 1;
         });
