@@ -163,6 +163,19 @@ pub(crate) struct RenderArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) clamp: Option<String>,
 
+    /// How light is found: mis (samples of lights and of surfaces, balanced), bsdf or lights (one kind alone). The picture is
+    /// the same but for its noise.
+    #[arg(long, value_name = "NAME", default_value = "mis")]
+    pub(crate) estimator: String,
+
+    /// Never end dark paths at random. The picture is the same but for its noise.
+    #[arg(long)]
+    pub(crate) no_roulette: bool,
+
+    /// Where random numbers come from: sobol (evenly spread points) or independent (plain random numbers, to compare with).
+    #[arg(long, value_name = "NAME", default_value = "sobol")]
+    pub(crate) sampler: String,
+
     /// Leave out the light that rough surfaces scatter more than once in themselves, as glTF's own formula does.
     #[arg(long)]
     pub(crate) no_energy_compensation: bool,

@@ -3,18 +3,26 @@
 //! Everything that can be refused without touching a file or a device is refused here, as a [`UsageError`]. Nothing
 //! is opened, read or written here.
 
+mod error;
+mod parse;
+
 use std::num::NonZeroU32;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use engine::filter::PixelFilter;
 use engine::gpu::DeviceChoice;
-use thiserror::Error;
+use engine::settings::{Estimator, Sampler};
 
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
 use crate::bench::job::BenchJob;
 use crate::texture::job::TextureJob;
 use crate::watch::job::WatchJob;
+
+pub(crate) use self::error::UsageError;
+use self::parse::{default_output, parse_decimal, parse_sample_range, parse_word};
+pub(crate) use self::parse::{
+    parse_device, parse_exposure, parse_number, parse_output, parse_size, refuse_overwriting,
+};
 
 /// Longest side of a picture, pixels.
 pub(crate) const MAX_SIDE: u32 = engine::renderer::MAX_SIDE;
@@ -80,6 +88,12 @@ pub(crate) struct RenderJob {
     pub(crate) filter_width: f32,
     /// Most that one contribution of indirect light adds.
     pub(crate) clamp: Option<f32>,
+    /// How light is found.
+    pub(crate) estimator: Estimator,
+    /// Dark paths may end at random.
+    pub(crate) roulette: bool,
+    /// Where random numbers come from.
+    pub(crate) sampler: Sampler,
     /// Rough surfaces keep the energy that single scattering between microfacets loses.
     pub(crate) energy_compensation: bool,
     /// Seed of the random numbers.
@@ -166,132 +180,6 @@ pub(crate) enum Format {
     Exr,
 }
 
-/// A command line that makes no sense.
-#[derive(Debug, Error, PartialEq)]
-pub(crate) enum UsageError {
-    /// Not `WxH`, or outside the limits.
-    #[error("--size {given}: {problem}; give width x height in pixels, as in --size 1280x720")]
-    Size {
-        /// As typed.
-        given: String,
-        /// What is wrong with it.
-        problem: String,
-    },
-    /// Not a whole number in the range.
-    #[error("{flag} {given}: must be a whole number from {low} to {high}")]
-    Number {
-        /// The flag's name.
-        flag: &'static str,
-        /// As typed.
-        given: String,
-        /// Smallest value allowed.
-        low: u32,
-        /// Largest value allowed.
-        high: u32,
-    },
-    /// Not a finite number of stops in range.
-    #[error(
-        "--exposure {given}: must be a number of stops from -{MAX_EXPOSURE} to {MAX_EXPOSURE}, as in --exposure 1.5"
-    )]
-    Exposure {
-        /// As typed.
-        given: String,
-    },
-    /// The extension says no format.
-    #[error(
-        "-o {}: the file name must end in .png or .jpg (8-bit sRGB) or .exr (linear float)",
-        path.display()
-    )]
-    Extension {
-        /// As typed.
-        path: PathBuf,
-    },
-    /// Two results would overwrite each other.
-    #[error("{} is to be written twice; give each output a name of its own", path.display())]
-    Twice {
-        /// The file.
-        path: PathBuf,
-    },
-    /// A result would overwrite an input.
-    #[error("{} is an input; write the result to another file", path.display())]
-    OverwritesInput {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The same part twice.
-    #[error("{} is given twice; each part may be merged once", path.display())]
-    PartTwice {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Not one of the words that a flag knows.
-    #[error("{flag} {given}: must be {}", known.join(", "))]
-    Word {
-        /// The flag's name.
-        flag: &'static str,
-        /// As typed.
-        given: String,
-        /// What it may be.
-        known: Vec<&'static str>,
-    },
-    /// Not a number in the range.
-    #[error("{flag} {given}: must be a number {range}")]
-    Decimal {
-        /// The flag's name.
-        flag: &'static str,
-        /// As typed.
-        given: String,
-        /// Which numbers there are.
-        range: &'static str,
-    },
-    /// Not a range of samples.
-    #[error(
-        "--sample-range {given}: write two whole numbers from 0 to {MAX_SPP}, the smaller one first, as in \
-         --sample-range 0..64"
-    )]
-    SampleRange {
-        /// As typed.
-        given: String,
-    },
-    /// Not `NAME=VALUE`.
-    #[error("{flag} {given}: write NAME=VALUE, as in {example}")]
-    Pair {
-        /// The flag's name.
-        flag: &'static str,
-        /// As typed.
-        given: String,
-        /// How it is done.
-        example: &'static str,
-    },
-    /// Not one to four numbers.
-    #[error(
-        "--at {given}: `{name}` takes 1 to 4 numbers with commas between, as in --at \"WorldPos=1,2,3\""
-    )]
-    Numbers {
-        /// The point as typed.
-        given: String,
-        /// The attribute.
-        name: String,
-    },
-    /// Not two numbers, the second one the larger.
-    #[error("--range {given}: write two numbers, the smaller one first, as in --range -1..1")]
-    Range {
-        /// As typed.
-        given: String,
-    },
-    /// A name that no texture should have.
-    #[error("`{given}` can't be the name of a texture: {problem}")]
-    TextureName {
-        /// As typed.
-        given: String,
-        /// What is wrong, and what to do.
-        problem: String,
-    },
-    /// `--device ''`.
-    #[error("--device: the name is empty; `patina devices` lists names and numbers")]
-    EmptyDevice,
-}
-
 impl Job {
     /// Validates a command line.
     ///
@@ -352,6 +240,14 @@ impl RenderJob {
             clamp: (args.clamp.as_deref())
                 .map(|most| parse_decimal("--clamp", most, "greater than 0", |x| x > 0.0))
                 .transpose()?,
+            estimator: parse_word(
+                "--estimator",
+                &args.estimator,
+                Estimator::ALL,
+                Estimator::name,
+            )?,
+            roulette: !args.no_roulette,
+            sampler: parse_word("--sampler", &args.sampler, Sampler::ALL, Sampler::name)?,
             energy_compensation: !args.no_energy_compensation,
             max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
             seed: parse_number("--seed", &args.seed, 0, u32::MAX)?,
@@ -382,162 +278,11 @@ impl MergeJob {
     }
 }
 
-fn parse_sample_range(given: &str) -> Result<Range<u32>, UsageError> {
-    let range = given.split_once("..").and_then(|(first, end)| {
-        let range = first.trim().parse().ok()?..end.trim().parse().ok()?;
-        (range.start < range.end && range.end <= MAX_SPP).then_some(range)
-    });
-    range.ok_or_else(|| UsageError::SampleRange {
-        given: given.to_owned(),
-    })
-}
-
-/// The value of that name.
-fn parse_word<T: Copy>(
-    flag: &'static str,
-    given: &str,
-    all: impl IntoIterator<Item = T>,
-    name: impl Fn(T) -> &'static str,
-) -> Result<T, UsageError> {
-    let all: Vec<T> = all.into_iter().collect();
-    let found = all.iter().copied().find(|&value| name(value) == given);
-    found.ok_or_else(|| UsageError::Word {
-        flag,
-        given: given.to_owned(),
-        known: all.into_iter().map(name).collect(),
-    })
-}
-
-/// A finite number that is accepted.
-fn parse_decimal(
-    flag: &'static str,
-    given: &str,
-    range: &'static str,
-    accept: impl Fn(f32) -> bool,
-) -> Result<f32, UsageError> {
-    let number = given.parse().ok();
-    number
-        .filter(|&x: &f32| x.is_finite() && accept(x))
-        .ok_or_else(|| UsageError::Decimal {
-            flag,
-            given: given.to_owned(),
-            range,
-        })
-}
-
-pub(crate) fn parse_size(given: &str) -> Result<(u32, u32), UsageError> {
-    let refuse = |problem: String| UsageError::Size {
-        given: given.to_owned(),
-        problem,
-    };
-    let side = |text: &str, name: &str| match text.parse::<u64>() {
-        Ok(0) => Err(refuse(format!("the {name} is zero"))),
-        Ok(n) if n > u64::from(MAX_SIDE) => Err(refuse(format!("the {name} exceeds {MAX_SIDE}"))),
-        Ok(n) => Ok(n as u32),
-        Err(_) if text.is_empty() => Err(refuse(format!("the {name} is missing"))),
-        // Digits that do not fit 64 bits are still a number to the user.
-        Err(_) if text.bytes().all(|b| b.is_ascii_digit()) => {
-            Err(refuse(format!("the {name} exceeds {MAX_SIDE}")))
-        }
-        Err(_) => Err(refuse(format!("the {name} is not a whole number"))),
-    };
-    let Some((width, height)) = given.split_once(['x', 'X']) else {
-        return Err(refuse("there is no 'x' between two numbers".to_owned()));
-    };
-    let (width, height) = (side(width, "width")?, side(height, "height")?);
-    let pixels = u64::from(width) * u64::from(height);
-    if pixels > MAX_PIXELS {
-        return Err(refuse(format!(
-            "{pixels} pixels are more than the {MAX_PIXELS} supported"
-        )));
-    }
-    Ok((width, height))
-}
-
-pub(crate) fn parse_number(
-    flag: &'static str,
-    given: &str,
-    low: u32,
-    high: u32,
-) -> Result<u32, UsageError> {
-    given
-        .parse::<u32>()
-        .ok()
-        .filter(|n| (low..=high).contains(n))
-        .ok_or_else(|| UsageError::Number {
-            flag,
-            given: given.to_owned(),
-            low,
-            high,
-        })
-}
-
-pub(crate) fn parse_exposure(given: &str) -> Result<f32, UsageError> {
-    given
-        .parse::<f32>()
-        .ok()
-        // NaN is in no range.
-        .filter(|stops| (-MAX_EXPOSURE..=MAX_EXPOSURE).contains(stops))
-        .ok_or_else(|| UsageError::Exposure {
-            given: given.to_owned(),
-        })
-}
-
-pub(crate) fn parse_device(given: Option<&str>) -> Result<DeviceChoice, UsageError> {
-    match given.map(str::trim) {
-        None => Ok(DeviceChoice::Best),
-        Some("") => Err(UsageError::EmptyDevice),
-        Some(text) => Ok(match text.parse() {
-            Ok(index) => DeviceChoice::Index(index),
-            Err(_) => DeviceChoice::Name(text.to_owned()),
-        }),
-    }
-}
-
-pub(crate) fn parse_output(path: PathBuf) -> Result<Output, UsageError> {
-    let extension = path
-        .extension()
-        .map(|extension| extension.to_ascii_lowercase());
-    let format = match extension.as_ref().and_then(|extension| extension.to_str()) {
-        Some("png") => Format::Png,
-        Some("jpg" | "jpeg") => Format::Jpeg,
-        Some("exr") => Format::Exr,
-        _ => return Err(UsageError::Extension { path }),
-    };
-    Ok(Output { path, format })
-}
-
-/// `SCENE-render.png`: not `SCENE.png`, which may well be a texture of the scene.
-fn default_output(scene: &Path) -> PathBuf {
-    let mut name = scene
-        .file_stem()
-        .map_or_else(|| "scene".into(), ToOwned::to_owned);
-    name.push("-render.png");
-    name.into()
-}
-
-pub(crate) fn refuse_overwriting<'a>(
-    written: impl Iterator<Item = &'a PathBuf>,
-    read: impl Iterator<Item = &'a PathBuf>,
-) -> Result<(), UsageError> {
-    let inputs: Vec<_> = read.collect();
-    let mut seen: Vec<&PathBuf> = Vec::new();
-    for path in written {
-        if seen.contains(&path) {
-            return Err(UsageError::Twice { path: path.clone() });
-        }
-        if inputs.contains(&path) {
-            return Err(UsageError::OverwritesInput { path: path.clone() });
-        }
-        seen.push(path);
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use clap::Parser;
+    use std::path::Path;
 
     fn job(line: &str) -> Result<Job, UsageError> {
         let words = ["patina"].into_iter().chain(line.split_whitespace());

@@ -150,6 +150,9 @@ fn settings(job: &RenderJob, camera: &Camera) -> RenderSettings {
         first_sample: job.first_sample,
         filter: job.filter,
         clamp: job.clamp,
+        estimator: job.estimator,
+        roulette: job.roulette,
+        sampler: job.sampler,
         filter_width: job.filter_width,
         ..RenderSettings::new(job.width, job.height, camera)
     }
@@ -244,6 +247,8 @@ mod tests {
                 transform: glam::Affine3A::IDENTITY,
                 projection: Projection::Perspective { y_fov: 1.0 },
                 aperture_radius: 0.0,
+                aperture_blades: 0,
+                aperture_rotation: 0.0,
                 focus_distance: 1.0,
             })
             .collect();

@@ -7,7 +7,8 @@ use crate::{
     filter::{FilterTable, PixelFilter},
     gpu_scene::GpuScene,
     scene::Projection,
-    settings::RenderSettings,
+    settings::{Estimator, RenderSettings, Sampler},
+    sobol,
 };
 
 /// `Frame` in `frame.wgsl`.
@@ -61,6 +62,11 @@ pub struct Frame {
     estimator: u32,
     roulette_start: u32,
     sampler: u32,
+    aperture_blades: u32,
+    aperture_rotation: f32,
+    spare1: u32,
+    spare2: u32,
+    sobol: [[u32; 4]; sobol::ROWS],
 }
 
 impl Frame {
@@ -111,7 +117,12 @@ impl Frame {
             indirect_clamp,
             estimator,
             roulette_start,
-            sampler
+            sampler,
+            aperture_blades,
+            aperture_rotation,
+            spare1,
+            spare2,
+            sobol
         ]
     }
 }
@@ -183,9 +194,24 @@ impl Frame {
             filter_weight: filter.weight * filter.weight,
             filter_is_box: u32::from(settings.filter == PixelFilter::Box),
             indirect_clamp: settings.clamp.unwrap_or(f32::MAX),
-            estimator: 0,
-            roulette_start: ROULETTE_START,
-            sampler: 0,
+            estimator: match settings.estimator {
+                Estimator::Mis => 0,
+                Estimator::Bsdf => 1,
+                Estimator::Lights => 2,
+            },
+            roulette_start: match settings.roulette {
+                true => ROULETTE_START,
+                false => u32::MAX,
+            },
+            sampler: match settings.sampler {
+                Sampler::Sobol => 0,
+                Sampler::Independent => 1,
+            },
+            aperture_blades: camera.aperture_blades,
+            aperture_rotation: camera.aperture_rotation,
+            spare1: 0,
+            spare2: 0,
+            sobol: sobol::directions(),
         }
     }
 }

@@ -20,5 +20,6 @@ pub mod procedural;
 pub mod renderer;
 pub mod scene;
 pub mod settings;
+mod sobol;
 pub mod stats;
 pub mod wave;

@@ -194,6 +194,8 @@ fn camera() -> Camera {
         transform: facing(eye, 2.0 * eye),
         projection: Projection::Perspective { y_fov: 0.255 },
         aperture_radius: 0.0,
+        aperture_blades: 0,
+        aperture_rotation: 0.0,
         focus_distance: 1.0,
     }
 }

@@ -30,6 +30,61 @@ pub struct RenderSettings {
     /// kept. Indirect is what has been scattered by two surfaces or more. Takes fireflies out of a picture and light with
     /// them: with it, rendering is *biased*.
     pub clamp: Option<f32>,
+    /// How light is found. The picture is the same but for its noise.
+    pub estimator: Estimator,
+    /// Whether dark paths may end at random. The picture is the same but for its noise.
+    pub roulette: bool,
+    /// Where random numbers come from.
+    pub sampler: Sampler,
+}
+
+/// Where random numbers come from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Sampler {
+    /// Owen-scrambled Sobol points, which fill each pixel's domain evenly however many there are.
+    #[default]
+    Sobol,
+    /// Independent random numbers: more noise, and no order that an integrand could be at odds with.
+    Independent,
+}
+
+impl Sampler {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Sobol, Self::Independent];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sobol => "sobol",
+            Self::Independent => "independent",
+        }
+    }
+}
+
+/// How light is found at a surface.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Estimator {
+    /// By samples of lights and by scattered rays, balanced by multiple importance sampling (Veach 1997).
+    #[default]
+    Mis,
+    /// By scattered rays alone, but for lights that have no extent.
+    Bsdf,
+    /// By samples of lights alone, as far as they can be sampled.
+    Lights,
+}
+
+impl Estimator {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Mis, Self::Bsdf, Self::Lights];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mis => "mis",
+            Self::Bsdf => "bsdf",
+            Self::Lights => "lights",
+        }
+    }
 }
 
 impl RenderSettings {
@@ -47,6 +102,9 @@ impl RenderSettings {
             filter: PixelFilter::Box,
             filter_width: PixelFilter::Box.default_width(),
             clamp: None,
+            estimator: Estimator::Mis,
+            roulette: true,
+            sampler: Sampler::Sobol,
         }
     }
 }

@@ -176,6 +176,8 @@ fn view(scene: &Scene) -> Camera {
             y_fov: 2.0 * HALF_FOV,
         },
         aperture_radius: 0.0,
+        aperture_blades: 0,
+        aperture_rotation: 0.0,
         focus_distance: 1.0,
     }
 }

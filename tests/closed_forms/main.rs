@@ -6,11 +6,14 @@
 mod support;
 
 mod albedo;
+mod aperture;
 mod appearance;
+mod convergence;
 mod determinism;
 mod direct;
 mod disk;
 mod environment;
+mod estimators;
 mod filters;
 mod furnace;
 

@@ -137,6 +137,8 @@ pub(crate) fn camera(eye: Vec3, target: Vec3, up: Vec3, projection: Projection) 
         },
         projection,
         aperture_radius: 0.0,
+        aperture_blades: 0,
+        aperture_rotation: 0.0,
         focus_distance: 1.0,
     }
 }

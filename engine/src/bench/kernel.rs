@@ -374,6 +374,8 @@ fn renderer(
         },
         projection: Projection::Orthographic { y_mag: 1.0 },
         aperture_radius: 0.0,
+        aperture_blades: 0,
+        aperture_rotation: 0.0,
         focus_distance: 1.0,
     };
     let settings = RenderSettings {

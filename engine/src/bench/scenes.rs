@@ -51,6 +51,8 @@ pub fn tunnel() -> Scene {
             transform: Affine3A::from_translation(Vec3::new(RING, 0.0, 0.0)),
             projection: Projection::Perspective { y_fov: 1.2 },
             aperture_radius: 0.0,
+            aperture_blades: 0,
+            aperture_rotation: 0.0,
             focus_distance: 1.0,
         }],
         ..Scene::default()
@@ -78,6 +80,8 @@ pub fn cornell_box() -> Scene {
             transform: Affine3A::from_translation(Vec3::new(0.5 * SIDE, 0.5 * SIDE, 2.5 * SIDE)),
             projection: Projection::Perspective { y_fov: 0.68 },
             aperture_radius: 0.0,
+            aperture_blades: 0,
+            aperture_rotation: 0.0,
             focus_distance: 1.0,
         }],
         ..Scene::default()
@@ -224,6 +228,8 @@ fn looking(eye: Vec3, target: Vec3, y_fov: f32) -> Camera {
         },
         projection: Projection::Perspective { y_fov },
         aperture_radius: 0.0,
+        aperture_blades: 0,
+        aperture_rotation: 0.0,
         focus_distance: 1.0,
     }
 }

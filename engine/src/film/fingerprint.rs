@@ -3,7 +3,7 @@
 use bytemuck::NoUninit;
 
 use crate::procedural::Procedural;
-use crate::scene::{Environment, Scene};
+use crate::scene::{Camera, Environment, Scene};
 use crate::settings::RenderSettings;
 
 /// Everything that the samples of a picture depend on, but for the device and which samples they are: each setting by
@@ -25,15 +25,27 @@ pub fn fingerprint(
         filter,
         filter_width,
         clamp,
+        estimator,
+        roulette,
+        sampler,
     } = settings;
     let mut hash = Hash::new();
     hash.scene(scene);
     let scene = hash.finish();
     let mut hash = Hash::new();
     hash.procedural(procedural);
+    let Camera {
+        name: _,
+        transform,
+        projection,
+        aperture_radius,
+        aperture_blades,
+        aperture_rotation,
+        focus_distance,
+    } = camera;
     let camera = format!(
-        "{:?}, {:?}, aperture radius {}, focus distance {}",
-        camera.transform, camera.projection, camera.aperture_radius, camera.focus_distance
+        "{transform:?}, {projection:?}, aperture of radius {aperture_radius} with {aperture_blades} blades turned by \
+         {aperture_rotation}, focus distance {focus_distance}"
     );
     [
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
@@ -47,6 +59,9 @@ pub fn fingerprint(
             "clamp",
             clamp.map_or("off".to_owned(), |most| most.to_string()),
         ),
+        ("estimator", estimator.name().to_owned()),
+        ("roulette", roulette.to_string()),
+        ("sampler", sampler.name().to_owned()),
         ("scene", scene),
         ("textures", hash.finish()),
     ]

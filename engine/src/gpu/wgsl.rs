@@ -80,6 +80,7 @@ const FILES: &[(&str, &str)] = files![
     "shared/ao_tables.wgsl",
     "shared/bsdf.wgsl",
     "shared/environment.wgsl",
+    "shared/estimator.wgsl",
     "shared/filter.wgsl",
     "shared/frame.wgsl",
     "shared/geometry.wgsl",

@@ -276,6 +276,8 @@ impl LiveRender {
                 rotation,
                 intensity,
             },
+            // Another sun is another picture of the sky.
+            EnvironmentLook::Sky(_) => return Err(UpdateError::Rebuild),
         };
         match set_factors(&mut self.scene.environment, factors) {
             true => Ok(()),

@@ -8,6 +8,9 @@ use crate::scene::{Camera, Projection, Scene};
 
 use super::{camera_remedy, first_camera};
 
+/// Height of a 35 mm film's picture, metres.
+const SENSOR_HEIGHT: f32 = 0.024;
+
 /// The camera that a look asks for.
 pub(super) fn resolve(look: &Look, scene: &Scene) -> Result<Camera, Diagnostic> {
     let wanted = &look.camera;
@@ -52,6 +55,29 @@ pub(super) fn resolve(look: &Look, scene: &Scene) -> Result<Camera, Diagnostic> 
     }
     if let Some(radius) = &wanted.aperture_radius {
         camera.aperture_radius = radius.value;
+    }
+    if let Some(number) = &wanted.f_number {
+        let Projection::Perspective { y_fov } = camera.projection else {
+            let problem =
+                Diagnostic::error("an orthographic camera has no focal length, so no `f_number`")
+                    .with_label(&look.file, number.span.clone(), "")
+                    .with_note(
+                        "set `aperture_radius` instead, or `y_fov` for a perspective camera",
+                    );
+            return Err(problem);
+        };
+        let height = wanted
+            .sensor_height
+            .as_ref()
+            .map_or(SENSOR_HEIGHT, |h| h.value);
+        let focal_length = 0.5 * height / (0.5 * y_fov).tan();
+        camera.aperture_radius = 0.5 * focal_length / number.value;
+    }
+    if let Some(blades) = wanted.blades {
+        camera.aperture_blades = blades;
+    }
+    if let Some(rotation) = &wanted.blade_rotation {
+        camera.aperture_rotation = rotation.value.to_radians();
     }
     if let Some(distance) = &wanted.focus_distance {
         camera.focus_distance = distance.value;

@@ -62,6 +62,26 @@ fn the_camera_of_a_look_overrides_the_file() {
 }
 
 #[test]
+fn an_f_number_is_a_radius_by_the_focal_length() {
+    let camera = |text: &str| with_look(&format!("[camera]\n{text}")).map(|loaded| loaded.camera);
+    // 24 mm high, 90 degrees: a focal length of 12 mm.
+    let lens = camera("y_fov = 90\nf_number = 2\nblades = 6\nblade_rotation = 90").unwrap();
+    assert!((lens.aperture_radius - 0.003).abs() < 1e-7);
+    assert_eq!(lens.aperture_blades, 6);
+    assert!((lens.aperture_rotation - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
+    let small = camera("y_fov = 90\nf_number = 2\nsensor_height = 0.012").unwrap();
+    assert!((small.aperture_radius - 0.0015).abs() < 1e-7);
+    for (text, mentions) in [
+        ("f_number = 2\naperture_radius = 0.1", "leave out one"),
+        ("blades = 2", "from 3 to 32"),
+        ("f_number = 0", "greater than 0"),
+    ] {
+        let error = camera(text).unwrap_err().to_string();
+        assert!(error.contains(mentions), "{text}: {error}");
+    }
+}
+
+#[test]
 fn an_include_is_placed_named_and_thinned() {
     let scene = demo();
     let text = format!(

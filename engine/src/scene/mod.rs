@@ -146,6 +146,10 @@ pub struct Camera {
     pub projection: Projection,
     /// Radius of the lens, metres; 0 is a pinhole.
     pub aperture_radius: f32,
+    /// Sides of the aperture: a regular polygon with its corners on the circle of that radius. Below 3 it is the disk.
+    pub aperture_blades: u32,
+    /// Turn of the polygon, radians, counter-clockwise as the camera sees the picture; at 0 a corner points to the right.
+    pub aperture_rotation: f32,
     /// Distance of the plane in focus, metres.
     pub focus_distance: f32,
 }

@@ -95,7 +95,9 @@ fn accumulate(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
             value = vec3f(0.0);
             atomicAdd(&queues[WORD_INVALID], 1u);
         }
-        value *= filter_weight(random2(path_id(slot), DIMENSION_PIXEL));
+        if (frame.filter_positive < 1.0) {
+            value *= filter_weight(random4(path_id(slot), DIMENSION_CAMERA).xy);
+        }
         if (any(abs(value) > vec3f(LARGEST))) {
             value = clamp(value, vec3f(-LARGEST), vec3f(LARGEST));
             atomicAdd(&queues[WORD_CLAMPED], 1u);

@@ -15,6 +15,7 @@
 //!include shared/thin_film.wgsl
 //!include shared/environment.wgsl
 //!include shared/lights.wgsl
+//!include shared/estimator.wgsl
 
 // Normal map number `texture` in the frame of the interpolated normal; `s.shading_normal` where there is none.
 fn mapped_normal(s: Surface, material: u32, instance: u32, texture: u32, map: vec3f, scale: f32) -> vec3f {
@@ -245,7 +246,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         }
         var weight = 1.0;
         if (has_environment && bsdf_pdf > 0.0) {
-            weight = mis_weight(bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
+            weight = met_light_weight(bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
         }
         let sky = environment_radiance(hit.direction) * weight + disk_radiance(hit.direction, bsdf_pdf);
         radiance += limited(throughput * sky, f32(depth));
@@ -336,7 +337,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         var weight = 1.0;
         if (bsdf_pdf > 0.0 && materials[own_material].light_radiance > 0.0 && max_component(emission) > 0.0) {
             let cosine = max(dot(s.geometric_normal, s.wo), 1e-7);
-            weight = mis_weight(bsdf_pdf, light_hit_pdf(hit, receiver_before, cosine));
+            weight = met_light_weight(bsdf_pdf, light_hit_pdf(hit, receiver_before, cosine));
         }
         radiance += limited(throughput * emission * weight, f32(depth));
     }
@@ -433,13 +434,12 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     let receiver = select(RECEIVER_ALL_AROUND, facing, is_opaque);
     path_set_words(PATH_LIGHT, slot, vec4u(0u, 0u, 0u, receiver));
     if (light_groups() > 0u) {
-        let choice = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_CHOICE)).x;
-        let point = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_POINT));
-        let light = light_sample(s.position + lift, above, receiver, choice, point);
+        let numbers = random4(path, vertex_dimension(depth, DIMENSION_LIGHT));
+        let light = light_sample(s.position + lift, above, receiver, numbers.z, numbers.xy);
         let wi = vec3f(dot(light.wi, tangent), dot(light.wi, bitangent), dot(light.wi, normal));
         if (light.pdf > 0.0 && leaves(wi.z, dot(light.wi, s.geometric_normal), is_lifted)) {
             let value = bsdf_eval(b, wo, wi);
-            let weight = select(mis_weight(light.pdf, value.w), 1.0, light.delta);
+            let weight = light_sample_weight(light.pdf, value.w, light.delta);
             var contribution = throughput * value.xyz * light.radiance * (weight / light.pdf);
             if (has_transmission && light.distance < FAR) {
                 let through = medium_among(select(media, beyond, wi.z < 0.0));
@@ -467,8 +467,8 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     }
 
     // The next direction.
-    let lobe = random2(path, vertex_dimension(depth, DIMENSION_BSDF_LOBE));
-    let sampled = bsdf_sample(b, wo, random2(path, vertex_dimension(depth, DIMENSION_BSDF_DIRECTION)), lobe.x);
+    let numbers = random4(path, vertex_dimension(depth, DIMENSION_BSDF));
+    let sampled = bsdf_sample(b, wo, numbers.xy, numbers.z);
     let direction = tangent * sampled.wi.x + bitangent * sampled.wi.y + normal * sampled.wi.z;
     if (sampled.pdf <= 0.0 || !leaves(sampled.wi.z, dot(direction, s.geometric_normal), is_lifted)) {
         end_path(slot, depth, has_shadow_ray);
@@ -487,7 +487,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     if (depth >= frame.roulette_start) {
         // Inside a body radiance is denser, and throughput lower, by the square of its index; that is no reason to end.
         let survival = clamp(max_component(next) * density * density, 0.05, 0.95);
-        if (lobe.y >= survival) {
+        if (numbers.w >= survival) {
             end_path(slot, depth, has_shadow_ray);
             return;
         }

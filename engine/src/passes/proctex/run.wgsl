@@ -157,7 +157,7 @@ fn proctex(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) wor
     if (is_shadow) {
         choice = random_at(path, vertex_dimension(depth, DIMENSION_SHADOW_BLEND), hit.triangle, hit.instance);
     } else {
-        choice = random2(path, vertex_dimension(depth, DIMENSION_LIGHT_CHOICE)).y;
+        choice = random2(path, vertex_dimension(depth, DIMENSION_BLEND)).x;
     }
 
     // All programs run from this one loop, so that the users' functions stand in the kernel once: first those of the

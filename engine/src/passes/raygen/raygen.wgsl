@@ -44,6 +44,21 @@ fn disk(u: vec2f) -> vec2f {
     return a.y * vec2f(cos(phi), sin(phi));
 }
 
+// A point of the aperture, whose corners are at distance 1: one of the triangles between its centre and a side.
+fn aperture(u: vec2f) -> vec2f {
+    if (frame.aperture_blades < 3u) {
+        return disk(u);
+    }
+    let blades = f32(frame.aperture_blades);
+    let scaled = u.x * blades;
+    let blade = min(floor(scaled), blades - 1.0);
+    let angle = 6.28318531 / blades;
+    let left = frame.aperture_rotation + blade * angle;
+    let right = left + angle;
+    let rim = mix(vec2f(cos(left), sin(left)), vec2f(cos(right), sin(right)), scaled - blade);
+    return sqrt(u.y) * rim;
+}
+
 @compute @workgroup_size(64)
 fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
           @builtin(local_invocation_index) local: u32) {
@@ -66,7 +81,7 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
         return;
     }
     let size = vec2f(f32(frame.width), f32(frame.height));
-    let place = random2(path, DIMENSION_PIXEL);
+    let place = random4(path, DIMENSION_CAMERA);
     let film = vec2f(pixel) + 0.5 + vec2f(filter_offset(place.x), filter_offset(place.y));
     let ndc = vec2f(2.0 * film.x - size.x, size.y - 2.0 * film.y) / size.y * frame.half_height;
     var origin: vec3f;
@@ -80,7 +95,7 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
     }
     if (frame.aperture_radius > 0.0) {
         let focus = origin + direction * frame.focus_distance;
-        origin += vec3f(disk(random2(path, DIMENSION_LENS)) * frame.aperture_radius, 0.0);
+        origin += vec3f(aperture(place.zw) * frame.aperture_radius, 0.0);
         direction = focus - origin;
     }
     let world_origin = frame.camera_position + frame.camera_right * origin.x + frame.camera_up * origin.y;

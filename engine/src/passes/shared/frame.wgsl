@@ -44,6 +44,11 @@ struct Frame {
     estimator: u32, // see estimator.wgsl
     roulette_start: u32, // vertices that scatter before Russian roulette begins
     sampler: u32, // see random.wgsl
+    aperture_blades: u32, // sides of a polygon; below 3 the aperture is a disk
+    aperture_rotation: f32, // radians
+    spare1: u32,
+    spare2: u32,
+    sobol: array<vec4u, 96>, // direction numbers of three groups of four dimensions, see sobol.rs
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

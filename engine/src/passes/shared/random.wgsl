@@ -1,15 +1,21 @@
-// Sample points: the Sobol (0,2)-sequence with hash-based Owen scrambling, one shuffled and scrambled copy per purpose
-// (Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020). Two dimensions, so no direction table is needed:
-// the second one is a subset-sum transform of the index.
+// Sample points: Sobol's sequence with Joe and Kuo's direction numbers (`sobol.rs`) and hash-based Owen scrambling, one
+// shuffled and scrambled copy per purpose (Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020). The camera, the
+// light sample and the BSDF sample of the first vertex share one copy of twelve dimensions, in this order: what a pixel
+// shows of a soft shadow depends on the first six together. Later vertices have copies of four dimensions, small decisions
+// of two; between copies there is no more order than between random numbers. All are hashed per pixel, so neighbours have
+// nothing in common.
 
-// Purposes, each a pair of dimensions. Camera first, then sixteen per vertex.
-const DIMENSION_PIXEL = 0u;
-const DIMENSION_LENS = 1u;
+const SAMPLER_SOBOL = 0u;
+const SAMPLER_INDEPENDENT = 1u; // plain random numbers, to compare with
+
+// Purposes. Camera first, then sixteen per vertex.
+const DIMENSION_CAMERA = 0u; // four: the pixel's filter, the lens
 const DIMENSION_VERTEX = 16u;
-const DIMENSION_LIGHT_POINT = 0u;
-const DIMENSION_LIGHT_CHOICE = 1u; // x: which light; y: which side of a material blend
-const DIMENSION_BSDF_DIRECTION = 2u;
-const DIMENSION_BSDF_LOBE = 3u; // x: which lobe; y: Russian roulette
+const DIMENSION_LIGHT = 0u; // four: xy: point of the light; z: which light
+const DIMENSION_BLEND = 1u; // x: which side of a material blend
+const DIMENSION_BSDF = 2u; // four: xy: direction; z: which lobe; w: Russian roulette
+const FIRST_LIGHT = DIMENSION_VERTEX + DIMENSION_LIGHT;
+const FIRST_BSDF = DIMENSION_VERTEX + DIMENSION_BSDF;
 const DIMENSION_AO = 4u; // and the following, one for each AO table
 const DIMENSION_SHADOW_AO = 8u; // the same for what a shadow ray met
 const DIMENSION_OPACITY = 12u; // x: whether the path's ray passes, by opacity or through a clear wall
@@ -39,8 +45,18 @@ fn owen_reversed(x: u32, seed: u32) -> u32 {
     return v;
 }
 
-// Two numbers in [0, 1) for sample `index` of a stream.
+// A number in [0, 1) from its 24 highest bits.
+fn unit_number(bits: u32) -> f32 {
+    return f32(bits >> 8u) * (1.0 / 16777216.0);
+}
+
+// Two numbers in [0, 1) for sample `index` of a stream. The second dimension is a subset-sum transform of the index, so it
+// needs no table.
 fn sobol2(index: u32, stream: u32) -> vec2f {
+    if (frame.sampler == SAMPLER_INDEPENDENT) {
+        let seed = hash2(stream, index);
+        return vec2f(unit_number(seed), unit_number(hash(seed ^ 0x68bc21ebu)));
+    }
     let shuffled = reverseBits(owen_reversed(reverseBits(index), stream));
     var second = shuffled;
     second ^= (second >> 1u) & 0x55555555u;
@@ -50,7 +66,38 @@ fn sobol2(index: u32, stream: u32) -> vec2f {
     second ^= (second >> 16u) & 0x0000ffffu;
     let x = reverseBits(owen_reversed(shuffled, hash(stream ^ 0x68bc21ebu)));
     let y = reverseBits(owen_reversed(second, hash(stream ^ 0x02e5be93u)));
-    return vec2f(f32(x >> 8u), f32(y >> 8u)) * (1.0 / 16777216.0);
+    return vec2f(unit_number(x), unit_number(y));
+}
+
+// Four numbers in [0, 1) for sample `index` of a stream: the dimensions of a group. Groups of one `order` belong to the same
+// points; each stream is scrambled on its own.
+fn sobol4(index: u32, order: u32, group: u32, stream: u32) -> vec4f {
+    if (frame.sampler == SAMPLER_INDEPENDENT) {
+        return vec4f(sobol2(index, stream), sobol2(index, hash(stream ^ 0x02e5be93u)));
+    }
+    let shuffled = reverseBits(owen_reversed(reverseBits(index), order));
+    var point = vec4u(0u);
+    for (var bit = 0u; bit < 32u; bit++) {
+        point ^= frame.sobol[32u * group + bit] & vec4u(0u - ((shuffled >> bit) & 1u));
+    }
+    return vec4f(
+        unit_number(reverseBits(owen_reversed(point.x, hash(stream ^ 0x68bc21ebu)))),
+        unit_number(reverseBits(owen_reversed(point.y, hash(stream ^ 0x02e5be93u)))),
+        unit_number(reverseBits(owen_reversed(point.z, hash(stream ^ 0x967a889bu)))),
+        unit_number(reverseBits(owen_reversed(point.w, hash(stream ^ 0x368cc8b7u)))));
+}
+
+// Four numbers in [0, 1) for a purpose of a path.
+fn random4(path: PathId, dimension: u32) -> vec4f {
+    let pixel = path.pixel ^ frame.seed;
+    var group = 0u;
+    var order = dimension;
+    switch dimension {
+        case FIRST_LIGHT: { group = 1u; order = DIMENSION_CAMERA; }
+        case FIRST_BSDF: { group = 2u; order = DIMENSION_CAMERA; }
+        default: {}
+    }
+    return sobol4(path.sample, hash2(pixel, order), group, hash2(pixel, dimension));
 }
 
 // Two numbers in [0, 1) for a purpose of a path.

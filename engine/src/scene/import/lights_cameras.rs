@@ -56,6 +56,8 @@ pub(super) fn camera(
         transform,
         projection,
         aperture_radius: 0.0,
+        aperture_blades: 0,
+        aperture_rotation: 0.0,
         focus_distance: FOCUS_DISTANCE,
     })
 }
@@ -184,6 +186,8 @@ pub fn default_camera(scene: &Scene) -> Camera {
         },
         projection: Projection::Perspective { y_fov: Y_FOV },
         aperture_radius: 0.0,
+        aperture_blades: 0,
+        aperture_rotation: 0.0,
         focus_distance: distance,
     }
 }

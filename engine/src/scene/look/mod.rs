@@ -86,6 +86,14 @@ pub struct CameraLook {
     pub y_fov: Option<Spanned<f32>>,
     /// Lens radius, metres.
     pub aperture_radius: Option<Spanned<f32>>,
+    /// Focal length over the diameter of the lens: in place of the radius.
+    pub f_number: Option<Spanned<f32>>,
+    /// Height of the picture in the camera, metres: with the field of view it gives the focal length.
+    pub sensor_height: Option<Spanned<f32>>,
+    /// Sides of the aperture, 3 to 32; 0 is a disk.
+    pub blades: Option<u32>,
+    /// Turn of the aperture, degrees.
+    pub blade_rotation: Option<Spanned<f32>>,
     /// Distance of the plane in focus, metres.
     pub focus_distance: Option<Spanned<f32>>,
 }

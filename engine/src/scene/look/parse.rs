@@ -15,7 +15,8 @@ use super::material::{MaterialLook, material};
 use super::reader::{Reader, is_name};
 use super::value::{Field, Span, Spanned, Value, fields};
 use super::{
-    AoDirection, AoLook, AoSettings, BlendLook, CameraLook, Include, Input, Look, MAX_AO, NodeLook,
+    AoDirection, AoLook, AoSettings, BlendLook, CameraLook, EnvironmentLook, Include, Input, Look,
+    MAX_AO, NodeLook,
 };
 
 /// A look larger than this is not one.
@@ -156,16 +157,21 @@ fn named<T>(
 }
 
 fn camera(reader: &mut Reader, value: &Spanned<Value>) -> CameraLook {
-    const KEYS: [&str; 7] = [
+    const KEYS: [&str; 11] = [
         "name",
         "position",
         "look_at",
         "up",
         "y_fov",
         "aperture_radius",
+        "f_number",
+        "sensor_height",
+        "blades",
+        "blade_rotation",
         "focus_distance",
     ];
     let mut camera = CameraLook::default();
+    let mut has_f_number = None;
     let Some(table) = reader.table(value, "a table headed [camera]") else {
         return camera;
     };
@@ -184,11 +190,32 @@ fn camera(reader: &mut Reader, value: &Spanned<Value>) -> CameraLook {
             "aperture_radius" => {
                 camera.aperture_radius = reader.number(value, "metres, not negative", |x| x >= 0.0);
             }
+            "f_number" => {
+                camera.f_number = reader.number(value, "greater than 0", |x| x > 0.0);
+                has_f_number = Some(&value.span);
+            }
+            "sensor_height" => {
+                camera.sensor_height = reader.number(value, "metres greater than 0", |x| x > 0.0);
+            }
+            "blades" => match value.value {
+                Value::Integer(n @ (0 | 3..=32)) => camera.blades = Some(n as u32),
+                _ => reader.problem(
+                    &value.span,
+                    "expected a whole number from 3 to 32, or 0 for a disk",
+                ),
+            },
+            "blade_rotation" => camera.blade_rotation = reader.number(value, "degrees", |_| true),
             "focus_distance" => {
                 camera.focus_distance = reader.number(value, "metres greater than 0", |x| x > 0.0);
             }
             _ => reader.unknown_key(key, "[camera]", &KEYS),
         }
+    }
+    if let (Some(span), true) = (has_f_number, camera.aperture_radius.is_some()) {
+        reader.problem(
+            span,
+            "`f_number` and `aperture_radius` both give the size of the aperture: leave out one of them",
+        );
     }
     if let Some(up) = &camera.up
         && up.value.length_squared() < 1e-12

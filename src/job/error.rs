@@ -1,0 +1,133 @@
+//! What is wrong with a command line, in words that say what is right.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::{MAX_EXPOSURE, MAX_SPP};
+
+/// A command line that makes no sense.
+#[derive(Debug, Error, PartialEq)]
+pub(crate) enum UsageError {
+    /// Not `WxH`, or outside the limits.
+    #[error("--size {given}: {problem}; give width x height in pixels, as in --size 1280x720")]
+    Size {
+        /// As typed.
+        given: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// Not a whole number in the range.
+    #[error("{flag} {given}: must be a whole number from {low} to {high}")]
+    Number {
+        /// The flag's name.
+        flag: &'static str,
+        /// As typed.
+        given: String,
+        /// Smallest value allowed.
+        low: u32,
+        /// Largest value allowed.
+        high: u32,
+    },
+    /// Not a finite number of stops in range.
+    #[error(
+        "--exposure {given}: must be a number of stops from -{MAX_EXPOSURE} to {MAX_EXPOSURE}, as in --exposure 1.5"
+    )]
+    Exposure {
+        /// As typed.
+        given: String,
+    },
+    /// The extension says no format.
+    #[error(
+        "-o {}: the file name must end in .png or .jpg (8-bit sRGB) or .exr (linear float)",
+        path.display()
+    )]
+    Extension {
+        /// As typed.
+        path: PathBuf,
+    },
+    /// Two results would overwrite each other.
+    #[error("{} is to be written twice; give each output a name of its own", path.display())]
+    Twice {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A result would overwrite an input.
+    #[error("{} is an input; write the result to another file", path.display())]
+    OverwritesInput {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The same part twice.
+    #[error("{} is given twice; each part may be merged once", path.display())]
+    PartTwice {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Not one of the words that a flag knows.
+    #[error("{flag} {given}: must be {}", known.join(", "))]
+    Word {
+        /// The flag's name.
+        flag: &'static str,
+        /// As typed.
+        given: String,
+        /// What it may be.
+        known: Vec<&'static str>,
+    },
+    /// Not a number in the range.
+    #[error("{flag} {given}: must be a number {range}")]
+    Decimal {
+        /// The flag's name.
+        flag: &'static str,
+        /// As typed.
+        given: String,
+        /// Which numbers there are.
+        range: &'static str,
+    },
+    /// Not a range of samples.
+    #[error(
+        "--sample-range {given}: write two whole numbers from 0 to {MAX_SPP}, the smaller one first, as in \
+         --sample-range 0..64"
+    )]
+    SampleRange {
+        /// As typed.
+        given: String,
+    },
+    /// Not `NAME=VALUE`.
+    #[error("{flag} {given}: write NAME=VALUE, as in {example}")]
+    Pair {
+        /// The flag's name.
+        flag: &'static str,
+        /// As typed.
+        given: String,
+        /// How it is done.
+        example: &'static str,
+    },
+    /// Not one to four numbers.
+    #[error(
+        "--at {given}: `{name}` takes 1 to 4 numbers with commas between, as in --at \"WorldPos=1,2,3\""
+    )]
+    Numbers {
+        /// The point as typed.
+        given: String,
+        /// The attribute.
+        name: String,
+    },
+    /// Not two numbers, the second one the larger.
+    #[error("--range {given}: write two numbers, the smaller one first, as in --range -1..1")]
+    Range {
+        /// As typed.
+        given: String,
+    },
+    /// A name that no texture should have.
+    #[error("`{given}` can't be the name of a texture: {problem}")]
+    TextureName {
+        /// As typed.
+        given: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// `--device ''`.
+    #[error("--device: the name is empty; `patina devices` lists names and numbers")]
+    EmptyDevice,
+}

@@ -1,0 +1,160 @@
+//! Words of the command line as numbers, names and files.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use engine::gpu::DeviceChoice;
+
+use super::{Format, MAX_EXPOSURE, MAX_PIXELS, MAX_SIDE, MAX_SPP, Output, UsageError};
+
+pub(super) fn parse_sample_range(given: &str) -> Result<Range<u32>, UsageError> {
+    let range = given.split_once("..").and_then(|(first, end)| {
+        let range = first.trim().parse().ok()?..end.trim().parse().ok()?;
+        (range.start < range.end && range.end <= MAX_SPP).then_some(range)
+    });
+    range.ok_or_else(|| UsageError::SampleRange {
+        given: given.to_owned(),
+    })
+}
+
+/// The value of that name.
+pub(super) fn parse_word<T: Copy>(
+    flag: &'static str,
+    given: &str,
+    all: impl IntoIterator<Item = T>,
+    name: impl Fn(T) -> &'static str,
+) -> Result<T, UsageError> {
+    let all: Vec<T> = all.into_iter().collect();
+    let found = all.iter().copied().find(|&value| name(value) == given);
+    found.ok_or_else(|| UsageError::Word {
+        flag,
+        given: given.to_owned(),
+        known: all.into_iter().map(name).collect(),
+    })
+}
+
+/// A finite number that is accepted.
+pub(super) fn parse_decimal(
+    flag: &'static str,
+    given: &str,
+    range: &'static str,
+    accept: impl Fn(f32) -> bool,
+) -> Result<f32, UsageError> {
+    let number = given.parse().ok();
+    number
+        .filter(|&x: &f32| x.is_finite() && accept(x))
+        .ok_or_else(|| UsageError::Decimal {
+            flag,
+            given: given.to_owned(),
+            range,
+        })
+}
+
+pub(crate) fn parse_size(given: &str) -> Result<(u32, u32), UsageError> {
+    let refuse = |problem: String| UsageError::Size {
+        given: given.to_owned(),
+        problem,
+    };
+    let side = |text: &str, name: &str| match text.parse::<u64>() {
+        Ok(0) => Err(refuse(format!("the {name} is zero"))),
+        Ok(n) if n > u64::from(MAX_SIDE) => Err(refuse(format!("the {name} exceeds {MAX_SIDE}"))),
+        Ok(n) => Ok(n as u32),
+        Err(_) if text.is_empty() => Err(refuse(format!("the {name} is missing"))),
+        // Digits that do not fit 64 bits are still a number to the user.
+        Err(_) if text.bytes().all(|b| b.is_ascii_digit()) => {
+            Err(refuse(format!("the {name} exceeds {MAX_SIDE}")))
+        }
+        Err(_) => Err(refuse(format!("the {name} is not a whole number"))),
+    };
+    let Some((width, height)) = given.split_once(['x', 'X']) else {
+        return Err(refuse("there is no 'x' between two numbers".to_owned()));
+    };
+    let (width, height) = (side(width, "width")?, side(height, "height")?);
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > MAX_PIXELS {
+        return Err(refuse(format!(
+            "{pixels} pixels are more than the {MAX_PIXELS} supported"
+        )));
+    }
+    Ok((width, height))
+}
+
+pub(crate) fn parse_number(
+    flag: &'static str,
+    given: &str,
+    low: u32,
+    high: u32,
+) -> Result<u32, UsageError> {
+    given
+        .parse::<u32>()
+        .ok()
+        .filter(|n| (low..=high).contains(n))
+        .ok_or_else(|| UsageError::Number {
+            flag,
+            given: given.to_owned(),
+            low,
+            high,
+        })
+}
+
+pub(crate) fn parse_exposure(given: &str) -> Result<f32, UsageError> {
+    given
+        .parse::<f32>()
+        .ok()
+        // NaN is in no range.
+        .filter(|stops| (-MAX_EXPOSURE..=MAX_EXPOSURE).contains(stops))
+        .ok_or_else(|| UsageError::Exposure {
+            given: given.to_owned(),
+        })
+}
+
+pub(crate) fn parse_device(given: Option<&str>) -> Result<DeviceChoice, UsageError> {
+    match given.map(str::trim) {
+        None => Ok(DeviceChoice::Best),
+        Some("") => Err(UsageError::EmptyDevice),
+        Some(text) => Ok(match text.parse() {
+            Ok(index) => DeviceChoice::Index(index),
+            Err(_) => DeviceChoice::Name(text.to_owned()),
+        }),
+    }
+}
+
+pub(crate) fn parse_output(path: PathBuf) -> Result<Output, UsageError> {
+    let extension = path
+        .extension()
+        .map(|extension| extension.to_ascii_lowercase());
+    let format = match extension.as_ref().and_then(|extension| extension.to_str()) {
+        Some("png") => Format::Png,
+        Some("jpg" | "jpeg") => Format::Jpeg,
+        Some("exr") => Format::Exr,
+        _ => return Err(UsageError::Extension { path }),
+    };
+    Ok(Output { path, format })
+}
+
+/// `SCENE-render.png`: not `SCENE.png`, which may well be a texture of the scene.
+pub(super) fn default_output(scene: &Path) -> PathBuf {
+    let mut name = scene
+        .file_stem()
+        .map_or_else(|| "scene".into(), ToOwned::to_owned);
+    name.push("-render.png");
+    name.into()
+}
+
+pub(crate) fn refuse_overwriting<'a>(
+    written: impl Iterator<Item = &'a PathBuf>,
+    read: impl Iterator<Item = &'a PathBuf>,
+) -> Result<(), UsageError> {
+    let inputs: Vec<_> = read.collect();
+    let mut seen: Vec<&PathBuf> = Vec::new();
+    for path in written {
+        if seen.contains(&path) {
+            return Err(UsageError::Twice { path: path.clone() });
+        }
+        if inputs.contains(&path) {
+            return Err(UsageError::OverwritesInput { path: path.clone() });
+        }
+        seen.push(path);
+    }
+    Ok(())
+}
