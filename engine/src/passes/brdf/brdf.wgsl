@@ -420,15 +420,16 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         return;
     }
 
-    // Where rays leave that are reflected.
-    let lift = curved_lift(s, hit.instance);
+    // Where rays leave that are reflected. Where others go through, all leave the triangle itself, so that lights are
+    // weighed from one point.
+    let is_opaque = !has_transmission || (b.transmission <= 0.0 && b.diffuse_transmission <= 0.0);
+    let lift = select(vec3f(0.0), curved_lift(s, hit.instance), is_opaque);
     let is_lifted = dot(lift, lift) > 1e-12 * dot(s.position, s.position);
     let below = offset_origin(s.position, -s.geometric_normal);
     let above = offset_origin(s.position + lift, s.geometric_normal);
 
     // Next-event estimation.
     var has_shadow_ray = false;
-    let is_opaque = !has_transmission || (b.transmission <= 0.0 && b.diffuse_transmission <= 0.0);
     // Where a ray may dip below the triangle's plane, the shading normal's horizon is what counts.
     let facing = octahedral_encode(select(s.geometric_normal, normal, is_lifted));
     let receiver = select(RECEIVER_ALL_AROUND, facing, is_opaque);
