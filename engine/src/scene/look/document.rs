@@ -55,6 +55,8 @@ pub struct LookDocument {
     /// Lines end with CR LF.
     has_crlf: bool,
     has_byte_order_mark: bool,
+    /// The last line has no end.
+    ends_open: bool,
 }
 
 /// A table put aside.
@@ -79,6 +81,7 @@ impl LookDocument {
             document,
             has_crlf: text.contains("\r\n"),
             has_byte_order_mark: text.starts_with(BYTE_ORDER_MARK),
+            ends_open: !text.is_empty() && !text.ends_with('\n'),
         })
     }
 
@@ -88,12 +91,16 @@ impl LookDocument {
             document: DocumentMut::new(),
             has_crlf: false,
             has_byte_order_mark: false,
+            ends_open: false,
         }
     }
 
     /// The whole text, edits included.
     pub fn text(&self) -> String {
         let mut text = self.document.to_string();
+        if self.ends_open && text.ends_with('\n') {
+            text.pop();
+        }
         if self.has_crlf {
             text = text.replace("\r\n", "\n").replace('\n', "\r\n");
         }
