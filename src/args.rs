@@ -10,6 +10,7 @@ use clap::{ArgAction, Parser, Subcommand};
 use crate::bench::args::BenchCommand;
 use crate::console::MessageFormat;
 use crate::texture::args::TextureCommand;
+use crate::watch::args::WatchArgs;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -74,6 +75,9 @@ pub(crate) enum Command {
     /// Render a glTF scene to PNG and EXR.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(Box<RenderArgs>),
+    /// Render a scene again and again while its files are edited.
+    #[command(after_help = crate::watch::args::EXAMPLES)]
+    Watch(Box<WatchArgs>),
     /// Add films of parts of a picture's samples, as `render --sample-range` writes them.
     #[command(after_help = MERGE_EXAMPLES)]
     Merge(MergeArgs),

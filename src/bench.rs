@@ -1,9 +1,11 @@
 //! `patina bench`: how fast parts of the renderer are on this machine.
 
 pub(crate) mod args;
+mod edit;
 pub(crate) mod job;
 mod kernel;
 mod render;
+mod textures;
 
 use engine::bench::scenes;
 use engine::gpu::Gpu;
@@ -27,7 +29,13 @@ pub(crate) fn run(job: &BenchJob) -> Result<(), Failure> {
             texture_dirs,
             device,
         } => kernel::run(*most as usize, texture_dirs, device),
+        BenchJob::Edit {
+            nodes,
+            edits,
+            device,
+        } => edit::run(*nodes, *edits, device),
         BenchJob::Render(job) => render::run(job),
+        BenchJob::Textures(job) => textures::run(job),
         BenchJob::Traverse(job) => traverse(job),
     }
 }

@@ -5,6 +5,7 @@
 use std::fmt;
 use std::process::ExitCode;
 
+use engine::live::LiveError;
 use engine::load::LoadError;
 use engine::scene::look::LookError;
 use texgen::Diagnostics;
@@ -55,6 +56,15 @@ impl From<LoadError> for Failure {
     fn from(error: LoadError) -> Self {
         match error {
             LoadError::Look(error) => error.into(),
+            _ => Self::because(error),
+        }
+    }
+}
+
+impl From<LiveError> for Failure {
+    fn from(error: LiveError) -> Self {
+        match error {
+            LiveError::Load(error) => error.into(),
             _ => Self::because(error),
         }
     }

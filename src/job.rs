@@ -7,7 +7,7 @@ mod error;
 mod parse;
 
 use std::num::NonZeroU32;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use engine::filter::PixelFilter;
 use engine::gpu::DeviceChoice;
@@ -16,11 +16,12 @@ use engine::settings::{Estimator, Sampler};
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
 use crate::bench::job::BenchJob;
 use crate::texture::job::TextureJob;
+use crate::watch::job::WatchJob;
 
 pub(crate) use self::error::UsageError;
-use self::parse::{default_output, parse_decimal, parse_exposure, parse_sample_range, parse_word};
+use self::parse::{default_output, parse_decimal, parse_sample_range, parse_word};
 pub(crate) use self::parse::{
-    parse_device, parse_number, parse_output, parse_size, refuse_overwriting,
+    parse_device, parse_exposure, parse_number, parse_output, parse_size, refuse_overwriting,
 };
 
 /// Longest side of a picture, pixels.
@@ -41,6 +42,8 @@ pub(crate) const MAX_EXPOSURE: f32 = 32.0;
 pub(crate) enum Job {
     /// Render a scene.
     Render(RenderJob),
+    /// Render a scene whenever its files change.
+    Watch(WatchJob),
     /// Add films.
     Merge(MergeJob),
     /// Do something with textures.
@@ -128,7 +131,14 @@ pub(crate) struct Outputs {
 }
 
 impl Outputs {
-    fn from_paths(paths: Vec<PathBuf>) -> Result<Self, UsageError> {
+    /// By their endings. Where nothing is given, the usual picture of `scene`.
+    pub(crate) fn from_paths(
+        mut paths: Vec<PathBuf>,
+        scene: Option<&Path>,
+    ) -> Result<Self, UsageError> {
+        if let (true, Some(scene)) = (paths.is_empty(), scene) {
+            paths.push(default_output(scene));
+        }
         let is_film = |path: &PathBuf| {
             let extension = path.extension();
             extension.is_some_and(|e| e.eq_ignore_ascii_case(FILM_EXTENSION))
@@ -178,6 +188,7 @@ impl Job {
     pub(crate) fn from_args(args: Args) -> Result<Self, UsageError> {
         Ok(match args.command {
             Command::Render(args) => Self::Render(RenderJob::from_args(*args)?),
+            Command::Watch(args) => Self::Watch(WatchJob::from_args(*args)?),
             Command::Merge(args) => Self::Merge(MergeJob::from_args(args)?),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,
@@ -193,10 +204,7 @@ impl Job {
 impl RenderJob {
     fn from_args(args: RenderArgs) -> Result<Self, UsageError> {
         let (width, height) = parse_size(&args.size)?;
-        let mut outputs = Outputs::from_paths(args.outputs)?;
-        if outputs.paths().next().is_none() {
-            outputs.pictures.push(default_output(&args.scene));
-        }
+        let outputs = Outputs::from_paths(args.outputs, Some(&args.scene))?;
         let samples = match &args.sample_range {
             Some(range) => parse_sample_range(range)?,
             None => 0..parse_number("--spp", &args.spp, 1, MAX_SPP)?,
@@ -256,7 +264,7 @@ impl RenderJob {
 
 impl MergeJob {
     fn from_args(args: MergeArgs) -> Result<Self, UsageError> {
-        let outputs = Outputs::from_paths(args.outputs)?;
+        let outputs = Outputs::from_paths(args.outputs, None)?;
         refuse_overwriting(outputs.paths(), args.parts.iter())?;
         let mut parts = args.parts.iter().enumerate();
         if let Some((_, path)) = parts.find(|(i, path)| args.parts[..*i].contains(path)) {

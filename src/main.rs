@@ -19,6 +19,7 @@ mod progress;
 mod render;
 mod report;
 mod texture;
+mod watch;
 
 use std::process::ExitCode;
 
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
 fn run(job: Job) -> Result<(), Failure> {
     match job {
         Job::Render(job) => render::run(&job),
+        Job::Watch(job) => watch::run(&job),
         Job::Merge(job) => merge::run(&job),
         Job::Texture(job) => texture::run(job),
         Job::Devices => devices::run(),

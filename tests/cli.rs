@@ -335,6 +335,34 @@ fn a_render_writes_every_output_and_nothing_else() {
 }
 
 #[test]
+fn textures_are_compared_with_plain_gray() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let textures = concat!(env!("CARGO_MANIFEST_DIR"), "/user_textures");
+    let outcome = bench
+        .run(&format!(
+            "bench textures --size 16x16 --spp 1 --runs 1 --max-depth 1 --ao-rays 4 --json t.json --textures {textures}"
+        ))
+        .expect_code(0);
+    assert!(outcome.stdout.contains("over gray"), "{}", outcome.stdout);
+    let text = fs::read_to_string(bench.path("t.json")).expect("it was written");
+    let report: serde_json::Value = serde_json::from_str(&text).expect("it is JSON");
+    let rows = report["results"].as_array().expect("there are rows");
+    assert_eq!(rows.len(), 6);
+    for row in rows {
+        assert!(row["ms_per_spp"]["median"].as_f64() > Some(0.0), "{row}");
+        // What an edit costs is a buffer write in one form, a kernel in the other.
+        let created = u64::from(row["mode"] == "inlined" && row["texture"] != "gray");
+        assert_eq!(row["pipelines_created"], created, "{row}");
+    }
+    bench
+        .run("bench textures --modes fast")
+        .expect_error(2, "inlined");
+}
+
+#[test]
 fn whole_renders_are_measured_in_turn() {
     if !device() {
         return;

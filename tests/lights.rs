@@ -223,6 +223,9 @@ fn light(kind: LightKind, position: Vec3, direction: Vec3, intensity: f32) -> Pu
     }
 }
 
+/// Of the disk in the sky, radians.
+const DISK_RADIUS: f32 = 0.25;
+
 /// Lights of every kind: lamps with one and two sides, one of them mirrored, points, spots, directions, a sky.
 fn zoo() -> Scene {
     let two_sided = |radiance| Material {
@@ -281,7 +284,9 @@ fn zoo() -> Scene {
             2.0,
         ),
         light(
-            LightKind::Directional,
+            LightKind::Disk {
+                angular_diameter: 2.0 * DISK_RADIUS,
+            },
             Vec3::ZERO,
             Vec3::new(0.2, -1.0, 0.1),
             2.0,
@@ -449,25 +454,51 @@ fn distant_lights_are_sampled_as_their_density_says() {
     // Directional lights: a third of the samples, by irradiance.
     let scene = zoo();
     let suns: Vec<_> = (scene.lights.iter())
-        .filter(|l| l.kind == LightKind::Directional)
+        .filter(|l| matches!(l.kind, LightKind::Directional | LightKind::Disk { .. }))
         .collect();
     let total: f32 = suns.iter().map(|l| l.intensity.x).sum();
     let expected: Vec<f64> = (suns.iter())
         .map(|l| f64::from(l.intensity.x / total / 3.0))
         .collect();
     let mut counts = vec![0; suns.len()];
-    for s in far.iter().filter(|s| s[1][1] == 1.0) {
+    // Brighter than any texel of the sky: the disk.
+    let is_disk = |s: &[[f32; 4]]| s[1][1] == 0.0 && s[1][2] > 2.0;
+    for s in far.iter().filter(|s| s[1][1] == 1.0 || is_disk(s)) {
         let wi = Vec3::new(s[0][0], s[0][1], s[0][2]);
-        let which = (suns.iter())
-            .position(|l| l.direction.dot(-wi) > 0.9999)
-            .expect("one of them");
+        let is_near = |l: &&PunctualLight| match l.kind {
+            LightKind::Disk { .. } => l.direction.angle_between(-wi) < DISK_RADIUS + 1e-3,
+            _ => l.direction.dot(-wi) > 0.9999,
+        };
+        let which = (suns.iter()).position(is_near).expect("one of them");
         counts[which] += 1;
-        assert!((f64::from(s[0][3]) - expected[which]).abs() < 1e-5);
+        let density = match suns[which].kind {
+            LightKind::Disk { .. } => 1.0 / (2.0 * PI * (1.0 - DISK_RADIUS.cos())),
+            _ => 1.0,
+        };
+        let told = f64::from(s[0][3] / density);
+        assert!((told / expected[which] - 1.0).abs() < 1e-4);
     }
     assert_follows("directional lights", &expected, &counts, SAMPLES);
 
+    // The disk: evenly over its solid angle, in rings and sectors of equal size.
+    const RINGS: usize = 6;
+    const SECTORS: usize = 8;
+    let axis = -suns[0].direction;
+    let (across, along) = axis.any_orthonormal_pair();
+    let mut counts = vec![0; RINGS * SECTORS];
+    for s in far.iter().filter(|s| is_disk(s)) {
+        let wi = Vec3::new(s[0][0], s[0][1], s[0][2]);
+        let ring = (1.0 - wi.dot(axis)) / (1.0 - DISK_RADIUS.cos()) * RINGS as f32;
+        let turn = wi.dot(along).atan2(wi.dot(across)) / (2.0 * PI) + 0.5;
+        let sector = (turn * SECTORS as f32) as usize % SECTORS;
+        counts[(ring as usize).min(RINGS - 1) * SECTORS + sector] += 1;
+    }
+    let even = expected[0] / counts.len() as f64;
+    assert_follows("the disk", &vec![even; counts.len()], &counts, SAMPLES);
+
     // The sky: a third too, and its density is even in each texel.
-    let sky: Vec<_> = far.iter().filter(|s| s[1][1] == 0.0).collect();
+    let is_sky = |s: &&&[[f32; 4]]| s[1][1] == 0.0 && !is_disk(s);
+    let sky: Vec<_> = far.iter().filter(is_sky).collect();
     let directions: Vec<[f32; 4]> = sky.iter().map(|s| s[0]).collect();
     let told = harness.run("distant", params, &directions, directions.len() as u32);
     let (width, height) = (16, 8);

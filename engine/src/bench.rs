@@ -1,10 +1,12 @@
 //! Traversal on its own: traces given rays through the renderer's kernel, for tests of agreement and for
-//! `patina bench traverse`. [`kernel`] measures the texture kernel, [`render`] whole renders, [`scenes`] are there to be
-//! rendered.
+//! `patina bench traverse`. [`kernel`] measures the texture kernel, [`textures`] what textures cost in whole renders,
+//! [`render`] whole renders, [`scenes`] are there to be rendered, and [`traffic`] says what the passes read and write.
 
 pub mod kernel;
 pub mod render;
 pub mod scenes;
+pub mod textures;
+pub mod traffic;
 
 use std::time::Instant;
 

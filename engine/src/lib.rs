@@ -12,6 +12,7 @@ pub mod frame;
 pub mod gpu;
 pub mod gpu_scene;
 pub mod isolated;
+pub mod live;
 pub mod load;
 pub mod passes;
 pub mod preview;

@@ -5,6 +5,7 @@ mod edits;
 mod pipeline;
 mod record;
 mod reload;
+mod update;
 
 use std::time::{Duration, Instant};
 
@@ -30,6 +31,7 @@ use self::record::Recorder;
 
 pub use crate::settings::RenderSettings;
 
+pub(crate) use self::update::Touched;
 pub use self::{
     culprit::{Culprit, culprits},
     edits::RenderEditError,

@@ -45,7 +45,7 @@ const GLYPHS: [(char, [u8; 7]); 38] = [
 ];
 
 /// From one letter to the next, pixels.
-const PITCH: u32 = 6;
+pub(crate) const PITCH: u32 = 6;
 
 /// Writes a line with its upper left corner at (x, y). Letters that there are not are blanks.
 pub(crate) fn write(picture: &mut RgbImage, x: u32, y: u32, text: &str) {

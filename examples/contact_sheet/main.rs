@@ -1,8 +1,8 @@
 //! Every model of a folder in one picture, each in the same light and from the same side, with its name.
 //!
-//! `cargo run --release --example contact_sheet -- FOLDER SHEET.jpg [ENVIRONMENT.hdr] [SPP]`
+//! `cargo run --release --example contact_sheet -- FOLDER SHEET.jpg [ENVIRONMENT.hdr] [SPP] [HIDDEN ...]`
 //!
-//! Prints a line for each model, and fails where one can't be rendered or has samples that are not finite.
+//! Models that are hidden are rendered and judged, but not shown: their licences may not allow it. Prints a line for each model, and fails where one can't be rendered or has samples that are not finite.
 
 mod label;
 
@@ -36,7 +36,9 @@ const INTENSITY: f32 = 0.5;
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [folder, sheet, rest @ ..] = args.as_slice() else {
-        return Err("usage: contact_sheet FOLDER SHEET.jpg [ENVIRONMENT.hdr] [SPP]".into());
+        return Err(
+            "usage: contact_sheet FOLDER SHEET.jpg [ENVIRONMENT.hdr] [SPP] [HIDDEN ...]".into(),
+        );
     };
     let environment = match rest.first() {
         Some(path) => Environment::Image {
@@ -56,7 +58,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (place, (name, file)) in models.iter().enumerate() {
         let place = place as u32;
         let corner = (place % COLUMNS * TILE, place / COLUMNS * (TILE + STRIP));
-        label::write(&mut picture, corner.0 + 2, corner.1 + TILE + 2, name);
+        let label: String = name
+            .chars()
+            .take((TILE / label::PITCH) as usize - 1)
+            .collect();
+        label::write(&mut picture, corner.0 + 2, corner.1 + TILE + 2, &label);
         let clock = Instant::now();
         match render(&gpu, file, &environment, spp) {
             Ok(shot) => {
@@ -67,6 +73,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                     shot.invalid,
                     clock.elapsed().as_secs_f64()
                 );
+                if rest.iter().skip(2).any(|hidden| hidden == name) {
+                    continue;
+                }
                 for (at, pixel) in (0..).zip(shot.pixels) {
                     picture.put_pixel(corner.0 + at % TILE, corner.1 + at / TILE, pixel);
                 }

@@ -34,9 +34,35 @@ pub(crate) enum BenchCommand {
         #[arg(long, value_name = "NAME|N")]
         device: Option<String>,
     },
+    /// Live edits of a look with many nodes: milliseconds from the call to the command submitted, and to a picture.
+    Edit {
+        /// Nodes of the look.
+        #[arg(
+            long,
+            value_name = "N",
+            default_value = "1000",
+            allow_hyphen_values = true
+        )]
+        nodes: String,
+
+        /// Edits of each kind.
+        #[arg(
+            long,
+            value_name = "N",
+            default_value = "1000",
+            allow_hyphen_values = true
+        )]
+        edits: String,
+
+        /// Device by number or by part of its name, as `patina devices` lists them.
+        #[arg(long, value_name = "NAME|N")]
+        device: Option<String>,
+    },
     /// Whole renders: samples and rays per second, time of each pass, for several scenes in turn.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArgs),
+    /// What procedural textures cost: time over plain gray of rust and of scratches, for each form of the texture kernel.
+    Textures(Box<TexturesArgs>),
     /// Rays per second of the traversal kernel: primary, bounce and shadow rays.
     Traverse {
         /// The scene to shoot rays into; without it a built-in one of 262,144 triangles.
@@ -46,6 +72,78 @@ pub(crate) enum BenchCommand {
         #[arg(long, value_name = "NAME|N")]
         device: Option<String>,
     },
+}
+
+/// Flags of `patina bench textures`.
+#[derive(Debug, Args)]
+pub(crate) struct TexturesArgs {
+    /// A glTF file in place of the built-in arcade.
+    #[arg(long, value_name = "FILE", requires = "material")]
+    pub(crate) scene: Option<PathBuf>,
+
+    /// A look for it: camera, light, models. Its own textures are left out.
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    pub(crate) look: Option<PathBuf>,
+
+    /// The material of that scene that is gray, rusty and scratched in turn.
+    #[arg(long, value_name = "NAME", requires = "scene")]
+    pub(crate) material: Option<String>,
+
+    /// Forms of the texture kernel that are compared: stack, inlined.
+    #[arg(long, value_name = "LIST", default_value = "stack,inlined")]
+    pub(crate) modes: String,
+
+    /// Rays of ambient occlusion at a hit: one table for each number.
+    #[arg(long, value_name = "LIST", default_value = "4,16")]
+    pub(crate) ao_rays: String,
+
+    /// Samples (camera paths) per pixel of each run.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "8",
+        allow_hyphen_values = true
+    )]
+    pub(crate) spp: String,
+
+    /// Width and height of the picture in pixels.
+    #[arg(
+        long,
+        value_name = "WxH",
+        default_value = "512x512",
+        allow_hyphen_values = true
+    )]
+    pub(crate) size: String,
+
+    /// Timed runs of each case, in turn: A B C A B C. One more comes first and isn't counted.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "5",
+        allow_hyphen_values = true
+    )]
+    pub(crate) runs: String,
+
+    /// At most N surface points scatter light along a path.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "4",
+        allow_hyphen_values = true
+    )]
+    pub(crate) max_depth: String,
+
+    /// Write the figures as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+
+    /// Folder with user textures, searched before the standard ones. May be given several times.
+    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
+    pub(crate) texture_dirs: Vec<PathBuf>,
+
+    /// Device by number or by part of its name, as `patina devices` lists them.
+    #[arg(long, value_name = "NAME|N")]
+    pub(crate) device: Option<String>,
 }
 
 /// Flags of `patina bench render`.

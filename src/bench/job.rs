@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use engine::gpu::DeviceChoice;
+use engine::passes::proctex::TextureForm;
 
 use crate::job::{
     MAX_DEPTH, MAX_SPP, UsageError, parse_device, parse_number, parse_size, refuse_overwriting,
 };
 
-use super::args::{BenchCommand, RenderArgs};
+use super::args::{BenchCommand, RenderArgs, TexturesArgs};
 
 /// Most timed runs of a scene.
 const MAX_RUNS: u32 = 1000;
@@ -25,8 +26,19 @@ pub(crate) enum BenchJob {
         /// Device to measure.
         device: DeviceChoice,
     },
+    /// Live edits.
+    Edit {
+        /// Nodes of the look.
+        nodes: u32,
+        /// Edits of each kind.
+        edits: u32,
+        /// Device to measure.
+        device: DeviceChoice,
+    },
     /// Whole renders.
     Render(RenderJob),
+    /// What textures cost.
+    Textures(TexturesJob),
     /// The traversal kernel.
     Traverse(TraverseJob),
 }
@@ -45,6 +57,35 @@ pub(crate) struct RenderJob {
     /// Pixels.
     pub(crate) height: u32,
     /// Timed runs of each scene.
+    pub(crate) runs: u32,
+    /// Most scattering vertices of a path.
+    pub(crate) max_depth: u32,
+    /// Where the figures go.
+    pub(crate) json: Option<PathBuf>,
+    /// Folders the user named, searched first.
+    pub(crate) texture_dirs: Vec<PathBuf>,
+    /// Device to measure.
+    pub(crate) device: DeviceChoice,
+}
+
+/// A measurement of what textures cost.
+#[derive(Debug, PartialEq)]
+pub(crate) struct TexturesJob {
+    /// The glTF file and the material in it; `None` is the built-in scene.
+    pub(crate) scene: Option<(PathBuf, String)>,
+    /// A look for it.
+    pub(crate) look: Option<PathBuf>,
+    /// Forms of the kernel.
+    pub(crate) forms: Vec<TextureForm>,
+    /// Rays of ambient occlusion, a table each.
+    pub(crate) ao_rays: Vec<u32>,
+    /// Samples per pixel of a run.
+    pub(crate) spp: u32,
+    /// Pixels.
+    pub(crate) width: u32,
+    /// Pixels.
+    pub(crate) height: u32,
+    /// Timed runs of each case.
     pub(crate) runs: u32,
     /// Most scattering vertices of a path.
     pub(crate) max_depth: u32,
@@ -81,7 +122,18 @@ impl BenchJob {
                 texture_dirs,
                 device: parse_device(device.as_deref())?,
             },
+            BenchCommand::Edit {
+                nodes,
+                edits,
+                device,
+            } => Self::Edit {
+                // One chain for the blend's base, one for what lies over it.
+                nodes: parse_number("--nodes", &nodes, 20, 100_000)?,
+                edits: parse_number("--edits", &edits, 100, 1_000_000)?,
+                device: parse_device(device.as_deref())?,
+            },
             BenchCommand::Render(args) => Self::Render(RenderJob::from_args(args)?),
+            BenchCommand::Textures(args) => Self::Textures(TexturesJob::from_args(*args)?),
             BenchCommand::Traverse { scene, device } => Self::Traverse(TraverseJob {
                 scene,
                 device: parse_device(device.as_deref())?,
@@ -104,6 +156,46 @@ impl RenderJob {
             device: parse_device(args.device.as_deref())?,
             texture_dirs: args.texture_dirs,
             scenes: args.scenes,
+            look: args.look,
+        })
+    }
+}
+
+impl TexturesJob {
+    fn from_args(args: TexturesArgs) -> Result<Self, UsageError> {
+        refuse_overwriting(args.json.iter(), args.scene.iter().chain(&args.look))?;
+        let (width, height) = parse_size(&args.size)?;
+        let words = |list: &str| -> Vec<String> {
+            list.split(',').map(|word| word.trim().to_owned()).collect()
+        };
+        let form = |given: String| match given.as_str() {
+            "stack" => Ok(TextureForm::Stack),
+            "inlined" => Ok(TextureForm::Inlined),
+            _ => Err(UsageError::Word {
+                flag: "--modes",
+                given,
+                known: vec!["stack", "inlined"],
+            }),
+        };
+        let rays = |given: String| parse_number("--ao-rays", &given, 1, 255);
+        Ok(Self {
+            forms: words(&args.modes)
+                .into_iter()
+                .map(form)
+                .collect::<Result<_, _>>()?,
+            ao_rays: words(&args.ao_rays)
+                .into_iter()
+                .map(rays)
+                .collect::<Result<_, _>>()?,
+            spp: parse_number("--spp", &args.spp, 1, MAX_SPP)?,
+            width,
+            height,
+            runs: parse_number("--runs", &args.runs, 1, MAX_RUNS)?,
+            max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
+            json: args.json,
+            device: parse_device(args.device.as_deref())?,
+            texture_dirs: args.texture_dirs,
+            scene: args.scene.zip(args.material),
             look: args.look,
         })
     }

@@ -97,7 +97,7 @@ pub(crate) fn parse_number(
         })
 }
 
-pub(super) fn parse_exposure(given: &str) -> Result<f32, UsageError> {
+pub(crate) fn parse_exposure(given: &str) -> Result<f32, UsageError> {
     given
         .parse::<f32>()
         .ok()
@@ -133,15 +133,12 @@ pub(crate) fn parse_output(path: PathBuf) -> Result<Output, UsageError> {
 }
 
 /// `SCENE-render.png`: not `SCENE.png`, which may well be a texture of the scene.
-pub(super) fn default_output(scene: &Path) -> Output {
+pub(super) fn default_output(scene: &Path) -> PathBuf {
     let mut name = scene
         .file_stem()
         .map_or_else(|| "scene".into(), ToOwned::to_owned);
     name.push("-render.png");
-    Output {
-        path: name.into(),
-        format: Format::Png,
-    }
+    name.into()
 }
 
 pub(crate) fn refuse_overwriting<'a>(

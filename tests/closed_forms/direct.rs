@@ -171,7 +171,7 @@ fn punctual_lights() -> Vec<PunctualLight> {
 fn under_a_light(light: &PunctualLight, picture: Vec2) -> Vec3 {
     let to = light.position - floor_point(HALF, picture);
     let irradiance = match light.kind {
-        LightKind::Directional => light.intensity * -light.direction.y,
+        LightKind::Directional | LightKind::Disk { .. } => light.intensity * -light.direction.y,
         LightKind::Point | LightKind::Spot { .. } => {
             let distance = to.length();
             let window = (1.0 - (distance / light.range).powi(4)).clamp(0.0, 1.0);

@@ -11,6 +11,7 @@ mod appearance;
 mod convergence;
 mod determinism;
 mod direct;
+mod disk;
 mod environment;
 mod estimators;
 mod filters;

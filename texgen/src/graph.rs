@@ -332,6 +332,21 @@ impl Graph {
         })
     }
 
+    /// Takes back what was given to a parameter, constant and link: it has its default, in this and in later versions of
+    /// the texture.
+    ///
+    /// # Errors
+    /// Unknown parameter.
+    pub fn reset(&mut self, node: NodeId, parameter: &str) -> Result<Edit, GraphError> {
+        let place = self.place(node, parameter)?;
+        let default = self.texture(node).parameters()[place].default.clone();
+        let words = self.store(node, place, default.as_ref());
+        let input = &mut self.nodes[node.index()].inputs[place];
+        input.value = None;
+        let program = input.link.take().is_some();
+        Ok(Edit { words, program })
+    }
+
     /// Sets the AO slots (0 to 3) that the node's texture reads as `AO` and `AO1`.
     ///
     /// # Errors

@@ -291,7 +291,7 @@ fn originals(sources: &TextureSources) -> Result<Vec<TextureType>, KernelBenchEr
 }
 
 /// The same texture under another name, with a result that differs by next to nothing: no cache knows its kernel.
-fn variant(texture: &TextureType, name: &str, number: u64) -> SourceFile {
+pub(super) fn variant(texture: &TextureType, name: &str, number: u64) -> SourceFile {
     let text = texture.file().text();
     let entry = text.find("fn userProc").unwrap_or(0);
     let body = entry + text[entry..].find("\n}").unwrap_or(text.len() - entry);
@@ -317,7 +317,7 @@ fn variant(texture: &TextureType, name: &str, number: u64) -> SourceFile {
 }
 
 /// Another number each time.
-fn fresh_number() -> u64 {
+pub(super) fn fresh_number() -> u64 {
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
     now.map_or(0, |now| now.as_micros() as u64)
 }

@@ -2,9 +2,11 @@
 
 use std::f32::consts::{PI, TAU};
 
-use glam::{Affine3A, Quat, Vec2, Vec3};
+use glam::{Affine3A, Mat3A, Quat, Vec2, Vec3};
 
-use crate::scene::{Camera, Environment, Instance, Material, Mesh, Projection, Scene};
+use crate::scene::{
+    Camera, Environment, Instance, LightKind, Material, Mesh, Projection, PunctualLight, Scene,
+};
 
 /// The inside of a ring-shaped tunnel with bumpy walls, 262,144 triangles: every ray hits something, as in a room, and
 /// the triangles are small and all over the place. The sky around it lights nothing, but shadow rays look for it.
@@ -115,6 +117,123 @@ pub fn cornell_box() -> Scene {
     scene
 }
 
+/// An arcade under an open sky: two rows of columns with arches, a wall of niches behind them, and in the middle a knot,
+/// the model that is textured. About 150,000 triangles, light from the sky and the sun.
+pub fn arcade() -> Scene {
+    const COLUMNS: u32 = 7;
+    const SPACING: f32 = 2.2;
+    let stone = Vec3::new(0.62, 0.58, 0.52);
+    let mut scene = Scene {
+        environment: Environment::Constant(Vec3::new(0.55, 0.7, 1.0)),
+        lights: vec![PunctualLight {
+            name: "sun".to_owned(),
+            intensity: Vec3::new(3.0, 2.8, 2.4),
+            position: Vec3::ZERO,
+            direction: Vec3::new(-0.45, -1.0, -0.35).normalize(),
+            range: f32::INFINITY,
+            kind: LightKind::Directional,
+        }],
+        cameras: vec![looking(
+            Vec3::new(0.0, 1.7, 4.6),
+            Vec3::new(0.0, 1.35, 0.0),
+            0.75,
+        )],
+        ..Scene::default()
+    };
+    let width = SPACING * COLUMNS as f32;
+    let mut floor = Mesh::named("floor");
+    floor.add_quad(
+        Vec3::new(-width, 0.0, 8.0),
+        Vec3::X * 2.0 * width,
+        Vec3::NEG_Z * 16.0,
+    );
+    add(&mut scene, floor, lambert("floor", stone * 0.8));
+    let mut wall = Mesh::named("wall");
+    // Niches are bumps of the wall.
+    let niche = |u: f32, v: f32| {
+        let depth = 0.35
+            * (PI * COLUMNS as f32 * u).sin().powi(4)
+            * (1.0 - (2.0 * v - 0.9).powi(4)).max(0.0);
+        Vec3::new((u - 0.5) * width, v * 5.0, -4.0 - depth)
+    };
+    wall.add_surface([256, 96], niche);
+    add(&mut scene, wall, lambert("wall", stone));
+    for (row, z) in [-2.2, -3.2].into_iter().enumerate() {
+        for i in 0..COLUMNS {
+            let x = (i as f32 - 0.5 * (COLUMNS - 1) as f32) * SPACING;
+            let mut column = Mesh::named(&format!("column {row} {i}"));
+            // A shaft with a base and a capital, by its radius over the height.
+            let shaft = |u: f32, v: f32| {
+                let swelling = 0.02 * (PI * v).sin()
+                    + 0.09 * (-60.0 * v).exp()
+                    + 0.12 * (60.0 * (v - 1.0)).exp();
+                let radius = 0.17 + swelling + 0.006 * (TAU * 12.0 * u).cos();
+                let angle = -TAU * u;
+                Vec3::new(x + radius * angle.cos(), 2.6 * v, z + radius * angle.sin())
+            };
+            column.add_surface([96, 24], shaft);
+            add(
+                &mut scene,
+                column,
+                lambert(&format!("column {row} {i}"), stone),
+            );
+            let mut arch = Mesh::named(&format!("arch {row} {i}"));
+            let half = 0.5 * SPACING;
+            let bow = |u: f32, v: f32| {
+                let (along, around) = (PI * u, TAU * v);
+                let radius = half + 0.16 * around.cos();
+                Vec3::new(
+                    x + half - radius * along.cos(),
+                    2.6 + radius * along.sin(),
+                    z + 0.16 * around.sin(),
+                )
+            };
+            arch.add_surface([48, 16], bow);
+            add(&mut scene, arch, lambert(&format!("arch {row} {i}"), stone));
+        }
+    }
+    let mut knot = Mesh::named("knot");
+    let axis = |u: f32| {
+        let a = TAU * u;
+        let radius = 0.62 + 0.25 * (3.0 * a).cos();
+        Vec3::new(
+            radius * (2.0 * a).cos(),
+            radius * (2.0 * a).sin(),
+            0.3 * (3.0 * a).sin(),
+        )
+    };
+    knot.add_surface([640, 64], |u, v| {
+        let along = (axis(u + 1e-3) - axis(u - 1e-3)).normalize();
+        let side = along.cross(Vec3::Z).normalize();
+        let (sin, cos) = (TAU * v).sin_cos();
+        Vec3::Y * 1.35 + axis(u) + 0.24 * (side * cos + along.cross(side) * sin)
+    });
+    add(
+        &mut scene,
+        knot,
+        lambert(super::textures::MODEL, Vec3::splat(0.5)),
+    );
+    scene
+}
+
+/// A camera at `eye` that looks at `target`.
+fn looking(eye: Vec3, target: Vec3, y_fov: f32) -> Camera {
+    let back = (eye - target).normalize();
+    let right = Vec3::Y.cross(back).normalize();
+    Camera {
+        name: "front".to_owned(),
+        transform: Affine3A {
+            matrix3: Mat3A::from_cols(right.into(), back.cross(right).into(), back.into()),
+            translation: eye.into(),
+        },
+        projection: Projection::Perspective { y_fov },
+        aperture_radius: 0.0,
+        aperture_blades: 0,
+        aperture_rotation: 0.0,
+        focus_distance: 1.0,
+    }
+}
+
 /// A box on the floor without its bottom, turned about the vertical by `turn` radians.
 fn block(name: &str, place: Vec3, size: Vec3, turn: f32) -> Mesh {
     let mut mesh = Mesh::named(name);
@@ -135,6 +254,29 @@ impl Mesh {
         Self {
             name: name.to_owned(),
             ..Self::default()
+        }
+    }
+
+    /// A surface by its points over u and v from 0 to 1, in so many cells; its front is on the side of du x dv.
+    fn add_surface(&mut self, [across, up]: [u32; 2], point: impl Fn(f32, f32) -> Vec3) {
+        let first = self.positions.len() as u32;
+        let step = 1e-3;
+        for j in 0..=up {
+            for i in 0..=across {
+                let (u, v) = (i as f32 / across as f32, j as f32 / up as f32);
+                let du = point(u + step, v) - point(u - step, v);
+                let dv = point(u, v + step) - point(u, v - step);
+                self.positions.push(point(u, v));
+                self.normals.push(du.cross(dv).normalize_or(Vec3::Y));
+                self.uv0.push(Vec2::new(u, v));
+            }
+        }
+        let at = |i: u32, j: u32| first + j * (across + 1) + i;
+        for j in 0..up {
+            for i in 0..across {
+                let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+                self.triangles.extend([[a, b, c], [a, c, d]]);
+            }
         }
     }
 

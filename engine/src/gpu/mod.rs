@@ -71,6 +71,9 @@ pub enum GpuError {
         /// What to do.
         remedy: &'static str,
     },
+    /// The device is gone, and all that was on it: open another one.
+    #[error("the graphics device was lost: {0}")]
+    Lost(String),
     /// An error that the driver reported while working.
     #[error("the graphics driver reported an error: {0}")]
     Driver(String),
@@ -176,6 +179,8 @@ struct Shared {
     shader_modules_created: AtomicU64,
     pipelines_created: AtomicU64,
     first_error: Arc<Mutex<Option<String>>>,
+    /// Why the device is gone, once it is.
+    lost: Arc<OnceLock<String>>,
     cache: Option<cache::DiskCache>,
 }
 
@@ -266,11 +271,14 @@ impl Gpu {
         };
         let slot = Arc::clone(&first_error);
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| keep(&slot, e.to_string())));
-        let slot = Arc::clone(&first_error);
+        let lost = Arc::new(OnceLock::new());
+        let slot = Arc::clone(&lost);
         device.set_device_lost_callback(move |reason, message| {
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                keep(&slot, format!("the device was lost: {message}"));
-            }
+            // Called once, and also when the last clone of the device is dropped.
+            let _ = slot.set(match message.is_empty() {
+                true => format!("{reason:?}"),
+                false => message,
+            });
         });
         let cache = cache_folder
             .and_then(|folder| cache::DiskCache::open(&device, &adapter.get_info(), folder));
@@ -284,6 +292,7 @@ impl Gpu {
                 shader_modules_created: AtomicU64::new(0),
                 pipelines_created: AtomicU64::new(0),
                 first_error,
+                lost,
             }),
         })
     }
@@ -339,6 +348,9 @@ impl Gpu {
     /// # Errors
     /// That error.
     pub fn check(&self) -> Result<(), GpuError> {
+        if let Some(message) = self.shared.lost.get() {
+            return Err(GpuError::Lost(message.clone()));
+        }
         match self.shared.first_error.lock() {
             Ok(mut first) => first
                 .take()
@@ -354,8 +366,18 @@ impl Gpu {
     pub fn wait(&self) -> Result<(), GpuError> {
         self.device()
             .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|e| GpuError::Driver(e.to_string()))?;
+            .map_err(|e| match self.shared.lost.get() {
+                Some(message) => GpuError::Lost(message.clone()),
+                None => GpuError::Driver(e.to_string()),
+            })?;
         self.check()
+    }
+
+    /// Whether the device is gone.
+    pub fn is_lost(&self) -> bool {
+        // The driver tells while it is polled.
+        let _ = self.device().poll(wgpu::PollType::Poll);
+        self.shared.lost.get().is_some()
     }
 
     /// A buffer holding `contents`, or one spare word where it is empty (bindings can't be empty).

@@ -89,6 +89,26 @@ impl GpuEnvironment {
         }
     }
 
+    /// Takes over intensity and rotation; false where that is not all that has changed, and nothing is done.
+    pub fn update(&mut self, environment: &Environment) -> bool {
+        let (scale, turn) = match environment {
+            Environment::Constant(radiance) => (radiance.to_array(), 0.0),
+            Environment::Image {
+                rotation,
+                intensity,
+                ..
+            } => ([*intensity; 3], rotation / 360.0),
+        };
+        // A picture that is black emits at no intensity.
+        let emitted = self.scale.iter().any(|&s| s > 0.0);
+        let emits = scale.iter().any(|&s| s > 0.0);
+        if emitted != emits {
+            return false;
+        }
+        (self.scale, self.turn) = (scale, turn.rem_euclid(1.0));
+        true
+    }
+
     fn upload(
         gpu: &Gpu,
         image: &FloatImage,

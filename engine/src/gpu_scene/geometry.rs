@@ -32,7 +32,31 @@ pub(super) fn geometry(
     let mut triangles = Vec::with_capacity(scene.meshes.iter().map(|m| m.triangles.len()).sum());
     let mut vertices = Vec::new();
     let mut tables = CustomTables::default();
-    // What a material means for its triangles, without and with vertex colours.
+    let flags = material_flags(scene, &program);
+    for (mesh, order) in scene.meshes.iter().zip(&bvh.triangle_order) {
+        if order.is_empty() {
+            continue;
+        }
+        let layout = VertexLayout::of(mesh, attributes);
+        let table = tables.place(&layout, attributes, &mut vertices);
+        let base = vertices.len() as u32;
+        layout.append(mesh, table, &mut vertices);
+        let has_colors = !mesh.colors.is_empty();
+        for &t in order {
+            let [a, b, c] = mesh.triangles[t as usize].map(|v| base + v * layout.stride);
+            let material = mesh.triangle_materials[t as usize];
+            let material_flags = flags[material as usize][usize::from(has_colors)];
+            triangles.push([a, b, c, material | layout.flags | material_flags]);
+        }
+    }
+    (triangles, vertices)
+}
+
+/// What each material means for its triangles, without and with vertex colours.
+pub(super) fn material_flags(
+    scene: &Scene,
+    program: impl Fn(u32) -> ProgramTraits,
+) -> Vec<[u32; 2]> {
     let flags_of = |index: u32, m: &Material, has_colors: bool| {
         // The back of a transparent body is where rays leave it.
         let has_back =
@@ -51,27 +75,10 @@ pub(super) fn geometry(
         };
         sides | alpha
     };
-    let flags: Vec<[u32; 2]> = (0..)
+    (0..)
         .zip(&scene.materials)
         .map(|(index, m)| [false, true].map(|has_colors| flags_of(index, m, has_colors)))
-        .collect();
-    for (mesh, order) in scene.meshes.iter().zip(&bvh.triangle_order) {
-        if order.is_empty() {
-            continue;
-        }
-        let layout = VertexLayout::of(mesh, attributes);
-        let table = tables.place(&layout, attributes, &mut vertices);
-        let base = vertices.len() as u32;
-        layout.append(mesh, table, &mut vertices);
-        let has_colors = !mesh.colors.is_empty();
-        for &t in order {
-            let [a, b, c] = mesh.triangles[t as usize].map(|v| base + v * layout.stride);
-            let material = mesh.triangle_materials[t as usize];
-            let material_flags = flags[material as usize][usize::from(has_colors)];
-            triangles.push([a, b, c, material | layout.flags | material_flags]);
-        }
-    }
-    (triangles, vertices)
+        .collect()
 }
 
 struct VertexLayout<'a> {

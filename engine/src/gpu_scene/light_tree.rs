@@ -492,6 +492,19 @@ mod tests {
         }
     }
 
+    /// Long, so it runs only where `PATINA_FULL` is set.
+    #[test]
+    fn a_million_lights_have_a_shallow_tree() {
+        if std::env::var_os("PATINA_FULL").is_none() {
+            return;
+        }
+        let cube = |i| Vec3::new(random(i), random(i + 777), random(i + 999)) * 10.0;
+        assert!(check(&scattered(1_000_000, cube)) < 60);
+        check(&scattered(1_000_000, |i| {
+            Vec3::X * 1.1f32.powi((i % 800) as i32)
+        }));
+    }
+
     #[test]
     fn lights_of_any_strength_keep_their_share() {
         let mut lights = scattered(50, |i| Vec3::X * i as f32);

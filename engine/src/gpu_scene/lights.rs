@@ -10,7 +10,7 @@ use crate::{
     alias::alias_table,
     bvh::SceneBvh,
     procedural::ProgramTraits,
-    scene::{Image, LightKind, Material, PunctualLight, Scene},
+    scene::{Image, LightKind, MAX_ANGULAR_DIAMETER, Material, PunctualLight, Scene},
 };
 
 use super::{
@@ -165,10 +165,9 @@ impl LightTable {
                 ..GpuLight::zeroed()
             };
             let angle = match light.kind {
-                LightKind::Directional => {
-                    entry.kind = DIRECTIONAL;
+                LightKind::Directional | LightKind::Disk { .. } => {
                     irradiances.push(f64::from(strength));
-                    self.directional.push(entry);
+                    self.directional.push(distant(light, entry));
                     continue;
                 }
                 LightKind::Point => {
@@ -195,7 +194,8 @@ impl LightTable {
         }
         for (light, cell) in self.directional.iter_mut().zip(alias_table(&irradiances)) {
             // `DISTANT_PROBABILITY` and `DISTANT_THRESHOLD`.
-            light.position = Vec3::new(cell.probability, cell.threshold, 0.0);
+            light.position.x = cell.probability;
+            light.position.y = cell.threshold;
             light.leaf = cell.alias;
         }
     }
@@ -208,6 +208,24 @@ impl LightTable {
         // At least one record, so that the array binding is never shorter than its element.
         bytes.resize(bytes.len().max(size_of::<GpuLight>()), 0);
         bytes
+    }
+}
+
+/// A directional light: irradiance, or of a disk radiance and `DISTANT_EXTENT`.
+fn distant(light: &PunctualLight, entry: GpuLight) -> GpuLight {
+    let (mut intensity, mut extent) = (light.intensity, 0.0);
+    if let LightKind::Disk { angular_diameter } = light.kind {
+        // Smaller ones have no area in single precision.
+        let radius = 0.5 * angular_diameter.clamp(1e-5, MAX_ANGULAR_DIAMETER);
+        intensity /= PI * radius.sin().powi(2);
+        // 1 - cos, which itself would lose most digits.
+        extent = 2.0 * (0.5 * radius).sin().powi(2);
+    }
+    GpuLight {
+        kind: DIRECTIONAL,
+        position: Vec3::new(0.0, 0.0, extent),
+        intensity,
+        ..entry
     }
 }
 

@@ -1,5 +1,5 @@
 //! A scene on the GPU: buffers and textures in the layout of `geometry.wgsl`, `materials.wgsl`, `lights.wgsl` and
-//! `environment.wgsl`. Made once; live edits of textures do not touch it.
+//! `environment.wgsl`. Made once; edits of material constants are written over it (`update.rs`), those of textures do not touch it.
 
 pub mod albedo;
 pub mod environment;
@@ -9,6 +9,7 @@ mod levels;
 pub mod light_tree;
 pub mod lights;
 pub mod materials;
+mod update;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
@@ -26,7 +27,10 @@ use self::{
     images::GpuImages,
     lights::LightTable,
     materials::GpuMaterial,
+    update::Uploaded,
 };
+
+pub(crate) use self::update::Update;
 
 /// Materials that a triangle's word can name.
 const MAX_MATERIALS: usize = 1 << 24;
@@ -143,6 +147,8 @@ pub struct GpuScene {
     pub user_image_base: u32,
     /// Bytes of the image layers.
     pub image_bytes: u64,
+    /// What later changes of materials are compared with.
+    uploaded: Uploaded,
 }
 
 impl GpuScene {
@@ -161,7 +167,7 @@ impl GpuScene {
         if scene.materials.len() > MAX_MATERIALS {
             return Err(GpuSceneError::TooManyMaterials(scene.materials.len()));
         }
-        let bvh = SceneBvh::build(scene)?;
+        let mut bvh = SceneBvh::build(scene)?;
         let (lo, hi) = scene.bounds().ok_or(BvhError::Empty)?;
         let center = (lo + hi) * 0.5;
         let radius = (0.5 * (hi - lo).length()).max(1e-6);
@@ -204,14 +210,10 @@ impl GpuScene {
         resources.set_view("albedo_table", albedo::upload(gpu));
         resources.set_view("environment_image", environment.image.clone());
         resources.set_view("environment_table", environment.table.clone());
-        let clear = (0..)
-            .zip(&scene.materials)
-            .any(|(i, m)| materials::is_clear(m, &program(i)));
-        let program_shadows = (0..scene.materials.len() as u32).any(|m| {
-            let program = program(m);
-            program.decides_opacity || program.decides_light && program.brightness > 0.0
-        });
+        let shadows = Shadows::of(scene, &program);
+        bvh.nodes = Vec::new();
         Ok(Self {
+            uploaded: Uploaded::new(scene, &program, materials, bvh),
             light_count: lights.placed.len() as u32,
             directional_count: lights.directional.len() as u32,
             features: SceneFeatures {
@@ -226,9 +228,9 @@ impl GpuScene {
                     .any(|(i, m)| materials::has_layers(m) || program(i).has_layers),
                 energy_compensation: true,
                 programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
-                program_shadows,
-                clear,
-                passages: program_shadows || clear || bodies(scene) > 1,
+                program_shadows: shadows.by_program,
+                clear: shadows.clear,
+                passages: shadows.passages,
             },
             environment,
             bounds: [lo, hi],
@@ -237,6 +239,31 @@ impl GpuScene {
             user_image_base: images.user_base,
             image_bytes: images.bytes,
         })
+    }
+}
+
+/// What rays may meet besides what ends them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Shadows {
+    by_program: bool,
+    clear: bool,
+    passages: bool,
+}
+
+impl Shadows {
+    fn of(scene: &Scene, program: impl Fn(u32) -> ProgramTraits) -> Self {
+        let clear = (0..)
+            .zip(&scene.materials)
+            .any(|(i, m)| materials::is_clear(m, &program(i)));
+        let by_program = (0..scene.materials.len() as u32).any(|m| {
+            let program = program(m);
+            program.decides_opacity || program.decides_light && program.brightness > 0.0
+        });
+        Self {
+            by_program,
+            clear,
+            passages: by_program || clear || bodies(scene) > 1,
+        }
     }
 }
 

@@ -3,7 +3,9 @@
 //! This is the order in which the readers are called, and nothing more. No GPU here.
 
 mod camera;
+mod files;
 mod include;
+mod light;
 
 use std::path::{Path, PathBuf};
 
@@ -14,6 +16,8 @@ use crate::procedural::{Procedural, SourcesError, TextureSources};
 use crate::scene::import::{self, ImportError, Imported};
 use crate::scene::look::{EnvironmentLook, Look, LookError, Spanned};
 use crate::scene::{Camera, Environment, Material, Scene};
+
+pub use files::files;
 
 /// A scene ready to be uploaded.
 #[derive(Debug)]
@@ -64,9 +68,20 @@ pub enum LoadError {
 /// # Errors
 /// Whatever is wrong with the files, all mistakes of the look at once, and a scene without triangles.
 pub fn load(scene: &Path, look: Option<&Path>, textures: &[PathBuf]) -> Result<Loaded, LoadError> {
-    let path = scene;
     // First what is small, so that a mistake in the look doesn't wait for a large scene.
     let look = look.map(Look::load).transpose()?;
+    load_with(scene, look, textures)
+}
+
+/// As [`load`], with a look that is at hand.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with(
+    path: &Path,
+    look: Option<Look>,
+    textures: &[PathBuf],
+) -> Result<Loaded, LoadError> {
     let uses_textures = look.as_ref().is_some_and(|look| !look.nodes.is_empty());
     let sources = if uses_textures {
         TextureSources::scan(textures)?
@@ -123,7 +138,7 @@ impl Loaded {
     }
 }
 
-/// Everything of the look that is not a material: includes, environment, camera.
+/// Everything of the look that is not a material: includes, environment, lights, camera.
 fn apply(look: &Look, scene: &mut Scene, warnings: &mut Vec<String>) -> Result<Camera, LookError> {
     let mut problems = Diagnostics::new();
     for table in &look.includes {
@@ -133,13 +148,13 @@ fn apply(look: &Look, scene: &mut Scene, warnings: &mut Vec<String>) -> Result<C
         }
     }
     if let Some(environment) = &look.environment {
-        match read_environment(look, environment) {
-            Ok((environment, more)) => {
-                scene.environment = environment;
-                warnings.extend(more);
-            }
+        match set_environment(look, environment, scene) {
+            Ok(more) => warnings.extend(more),
             Err(problem) => problems.push(problem),
         }
+    }
+    for table in &look.lights {
+        problems.extend(light::apply(look, table, scene).err());
     }
     match camera::resolve(look, scene) {
         Ok(camera) if problems.is_empty() => Ok(camera),
@@ -151,38 +166,60 @@ fn apply(look: &Look, scene: &mut Scene, warnings: &mut Vec<String>) -> Result<C
     }
 }
 
-fn read_environment(
+/// Gives the scene the look's environment; returns warnings.
+fn set_environment(
     look: &Look,
     environment: &Spanned<EnvironmentLook>,
-) -> Result<(Environment, Vec<String>), Diagnostic> {
-    match &environment.value {
-        EnvironmentLook::Constant(radiance) => Ok((Environment::Constant(*radiance), Vec::new())),
+    scene: &mut Scene,
+) -> Result<Vec<String>, Diagnostic> {
+    let mut warnings = Vec::new();
+    scene.environment = match &environment.value {
+        EnvironmentLook::Constant(radiance) => Environment::Constant(*radiance),
         EnvironmentLook::Image {
             image,
             rotation,
             intensity,
         } => {
             let path = look.resolve(&image.value);
-            let (image, warnings) = import::load_environment_image(&path).map_err(|error| {
+            let loaded = import::load_environment_image(&path).map_err(|error| {
                 Diagnostic::error(error.to_string()).with_label(&look.file, image.span.clone(), "")
             })?;
-            let environment = Environment::Image {
-                image,
+            warnings = loaded.1;
+            Environment::Image {
+                image: loaded.0,
                 rotation: *rotation,
                 intensity: *intensity,
-            };
-            Ok((environment, warnings))
+            }
         }
-    }
+        EnvironmentLook::Sky(sky) => {
+            let (environment, sun) = sky.build();
+            scene.lights.extend(sun);
+            environment
+        }
+    };
+    Ok(warnings)
+}
+
+/// The camera that a look asks for.
+///
+/// # Errors
+/// There is none of its name, or it has no direction.
+pub(crate) fn camera_of(look: &Look, scene: &Scene) -> Result<Camera, Diagnostic> {
+    camera::resolve(look, scene)
 }
 
 /// Whether nothing in the scene gives light, so that its picture would be black.
 fn is_dark(scene: &Scene, glows: impl Fn(u32) -> bool) -> bool {
+    let is_black = matches!(scene.environment, Environment::Constant(c) if c.max_element() <= 0.0);
+    is_black && has_no_lamp(scene, glows)
+}
+
+/// Whether all light that there may be comes from the environment.
+pub(crate) fn has_no_lamp(scene: &Scene, glows: impl Fn(u32) -> bool) -> bool {
     let emits = |(index, material): (usize, &Material)| {
         material.unlit || material.emission.max_element() > 0.0 || glows(index as u32)
     };
-    let is_black = matches!(scene.environment, Environment::Constant(c) if c.max_element() <= 0.0);
-    is_black && scene.lights.is_empty() && !scene.materials.iter().enumerate().any(emits)
+    scene.lights.is_empty() && !scene.materials.iter().enumerate().any(emits)
 }
 
 /// What is seen without a look: the file's first camera, or all of the scene.

@@ -165,6 +165,24 @@ fn mistakes_name_line_and_remedy() {
 }
 
 #[test]
+fn a_sky_comes_with_its_sun() {
+    let lights = |sky: &str| {
+        let look = format!("environment = {{ sky = {{ {sky} }}, intensity = 2 }}");
+        with_look(&look).expect("it loads").scene
+    };
+    let scene = lights("sun_elevation = 30");
+    assert!(matches!(
+        scene.environment,
+        Environment::Image { intensity: 2.0, .. }
+    ));
+    let sun = scene.lights.last().expect("it is up");
+    assert!((sun.direction.y + 0.5).abs() < 1e-5 && sun.intensity.x > 3.0);
+    assert!(matches!(sun.kind, crate::scene::LightKind::Disk { .. }));
+    assert!(lights("sun_elevation = -3").lights.is_empty());
+    assert!(lights("sun = false").lights.is_empty());
+}
+
+#[test]
 fn blends_of_constant_materials_need_no_textures() {
     let text = "[material.Steel]\nblend = { base = 'Steel', over = 'Dust', mask = 0.25 }\n[material.Dust]\nbase_color = '#fff'";
     let loaded = with_look(text).unwrap();

@@ -59,6 +59,8 @@ impl Procedural {
             order: resolved.order,
             material_names: resolved.names,
             surface_names: resolved.surfaces,
+            originals: resolved.originals,
+            scene_materials: resolved.in_scene,
             images_with_levels: builder.images.with_levels.into_iter().collect(),
             textures: builder.images.textures,
             stack_slots: MIN_STACK_SLOTS,

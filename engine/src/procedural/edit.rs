@@ -131,6 +131,14 @@ impl Procedural {
     pub fn set_occlusion(&mut self, node: &str, tables: [&str; 2]) -> Result<(), EditError> {
         let node = self.node(node)?;
         let slots = [self.ao_slot(tables[0])?, self.ao_slot(tables[1])?];
+        self.set_occlusion_slots(node, slots)
+    }
+
+    pub(super) fn set_occlusion_slots(
+        &mut self,
+        node: NodeId,
+        slots: [u32; 2],
+    ) -> Result<(), EditError> {
         let edit = self.graph.set_occlusion(node, slots)?;
         self.finish(node, &edit).map_err(EditError::from)
     }
@@ -183,9 +191,10 @@ impl Procedural {
     }
 
     pub(super) fn node(&self, name: &str) -> Result<NodeId, EditError> {
-        self.graph
-            .node(name)
-            .ok_or_else(|| unknown("node", name, None))
+        self.graph.node(name).ok_or_else(|| {
+            let names = self.graph.ids().map(|id| self.graph.name(id));
+            unknown("node", name, did_you_mean(name, names))
+        })
     }
 
     fn material(&self, name: &str) -> Result<u32, EditError> {
@@ -195,7 +204,7 @@ impl Procedural {
         })
     }
 
-    fn ao_slot(&self, name: &str) -> Result<u32, EditError> {
+    pub(super) fn ao_slot(&self, name: &str) -> Result<u32, EditError> {
         let found = self.ao_names.iter().position(|n| n == name);
         found.map(|slot| slot as u32).ok_or_else(|| {
             let near = did_you_mean(name, self.ao_names.iter().map(String::as_str));
@@ -233,7 +242,7 @@ impl Procedural {
     }
 
     /// Notes which words an edit of the graph changed and compiles the programs that contain the node, if they must be.
-    fn finish(&mut self, node: NodeId, edit: &Edit) -> Result<(), CompileError> {
+    pub(super) fn finish(&mut self, node: NodeId, edit: &Edit) -> Result<(), CompileError> {
         self.note_args(edit);
         if !edit.program {
             return Ok(());
@@ -247,7 +256,7 @@ impl Procedural {
         Ok(())
     }
 
-    fn store_all(&mut self, programs: impl IntoIterator<Item = Compiled>) {
+    pub(super) fn store_all(&mut self, programs: impl IntoIterator<Item = Compiled>) {
         for program in programs {
             self.store(program);
         }

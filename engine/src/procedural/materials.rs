@@ -2,6 +2,7 @@
 //! to be driven is noted down. No program is compiled here.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::Vec3;
 use texgen::{Diagnostic, Diagnostics, Graph, SourceFile, did_you_mean};
@@ -11,7 +12,7 @@ use crate::scene::{AlphaMode, Material, Scene, absorption};
 
 use super::traits::Surface;
 use super::wiring::{Blend, Mask, Wiring, check_driver};
-use super::{Kind, Output, Source};
+use super::{Kind, Output, Procedural, Source};
 
 /// The materials of a scene with the look applied.
 #[derive(Debug, Default)]
@@ -23,6 +24,10 @@ pub(super) struct Materials {
     pub(super) names: HashMap<String, u32>,
     /// Where the surface of a material that blends with itself went.
     pub(super) surfaces: HashMap<String, u32>,
+    /// Without what the look's tables say.
+    pub(super) originals: Arc<[Material]>,
+    /// So many are the scene's; the look added the rest.
+    pub(super) in_scene: usize,
 }
 
 /// Applies all material tables; mistakes are added to `problems`.
@@ -45,7 +50,9 @@ pub(super) fn resolve(
             .entry(material.name.clone())
             .or_insert(index);
     }
+    resolver.out.in_scene = scene.materials.len();
     resolver.declare(look, scene);
+    resolver.out.originals = scene.materials.clone().into();
     resolver.out.wiring = (scene.materials.iter())
         .map(|material| Wiring::new(surface_of(material)))
         .collect();
@@ -54,21 +61,26 @@ pub(super) fn resolve(
         resolver.blend(table);
     }
     resolver.sort(look);
-    for &index in &resolver.out.order {
-        if let Some(blend) = &resolver.out.wiring[index as usize].blend {
-            let material = Material {
-                name: scene.materials[index as usize].name.clone(),
+    copy_bases(scene, &resolver.out.wiring, &resolver.out.order);
+    resolver.out
+}
+
+/// Gives blends the records of their bases, without emission.
+pub(super) fn copy_bases(scene: &mut Scene, wiring: &[Wiring], order: &[u32]) {
+    for &index in order {
+        if let Some(blend) = &wiring[index as usize].blend {
+            let name = std::mem::take(&mut scene.materials[index as usize].name);
+            scene.materials[index as usize] = Material {
+                name,
                 emission: Vec3::ZERO,
                 emission_texture: None,
                 ..scene.materials[blend.base as usize].clone()
             };
-            scene.materials[index as usize] = material;
         }
     }
-    resolver.out
 }
 
-struct Resolver<'a> {
+pub(super) struct Resolver<'a> {
     file: &'a SourceFile,
     graph: &'a Graph,
     problems: &'a mut Diagnostics,
@@ -76,6 +88,35 @@ struct Resolver<'a> {
 }
 
 impl Resolver<'_> {
+    /// Brings one material, whose record is its original, to its table, without compiling it. `own` has its surface.
+    pub(super) fn update(
+        procedural: &mut Procedural,
+        scene: &mut Scene,
+        file: &SourceFile,
+        table: &MaterialLook,
+        own: u32,
+    ) -> Diagnostics {
+        let mut problems = Diagnostics::new();
+        let mut resolver = Resolver {
+            file,
+            graph: &procedural.graph,
+            problems: &mut problems,
+            out: Materials {
+                wiring: std::mem::take(&mut procedural.wiring),
+                names: std::mem::take(&mut procedural.material_names),
+                surfaces: std::mem::take(&mut procedural.surface_names),
+                ..Materials::default()
+            },
+        };
+        resolver.out.wiring[own as usize] = Wiring::new(surface_of(&scene.materials[own as usize]));
+        resolver.surface(table, scene);
+        resolver.blend(table);
+        procedural.wiring = resolver.out.wiring;
+        procedural.material_names = resolver.out.names;
+        procedural.surface_names = resolver.out.surfaces;
+        problems
+    }
+
     fn problem(&mut self, span: &Span, message: String, note: Option<String>) {
         let mut problem = Diagnostic::error(message).with_label(self.file, span.clone(), "");
         if let Some(note) = note {

@@ -49,17 +49,19 @@ mod sources;
 #[cfg(test)]
 mod tests;
 mod traits;
+mod update;
 mod values;
 mod wiring;
 mod written;
 
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 use texgen::{Diagnostics, GeneratedKernel, Graph, NodeId, Swizzle};
 
-use crate::scene::TextureRef;
 use crate::scene::look::{AoSettings, MAX_AO};
+use crate::scene::{Material, TextureRef};
 
 pub use edit::EditError;
 pub use inlined::Inlined;
@@ -72,6 +74,7 @@ pub use output::{Kind, Output};
 pub use reads::TextureReads;
 pub use sources::{SourcesError, TextureSources};
 pub use traits::ProgramTraits;
+pub(crate) use update::UpdateError;
 pub use wiring::CompileError;
 
 use memory::{ProgramMemory, RangeSet};
@@ -97,6 +100,10 @@ pub struct Procedural {
     material_names: HashMap<String, u32>,
     /// Where the surface of a material that blends with itself went.
     surface_names: HashMap<String, u32>,
+    /// The materials without what the look's tables say.
+    originals: Arc<[Material]>,
+    /// So many of them are the scene's; the look added the rest.
+    scene_materials: usize,
     textures: Vec<TextureRef>,
     /// Of the scene's images, ascending.
     images_with_levels: Vec<u32>,

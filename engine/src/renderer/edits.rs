@@ -207,7 +207,7 @@ impl Renderer {
     }
 
     /// Writes what changed and starts the picture anew.
-    fn write_changes(&mut self) -> Result<(), RenderEditError> {
+    pub(super) fn write_changes(&mut self) -> Result<(), RenderEditError> {
         let changes = self.procedural.take_changes();
         if changes.is_empty() {
             return Ok(());

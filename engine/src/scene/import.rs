@@ -24,6 +24,7 @@ mod layers;
 mod lights_cameras;
 mod materials;
 mod nodes;
+mod referenced;
 mod split;
 mod tangents;
 mod triangles;
@@ -32,6 +33,7 @@ pub use environment::load_environment_image;
 pub use error::ImportError;
 pub(crate) use images::load_picture;
 pub use lights_cameras::default_camera;
+pub use referenced::referenced_files;
 
 use super::{Environment, Material, Scene};
 use document::Document;

@@ -2,9 +2,11 @@
 //!
 //! Nothing in this folder knows wgpu. Conventions: Y up, right-handed, metres, radians, linear Rec.709.
 
+mod atmosphere;
 pub mod import;
 pub mod look;
 mod material;
+pub mod sky;
 
 pub use import::default_camera;
 pub use material::{AlphaMode, Filter, Material, Sampler, TextureRef, Wrap, absorption};
@@ -108,6 +110,9 @@ pub struct PunctualLight {
     pub kind: LightKind,
 }
 
+/// Largest angular diameter of a light, radians.
+pub const MAX_ANGULAR_DIAMETER: f32 = std::f32::consts::FRAC_PI_2;
+
 /// Shape of a punctual light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LightKind {
@@ -122,6 +127,12 @@ pub enum LightKind {
     },
     /// Irradiance W/m² on a perpendicular surface.
     Directional,
+    /// The same from an evenly bright disk in the sky, such as the sun: shadows get soft edges, mirrors and the camera see
+    /// it. The disk's size leaves the irradiance as it is.
+    Disk {
+        /// Radians, greater than 0 and at most [`MAX_ANGULAR_DIAMETER`].
+        angular_diameter: f32,
+    },
 }
 
 /// A camera in the world. It looks along its local -Z, +Y is up.

@@ -38,7 +38,9 @@ fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgrou
             continue;
         }
         let ray = occlusion(s, hit.instance, path, purpose, i, sample);
-        atomicAdd(&queues[WORD_AO_RAYS], ray.traced);
+        if (ray.traced != 0u && atomicAdd(&queues[WORD_AO_RAYS], 1u) == 0xffffffffu) {
+            atomicAdd(&queues[WORD_AO_RAYS + 1u], 1u);
+        }
         if (ray.occluded != 0u) {
             atomicAdd(&queues[word], 1u << (8u * i));
         }

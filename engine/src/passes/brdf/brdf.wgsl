@@ -248,7 +248,8 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
         if (has_environment && bsdf_pdf > 0.0) {
             weight = met_light_weight(bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
         }
-        radiance += limited(throughput * environment_radiance(hit.direction) * weight, f32(depth));
+        let sky = environment_radiance(hit.direction) * weight + disk_radiance(hit.direction, bsdf_pdf);
+        radiance += limited(throughput * sky, f32(depth));
         path_write(PATH_RADIANCE, slot, vec4f(radiance, cone_width));
         return;
     }

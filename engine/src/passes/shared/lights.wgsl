@@ -22,6 +22,7 @@ const LIGHT_DIRECTIONAL = 3u;
 // Components of a directional light's `position`.
 const DISTANT_PROBABILITY = 0u; // of being chosen among its like
 const DISTANT_THRESHOLD = 1u; // of the alias table
+const DISTANT_EXTENT = 2u; // 1 - cos of the angular radius; 0: all light comes from one direction
 
 // 64 bytes a record: `frame.light_count` lights with a place, of them the triangles first, by instance and triangle; then
 // `frame.directional_count` directional ones; then the nodes of the light tree.
@@ -64,7 +65,7 @@ fn light_sample(p: vec3f, origin: vec3f, receiver: u32, choice: f32, u: vec2f) -
     let salt = bitcast<u32>(choice) ^ hash(bitcast<u32>(u.x));
     if (frame.directional_count > 0u) {
         if (pick < share || frame.light_count == 0u) {
-            return directional_sample(saturate(pick / share), share, salt);
+            return directional_sample(saturate(pick / share), share, salt, u);
         }
         pick -= share;
     }
@@ -87,14 +88,50 @@ fn no_light() -> LightSample {
     return LightSample(vec3f(0.0, 1.0, 0.0), 0.0, vec3f(0.0), 0.0, true, vec4u(MISS));
 }
 
-fn directional_sample(pick: f32, share: f32, salt: u32) -> LightSample {
+fn directional_sample(pick: f32, share: f32, salt: u32, u: vec2f) -> LightSample {
     let cell = cell_of(pick, frame.directional_count, salt);
     var light = light_at(frame.light_count + cell.index);
     if (cell.place >= light.position[DISTANT_THRESHOLD]) {
         light = light_at(frame.light_count + light.leaf);
     }
     let probability = light.position[DISTANT_PROBABILITY] * share;
-    return LightSample(-light.direction, FAR, light.intensity, probability, true, vec4u(MISS));
+    let extent = light.position[DISTANT_EXTENT];
+    if (extent <= 0.0) {
+        return LightSample(-light.direction, FAR, light.intensity, probability, true, vec4u(MISS));
+    }
+    // Uniform over the cone.
+    let height = u.x * extent;
+    let sine = sqrt(height * (2.0 - height));
+    let tangent = any_perpendicular(light.direction);
+    let bitangent = cross(light.direction, tangent);
+    let turn = 2.0 * PI * u.y;
+    let wi = (tangent * cos(turn) + bitangent * sin(turn)) * sine - light.direction * (1.0 - height);
+    return LightSample(normalize(wi), FAR, light.intensity, probability * disk_pdf(extent), false, vec4u(MISS));
+}
+
+// pdf per solid angle inside a cone.
+fn disk_pdf(extent: f32) -> f32 {
+    return 1.0 / (2.0 * PI * extent);
+}
+
+// Radiance of the disks in the sky that a ray meets, weighed against their own samples. `bsdf_pdf` is 0 for camera rays.
+fn disk_radiance(direction: vec3f, bsdf_pdf: f32) -> vec3f {
+    var sum = vec3f(0.0);
+    let share = 1.0 / f32(max(light_groups(), 1u));
+    for (var i = 0u; i < frame.directional_count; i++) {
+        let light = light_at(frame.light_count + i);
+        let extent = light.position[DISTANT_EXTENT];
+        let off = direction + light.direction;
+        // 1 - cos of the angle to its middle.
+        if (extent > 0.0 && 0.5 * dot(off, off) <= extent) {
+            var weight = 1.0;
+            if (bsdf_pdf > 0.0) {
+                weight = mis_weight(bsdf_pdf, light.position[DISTANT_PROBABILITY] * share * disk_pdf(extent));
+            }
+            sum += light.intensity * weight;
+        }
+    }
+    return sum;
 }
 
 // Uniform over the triangle (Heitz, "A Low-Distortion Map Between Triangle and Square", 2019).

@@ -5,6 +5,8 @@
 //! not know which materials the scene has or which parameters a texture takes: `procedural` brings those together.
 //! `docs/look-file.md` is the reference for users.
 
+mod document;
+mod light;
 mod material;
 mod parse;
 mod reader;
@@ -17,9 +19,13 @@ use std::path::{Path, PathBuf};
 use glam::{Affine3A, Vec3};
 use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle};
 
+use crate::scene::sky::Sky;
+
+pub use document::{LookDocument, Section};
 pub use material::MaterialLook;
+pub(crate) use parse::{Table, placed_fields, table};
 pub use reader::{color, link_text};
-pub use value::{Field, Span, Spanned, Value, parse_value};
+pub use value::{Field, Span, Spanned, Value, find, parse_value};
 
 /// The most AO tables a look may have: the hit of a path carries this many occlusion values.
 pub const MAX_AO: usize = 4;
@@ -35,6 +41,8 @@ pub struct Look {
     pub environment: Option<Spanned<EnvironmentLook>>,
     /// Overrides of a glTF camera, or a camera of its own.
     pub camera: CameraLook,
+    /// `[light.NAME]` tables, in the order of the file.
+    pub lights: Vec<LightLook>,
     /// `[ao.NAME]` tables, in the order of the file; at most [`MAX_AO`].
     pub ao: Vec<AoLook>,
     /// `[node.NAME]` tables, in the order of the file.
@@ -59,6 +67,8 @@ pub enum EnvironmentLook {
         /// Factor on the radiance.
         intensity: f32,
     },
+    /// A clear sky with its sun.
+    Sky(Sky),
 }
 
 /// `[camera]`: whatever is `None` is left as it is in the glTF file.
@@ -93,6 +103,15 @@ impl CameraLook {
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
+}
+
+/// `[light.NAME]`: overrides of the lights of that name; whatever is `None` is left as it is in the glTF file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LightLook {
+    /// A directional light of the glTF file.
+    pub name: Spanned<String>,
+    /// Degrees; 0 for light from a single direction.
+    pub angular_diameter: Option<Spanned<f32>>,
 }
 
 /// `[ao.NAME]`: one kind of ambient occlusion, traced for every hit whose textures read it.
@@ -258,6 +277,7 @@ impl Look {
             path: path.to_owned(),
             file,
             environment: None,
+            lights: Vec::new(),
             camera: CameraLook::default(),
             ao: Vec::new(),
             nodes: Vec::new(),

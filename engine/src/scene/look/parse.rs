@@ -6,10 +6,12 @@
 use std::path::Path;
 
 use glam::{Affine3A, EulerRot, Quat, Vec3};
-use texgen::{SourceFile, did_you_mean};
+use texgen::{Diagnostics, SourceFile, did_you_mean};
 use toml_edit::Document;
 
-use super::material::material;
+use super::document::Section;
+use super::light::{environment, light};
+use super::material::{MaterialLook, material};
 use super::reader::{Reader, is_name};
 use super::value::{Field, Span, Spanned, Value, fields};
 use super::{
@@ -46,11 +48,20 @@ pub(super) fn parse(path: &Path, text: &str) -> (Look, Reader) {
 }
 
 fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
-    const KEYS: [&str; 6] = ["environment", "camera", "ao", "node", "material", "include"];
+    const KEYS: [&str; 7] = [
+        "environment",
+        "camera",
+        "light",
+        "ao",
+        "node",
+        "material",
+        "include",
+    ];
     for Field { key, value } in root {
         match key.value.as_str() {
             "environment" => look.environment = environment(reader, value),
             "camera" => look.camera = camera(reader, value),
+            "light" => look.lights = named(reader, value, "[light.NAME]", light),
             "ao" => look.ao = named(reader, value, "[ao.NAME]", ao),
             "node" => look.nodes = named(reader, value, "[node.NAME]", node),
             "material" => look.materials = named(reader, value, "[material.NAME]", material),
@@ -67,6 +78,54 @@ fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
         look.ao.truncate(MAX_AO);
     }
     check_names(reader, look);
+}
+
+/// All tables of a text with their places; none where it is no TOML.
+pub(crate) fn placed_fields(text: &str) -> Vec<Field> {
+    Document::parse(text).map_or(Vec::new(), |document| {
+        fields(document.as_table(), text.len())
+    })
+}
+
+/// One table of a look, read alone. Names of nodes and AO tables in it are not checked.
+///
+/// # Errors
+/// All mistakes of the table.
+pub(crate) fn table(
+    file: &SourceFile,
+    section: &Section,
+    fields: &[Field],
+    span: &Span,
+) -> Result<Table, Diagnostics> {
+    let mut reader = Reader::new(file.clone());
+    let whole = || Spanned::new(Value::Table(fields.to_vec()), span.clone());
+    let named = |name: &str| Spanned::new(name.to_owned(), span.clone());
+    let read = match section {
+        Section::Environment => {
+            environment(&mut reader, &whole()).map(|e| Table::Environment(e.value))
+        }
+        Section::Camera => Some(Table::Camera(camera(&mut reader, &whole()))),
+        Section::Ao(name) => {
+            ao(&mut reader, &named(name), fields, span).map(|ao| Table::Ao(ao.settings))
+        }
+        Section::Node(name) => node(&mut reader, &named(name), fields, span).map(Table::Node),
+        Section::Material(name) => {
+            material(&mut reader, &named(name), fields, span).map(|m| Table::Material(Box::new(m)))
+        }
+    };
+    match read {
+        Some(table) if reader.problems.is_empty() => Ok(table),
+        _ => Err(reader.problems.into_iter().collect()),
+    }
+}
+
+/// What [`table`] read.
+pub(crate) enum Table {
+    Environment(EnvironmentLook),
+    Camera(CameraLook),
+    Ao(AoSettings),
+    Node(NodeLook),
+    Material(Box<MaterialLook>),
 }
 
 /// Reads a table of tables, as `[node.a]` and `[node.b]` make.
@@ -95,52 +154,6 @@ fn named<T>(
         out.extend(read(reader, key, fields, &value.span));
     }
     out
-}
-
-fn environment(reader: &mut Reader, value: &Spanned<Value>) -> Option<Spanned<EnvironmentLook>> {
-    const KEYS: [&str; 4] = ["image", "color", "rotation", "intensity"];
-    let table = reader.table(value, "{ image = \"sky.hdr\" } or { color = [r, g, b] }")?;
-    let (mut image, mut color, mut rotation, mut intensity) = (None, None, None, None);
-    for Field { key, value } in table {
-        match key.value.as_str() {
-            "image" => image = reader.text(value),
-            "color" => color = reader.color(value),
-            "rotation" => rotation = reader.number(value, "degrees", |_| true),
-            "intensity" => {
-                intensity = reader.number(value, "a number that isn't negative", |x| x >= 0.0)
-            }
-            _ => reader.unknown_key(key, "`environment`", &KEYS),
-        }
-    }
-    let intensity = intensity.map_or(1.0, |i| i.value);
-    let has = |name: &str| table.iter().any(|f| f.key.value == name);
-    match (has("image"), has("color")) {
-        (true, true) => {
-            reader.problem(
-                &value.span,
-                "`environment` takes either `image` or `color`, not both",
-            );
-            None
-        }
-        (true, false) => Some(value.with(EnvironmentLook::Image {
-            image: image?,
-            rotation: rotation.map_or(0.0, |r| r.value),
-            intensity,
-        })),
-        (false, true) => {
-            if let Some(rotation) = rotation {
-                reader.problem(
-                    &rotation.span,
-                    "`rotation` needs `image`: a constant colour has no direction",
-                );
-            }
-            Some(value.with(EnvironmentLook::Constant(color?.value * intensity)))
-        }
-        (false, false) => {
-            reader.problem(&value.span, "`environment` needs `image` or `color`");
-            None
-        }
-    }
 }
 
 fn camera(reader: &mut Reader, value: &Spanned<Value>) -> CameraLook {

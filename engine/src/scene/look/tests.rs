@@ -191,12 +191,36 @@ fn every_mistake_is_reported_in_order() {
 
 #[test]
 fn mistakes_of_value_are_explained() {
-    one_problem("environment = {}", 1, 15, "needs `image` or `color`");
+    one_problem("environment = {}", 1, 15, "needs `image`, `color` or `sky`");
+    one_problem(
+        "environment = { sky = { sun_elevation = 100 } }",
+        1,
+        41,
+        "degrees from -90 to 90",
+    );
+    one_problem(
+        "environment = { sky = { ground_albedo = 1.5 } }",
+        1,
+        41,
+        "from 0 to 1",
+    );
+    one_problem(
+        "environment = { sky = { sun_elevaton = 10 } }",
+        1,
+        25,
+        "did you mean `sun_elevation`?",
+    );
+    one_problem(
+        "environment = { sky = {}, rotation = 10 }",
+        1,
+        38,
+        "sun_azimuth",
+    );
     one_problem(
         "environment = { image = 'a', color = [1,1,1] }",
         1,
         15,
-        "not both",
+        "only one of",
     );
     one_problem(
         "environment = { color = [1, -1, 1] }",
@@ -205,6 +229,12 @@ fn mistakes_of_value_are_explained() {
         "can't be negative",
     );
     one_problem("[camera]\nposition = [1, 2]", 2, 12, "found 2 values");
+    one_problem(
+        "[light.Sun]\nangular_diameter = 100",
+        2,
+        20,
+        "degrees from 0 to 90",
+    );
     one_problem("[camera]\nposition = [1, 2, nan]", 2, 19, "finite number");
     one_problem("[camera]\nup = [0, 0, 0]", 2, 6, "no direction");
     one_problem("[material.A]\nroughness = 1.5", 2, 13, "from 0 to 1");

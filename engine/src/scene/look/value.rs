@@ -72,6 +72,38 @@ impl Value {
         }
     }
 
+    /// Whether two values mean the same, wherever they were written. The order of a table's keys means nothing.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::List(a), Self::List(b)) => {
+                a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.value.is_same(&b.value))
+            }
+            (Self::Table(a), Self::Table(b)) => {
+                let same = |field: &Field| {
+                    find(b, &field.key.value)
+                        .is_some_and(|value| value.value.is_same(&field.value.value))
+                };
+                a.len() == b.len() && a.iter().all(same)
+            }
+            (Self::Date, _) | (_, Self::Date) => false,
+            _ => self == other,
+        }
+    }
+
+    /// A list of numbers, written nowhere.
+    pub fn numbers(numbers: &[f32]) -> Self {
+        let number = |&n: &f32| Spanned::new(Self::number(n), 0..0);
+        Self::List(numbers.iter().map(number).collect())
+    }
+
+    /// A number with the fewest digits that give this one back.
+    pub fn number(number: f32) -> Self {
+        let short = number.to_string().parse::<f64>();
+        // Reading goes through double precision, and rounding twice may end elsewhere.
+        let exact = short.ok().filter(|&short| short as f32 == number);
+        Self::Float(exact.unwrap_or(f64::from(number)))
+    }
+
     /// The number it is, if it is one.
     pub fn as_number(&self) -> Option<f64> {
         match *self {
@@ -80,6 +112,35 @@ impl Value {
             Self::Float(f) => Some(f),
             _ => None,
         }
+    }
+}
+
+/// The value of a key.
+pub fn find<'f>(fields: &'f [Field], key: &str) -> Option<&'f Spanned<Value>> {
+    let field = fields.iter().find(|field| field.key.value == key);
+    field.map(|field| &field.value)
+}
+
+/// As toml_edit writes it.
+pub(super) fn to_toml(value: &Value) -> toml_edit::Value {
+    match value {
+        Value::Bool(b) => (*b).into(),
+        Value::Integer(i) => (*i).into(),
+        Value::Float(f) => (*f).into(),
+        Value::Text(text) => text.as_str().into(),
+        Value::List(items) => {
+            let items = items.iter().map(|item| to_toml(&item.value));
+            toml_edit::Value::Array(items.collect())
+        }
+        Value::Table(fields) => {
+            let mut table = toml_edit::InlineTable::new();
+            for Field { key, value } in fields {
+                table.insert(&key.value, to_toml(&value.value));
+            }
+            table.into()
+        }
+        // No key takes one, so none is ever written.
+        Value::Date => "".into(),
     }
 }
 
@@ -107,7 +168,7 @@ pub(super) fn fields(table: &dyn TableLike, end: usize) -> Vec<Field> {
         .collect()
 }
 
-fn from_item(item: &Item, end: usize) -> Option<Spanned<Value>> {
+pub(super) fn from_item(item: &Item, end: usize) -> Option<Spanned<Value>> {
     let span = item.span().unwrap_or(end..end);
     let value = match item {
         Item::None => return None,

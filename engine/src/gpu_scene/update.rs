@@ -1,0 +1,153 @@
+//! Material constants that change while rendering: the records, and the lights that follow from them, are written
+//! anew. What kernels and geometry were made for stays, or the scene has to be uploaded again.
+
+use glam::Vec3;
+
+use crate::{
+    bvh::SceneBvh,
+    gpu::{Gpu, kernel::Resources},
+    procedural::ProgramTraits,
+    scene::{Material, Scene},
+};
+
+use super::{
+    GpuScene, GpuSceneError, Shadows, geometry, lights::LightTable, materials,
+    materials::GpuMaterial,
+};
+
+/// What is remembered of the upload.
+#[derive(Debug)]
+pub(super) struct Uploaded {
+    materials: Vec<GpuMaterial>,
+    /// What the triangles say of their materials.
+    flags: Vec<[u32; 2]>,
+    emission: Vec<Emission>,
+    /// Without its nodes.
+    bvh: SceneBvh,
+}
+
+/// What the table of lights follows from, of one material.
+#[derive(Debug, Clone, PartialEq)]
+struct Emission {
+    constant: Vec3,
+    image: Option<u32>,
+    unlit: bool,
+    double_sided: bool,
+    by_program: Option<f32>,
+}
+
+impl Uploaded {
+    pub(super) fn new(
+        scene: &Scene,
+        program: impl Fn(u32) -> ProgramTraits,
+        materials: Vec<GpuMaterial>,
+        bvh: SceneBvh,
+    ) -> Self {
+        Self {
+            materials,
+            flags: geometry::material_flags(scene, &program),
+            emission: emission(scene, program),
+            bvh,
+        }
+    }
+}
+
+fn emission(scene: &Scene, program: impl Fn(u32) -> ProgramTraits) -> Vec<Emission> {
+    let of = |(index, material): (u32, &Material)| {
+        let program = program(index);
+        Emission {
+            constant: material.emission,
+            image: material.emission_texture.map(|texture| texture.image),
+            unlit: material.unlit,
+            double_sided: material.double_sided,
+            by_program: program.decides_light.then_some(program.brightness),
+        }
+    };
+    (0..).zip(&scene.materials).map(of).collect()
+}
+
+/// What became of changed materials.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Update {
+    /// They are on the GPU.
+    Written {
+        /// A buffer is another one now: kernels are to be bound again.
+        is_moved: bool,
+    },
+    /// They reach what is made once; nothing has been written.
+    Rebuild,
+}
+
+impl GpuScene {
+    /// Writes what has changed of the materials and the lights made of them.
+    ///
+    /// # Errors
+    /// The device has no room for the lights.
+    pub(crate) fn update_materials(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        program: impl Fn(u32) -> ProgramTraits,
+        resources: &mut Resources,
+    ) -> Result<Update, GpuSceneError> {
+        let count = scene.materials.len();
+        if count != self.uploaded.materials.len()
+            || geometry::material_flags(scene, &program) != self.uploaded.flags
+            || !self.can_show(scene, &program)
+        {
+            return Ok(Update::Rebuild);
+        }
+        let mut records: Vec<GpuMaterial> = (0..)
+            .zip(&scene.materials)
+            .map(|(i, m)| GpuMaterial::new(m, &program(i)))
+            .collect();
+        let mut is_moved = false;
+        let emission = emission(scene, &program);
+        if emission == self.uploaded.emission {
+            for (record, former) in records.iter_mut().zip(&self.uploaded.materials) {
+                record.light_radiance = former.light_radiance;
+            }
+        } else {
+            let lights = LightTable::gather(scene, &self.uploaded.bvh, &program, &mut records);
+            // Whether there are lights at all is decided once.
+            if lights.placed.is_empty() != (self.light_count == 0) {
+                return Ok(Update::Rebuild);
+            }
+            let bytes = &lights.bytes()[..];
+            if resources.buffer("lights").size() >= bytes.len() as u64 {
+                gpu.queue()
+                    .write_buffer(resources.buffer("lights"), 0, bytes);
+            } else {
+                resources.set_buffer("lights", gpu.storage_buffer("lights", bytes)?);
+                is_moved = true;
+            }
+            self.light_count = lights.placed.len() as u32;
+            self.uploaded.emission = emission;
+        }
+        let size = size_of::<GpuMaterial>();
+        for (i, (record, former)) in records.iter().zip(&self.uploaded.materials).enumerate() {
+            if bytemuck::bytes_of(record) != bytemuck::bytes_of(former) {
+                let buffer = resources.buffer("materials");
+                let bytes = bytemuck::bytes_of(record);
+                gpu.queue().write_buffer(buffer, (i * size) as u64, bytes);
+            }
+        }
+        self.uploaded.materials = records;
+        Ok(Update::Written { is_moved })
+    }
+
+    /// Whether the kernels can do all that the materials need.
+    fn can_show(&self, scene: &Scene, program: impl Fn(u32) -> ProgramTraits) -> bool {
+        let indexed = || (0..).zip(&scene.materials);
+        let transmits = indexed().any(|(i, m)| materials::transmits(m) || program(i).transmits);
+        let has_layers = indexed().any(|(i, m)| materials::has_layers(m) || program(i).has_layers);
+        let former = Shadows {
+            by_program: self.features.program_shadows,
+            clear: self.features.clear,
+            passages: self.features.passages,
+        };
+        (self.features.transmission || !transmits)
+            && (self.features.layers || !has_layers)
+            && Shadows::of(scene, program) == former
+    }
+}

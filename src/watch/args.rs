@@ -1,0 +1,70 @@
+//! The command line of `patina watch` as the user typed it. What it means is [`super::job`]'s business.
+
+use std::path::PathBuf;
+
+use clap::ArgAction;
+
+pub(crate) const EXAMPLES: &str = "\
+Examples:
+  Write a texture with the picture in view, in any viewer that notices a new file:
+    patina watch helmet.glb --look rust.look.toml --textures my_textures -o helmet.png
+
+The look, the textures in use, the scene and its images are watched. After each change the picture is written at 1, 4,
+16, 64, ... samples per pixel, with a line on how long that took. What is wrong is shown with file, line and caret,
+and the former picture goes on. Ctrl-C ends it.
+
+Exit codes: 0 ended, 1 failed, 2 wrong usage.";
+
+/// Flags of `patina watch`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct WatchArgs {
+    /// The scene: a glTF 2.0 file (.gltf or .glb).
+    pub(crate) scene: PathBuf,
+
+    /// The look: a TOML file with procedural textures, environment and overrides.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) look: Option<PathBuf>,
+
+    /// Where to write: .png, .jpg or .exr. May be given several times.
+    ///
+    /// Without it the picture goes to SCENE-render.png in the current directory.
+    #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append)]
+    pub(crate) outputs: Vec<PathBuf>,
+
+    /// Samples per pixel of the last picture after each change.
+    #[arg(long, value_name = "N", default_value = "1024")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) spp: String,
+
+    /// Width and height of the picture in pixels.
+    #[arg(long, value_name = "WxH", default_value = "640x360")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) size: String,
+
+    /// Camera of the scene by name, in place of the look's.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) camera: Option<String>,
+
+    /// At most N surface points scatter light along a path; 1 is direct light only.
+    #[arg(long, value_name = "N", default_value = "9")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) max_depth: String,
+
+    /// Seed of the random numbers.
+    #[arg(long, value_name = "N", default_value = "0")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) seed: String,
+
+    /// Device by number or by part of its name, as `patina devices` lists them.
+    #[arg(long, value_name = "NAME|N")]
+    pub(crate) device: Option<String>,
+
+    /// Folder with user textures (.wgsl). May be given several times; searched before the standard ones.
+    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
+    pub(crate) texture_dirs: Vec<PathBuf>,
+
+    /// Brightness of PNG and JPEG files in stops.
+    #[arg(long, value_name = "STOPS", default_value = "0")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) exposure: String,
+}

@@ -1,0 +1,203 @@
+//! `patina watch`: renders live without a window. After each change of a file the picture is written anew at 1, 4, 16,
+//! 64, ... samples per pixel; what is wrong with the files is said once, and that it has been mended.
+
+pub(crate) mod args;
+mod files;
+pub(crate) mod job;
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use engine::gpu::Gpu;
+use engine::live::{LiveInputs, LiveRender};
+use engine::renderer::RenderSettings;
+
+use crate::exit::Failure;
+use crate::output::{self, Fact, Picture};
+use crate::{cache, console, interrupt, library};
+
+use files::{Changes, Watcher};
+use job::WatchJob;
+
+/// How often a watch that has nothing to render looks whether something in the background is ready.
+const IDLE: Duration = Duration::from_millis(20);
+/// The same while something is being built.
+const BUSY: Duration = Duration::from_millis(2);
+/// Each picture has so many times the samples of the one before.
+const STEP: u32 = 4;
+
+/// Renders until Ctrl-C.
+///
+/// # Errors
+/// The scene can't be loaded at first, or the device fails for good. Later mistakes in files are said, and waited out.
+pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
+    interrupt::listen();
+    for output in &job.outputs {
+        output::check(&output.path).map_err(Failure::because)?;
+    }
+    let clock = Instant::now();
+    let mut live = open(job)?;
+    console::diagnostics(live.warnings());
+    let mut watcher = Watcher::new(&live.files(), job.look.as_deref(), &live.inputs().textures)?;
+    let mut update = Update::new("start".to_owned(), clock);
+    let mut told = String::new();
+    let mut generation = live.generation();
+    while !interrupt::requested() {
+        let wait = match (update.next > job.spp.get(), live.is_building()) {
+            (false, _) => Duration::ZERO,
+            (true, true) => BUSY,
+            (true, false) => IDLE,
+        };
+        if let Some(changes) = watcher.wait(wait) {
+            update.changed(&changes);
+            follow(&mut live, &changes);
+        }
+        live.poll()?;
+        if live.generation() != generation {
+            generation = live.generation();
+            update.begin();
+            watcher.set_files(&live.files(), job.look.as_deref());
+        } else if !live.is_building() {
+            // Nothing to be seen came of it.
+            update.coming = None;
+        }
+        tell_problems(&live, &mut told);
+        let target = update.next.min(job.spp.get());
+        let progress = live.step(target)?;
+        // What was swapped in meanwhile is noticed, and begun anew, in the next round.
+        if live.generation() != generation {
+            live.restart();
+        } else if progress.is_done() && update.next <= job.spp.get() {
+            write(job, &mut live, &update)?;
+            update.next = match update.next {
+                last if last == job.spp.get() => u32::MAX,
+                done => done.saturating_mul(STEP).min(job.spp.get()),
+            };
+        }
+    }
+    Ok(())
+}
+
+fn open(job: &WatchJob) -> Result<LiveRender, Failure> {
+    let inputs = LiveInputs {
+        scene: job.scene.clone(),
+        look: job.look.clone(),
+        textures: library::texture_dirs(&job.texture_dirs, job.look.as_deref())?,
+        camera: job.camera.clone(),
+    };
+    let (device, folder) = (job.device.clone(), cache::folder());
+    let (width, height, max_depth, seed) = (job.width, job.height, job.max_depth, job.seed);
+    LiveRender::open(
+        inputs,
+        Arc::new(move || Gpu::with_cache(&device, folder.as_deref())),
+        Arc::new(move |camera| RenderSettings {
+            max_depth,
+            seed,
+            ..RenderSettings::new(width, height, &camera)
+        }),
+    )
+    .map_err(Failure::from)
+}
+
+fn follow(live: &mut LiveRender, changes: &Changes) {
+    if changes.look {
+        live.look_changed();
+    }
+    if changes.textures {
+        live.sources_changed();
+    }
+    if changes.assets {
+        live.assets_changed();
+    }
+}
+
+/// What a picture is written for.
+struct Update {
+    number: u32,
+    /// What changed.
+    what: String,
+    /// When the change was noticed.
+    since: Instant,
+    /// A change that the picture doesn't show yet.
+    coming: Option<(String, Instant)>,
+    /// Samples of the next picture.
+    next: u32,
+}
+
+impl Update {
+    fn new(what: String, since: Instant) -> Self {
+        Self {
+            number: 0,
+            what,
+            since,
+            coming: None,
+            next: 1,
+        }
+    }
+
+    fn changed(&mut self, changes: &Changes) {
+        let (names, since) = (changes.names.join(", "), changes.since);
+        match &mut self.coming {
+            // What was waiting becomes part of what is to come.
+            Some((what, _)) if !what.contains(&names) => *what = format!("{what}, {names}"),
+            Some(_) => {}
+            None => self.coming = Some((names, since)),
+        }
+    }
+
+    /// The picture has begun anew.
+    fn begin(&mut self) {
+        if let Some((what, since)) = self.coming.take() {
+            (self.what, self.since) = (what, since);
+            self.number += 1;
+        }
+        self.next = 1;
+    }
+}
+
+fn write(job: &WatchJob, live: &mut LiveRender, update: &Update) -> Result<(), Failure> {
+    let snapshot = live.snapshot()?;
+    let film = snapshot.film;
+    let (spp, _) = film.sample_bounds();
+    let picture = Picture {
+        width: film.width,
+        height: film.height,
+        rgb: film.mean(),
+        facts: vec![("samplesPerPixel", Fact::Count(spp.into()))],
+    };
+    let mut names = Vec::new();
+    for output in &job.outputs {
+        match output::write(output, &picture, job.exposure) {
+            Ok(()) => names.push(output.path.display().to_string()),
+            // A full disk may have room again at the next change.
+            Err(error) => console::error(&error.to_string()),
+        }
+    }
+    console::print(&format!(
+        "{}: {}: {spp} spp after {:.3} s: {}",
+        update.number,
+        update.what,
+        update.since.elapsed().as_secs_f64(),
+        names.join(", ")
+    ));
+    Ok(())
+}
+
+/// Says what is wrong when that has changed.
+fn tell_problems(live: &LiveRender, told: &mut String) {
+    // While something is built it may turn out otherwise.
+    if live.is_building() {
+        return;
+    }
+    let problems = live.problems();
+    let text = problems.render();
+    if text == *told {
+        return;
+    }
+    if problems.is_empty() {
+        console::print("no more problems");
+    } else {
+        console::diagnostics(&problems);
+    }
+    *told = text;
+}

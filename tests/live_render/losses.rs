@@ -1,0 +1,94 @@
+//! A device that is lost: another one takes its place, with the look as it was.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use engine::gpu::{DeviceChoice, Gpu, GpuError};
+use engine::live::{Edit, LiveError};
+
+use crate::look::{LOOK, SQUARES, TEXTURES};
+use crate::stage::{Stage, film, is_same, settle};
+use crate::support::device;
+
+fn edit() -> Edit {
+    Edit::argument("rings", "count", &texgen::Value::F32(8.0))
+}
+
+#[test]
+fn a_lost_device_is_replaced() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut live = stage.open("scene.look.toml");
+    live.edit(&edit()).unwrap_or_else(|error| panic!("{error}"));
+    let before = film(&mut live);
+    let text = live.look_text();
+    let generation = live.generation();
+    live.renderer().gpu().device().destroy();
+    // Files are not needed for it.
+    let aside = stage.path("gone");
+    std::fs::rename(stage.path("scene.gltf"), &aside).expect("it is there");
+    live.restart();
+    assert!(
+        is_same(&before, &film(&mut live)),
+        "the same picture on another device"
+    );
+    assert_eq!(live.look_text(), text);
+    assert!(live.generation() > generation);
+    std::fs::rename(&aside, stage.path("scene.gltf")).expect("back");
+
+    // While a kernel is built, and with an edit that meets the dead device.
+    stage.write("textures/rings.wgsl", SQUARES);
+    live.sources_changed();
+    live.renderer().gpu().device().destroy();
+    let dead = live.edit(&Edit::argument(
+        "paint",
+        "color",
+        &texgen::Value::Vec3([0.2, 0.9, 0.4]),
+    ));
+    assert!(dead.is_ok(), "{dead:?}");
+    settle(&mut live);
+    assert!(live.problems().is_empty(), "{}", live.problems());
+    assert!(is_same(&film(&mut live), &stage.fresh(&live.look_text())));
+
+    live.renderer().gpu().device().destroy();
+    live.assets_changed();
+    settle(&mut live);
+    assert!(live.problems().is_empty(), "{}", live.problems());
+    assert!(is_same(&film(&mut live), &stage.fresh(&live.look_text())));
+}
+
+#[test]
+fn where_no_device_is_left_the_look_is_kept() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let has_device = Arc::new(AtomicBool::new(true));
+    let switch = Arc::clone(&has_device);
+    let mut live = stage
+        .open_on("scene.look.toml", move || {
+            match switch.load(Ordering::Relaxed) {
+                true => Gpu::new(&DeviceChoice::Best),
+                false => Err(GpuError::NoAdapter),
+            }
+        })
+        .unwrap_or_else(|error| panic!("{error}"));
+    live.edit(&edit()).unwrap_or_else(|error| panic!("{error}"));
+    let before = film(&mut live);
+    live.restart();
+    has_device.store(false, Ordering::Relaxed);
+    live.renderer().gpu().device().destroy();
+    let error = live.step(1).expect_err("there is no device");
+    assert!(matches!(error, LiveError::Lost(_)), "{error}");
+    assert!(error.to_string().contains("the look is kept"), "{error}");
+    live.save(None).unwrap_or_else(|error| panic!("{error}"));
+    let saved = crate::stage::read(&stage.path("scene.look.toml"));
+    assert!(saved.contains("count = 8.0"), "{saved}");
+    has_device.store(true, Ordering::Relaxed);
+    assert!(
+        is_same(&before, &film(&mut live)),
+        "once there is one again"
+    );
+}
