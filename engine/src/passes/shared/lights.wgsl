@@ -124,11 +124,8 @@ fn disk_radiance(direction: vec3f, bsdf_pdf: f32) -> vec3f {
         let off = direction + light.direction;
         // 1 - cos of the angle to its middle.
         if (extent > 0.0 && 0.5 * dot(off, off) <= extent) {
-            var weight = 1.0;
-            if (bsdf_pdf > 0.0) {
-                weight = mis_weight(bsdf_pdf, light.position[DISTANT_PROBABILITY] * share * disk_pdf(extent));
-            }
-            sum += light.intensity * weight;
+            let light_pdf = light.position[DISTANT_PROBABILITY] * share * disk_pdf(extent);
+            sum += light.intensity * met_light_weight(bsdf_pdf, light_pdf);
         }
     }
     return sum;
