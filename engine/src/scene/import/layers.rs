@@ -122,3 +122,64 @@ impl Reader<'_> {
         self.texture(read.index.value(), read.tex_coord, transform.as_ref(), srgb)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use serde_json::json;
+
+    use super::super::tests::{import, square};
+    use crate::scene::absorption;
+
+    #[test]
+    fn layers_and_bodies_keep_their_numbers() {
+        let mut tree = square();
+        tree["materials"] = json!([{ "extensions": {
+            "KHR_materials_transmission": { "transmissionFactor": 0.75 },
+            "KHR_materials_volume": {
+                "thicknessFactor": 1, "attenuationDistance": 0.5, "attenuationColor": [0.5, 0.25, 1]
+            },
+            "KHR_materials_dispersion": { "dispersion": 0.5 },
+            "KHR_materials_diffuse_transmission": {
+                "diffuseTransmissionFactor": 0.25, "diffuseTransmissionColorFactor": [1, 0.5, 0]
+            },
+            "KHR_materials_sheen": { "sheenColorFactor": [0.5, 0, 1], "sheenRoughnessFactor": 0.5 },
+            "KHR_materials_clearcoat": { "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.125 },
+            "KHR_materials_anisotropy": { "anisotropyStrength": 0.5, "anisotropyRotation": 1.5 },
+            "KHR_materials_iridescence": {
+                "iridescenceFactor": 1, "iridescenceIor": 1.5, "iridescenceThicknessMaximum": 250
+            },
+        } }]);
+        let imported = import(tree).unwrap();
+        assert!(imported.warnings.is_empty(), "{:?}", imported.warnings);
+        let m = &imported.scene.materials[0];
+        assert_eq!(
+            (m.transmission, m.is_solid, m.dispersion),
+            (0.75, true, 0.5)
+        );
+        assert_eq!(m.absorption, absorption(Vec3::new(0.5, 0.25, 1.0), 0.5));
+        assert_eq!(m.diffuse_transmission, 0.25);
+        assert_eq!(m.diffuse_transmission_color, Vec3::new(1.0, 0.5, 0.0));
+        assert_eq!(
+            (m.sheen_color, m.sheen_roughness),
+            (Vec3::new(0.5, 0.0, 1.0), 0.5)
+        );
+        assert_eq!((m.coat, m.coat_roughness), (0.5, 0.125));
+        assert_eq!((m.anisotropy, m.anisotropy_rotation), (0.5, 1.5));
+        assert_eq!((m.iridescence, m.iridescence_ior), (1.0, 1.5));
+        assert_eq!(m.iridescence_thickness, [100.0, 250.0]);
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_brought_back_with_a_warning() {
+        let mut tree = square();
+        tree["materials"] = json!([{ "extensions": {
+            "KHR_materials_transmission": { "transmissionFactor": 7 },
+            "KHR_materials_dispersion": { "dispersion": -1 },
+        } }]);
+        let imported = import(tree).unwrap();
+        let m = &imported.scene.materials[0];
+        assert_eq!((m.transmission, m.dispersion), (1.0, 0.0));
+        assert_eq!(imported.warnings.len(), 2, "{:?}", imported.warnings);
+    }
+}

@@ -10,7 +10,7 @@ use std::collections::HashSet;
 use std::path::Path;
 
 /// Loads JSON as if it stood in `dir/test.gltf`.
-fn import(tree: Value) -> Result<Imported, ImportError> {
+pub(super) fn import(tree: Value) -> Result<Imported, ImportError> {
     let mut tree = tree;
     tree["asset"] = json!({ "version": "2.0" });
     let text = serde_json::to_vec(&tree).unwrap();
@@ -80,7 +80,7 @@ const CORNERS: [[f32; 3]; 4] = [
     [0.0, 1.0, 0.0],
 ];
 
-fn square() -> Value {
+pub(super) fn square() -> Value {
     mesh(&CORNERS, &[0, 1, 2, 0, 2, 3])
 }
 
@@ -279,10 +279,10 @@ fn a_required_extension_is_named_and_an_optional_one_a_warning() {
     assert!(message.contains("without mesh compression"), "{message}");
 
     let mut tree = square();
-    tree["materials"] = json!([{ "extensions": { "KHR_materials_dispersion": {} } }, { "extensions": { "KHR_materials_dispersion": {} } }]);
+    tree["materials"] = json!([{ "extensions": { "KHR_materials_volume_scatter": {} } }, { "extensions": { "KHR_materials_volume_scatter": {} } }]);
     let warnings = import(tree).unwrap().warnings;
     assert_eq!(warnings.len(), 1);
-    assert!(warnings[0].contains("KHR_materials_dispersion"));
+    assert!(warnings[0].contains("KHR_materials_volume_scatter"));
 }
 
 #[test]
