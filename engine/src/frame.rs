@@ -211,7 +211,7 @@ impl Frame {
             aperture_rotation: camera.aperture_rotation,
             spare1: 0,
             spare2: 0,
-            sobol: sobol::directions(),
+            sobol: sobol::nibbles(),
         }
     }
 }

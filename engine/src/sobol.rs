@@ -3,8 +3,10 @@
 
 /// Dimensions that are well distributed together: three groups of four, see `random.wgsl`.
 pub(crate) const DIMENSIONS: usize = 12;
-/// Rows of the table: a row has four dimensions, a group 32 rows.
-pub(crate) const ROWS: usize = 32 * DIMENSIONS / 4;
+/// Rows of the directions: a row has four dimensions, a group 32 rows.
+const DIRECTIONS: usize = 32 * DIMENSIONS / 4;
+/// Rows of the table that kernels read: 16 for each four bits of an index.
+pub(crate) const ROWS: usize = 4 * DIRECTIONS;
 
 /// Primitive polynomial over GF(2) and first direction numbers of a dimension: degree, inner coefficients as bits, and as
 /// many numbers as the degree says. The first dimension, van der Corput's, has none.
@@ -27,8 +29,8 @@ const POLYNOMIALS: [Polynomial; DIMENSIONS - 1] = [
 /// For each bit of a sample's index what it adds, modulo 2, to each dimension. The lowest bit of a number stands for 1/2,
 /// the next one for 1/4: scrambling works on numbers turned round like this. Dimension `d` for bit `b` is word `d % 4` of
 /// row `32 (d / 4) + b`.
-pub(crate) fn directions() -> [[u32; 4]; ROWS] {
-    let mut table = [[0; 4]; ROWS];
+fn directions() -> [[u32; 4]; DIRECTIONS] {
+    let mut table = [[0; 4]; DIRECTIONS];
     for (bit, row) in table[..32].iter_mut().enumerate() {
         row[0] = 1 << bit;
     }
@@ -53,15 +55,28 @@ pub(crate) fn directions() -> [[u32; 4]; ROWS] {
     table
 }
 
+/// The same for four bits at once: what the value `v` of bits `4 n` to `4 n + 3` adds to group `g` is row
+/// `128 g + 16 n + v`. A look-up of a table costs a kernel more than the arithmetic around it.
+pub(crate) fn nibbles() -> [[u32; 4]; ROWS] {
+    let directions = directions();
+    std::array::from_fn(|row| {
+        let (first, value) = (row / 16 * 4, row % 16);
+        let bits = (0..4).filter(|bit| value >> bit & 1 == 1);
+        bits.fold([0; 4], |sum, bit| {
+            std::array::from_fn(|d| sum[d] ^ directions[first + bit][d])
+        })
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn point(index: u32) -> [f64; DIMENSIONS] {
-        let table = directions();
+        let table = nibbles();
         std::array::from_fn(|d| {
-            let bits = (0..32).filter(|bit| index >> bit & 1 == 1);
-            let word = bits.fold(0, |word, bit| word ^ table[32 * (d / 4) + bit][d % 4]);
+            let row = |n: usize| 128 * (d / 4) + 16 * n + (index >> (4 * n) & 15) as usize;
+            let word = (0..8).fold(0, |word, n| word ^ table[row(n)][d % 4]);
             f64::from(word.reverse_bits()) / 4_294_967_296.0
         })
     }

@@ -96,7 +96,7 @@ fn accumulate(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
             atomicAdd(&queues[WORD_INVALID], 1u);
         }
         if (frame.filter_positive < 1.0) {
-            value *= filter_weight(random4(path_id(slot), DIMENSION_CAMERA).xy);
+            value *= filter_weight(random4(path_id(slot), DIMENSION_CAMERA, GROUP_CAMERA).xy);
         }
         if (any(abs(value) > vec3f(LARGEST))) {
             value = clamp(value, vec3f(-LARGEST), vec3f(LARGEST));

@@ -435,7 +435,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     let receiver = select(RECEIVER_ALL_AROUND, facing, is_opaque);
     path_set_words(PATH_LIGHT, slot, vec4u(0u, 0u, 0u, receiver));
     if (light_groups() > 0u) {
-        let numbers = random4(path, vertex_dimension(depth, DIMENSION_LIGHT));
+        let numbers = random4(path, vertex_dimension(depth, DIMENSION_LIGHT), GROUP_LIGHT);
         let light = light_sample(s.position + lift, above, receiver, numbers.z, numbers.xy);
         let wi = vec3f(dot(light.wi, tangent), dot(light.wi, bitangent), dot(light.wi, normal));
         if (light.pdf > 0.0 && leaves(wi.z, dot(light.wi, s.geometric_normal), is_lifted)) {
@@ -468,7 +468,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     }
 
     // The next direction.
-    let numbers = random4(path, vertex_dimension(depth, DIMENSION_BSDF));
+    let numbers = random4(path, vertex_dimension(depth, DIMENSION_BSDF), GROUP_BSDF);
     let sampled = bsdf_sample(b, wo, numbers.xy, numbers.z);
     let direction = tangent * sampled.wi.x + bitangent * sampled.wi.y + normal * sampled.wi.z;
     if (sampled.pdf <= 0.0 || !leaves(sampled.wi.z, dot(direction, s.geometric_normal), is_lifted)) {

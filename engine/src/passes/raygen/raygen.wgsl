@@ -81,7 +81,7 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
         return;
     }
     let size = vec2f(f32(frame.width), f32(frame.height));
-    let place = random4(path, DIMENSION_CAMERA);
+    let place = random4(path, DIMENSION_CAMERA, GROUP_CAMERA);
     let film = vec2f(pixel) + 0.5 + vec2f(filter_offset(place.x), filter_offset(place.y));
     let ndc = vec2f(2.0 * film.x - size.x, size.y - 2.0 * film.y) / size.y * frame.half_height;
     var origin: vec3f;

@@ -48,7 +48,7 @@ struct Frame {
     aperture_rotation: f32, // radians
     spare1: u32,
     spare2: u32,
-    sobol: array<vec4u, 96>, // direction numbers of three groups of four dimensions, see sobol.rs
+    sobol: array<vec4u, 384>, // what four bits of an index add to three groups of four dimensions, see sobol.rs
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -14,8 +14,9 @@ const DIMENSION_VERTEX = 16u;
 const DIMENSION_LIGHT = 0u; // four: xy: point of the light; z: which light
 const DIMENSION_BLEND = 1u; // x: which side of a material blend
 const DIMENSION_BSDF = 2u; // four: xy: direction; z: which lobe; w: Russian roulette
-const FIRST_LIGHT = DIMENSION_VERTEX + DIMENSION_LIGHT;
-const FIRST_BSDF = DIMENSION_VERTEX + DIMENSION_BSDF;
+const GROUP_CAMERA = 0u;
+const GROUP_LIGHT = 1u;
+const GROUP_BSDF = 2u;
 const DIMENSION_AO = 4u; // and the following, one for each AO table
 const DIMENSION_SHADOW_AO = 8u; // the same for what a shadow ray met
 const DIMENSION_OPACITY = 12u; // x: whether the path's ray passes, by opacity or through a clear wall
@@ -75,10 +76,11 @@ fn sobol4(index: u32, order: u32, group: u32, stream: u32) -> vec4f {
     if (frame.sampler == SAMPLER_INDEPENDENT) {
         return vec4f(sobol2(index, stream), sobol2(index, hash(stream ^ 0x02e5be93u)));
     }
-    let shuffled = reverseBits(owen_reversed(reverseBits(index), order));
+    var rest = reverseBits(owen_reversed(reverseBits(index), order));
     var point = vec4u(0u);
-    for (var bit = 0u; bit < 32u; bit++) {
-        point ^= frame.sobol[32u * group + bit] & vec4u(0u - ((shuffled >> bit) & 1u));
+    for (var row = 128u * group; row < 128u * group + 128u; row += 16u) {
+        point ^= frame.sobol[row + (rest & 15u)];
+        rest >>= 4u;
     }
     return vec4f(
         unit_number(reverseBits(owen_reversed(point.x, hash(stream ^ 0x68bc21ebu)))),
@@ -87,17 +89,12 @@ fn sobol4(index: u32, order: u32, group: u32, stream: u32) -> vec4f {
         unit_number(reverseBits(owen_reversed(point.w, hash(stream ^ 0x368cc8b7u)))));
 }
 
-// Four numbers in [0, 1) for a purpose of a path.
-fn random4(path: PathId, dimension: u32) -> vec4f {
+// Four numbers in [0, 1) for a purpose of a path. `group` is the purpose's place in the points of the first vertex.
+fn random4(path: PathId, dimension: u32, group: u32) -> vec4f {
     let pixel = path.pixel ^ frame.seed;
-    var group = 0u;
-    var order = dimension;
-    switch dimension {
-        case FIRST_LIGHT: { group = 1u; order = DIMENSION_CAMERA; }
-        case FIRST_BSDF: { group = 2u; order = DIMENSION_CAMERA; }
-        default: {}
-    }
-    return sobol4(path.sample, hash2(pixel, order), group, hash2(pixel, dimension));
+    let in_group = dimension < DIMENSION_VERTEX * 2u;
+    let order = select(dimension, DIMENSION_CAMERA, in_group);
+    return sobol4(path.sample, hash2(pixel, order), select(0u, group, in_group), hash2(pixel, dimension));
 }
 
 // Two numbers in [0, 1) for a purpose of a path.
