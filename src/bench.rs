@@ -5,6 +5,7 @@ mod edit;
 pub(crate) mod job;
 mod kernel;
 mod render;
+mod report;
 mod textures;
 
 use engine::bench::scenes;

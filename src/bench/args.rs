@@ -97,53 +97,9 @@ pub(crate) struct TexturesArgs {
     #[arg(long, value_name = "LIST", default_value = "4,16")]
     pub(crate) ao_rays: String,
 
-    /// Samples (camera paths) per pixel of each run.
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "8",
-        allow_hyphen_values = true
-    )]
-    pub(crate) spp: String,
-
-    /// Width and height of the picture in pixels.
-    #[arg(
-        long,
-        value_name = "WxH",
-        default_value = "512x512",
-        allow_hyphen_values = true
-    )]
-    pub(crate) size: String,
-
-    /// Timed runs of each case, in turn: A B C A B C. One more comes first and isn't counted.
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "5",
-        allow_hyphen_values = true
-    )]
-    pub(crate) runs: String,
-
-    /// At most N surface points scatter light along a path.
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "4",
-        allow_hyphen_values = true
-    )]
-    pub(crate) max_depth: String,
-
-    /// Write the figures as JSON.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) json: Option<PathBuf>,
-
-    /// Folder with user textures, searched before the standard ones. May be given several times.
-    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
-    pub(crate) texture_dirs: Vec<PathBuf>,
-
-    /// Device by number or by part of its name, as `patina devices` lists them.
-    #[arg(long, value_name = "NAME|N")]
-    pub(crate) device: Option<String>,
+    /// How it is measured.
+    #[command(flatten)]
+    pub(crate) effort: EffortArgs,
 }
 
 /// Flags of `patina bench render`.
@@ -157,6 +113,14 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FILE", requires = "scenes")]
     pub(crate) look: Option<PathBuf>,
 
+    /// How it is measured.
+    #[command(flatten)]
+    pub(crate) effort: EffortArgs,
+}
+
+/// Flags of all measurements of whole renders.
+#[derive(Debug, Args)]
+pub(crate) struct EffortArgs {
     /// Samples (camera paths) per pixel of each run.
     #[arg(
         long,
@@ -175,7 +139,7 @@ pub(crate) struct RenderArgs {
     )]
     pub(crate) size: String,
 
-    /// Timed runs of each scene, in turn: A B C A B C. One more comes first and isn't counted.
+    /// Timed runs of each case, in turn: A B C A B C. One more comes first and isn't counted.
     #[arg(
         long,
         value_name = "N",

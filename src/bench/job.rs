@@ -9,7 +9,7 @@ use crate::job::{
     MAX_DEPTH, MAX_SPP, UsageError, parse_device, parse_number, parse_size, refuse_overwriting,
 };
 
-use super::args::{BenchCommand, RenderArgs, TexturesArgs};
+use super::args::{BenchCommand, EffortArgs, RenderArgs, TexturesArgs};
 
 /// Most timed runs of a scene.
 const MAX_RUNS: u32 = 1000;
@@ -50,22 +50,8 @@ pub(crate) struct RenderJob {
     pub(crate) scenes: Vec<PathBuf>,
     /// A look for all of them.
     pub(crate) look: Option<PathBuf>,
-    /// Samples per pixel of a run.
-    pub(crate) spp: u32,
-    /// Pixels.
-    pub(crate) width: u32,
-    /// Pixels.
-    pub(crate) height: u32,
-    /// Timed runs of each scene.
-    pub(crate) runs: u32,
-    /// Most scattering vertices of a path.
-    pub(crate) max_depth: u32,
-    /// Where the figures go.
-    pub(crate) json: Option<PathBuf>,
-    /// Folders the user named, searched first.
-    pub(crate) texture_dirs: Vec<PathBuf>,
-    /// Device to measure.
-    pub(crate) device: DeviceChoice,
+    /// How it is measured.
+    pub(crate) effort: Effort,
 }
 
 /// A measurement of what textures cost.
@@ -79,6 +65,13 @@ pub(crate) struct TexturesJob {
     pub(crate) forms: Vec<TextureForm>,
     /// Rays of ambient occlusion, a table each.
     pub(crate) ao_rays: Vec<u32>,
+    /// How it is measured.
+    pub(crate) effort: Effort,
+}
+
+/// How whole renders are measured.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Effort {
     /// Samples per pixel of a run.
     pub(crate) spp: u32,
     /// Pixels.
@@ -144,17 +137,10 @@ impl BenchJob {
 
 impl RenderJob {
     fn from_args(args: RenderArgs) -> Result<Self, UsageError> {
-        refuse_overwriting(args.json.iter(), args.scenes.iter().chain(&args.look))?;
-        let (width, height) = parse_size(&args.size)?;
+        let read = args.scenes.iter().chain(&args.look);
+        refuse_overwriting(args.effort.json.iter(), read)?;
         Ok(Self {
-            spp: parse_number("--spp", &args.spp, 1, MAX_SPP)?,
-            width,
-            height,
-            runs: parse_number("--runs", &args.runs, 1, MAX_RUNS)?,
-            max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
-            json: args.json,
-            device: parse_device(args.device.as_deref())?,
-            texture_dirs: args.texture_dirs,
+            effort: Effort::from_args(args.effort)?,
             scenes: args.scenes,
             look: args.look,
         })
@@ -163,8 +149,8 @@ impl RenderJob {
 
 impl TexturesJob {
     fn from_args(args: TexturesArgs) -> Result<Self, UsageError> {
-        refuse_overwriting(args.json.iter(), args.scene.iter().chain(&args.look))?;
-        let (width, height) = parse_size(&args.size)?;
+        let read = args.scene.iter().chain(&args.look);
+        refuse_overwriting(args.effort.json.iter(), read)?;
         let words = |list: &str| -> Vec<String> {
             list.split(',').map(|word| word.trim().to_owned()).collect()
         };
@@ -179,24 +165,27 @@ impl TexturesJob {
         };
         let rays = |given: String| parse_number("--ao-rays", &given, 1, 255);
         Ok(Self {
-            forms: words(&args.modes)
-                .into_iter()
-                .map(form)
-                .collect::<Result<_, _>>()?,
-            ao_rays: words(&args.ao_rays)
-                .into_iter()
-                .map(rays)
-                .collect::<Result<_, _>>()?,
+            forms: (words(&args.modes).into_iter().map(form)).collect::<Result<_, _>>()?,
+            ao_rays: (words(&args.ao_rays).into_iter().map(rays)).collect::<Result<_, _>>()?,
+            effort: Effort::from_args(args.effort)?,
+            scene: args.scene.zip(args.material),
+            look: args.look,
+        })
+    }
+}
+
+impl Effort {
+    fn from_args(args: EffortArgs) -> Result<Self, UsageError> {
+        let (width, height) = parse_size(&args.size)?;
+        Ok(Self {
             spp: parse_number("--spp", &args.spp, 1, MAX_SPP)?,
             width,
             height,
             runs: parse_number("--runs", &args.runs, 1, MAX_RUNS)?,
             max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
             json: args.json,
-            device: parse_device(args.device.as_deref())?,
             texture_dirs: args.texture_dirs,
-            scene: args.scene.zip(args.material),
-            look: args.look,
+            device: parse_device(args.device.as_deref())?,
         })
     }
 }
@@ -230,7 +219,8 @@ mod tests {
             panic!("a render without scenes is fine");
         };
         assert_eq!(job.scenes, [""; 0].map(PathBuf::from));
-        assert_eq!((job.spp, job.width, job.runs), (16, 512, 3));
+        let effort = job.effort;
+        assert_eq!((effort.spp, effort.width, effort.runs), (16, 512, 3));
     }
 
     #[test]

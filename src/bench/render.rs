@@ -1,7 +1,6 @@
 //! `patina bench render`: whole renders of several scenes in turn, as a table and as JSON.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 
 use engine::bench::render::{self as bench, RenderReport, Spread, Subject};
@@ -16,25 +15,16 @@ use serde::Serialize;
 
 use crate::exit::Failure;
 use crate::progress::Bar;
-use crate::report::Device;
-use crate::{console, library, output};
+use crate::{console, library};
 
 use super::job::RenderJob;
+use super::report::{self, Conditions};
 
 /// Figures of all scenes. The JSON form is read by other programs: fields are added, never renamed.
 #[derive(Debug, Serialize)]
 struct Report {
-    /// Version of this program.
-    patina: &'static str,
-    device: Device,
-    /// Pixels.
-    width: u32,
-    /// Pixels.
-    height: u32,
-    samples_per_pixel: u32,
-    max_depth: u32,
-    /// Timed runs of each scene, in turn.
-    runs: u32,
+    #[serde(flatten)]
+    conditions: Conditions,
     scenes: Vec<RenderReport>,
 }
 
@@ -68,13 +58,11 @@ impl Prepared {
 /// # Errors
 /// A scene or look that can't be loaded or rendered, no device, a file that can't be written.
 pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
-    if let Some(path) = &job.json {
-        output::check(path).map_err(Failure::because)?;
-    }
+    report::check(&job.effort)?;
     let bar = Bar::new("loading the scenes");
     let prepared = prepare(job, &bar)?;
     bar.stage("measuring");
-    let gpu = Gpu::new(&job.device).map_err(Failure::because)?;
+    let gpu = Gpu::new(&job.effort.device).map_err(Failure::because)?;
     let subjects: Vec<Subject<'_>> = prepared
         .iter()
         .map(|prepared| Subject {
@@ -82,34 +70,21 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
             scene: &prepared.scene,
             procedural: &prepared.procedural,
             settings: RenderSettings {
-                max_depth: job.max_depth,
-                ..RenderSettings::new(job.width, job.height, &prepared.camera)
+                max_depth: job.effort.max_depth,
+                ..RenderSettings::new(job.effort.width, job.effort.height, &prepared.camera)
             },
         })
         .collect();
-    let scenes =
-        bench::render(&gpu, &subjects, job.spp, job.runs, |_| ()).map_err(Failure::because)?;
+    let scenes = bench::render(&gpu, &subjects, job.effort.spp, job.effort.runs, |_| ())
+        .map_err(Failure::because)?;
     bar.finish();
 
     let report = Report {
-        patina: env!("CARGO_PKG_VERSION"),
-        device: Device::new(gpu.description()),
-        width: job.width,
-        height: job.height,
-        samples_per_pixel: job.spp,
-        max_depth: job.max_depth,
-        runs: job.runs,
+        conditions: Conditions::new(&job.effort, &gpu),
         scenes,
     };
     console::print(&report.table());
-    if let Some(path) = &job.json {
-        output::write_aside(path, |file| {
-            serde_json::to_writer_pretty(&mut *file, &report)?;
-            file.write_all(b"\n")
-        })
-        .map_err(Failure::because)?;
-    }
-    Ok(())
+    report::write(&job.effort, &report)
 }
 
 fn prepare(job: &RenderJob, bar: &Bar) -> Result<Vec<Prepared>, Failure> {
@@ -119,7 +94,7 @@ fn prepare(job: &RenderJob, bar: &Bar) -> Result<Vec<Prepared>, Failure> {
             Prepared::built_in("Cornell box", scenes::cornell_box())?,
         ]);
     }
-    let texture_dirs = library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
+    let texture_dirs = library::texture_dirs(&job.effort.texture_dirs, job.look.as_deref())?;
     let mut prepared = Vec::new();
     for path in &job.scenes {
         let loaded = load::load(path, job.look.as_deref(), &texture_dirs)?;
@@ -136,15 +111,7 @@ fn prepare(job: &RenderJob, bar: &Bar) -> Result<Vec<Prepared>, Failure> {
 
 impl Report {
     fn table(&self) -> String {
-        let mut text = format!(
-            "{}\n{}x{}, {} samples per pixel, depth {}; medians of {} runs in turn (lowest to highest)\n",
-            self.device.title,
-            self.width,
-            self.height,
-            self.samples_per_pixel,
-            self.max_depth,
-            self.runs
-        );
+        let mut text = self.conditions.text();
         for scene in &self.scenes {
             write_scene(&mut text, scene);
         }

@@ -1,7 +1,6 @@
 //! `patina bench textures`: what rust and scratches cost over plain gray, for each form of the texture kernel.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 use engine::bench::textures::{self as bench, MODEL, Setup, TextureResult};
 use engine::bench::{render::Spread, scenes};
@@ -14,27 +13,18 @@ use serde::Serialize;
 
 use crate::exit::Failure;
 use crate::progress::Bar;
-use crate::report::Device;
-use crate::{console, library, output};
+use crate::{console, library};
 
 use super::job::TexturesJob;
+use super::report::{self, Conditions};
 
 /// All rows. The JSON form is read by other programs: fields are added, never renamed.
 #[derive(Debug, Serialize)]
 struct Report {
-    /// Version of this program.
-    patina: &'static str,
-    device: Device,
+    #[serde(flatten)]
+    conditions: Conditions,
     scene: String,
     triangles: u64,
-    /// Pixels.
-    width: u32,
-    /// Pixels.
-    height: u32,
-    samples_per_pixel: u32,
-    max_depth: u32,
-    /// Timed runs of each case, in turn.
-    runs: u32,
     results: Vec<TextureResult>,
 }
 
@@ -44,11 +34,9 @@ struct Report {
 /// A scene or look that can't be loaded, textures that are missing, no device, pictures that differ between the forms,
 /// a file that can't be written.
 pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
-    if let Some(path) = &job.json {
-        output::check(path).map_err(Failure::because)?;
-    }
+    report::check(&job.effort)?;
     let bar = Bar::new("loading the scene");
-    let folders = library::texture_dirs(&job.texture_dirs, None)?;
+    let folders = library::texture_dirs(&job.effort.texture_dirs, None)?;
     let sources = TextureSources::scan(&folders).map_err(Failure::because)?;
     let (name, material, scene, camera) = match &job.scene {
         None => {
@@ -64,7 +52,7 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
             (name, material.as_str(), loaded.scene, loaded.camera)
         }
     };
-    let gpu = Gpu::new(&job.device).map_err(Failure::because)?;
+    let gpu = Gpu::new(&job.effort.device).map_err(Failure::because)?;
     bar.stage("measuring");
     let mut results = Vec::new();
     for &ao_rays in &job.ao_rays {
@@ -73,11 +61,11 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
             material,
             sources: &sources,
             settings: RenderSettings {
-                max_depth: job.max_depth,
-                ..RenderSettings::new(job.width, job.height, &camera)
+                max_depth: job.effort.max_depth,
+                ..RenderSettings::new(job.effort.width, job.effort.height, &camera)
             },
-            spp: job.spp,
-            runs: job.runs,
+            spp: job.effort.spp,
+            runs: job.effort.runs,
             ao_rays,
             forms: &job.forms,
         };
@@ -85,40 +73,23 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     }
     bar.finish();
     let report = Report {
-        patina: env!("CARGO_PKG_VERSION"),
-        device: Device::new(gpu.description()),
+        conditions: Conditions::new(&job.effort, &gpu),
         scene: name,
         triangles: scene.instanced_triangles(),
-        width: job.width,
-        height: job.height,
-        samples_per_pixel: job.spp,
-        max_depth: job.max_depth,
-        runs: job.runs,
         results,
     };
     console::print(&report.table());
-    if let Some(path) = &job.json {
-        output::write_aside(path, |file| {
-            serde_json::to_writer_pretty(&mut *file, &report)?;
-            file.write_all(b"\n")
-        })
-        .map_err(Failure::because)?;
-    }
-    Ok(())
+    report::write(&job.effort, &report)
 }
 
 impl Report {
     fn table(&self) -> String {
-        let mut text = format!(
-            "{}\n{}: {} triangles, {}x{}, {} samples per pixel, depth {}; medians of {} runs in turn (lowest to highest)\n",
-            self.device.title,
+        let mut text = self.conditions.text();
+        let _ = writeln!(
+            text,
+            "{}: {} triangles",
             self.scene,
-            console::grouped(self.triangles),
-            self.width,
-            self.height,
-            self.samples_per_pixel,
-            self.max_depth,
-            self.runs
+            console::grouped(self.triangles)
         );
         let mut ao_rays = 0;
         for row in &self.results {
