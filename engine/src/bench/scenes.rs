@@ -180,7 +180,7 @@ pub fn arcade() -> Scene {
             let mut arch = Mesh::named(&format!("arch {row} {i}"));
             let half = 0.5 * SPACING;
             let bow = |u: f32, v: f32| {
-                let (along, around) = (PI * u, TAU * v);
+                let (along, around) = (PI * u, -TAU * v);
                 let radius = half + 0.16 * around.cos();
                 Vec3::new(
                     x + half - radius * along.cos(),
@@ -205,7 +205,7 @@ pub fn arcade() -> Scene {
     knot.add_surface([640, 64], |u, v| {
         let along = (axis(u + 1e-3) - axis(u - 1e-3)).normalize();
         let side = along.cross(Vec3::Z).normalize();
-        let (sin, cos) = (TAU * v).sin_cos();
+        let (sin, cos) = (-TAU * v).sin_cos();
         Vec3::Y * 1.35 + axis(u) + 0.24 * (side * cos + along.cross(side) * sin)
     });
     add(
@@ -331,6 +331,36 @@ mod tests {
             let [a, b, c] = [a, b, c].map(|i| mesh.positions[i as usize]);
             assert!((b - a).cross(c - a).length() > 0.0);
         }
+    }
+
+    #[test]
+    fn fronts_of_the_arcade_face_outwards() {
+        let scene = arcade();
+        let mut models = 0;
+        for mesh in &scene.meshes {
+            let Some(&first) = mesh.triangles.first() else {
+                continue;
+            };
+            if mesh.name == "floor" || mesh.name == "wall" {
+                let [a, b, c] = first.map(|i| mesh.positions[i as usize]);
+                let toward = scene.cameras[0].transform.translation - glam::Vec3A::from(a);
+                assert!(
+                    (b - a).cross(c - a).dot(toward.into()) > 0.0,
+                    "{}",
+                    mesh.name
+                );
+                continue;
+            }
+            // Tubes: their volume is positive if their fronts are outside.
+            let center: Vec3 = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len() as f32;
+            let volume: f32 = (mesh.triangles.iter())
+                .map(|t| t.map(|i| mesh.positions[i as usize] - center))
+                .map(|[a, b, c]| a.dot(b.cross(c)))
+                .sum();
+            assert!(volume > 0.0, "{}: {volume}", mesh.name);
+            models += 1;
+        }
+        assert_eq!(models, 2 * 2 * 7 + 1);
     }
 
     #[test]
