@@ -45,6 +45,7 @@ mod output;
 mod probe;
 mod reads;
 mod reload;
+mod sketch;
 mod sources;
 #[cfg(test)]
 mod tests;
@@ -72,6 +73,7 @@ pub use memory::{
 };
 pub use output::{Kind, Output};
 pub use reads::TextureReads;
+pub use sketch::sketch;
 pub use sources::{SourcesError, TextureSources};
 pub use traits::ProgramTraits;
 pub(crate) use update::UpdateError;
