@@ -6,7 +6,8 @@ use crate::load;
 use crate::procedural::UpdateError;
 use crate::renderer::Touched;
 use crate::scene::look::{
-    EnvironmentLook, Look, LookDocument, MaterialLook, Section, Spanned, Table, find, placed_fields, table,
+    EnvironmentLook, Look, LookDocument, MaterialLook, Section, Spanned, Table, find,
+    placed_fields, table,
 };
 use crate::scene::{Camera, Environment, Material};
 
@@ -133,7 +134,8 @@ impl LiveRender {
         if touched.materials && !is_told && self.has_no_lamp() != self.was_without_lamp {
             return Err(UpdateError::Rebuild);
         }
-        match self.renderer.update(&self.scene, &self.camera, touched) {
+        let camera = self.view.as_ref().unwrap_or(&self.camera);
+        match self.renderer.update(&self.scene, camera, touched) {
             Ok(true) => {
                 self.generation += 1;
                 Ok(())
