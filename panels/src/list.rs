@@ -237,10 +237,10 @@ fn driven(
     let (text, response) = row(ui, label, is_set, |ui| match &wire {
         None => constant(ui, cx),
         Some(wire) => {
-            let text = format!("⬅ {}", edits::link(&wire.source, wire.swizzle));
+            let text = edits::link(&wire.source, wire.swizzle);
             let link = ui.link(text);
             name(&link, &full);
-            let button = ui.small_button("✖").on_hover_text("disconnect");
+            let button = ui.small_button("×").on_hover_text("disconnect");
             name(&button, &format!("Disconnect {full}"));
             if button.clicked() {
                 let edits = edits::disconnect(cx.document, target);

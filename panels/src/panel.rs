@@ -188,7 +188,7 @@ impl TexturesPanel {
         if let Some(message) = &self.message {
             ui.horizontal_wrapped(|ui| {
                 ui.colored_label(ui.visuals().error_fg_color, message);
-                is_read = ui.small_button("✖").clicked();
+                is_read = ui.small_button("×").clicked();
             });
         }
         if is_read {

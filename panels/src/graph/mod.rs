@@ -127,6 +127,7 @@ impl GraphView {
         subjects.extend(nodes.iter().map(|name| Subject::Node(name)));
         self.place(cx, &subjects);
 
+        let area = ui.available_rect_before_wrap();
         let mut seen = self.seen;
         let shown = Scene::new()
             .zoom_range(0.1..=2.0)
@@ -143,7 +144,11 @@ impl GraphView {
                 ui.painter().set(below, Shape::Vec(links));
             });
         self.seen = seen;
-        self.background(ui, cx, &shown.response);
+        self.background(cx, &shown.response);
+        let pointer = ui.input(|input| input.pointer.latest_pos());
+        if pointer.is_some_and(|pointer| area.contains(pointer)) && !ui.text_edit_focused() {
+            self.keys(ui, cx);
+        }
     }
 
     fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
@@ -304,8 +309,8 @@ impl GraphView {
         self.loose = None;
     }
 
-    /// Menu and keys of the plane as a whole.
-    fn background(&mut self, ui: &mut Ui, cx: &mut Context<'_>, plane: &Response) {
+    /// Clicks beside all cards.
+    fn background(&mut self, cx: &mut Context<'_>, plane: &Response) {
         if plane.secondary_clicked()
             && let Some(at) = plane.interact_pointer_pos()
         {
@@ -316,9 +321,9 @@ impl GraphView {
         if plane.clicked() {
             self.selected.clear();
         }
-        if !plane.contains_pointer() || ui.text_edit_focused() {
-            return;
-        }
+    }
+
+    fn keys(&mut self, ui: &Ui, cx: &mut Context<'_>) {
         let pressed = |modifiers, key| ui.input_mut(|input| input.consume_key(modifiers, key));
         if pressed(Modifiers::NONE, Key::Delete) || pressed(Modifiers::NONE, Key::Backspace) {
             self.delete(cx);
