@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use engine::live::{Edit, LiveError, LiveRender};
-use engine::scene::look::{Look, LookDocument};
+use engine::scene::look::{Field, Look, LookDocument, Section, Value};
 use texgen::Diagnostics;
 
 use crate::patch::Patch;
@@ -41,6 +41,8 @@ impl Change {
         match live.edit(edit) {
             // As a whole text it is no error but a problem, and stays one until it is mended.
             Err(LiveError::Refused(_)) => live.replace_look(text),
+            // The same look may be written in another way where edits before this one were left out.
+            Ok(()) if live.look_text() != *text => live.replace_look(text),
             outcome => outcome,
         }
     }
@@ -105,6 +107,28 @@ impl Document {
     /// The look that the text means.
     pub fn look(&self) -> &Look {
         &self.look
+    }
+
+    /// The keys of a table as they are written; none where there is no such table.
+    pub fn table(&self, section: &Section) -> Vec<Field> {
+        self.document.table(section).unwrap_or_default()
+    }
+
+    /// What a key of a table is set to; `blend.mask` is a key of the table `blend`.
+    pub fn value(&self, section: &Section, key: &str) -> Option<Value> {
+        let take = |mut fields: Vec<Field>, key: &str| {
+            let at = fields.iter().position(|field| field.key.value == key)?;
+            Some(fields.swap_remove(at).value.value)
+        };
+        let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
+        let mut fields = self.table(section);
+        for step in path.split('.').filter(|step| !step.is_empty()) {
+            match take(fields, step)? {
+                Value::Table(below) => fields = below,
+                _ => return None,
+            }
+        }
+        take(fields, last)
     }
 
     /// Where it lies.
@@ -326,8 +350,6 @@ pub(crate) fn messages(problems: &Diagnostics) -> String {
 
 #[cfg(test)]
 mod tests {
-    use engine::scene::look::{Section, Value};
-
     use super::*;
 
     const TEXT: &str = "# Rust.\n[node.a] # first\ntexture = 't'\nscale = 4 # patches\n";

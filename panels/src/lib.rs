@@ -5,10 +5,21 @@
 //! [`Change::send`]. Nothing here opens windows, files (but looks and images) or event loops.
 
 mod document;
+mod edits;
+mod graph;
+mod light;
+mod list;
+mod material;
+mod model;
 mod panel;
 mod patch;
+mod preview;
+#[cfg(test)]
+mod random_tests;
 mod textures;
+mod widgets;
 
 pub use document::{Change, Document};
-pub use panel::{SceneView, TexturesPanel};
+pub use panel::{Form, SceneView, TexturesPanel};
+pub use preview::Previews;
 pub use textures::Textures;
