@@ -174,7 +174,9 @@ fn environment_number(ui: &mut Ui, cx: &mut Context<'_>, number: &Number) {
 fn environment_sun(ui: &mut Ui, cx: &mut Context<'_>) {
     let shown = cx.document.value(&Section::Environment, "sky.sun");
     let mut is_there = shown != Some(Value::Bool(false));
-    let (_, switch) = row(ui, "Sun", shown.is_some(), |ui| ui.checkbox(&mut is_there, ""));
+    let (_, switch) = row(ui, "Sun", shown.is_some(), |ui| {
+        ui.checkbox(&mut is_there, "")
+    });
     name(&switch, "Sun of the environment");
     if switch.changed() {
         let edit = Edit::environment("sky.sun", Value::Bool(is_there));
@@ -186,7 +188,9 @@ fn environment_sun(ui: &mut Ui, cx: &mut Context<'_>) {
 fn environment_kinds(ui: &mut Ui, cx: &mut Context<'_>) {
     let section = Section::Environment;
     let all = ["color", "image", "sky", "rotation", "intensity"];
-    let clear = all.into_iter().filter(|key| cx.document.value(&section, key).is_some());
+    let clear = all
+        .into_iter()
+        .filter(|key| cx.document.value(&section, key).is_some());
     let clear = clear.map(|key| Edit::Clear {
         section: Section::Environment,
         key: key.to_owned(),
@@ -318,7 +322,10 @@ fn occlusion_table(ui: &mut Ui, cx: &mut Context<'_>, table: &AoLook) {
                 ("occlusion", &node.occlusion),
                 ("occlusion1", &node.occlusion1),
             ] {
-                if table.as_ref().is_some_and(|table| table.value == *table_name) {
+                if table
+                    .as_ref()
+                    .is_some_and(|table| table.value == *table_name)
+                {
                     edits.push(Edit::reset(&node.name.value, key));
                 }
             }

@@ -68,7 +68,9 @@ fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
         let words: Vec<&str> = names.iter().filter(fits).map(String::as_str).collect();
         let label = format!("{side} of {material}");
         let (_, picked) = row(ui, side, true, |ui| choice(ui, &label, chosen, &words));
-        picked.response.on_hover_text("a material that this one is blended of");
+        picked
+            .response
+            .on_hover_text("a material that this one is blended of");
         if let Some(other) = picked.value {
             let edit = Edit::set(section(), key, Value::Text(other));
             cx.edit(&label, vec![edit], None);
@@ -192,7 +194,11 @@ fn spec_of(key: &Key, label: &str) -> Spec<'static> {
                 _ => Bounds {
                     min: low.into(),
                     // Shares end at 1, everything else goes on.
-                    max: if high == 1.0 && !is_log { 1.0 } else { Bounds::ANY.max },
+                    max: if high == 1.0 && !is_log {
+                        1.0
+                    } else {
+                        Bounds::ANY.max
+                    },
                 },
             };
             (Some((low, high)), bounds, widget, unit)
@@ -314,7 +320,10 @@ pub(crate) fn node(ui: &mut Ui, cx: &mut Context<'_>, node: &str) {
         .default_open(true);
     header.show(ui, |ui| {
         let Some(texture) = textures.library.get(&texture_name) else {
-            let broken = textures.broken.iter().any(|(name, _)| *name == texture_name);
+            let broken = textures
+                .broken
+                .iter()
+                .any(|(name, _)| *name == texture_name);
             let text = match broken {
                 true => format!("the texture `{texture_name}` has mistakes"),
                 false => format!("there is no texture called `{texture_name}`"),
@@ -364,12 +373,7 @@ fn node_buttons(ui: &mut Ui, cx: &mut Context<'_>, node: &str) {
 }
 
 /// One parameter of a node.
-pub(crate) fn node_parameter(
-    ui: &mut Ui,
-    cx: &mut Context<'_>,
-    node: &str,
-    parameter: &Parameter,
-) {
+pub(crate) fn node_parameter(ui: &mut Ui, cx: &mut Context<'_>, node: &str, parameter: &Parameter) {
     let section = Section::Node(node.to_owned());
     let written_value = cx.document.value(&section, &parameter.name);
     let is_set = written_value.is_some();
@@ -404,7 +408,15 @@ pub(crate) fn node_parameter(
     };
     let help = help_of(parameter);
     if parameter.ty.is_linkable() {
-        return driven(ui, cx, &target, short_label(parameter), &help, is_set, widget);
+        return driven(
+            ui,
+            cx,
+            &target,
+            short_label(parameter),
+            &help,
+            is_set,
+            widget,
+        );
     }
     let (text, response) = row(ui, short_label(parameter), is_set, |ui| widget(ui, cx));
     let text = text.on_hover_text(help);
@@ -458,7 +470,10 @@ fn occlusion(ui: &mut Ui, cx: &mut Context<'_>, node: &str, key: &str, otherwise
     if tables.is_empty() {
         return;
     }
-    let words: Vec<&str> = tables.iter().map(|table| table.name.value.as_str()).collect();
+    let words: Vec<&str> = tables
+        .iter()
+        .map(|table| table.name.value.as_str())
+        .collect();
     let section = Section::Node(node.to_owned());
     let written_value = cx.document.value(&section, key);
     let is_set = written_value.is_some();

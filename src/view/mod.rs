@@ -57,6 +57,7 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
             seed: job.seed,
             size: FIRST_SIZE,
         },
+        preview_device: job.device.clone(),
         picture_at_spp: job.screenshot.as_ref().map(|(_, spp)| *spp),
     };
     let outcome = shell::run(&gpu, options, Box::new(host)).map_err(Failure::because);

@@ -12,7 +12,7 @@ use crate::support::device;
 
 fn opened() -> Option<(Stage, LiveRender, Film)> {
     device::open()?;
-    let stage = Stage::new(LOOK, TEXTURES);
+    let stage = Stage::new(LOOK, &TEXTURES);
     let mut live = stage.open("scene.look.toml");
     let whole = film(&mut live);
     Some((stage, live, whole))

@@ -4,7 +4,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupExisting};
 use egui::{TextureId, Ui, ViewportBuilder, ViewportCommand};
-use engine::gpu::Gpu;
+use engine::gpu::{DeviceChoice, Gpu};
+use patina_panels::Previews;
 
 use crate::host::Host;
 use crate::link::Files;
@@ -23,6 +24,8 @@ pub struct WindowOptions {
     pub files: Option<Files>,
     /// How it is rendered.
     pub render: RenderOptions,
+    /// Of the previews of nodes.
+    pub preview_device: DeviceChoice,
     /// The window is pictured and closed, once the render has so many samples per pixel.
     pub picture_at_spp: Option<u32>,
 }
@@ -124,8 +127,13 @@ impl Shell {
         let ctx = context.egui_ctx.clone();
         let wake = Box::new(move || ctx.request_repaint());
         let thread = RenderThread::start(gpu, files, options.render, host, wake)?;
+        let mut viewer = Viewer::new(thread.link.clone(), preferences);
+        // A device of their own, so that they don't keep the render waiting.
+        let device = options.preview_device;
+        let open = move || Gpu::new(&device);
+        viewer.set_previews(Previews::start(&context.egui_ctx, open));
         Ok(Self {
-            viewer: Viewer::new(thread.link.clone(), preferences),
+            viewer,
             thread: Some(thread),
             ids: None,
             texture_number: 0,
@@ -213,7 +221,7 @@ impl eframe::App for Shell {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         if self.picture_at_spp.is_none() {
-            eframe::set_value(storage, PREFERENCES, &self.viewer.preferences);
+            eframe::set_value(storage, PREFERENCES, self.viewer.kept());
         }
     }
 

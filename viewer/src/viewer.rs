@@ -40,6 +40,10 @@ pub struct Preferences {
     pub coarseness: u32,
     /// Figures of passes are shown.
     pub shows_passes: bool,
+    /// Materials are shown as a graph.
+    pub shows_graph: bool,
+    /// Where the cards of the graph of these files stand.
+    pub places: Vec<(String, [f32; 2])>,
 }
 
 impl Default for Preferences {
@@ -50,6 +54,8 @@ impl Default for Preferences {
             view: ViewTransform::default().name().to_owned(),
             coarseness: 1,
             shows_passes: false,
+            shows_graph: false,
+            places: Vec::new(),
         }
     }
 }
@@ -149,6 +155,8 @@ impl Viewer {
     /// Shows everything, and does what the user does.
     pub fn ui(&mut self, ui: &mut Ui) {
         let now = ui.input(|input| input.time);
+        // What was edited since the last frame is no change of the file's.
+        self.flush_edits();
         self.read_board(now);
         self.take_keys(ui);
         self.take_dropped(ui);
@@ -219,7 +227,8 @@ impl Viewer {
             }
             Reply::Opened(files) => {
                 self.viewport = Viewport::default();
-                self.editor = Editor::default();
+                self.editor.forget();
+                self.begin_look(self.preferences.files.as_ref() == Some(&files));
                 self.material = None;
                 self.preferences.files = Some(files);
             }

@@ -60,7 +60,11 @@ pub(crate) fn row<R>(
         let layout = egui::Layout::left_to_right(egui::Align::Center);
         let label = ui.allocate_ui_with_layout(size, layout, |ui| {
             ui.set_min_width(size.x);
-            ui.add(egui::Label::new(text).truncate().sense(egui::Sense::click()))
+            ui.add(
+                egui::Label::new(text)
+                    .truncate()
+                    .sense(egui::Sense::click()),
+            )
         });
         (label.inner, add(ui))
     })
@@ -68,12 +72,7 @@ pub(crate) fn row<R>(
 }
 
 /// A choice of some words.
-pub(crate) fn choice(
-    ui: &mut Ui,
-    label: &str,
-    selected: &str,
-    words: &[&str],
-) -> Edited<String> {
+pub(crate) fn choice(ui: &mut Ui, label: &str, selected: &str, words: &[&str]) -> Edited<String> {
     let mut value = None;
     let shown = egui::ComboBox::from_id_salt(label)
         .selected_text(selected)

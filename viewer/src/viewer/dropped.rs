@@ -17,6 +17,8 @@ enum Dropped {
     Look,
     Texture,
     Environment,
+    /// Taken by the slot that it is dropped on.
+    Image,
     Unknown,
 }
 
@@ -27,6 +29,7 @@ fn kind(path: &Path) -> Dropped {
         "toml" => Dropped::Look,
         "wgsl" => Dropped::Texture,
         "hdr" | "exr" => Dropped::Environment,
+        "png" | "jpg" | "jpeg" | "webp" | "bmp" | "tga" => Dropped::Image,
         _ => Dropped::Unknown,
     }
 }
@@ -57,7 +60,7 @@ impl Viewer {
         }
         for file in &files {
             match kind(file) {
-                Dropped::Scene | Dropped::Look => {}
+                Dropped::Scene | Dropped::Look | Dropped::Image => {}
                 Dropped::Texture => self.take_texture(file, now),
                 Dropped::Environment => {
                     let path = self.named_by_look(file).display().to_string();
@@ -113,6 +116,7 @@ mod tests {
             ("a.look.toml", Dropped::Look),
             ("rust.wgsl", Dropped::Texture),
             ("sky.hdr", Dropped::Environment),
+            ("paint.PNG", Dropped::Image),
             ("a.txt", Dropped::Unknown),
             ("a", Dropped::Unknown),
         ] {

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use egui::Ui;
 use engine::live::Edit;
 use engine::scene::Material;
-use patina_panels::{Document, SceneView, Textures, TexturesPanel};
+use patina_panels::{Document, Form, Previews, SceneView, Textures, TexturesPanel};
 
 use crate::link::{Command, Link, LookFacts};
 
-use super::Viewer;
+use super::{Preferences, Viewer};
 
 /// What edits the look. Its document is ahead of the render's by the changes that are on their way.
 #[derive(Debug, Default)]
@@ -41,6 +41,12 @@ impl Editor {
             }
             None => self.document = Document::new(path, &facts.text).ok(),
         }
+    }
+
+    /// Forgets the look. The panel stays, with its previews.
+    pub(super) fn forget(&mut self) {
+        self.document = None;
+        self.sent = 0;
     }
 
     /// Tells the render what has changed.
@@ -101,6 +107,33 @@ impl Viewer {
         };
         let scene = SceneView { materials };
         panel.show(ui, document, textures, scene);
+    }
+
+    /// Shows pictures of nodes from now on.
+    pub fn set_previews(&mut self, previews: Previews) {
+        self.editor.panel.set_previews(previews);
+    }
+
+    /// What is to be the same at the next start, as it is now.
+    pub fn kept(&mut self) -> &Preferences {
+        let panel = &self.editor.panel;
+        self.preferences.shows_graph = panel.form() == Form::Graph;
+        let places = panel.places();
+        self.preferences.places = places.map(|(id, at)| (id.to_owned(), at)).collect();
+        &self.preferences
+    }
+
+    /// Begins with another look; in the form, and if it is the one of last time, with the places, that were kept.
+    pub(super) fn begin_look(&mut self, is_last: bool) {
+        let Editor { panel, .. } = &mut self.editor;
+        let form = match self.preferences.shows_graph {
+            true => Form::Graph,
+            false => Form::List,
+        };
+        panel.set_form(form);
+        if is_last {
+            panel.set_places(self.preferences.places.clone());
+        }
     }
 
     /// Shows the material that was clicked.
