@@ -173,12 +173,7 @@ impl Document {
     ///
     /// # Errors
     /// With them the text would be no look: says why. Nothing has changed then.
-    pub fn apply(
-        &mut self,
-        label: &str,
-        edits: &[Edit],
-        group: Option<u64>,
-    ) -> Result<(), String> {
+    pub fn apply(&mut self, label: &str, edits: &[Edit], group: Option<u64>) -> Result<(), String> {
         let written = edits.iter().try_for_each(|edit| match edit {
             Edit::Set {
                 section,

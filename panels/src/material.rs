@@ -57,12 +57,7 @@ const fn log(from: f32, to: f32, unit: &'static str) -> Takes {
 
 const SHARE: Takes = number(0.0, 1.0, "");
 
-const fn common(
-    name: &'static str,
-    label: &'static str,
-    takes: Takes,
-    help: &'static str,
-) -> Key {
+const fn common(name: &'static str, label: &'static str, takes: Takes, help: &'static str) -> Key {
     Key {
         name,
         label,
@@ -81,41 +76,191 @@ const fn rare(name: &'static str, label: &'static str, takes: Takes, help: &'sta
 
 /// All keys but `blend`, in the order in which they are shown.
 pub(crate) const KEYS: [Key; 35] = [
-    common("base_color", "Base colour", Takes::Color, "colour of a dielectric's body, or of a metal's reflection"),
-    common("metallic", "Metallic", SHARE, "0 is a dielectric, 1 a metal"),
+    common(
+        "base_color",
+        "Base colour",
+        Takes::Color,
+        "colour of a dielectric's body, or of a metal's reflection",
+    ),
+    common(
+        "metallic",
+        "Metallic",
+        SHARE,
+        "0 is a dielectric, 1 a metal",
+    ),
     common("roughness", "Roughness", SHARE, "perceptual roughness"),
-    common("emission", "Emission", Takes::Color, "emitted radiance, W/m²/sr"),
-    common("emission_strength", "Emission strength", log(0.0, 1000.0, ""), "factor on the emission"),
-    common("normal", "Normal", Takes::Link, "shading normal in the world"),
+    common(
+        "emission",
+        "Emission",
+        Takes::Color,
+        "emitted radiance, W/m²/sr",
+    ),
+    common(
+        "emission_strength",
+        "Emission strength",
+        log(0.0, 1000.0, ""),
+        "factor on the emission",
+    ),
+    common(
+        "normal",
+        "Normal",
+        Takes::Link,
+        "shading normal in the world",
+    ),
     common("bump", "Bump", Takes::Link, "height above the surface"),
-    rare("bump_scale", "Bump scale", log(0.0, 1.0, "m"), "metres per unit of the bump"),
-    rare("normal_scale", "Normal map scale", number(0.0, 2.0, ""), "factor on the normal map of the scene"),
-    rare("opacity", "Opacity", SHARE, "how much of the surface is there, in place of alpha"),
+    rare(
+        "bump_scale",
+        "Bump scale",
+        log(0.0, 1.0, "m"),
+        "metres per unit of the bump",
+    ),
+    rare(
+        "normal_scale",
+        "Normal map scale",
+        number(0.0, 2.0, ""),
+        "factor on the normal map of the scene",
+    ),
+    rare(
+        "opacity",
+        "Opacity",
+        SHARE,
+        "how much of the surface is there, in place of alpha",
+    ),
     rare("alpha", "Alpha", SHARE, "alpha of the base colour"),
-    rare("alpha_mode", "Alpha mode", Takes::Choice(&["opaque", "mask", "blend"]), "what alpha means"),
-    rare("alpha_cutoff", "Alpha cutoff", SHARE, "threshold of the alpha mode \"mask\""),
-    rare("specular", "Specular", SHARE, "weight of a dielectric's reflection"),
-    rare("specular_color", "Specular colour", Takes::Color, "tint of it at normal incidence"),
-    rare("ior", "Index of refraction", number(1.0, 3.0, ""), "of the dielectric"),
-    rare("transmission", "Transmission", SHARE, "share of the light below the reflection that goes through"),
-    rare("solid", "Solid", Takes::Bool, "the surface bounds a body, which refracts"),
-    rare("attenuation_color", "Attenuation colour", Takes::Color, "white light has this colour after the attenuation distance"),
-    rare("attenuation_distance", "Attenuation distance", log(0.0001, 10.0, "m"), "way through the body"),
-    rare("dispersion", "Dispersion", number(0.0, 2.0, ""), "20 divided by the Abbe number of the body"),
-    rare("priority", "Priority", Takes::Whole { range: (-10, 10) }, "whose inside it is where bodies overlap"),
-    rare("diffuse_transmission", "Diffuse transmission", SHARE, "share of the diffuse light that comes out on the other side"),
-    rare("diffuse_transmission_color", "Diffuse transmission colour", Takes::Color, "its colour"),
+    rare(
+        "alpha_mode",
+        "Alpha mode",
+        Takes::Choice(&["opaque", "mask", "blend"]),
+        "what alpha means",
+    ),
+    rare(
+        "alpha_cutoff",
+        "Alpha cutoff",
+        SHARE,
+        "threshold of the alpha mode \"mask\"",
+    ),
+    rare(
+        "specular",
+        "Specular",
+        SHARE,
+        "weight of a dielectric's reflection",
+    ),
+    rare(
+        "specular_color",
+        "Specular colour",
+        Takes::Color,
+        "tint of it at normal incidence",
+    ),
+    rare(
+        "ior",
+        "Index of refraction",
+        number(1.0, 3.0, ""),
+        "of the dielectric",
+    ),
+    rare(
+        "transmission",
+        "Transmission",
+        SHARE,
+        "share of the light below the reflection that goes through",
+    ),
+    rare(
+        "solid",
+        "Solid",
+        Takes::Bool,
+        "the surface bounds a body, which refracts",
+    ),
+    rare(
+        "attenuation_color",
+        "Attenuation colour",
+        Takes::Color,
+        "white light has this colour after the attenuation distance",
+    ),
+    rare(
+        "attenuation_distance",
+        "Attenuation distance",
+        log(0.0001, 10.0, "m"),
+        "way through the body",
+    ),
+    rare(
+        "dispersion",
+        "Dispersion",
+        number(0.0, 2.0, ""),
+        "20 divided by the Abbe number of the body",
+    ),
+    rare(
+        "priority",
+        "Priority",
+        Takes::Whole { range: (-10, 10) },
+        "whose inside it is where bodies overlap",
+    ),
+    rare(
+        "diffuse_transmission",
+        "Diffuse transmission",
+        SHARE,
+        "share of the diffuse light that comes out on the other side",
+    ),
+    rare(
+        "diffuse_transmission_color",
+        "Diffuse transmission colour",
+        Takes::Color,
+        "its colour",
+    ),
     rare("coat", "Coat", SHARE, "weight of a clear coat"),
-    rare("coat_roughness", "Coat roughness", SHARE, "perceptual roughness of the coat"),
-    rare("sheen_color", "Sheen colour", Takes::Color, "sheen of cloth; black is none"),
-    rare("sheen_roughness", "Sheen roughness", SHARE, "perceptual roughness of the sheen"),
-    rare("anisotropy", "Anisotropy", SHARE, "how far reflections are stretched"),
-    rare("anisotropy_rotation", "Anisotropy rotation", number(-180.0, 180.0, "°"), "where to, counter-clockwise from the tangent"),
+    rare(
+        "coat_roughness",
+        "Coat roughness",
+        SHARE,
+        "perceptual roughness of the coat",
+    ),
+    rare(
+        "sheen_color",
+        "Sheen colour",
+        Takes::Color,
+        "sheen of cloth; black is none",
+    ),
+    rare(
+        "sheen_roughness",
+        "Sheen roughness",
+        SHARE,
+        "perceptual roughness of the sheen",
+    ),
+    rare(
+        "anisotropy",
+        "Anisotropy",
+        SHARE,
+        "how far reflections are stretched",
+    ),
+    rare(
+        "anisotropy_rotation",
+        "Anisotropy rotation",
+        number(-180.0, 180.0, "°"),
+        "where to, counter-clockwise from the tangent",
+    ),
     rare("iridescence", "Iridescence", SHARE, "weight of a thin film"),
-    rare("iridescence_thickness", "Film thickness", number(0.0, 1200.0, "nm"), "of the thin film"),
-    rare("iridescence_ior", "Film index of refraction", number(1.0, 3.0, ""), "of the thin film"),
-    rare("double_sided", "Double sided", Takes::Bool, "both sides reflect and emit"),
-    rare("unlit", "Unlit", Takes::Bool, "the base colour is shown as it is"),
+    rare(
+        "iridescence_thickness",
+        "Film thickness",
+        number(0.0, 1200.0, "nm"),
+        "of the thin film",
+    ),
+    rare(
+        "iridescence_ior",
+        "Film index of refraction",
+        number(1.0, 3.0, ""),
+        "of the thin film",
+    ),
+    rare(
+        "double_sided",
+        "Double sided",
+        Takes::Bool,
+        "both sides reflect and emit",
+    ),
+    rare(
+        "unlit",
+        "Unlit",
+        Takes::Bool,
+        "the base colour is shown as it is",
+    ),
 ];
 
 impl Key {
@@ -209,7 +354,10 @@ mod tests {
     #[test]
     fn everything_a_node_can_drive_is_there() {
         for output in Output::ALL {
-            assert!(KEYS.iter().any(|key| key.name == output.key()), "{output:?}");
+            assert!(
+                KEYS.iter().any(|key| key.name == output.key()),
+                "{output:?}"
+            );
         }
     }
 
@@ -231,7 +379,11 @@ mod tests {
             };
             for value in values.iter().map(written).chain(words) {
                 let head = "[node.n]\ntexture = 't'\n[material.M]\nattenuation_distance = 1\n";
-                let bump = if key.name == "bump_scale" { "bump = 'n'\n" } else { "" };
+                let bump = if key.name == "bump_scale" {
+                    "bump = 'n'\n"
+                } else {
+                    ""
+                };
                 let text = format!("{head}{bump}");
                 let mut document = Document::new(Path::new("a"), &text).expect("a look");
                 let edit = Edit::material("M", key.name, value.clone());
@@ -252,7 +404,11 @@ mod tests {
                     let is_known = |v: &Value| words.iter().any(|&w| *v == Value::Text(w.into()));
                     assert!(constant.is_some_and(|v| is_known(&v)), "{}", key.name);
                 }
-                _ => assert!(constant.and_then(|v| key.shown(&v)).is_some(), "{}", key.name),
+                _ => assert!(
+                    constant.and_then(|v| key.shown(&v)).is_some(),
+                    "{}",
+                    key.name
+                ),
             }
         }
     }

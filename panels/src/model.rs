@@ -194,7 +194,9 @@ impl Model {
             _ => self.check(self.graph.name(source), swizzle, target).is_ok(),
         };
         let candidates = self.graph.ids().filter_map(|id| {
-            let fitting = [None, first].into_iter().find(|&swizzle| fits(id, swizzle))?;
+            let fitting = [None, first]
+                .into_iter()
+                .find(|&swizzle| fits(id, swizzle))?;
             Some((self.graph.name(id).to_owned(), fitting))
         });
         candidates.collect()

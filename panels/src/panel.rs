@@ -254,7 +254,9 @@ fn graph_form(ui: &mut Ui, cx: &mut Context<'_>, family: &[&str], graph: &mut Gr
     ui.allocate_ui_with_layout(size, layout, |ui| graph.show(ui, cx, family));
     if let Some(node) = graph.selected().map(str::to_owned) {
         ui.separator();
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| list::node(ui, cx, &node));
+        ScrollArea::vertical()
+            .auto_shrink(false)
+            .show(ui, |ui| list::node(ui, cx, &node));
     }
 }
 
@@ -366,15 +368,15 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// A menu by right click that takes back what was set.
+    /// A menu by right click on a row that takes back what was set.
     pub(crate) fn reset_menu(
         &mut self,
-        response: &Response,
+        row: &Response,
         is_set: bool,
         label: &str,
         edits: Vec<Edit>,
     ) {
-        response.context_menu(|ui| {
+        row.container_context_menu(|ui| {
             let reset = ui.add_enabled(is_set, egui::Button::new("Reset"));
             if reset.clicked() {
                 self.edit(&format!("reset {label}"), edits, None);
@@ -395,14 +397,17 @@ impl<'a> Context<'a> {
         let (texture, error) = previews.picture(ui.ctx(), document, textures, model, node);
         if let Some(texture) = texture {
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(texture.id(), place, whole, Color32::WHITE);
+            ui.painter()
+                .image(texture.id(), place, whole, Color32::WHITE);
         }
         if let Some(error) = error {
             let color = ui.visuals().error_fg_color;
             let stroke = egui::Stroke::new(1.0, color);
-            ui.painter().rect_stroke(place, 2.0, stroke, egui::StrokeKind::Inside);
+            ui.painter()
+                .rect_stroke(place, 2.0, stroke, egui::StrokeKind::Inside);
             let id = ui.scope_id().with(("preview", node));
-            ui.interact(place, id, egui::Sense::hover()).on_hover_text(error);
+            ui.interact(place, id, egui::Sense::hover())
+                .on_hover_text(error);
         }
     }
 

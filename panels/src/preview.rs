@@ -102,8 +102,7 @@ impl Previews {
     ) -> (Option<&TextureHandle>, Option<&str>) {
         self.receive(ctx);
         let is_shown = self.shown.as_ref().is_some_and(|shown| {
-            shown.revision == document.revision()
-                && Arc::ptr_eq(&shown.textures, &textures.library)
+            shown.revision == document.revision() && Arc::ptr_eq(&shown.textures, &textures.library)
         });
         if !is_shown {
             self.shown = Some(Shown {
@@ -174,7 +173,9 @@ fn hash_of(shown: &mut Shown, model: &Model, node: &str) -> u64 {
             hash_value(&field.value.value, &mut hasher);
         }
         let texture = shown.textures.get(&table.texture.value);
-        texture.map(|texture| texture.file().text()).hash(&mut hasher);
+        texture
+            .map(|texture| texture.file().text())
+            .hash(&mut hasher);
     }
     let hash = hasher.finish();
     shown.hashes.insert(node.to_owned(), hash);
@@ -189,7 +190,9 @@ fn hash_value(value: &Value, hasher: &mut DefaultHasher) {
         Value::Integer(i) => i.hash(hasher),
         Value::Float(f) => f.to_bits().hash(hasher),
         Value::Text(text) => text.hash(hasher),
-        Value::List(items) => items.iter().for_each(|item| hash_value(&item.value, hasher)),
+        Value::List(items) => items
+            .iter()
+            .for_each(|item| hash_value(&item.value, hasher)),
         Value::Table(fields) => {
             for field in fields {
                 field.key.value.hash(hasher);
@@ -307,7 +310,10 @@ mod tests {
 
     fn textures() -> Textures {
         let mut sources = TextureSources::default();
-        sources.insert("ramp", "fn userProc() -> f32 { return readAttr(TexCoord0).x; }");
+        sources.insert(
+            "ramp",
+            "fn userProc() -> f32 { return readAttr(TexCoord0).x; }",
+        );
         sources.insert(
             "tint",
             "fn userProc(x: f32, red: f32) -> vec3f { return vec3f(red, x, 0.0); }",

@@ -38,7 +38,8 @@ impl Random {
 fn textures() -> Textures {
     let mut sources = TextureSources::default();
     let mask = "/// @param amount share [0 .. 1] = 0.5\nfn userProc(amount: f32, scale: f32) -> f32 { return amount * scale; }";
-    let tint = "fn userProc(color: vec3f, shade: ramp1D, factor: f32) -> vec3f { return color * factor; }";
+    let tint =
+        "fn userProc(color: vec3f, shade: ramp1D, factor: f32) -> vec3f { return color * factor; }";
     sources.insert("mask", mask);
     sources.insert("tint", tint);
     let textures = Textures::load(&sources);
@@ -49,8 +50,12 @@ fn textures() -> Textures {
 /// Does something; the outcome of what a user can't do doesn't matter.
 fn act(random: &mut Random, document: &mut Document, textures: &Textures) {
     let model = Model::new(document, &textures.library);
-    let nodes: Vec<String> =
-        document.look().nodes.iter().map(|n| n.name.value.clone()).collect();
+    let nodes: Vec<String> = document
+        .look()
+        .nodes
+        .iter()
+        .map(|n| n.name.value.clone())
+        .collect();
     let materials = ["Iron", "Paint", "New Metal"];
     let node = random.pick(&nodes).cloned().unwrap_or_default();
     let material = materials[random.below(3)].to_owned();
@@ -80,7 +85,11 @@ fn act(random: &mut Random, document: &mut Document, textures: &Textures) {
                 stops: vec![(random.unit(), [random.unit(); 4]), (1.0, [1.0; 4])],
                 interpolation: Interpolation::Smooth,
             };
-            Ok(vec![Edit::argument(&node, "shade", &texgen::Value::Ramp(ramp))])
+            Ok(vec![Edit::argument(
+                &node,
+                "shade",
+                &texgen::Value::Ramp(ramp),
+            )])
         }
         3 => Ok(vec![Edit::Clear {
             section,
@@ -88,13 +97,20 @@ fn act(random: &mut Random, document: &mut Document, textures: &Textures) {
         }]),
         4 => Ok(edits::add_node(document, ["mask", "tint", "odd name"][random.below(3)]).1),
         5 if !nodes.is_empty() => {
-            let some: Vec<String> =
-                nodes.iter().filter(|_| random.below(3) == 0).cloned().collect();
+            let some: Vec<String> = nodes
+                .iter()
+                .filter(|_| random.below(3) == 0)
+                .cloned()
+                .collect();
             Ok(edits::remove_nodes(document, &model, &some))
         }
         6 if !nodes.is_empty() => {
-            let some: Vec<String> =
-                nodes.iter().take(4).filter(|_| random.below(2) == 0).cloned().collect();
+            let some: Vec<String> = nodes
+                .iter()
+                .take(4)
+                .filter(|_| random.below(2) == 0)
+                .cloned()
+                .collect();
             Ok(edits::duplicate(document, &model, &some).1)
         }
         7 | 8 => {
@@ -120,7 +136,10 @@ fn act(random: &mut Random, document: &mut Document, textures: &Textures) {
             };
             let name = ["near", "far"][random.below(2)];
             let intensity = Edit::environment("intensity", Value::number(random.unit()));
-            Ok(Edit::ao(name, &settings).into_iter().chain([intensity]).collect())
+            Ok(Edit::ao(name, &settings)
+                .into_iter()
+                .chain([intensity])
+                .collect())
         }
     };
     // What is refused leaves no trace; that is checked with everything else.
@@ -174,7 +193,10 @@ fn random_edits_are_looks_and_can_be_undone() {
             let (told, now) = (told.fields(), document.text());
             let now = LookDocument::parse(path, now).unwrap_or_else(|e| panic!("{e}"));
             let now = Value::Table(now.fields());
-            assert!(Value::Table(told).is_same(&now), "the renderer has another look");
+            assert!(
+                Value::Table(told).is_same(&now),
+                "the renderer has another look"
+            );
         }
         let mut steps = 0;
         while document.undo() {

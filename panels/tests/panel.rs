@@ -30,7 +30,12 @@ fn harness(form: Form) -> Harness<'static, State> {
     sources.insert("tint", TINT);
     sources.insert("broken", "fn userProc() -> f32 { return nothing; }");
     let textures = Textures::load(&sources);
-    let good: Vec<&str> = textures.library.textures().iter().map(|t| t.name()).collect();
+    let good: Vec<&str> = textures
+        .library
+        .textures()
+        .iter()
+        .map(|t| t.name())
+        .collect();
     assert_eq!(good, ["mask", "tint"], "{:?}", textures.broken);
     let material = |name: &str| Material {
         name: name.to_owned(),
@@ -45,15 +50,19 @@ fn harness(form: Form) -> Harness<'static, State> {
         textures,
         materials: vec![material("Iron"), material("Paint")],
     };
-    let mut harness = Harness::builder().with_size(vec2(700.0, 1600.0)).build_ui_state(
-        |ui, state: &mut State| {
-            let scene = SceneView {
-                materials: &state.materials,
-            };
-            state.panel.show(ui, &mut state.document, &state.textures, scene);
-        },
-        state,
-    );
+    let mut harness = Harness::builder()
+        .with_size(vec2(700.0, 1600.0))
+        .build_ui_state(
+            |ui, state: &mut State| {
+                let scene = SceneView {
+                    materials: &state.materials,
+                };
+                state
+                    .panel
+                    .show(ui, &mut state.document, &state.textures, scene);
+            },
+            state,
+        );
     harness.run();
     harness
 }
@@ -66,7 +75,10 @@ fn text(harness: &Harness<'_, State>) -> String {
 fn assert_kept(harness: &Harness<'_, State>, but: &str) {
     let text = text(harness);
     for line in LOOK.lines().filter(|line| !line.starts_with(but)) {
-        assert!(text.lines().any(|l| l == line), "{line} is missing:\n{text}");
+        assert!(
+            text.lines().any(|l| l == line),
+            "{line} is missing:\n{text}"
+        );
     }
 }
 
@@ -143,7 +155,11 @@ fn numbers_and_seeds_are_written() {
     harness.event(egui::Event::Text("0.75".to_owned()));
     harness.key_press(Key::Enter);
     harness.run();
-    assert!(text(&harness).contains("amount   = 0.75 # a quarter"), "{}", text(&harness));
+    assert!(
+        text(&harness).contains("amount   = 0.75 # a quarter"),
+        "{}",
+        text(&harness)
+    );
     let undone = harness.state_mut().document.undo() && harness.state_mut().document.undo();
     assert!(undone);
     assert_eq!(text(&harness), LOOK);
@@ -152,7 +168,9 @@ fn numbers_and_seeds_are_written() {
 #[test]
 fn a_link_is_taken_away_and_a_constant_set() {
     let mut harness = harness(Form::List);
-    harness.get_by_label("Disconnect Base colour of Iron").click();
+    harness
+        .get_by_label("Disconnect Base colour of Iron")
+        .click();
     harness.run();
     assert!(!text(&harness).contains("base_color"));
     assert_kept(&harness, "base_color");
@@ -193,10 +211,18 @@ fn a_node_is_added_by_search() {
     assert!(harness.query_by_label("tint").is_none());
     harness.get_by_label("mask").click();
     harness.run();
-    assert!(text(&harness).contains("[node.mask]\ntexture = \"mask\""), "{}", text(&harness));
+    assert!(
+        text(&harness).contains("[node.mask]\ntexture = \"mask\""),
+        "{}",
+        text(&harness)
+    );
     assert_kept(&harness, "no line");
     // It stands among those that nobody needs, and can be changed at once.
-    assert!(harness.query_by_role_and_label(Role::Slider, "amount of mask").is_some());
+    assert!(
+        harness
+            .query_by_role_and_label(Role::Slider, "amount of mask")
+            .is_some()
+    );
 }
 
 #[test]
@@ -205,7 +231,11 @@ fn sockets_are_connected_by_dragging() {
     let from = center(&harness, Role::Button, "Output rust");
     let to = center(&harness, Role::Button, "Input factor of paint");
     drag(&mut harness, from, to - from);
-    assert!(text(&harness).contains("factor = \"rust\""), "{}", text(&harness));
+    assert!(
+        text(&harness).contains("factor = \"rust\""),
+        "{}",
+        text(&harness)
+    );
     assert_kept(&harness, "no line");
 
     // It would close a circle.
@@ -232,19 +262,34 @@ fn sockets_are_connected_by_dragging() {
 #[test]
 fn nodes_are_duplicated_and_deleted() {
     let mut harness = harness(Form::Graph);
-    harness.get_by_role_and_label(Role::Button, "node paint").click();
+    harness
+        .get_by_role_and_label(Role::Button, "node paint")
+        .click();
     harness.run();
-    harness.get_by_role_and_label(Role::Button, "Duplicate").click();
+    harness
+        .get_by_role_and_label(Role::Button, "Duplicate")
+        .click();
     harness.run();
     assert!(text(&harness).contains("[node.paint_2]\ntexture = \"tint\"\ncolor = \"#7a3b12\""));
     harness.state_mut().document.undo();
     harness.run();
-    harness.get_by_role_and_label(Role::Button, "node paint").click();
+    harness
+        .get_by_role_and_label(Role::Button, "node paint")
+        .click();
     harness.run();
+    eprintln!(
+        "{:?} {:?}",
+        harness.ctx.input(|i| i.pointer.latest_pos()),
+        harness.ctx.text_edit_focused()
+    );
     harness.key_press(Key::Delete);
     harness.run();
+    eprintln!("message {:?}", harness.state().panel.message());
     let text = text(&harness);
-    assert!(!text.contains("paint") && !text.contains("base_color"), "{text}");
+    assert!(
+        !text.contains("paint") && !text.contains("base_color"),
+        "{text}"
+    );
     assert!(text.contains("# What rusts."));
     harness.state_mut().document.undo();
     assert_eq!(harness.state().document.text(), LOOK);

@@ -6,7 +6,8 @@ use crate::load;
 use crate::procedural::UpdateError;
 use crate::renderer::Touched;
 use crate::scene::look::{
-    EnvironmentLook, Look, LookDocument, MaterialLook, Section, Spanned, Table, find, placed_fields, table,
+    EnvironmentLook, Look, LookDocument, MaterialLook, Section, Spanned, Table, find,
+    placed_fields, table,
 };
 use crate::scene::{Camera, Environment, Material};
 

@@ -2,7 +2,9 @@
 
 use egui::accesskit::Role;
 use egui::text::LayoutJob;
-use egui::{Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::{
+    Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
+};
 use engine::procedural::{Kind, Output};
 use texgen::{OutputType, ParameterType, Swizzle};
 
@@ -116,7 +118,14 @@ impl GraphView {
         paint_body(ui, card, subject, is_selected);
         let title = pos2(card.left() + 2.0 * MARGIN, card.top() + 0.5 * TITLE);
         let color = ui.visuals().strong_text_color();
-        write(ui, title, Align2::LEFT_CENTER, name, WIDTH - 4.0 * MARGIN, color);
+        write(
+            ui,
+            title,
+            Align2::LEFT_CENTER,
+            name,
+            WIDTH - 4.0 * MARGIN,
+            color,
+        );
         let top = match subject {
             Subject::Node(node) => {
                 self.outputs(ui, cx, node, card, sockets);
@@ -147,7 +156,8 @@ impl GraphView {
                     self.selected.remove(node);
                 } else {
                     // What is selected is dragged as a whole.
-                    if !is_added && !(is_in && body.drag_started()) {
+                    let is_moved = is_in && body.drag_started();
+                    if !(is_added || is_moved) {
                         self.selected.clear();
                     }
                     self.selected.insert(node.to_owned());
@@ -172,7 +182,11 @@ impl GraphView {
         if body.dragged() {
             let moved = body.drag_delta();
             let ids: Vec<String> = match subject {
-                Subject::Node(_) => self.selected.iter().map(|n| Subject::Node(n).id()).collect(),
+                Subject::Node(_) => self
+                    .selected
+                    .iter()
+                    .map(|n| Subject::Node(n).id())
+                    .collect(),
                 Subject::Material(_) => vec![subject.id()],
             };
             for id in ids {
@@ -191,9 +205,19 @@ impl GraphView {
         sockets: &mut Sockets,
     ) {
         let Some(output) = cx.model.texture(node).map(|texture| texture.output()) else {
-            let place = pos2(card.left() + 3.0 * MARGIN + PREVIEW, card.top() + TITLE + ROW);
+            let place = pos2(
+                card.left() + 3.0 * MARGIN + PREVIEW,
+                card.top() + TITLE + ROW,
+            );
             let color = ui.visuals().error_fg_color;
-            write(ui, place, Align2::LEFT_CENTER, "no texture", WIDTH - PREVIEW, color);
+            write(
+                ui,
+                place,
+                Align2::LEFT_CENTER,
+                "no texture",
+                WIDTH - PREVIEW,
+                color,
+            );
             return;
         };
         let count = output.components();
@@ -207,7 +231,14 @@ impl GraphView {
             let text = center - vec2(2.0 * MARGIN, 0.0);
             let color = ui.visuals().weak_text_color();
             write(ui, text, Align2::RIGHT_CENTER, component, ROW, color);
-            self.output(ui, node, component.parse().ok(), center, color_of(1), sockets);
+            self.output(
+                ui,
+                node,
+                component.parse().ok(),
+                center,
+                color_of(1),
+                sockets,
+            );
         }
     }
 
@@ -239,7 +270,10 @@ impl GraphView {
         sockets.outputs.insert(source, center);
     }
 
-    #[expect(clippy::too_many_arguments, reason = "what a row of a card consists of")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "what a row of a card consists of"
+    )]
     fn input(
         &mut self,
         ui: &mut Ui,
@@ -253,7 +287,14 @@ impl GraphView {
         let full = list::target_name(&target, label);
         let text = center + vec2(2.0 * MARGIN, 0.0);
         let ink = ui.visuals().text_color();
-        write(ui, text, Align2::LEFT_CENTER, label, WIDTH - 3.0 * MARGIN, ink);
+        write(
+            ui,
+            text,
+            Align2::LEFT_CENTER,
+            label,
+            WIDTH - 3.0 * MARGIN,
+            ink,
+        );
         let socket = socket(ui, center, &format!("Input {full}"), color);
         let wire = cx.model.source(&target).cloned();
         if let (true, Some(wire)) = (socket.drag_started(), &wire) {
@@ -266,7 +307,9 @@ impl GraphView {
             });
         }
         sockets.is_dropped |= socket.drag_stopped();
-        list::link_menu(cx, &socket, &target, &full, wire.is_some(), "Disconnect");
+        socket.context_menu(|ui| {
+            list::link_menu(ui, cx, &target, &full, wire.is_some(), "Disconnect");
+        });
         sockets.inputs.insert(target, center);
     }
 }
@@ -289,13 +332,7 @@ fn paint_body(ui: &Ui, card: Rect, subject: Subject<'_>, is_selected: bool) {
 }
 
 /// The rows of a blend's two sides; gives where the next row begins.
-fn sides(
-    ui: &Ui,
-    cx: &Context<'_>,
-    material: &str,
-    card: Rect,
-    sockets: &mut Sockets,
-) -> f32 {
+fn sides(ui: &Ui, cx: &Context<'_>, material: &str, card: Rect, sockets: &mut Sockets) -> f32 {
     let top = card.top() + TITLE;
     let Some(names) = cx.model.sides(material) else {
         return top;
@@ -309,7 +346,14 @@ fn sides(
         };
         let color = ui.visuals().weak_text_color();
         let start = place + vec2(2.0 * MARGIN, 0.0);
-        write(ui, start, Align2::LEFT_CENTER, &text, WIDTH - 3.0 * MARGIN, color);
+        write(
+            ui,
+            start,
+            Align2::LEFT_CENTER,
+            &text,
+            WIDTH - 3.0 * MARGIN,
+            color,
+        );
         if !itself {
             sockets.sides.push((name.to_owned(), place));
         }

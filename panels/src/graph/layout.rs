@@ -28,8 +28,9 @@ pub(super) fn arrange(cards: &[Card<'_>]) -> Vec<Pos2> {
         let mut members: Vec<usize> = (0..cards.len()).filter(|&i| depths[i] == column).collect();
         // At the height of its readers, which have their places by now.
         let wanted = |i: usize| {
-            let readers: Vec<usize> =
-                (cards[i].readers.iter().copied()).filter(|&r| depths[r] < column).collect();
+            let readers: Vec<usize> = (cards[i].readers.iter().copied())
+                .filter(|&r| depths[r] < column)
+                .collect();
             let sum: f32 = readers.iter().map(|&r| places[r].y).sum();
             match readers.len() {
                 0 => f32::MAX,
@@ -72,7 +73,10 @@ fn depth(cards: &[Card<'_>], first: usize, known: &mut HashMap<usize, usize>) {
             open.extend(missing);
             continue;
         }
-        let below = cards[i].readers.iter().filter_map(|reader| known.get(reader));
+        let below = cards[i]
+            .readers
+            .iter()
+            .filter_map(|reader| known.get(reader));
         let depth = below.max().map_or(0, |depth| depth + 1);
         known.insert(i, depth);
         open.pop();

@@ -122,8 +122,10 @@ impl GraphView {
         nodes.extend(model.loose_nodes(cx.document.look()));
         self.selected.retain(|node| nodes.contains(node));
         ui.horizontal(|ui| self.tools(ui, cx));
-        let mut subjects: Vec<Subject<'_>> =
-            materials.iter().map(|name| Subject::Material(name)).collect();
+        let mut subjects: Vec<Subject<'_>> = materials
+            .iter()
+            .map(|name| Subject::Material(name))
+            .collect();
         subjects.extend(nodes.iter().map(|name| Subject::Node(name)));
         self.place(cx, &subjects);
 
@@ -146,7 +148,8 @@ impl GraphView {
         self.seen = seen;
         self.background(cx, &shown.response);
         let pointer = ui.input(|input| input.pointer.latest_pos());
-        if pointer.is_some_and(|pointer| area.contains(pointer)) && !ui.text_edit_focused() {
+        let is_here = pointer.is_none_or(|pointer| area.contains(pointer));
+        if is_here && !ui.text_edit_focused() {
             self.keys(ui, cx);
         }
     }
@@ -205,7 +208,8 @@ impl GraphView {
                     Subject::Material(material)
                 }
             };
-            if let (Some(source), Some(reader)) = (index(Subject::Node(&wire.source)), index(reader))
+            if let (Some(source), Some(reader)) =
+                (index(Subject::Node(&wire.source)), index(reader))
             {
                 cards[source].readers.push(reader);
             }
@@ -233,7 +237,11 @@ impl GraphView {
         let mut shapes = Vec::new();
         for (material, end) in &sockets.sides {
             if let Some(&start) = sockets.surfaces.get(material) {
-                shapes.push(curve(start, *end, Stroke::new(1.0, color.gamma_multiply(0.5))));
+                shapes.push(curve(
+                    start,
+                    *end,
+                    Stroke::new(1.0, color.gamma_multiply(0.5)),
+                ));
             }
         }
         for wire in &model.wires {

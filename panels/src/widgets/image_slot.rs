@@ -50,7 +50,9 @@ impl ImageSlot {
                 slot.texture = Some(ctx.load_texture(name, image, TextureOptions::LINEAR));
             }
         }
-        let modified = std::fs::metadata(path).and_then(|file| file.modified()).ok();
+        let modified = std::fs::metadata(path)
+            .and_then(|file| file.modified())
+            .ok();
         let known = self.thumbnails.get(path);
         if known.is_none_or(|known| known.modified != modified) {
             let texture = None;
@@ -136,7 +138,10 @@ pub(crate) fn image_slot(
         }
         ui.horizontal_wrapped(|ui| {
             for (key, words) in [
-                ("color_space", ["srgb", "linear", "by its texture"].as_slice()),
+                (
+                    "color_space",
+                    ["srgb", "linear", "by its texture"].as_slice(),
+                ),
                 ("wrap", ["repeat", "mirror", "clamp"].as_slice()),
                 ("filter", ["linear", "nearest"].as_slice()),
             ] {

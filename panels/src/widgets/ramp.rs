@@ -54,7 +54,11 @@ pub(crate) fn color_at(ramp: &Ramp, at: f32) -> [f32; 4] {
         stops.get(next),
     ) else {
         // Outside, or without any stop.
-        let end = if next == 0 { stops.first() } else { stops.last() };
+        let end = if next == 0 {
+            stops.first()
+        } else {
+            stops.last()
+        };
         return end.map_or([0.0; 4], |stop| stop.1);
     };
     let t = (at - before.0) / (after.0 - before.0).max(f32::MIN_POSITIVE);
@@ -119,7 +123,9 @@ fn bar(ui: &mut Ui, label: &str, ramp: &mut Ramp, selected: &mut usize, is_curve
             && let Some(pointer) = handle.interact_pointer_pos()
         {
             let value = match is_curve {
-                true => round(top * ((curve.bottom() - pointer.y) / curve.height()).clamp(0.0, 1.0)),
+                true => {
+                    round(top * ((curve.bottom() - pointer.y) / curve.height()).clamp(0.0, 1.0))
+                }
                 false => color[0],
             };
             moved = Some((i, round(at_of(pointer.x)), value));
@@ -134,7 +140,9 @@ fn bar(ui: &mut Ui, label: &str, ramp: &mut Ramp, selected: &mut usize, is_curve
     }
     if let Some((i, at, value)) = moved {
         // Between its neighbours, so that it stays the one that is dragged.
-        let before = i.checked_sub(1).map_or(f32::NEG_INFINITY, |i| ramp.stops[i].0);
+        let before = i
+            .checked_sub(1)
+            .map_or(f32::NEG_INFINITY, |i| ramp.stops[i].0);
         let after = ramp.stops.get(i + 1).map_or(f32::INFINITY, |stop| stop.0);
         let stop = &mut ramp.stops[i];
         let was = *stop;
@@ -158,7 +166,8 @@ fn paint_colors(ui: &Ui, ramp: &Ramp, place: Rect, at_of: impl Fn(f32) -> f32) {
     }
     ui.painter().add(Shape::mesh(mesh));
     let stroke = ui.visuals().widgets.noninteractive.bg_stroke;
-    ui.painter().rect_stroke(place, 0.0, stroke, StrokeKind::Outside);
+    ui.painter()
+        .rect_stroke(place, 0.0, stroke, StrokeKind::Outside);
 }
 
 fn paint_curve(
@@ -169,7 +178,8 @@ fn paint_curve(
     y_of: impl Fn(f32) -> f32,
 ) {
     let visuals = ui.visuals();
-    ui.painter().rect_filled(place, 0.0, visuals.extreme_bg_color);
+    ui.painter()
+        .rect_filled(place, 0.0, visuals.extreme_bg_color);
     let steps = place.width().max(1.0) as u32;
     let points: Vec<Pos2> = (0..=steps)
         .map(|step| {
