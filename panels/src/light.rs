@@ -119,7 +119,13 @@ fn environment_color(ui: &mut Ui, cx: &mut Context<'_>) {
         widget: Widget::Color,
     };
     let value = texgen::Value::Vec3(shown.unwrap_or_default().to_array());
-    let (_, edited) = row(ui, "Colour", true, |ui| edit(ui, &spec, &value));
+    let (_, edited) = row(
+        ui,
+        "Colour",
+        "linear radiance from everywhere",
+        true,
+        |ui| edit(ui, &spec, &value),
+    );
     if let Some(value) = &edited.value {
         let edit = Edit::environment("color", written(value));
         cx.edit(label, vec![edit], Some(&edited.response));
@@ -131,7 +137,7 @@ fn environment_image(ui: &mut Ui, cx: &mut Context<'_>) {
     let Some(Value::Text(path)) = image else {
         return;
     };
-    row(ui, "Image", true, |ui| {
+    row(ui, "Image", "an equirectangular picture", true, |ui| {
         let mut shown = path.clone();
         let field = ui.text_edit_singleline(&mut shown);
         name(&field, "Environment image");
@@ -159,7 +165,7 @@ fn environment_number(ui: &mut Ui, cx: &mut Context<'_>, number: &Number) {
     };
     let value = texgen::Value::F32(shown.map_or(number.otherwise, |x| x as f32));
     let is_set = written_value.is_some();
-    let (_, edited) = row(ui, number.label, is_set, |ui| edit(ui, &spec, &value));
+    let (whole, edited) = row(ui, number.label, "", is_set, |ui| edit(ui, &spec, &value));
     if let Some(value) = &edited.value {
         let edit = Edit::environment(number.key, written(value));
         cx.edit(&label, vec![edit], Some(&edited.response));
@@ -168,13 +174,14 @@ fn environment_number(ui: &mut Ui, cx: &mut Context<'_>, number: &Number) {
         section: Section::Environment,
         key: number.key.to_owned(),
     };
-    cx.reset_menu(&edited.response, is_set, &label, vec![clear]);
+    cx.reset_menu(&whole, is_set, &label, vec![clear]);
 }
 
 fn environment_sun(ui: &mut Ui, cx: &mut Context<'_>) {
     let shown = cx.document.value(&Section::Environment, "sky.sun");
     let mut is_there = shown != Some(Value::Bool(false));
-    let (_, switch) = row(ui, "Sun", shown.is_some(), |ui| {
+    let help = "without it: the sky alone, as in the shadow of a house";
+    let (_, switch) = row(ui, "Sun", help, shown.is_some(), |ui| {
         ui.checkbox(&mut is_there, "")
     });
     name(&switch, "Sun of the environment");
@@ -245,6 +252,7 @@ fn occlusion_table(ui: &mut Ui, cx: &mut Context<'_>, table: &AoLook) {
         (
             "distance",
             "Distance",
+            "how far occlusion reaches",
             texgen::Value::F32(settings.distance),
             (0.001, 10.0),
             // As small as it can be drawn, but not nothing.
@@ -255,6 +263,7 @@ fn occlusion_table(ui: &mut Ui, cx: &mut Context<'_>, table: &AoLook) {
         (
             "samples",
             "Samples",
+            "rays per hit",
             texgen::Value::U32(settings.samples),
             (1.0, 64.0),
             (1.0, 255.0),
@@ -262,7 +271,7 @@ fn occlusion_table(ui: &mut Ui, cx: &mut Context<'_>, table: &AoLook) {
             Widget::Plain,
         ),
     ];
-    for (key, label, value, range, (min, max), unit, widget) in numbers {
+    for (key, label, help, value, range, (min, max), unit, widget) in numbers {
         let full = format!("{label} of {table_name}");
         let spec = Spec {
             name: full.clone(),
@@ -272,7 +281,7 @@ fn occlusion_table(ui: &mut Ui, cx: &mut Context<'_>, table: &AoLook) {
             widget,
         };
         let is_set = cx.document.value(&section(), key).is_some();
-        let (_, edited) = row(ui, label, is_set, |ui| edit(ui, &spec, &value));
+        let (whole, edited) = row(ui, label, help, is_set, |ui| edit(ui, &spec, &value));
         if let Some(value) = &edited.value {
             let edit = Edit::set(section(), key, written(value));
             cx.edit(&full, vec![edit], Some(&edited.response));
@@ -288,7 +297,7 @@ fn occlusion_table(ui: &mut Ui, cx: &mut Context<'_>, table: &AoLook) {
                 key: key.to_owned(),
             },
         };
-        cx.reset_menu(&edited.response, is_set, &full, vec![otherwise]);
+        cx.reset_menu(&whole, is_set, &full, vec![otherwise]);
     }
     let words = ["outside", "inside", "both"];
     let shown = match settings.direction {
@@ -297,16 +306,20 @@ fn occlusion_table(ui: &mut Ui, cx: &mut Context<'_>, table: &AoLook) {
         AoDirection::Both => words[2],
     };
     let full = format!("Direction of {table_name}");
-    let (text, picked) = row(ui, "Direction", true, |ui| choice(ui, &full, shown, &words));
-    text.on_hover_text("which side of the surface the rays are sent to");
+    let help = "which side of the surface the rays are sent to";
+    let (_, picked) = row(ui, "Direction", help, true, |ui| {
+        choice(ui, &full, shown, &words)
+    });
     if let Some(word) = picked.value {
         let edit = Edit::set(section(), "direction", Value::Text(word));
         cx.edit(&full, vec![edit], None);
     }
     let full = format!("Same object of {table_name}");
     let mut same = settings.same_object;
-    let (text, switch) = row(ui, "Same object", true, |ui| ui.checkbox(&mut same, ""));
-    text.on_hover_text("only the object itself occludes");
+    let help = "only the object itself occludes";
+    let (_, switch) = row(ui, "Same object", help, true, |ui| {
+        ui.checkbox(&mut same, "")
+    });
     name(&switch, &full);
     if switch.changed() {
         let edit = Edit::set(section(), "same_object", Value::Bool(same));

@@ -67,10 +67,10 @@ fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
         };
         let words: Vec<&str> = names.iter().filter(fits).map(String::as_str).collect();
         let label = format!("{side} of {material}");
-        let (_, picked) = row(ui, side, true, |ui| choice(ui, &label, chosen, &words));
-        picked
-            .response
-            .on_hover_text("a material that this one is blended of");
+        let help = "a material that this one is blended of";
+        let (_, picked) = row(ui, side, help, true, |ui| {
+            choice(ui, &label, chosen, &words)
+        });
         if let Some(other) = picked.value {
             let edit = Edit::set(section(), key, Value::Text(other));
             cx.edit(&label, vec![edit], None);
@@ -158,10 +158,9 @@ fn material_key(ui: &mut Ui, cx: &mut Context<'_>, material: &str, key: &Key) {
             driven(ui, cx, &target, key.label, key.help, is_set, widget);
         }
         None => {
-            let (text, response) = row(ui, key.label, is_set, |ui| widget(ui, cx));
-            text.on_hover_text(key.help);
+            let (whole, _) = row(ui, key.label, key.help, is_set, |ui| widget(ui, cx));
             let clear = Edit::reset_material(material, key.name);
-            cx.reset_menu(&response, is_set, &label, vec![clear]);
+            cx.reset_menu(&whole, is_set, &label, vec![clear]);
         }
     }
 }
@@ -240,7 +239,7 @@ fn driven(
 ) {
     let wire = cx.model.source(target).cloned();
     let full = target_name(target, label);
-    let (text, response) = row(ui, label, is_set, |ui| match &wire {
+    let (whole, _) = row(ui, label, help, is_set, |ui| match &wire {
         None => constant(ui, cx),
         Some(wire) => {
             let text = edits::link(&wire.source, wire.swizzle);
@@ -255,31 +254,25 @@ fn driven(
             link
         }
     });
-    let text = text.on_hover_text(help);
-    // The widget and its label have the same menu.
-    for place in [response, text] {
-        link_menu(cx, &place, target, &full, is_set, "Reset");
-    }
+    whole.container_context_menu(|ui| link_menu(ui, cx, target, &full, is_set, "Reset"));
 }
 
 /// The menu by right click of something that a node may drive; `clear` is what taking away is called.
 pub(crate) fn link_menu(
+    ui: &mut Ui,
     cx: &mut Context<'_>,
-    place: &Response,
     target: &Target,
     full: &str,
     is_set: bool,
     clear: &str,
 ) {
-    place.context_menu(|ui| {
-        let taken = ui.add_enabled(is_set, egui::Button::new(clear));
-        if taken.clicked() {
-            let edits = edits::disconnect(cx.document, target);
-            cx.edit(&format!("{} {full}", clear.to_lowercase()), edits, None);
-            ui.close();
-        }
-        ui.menu_button("Connect", |ui| connect_menu(ui, cx, target, full));
-    });
+    let taken = ui.add_enabled(is_set, egui::Button::new(clear));
+    if taken.clicked() {
+        let edits = edits::disconnect(cx.document, target);
+        cx.edit(&format!("{} {full}", clear.to_lowercase()), edits, None);
+        ui.close();
+    }
+    ui.menu_button("Connect", |ui| connect_menu(ui, cx, target, full));
 }
 
 fn connect_menu(ui: &mut Ui, cx: &mut Context<'_>, target: &Target, full: &str) {
@@ -418,12 +411,11 @@ pub(crate) fn node_parameter(ui: &mut Ui, cx: &mut Context<'_>, node: &str, para
             widget,
         );
     }
-    let (text, response) = row(ui, short_label(parameter), is_set, |ui| widget(ui, cx));
-    let text = text.on_hover_text(help);
-    for place in [&response, &text] {
-        let clear = Edit::reset(node, &parameter.name);
-        cx.reset_menu(place, is_set, &full, vec![clear]);
-    }
+    let (whole, _) = row(ui, short_label(parameter), &help, is_set, |ui| {
+        widget(ui, cx)
+    });
+    let clear = Edit::reset(node, &parameter.name);
+    cx.reset_menu(&whole, is_set, &full, vec![clear]);
 }
 
 /// What a parameter is called in the panel: as its texture calls it, unless that is a whole sentence.
@@ -482,12 +474,11 @@ fn occlusion(ui: &mut Ui, cx: &mut Context<'_>, node: &str, key: &str, otherwise
         _ => words[otherwise.min(words.len() - 1)],
     };
     let full = format!("{key} of {node}");
-    let (text, Edited { response, value }) =
-        row(ui, key, is_set, |ui| choice(ui, &full, shown, &words));
-    text.on_hover_text("which of the tables of ambient occlusion the texture reads");
-    if let Some(table) = value {
+    let help = "which of the tables of ambient occlusion the texture reads";
+    let (whole, picked) = row(ui, key, help, is_set, |ui| choice(ui, &full, shown, &words));
+    if let Some(table) = picked.value {
         let edit = Edit::set(section, key, Value::Text(table));
         cx.edit(&full, vec![edit], None);
     }
-    cx.reset_menu(&response, is_set, &full, vec![Edit::reset(node, key)]);
+    cx.reset_menu(&whole, is_set, &full, vec![Edit::reset(node, key)]);
 }

@@ -368,15 +368,15 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// A menu by right click that takes back what was set.
+    /// A menu by right click on a row that takes back what was set.
     pub(crate) fn reset_menu(
         &mut self,
-        response: &Response,
+        row: &Response,
         is_set: bool,
         label: &str,
         edits: Vec<Edit>,
     ) {
-        response.context_menu(|ui| {
+        row.container_context_menu(|ui| {
             let reset = ui.add_enabled(is_set, egui::Button::new("Reset"));
             if reset.clicked() {
                 self.edit(&format!("reset {label}"), edits, None);

@@ -277,8 +277,14 @@ fn nodes_are_duplicated_and_deleted() {
         .get_by_role_and_label(Role::Button, "node paint")
         .click();
     harness.run();
+    eprintln!(
+        "{:?} {:?}",
+        harness.ctx.input(|i| i.pointer.latest_pos()),
+        harness.ctx.text_edit_focused()
+    );
     harness.key_press(Key::Delete);
     harness.run();
+    eprintln!("message {:?}", harness.state().panel.message());
     let text = text(&harness);
     assert!(
         !text.contains("paint") && !text.contains("base_color"),

@@ -156,7 +156,8 @@ impl GraphView {
                     self.selected.remove(node);
                 } else {
                     // What is selected is dragged as a whole.
-                    if !is_added && !(is_in && body.drag_started()) {
+                    let is_moved = is_in && body.drag_started();
+                    if !(is_added || is_moved) {
                         self.selected.clear();
                     }
                     self.selected.insert(node.to_owned());
@@ -306,7 +307,9 @@ impl GraphView {
             });
         }
         sockets.is_dropped |= socket.drag_stopped();
-        list::link_menu(cx, &socket, &target, &full, wire.is_some(), "Disconnect");
+        socket.context_menu(|ui| {
+            list::link_menu(ui, cx, &target, &full, wire.is_some(), "Disconnect");
+        });
         sockets.inputs.insert(target, center);
     }
 }

@@ -148,7 +148,8 @@ impl GraphView {
         self.seen = seen;
         self.background(cx, &shown.response);
         let pointer = ui.input(|input| input.pointer.latest_pos());
-        if pointer.is_some_and(|pointer| area.contains(pointer)) && !ui.text_edit_focused() {
+        let is_here = pointer.is_none_or(|pointer| area.contains(pointer));
+        if is_here && !ui.text_edit_focused() {
             self.keys(ui, cx);
         }
     }

@@ -43,14 +43,15 @@ pub(crate) fn describe(response: &Response, role: Role, label: &str) {
     name(response, label);
 }
 
-/// A line with a label on the left and a widget on the right.
+/// A line with a label on the left, which `help` explains, and a widget on the right. Gives the response of the whole.
 pub(crate) fn row<R>(
     ui: &mut Ui,
     label: &str,
+    help: &str,
     is_set: bool,
     add: impl FnOnce(&mut Ui) -> R,
 ) -> (Response, R) {
-    ui.horizontal_wrapped(|ui| {
+    let row = ui.horizontal_wrapped(|ui| {
         let text = egui::RichText::new(label);
         let text = if is_set { text.strong() } else { text };
         let size = egui::vec2(
@@ -58,17 +59,16 @@ pub(crate) fn row<R>(
             ui.spacing().interact_size.y,
         );
         let layout = egui::Layout::left_to_right(egui::Align::Center);
-        let label = ui.allocate_ui_with_layout(size, layout, |ui| {
+        ui.allocate_ui_with_layout(size, layout, |ui| {
             ui.set_min_width(size.x);
-            ui.add(
-                egui::Label::new(text)
-                    .truncate()
-                    .sense(egui::Sense::click()),
-            )
+            let label = ui.add(egui::Label::new(text).truncate());
+            if !help.is_empty() {
+                label.on_hover_text(help);
+            }
         });
-        (label.inner, add(ui))
-    })
-    .inner
+        add(ui)
+    });
+    (row.response, row.inner)
 }
 
 /// A choice of some words.

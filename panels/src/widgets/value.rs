@@ -1,6 +1,6 @@
 //! Numbers, vectors, colours, switches, matrices and arrays.
 
-use egui::{DragValue, Slider, SliderClamping, Ui};
+use egui::{DragValue, PointerButton, Response, Slider, SliderClamping, Ui};
 use texgen::{Parameter, Value, Widget};
 
 use super::{Edited, name, ramp};
@@ -121,7 +121,10 @@ fn number(ui: &mut Ui, spec: &Spec<'_>, value: f32) -> Edited<f32> {
             .clamping(SliderClamping::Never);
         let slider = ui.add(slider);
         name(&slider, &spec.name);
-        changed |= slider.changed();
+        match is_slid(ui, &slider) {
+            true => changed = true,
+            false => shown = f64::from(value) * scale,
+        }
         response = Some(slider);
     }
     let field_name = match response {
@@ -141,6 +144,15 @@ fn number(ui: &mut Ui, spec: &Spec<'_>, value: f32) -> Edited<f32> {
         value: (changed && value.is_finite()).then_some(value),
         response,
     }
+}
+
+/// Whether a slider was moved. A right click moves it as well, but opens a menu.
+fn is_slid(ui: &Ui, slider: &Response) -> bool {
+    let by_menu = ui.input(|input| {
+        let pointer = &input.pointer;
+        pointer.secondary_down() || pointer.button_released(PointerButton::Secondary)
+    });
+    slider.changed() && !by_menu
 }
 
 fn drag_value<'v>(shown: &'v mut f64, spec: &Spec<'_>, scale: f64) -> DragValue<'v> {
@@ -171,6 +183,9 @@ fn whole(ui: &mut Ui, spec: &Spec<'_>, value: i64, bounds: (i64, i64)) -> Edited
             .clamping(SliderClamping::Never);
         let slider = ui.add(slider);
         name(&slider, &spec.name);
+        if !is_slid(ui, &slider) {
+            shown = value;
+        }
         response = Some(slider);
     }
     let field_name = match response {
