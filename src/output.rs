@@ -208,14 +208,14 @@ fn aside(path: &Path) -> Result<NamedTempFile, OutputError> {
 /// Of 100: artefacts are below the noise of a render.
 const JPEG_QUALITY: u8 = 90;
 
-/// A picture as a JPEG file in memory.
+/// A picture as a JPEG file in memory, brighter by `exposure` stops.
 ///
 /// # Errors
 /// It is too large for the format.
-pub(crate) fn jpeg(picture: &Picture) -> io::Result<Vec<u8>> {
+pub(crate) fn jpeg(picture: &Picture, exposure: f32) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
-    write_srgb(encoder, picture, 0.0)?;
+    write_srgb(encoder, picture, exposure)?;
     Ok(bytes)
 }
 

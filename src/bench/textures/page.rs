@@ -239,6 +239,8 @@ fn sweep(sweep: &SweepReport) -> Result<Markup, PageError> {
 /// The picture of each form and texture, once.
 fn pictures(figures: &Figures) -> Result<Markup, PageError> {
     let size = (figures.conditions.width, figures.conditions.height);
+    let first = figures.results.first();
+    let stops = first.map_or(0.0, |row| missing_stops(&row.picture));
     let mut shown = Vec::new();
     for (at, row) in figures.results.iter().enumerate() {
         let mut before = figures.results[..at].iter();
@@ -247,7 +249,7 @@ fn pictures(figures: &Figures) -> Result<Markup, PageError> {
                 && earlier.picture == row.picture
         });
         if is_new && !row.picture.is_empty() {
-            let jpeg = output::jpeg(&shrunk(&row.picture, size))?;
+            let jpeg = output::jpeg(&shrunk(&row.picture, size), stops)?;
             let uri = format!("data:image/jpeg;base64,{}", BASE64_STANDARD.encode(jpeg));
             let caption = match row.texture {
                 "rust" => format!("{}, rust, {} AO rays", row.mode, row.ao_rays),
@@ -262,7 +264,20 @@ fn pictures(figures: &Figures) -> Result<Markup, PageError> {
                 figure { img src=(uri) alt=(caption); figcaption { (caption) } }
             }
         }
+        @if stops > 0.0 { p.note { (format!("All brighter by {stops:.1} stops.")) } }
     })
+}
+
+/// Exposure that brings a dark picture to medium brightness; bright ones stay as they are.
+fn missing_stops(rgb: &[[f32; 3]]) -> f32 {
+    const MEDIUM: f32 = 0.25;
+    // Single bright samples don't count for more than white.
+    let values = rgb.iter().flatten().map(|value| value.clamp(0.0, 1.0));
+    let mean = values.sum::<f32>() / (3 * rgb.len()).max(1) as f32;
+    match mean > 0.0 {
+        true => (MEDIUM / mean).log2().clamp(0.0, 10.0),
+        false => 0.0,
+    }
 }
 
 /// A picture at most [`THUMBNAIL`] pixels wide: each pixel is the mean of a block, what doesn't fill a block is cut off.

@@ -146,6 +146,8 @@ fn the_page_is_well_formed_and_needs_no_other_file() {
     // The pictures of two forms and two numbers of rays all differ.
     assert_eq!(page.matches("data:image/jpeg;base64,").count(), 12);
     assert_eq!(page.matches("<svg").count(), 3);
+    // They are dark: (0.1 + 0.2) / 3 is brought to 0.25.
+    assert!(page.contains("All brighter by 1.3 stops."));
 }
 
 #[test]
