@@ -45,6 +45,7 @@ mod output;
 mod probe;
 mod reads;
 mod reload;
+mod rounds;
 mod sources;
 #[cfg(test)]
 mod tests;
@@ -173,6 +174,17 @@ impl Procedural {
     /// The generated kernel's text, for programs that need at most [`Self::stack_slots`] slots.
     pub fn kernel(&self) -> GeneratedKernel {
         self.graph.library().emit(self.stack_slots)
+    }
+
+    /// The same kernel for drivers that run all sides of a branch, with the textures in the order in which the programs
+    /// use them now: see [`texgen::Library::emit_in_rounds`].
+    ///
+    /// # Errors
+    /// As an edit that makes a program which can't be.
+    pub fn kernel_in_rounds(&self) -> Result<GeneratedKernel, CompileError> {
+        let order = rounds::order(&self.graph, self.wiring.iter())?;
+        let library = self.graph.library();
+        Ok(library.emit_in_rounds(self.stack_slots, &order))
     }
 
     /// Stack slots of the kernel.

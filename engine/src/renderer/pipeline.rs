@@ -130,6 +130,7 @@ pub(super) fn texture_kernel(
     form: TextureForm,
 ) -> Result<Kernel, RenderError> {
     let generated = match form {
+        TextureForm::Stack if gpu.is_cpu() => procedural.kernel_in_rounds()?,
         TextureForm::Stack => procedural.kernel(),
         TextureForm::Inlined => procedural.inlined()?.kernel,
     };
