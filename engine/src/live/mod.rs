@@ -351,11 +351,8 @@ impl LiveRender {
         match (checked, parse_look(&self.inputs, &text)) {
             (Ok(_), Ok(document)) => {
                 self.problems.file = Diagnostics::new();
-                let former = self.document.fields();
-                self.shown.get_or_insert(former);
-                self.document = document;
                 self.saved = text;
-                self.catch_up();
+                self.want(document);
             }
             (Err(problems), _) | (_, Err(problems)) => self.problems.file = problems,
         }
