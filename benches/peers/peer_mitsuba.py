@@ -62,8 +62,7 @@ def _mesh(mesh, material):
     parameters = mi.traverse(made)
     parameters["vertex_positions"] = mesh.positions.astype(np.float32).ravel()
     parameters["vertex_normals"] = mesh.normals.astype(np.float32).ravel()
-    # Mitsuba's v points up.
-    parameters["vertex_texcoords"] = (mesh.uvs * [1.0, -1.0] + [0.0, 1.0]).astype(np.float32).ravel()
+    parameters["vertex_texcoords"] = mesh.uvs.astype(np.float32).ravel()
     parameters["faces"] = mesh.triangles.astype(np.uint32).ravel()
     parameters.update()
     return made

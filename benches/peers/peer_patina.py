@@ -58,7 +58,8 @@ def textures(job):
     _call(
         job, "bench", "textures", "--scene", str(job.scene), "--material", job.material, "--look", str(_look(job)),
         "--size", f"{job.width}x{job.height}", "--spp", str(job.spp[0]), "--runs", str(job.runs),
-        "--max-depth", str(job.max_depth), "--ao-rays", ",".join(map(str, job.ao_samples)), "--json", str(figures),
+        "--max-depth", str(job.max_depth), "--ao-rays", ",".join(map(str, job.ao_samples)), "--modes", "stack",
+        "--json", str(figures),
     )  # fmt: skip
     measured = json.loads(figures.read_text())
     result = Result("", time.perf_counter() - start)

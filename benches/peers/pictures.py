@@ -17,10 +17,6 @@ import numpy as np
 
 from jobs import write_json
 
-# Relative errors are measured against the reference, but never against less than this share of its mean: else a few
-# dark pixels would decide.
-DARK = 0.1
-
 
 def load(path):
     """Linear floats of shape (height, width, 3), top row first, from .npy or OpenEXR."""
@@ -45,10 +41,12 @@ def reduced(picture, shape):
 
 
 def errors(picture, reference):
-    """Relative and absolute root mean square error over pixels and channels, and the mean over the reference's mean."""
-    floor = DARK * reference.mean()
+    """Relative and absolute root mean square error over pixels and channels, and the mean over the reference's mean.
+
+    Relative is to the reference, but never to less than its mean: else a few bright samples in dark corners would decide.
+    """
     difference = picture - reference
-    relative = difference / np.maximum(reference, floor)
+    relative = difference / np.maximum(reference, reference.mean())
     return {
         "relative_rmse": float(np.sqrt(np.mean(relative**2))),
         "rmse": float(np.sqrt(np.mean(difference**2))),

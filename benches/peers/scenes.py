@@ -73,7 +73,7 @@ def knot(scenes, reference):
     knots = {mesh.material for mesh in scene.meshes if mesh.name == "knot"}
     for number in knots:
         scene.materials[number] = GRAY
-    scene.camera = gltf.Camera.looking((0.0, 0.0, 2.0), (-0.25, -0.1, 0.0), 39.3)
+    scene.camera = gltf.Camera.looking((-0.1, 0.0, 1.55), (-0.3, -0.1, 0.0), 39.3)
     return scene, {"width": 256, "height": 256}
 
 
