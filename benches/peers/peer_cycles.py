@@ -139,6 +139,8 @@ def _surface(tree, material):
 
         image = tree.nodes.new("ShaderNodeTexImage")
         image.image = bpy.data.images.load(str(material.image), check_existing=True)
+        # Else colours are multiplied by an alpha that nobody asks for.
+        image.image.alpha_mode = "NONE"
         factor = tree.nodes.new("ShaderNodeVectorMath")
         factor.operation = "MULTIPLY"
         factor.inputs[1].default_value = material.color

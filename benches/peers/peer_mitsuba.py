@@ -48,11 +48,11 @@ def _image(material):
     return {"type": "bitmap", "bitmap": mi.Bitmap(data.astype(np.float32)), "raw": True, "filter_type": "bilinear"}
 
 
-def _mesh(mesh, material):
+def _mesh(mesh, material, bsdf):
     import mitsuba as mi
 
     properties = mi.Properties()
-    properties["bsdf"] = mi.load_dict(_bsdf(material))
+    properties["bsdf"] = bsdf
     if material.emits:
         properties["emitter"] = mi.load_dict({"type": "area", "radiance": _color(material.emission)})
     made = mi.Mesh(
@@ -96,8 +96,10 @@ def _scene(job):
     }
     if max(job.environment) > 0.0:
         described["environment"] = {"type": "constant", "radiance": _color(job.environment)}
+    # One BSDF for all meshes of a material: each is a case of the compiled kernel.
+    bsdfs = [mi.load_dict(_bsdf(material)) for material in scene.materials]
     for number, mesh in enumerate(scene.meshes):
-        described[f"mesh{number}"] = _mesh(mesh, scene.materials[mesh.material])
+        described[f"mesh{number}"] = _mesh(mesh, scene.materials[mesh.material], bsdfs[mesh.material])
     return mi.load_dict(described)
 
 
