@@ -13,8 +13,10 @@ RUST = [(0.0, "170d09"), (0.28, "3a1a0e"), (0.5, "6b3213"), (0.75, "9c4d1d"), (1
 GRAY = (0.5, 0.5, 0.5)
 BRIGHT = (0.8, 0.8, 0.8)
 AO_DISTANCE = 0.25
-# Octaves get stronger by this, and finer by that.
+# From octave to octave, weaker and finer by these factors.
 GAIN, LACUNARITY = 0.55, 2.03
+# The first octave of the textures' sums; Blender's is 1.
+FIRST = 0.85
 
 
 class Graph:
@@ -162,12 +164,12 @@ def rust_color(n):
     at = n.vector("MULTIPLY_ADD", ragged, (0.16,) * 3, at)
     nearest, second = n.cells(at, "F1", "3D"), n.cells(at, "F2", "3D")
     border = n.math("SUBTRACT", second["Distance"], nearest["Distance"])
-    patch = n.fma(stains, 0.4, n.noise(n.scaled(p, 0.45), offset=71.0))
+    patch = n.fma(stains, 0.4 * FIRST, n.noise(n.scaled(p, 0.45), offset=71.0))
     blistered = n.smoothstep(-0.1, 0.5, patch)
     lift = n.fma(n.smoothstep(0.0, 0.3, border), 0.35, n.fma(n.red(nearest["Color"]), 0.5, -0.46))
     # Flakes and grain have half of their strength.
     lift = n.mul(n.mul(lift, 0.5), blistered)
-    t = n.fma(stains, 0.42, n.add(lift, n.fma(speckles, 0.2, 0.5)))
+    t = n.fma(stains, 0.42 * FIRST, n.add(lift, n.fma(speckles, 0.2 * FIRST, 0.5)))
     ramp = n.node("ShaderNodeValToRGB", {0: t})
     ramp.color_ramp.interpolation = "EASE"
     elements = ramp.color_ramp.elements
@@ -175,7 +177,7 @@ def rust_color(n):
         elements.new(0.5)
     for element, (position, code) in zip(elements, RUST, strict=True):
         element.position, element.color = position, (*_linear(code), 1.0)
-    pits = n.fma(n.smoothstep(0.35, 0.75, speckles), -0.3, 1.0)
+    pits = n.fma(n.smoothstep(0.35 / FIRST, 0.75 / FIRST, speckles), -0.3, 1.0)
     return n.scaled(ramp.outputs["Color"], pits)
 
 
@@ -186,14 +188,14 @@ def rust_mask(n, ao_samples):
     patches = n.noise(n.vector("MULTIPLY_ADD", fray, (0.25,) * 3, p), octaves=6)
     ao = n.node("ShaderNodeAmbientOcclusion", {"Distance": AO_DISTANCE}, samples=ao_samples)
     occluded = n.math("SUBTRACT", 1.0, ao.outputs["AO"])
-    crevice = n.mul(n.mul(occluded, 1.5), n.fma(patches, 0.6, 0.6))
+    crevice = n.mul(n.mul(occluded, 1.5), n.fma(patches, 0.6 * FIRST, 0.6))
     amount = n.node("ShaderNodeValue").outputs[0]
     amount.default_value = 0.42
     odds = n.math("DIVIDE", n.math("SUBTRACT", 1.0, amount), amount)
     threshold = n.mul(n.math("LOGARITHM", odds, math.e), 0.13)
     # The width of the edge at contrast 0.7.
     softness = 0.015 + 0.3 * (1.0 - 0.7)
-    value = n.math("SUBTRACT", n.add(patches, crevice), threshold)
+    value = n.math("SUBTRACT", n.fma(patches, FIRST, crevice), threshold)
     return n.smoothstep(-softness, softness, value), amount
 
 

@@ -154,28 +154,43 @@ impl Bench {
             notices.push(notice);
         }
         let only = &self.options.only;
-        let asked = |scene: &Listed| only.is_empty() || only.contains(&scene.name);
-        Ok(list.scenes.into_iter().filter(asked).collect())
+        let mut scenes = list.scenes;
+        scenes.retain(|scene| only.is_empty() || only.contains(&scene.name));
+        for scene in &mut scenes {
+            scene.width = (scene.width / self.options.shrink).max(1);
+            scene.height = (scene.height / self.options.shrink).max(1);
+        }
+        Ok(scenes)
     }
 
-    /// Converged pictures of each peer for each scene that brings none, once. A reference of one's own leaves out by how
-    /// much renderers differ in what they take to be right: that is told apart from noise.
+    /// Converged pictures for each scene that brings none, once: of each peer, or by one for all. A reference of one's own
+    /// leaves out by how much renderers differ in what they take to be right: that is told apart from noise.
     fn references(&self, scenes: &[Listed], peers: &[Peer]) -> Result<References> {
+        let maker = match &self.options.reference_by {
+            None => None,
+            Some(name) => {
+                let maker = peers.iter().find(|peer| peer.name == name);
+                Some(
+                    maker
+                        .with_context(|| format!("{name} can't make references: it isn't there"))?,
+                )
+            }
+        };
         let mut references = References::new();
         for scene in scenes.iter().filter(|scene| scene.task == Task::Render) {
             for peer in peers {
                 let file = match &scene.reference {
                     Some(file) => file.clone(),
                     None => {
-                        let name = format!("{}-{}", scene.name, peer.name);
+                        let maker = maker.unwrap_or(peer);
+                        let name = format!("reference-{}-{}", scene.name, maker.name);
                         let job = Job {
                             seed: REFERENCE_SEED,
                             spp: vec![self.options.reference_spp],
                             out: self.out.join("references").join(&scene.name),
                             ..self.job(scene)
                         };
-                        let outcome =
-                            self.outcome(peer, &format!("reference-{name}"), &job, true, &[])?;
+                        let outcome = self.outcome(maker, &name, &job, true, &[])?;
                         let render = outcome.renders.into_iter().next();
                         render.context("a peer rendered nothing")?.picture
                     }
@@ -229,15 +244,14 @@ impl Bench {
             let reference = &references[&(scene.name.clone(), peer.name)];
             let name = format!("{}-{}", scene.name, peer.name);
             let errors = self.compare(&name, reference, pictures(outcomes), None)?;
-            let alike = match scene.reference {
-                // The render with the most samples says it best.
-                Some(_) => {
-                    pictures(&outcomes[outcomes.len() - 1..]).split_off(self.options.spp.len() - 1)
-                }
-                None => vec![Pictures {
+            let alike = if scene.reference.is_none() && self.options.reference_by.is_none() {
+                vec![Pictures {
                     file: reference.clone(),
                     spp: self.options.reference_spp,
-                }],
+                }]
+            } else {
+                // The render with the most samples says it best.
+                pictures(&outcomes[outcomes.len() - 1..]).split_off(self.options.spp.len() - 1)
             };
             let sheet = self.out.join("pictures").join(format!("{name}.png"));
             let alike = self.compare(&format!("{name}-alike"), common, alike, Some(sheet))?;
@@ -250,7 +264,12 @@ impl Bench {
             };
             rows.push(Row::new(peer.name, &peer.version, &measured)?);
         }
-        Ok(SceneReport::new(scene, rows))
+        let reference = match (&scene.reference, &self.options.reference_by) {
+            (Some(_), _) => "given".to_owned(),
+            (None, None) => "own".to_owned(),
+            (None, Some(maker)) => maker.clone(),
+        };
+        Ok(SceneReport::new(scene, reference, rows))
     }
 
     fn textures(&self, scene: &Listed, peers: &[Peer]) -> Result<TextureReport> {

@@ -24,7 +24,9 @@ Patina beside Cycles, Mitsuba and LuxCore; docs/peers.md says how these are inst
   --only LIST          Of cornell, sponza, living-room, knot, sponza-model; the last two are for textures [default: all]
   --peers LIST         Of patina, cycles, mitsuba, luxcore [default: all]
   --spp LIST           Samples per pixel of the renders whose errors are taken, ascending [default: 4,16,64]
-  --reference-spp N    Of the references that each peer makes for itself [default: 1024]
+  --reference-spp N    Of references that are made here [default: 1024]
+  --reference-by PEER  Makes the references of all peers [default: each makes its own]
+  --shrink N           Divides width and height of all pictures [default: 1]
   --texture-spp N      Of the renders with textures [default: 16]
   --ao-rays LIST       Rays of ambient occlusion at a hit of a texture [default: 4,16]
   --runs N             Runs of everything, peers in turn [default: 3]
@@ -47,6 +49,10 @@ pub(super) struct Options {
     pub(super) peers: Vec<String>,
     pub(super) spp: Vec<u32>,
     pub(super) reference_spp: u32,
+    /// `None` where each peer makes its own.
+    pub(super) reference_by: Option<String>,
+    /// Divides width and height.
+    pub(super) shrink: u32,
     pub(super) texture_spp: u32,
     pub(super) ao_rays: Vec<u32>,
     pub(super) runs: u32,
@@ -74,6 +80,8 @@ impl Options {
             peers: words(&PEERS.join(",")),
             spp: vec![4, 16, 64],
             reference_spp: 1024,
+            reference_by: None,
+            shrink: 1,
             texture_spp: 16,
             ao_rays: vec![4, 16],
             runs: 3,
@@ -109,12 +117,8 @@ impl Options {
             "--only" => self.only = words(value),
             "--peers" => {
                 self.peers = words(value);
-                if let Some(unknown) = self
-                    .peers
-                    .iter()
-                    .find(|name| !PEERS.contains(&name.as_str()))
-                {
-                    bail!("--peers: there is no `{unknown}`, but {}", PEERS.join(", "));
+                for name in &self.peers {
+                    known(flag, name)?;
                 }
             }
             "--spp" => {
@@ -124,6 +128,11 @@ impl Options {
                 }
             }
             "--reference-spp" => self.reference_spp = number(flag, value)?,
+            "--reference-by" => {
+                known(flag, value)?;
+                self.reference_by = Some(value.to_owned());
+            }
+            "--shrink" => self.shrink = number(flag, value)?,
             "--texture-spp" => self.texture_spp = number(flag, value)?,
             "--ao-rays" => self.ao_rays = numbers(flag, value)?,
             "--runs" => self.runs = number(flag, value)?,
@@ -134,6 +143,15 @@ impl Options {
         }
         Ok(())
     }
+}
+
+/// # Errors
+/// There is no peer of that name.
+fn known(flag: &str, name: &str) -> Result<()> {
+    if !PEERS.contains(&name) {
+        bail!("{flag}: there is no `{name}`, but {}", PEERS.join(", "));
+    }
+    Ok(())
 }
 
 fn words(list: &str) -> Vec<String> {
@@ -184,6 +202,7 @@ mod tests {
             (["--peers", "povray"], "povray"),
             (["--spp", "64,4"], "ascend"),
             (["--runs", "0"], "--runs 0"),
+            (["--reference-by", "nobody"], "nobody"),
             (["--speed", "fast"], "--speed"),
             (["--resume", "--runs"], "needs a value"),
         ] {

@@ -29,8 +29,8 @@ pub(super) struct SceneReport {
     width: u32,
     height: u32,
     triangles: u64,
-    /// `given`, or `own` where each peer is held against its own converged picture.
-    reference: &'static str,
+    /// `given`; `own` where each peer is held against its own converged picture; or the peer that made one for all.
+    reference: String,
     /// The error that the times are for: the highest that any peer has at its most samples.
     target_error: f64,
     rows: Vec<Row>,
@@ -196,7 +196,7 @@ fn falling(errors: &[ErrorAt]) -> Option<Falling> {
 }
 
 impl SceneReport {
-    pub(super) fn new(scene: &Listed, mut rows: Vec<Row>) -> Self {
+    pub(super) fn new(scene: &Listed, reference: String, mut rows: Vec<Row>) -> Self {
         let target_error = rows.iter().map(Row::last_error).fold(0.0, f64::max);
         for row in &mut rows {
             row.seconds_to_target = row.seconds_to(target_error);
@@ -206,11 +206,7 @@ impl SceneReport {
             width: scene.width,
             height: scene.height,
             triangles: scene.triangles,
-            reference: if scene.reference.is_some() {
-                "given"
-            } else {
-                "own"
-            },
+            reference,
             target_error,
             rows,
         }
@@ -228,7 +224,7 @@ impl SceneReport {
         } = self;
         let _ = write!(
             text,
-            "\n## {scene}, {width}x{height}, {triangles} triangles, {reference} reference\n\n\
+            "\n## {scene}, {width}x{height}, {triangles} triangles, reference: {reference}\n\n\
              | renderer | Msamples/s (range) | error | falls as N^-p | s to error {target_error:.4} | level | unlike | load, s |\n\
              |---|---|---|---|---|---|---|---|\n"
         );
@@ -398,7 +394,11 @@ mod tests {
 
     #[test]
     fn half_the_noise_is_a_quarter_of_the_time() {
-        let report = SceneReport::new(&scene(), vec![row("slow", 1.0, 0.8), row("fast", 1.0, 0.4)]);
+        let report = SceneReport::new(
+            &scene(),
+            "own".to_owned(),
+            vec![row("slow", 1.0, 0.8), row("fast", 1.0, 0.4)],
+        );
         assert!((report.target_error - 0.2).abs() < 1e-12);
         let seconds: Vec<f64> = report
             .rows
@@ -415,9 +415,11 @@ mod tests {
     #[test]
     fn tables_have_a_row_for_each_peer() {
         let mut report = Report::new(2, vec!["luxcore: skipped".to_owned()]);
-        report
-            .scenes
-            .push(SceneReport::new(&scene(), vec![row("patina", 1.0, 0.5)]));
+        report.scenes.push(SceneReport::new(
+            &scene(),
+            "own".to_owned(),
+            vec![row("patina", 1.0, 0.5)],
+        ));
         let spread = Spread {
             median: 20.0,
             low: 18.0,
