@@ -20,9 +20,10 @@ use crate::view::job::ViewJob;
 use crate::watch::job::WatchJob;
 
 pub(crate) use self::error::UsageError;
-use self::parse::{default_output, parse_decimal, parse_sample_range, parse_word};
+use self::parse::{default_output, parse_decimal, parse_sample_range};
 pub(crate) use self::parse::{
-    parse_device, parse_exposure, parse_number, parse_output, parse_size, refuse_overwriting,
+    parse_device, parse_exposure, parse_number, parse_output, parse_size, parse_word,
+    refuse_overwriting,
 };
 
 /// Longest side of a picture, pixels.

@@ -233,6 +233,17 @@ fn aside(path: &Path) -> Result<NamedTempFile, OutputError> {
 /// Of 100: artefacts are below the noise of a render.
 const JPEG_QUALITY: u8 = 90;
 
+/// A picture as a JPEG file in memory, brighter by `exposure` stops.
+///
+/// # Errors
+/// It is too large for the format.
+pub(crate) fn jpeg(picture: &Picture, exposure: f32) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
+    write_srgb(encoder, picture, exposure)?;
+    Ok(bytes)
+}
+
 fn write_srgb(encoder: impl ImageEncoder, picture: &Picture, exposure: f32) -> io::Result<()> {
     let gain = exposure.exp2();
     let bytes: Vec<u8> = picture
