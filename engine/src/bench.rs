@@ -2,9 +2,13 @@
 //! `patina bench traverse`. [`kernel`] measures the texture kernel, [`textures`] what textures cost in whole renders,
 //! [`render`] whole renders, [`scenes`] are there to be rendered, and [`traffic`] says what the passes read and write.
 
+pub mod coverage;
+mod in_turn;
+pub mod insert;
 pub mod kernel;
 pub mod render;
 pub mod scenes;
+pub mod sweeps;
 pub mod textures;
 pub mod traffic;
 

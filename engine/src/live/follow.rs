@@ -134,7 +134,8 @@ impl LiveRender {
         if touched.materials && !is_told && self.has_no_lamp() != self.was_without_lamp {
             return Err(UpdateError::Rebuild);
         }
-        match self.renderer.update(&self.scene, &self.camera, touched) {
+        let camera = self.view.as_ref().unwrap_or(&self.camera);
+        match self.renderer.update(&self.scene, camera, touched) {
             Ok(true) => {
                 self.generation += 1;
                 Ok(())
