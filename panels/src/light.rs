@@ -6,7 +6,7 @@ use engine::scene::look::{AoDirection, AoLook, AoSettings, MAX_AO, Section, Valu
 use texgen::Widget;
 
 use crate::panel::Context;
-use crate::widgets::{Bounds, Spec, choice, edit, name, row};
+use crate::widgets::{Bounds, Spec, choice, draft, edit, name, row};
 
 /// A number of the environment: key, label, slider, bounds, unit, and what it is without the key.
 struct Number {
@@ -137,16 +137,14 @@ fn environment_image(ui: &mut Ui, cx: &mut Context<'_>) {
     let Some(Value::Text(path)) = image else {
         return;
     };
-    row(ui, "Image", "an equirectangular picture", true, |ui| {
-        let mut shown = path.clone();
-        let field = ui.text_edit_singleline(&mut shown);
-        name(&field, "Environment image");
-        // Half a path is no picture.
-        if field.lost_focus() && shown != path {
-            let edit = Edit::environment("image", Value::Text(shown));
-            cx.edit("Environment image", vec![edit], None);
-        }
+    let help = "an equirectangular picture";
+    let (_, field) = row(ui, "Image", help, true, |ui| {
+        draft(ui, "Environment image", "path of a picture", &path)
     });
+    if let Some(path) = field.value {
+        let edit = Edit::environment("image", Value::Text(path));
+        cx.edit("Environment image", vec![edit], None);
+    }
 }
 
 fn environment_number(ui: &mut Ui, cx: &mut Context<'_>, number: &Number) {

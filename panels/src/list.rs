@@ -23,15 +23,17 @@ pub(crate) fn material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
             return;
         }
         let section = Section::Material(material.to_owned());
-        let is_set = |key: &Key| cx.document.value(&section, key.name).is_some();
-        let (set, unset): (Vec<&Key>, Vec<&Key>) =
-            KEYS.iter().partition(|key| key.is_common || is_set(key));
-        for key in set {
+        let is_set = |cx: &Context<'_>, key: &Key| cx.document.value(&section, key.name).is_some();
+        for key in KEYS.iter().filter(|key| key.is_common) {
             material_key(ui, cx, material, key);
         }
-        let more = CollapsingHeader::new("More").id_salt((material, "more"));
+        // They stay there when they are set, so that a slider isn't lost while it is dragged.
+        let is_any = KEYS.iter().any(|key| !key.is_common && is_set(cx, key));
+        let more = CollapsingHeader::new("More")
+            .id_salt((material, "more"))
+            .default_open(is_any);
         more.show(ui, |ui| {
-            for key in unset {
+            for key in KEYS.iter().filter(|key| !key.is_common) {
                 material_key(ui, cx, material, key);
             }
         });
@@ -300,7 +302,7 @@ pub(crate) fn target_name(target: &Target, label: &str) -> String {
 }
 
 /// A node: its texture's parameters.
-pub(crate) fn node(ui: &mut Ui, cx: &mut Context<'_>, node: &str) {
+pub(crate) fn node(ui: &mut Ui, cx: &mut Context<'_>, node: &str, is_open: bool) {
     let textures = cx.textures;
     let looks = &cx.document.look().nodes;
     let Some(texture_name) = looks.iter().find(|n| n.name.value == node) else {
@@ -310,7 +312,7 @@ pub(crate) fn node(ui: &mut Ui, cx: &mut Context<'_>, node: &str) {
     let title = RichText::new(format!("Node {node}")).strong();
     let header = CollapsingHeader::new(title)
         .id_salt(("node", node))
-        .default_open(true);
+        .default_open(is_open);
     header.show(ui, |ui| {
         let Some(texture) = textures.library.get(&texture_name) else {
             let broken = textures

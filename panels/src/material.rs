@@ -35,7 +35,7 @@ pub(crate) struct Key {
     pub(crate) label: &'static str,
     pub(crate) help: &'static str,
     pub(crate) takes: Takes,
-    /// Shown even where the look doesn't set it.
+    /// Shown before the others.
     pub(crate) is_common: bool,
 }
 

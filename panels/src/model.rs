@@ -44,6 +44,10 @@ pub(crate) struct Wire {
 pub(crate) struct Model {
     pub(crate) graph: Graph,
     pub(crate) wires: Vec<Wire>,
+    /// Places of wires by their targets.
+    by_target: HashMap<Target, usize>,
+    /// Places of wires by the nodes that they lead to.
+    by_reader: HashMap<String, Vec<usize>>,
     /// The look's materials by name, as they are written.
     materials: HashMap<String, Vec<Field>>,
     revision: u64,
@@ -60,9 +64,19 @@ impl Model {
         });
         let materials = materials.collect();
         let wires = wires(look, &graph, &materials);
+        let mut by_reader: HashMap<String, Vec<usize>> = HashMap::new();
+        for (i, wire) in wires.iter().enumerate() {
+            if let Target::Parameter { node, .. } = &wire.target {
+                by_reader.entry(node.clone()).or_default().push(i);
+            }
+        }
+        let targets = wires.iter().enumerate();
+        let by_target = targets.map(|(i, wire)| (wire.target.clone(), i)).collect();
         Self {
             graph,
             wires,
+            by_target,
+            by_reader,
             materials,
             revision: document.revision(),
         }
@@ -138,11 +152,9 @@ impl Model {
         }
         let mut next = 0;
         while let Some(reader) = nodes.get(next).cloned() {
-            for wire in &self.wires {
-                let is_below =
-                    matches!(&wire.target, Target::Parameter { node, .. } if *node == reader);
-                if is_below && seen.insert(wire.source.clone()) {
-                    nodes.push(wire.source.clone());
+            for source in self.read_by(&reader) {
+                if seen.insert(source.to_owned()) {
+                    nodes.push(source.to_owned());
                 }
             }
             next += 1;
@@ -150,16 +162,20 @@ impl Model {
         nodes
     }
 
+    /// The nodes that a node reads itself.
+    fn read_by(&self, node: &str) -> impl Iterator<Item = &str> {
+        let wires = self.by_reader.get(node).map_or(&[][..], Vec::as_slice);
+        wires.iter().map(|&i| self.wires[i].source.as_str())
+    }
+
     /// A node and all that it reads, directly or not.
     pub(crate) fn upstream<'m>(&'m self, node: &'m str) -> HashSet<&'m str> {
         let mut seen = HashSet::from([node]);
         let mut open = vec![node];
         while let Some(reader) = open.pop() {
-            for wire in &self.wires {
-                let is_below =
-                    matches!(&wire.target, Target::Parameter { node, .. } if node == reader);
-                if is_below && seen.insert(&wire.source) {
-                    open.push(&wire.source);
+            for source in self.read_by(reader) {
+                if seen.insert(source) {
+                    open.push(source);
                 }
             }
         }
@@ -176,7 +192,7 @@ impl Model {
 
     /// What drives a target.
     pub(crate) fn source(&self, target: &Target) -> Option<&Wire> {
-        self.wires.iter().find(|wire| wire.target == *target)
+        self.by_target.get(target).map(|&i| &self.wires[i])
     }
 
     /// What could be connected to a target: nodes as a whole where they fit, else their first component.

@@ -16,6 +16,9 @@ use crate::preview::Previews;
 use crate::widgets::{self, ImageSlot};
 use crate::{Document, Textures, edits, light, list};
 
+/// Of more nodes than this only the names are shown at first.
+const MAX_OPEN: usize = 12;
+
 /// What the panel needs to know about the scene that is shown.
 #[derive(Debug, Clone, Copy)]
 pub struct SceneView<'a> {
@@ -228,14 +231,16 @@ fn list_form(ui: &mut Ui, cx: &mut Context<'_>, material: Option<&str>, search: 
     for material in &family {
         list::material(ui, cx, material);
     }
-    for node in model.nodes_of(&family) {
-        list::node(ui, cx, &node);
+    let nodes = model.nodes_of(&family);
+    let is_open = nodes.len() <= MAX_OPEN;
+    for node in nodes {
+        list::node(ui, cx, &node, is_open);
     }
     let loose = model.loose_nodes(cx.document.look());
     if !loose.is_empty() {
         ui.weak("Nodes that no material needs");
         for node in loose {
-            list::node(ui, cx, &node);
+            list::node(ui, cx, &node, is_open);
         }
     }
     let add = ui.menu_button("Add a node…", |ui| add_menu(ui, cx, search));
@@ -244,20 +249,19 @@ fn list_form(ui: &mut Ui, cx: &mut Context<'_>, material: Option<&str>, search: 
 
 /// The graph, and below it the widgets of the node that is selected.
 fn graph_form(ui: &mut Ui, cx: &mut Context<'_>, family: &[&str], graph: &mut GraphView) {
-    let height = ui.available_height();
-    let share = match graph.selected() {
-        Some(_) => 0.6,
-        None => 1.0,
-    };
-    let size = egui::vec2(ui.available_width(), (share * height).max(100.0));
+    // Always of the same size: a graph that is scaled by a click on it can't be worked with.
+    let height = (0.6 * ui.available_height()).max(100.0);
+    let size = egui::vec2(ui.available_width(), height);
     let layout = *ui.layout();
     ui.allocate_ui_with_layout(size, layout, |ui| graph.show(ui, cx, family));
-    if let Some(node) = graph.selected().map(str::to_owned) {
-        ui.separator();
-        ScrollArea::vertical()
-            .auto_shrink(false)
-            .show(ui, |ui| list::node(ui, cx, &node));
-    }
+    ui.separator();
+    let Some(node) = graph.selected().map(str::to_owned) else {
+        ui.weak("Click on a node to see its values here.");
+        return;
+    };
+    ScrollArea::vertical()
+        .auto_shrink(false)
+        .show(ui, |ui| list::node(ui, cx, &node, true));
 }
 
 /// The library, narrowed down by what is looked for. Gives the name of a node that was added.

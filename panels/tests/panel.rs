@@ -6,6 +6,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use engine::live::Edit;
 use engine::procedural::TextureSources;
 use engine::scene::Material;
 use patina_panels::{Document, Form, SceneView, Textures, TexturesPanel};
@@ -16,6 +17,9 @@ const LOOK: &str = "# An old valve.\n\n[node.rust] # where it rusts\ntexture = \
 
 const MASK: &str = "/// Where it rusts.\n/// @param amount share of the surface [0 .. 1] = 0.5\n/// @param scale size [0.1 .. 100] [log] [unit 1/m] = 4\n/// @param seed seed [seed] = 1\nfn userProc(amount: f32, scale: f32, seed: u32) -> f32 { return fract(scale * readAttr(WorldPos).x + f32(seed)) * amount; }";
 const TINT: &str = "/// A colour.\n/// @param color the colour [color] = #808080\n/// @param ramp from dark to bright = [(0, #000000), (1, #ffffff)]\n/// @param factor how much = 1\nfn userProc(color: vec3f, ramp: ramp1D, factor: f32) -> vec3f { return color * factor * rampEval(ramp, 0.5).xyz; }";
+
+const PICTURE: &str =
+    "fn userProc(image: sam2D) -> vec4f { return tex2D(image, readAttr(TexCoord0).xy); }";
 
 struct State {
     panel: TexturesPanel,
@@ -28,6 +32,7 @@ fn harness(form: Form) -> Harness<'static, State> {
     let mut sources = TextureSources::default();
     sources.insert("mask", MASK);
     sources.insert("tint", TINT);
+    sources.insert("picture", PICTURE);
     sources.insert("broken", "fn userProc() -> f32 { return nothing; }");
     let textures = Textures::load(&sources);
     let good: Vec<&str> = textures
@@ -36,7 +41,7 @@ fn harness(form: Form) -> Harness<'static, State> {
         .iter()
         .map(|t| t.name())
         .collect();
-    assert_eq!(good, ["mask", "tint"], "{:?}", textures.broken);
+    assert_eq!(good, ["mask", "picture", "tint"], "{:?}", textures.broken);
     let material = |name: &str| Material {
         name: name.to_owned(),
         ..Material::default()
@@ -226,6 +231,45 @@ fn a_node_is_added_by_search() {
 }
 
 #[test]
+fn a_path_counts_when_it_is_complete() {
+    let mut harness = harness(Form::List);
+    let edit = [Edit::add_node("poster", "picture")];
+    let document = &mut harness.state_mut().document;
+    document.apply("add", &edit, None).expect("a look");
+    harness.run();
+    harness.get_by_label("image of poster").click();
+    harness.run();
+    for part in ["a", ".png"] {
+        harness.event(egui::Event::Text(part.to_owned()));
+        harness.run();
+        assert!(!text(&harness).contains("image"), "half a path");
+    }
+    harness.key_press(Key::Enter);
+    harness.run();
+    assert!(text(&harness).contains("image = \"a.png\""));
+}
+
+#[test]
+fn materials_are_blended() {
+    let mut harness = harness(Form::List);
+    harness
+        .get_by_label("Blend Iron with another material")
+        .click();
+    harness.run();
+    harness.get_by_role_and_label(Role::Button, "Paint").click();
+    harness.run();
+    let blend = "blend = { base = \"Iron\", over = \"Paint\", mask = 0.0 }";
+    assert!(text(&harness).contains(blend), "{}", text(&harness));
+    let start = center(&harness, Role::Slider, "Mask of Iron");
+    drag(&mut harness, start, vec2(10.0, 0.0));
+    assert!(!text(&harness).contains("mask = 0.0"));
+    assert_kept(&harness, "no line");
+    harness.get_by_label("Take blend of Iron away").click();
+    harness.run();
+    assert_eq!(text(&harness), LOOK);
+}
+
+#[test]
 fn sockets_are_connected_by_dragging() {
     let mut harness = harness(Form::Graph);
     let from = center(&harness, Role::Button, "Output rust");
@@ -277,14 +321,9 @@ fn nodes_are_duplicated_and_deleted() {
         .get_by_role_and_label(Role::Button, "node paint")
         .click();
     harness.run();
-    eprintln!(
-        "{:?} {:?}",
-        harness.ctx.input(|i| i.pointer.latest_pos()),
-        harness.ctx.text_edit_focused()
-    );
     harness.key_press(Key::Delete);
     harness.run();
-    eprintln!("message {:?}", harness.state().panel.message());
+    assert_eq!(harness.state().panel.message(), None);
     let text = text(&harness);
     assert!(
         !text.contains("paint") && !text.contains("base_color"),

@@ -8,7 +8,7 @@ use std::time::SystemTime;
 use egui::{ColorImage, TextureHandle, TextureOptions, Ui, vec2};
 use engine::scene::look::{Field, Spanned, Value, find};
 
-use super::{Edited, choice, name};
+use super::{Edited, choice, draft};
 
 /// Points of a thumbnail's longer side.
 const THUMBNAIL: u32 = 48;
@@ -118,15 +118,11 @@ pub(crate) fn image_slot(
                     ui.painter().rect_filled(place, 2.0, background);
                 }
             }
-            let mut path = file.to_owned();
-            let field = egui::TextEdit::singleline(&mut path)
-                .hint_text("path of an image, or drop one here")
-                .desired_width(ui.available_width().min(260.0));
-            let field = ui.add(field);
-            name(&field, label);
-            if field.changed() {
+            let field = draft(ui, label, "path of an image, or drop one here", file);
+            if let Some(path) = field.value {
                 value = Some(with_key(fields, "file", Value::Text(path)));
             }
+            let field = field.response;
             if let Some(dropped) = dropped_on(ui, field.rect.union(place)) {
                 let relative = dropped.strip_prefix(folder).unwrap_or(&dropped);
                 let path = relative.to_string_lossy().replace('\\', "/");

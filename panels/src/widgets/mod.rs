@@ -71,6 +71,34 @@ pub(crate) fn row<R>(
     (row.response, row.inner)
 }
 
+/// A field for a text that means something only when it is complete, such as a path: it counts when the field is left,
+/// unless by Escape.
+pub(crate) fn draft(ui: &mut Ui, label: &str, hint: &str, current: &str) -> Edited<String> {
+    let id = ui.scope_id().with((label, "draft"));
+    let draft: Option<String> = ui.data(|data| data.get_temp(id));
+    let mut text = draft.unwrap_or_else(|| current.to_owned());
+    let width = ui.available_width().min(260.0);
+    let field = egui::TextEdit::singleline(&mut text)
+        .hint_text(hint)
+        .desired_width(width);
+    let response = ui.add(field);
+    name(&response, label);
+    if response.has_focus() {
+        ui.data_mut(|data| data.insert_temp(id, text));
+        return Edited {
+            response,
+            value: None,
+        };
+    }
+    ui.data_mut(|data| data.remove::<String>(id));
+    let is_given_up = ui.input(|input| input.key_pressed(egui::Key::Escape));
+    let is_meant = response.lost_focus() && !is_given_up && text != current;
+    Edited {
+        response,
+        value: is_meant.then_some(text),
+    }
+}
+
 /// A choice of some words.
 pub(crate) fn choice(ui: &mut Ui, label: &str, selected: &str, words: &[&str]) -> Edited<String> {
     let mut value = None;
