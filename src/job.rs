@@ -16,6 +16,7 @@ use engine::settings::{Estimator, Sampler};
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
 use crate::bench::job::BenchJob;
 use crate::texture::job::TextureJob;
+use crate::view::job::ViewJob;
 use crate::watch::job::WatchJob;
 
 pub(crate) use self::error::UsageError;
@@ -45,6 +46,8 @@ pub(crate) enum Job {
     Render(RenderJob),
     /// Render a scene whenever its files change.
     Watch(WatchJob),
+    /// Open a window.
+    View(ViewJob),
     /// Add films.
     Merge(MergeJob),
     /// Do something with textures.
@@ -190,6 +193,7 @@ impl Job {
         Ok(match args.command {
             Command::Render(args) => Self::Render(RenderJob::from_args(*args)?),
             Command::Watch(args) => Self::Watch(WatchJob::from_args(*args)?),
+            Command::View(args) => Self::View(ViewJob::from_args(*args)?),
             Command::Merge(args) => Self::Merge(MergeJob::from_args(args)?),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,

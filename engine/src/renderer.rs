@@ -6,6 +6,7 @@ mod pipeline;
 mod record;
 mod reload;
 mod update;
+mod view;
 
 use std::time::{Duration, Instant};
 
@@ -115,6 +116,10 @@ pub struct Renderer {
     position: u64,
     timer: Timer,
     seconds: f64,
+    longest_wave: Duration,
+    /// Pixels that get samples, where not all do.
+    region: Option<[u32; 4]>,
+    guides: Option<view::Guides>,
 }
 
 impl Renderer {
@@ -204,13 +209,7 @@ impl Renderer {
         )?;
         gpu_scene.features.energy_compensation = settings.energy_compensation;
         wave::allocate(gpu, capacity, procedural.result_words(), &mut resources)?;
-        let pixels = u64::from(width) * u64::from(height);
-        for name in film::PLANES {
-            resources.set_buffer(
-                name,
-                gpu.empty_buffer("the picture", pixels * 16, wgpu::BufferUsages::STORAGE)?,
-            );
-        }
+        view::allocate_film(gpu, width, height, &mut resources)?;
         let filter = FilterTable::new(settings.filter).distances;
         resources.set_buffer(
             "filter_table",
@@ -243,6 +242,9 @@ impl Renderer {
             position: 0,
             timer: Timer::new(gpu, false)?,
             seconds: 0.0,
+            longest_wave: LONGEST_WAVE,
+            region: None,
+            guides: None,
         })
     }
 
@@ -253,6 +255,11 @@ impl Renderer {
     pub fn time_passes(&mut self) -> Result<(), RenderError> {
         self.timer = Timer::new(&self.gpu, true)?;
         Ok(())
+    }
+
+    /// Whether passes are timed.
+    pub fn is_timing(&self) -> bool {
+        self.timer.is_timing()
     }
 
     /// Renders one wave towards `target_spp` samples per pixel, at most [`film::MAX_SAMPLES`]. Call it until the progress
@@ -366,9 +373,9 @@ impl Renderer {
 
     /// Longer waves keep the device busy, shorter ones keep each dispatch short.
     fn adapt_wave(&mut self, took: Duration) {
-        if took > LONGEST_WAVE {
+        if took > self.longest_wave {
             self.wave_size = (self.wave_size / 2).max(1024).min(self.capacity);
-        } else if took < LONGEST_WAVE / 4 {
+        } else if took < self.longest_wave / 4 {
             self.wave_size = (self.wave_size * 2).min(self.capacity);
         }
     }

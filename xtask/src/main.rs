@@ -1,9 +1,10 @@
 //! `cargo xtask`: everything a fresh machine needs, as commands that can be read.
 //!
-//! Kept free of dependencies (but for errors), as it is built before anything else can happen. What a command does
-//! is written here from top to bottom; how to run a step is in `steps`, how to find or install a Vulkan driver in
-//! `vulkan`.
+//! Kept free of dependencies (but for errors and JSON), as it is built before anything else can happen. What a command
+//! does is written here from top to bottom; how to run a step is in `steps`, how to find or install a Vulkan driver in
+//! `vulkan`, the comparison with other renderers in `peers`.
 
+mod peers;
 mod steps;
 mod vulkan;
 
@@ -57,6 +58,7 @@ Commands:
   test --full   The same with the tests that take long
   pictures      Render the README's pictures to docs/images/
   contact-sheet Render Khronos' sample models, where they lie beside the checkout, to docs/images/khronos.jpg
+  peers         Compare with other renderers that are installed; `cargo xtask peers --help` lists the options
 
 Each of them first finds a Vulkan driver, or installs Mesa's on Debian and Ubuntu.";
 
@@ -69,6 +71,11 @@ fn main() -> ExitCode {
         ["test", "--full"] => test(true),
         ["pictures"] => pictures(),
         ["contact-sheet"] => contact_sheet(),
+        ["peers", "--help" | "-h"] => {
+            println!("{}", peers::USAGE);
+            Ok(())
+        }
+        ["peers", ref rest @ ..] => compare(rest),
         ["help" | "--help" | "-h"] => {
             println!("{USAGE}");
             Ok(())
@@ -181,6 +188,12 @@ fn contact_sheet() -> Result<()> {
     })?;
     steps.finish();
     Ok(())
+}
+
+/// Patina beside other renderers.
+fn compare(arguments: &[&str]) -> Result<()> {
+    vulkan::ensure()?;
+    peers::run(arguments)
 }
 
 fn render_demo(size: &str, spp: &str, outputs: &[&str]) -> Result<()> {

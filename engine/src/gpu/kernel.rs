@@ -3,7 +3,9 @@
 
 use std::{collections::HashMap, sync::atomic::Ordering};
 
-use naga::{AddressSpace, ImageClass, ImageDimension, ScalarKind, StorageAccess, TypeInner};
+use naga::{
+    AddressSpace, ImageClass, ImageDimension, ScalarKind, StorageAccess, StorageFormat, TypeInner,
+};
 
 use super::{Gpu, GpuError, wgsl::Source};
 
@@ -333,6 +335,20 @@ fn binding_type(inner: &TypeInner, space: AddressSpace) -> Option<wgpu::BindingT
                     wgpu::TextureViewDimension::D2
                 },
                 multisampled: false,
+            }),
+            // What a window shows; the one format that every device can write and sample.
+            TypeInner::Image {
+                dim: ImageDimension::D2,
+                arrayed: false,
+                class:
+                    ImageClass::Storage {
+                        format: StorageFormat::Rgba8Unorm,
+                        ..
+                    },
+            } => Some(wgpu::BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                view_dimension: wgpu::TextureViewDimension::D2,
             }),
             _ => None,
         },

@@ -172,6 +172,8 @@ pub struct Gpu {
 
 #[derive(Debug)]
 struct Shared {
+    instance: wgpu::Instance,
+    adapter: wgpu::Adapter,
     device: wgpu::Device,
     queue: wgpu::Queue,
     description: AdapterDescription,
@@ -187,7 +189,7 @@ struct Shared {
 impl Gpu {
     /// All adapters of the machine, the usual choice first.
     pub fn adapters() -> Vec<AdapterDescription> {
-        adapters_by_preference()
+        (adapters_by_preference().1)
             .iter()
             .enumerate()
             .map(|(i, a)| AdapterDescription::new(i, a))
@@ -211,7 +213,7 @@ impl Gpu {
         choice: &DeviceChoice,
         folder: Option<&std::path::Path>,
     ) -> Result<Self, GpuError> {
-        let adapters = adapters_by_preference();
+        let (instance, adapters) = adapters_by_preference();
         let descriptions: Vec<_> = adapters
             .iter()
             .enumerate()
@@ -243,10 +245,12 @@ impl Gpu {
             };
             return Err(GpuError::NotFound { wanted, available });
         };
-        Self::open(&adapters[description.index], description.clone(), folder)
+        let adapter = &adapters[description.index];
+        Self::open(instance, adapter, description.clone(), folder)
     }
 
     fn open(
+        instance: wgpu::Instance,
         adapter: &wgpu::Adapter,
         description: AdapterDescription,
         cache_folder: Option<&std::path::Path>,
@@ -284,6 +288,8 @@ impl Gpu {
             .and_then(|folder| cache::DiskCache::open(&device, &adapter.get_info(), folder));
         Ok(Self {
             shared: Arc::new(Shared {
+                instance,
+                adapter: adapter.clone(),
                 cache,
                 device,
                 queue,
@@ -316,6 +322,16 @@ impl Gpu {
     /// What was opened.
     pub fn description(&self) -> &AdapterDescription {
         &self.shared.description
+    }
+
+    /// The instance that the device was opened by: a window makes its surface with it.
+    pub fn instance(&self) -> &wgpu::Instance {
+        &self.shared.instance
+    }
+
+    /// The adapter that was opened.
+    pub fn adapter(&self) -> &wgpu::Adapter {
+        &self.shared.adapter
     }
 
     /// The wgpu device.
@@ -469,7 +485,7 @@ impl Gpu {
     }
 }
 
-fn adapters_by_preference() -> Vec<wgpu::Adapter> {
+fn adapters_by_preference() -> (wgpu::Instance, Vec<wgpu::Adapter>) {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = wgpu::Backends::PRIMARY;
     // wgpu's own checks of indirect dispatches cost a hidden pass each; our sizes are written by our own kernel.
@@ -483,7 +499,7 @@ fn adapters_by_preference() -> Vec<wgpu::Adapter> {
         wgpu::DeviceType::Other => 3,
         wgpu::DeviceType::Cpu => 4,
     });
-    adapters
+    (instance, adapters)
 }
 
 fn device_type_name(kind: wgpu::DeviceType) -> &'static str {

@@ -106,6 +106,8 @@ const FILES: &[(&str, &str)] = files![
     "ao/ao.wgsl",
     "brdf/brdf.wgsl",
     "classify/classify.wgsl",
+    "display/display.wgsl",
+    "guide/guide.wgsl",
     "proctex/counted_ao.wgsl",
     "proctex/inlined.wgsl",
     "proctex/proctex.wgsl",

@@ -46,6 +46,7 @@ mod probe;
 mod reads;
 mod reload;
 mod rounds;
+mod sketch;
 mod sources;
 #[cfg(test)]
 mod tests;
@@ -73,6 +74,7 @@ pub use memory::{
 };
 pub use output::{Kind, Output};
 pub use reads::TextureReads;
+pub use sketch::sketch;
 pub use sources::{SourcesError, TextureSources};
 pub use traits::ProgramTraits;
 pub(crate) use update::UpdateError;

@@ -76,8 +76,8 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
     path_set_words(PATH_MEDIA, slot, vec4u(0u));
     path_set_words(PATH_LIGHT_POINT, slot, vec4u(MISS, 0u, 0u, 0u));
     rays[frame.capacity + slot].triangle = MISS;
-    if (pixel.x >= frame.width || pixel.y >= frame.height || path.sample >= frame.sample_limit) {
-        // Padding of a block at the border.
+    if (!is_rendered(pixel) || path.sample >= frame.sample_limit) {
+        // Padding of a block at the border, or a part that nobody looks at.
         return;
     }
     let size = vec2f(f32(frame.width), f32(frame.height));
