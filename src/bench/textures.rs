@@ -24,7 +24,7 @@ use self::figures::Figures;
 use super::job::{Amount, Model, ReportFormat, TexturesJob};
 use super::report::{self, Conditions};
 
-/// What is rendered if the user says nothing: about two minutes on two cores of a server.
+/// What is rendered if the user says nothing: some minutes on two cores of a server.
 const USUAL_ON_CPU: Amount = Amount {
     width: 256,
     height: 256,
