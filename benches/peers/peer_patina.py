@@ -59,7 +59,7 @@ def textures(job):
         job, "bench", "textures", "--scene", str(job.scene), "--material", job.material, "--look", str(_look(job)),
         "--size", f"{job.width}x{job.height}", "--spp", str(job.spp[0]), "--runs", str(job.runs),
         "--max-depth", str(job.max_depth), "--ao-rays", ",".join(map(str, job.ao_samples)), "--modes", "stack",
-        "--json", str(figures),
+        "-o", str(figures),
     )  # fmt: skip
     measured = json.loads(figures.read_text())
     result = Result("", time.perf_counter() - start)
