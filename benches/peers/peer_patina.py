@@ -5,7 +5,7 @@ import os
 import subprocess
 import time
 
-from jobs import Render, Result, TextureCase, run, timed, write_json
+from jobs import Render, Result, TextureCase, run, timed
 
 
 def version():
@@ -59,17 +59,16 @@ def textures(job):
         job, "bench", "textures", "--scene", str(job.scene), "--material", job.material, "--look", str(_look(job)),
         "--size", f"{job.width}x{job.height}", "--spp", str(job.spp[0]), "--runs", str(job.runs),
         "--max-depth", str(job.max_depth), "--ao-rays", ",".join(map(str, job.ao_samples)), "--modes", "stack",
-        "--json", str(figures),
+        "-o", str(figures),
     )  # fmt: skip
     measured = json.loads(figures.read_text())
     result = Result("", time.perf_counter() - start)
     for row in measured["results"]:
-        increase = {key: row["increase_percent"][key] for key in ("median", "low", "high")}
+        increase = {"median": row["increase_percent"], "low": row["increase_low"], "high": row["increase_high"]}
         case = TextureCase(
-            row["mode"], row["texture"], row["ao_rays"], row["ms_per_spp"]["median"], increase, row["edit_ms"], 0.0
+            row["mode"], row["texture"], row["ao_rays"], row["ms_per_spp"], increase, row["edit_ms"], 0.0
         )
         result.cases.append(case)
-    write_json(figures, measured)
     return result
 
 
