@@ -89,13 +89,17 @@ pub(crate) struct TexturesArgs {
     #[arg(long, value_name = "NAME", requires = "scene")]
     pub(crate) material: Option<String>,
 
-    /// Forms of the texture kernel that are compared: stack, inlined.
+    /// What is compared: stack, inlined, and rayquery where the device has ray queries.
     #[arg(long, value_name = "LIST", default_value = "stack,inlined")]
     pub(crate) modes: String,
 
     /// Rays of ambient occlusion at a hit: one table for each number.
     #[arg(long, value_name = "LIST", default_value = "4,16")]
     pub(crate) ao_rays: String,
+
+    /// Ask the driver of another Vulkan device, by a part of its name, for registers and stack of the kernels.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) statistics_device: Option<String>,
 
     /// How it is measured.
     #[command(flatten)]

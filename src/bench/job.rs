@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use engine::bench::forms::Form;
 use engine::gpu::DeviceChoice;
-use engine::passes::proctex::TextureForm;
 
 use crate::job::{
     MAX_DEPTH, MAX_SPP, UsageError, parse_device, parse_number, parse_size, refuse_overwriting,
@@ -62,9 +62,11 @@ pub(crate) struct TexturesJob {
     /// A look for it.
     pub(crate) look: Option<PathBuf>,
     /// Forms of the kernel.
-    pub(crate) forms: Vec<TextureForm>,
+    pub(crate) forms: Vec<Form>,
     /// Rays of ambient occlusion, a table each.
     pub(crate) ao_rays: Vec<u32>,
+    /// Another device whose driver is asked about kernels.
+    pub(crate) statistics_device: Option<String>,
     /// How it is measured.
     pub(crate) effort: Effort,
 }
@@ -154,14 +156,13 @@ impl TexturesJob {
         let words = |list: &str| -> Vec<String> {
             list.split(',').map(|word| word.trim().to_owned()).collect()
         };
-        let form = |given: String| match given.as_str() {
-            "stack" => Ok(TextureForm::Stack),
-            "inlined" => Ok(TextureForm::Inlined),
-            _ => Err(UsageError::Word {
+        let form = |given: String| {
+            let form = Form::ALL.into_iter().find(|form| form.name() == given);
+            form.ok_or_else(|| UsageError::Word {
                 flag: "--modes",
                 given,
-                known: vec!["stack", "inlined"],
-            }),
+                known: Form::ALL.map(Form::name).to_vec(),
+            })
         };
         let rays = |given: String| parse_number("--ao-rays", &given, 1, 255);
         Ok(Self {
@@ -170,6 +171,7 @@ impl TexturesJob {
             effort: Effort::from_args(args.effort)?,
             scene: args.scene.zip(args.material),
             look: args.look,
+            statistics_device: args.statistics_device,
         })
     }
 }

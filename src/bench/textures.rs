@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use engine::bench::forms::Form;
+use engine::bench::inspect::Inspection;
 use engine::bench::textures::{self as bench, MODEL, Setup, TextureResult};
 use engine::bench::{render::Spread, scenes};
 use engine::gpu::Gpu;
@@ -25,6 +27,10 @@ struct Report {
     conditions: Conditions,
     scene: String,
     triangles: u64,
+    /// Whose driver told registers and stack.
+    statistics_device: Option<String>,
+    /// Why nothing is known of them, if that is so.
+    statistics_absent: Option<String>,
     results: Vec<TextureResult>,
 }
 
@@ -52,7 +58,11 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
             (name, material.as_str(), loaded.scene, loaded.camera)
         }
     };
-    let gpu = Gpu::new(&job.effort.device).map_err(Failure::because)?;
+    let gpu = match job.forms.contains(&Form::RayQuery) {
+        true => Gpu::with_ray_queries(&job.effort.device),
+        false => Gpu::new(&job.effort.device),
+    };
+    let gpu = gpu.map_err(Failure::because)?;
     bar.stage("measuring");
     let mut results = Vec::new();
     for &ao_rays in &job.ao_rays {
@@ -68,14 +78,18 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
             runs: job.effort.runs,
             ao_rays,
             forms: &job.forms,
+            statistics_device: job.statistics_device.as_deref(),
         };
         results.extend(bench::compare(&gpu, &setup, || ()).map_err(Failure::because)?);
     }
     bar.finish();
+    let inspection = Inspection::new(&gpu, job.statistics_device.as_deref());
     let report = Report {
         conditions: Conditions::new(&job.effort, &gpu),
         scene: name,
         triangles: scene.instanced_triangles(),
+        statistics_device: inspection.device().map(str::to_owned),
+        statistics_absent: inspection.absent().map(str::to_owned),
         results,
     };
     console::print(&report.table());
@@ -91,6 +105,25 @@ impl Report {
             self.scene,
             console::grouped(self.triangles)
         );
+        if let Some(reason) = &self.statistics_absent {
+            let _ = writeln!(text, "registers and stack are not known: {reason}");
+        }
+        if let Some(device) = &self.statistics_device {
+            let _ = writeln!(text, "registers and stack on {device}:");
+        }
+        for row in self.results.iter().filter(|row| row.registers.is_some()) {
+            let figure = |known: Option<f64>| known.map_or("-".to_owned(), |v| v.to_string());
+            let _ = writeln!(
+                text,
+                "  {} {}, {} AO rays: {} registers, {} bytes of stack, {} spills",
+                row.mode,
+                row.texture,
+                row.ao_rays,
+                figure(row.registers),
+                figure(row.stack_bytes),
+                figure(row.spills)
+            );
+        }
         let mut ao_rays = 0;
         for row in &self.results {
             if row.ao_rays != ao_rays {

@@ -1,31 +1,33 @@
-//! What procedural textures cost: the same picture with plain gray, rust and scratches on a model, with the texture kernel
-//! in its own form and in the inlined one, in turn. The comparison of the paper ("Restricted Extensions for GPU
+//! What procedural textures cost: the same picture with plain gray, rust and scratches on a model, in each of several
+//! forms in turn. The comparison of the paper ("Restricted Extensions for GPU
 //! Photo-realistic Renderer", Sanzharov, Frolov et al., 2019, table 1): time over plain gray of the same form.
 
 use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
-use texgen::{Diagnostics, PrivateMemory, TextureType, Value};
+use texgen::{Diagnostics, TextureType, Value};
 
 use crate::{
     film::Film,
     gpu::Gpu,
-    passes::proctex::TextureForm,
     procedural::{Procedural, TextureSources},
-    renderer::{ReloadError, RenderEditError, RenderError, RenderSettings, Renderer},
+    renderer::{ReloadError, RenderEditError, RenderError, RenderSettings},
     scene::{
         Scene,
         look::{Look, LookError},
     },
 };
 
-use super::{kernel, render::Spread};
+use super::{
+    forms::{Form, FormRenderer},
+    inspect::Inspection,
+    kernel,
+    render::Spread,
+};
 
 /// Name of the material that is textured in the built-in scene.
 pub const MODEL: &str = "model";
-/// Bytes of a slot of the kernel's stack, or of a result in the inlined form.
-const SLOT_BYTES: u32 = 16;
 /// Standard errors that two pictures of one pixel may differ by, and the share of the pixels that may differ by more.
 const SIGMAS: f32 = 3.5;
 const OUTLIERS: f64 = 0.005;
@@ -124,14 +126,6 @@ impl Texture {
     }
 }
 
-/// Name of a form in reports.
-fn form_name(form: TextureForm) -> &'static str {
-    match form {
-        TextureForm::Stack => "stack",
-        TextureForm::Inlined => "inlined",
-    }
-}
-
 /// What is rendered, and how often.
 #[derive(Debug)]
 pub struct Setup<'a> {
@@ -150,13 +144,15 @@ pub struct Setup<'a> {
     /// Rays of ambient occlusion at a hit.
     pub ao_rays: u32,
     /// Which forms are compared.
-    pub forms: &'a [TextureForm],
+    pub forms: &'a [Form],
+    /// The driver that is asked about kernels: see [`Inspection::new`].
+    pub statistics_device: Option<&'a str>,
 }
 
 /// A row of the comparison.
 #[derive(Debug, Clone, Serialize)]
 pub struct TextureResult {
-    /// `stack` or `inlined`.
+    /// `stack`, `inlined` or `rayquery`.
     pub mode: &'static str,
     /// `gray`, `rust` or `scratches`.
     pub texture: &'static str,
@@ -168,8 +164,14 @@ pub struct TextureResult {
     pub increase_percent: Spread,
     /// Highest less lowest of these.
     pub increase_spread: f64,
-    /// Of a thread: the stack or the results of all nodes, and the deepest chain of a texture's own functions.
+    /// Private memory of a thread of the kernel that has the textures in it: see [`FormRenderer::private_bytes`].
     pub private_bytes: u32,
+    /// Registers of a thread of that kernel, where the driver tells.
+    pub registers: Option<f64>,
+    /// Bytes of memory of such a thread beside registers, where the driver tells.
+    pub stack_bytes: Option<f64>,
+    /// What did not fit into registers, as the driver counts it.
+    pub spills: Option<f64>,
     /// From changed source to the first image, with a kernel that no cache knows, less a usual image.
     pub build_ms_cold: f64,
     /// The same with one that was built before.
@@ -183,9 +185,9 @@ pub struct TextureResult {
 }
 
 struct Case {
-    form: TextureForm,
+    form: Form,
     texture: Texture,
-    renderer: Renderer,
+    renderer: FormRenderer,
     times: Vec<f64>,
 }
 
@@ -229,10 +231,11 @@ pub fn compare(
         }
     }
     same_pictures(&cases)?;
+    let inspection = Inspection::new(gpu, setup.statistics_device);
     let mut results = Vec::new();
     for at in 0..cases.len() {
         let gray = cases[at - at % Texture::ALL.len()].times.clone();
-        results.push(result(gpu, setup, &mut cases[at], &gray)?);
+        results.push(result(gpu, setup, &mut cases[at], &gray, &inspection)?);
         progress();
     }
     Ok(results)
@@ -246,15 +249,15 @@ pub fn steps(setup: &Setup<'_>) -> u64 {
 fn renderer(
     gpu: &Gpu,
     setup: &Setup<'_>,
-    form: TextureForm,
+    form: Form,
     texture: Texture,
-) -> Result<Renderer, TextureBenchError> {
+) -> Result<FormRenderer, TextureBenchError> {
     let mut scene = setup.scene.clone();
     let look = texture.look(setup.material, setup.ao_rays);
     let look = Look::parse(Path::new("bench.look.toml"), &look)?;
     let procedural =
         Procedural::build(&look, &mut scene, setup.sources).map_err(LookError::from)?;
-    Ok(Renderer::with_form(
+    Ok(FormRenderer::new(
         gpu,
         &scene,
         &procedural,
@@ -268,6 +271,7 @@ fn result(
     setup: &Setup<'_>,
     case: &mut Case,
     gray: &[f64],
+    inspection: &Inspection,
 ) -> Result<TextureResult, TextureBenchError> {
     let increases = case
         .times
@@ -275,11 +279,15 @@ fn result(
         .zip(gray)
         .map(|(t, g)| (t / g - 1.0) * 100.0);
     let increase_percent = Spread::of(increases);
+    let private_bytes = case.renderer.private_bytes();
+    let said = inspection.of(&case.renderer);
     let usual = image(&mut case.renderer)?;
     let (mut edit_ms, mut pipelines_created, mut builds) = (0.0, 0, [0.0; 3]);
     if let Some((node, parameter, value)) = case.texture.edited() {
         let before = gpu.pipelines_created();
         let start = Instant::now();
+        // A number that no cache has seen, in case it is pasted into a kernel.
+        let value = value + (kernel::fresh_number() % 0xffff) as f32 * 1e-6;
         case.renderer
             .set_argument(node, parameter, Value::F32(value))?;
         first_image(&mut case.renderer)?;
@@ -296,13 +304,16 @@ fn result(
     }
     let less_usual = |ms: f64| if ms > 0.0 { (ms - usual).max(0.0) } else { 0.0 };
     Ok(TextureResult {
-        mode: form_name(case.form),
+        mode: case.form.name(),
         texture: case.texture.name(),
         ao_rays: setup.ao_rays,
         ms_per_spp: Spread::of(case.times.iter().map(|s| s * 1e3 / f64::from(setup.spp))),
         increase_spread: increase_percent.high - increase_percent.low,
         increase_percent,
-        private_bytes: private_bytes(case),
+        private_bytes,
+        registers: said.registers,
+        stack_bytes: said.stack_bytes,
+        spills: said.spills,
         build_ms_cold: less_usual(builds[0]),
         build_ms_warm: less_usual(builds[2]),
         edit_ms,
@@ -312,27 +323,26 @@ fn result(
 }
 
 /// Milliseconds of one sample of all pixels, once everything is compiled.
-fn image(renderer: &mut Renderer) -> Result<f64, RenderError> {
+fn image(renderer: &mut FormRenderer) -> Result<f64, RenderError> {
     renderer.restart();
     let start = Instant::now();
     first_image(renderer)?;
     Ok(start.elapsed().as_secs_f64() * 1e3)
 }
 
-fn first_image(renderer: &mut Renderer) -> Result<(), RenderError> {
+fn first_image(renderer: &mut FormRenderer) -> Result<(), RenderError> {
     renderer.render(1)
 }
 
 /// Milliseconds from a changed source of the texture to the first image.
 fn rebuild(
-    renderer: &mut Renderer,
+    renderer: &mut FormRenderer,
     texture: &TextureType,
     number: u64,
 ) -> Result<f64, TextureBenchError> {
     let file = kernel::variant(texture, texture.name(), number);
     let start = Instant::now();
-    let reload = renderer.begin_reload(vec![file]);
-    renderer.finish_reload(reload)?;
+    renderer.reload(vec![file])?;
     first_image(renderer)?;
     Ok(start.elapsed().as_secs_f64() * 1e3)
 }
@@ -345,7 +355,7 @@ fn same_pictures(cases: &[Case]) -> Result<(), TextureBenchError> {
         let share = outliers(&first, &case.renderer.film()?);
         if share > OUTLIERS {
             return Err(TextureBenchError::Differs {
-                form: form_name(case.form),
+                form: case.form.name(),
                 texture: case.texture.name(),
                 percent: share * 100.0,
             });
@@ -367,18 +377,4 @@ fn outliers(a: &Film, b: &Film) -> f64 {
         }
     }
     outside as f64 / all.max(1) as f64
-}
-
-fn private_bytes(case: &Case) -> u32 {
-    let procedural = case.renderer.procedural();
-    let graph = procedural.graph();
-    if procedural.is_empty() {
-        return 0;
-    }
-    let slots = match case.form {
-        TextureForm::Stack => procedural.stack_slots(),
-        TextureForm::Inlined => graph.ids().len() as u32,
-    };
-    let functions = graph.library().textures().iter().map(PrivateMemory::of);
-    slots * SLOT_BYTES + functions.map(|memory| memory.bytes).max().unwrap_or(0)
 }

@@ -1,6 +1,6 @@
 // One ray of ambient occlusion.
 //!include shared/ao_tables.wgsl
-//!include shared/traversal.wgsl
+//!include shared/hit.wgsl
 
 struct Occlusion {
     traced: u32, // 1: a ray was traced
