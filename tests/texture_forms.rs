@@ -9,6 +9,7 @@ mod support;
 use std::path::Path;
 
 use engine::bench::forms::{Form, FormRenderer};
+use engine::bench::inspect::Inspection;
 use engine::film::Film;
 use engine::gpu::{DeviceChoice, Gpu};
 use engine::procedural::{Procedural, TextureSources};
@@ -175,10 +176,14 @@ fn the_inlined_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
     );
 }
 
-/// A device with ray queries; `None`, with a notice, where there is none.
+/// A device with ray queries; `None`, with a notice, where there is none, or where it takes a minute for each kernel.
 fn open_with_ray_queries() -> Option<Gpu> {
     // Whether there is a device at all is for the usual way to say.
-    device::open()?;
+    let usual = device::open()?;
+    if usual.is_cpu() && usual.description().ray_queries && !device::full_run() {
+        eprintln!("skipped: a software driver takes minutes for these kernels; set PATINA_FULL");
+        return None;
+    }
     let has_them = |gpu: &Gpu| gpu.has_ray_queries();
     let gpu = Gpu::with_ray_queries(&DeviceChoice::Best)
         .ok()
@@ -308,5 +313,25 @@ fn ray_queries_meet_what_the_traversal_kernel_meets() {
         let mut passes = renderer(&gpu, &hall, Form::Stack);
         let mut queries = renderer(&gpu, &hall, Form::RayQuery);
         assert_same_picture(name, &film(&mut queries), &film(&mut passes));
+    }
+}
+
+#[test]
+fn a_driver_that_tells_registers_tells_them_of_every_form() {
+    let Some(usual) = device::open() else { return };
+    let inspection = Inspection::new(&usual, None);
+    if let Some(reason) = inspection.absent() {
+        eprintln!("skipped: {reason}");
+        return;
+    }
+    // Kernels are compiled, none is run.
+    let gpu = Gpu::with_ray_queries(&DeviceChoice::Best).unwrap_or_else(|error| panic!("{error}"));
+    for form in Form::ALL {
+        if form == Form::RayQuery && !gpu.has_ray_queries() {
+            continue;
+        }
+        let said = inspection.of(&renderer(&gpu, &room(), form));
+        eprintln!("{}: {:?}", form.name(), said.all);
+        assert!(said.registers.is_some_and(|count| count >= 8.0));
     }
 }

@@ -229,7 +229,8 @@ impl Totals {
         Self {
             rays: pair(9),
             shadow_rays: pair(16),
-            ao_rays: pair(13),
+            // Asked for, less those that needn't be traced.
+            ao_rays: pair(13).saturating_sub(pair(18)),
             invalid: u64::from(words[15]),
             clamped: u64::from(words[12]),
             overrun: words[11].checked_sub(1),

@@ -23,13 +23,6 @@ fn size_dispatch(queue: u32, threads: u32) {
     dispatch_sizes[3u * queue + 2u] = 1u;
 }
 
-fn add_total(word: u32, count: u32) {
-    let before = atomicAdd(&queues[word], count);
-    if (before + count < before) {
-        atomicAdd(&queues[word + 1u], 1u);
-    }
-}
-
 // After raygen: round 0 reads what raygen appended.
 @compute @workgroup_size(1)
 fn advance_start() {

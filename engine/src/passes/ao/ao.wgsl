@@ -30,18 +30,29 @@ fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgrou
     let is_shadow = is_shadow_ray(ray);
     let slot = ray_slot(ray);
     let path = path_id(slot);
-    let word = ao_word(ray);
     let purpose = vertex_dimension(path_depth(slot), select(DIMENSION_AO, DIMENSION_SHADOW_AO, is_shadow));
-    for (var i = 0u; i < 4u; i++) {
-        if (((entry >> (28u + i)) & 1u) == 0u || sample >= ao_tables[i].samples) {
+    // Only the tables that the entry names: a loop over all four would cost a software driver, which runs the body for
+    // lanes that skip it too, four rays for one.
+    var tables = entry >> 28u;
+    var asked = 0u;
+    while (tables != 0u) {
+        let i = firstTrailingBit(tables);
+        tables &= tables - 1u;
+        let count = ao_tables[i].samples;
+        asked += count;
+        if (sample >= count) {
             continue;
         }
-        let ray = occlusion(s, hit.instance, path, purpose, i, sample);
-        if (ray.traced != 0u && atomicAdd(&queues[WORD_AO_RAYS], 1u) == 0xffffffffu) {
-            atomicAdd(&queues[WORD_AO_RAYS + 1u], 1u);
+        let occluder = occlusion(s, hit.instance, path, purpose, i, sample);
+        if (occluder.traced == 0u) {
+            add_total(WORD_AO_FREE, 1u);
         }
-        if (ray.occluded != 0u) {
-            atomicAdd(&queues[word], 1u << (8u * i));
+        if (occluder.occluded != 0u) {
+            atomicAdd(&queues[ao_word(ray)], 1u << (8u * i));
         }
+    }
+    // One atomic for all rays of a hit: one for each ray took longer than some rays.
+    if (sample == 0u) {
+        add_total(WORD_AO_RAYS, asked);
     }
 }

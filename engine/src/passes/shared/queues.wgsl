@@ -18,9 +18,18 @@ const WORD_ROUND = 8u; // rounds so far: a path scatters at most once in each
 const WORD_RAYS = 9u; // 64-bit total of path and shadow rays
 const WORD_OVERRUN = 11u; // number + 1 of a texture whose loops were ended early, or 0
 const WORD_CLAMPED = 12u; // samples beyond the film's range
-const WORD_AO_RAYS = 13u; // 64-bit total
+const WORD_AO_RAYS = 13u; // 64-bit total of the rays that hits ask for
 const WORD_INVALID = 15u; // samples that were not finite and were dropped
 const WORD_SHADOW_RAYS = 16u; // 64-bit total of shadow rays alone
+const WORD_AO_FREE = 18u; // 64-bit total of AO rays that needn't be traced
 const QUEUE_HEADER = 32u;
 
 @group(0) @binding(3) var<storage, read_write> queues: array<atomic<u32>>;
+
+// Adds to a 64-bit total.
+fn add_total(word: u32, count: u32) {
+    let before = atomicAdd(&queues[word], count);
+    if (before + count < before) {
+        atomicAdd(&queues[word + 1u], 1u);
+    }
+}
