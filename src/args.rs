@@ -10,6 +10,7 @@ use clap::{ArgAction, Parser, Subcommand};
 use crate::bench::args::BenchCommand;
 use crate::console::MessageFormat;
 use crate::texture::args::TextureCommand;
+use crate::view::args::ViewArgs;
 use crate::watch::args::WatchArgs;
 
 const EXAMPLES: &str = "\
@@ -17,6 +18,7 @@ Examples:
   patina render scene.glb                            writes scene-render.png
   patina render scene.glb -o a.png -o a.exr          a picture to look at and one to work with
   patina render scene.glb --look rust.look.toml      with procedural textures
+  patina view scene.glb                              in a window, to be walked through and edited
   patina texture list                                which textures there are
   patina devices                                     which devices there are
 
@@ -78,6 +80,9 @@ pub(crate) enum Command {
     /// Render a scene again and again while its files are edited.
     #[command(after_help = crate::watch::args::EXAMPLES)]
     Watch(Box<WatchArgs>),
+    /// Open a window: look at a scene, walk through it, edit its look.
+    #[command(after_help = crate::view::args::EXAMPLES)]
+    View(Box<ViewArgs>),
     /// Add films of parts of a picture's samples, as `render --sample-range` writes them.
     #[command(after_help = MERGE_EXAMPLES)]
     Merge(MergeArgs),

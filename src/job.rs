@@ -16,12 +16,14 @@ use engine::settings::{Estimator, Sampler};
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
 use crate::bench::job::BenchJob;
 use crate::texture::job::TextureJob;
+use crate::view::job::ViewJob;
 use crate::watch::job::WatchJob;
 
 pub(crate) use self::error::UsageError;
-use self::parse::{default_output, parse_decimal, parse_sample_range, parse_word};
+use self::parse::{default_output, parse_decimal, parse_sample_range};
 pub(crate) use self::parse::{
-    parse_device, parse_exposure, parse_number, parse_output, parse_size, refuse_overwriting,
+    parse_device, parse_exposure, parse_number, parse_output, parse_size, parse_word,
+    refuse_overwriting,
 };
 
 /// Longest side of a picture, pixels.
@@ -44,6 +46,8 @@ pub(crate) enum Job {
     Render(RenderJob),
     /// Render a scene whenever its files change.
     Watch(WatchJob),
+    /// Open a window.
+    View(ViewJob),
     /// Add films.
     Merge(MergeJob),
     /// Do something with textures.
@@ -189,6 +193,7 @@ impl Job {
         Ok(match args.command {
             Command::Render(args) => Self::Render(RenderJob::from_args(*args)?),
             Command::Watch(args) => Self::Watch(WatchJob::from_args(*args)?),
+            Command::View(args) => Self::View(ViewJob::from_args(*args)?),
             Command::Merge(args) => Self::Merge(MergeJob::from_args(args)?),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,

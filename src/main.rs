@@ -1,4 +1,4 @@
-//! The `patina` command: renders scenes, merges films, works on textures, lists devices, measures itself.
+//! The `patina` command: renders scenes, opens a window on them, merges films, works on textures, lists devices, measures itself.
 //!
 //! This file only walks the path every invocation takes: raw flags ([`args`]) become a validated [`job`], the job
 //! is run by the file named after it, and what came of it becomes an exit code ([`exit`]). Nothing is decided here.
@@ -19,6 +19,7 @@ mod progress;
 mod render;
 mod report;
 mod texture;
+mod view;
 mod watch;
 
 use std::process::ExitCode;
@@ -48,6 +49,7 @@ fn run(job: Job) -> Result<(), Failure> {
     match job {
         Job::Render(job) => render::run(&job),
         Job::Watch(job) => watch::run(&job),
+        Job::View(job) => view::run(&job),
         Job::Merge(job) => merge::run(&job),
         Job::Texture(job) => texture::run(job),
         Job::Devices => devices::run(),

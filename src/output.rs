@@ -101,6 +101,31 @@ pub(crate) fn write(output: &Output, picture: &Picture, exposure: f32) -> Result
     })
 }
 
+/// Writes 8-bit RGBA that is encoded as it is to be shown, row 0 on top, without its alpha. EXR files hold radiance: none is
+/// written.
+///
+/// # Errors
+/// As [`write`].
+pub(crate) fn write_shown(
+    output: &Output,
+    [width, height]: [u32; 2],
+    rgba: &[u8],
+) -> Result<(), OutputError> {
+    let rgb: Vec<u8> = rgba
+        .chunks_exact(4)
+        .flat_map(|pixel| &pixel[..3])
+        .copied()
+        .collect();
+    write_aside(&output.path, |file| match output.format {
+        Format::Png => encode(PngEncoder::new(file), [width, height], &rgb),
+        Format::Jpeg => {
+            let encoder = JpegEncoder::new_with_quality(file, JPEG_QUALITY);
+            encode(encoder, [width, height], &rgb)
+        }
+        Format::Exr => Err(io::Error::other("what is shown on a screen is no radiance")),
+    })
+}
+
 /// Writes the files of a render or a merge: its pictures, and its sums.
 ///
 /// # Errors
@@ -208,6 +233,17 @@ fn aside(path: &Path) -> Result<NamedTempFile, OutputError> {
 /// Of 100: artefacts are below the noise of a render.
 const JPEG_QUALITY: u8 = 90;
 
+/// A picture as a JPEG file in memory, brighter by `exposure` stops.
+///
+/// # Errors
+/// It is too large for the format.
+pub(crate) fn jpeg(picture: &Picture, exposure: f32) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
+    write_srgb(encoder, picture, exposure)?;
+    Ok(bytes)
+}
+
 fn write_srgb(encoder: impl ImageEncoder, picture: &Picture, exposure: f32) -> io::Result<()> {
     let gain = exposure.exp2();
     let bytes: Vec<u8> = picture
@@ -216,13 +252,12 @@ fn write_srgb(encoder: impl ImageEncoder, picture: &Picture, exposure: f32) -> i
         .flatten()
         .map(|&value| srgb8(value * gain))
         .collect();
+    encode(encoder, [picture.width, picture.height], &bytes)
+}
+
+fn encode(encoder: impl ImageEncoder, [width, height]: [u32; 2], rgb: &[u8]) -> io::Result<()> {
     encoder
-        .write_image(
-            &bytes,
-            picture.width,
-            picture.height,
-            ExtendedColorType::Rgb8,
-        )
+        .write_image(rgb, width, height, ExtendedColorType::Rgb8)
         .map_err(io::Error::other)
 }
 

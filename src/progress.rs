@@ -1,4 +1,5 @@
-//! The progress bar of a render: samples, samples per second, remaining time. Silent where stderr isn't a terminal.
+//! The progress bar of a render: samples, samples per second, remaining time; of a measurement: steps and remaining
+//! time. Silent where stderr isn't a terminal.
 
 use std::fmt::Write;
 use std::io::{self, IsTerminal};
@@ -62,6 +63,21 @@ impl Bar {
         }
         self.bar.set_length(progress.samples_total);
         self.bar.set_position(progress.samples_done);
+    }
+
+    /// Shows from now on how many of `total` steps are done, and about how long the rest will take.
+    pub(crate) fn count(&self, total: u64) {
+        self.bar.set_style(
+            style("{msg} {bar:32} {pos}/{len}  {elapsed}, about {eta} left").progress_chars("=> "),
+        );
+        self.bar.set_length(total);
+        self.bar.reset_elapsed();
+        self.bar.reset_eta();
+    }
+
+    /// One step of [`Self::count`] is done.
+    pub(crate) fn step(&self) {
+        self.bar.inc(1);
     }
 
     /// Removes the bar so that other lines can be printed.

@@ -54,9 +54,9 @@ pub(crate) struct Device {
     /// In one line.
     #[serde(skip)]
     pub(crate) title: String,
-    name: String,
-    backend: String,
-    driver: String,
+    pub(crate) name: String,
+    pub(crate) backend: String,
+    pub(crate) driver: String,
 }
 
 impl Device {

@@ -225,14 +225,14 @@ fn programs_compute_what_the_language_promises() {
     case.link(outer, "x", inner, "");
     case.expect(outer, [2310.0; 4]);
 
-    for inlined in [false, true] {
-        check(&case, inlined);
+    for form in [Form::Switch, Form::Rounds, Form::Inlined] {
+        check(&case, form);
     }
 }
 
 /// Runs a case and compares its results; nothing may have been cut.
-fn check(case: &Case, inlined: bool) {
-    let Some((results, overrun)) = run(case, inlined) else {
+fn check(case: &Case, form: Form) {
+    let Some((results, overrun)) = run(case, form) else {
         return;
     };
     for ((node, expected), result) in case.expected.iter().zip(&results) {
@@ -255,7 +255,7 @@ fn an_endless_loop_is_cut_and_reported() {
     case.expect(endless, [0.0; 4]);
     let after = case.node("one", [0, 0], &[("x", Value::F32(3.0))]);
     case.expect(after, [3.0; 4]);
-    let Some((results, overrun)) = run(&case, false) else {
+    let Some((results, overrun)) = run(&case, Form::Switch) else {
         return;
     };
     assert_eq!(
@@ -267,9 +267,17 @@ fn an_endless_loop_is_cut_and_reported() {
     assert_eq!(overrun, number as f32 + 1.0);
 }
 
+/// How the kernel comes to the textures.
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    Switch,
+    Rounds,
+    Inlined,
+}
+
 /// Runs the program of all expected nodes in one thread; their results, and the kernel's `patina_overrun`. The graph
 /// is data, or pasted into the kernel.
-fn run(case: &Case, inlined: bool) -> Option<(Vec<[f32; 4]>, f32)> {
+fn run(case: &Case, form: Form) -> Option<(Vec<[f32; 4]>, f32)> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let Ok(adapter) = wait(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
     else {
@@ -281,13 +289,22 @@ fn run(case: &Case, inlined: bool) -> Option<(Vec<[f32; 4]>, f32)> {
 
     let roots: Vec<NodeId> = case.expected.iter().map(|&(node, _)| node).collect();
     let program = case.graph.compile(&roots).expect("no image is missing");
-    let (kernel, slots) = if inlined {
-        let kernel = emit_inlined(&case.graph, std::slice::from_ref(&roots));
-        let slots = (0..roots.len() as u32).collect();
-        (kernel.expect("no image is missing"), slots)
-    } else {
-        let kernel = case.graph.library().emit(program.slots_needed);
-        (kernel, program.results.clone())
+    let library = case.graph.library();
+    let kernel = match form {
+        Form::Switch => library.emit(program.slots_needed),
+        // Back to front, so that many rounds are needed.
+        Form::Rounds => {
+            let order: Vec<usize> = (0..library.textures().len()).rev().collect();
+            library.emit_in_rounds(program.slots_needed, &order)
+        }
+        Form::Inlined => {
+            let kernel = emit_inlined(&case.graph, std::slice::from_ref(&roots));
+            kernel.expect("no image is missing")
+        }
+    };
+    let slots = match form {
+        Form::Inlined => (0..roots.len() as u32).collect(),
+        _ => program.results.clone(),
     };
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,

@@ -64,8 +64,10 @@ pub struct Frame {
     sampler: u32,
     aperture_blades: u32,
     aperture_rotation: f32,
-    spare1: u32,
-    spare2: u32,
+    /// Columns in the low half, rows in the high one: where paths start, and where that ends.
+    pub region_min: u32,
+    /// See `region_min`; exclusive.
+    pub region_max: u32,
     sobol: [[u32; 4]; sobol::ROWS],
 }
 
@@ -120,8 +122,8 @@ impl Frame {
             sampler,
             aperture_blades,
             aperture_rotation,
-            spare1,
-            spare2,
+            region_min,
+            region_max,
             sobol
         ]
     }
@@ -133,6 +135,11 @@ const ROULETTE_START: u32 = 4;
 const BLOCK: u32 = 8;
 
 impl Frame {
+    /// Without a lens.
+    pub(crate) fn set_pinhole(&mut self) {
+        self.aperture_radius = 0.0;
+    }
+
     /// For a picture of a scene. `capacity` is the number of path slots of a wave.
     pub fn new(settings: &RenderSettings, capacity: u32, scene: &GpuScene) -> Self {
         let (width, height) = (settings.width, settings.height);
@@ -209,8 +216,8 @@ impl Frame {
             },
             aperture_blades: camera.aperture_blades,
             aperture_rotation: camera.aperture_rotation,
-            spare1: 0,
-            spare2: 0,
+            region_min: 0,
+            region_max: u32::MAX,
             sobol: sobol::nibbles(),
         }
     }

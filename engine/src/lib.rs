@@ -5,6 +5,7 @@
 pub mod alias;
 pub mod bench;
 pub mod bvh;
+pub mod display;
 pub mod evaluate;
 pub mod film;
 pub mod filter;
@@ -15,6 +16,7 @@ pub mod isolated;
 pub mod live;
 pub mod load;
 pub mod passes;
+pub mod pick;
 pub mod preview;
 pub mod procedural;
 pub mod renderer;

@@ -6,6 +6,7 @@ mod pipeline;
 mod record;
 mod reload;
 mod update;
+mod view;
 
 use std::time::{Duration, Instant};
 
@@ -47,7 +48,7 @@ pub use self::{
 const GPU_CAPACITY: u32 = 1 << 20;
 const CPU_CAPACITY: u32 = 1 << 16;
 /// Waves are kept shorter than this, so that no dispatch comes near a desktop's watchdog and Ctrl-C is heard.
-const LONGEST_WAVE: Duration = Duration::from_millis(1500);
+pub(crate) const LONGEST_WAVE: Duration = Duration::from_millis(1500);
 /// Rounds that are added at once for rays that texture programs let pass, and the most of them: a path that meets more
 /// such surfaces ends there.
 const PASSAGES: u32 = 4;
@@ -111,10 +112,10 @@ pub(crate) fn first_wave(gpu: &Gpu, capacity: u32) -> u32 {
 }
 
 /// Paths of the wave after one that took so long: longer waves keep the device busy, shorter ones keep each dispatch short.
-pub(crate) fn next_wave(wave_size: u32, capacity: u32, took: Duration) -> u32 {
-    if took > LONGEST_WAVE {
+pub(crate) fn next_wave(wave_size: u32, capacity: u32, took: Duration, longest: Duration) -> u32 {
+    if took > longest {
         (wave_size / 2).max(1024).min(capacity)
-    } else if took < LONGEST_WAVE / 4 {
+    } else if took < longest / 4 {
         (wave_size * 2).min(capacity)
     } else {
         wave_size
@@ -131,13 +132,7 @@ pub(crate) fn allocate_picture(
     if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
         return Err(RenderError::Size { width, height });
     }
-    let pixels = u64::from(width) * u64::from(height);
-    for name in film::PLANES {
-        resources.set_buffer(
-            name,
-            gpu.empty_buffer("the picture", pixels * 16, wgpu::BufferUsages::STORAGE)?,
-        );
-    }
+    view::allocate_film(gpu, width, height, resources)?;
     let filter = FilterTable::new(settings.filter).distances;
     resources.set_buffer(
         "filter_table",
@@ -198,6 +193,10 @@ pub struct Renderer {
     position: u64,
     timer: Timer,
     seconds: f64,
+    longest_wave: Duration,
+    /// Pixels that get samples, where not all do.
+    region: Option<[u32; 4]>,
+    guides: Option<view::Guides>,
 }
 
 impl Renderer {
@@ -303,6 +302,9 @@ impl Renderer {
             position: 0,
             timer: Timer::new(gpu, false)?,
             seconds: 0.0,
+            longest_wave: LONGEST_WAVE,
+            region: None,
+            guides: None,
         })
     }
 
@@ -313,6 +315,11 @@ impl Renderer {
     pub fn time_passes(&mut self) -> Result<(), RenderError> {
         self.timer = Timer::new(&self.gpu, true)?;
         Ok(())
+    }
+
+    /// Whether passes are timed.
+    pub fn is_timing(&self) -> bool {
+        self.timer.is_timing()
     }
 
     /// Renders one wave towards `target_spp` samples per pixel, at most [`film::MAX_SAMPLES`]. Call it until the progress
@@ -335,7 +342,8 @@ impl Renderer {
             self.frame.sample_limit = first + target_spp;
             self.render_wave()?;
             self.position += wave;
-            self.wave_size = next_wave(self.wave_size, self.capacity, start.elapsed());
+            let took = start.elapsed();
+            self.wave_size = next_wave(self.wave_size, self.capacity, took, self.longest_wave);
             self.seconds += start.elapsed().as_secs_f64();
         }
         let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
@@ -452,7 +460,7 @@ impl Renderer {
         if !self.kernels.has_texture() {
             return Ok(None);
         }
-        let generated = pipeline::generated_kernel(&self.procedural, self.form)?;
+        let generated = pipeline::generated_kernel(&self.gpu, &self.procedural, self.form)?;
         Ok(Some(KernelText {
             source: proctex::source(self.form, &generated),
             entry: proctex::ENTRY,

@@ -4,6 +4,7 @@
 use std::mem::{offset_of, size_of};
 
 use engine::{
+    display::GpuDisplay,
     frame::Frame,
     gpu::wgsl::Source,
     gpu_scene::{GpuInstance, light_tree::GpuLightNode, lights::GpuLight, materials::GpuMaterial},
@@ -14,7 +15,7 @@ use engine::{
     wave::{GpuAoTable, RayHit},
 };
 
-const KERNELS: [&str; 7] = [
+const KERNELS: [&str; 9] = [
     "raygen/entry.wgsl",
     "traverse/entry.wgsl",
     "classify/entry.wgsl",
@@ -22,6 +23,8 @@ const KERNELS: [&str; 7] = [
     "brdf/entry.wgsl",
     "accumulate/entry.wgsl",
     "advance/advance.wgsl",
+    "display/display.wgsl",
+    "guide/guide.wgsl",
 ];
 
 fn module(text: &str) -> (naga::Module, naga::valid::ModuleInfo) {
@@ -80,6 +83,13 @@ fn shared_structs_agree() {
     let (brdf, _) = module(&Source::of("brdf/entry.wgsl").text);
     let (advance, _) = module(&Source::of("advance/advance.wgsl").text);
     assert_layout(&brdf, "Frame", size_of::<Frame>(), &Frame::offsets());
+    let (display, _) = module(&Source::of("display/display.wgsl").text);
+    assert_layout(
+        &display,
+        "Display",
+        size_of::<GpuDisplay>(),
+        &GpuDisplay::offsets(),
+    );
     assert_layout(
         &brdf,
         "RayHit",

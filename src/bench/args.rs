@@ -10,6 +10,17 @@ Examples:
   patina bench render a.glb b.glb --runs 5           two scenes in turn, five times each
   patina bench render a.glb --look a.look.toml --json a.json";
 
+const TEXTURES_EXAMPLES: &str = "\
+Examples:
+  patina bench textures                              the built-in scene, a table
+  patina bench textures -o report.html -o report.json
+  patina bench textures --sweep nodes,ao -o report.html
+  patina bench textures --size 96x96 --runs 1        a quick look
+  patina bench textures --scene Sponza.gltf --insert car.glb -o report.html
+  patina bench textures --scene room.glb --material Paint
+
+What the columns mean, and how figures are to be compared: docs/benchmarks.md.";
+
 /// What `patina bench` measures.
 #[derive(Debug, Subcommand)]
 pub(crate) enum BenchCommand {
@@ -62,6 +73,7 @@ pub(crate) enum BenchCommand {
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArgs),
     /// What procedural textures cost: time over plain gray of rust and of scratches, for each form of the texture kernel.
+    #[command(after_help = TEXTURES_EXAMPLES)]
     Textures(Box<TexturesArgs>),
     /// Rays per second of the traversal kernel: primary, bounce and shadow rays.
     Traverse {
@@ -78,7 +90,7 @@ pub(crate) enum BenchCommand {
 #[derive(Debug, Args)]
 pub(crate) struct TexturesArgs {
     /// A glTF file in place of the built-in arcade.
-    #[arg(long, value_name = "FILE", requires = "material")]
+    #[arg(long, value_name = "FILE")]
     pub(crate) scene: Option<PathBuf>,
 
     /// A look for it: camera, light, models. Its own textures are left out.
@@ -89,17 +101,40 @@ pub(crate) struct TexturesArgs {
     #[arg(long, value_name = "NAME", requires = "scene")]
     pub(crate) material: Option<String>,
 
+    /// Or a glTF file whose model is put on the floor in front of the camera, and is gray, rusty and scratched all over.
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "scene",
+        conflicts_with = "material"
+    )]
+    pub(crate) insert: Option<PathBuf>,
+
     /// What is compared: stack, inlined, and rayquery where the device has ray queries.
     #[arg(long, value_name = "LIST", default_value = "stack,inlined")]
     pub(crate) modes: String,
 
     /// Rays of ambient occlusion at a hit: one table for each number.
-    #[arg(long, value_name = "LIST", default_value = "4,16")]
+    #[arg(
+        long,
+        value_name = "LIST",
+        default_value = "4,16",
+        allow_hyphen_values = true
+    )]
     pub(crate) ao_rays: String,
 
     /// Ask the driver of another Vulkan device, by a part of its name, for registers and stack of the kernels.
     #[arg(long, value_name = "NAME")]
     pub(crate) statistics_device: Option<String>,
+
+    /// Measure also what changes the cost: nodes, textures, ao, coverage, bounces, or all. Takes minutes each.
+    #[arg(long, value_name = "LIST")]
+    pub(crate) sweep: Option<String>,
+
+    /// Report to write: .html (a page to read), .json (figures for programs) or .svg (the chart). May be given several
+    /// times.
+    #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append)]
+    pub(crate) outputs: Vec<PathBuf>,
 
     /// How it is measured.
     #[command(flatten)]
@@ -125,32 +160,19 @@ pub(crate) struct RenderArgs {
 /// Flags of all measurements of whole renders.
 #[derive(Debug, Args)]
 pub(crate) struct EffortArgs {
-    /// Samples (camera paths) per pixel of each run.
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "16",
-        allow_hyphen_values = true
-    )]
-    pub(crate) spp: String,
+    /// Samples (camera paths) per pixel of each run. Usually 16; for textures 4 on a software driver, 32 on a GPU.
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub(crate) spp: Option<String>,
 
-    /// Width and height of the picture in pixels.
-    #[arg(
-        long,
-        value_name = "WxH",
-        default_value = "512x512",
-        allow_hyphen_values = true
-    )]
-    pub(crate) size: String,
+    /// Width and height of the picture in pixels. Usually 512x512; for textures 256x256 on a software driver, 1280x720 on
+    /// a GPU.
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
+    pub(crate) size: Option<String>,
 
-    /// Timed runs of each case, in turn: A B C A B C. One more comes first and isn't counted.
-    #[arg(
-        long,
-        value_name = "N",
-        default_value = "3",
-        allow_hyphen_values = true
-    )]
-    pub(crate) runs: String,
+    /// Timed runs of each case, in turn: A B C A B C. One more comes first and isn't counted. Usually 3; for textures 5 on
+    /// a software driver, 9 on a GPU.
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub(crate) runs: Option<String>,
 
     /// At most N surface points scatter light along a path.
     #[arg(

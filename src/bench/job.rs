@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 
 use engine::bench::forms::Form;
+use engine::bench::sweeps::Sweep;
 use engine::gpu::DeviceChoice;
 
 use crate::job::{
-    MAX_DEPTH, MAX_SPP, UsageError, parse_device, parse_number, parse_size, refuse_overwriting,
+    MAX_DEPTH, MAX_SPP, UsageError, parse_device, parse_number, parse_size, parse_word,
+    refuse_overwriting,
 };
 
 use super::args::{BenchCommand, EffortArgs, RenderArgs, TexturesArgs};
@@ -57,8 +59,8 @@ pub(crate) struct RenderJob {
 /// A measurement of what textures cost.
 #[derive(Debug, PartialEq)]
 pub(crate) struct TexturesJob {
-    /// The glTF file and the material in it; `None` is the built-in scene.
-    pub(crate) scene: Option<(PathBuf, String)>,
+    /// The glTF file and what is textured in it; `None` is the built-in scene.
+    pub(crate) scene: Option<(PathBuf, Model)>,
     /// A look for it.
     pub(crate) look: Option<PathBuf>,
     /// Forms of the kernel.
@@ -67,21 +69,52 @@ pub(crate) struct TexturesJob {
     pub(crate) ao_rays: Vec<u32>,
     /// Another device whose driver is asked about kernels.
     pub(crate) statistics_device: Option<String>,
+    /// What is changed beyond that.
+    pub(crate) sweeps: Vec<Sweep>,
+    /// Reports to write; no two alike.
+    pub(crate) reports: Vec<ReportFile>,
     /// How it is measured.
     pub(crate) effort: Effort,
+}
+
+/// What is textured.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Model {
+    /// A material of the scene.
+    Material(String),
+    /// A glTF file that is put into the scene.
+    Inserted(PathBuf),
+}
+
+/// A file that a report is written to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct ReportFile {
+    /// Where.
+    pub(crate) path: PathBuf,
+    /// What.
+    pub(crate) format: ReportFormat,
+}
+
+/// Forms of a report, chosen by the file's extension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ReportFormat {
+    /// A page that needs no other file.
+    Html,
+    /// Figures for programs.
+    Json,
+    /// The chart alone.
+    Svg,
 }
 
 /// How whole renders are measured.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Effort {
-    /// Samples per pixel of a run.
-    pub(crate) spp: u32,
-    /// Pixels.
-    pub(crate) width: u32,
-    /// Pixels.
-    pub(crate) height: u32,
-    /// Timed runs of each case.
-    pub(crate) runs: u32,
+    /// Samples per pixel of a run, if the user said so.
+    pub(crate) spp: Option<u32>,
+    /// Columns and rows of pixels, if the user said so.
+    pub(crate) size: Option<(u32, u32)>,
+    /// Timed runs of each case, if the user said so.
+    pub(crate) runs: Option<u32>,
     /// Most scattering vertices of a path.
     pub(crate) max_depth: u32,
     /// Where the figures go.
@@ -90,6 +123,19 @@ pub(crate) struct Effort {
     pub(crate) texture_dirs: Vec<PathBuf>,
     /// Device to measure.
     pub(crate) device: DeviceChoice,
+}
+
+/// How much is rendered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Amount {
+    /// Pixels.
+    pub(crate) width: u32,
+    /// Pixels.
+    pub(crate) height: u32,
+    /// Samples per pixel of a run.
+    pub(crate) spp: u32,
+    /// Timed runs of each case.
+    pub(crate) runs: u32,
 }
 
 /// A measurement of the traversal kernel.
@@ -151,44 +197,95 @@ impl RenderJob {
 
 impl TexturesJob {
     fn from_args(args: TexturesArgs) -> Result<Self, UsageError> {
-        let read = args.scene.iter().chain(&args.look);
-        refuse_overwriting(args.effort.json.iter(), read)?;
-        let words = |list: &str| -> Vec<String> {
-            list.split(',').map(|word| word.trim().to_owned()).collect()
+        let read = [&args.scene, &args.look, &args.insert];
+        let written = args.outputs.iter().chain(&args.effort.json);
+        refuse_overwriting(written, read.into_iter().flatten())?;
+        let reports = args.outputs.into_iter().map(ReportFile::from_path);
+        let scene = match (args.scene, args.material, args.insert) {
+            (None, ..) => None,
+            (Some(path), Some(material), _) => Some((path, Model::Material(material))),
+            (Some(path), None, Some(model)) => Some((path, Model::Inserted(model))),
+            (Some(path), None, None) => return Err(UsageError::Untextured { path }),
         };
-        let form = |given: String| {
-            let form = Form::ALL.into_iter().find(|form| form.name() == given);
-            form.ok_or_else(|| UsageError::Word {
-                flag: "--modes",
-                given,
-                known: Form::ALL.map(Form::name).to_vec(),
-            })
-        };
-        let rays = |given: String| parse_number("--ao-rays", &given, 1, 255);
         Ok(Self {
-            forms: (words(&args.modes).into_iter().map(form)).collect::<Result<_, _>>()?,
-            ao_rays: (words(&args.ao_rays).into_iter().map(rays)).collect::<Result<_, _>>()?,
+            forms: parse_list(&args.modes, |word| {
+                parse_word("--modes", word, Form::ALL, Form::name)
+            })?,
+            ao_rays: parse_list(&args.ao_rays, |word| {
+                parse_number("--ao-rays", word, 1, 255)
+            })?,
+            sweeps: match args.sweep.as_deref() {
+                None => Vec::new(),
+                Some("all") => Sweep::ALL.to_vec(),
+                Some(list) => parse_list(list, |word| {
+                    parse_word("--sweep", word, Sweep::ALL, Sweep::name)
+                })?,
+            },
+            reports: reports.collect::<Result<_, _>>()?,
             effort: Effort::from_args(args.effort)?,
-            scene: args.scene.zip(args.material),
+            scene,
             look: args.look,
             statistics_device: args.statistics_device,
         })
     }
 }
 
+/// Words with commas between, each once.
+fn parse_list<T: PartialEq>(
+    list: &str,
+    parse: impl Fn(&str) -> Result<T, UsageError>,
+) -> Result<Vec<T>, UsageError> {
+    let mut values = Vec::new();
+    for word in list.split(',') {
+        let value = parse(word.trim())?;
+        if !values.contains(&value) {
+            values.push(value);
+        }
+    }
+    Ok(values)
+}
+
+impl ReportFile {
+    fn from_path(path: PathBuf) -> Result<Self, UsageError> {
+        let extension = path.extension().map(|e| e.to_ascii_lowercase());
+        let format = match extension.as_ref().and_then(|e| e.to_str()) {
+            Some("html" | "htm") => ReportFormat::Html,
+            Some("json") => ReportFormat::Json,
+            Some("svg") => ReportFormat::Svg,
+            _ => return Err(UsageError::Report { path }),
+        };
+        Ok(Self { path, format })
+    }
+}
+
 impl Effort {
     fn from_args(args: EffortArgs) -> Result<Self, UsageError> {
-        let (width, height) = parse_size(&args.size)?;
+        let number = |flag, given: &Option<String>, high| {
+            let given = given.as_deref();
+            given
+                .map(|given| parse_number(flag, given, 1, high))
+                .transpose()
+        };
         Ok(Self {
-            spp: parse_number("--spp", &args.spp, 1, MAX_SPP)?,
-            width,
-            height,
-            runs: parse_number("--runs", &args.runs, 1, MAX_RUNS)?,
+            spp: number("--spp", &args.spp, MAX_SPP)?,
+            size: args.size.as_deref().map(parse_size).transpose()?,
+            runs: number("--runs", &args.runs, MAX_RUNS)?,
             max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
             json: args.json,
             texture_dirs: args.texture_dirs,
             device: parse_device(args.device.as_deref())?,
         })
+    }
+
+    /// How much is rendered, where `usual` is what is rendered if the user said nothing.
+    pub(crate) fn amount(&self, usual: Amount) -> Amount {
+        let (width, height) = self.size.unwrap_or((usual.width, usual.height));
+        Amount {
+            width,
+            height,
+            spp: self.spp.unwrap_or(usual.spp),
+            runs: self.runs.unwrap_or(usual.runs),
+        }
     }
 }
 
@@ -222,7 +319,45 @@ mod tests {
         };
         assert_eq!(job.scenes, [""; 0].map(PathBuf::from));
         let effort = job.effort;
-        assert_eq!((effort.spp, effort.width, effort.runs), (16, 512, 3));
+        assert_eq!((effort.spp, effort.size, effort.runs), (None, None, None));
+    }
+
+    fn textures(line: &str) -> Result<TexturesJob, UsageError> {
+        job(&format!("textures {line}")).map(|job| match job {
+            BenchJob::Textures(job) => job,
+            other => panic!("not about textures: {other:?}"),
+        })
+    }
+
+    #[test]
+    fn what_the_user_says_counts_for_more_than_what_is_usual() {
+        let usual = Amount {
+            width: 256,
+            height: 256,
+            spp: 4,
+            runs: 5,
+        };
+        let job = textures("--size 64x32 --runs 2").unwrap();
+        let expected = Amount {
+            width: 64,
+            height: 32,
+            runs: 2,
+            ..usual
+        };
+        assert_eq!(job.effort.amount(usual), expected);
+    }
+
+    #[test]
+    fn reports_sweeps_and_models_are_understood() {
+        let job = textures("-o a.HTML -o b.json -o c.svg --sweep ao,nodes,ao").unwrap();
+        let formats: Vec<_> = job.reports.iter().map(|report| report.format).collect();
+        let expected = [ReportFormat::Html, ReportFormat::Json, ReportFormat::Svg];
+        assert_eq!(formats, expected);
+        assert_eq!(job.sweeps, [Sweep::Ao, Sweep::Nodes]);
+        assert_eq!(textures("--sweep all").unwrap().sweeps, Sweep::ALL);
+        let job = textures("--scene a.glb --insert car.glb").unwrap();
+        let car = Model::Inserted("car.glb".into());
+        assert_eq!(job.scene, Some(("a.glb".into(), car)));
     }
 
     #[test]
@@ -232,6 +367,16 @@ mod tests {
             ("render --spp x", "--spp x"),
             ("render --size 3", "--size 3"),
             ("render a.glb --json a.glb", "input"),
+            ("textures --ao-rays 4,256", "--ao-rays 256"),
+            ("textures --ao-rays -4", "from 1 to 255"),
+            ("textures --modes stack,", "stack, inlined"),
+            ("textures --sweep depth", "nodes, textures, ao"),
+            ("textures -o report.pdf", ".html"),
+            ("textures -o report", ".html"),
+            ("textures -o a.svg -o a.svg", "twice"),
+            ("textures -o a.json --json a.json", "twice"),
+            ("textures --scene a.glb", "--insert FILE"),
+            ("textures --scene a.glb --insert b.json -o b.json", "input"),
         ] {
             let error = job(line).unwrap_err().to_string();
             assert!(error.contains(because), "{line}: {error}");

@@ -17,8 +17,16 @@ use crate::exit::Failure;
 use crate::progress::Bar;
 use crate::{console, library};
 
-use super::job::RenderJob;
+use super::job::{Amount, RenderJob};
 use super::report::{self, Conditions};
+
+/// What is rendered if the user says nothing.
+const USUAL: Amount = Amount {
+    width: 512,
+    height: 512,
+    spp: 16,
+    runs: 3,
+};
 
 /// Figures of all scenes. The JSON form is read by other programs: fields are added, never renamed.
 #[derive(Debug, Serialize)]
@@ -63,6 +71,7 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
     let prepared = prepare(job, &bar)?;
     bar.stage("measuring");
     let gpu = Gpu::new(&job.effort.device).map_err(Failure::because)?;
+    let amount = job.effort.amount(USUAL);
     let subjects: Vec<Subject<'_>> = prepared
         .iter()
         .map(|prepared| Subject {
@@ -71,16 +80,17 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
             procedural: &prepared.procedural,
             settings: RenderSettings {
                 max_depth: job.effort.max_depth,
-                ..RenderSettings::new(job.effort.width, job.effort.height, &prepared.camera)
+                ..RenderSettings::new(amount.width, amount.height, &prepared.camera)
             },
         })
         .collect();
-    let scenes = bench::render(&gpu, &subjects, job.effort.spp, job.effort.runs, |_| ())
+    bar.count(subjects.len() as u64 * (u64::from(amount.runs) + 1));
+    let scenes = bench::render(&gpu, &subjects, amount.spp, amount.runs, |_| bar.step())
         .map_err(Failure::because)?;
     bar.finish();
 
     let report = Report {
-        conditions: Conditions::new(&job.effort, &gpu),
+        conditions: Conditions::new(&job.effort, amount, &gpu),
         scenes,
     };
     console::print(&report.table());

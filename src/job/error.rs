@@ -46,6 +46,24 @@ pub(crate) enum UsageError {
         /// As typed.
         path: PathBuf,
     },
+    /// The extension says no form of a report.
+    #[error(
+        "-o {}: the file name must end in .html (a page to read), .json (figures for programs) or .svg (the chart)",
+        path.display()
+    )]
+    Report {
+        /// As typed.
+        path: PathBuf,
+    },
+    /// Nothing says what is to be textured.
+    #[error(
+        "--scene {}: say what is textured: --material NAME for a material of the scene, or --insert FILE for a model",
+        path.display()
+    )]
+    Untextured {
+        /// The scene.
+        path: PathBuf,
+    },
     /// Two results would overwrite each other.
     #[error("{} is to be written twice; give each output a name of its own", path.display())]
     Twice {

@@ -18,7 +18,7 @@ pub(super) fn parse_sample_range(given: &str) -> Result<Range<u32>, UsageError> 
 }
 
 /// The value of that name.
-pub(super) fn parse_word<T: Copy>(
+pub(crate) fn parse_word<T: Copy>(
     flag: &'static str,
     given: &str,
     all: impl IntoIterator<Item = T>,

@@ -2,7 +2,7 @@
 //! 64, ... samples per pixel; what is wrong with the files is said once, and that it has been mended.
 
 pub(crate) mod args;
-mod files;
+pub(crate) mod files;
 pub(crate) mod job;
 
 use std::sync::Arc;

@@ -155,6 +155,42 @@ fn every_kind_of_edit_is_a_buffer_write() {
 }
 
 #[test]
+fn a_whole_text_is_followed_by_buffer_writes() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut live = stage.open("scene.look.toml");
+    let first = film(&mut live);
+    let before = made(&live);
+    let other = LOOK.replace("count = 5.0 #", "count = 6.5 #");
+    assert_ne!(other, LOOK);
+    live.replace_look(&other).expect("a look");
+    assert_eq!(live.look_text(), other);
+    assert!(live.is_up_to_date() && live.has_unsaved_edits());
+    assert!(is_same(&film(&mut live), &stage.fresh(&other)));
+    // Another way to write the same is no change.
+    let generation = live.generation();
+    let written = format!("# Written anew.\n{other}");
+    live.replace_look(&written).expect("a look");
+    assert_eq!(live.look_text(), written);
+    assert_eq!(live.generation(), generation);
+    // What is no look is refused, what can't be shown is told.
+    assert!(live.replace_look("node = 3").is_err());
+    assert_eq!(live.look_text(), written);
+    let wrong = LOOK.replace("count = 5.0 #", "cuont = 5.0 #");
+    live.replace_look(&wrong).expect("a look by its form");
+    settle(&mut live);
+    assert!(!live.problems().is_empty());
+    // As an undo does.
+    live.replace_look(LOOK).expect("a look");
+    settle(&mut live);
+    assert!(live.problems().is_empty(), "{}", live.problems());
+    assert!(is_same(&film(&mut live), &first));
+    assert_eq!(made(&live), before, "pipelines and shader modules");
+}
+
+#[test]
 fn a_film_never_mixes_two_looks() {
     if device::open().is_none() {
         return;

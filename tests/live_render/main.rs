@@ -11,4 +11,5 @@ mod look;
 mod losses;
 mod random;
 mod stage;
+mod view;
 mod watch;

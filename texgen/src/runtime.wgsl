@@ -119,12 +119,15 @@ fn rampEval(ramp: ramp1D, t: f32) -> vec4f {
     var low = 0u;
     var high = header & 0x3fffffffu;
     let count = high;
-    while low < high {
+    loop {
         let middle = (low + high) / 2u;
         if patina_arg_f32(ramp.patina_ramp + 1u + 5u * middle) <= t {
             low = middle + 1u;
         } else {
             high = middle;
+        }
+        continuing {
+            break if low >= high;
         }
     }
     if low == 0u {

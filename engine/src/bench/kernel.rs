@@ -26,7 +26,7 @@ const SAMPLES: u32 = 4;
 /// Timings of each case, in turn.
 const ROUNDS: usize = 9;
 /// More textures than these are built, but not run, on a software driver: it takes minutes or more to compile them.
-const MOST_RUN_ON_CPU: usize = 30;
+pub(super) const MOST_RUN_ON_CPU: usize = 30;
 
 /// Why nothing was measured.
 #[derive(Debug, thiserror::Error)]
@@ -276,7 +276,7 @@ fn wave(renderer: &mut Renderer) -> Result<f64, KernelBenchError> {
 }
 
 /// Textures that need no image: nothing else can't be had by default.
-fn originals(sources: &TextureSources) -> Result<Vec<TextureType>, KernelBenchError> {
+pub(super) fn originals(sources: &TextureSources) -> Result<Vec<TextureType>, KernelBenchError> {
     let mut textures = Vec::new();
     for name in sources.names().filter_map(|name| sources.read(name)) {
         let texture = TextureType::parse(name?)?;

@@ -217,7 +217,7 @@ pub fn arcade() -> Scene {
 }
 
 /// A camera at `eye` that looks at `target`.
-fn looking(eye: Vec3, target: Vec3, y_fov: f32) -> Camera {
+pub(super) fn looking(eye: Vec3, target: Vec3, y_fov: f32) -> Camera {
     let back = (eye - target).normalize();
     let right = Vec3::Y.cross(back).normalize();
     Camera {

@@ -1,24 +1,21 @@
-//! What procedural textures cost: the same picture with plain gray, rust and scratches on a model, in each of several
-//! forms in turn. The comparison of the paper ("Restricted Extensions for GPU
+//! What procedural textures cost: the same picture with plain gray, rust and scratches on a model, with the texture kernel
+//! in its own form and in the inlined one, in turn. The comparison of the paper ("Restricted Extensions for GPU
 //! Photo-realistic Renderer", Sanzharov, Frolov et al., 2019, table 1): time over plain gray of the same form.
 
-use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
-use texgen::{Diagnostics, TextureType, Value};
+use texgen::{Diagnostics, TextureType, Value, did_you_mean};
 
 use crate::{
-    film::Film,
     gpu::Gpu,
-    procedural::{Procedural, TextureSources},
+    procedural::{SourcesError, TextureSources},
     renderer::{ReloadError, RenderEditError, RenderError, RenderSettings},
-    scene::{
-        Scene,
-        look::{Look, LookError},
-    },
+    scene::{Scene, look::LookError},
 };
 
+pub use super::in_turn::Absent;
+use super::in_turn::{self, Case, SIGMAS};
 use super::{
     forms::{Form, FormRenderer},
     inspect::Inspection,
@@ -28,9 +25,6 @@ use super::{
 
 /// Name of the material that is textured in the built-in scene.
 pub const MODEL: &str = "model";
-/// Standard errors that two pictures of one pixel may differ by, and the share of the pixels that may differ by more.
-const SIGMAS: f32 = 3.5;
-const OUTLIERS: f64 = 0.005;
 
 /// Why nothing was measured.
 #[derive(Debug, thiserror::Error)]
@@ -47,12 +41,23 @@ pub enum TextureBenchError {
     /// The standard textures are missing or changed so that they don't fit.
     #[error("{0}")]
     Textures(Box<Diagnostics>),
+    /// They can't be read.
+    #[error(transparent)]
+    Sources(#[from] SourcesError),
+    /// There are none to fill a kernel with.
+    #[error(transparent)]
+    Kernel(#[from] kernel::KernelBenchError),
     /// The look that is made of them.
     #[error(transparent)]
     Look(#[from] LookError),
     /// There is no material of that name to be textured.
-    #[error("the scene has no material `{0}`")]
-    NoMaterial(String),
+    #[error("the scene has no material `{name}`: {remedy}")]
+    NoMaterial {
+        /// As asked for.
+        name: String,
+        /// What there is.
+        remedy: String,
+    },
     /// The forms don't give the same picture, so their times mean nothing.
     #[error(
         "the {form} form shows another picture of {texture} than the stack form: {percent:.2} % of the pixels differ by \
@@ -76,7 +81,7 @@ impl From<Diagnostics> for TextureBenchError {
 
 /// What is put on the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Texture {
+pub(super) enum Texture {
     Gray,
     Rust,
     Scratches,
@@ -85,7 +90,7 @@ enum Texture {
 impl Texture {
     const ALL: [Self; 3] = [Self::Gray, Self::Rust, Self::Scratches];
 
-    fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Gray => "gray",
             Self::Rust => "rust",
@@ -102,9 +107,14 @@ impl Texture {
         }
     }
 
+    /// Whether it reads ambient occlusion, so that the number of rays matters.
+    fn reads_ao(self) -> bool {
+        self == Self::Rust
+    }
+
     /// The look that puts it on a material: the paper's graphs. Rust is gray blended with rust by a mask of noise and
     /// ambient occlusion; scratches brighten gray.
-    fn look(self, material: &str, ao_rays: u32) -> String {
+    pub(super) fn look(self, material: &str, ao_rays: u32) -> String {
         let head = format!("[ao.crevices]\ndistance = 0.25\nsamples = {ao_rays}\n");
         // Quoted as a TOML string.
         let table = format!("[material.{material:?}]\n");
@@ -141,8 +151,8 @@ pub struct Setup<'a> {
     pub spp: u32,
     /// Timed runs of each case, in turn.
     pub runs: u32,
-    /// Rays of ambient occlusion at a hit.
-    pub ao_rays: u32,
+    /// Rays of ambient occlusion at a hit: a row of each texture for each number. At least one.
+    pub ao_rays: &'a [u32],
     /// Which forms are compared.
     pub forms: &'a [Form],
     /// The driver that is asked about kernels: see [`Inspection::new`].
@@ -159,11 +169,11 @@ pub struct TextureResult {
     /// Rays of ambient occlusion at a hit.
     pub ao_rays: u32,
     /// Wall time of a sample of all pixels.
+    #[serde(flatten, serialize_with = "in_turn::flat_ms_per_spp")]
     pub ms_per_spp: Spread,
-    /// More than gray of the same form takes, of run by run.
-    pub increase_percent: Spread,
-    /// Highest less lowest of these.
-    pub increase_spread: f64,
+    /// Percent more than gray of the same form takes, run by run.
+    #[serde(flatten, serialize_with = "in_turn::flat_increase")]
+    pub increase: Spread,
     /// Private memory of a thread of the kernel that has the textures in it: see [`FormRenderer::private_bytes`].
     pub private_bytes: u32,
     /// Registers of a thread of that kernel, where the driver tells.
@@ -182,13 +192,49 @@ pub struct TextureResult {
     pub source_edit_ms: f64,
     /// Pipelines that the edit of a parameter created.
     pub pipelines_created: u64,
+    /// The picture of the last run: linear Rec.709, row 0 on top, as large as the settings say.
+    #[serde(skip)]
+    pub picture: Vec<[f32; 3]>,
 }
 
-struct Case {
-    form: Form,
+/// All rows of [`compare`].
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    /// By number of AO rays, form and texture. Rows of textures that read no AO are the same for every number.
+    pub results: Vec<TextureResult>,
+    /// Forms without rows.
+    pub absent: Vec<Absent>,
+    /// Whose driver told registers and stack.
+    pub statistics_device: Option<String>,
+    /// Why nothing is known of them, if that is so.
+    pub statistics_absent: Option<String>,
+}
+
+/// A texture that is measured in one form.
+struct Subject {
     texture: Texture,
-    renderer: FormRenderer,
-    times: Vec<f64>,
+    ao_rays: u32,
+    case: Case,
+}
+
+impl Subject {
+    /// Of gray and of textures without AO there is one for all numbers of rays.
+    fn all(ao_rays: &[u32]) -> impl Iterator<Item = (Texture, u32)> {
+        let each = move |texture: Texture| {
+            let numbers = if texture.reads_ao() {
+                ao_rays
+            } else {
+                &ao_rays[..1]
+            };
+            numbers.iter().map(move |&number| (texture, number))
+        };
+        Texture::ALL.into_iter().flat_map(each)
+    }
+
+    fn shows(&self, form: Form, texture: Texture, ao_rays: u32) -> bool {
+        let same_rays = !texture.reads_ao() || self.ao_rays == ao_rays;
+        self.case.form == form && self.texture == texture && same_rays
+    }
 }
 
 /// Measures all cases, after one run of each that isn't counted. `progress` hears of each render.
@@ -199,91 +245,96 @@ pub fn compare(
     gpu: &Gpu,
     setup: &Setup<'_>,
     mut progress: impl FnMut(),
-) -> Result<Vec<TextureResult>, TextureBenchError> {
-    if !setup
-        .scene
-        .materials
-        .iter()
-        .any(|m| m.name == setup.material)
-    {
-        return Err(TextureBenchError::NoMaterial(setup.material.to_owned()));
-    }
-    let mut cases = Vec::new();
-    for &form in setup.forms {
-        for texture in Texture::ALL {
-            cases.push(Case {
-                form,
+) -> Result<Comparison, TextureBenchError> {
+    setup.check()?;
+    let (mut subjects, absent) = in_turn::of_each_form(setup.forms, |form| {
+        let subject = |(texture, ao_rays): (Texture, u32)| {
+            let look = texture.look(setup.material, ao_rays);
+            Ok(Subject {
                 texture,
-                renderer: renderer(gpu, setup, form, texture)?,
-                times: Vec::new(),
-            });
-        }
-    }
-    for run in 0..=setup.runs {
-        for case in &mut cases {
-            case.renderer.restart();
-            let start = Instant::now();
-            case.renderer.render(setup.spp)?;
-            if run > 0 {
-                case.times.push(start.elapsed().as_secs_f64());
-            }
-            progress();
-        }
-    }
-    same_pictures(&cases)?;
+                ao_rays,
+                case: setup.case(gpu, &look, form)?,
+            })
+        };
+        Subject::all(setup.ao_rays).map(subject).collect()
+    })?;
+    let mut cases: Vec<&mut Case> = subjects.iter_mut().map(|s| &mut s.case).collect();
+    in_turn::run(&mut cases, setup.spp, setup.runs, &mut progress)?;
+    same_pictures(&subjects)?;
     let inspection = Inspection::new(gpu, setup.statistics_device);
-    let mut results = Vec::new();
-    for at in 0..cases.len() {
-        let gray = cases[at - at % Texture::ALL.len()].times.clone();
-        results.push(result(gpu, setup, &mut cases[at], &gray, &inspection)?);
+    let mut measured = Vec::new();
+    let mut gray = Vec::new();
+    for subject in &mut subjects {
+        // The first one of each form.
+        if subject.texture == Texture::Gray {
+            gray.clone_from(&subject.case.times);
+        }
+        measured.push(result(gpu, setup, subject, &gray, &inspection)?);
         progress();
     }
-    Ok(results)
+    let mut results = Vec::new();
+    for &ao_rays in setup.ao_rays {
+        for &form in setup.forms {
+            for texture in Texture::ALL {
+                let rows = subjects.iter().zip(&measured);
+                let mut rows = rows.filter(|(subject, _)| subject.shows(form, texture, ao_rays));
+                results.extend(rows.next().map(|(_, row)| TextureResult {
+                    ao_rays,
+                    ..row.clone()
+                }));
+            }
+        }
+    }
+    Ok(Comparison {
+        results,
+        absent,
+        statistics_device: inspection.device().map(str::to_owned),
+        statistics_absent: inspection.absent().map(str::to_owned),
+    })
 }
 
 /// Renders of [`compare`] and edits, for a progress bar.
 pub fn steps(setup: &Setup<'_>) -> u64 {
-    (setup.forms.len() * Texture::ALL.len()) as u64 * (u64::from(setup.runs) + 2)
+    let subjects = setup.forms.len() * Subject::all(setup.ao_rays).count();
+    subjects as u64 * (u64::from(setup.runs) + 2)
 }
 
-fn renderer(
-    gpu: &Gpu,
-    setup: &Setup<'_>,
-    form: Form,
-    texture: Texture,
-) -> Result<FormRenderer, TextureBenchError> {
-    let mut scene = setup.scene.clone();
-    let look = texture.look(setup.material, setup.ao_rays);
-    let look = Look::parse(Path::new("bench.look.toml"), &look)?;
-    let procedural =
-        Procedural::build(&look, &mut scene, setup.sources).map_err(LookError::from)?;
-    Ok(FormRenderer::new(
-        gpu,
-        &scene,
-        &procedural,
-        &setup.settings,
-        form,
-    )?)
+impl Setup<'_> {
+    /// # Errors
+    /// The material is missing.
+    pub(super) fn check(&self) -> Result<(), TextureBenchError> {
+        let names = || self.scene.materials.iter().map(|m| m.name.as_str());
+        if names().any(|name| name == self.material) {
+            return Ok(());
+        }
+        let remedy = match did_you_mean(self.material, names()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("it has {}", names().take(20).collect::<Vec<_>>().join(", ")),
+        };
+        let name = self.material.to_owned();
+        Err(TextureBenchError::NoMaterial { name, remedy })
+    }
+
+    fn case(&self, gpu: &Gpu, look: &str, form: Form) -> Result<Case, TextureBenchError> {
+        Case::new(gpu, self.scene, look, self.sources, &self.settings, form)
+    }
 }
 
 fn result(
     gpu: &Gpu,
     setup: &Setup<'_>,
-    case: &mut Case,
+    subject: &mut Subject,
     gray: &[f64],
     inspection: &Inspection,
 ) -> Result<TextureResult, TextureBenchError> {
-    let increases = case
-        .times
-        .iter()
-        .zip(gray)
-        .map(|(t, g)| (t / g - 1.0) * 100.0);
-    let increase_percent = Spread::of(increases);
+    let texture = subject.texture;
+    let case = &mut subject.case;
+    let picture = case.renderer.film()?.mean();
     let private_bytes = case.renderer.private_bytes();
     let said = inspection.of(&case.renderer);
     let usual = image(&mut case.renderer)?;
     let (mut edit_ms, mut pipelines_created, mut builds) = (0.0, 0, [0.0; 3]);
-    if let Some((node, parameter, value)) = case.texture.edited() {
+    if let Some((node, parameter, value)) = texture.edited() {
         let before = gpu.pipelines_created();
         let start = Instant::now();
         // A number that no cache has seen, in case it is pasted into a kernel.
@@ -305,11 +356,10 @@ fn result(
     let less_usual = |ms: f64| if ms > 0.0 { (ms - usual).max(0.0) } else { 0.0 };
     Ok(TextureResult {
         mode: case.form.name(),
-        texture: case.texture.name(),
-        ao_rays: setup.ao_rays,
-        ms_per_spp: Spread::of(case.times.iter().map(|s| s * 1e3 / f64::from(setup.spp))),
-        increase_spread: increase_percent.high - increase_percent.low,
-        increase_percent,
+        texture: texture.name(),
+        ao_rays: subject.ao_rays,
+        ms_per_spp: in_turn::ms_per_spp(&case.times, setup.spp),
+        increase: in_turn::increase(&case.times, gray),
         private_bytes,
         registers: said.registers,
         stack_bytes: said.stack_bytes,
@@ -319,6 +369,7 @@ fn result(
         edit_ms,
         source_edit_ms: builds[0],
         pipelines_created,
+        picture,
     })
 }
 
@@ -348,33 +399,17 @@ fn rebuild(
 }
 
 /// All forms must show what the first one shows.
-fn same_pictures(cases: &[Case]) -> Result<(), TextureBenchError> {
-    let textures = Texture::ALL.len();
-    for (at, case) in cases.iter().enumerate().skip(textures) {
-        let first = cases[at % textures].renderer.film()?;
-        let share = outliers(&first, &case.renderer.film()?);
-        if share > OUTLIERS {
-            return Err(TextureBenchError::Differs {
-                form: case.form.name(),
-                texture: case.texture.name(),
-                percent: share * 100.0,
-            });
+fn same_pictures(subjects: &[Subject]) -> Result<(), TextureBenchError> {
+    let Some(first_form) = subjects.first().map(|first| first.case.form) else {
+        return Ok(());
+    };
+    for subject in subjects.iter().filter(|s| s.case.form != first_form) {
+        let mut firsts = subjects.iter();
+        let first = firsts.find(|s| s.shows(first_form, subject.texture, subject.ao_rays));
+        if let Some(first) = first {
+            let film = first.case.renderer.film()?;
+            in_turn::same_picture(&film, &subject.case, subject.texture.name())?;
         }
     }
     Ok(())
-}
-
-/// Share of the pixels and channels whose means differ by more than [`SIGMAS`] standard errors of their difference.
-fn outliers(a: &Film, b: &Film) -> f64 {
-    let errors = a.standard_error().into_iter().zip(b.standard_error());
-    let means = a.mean().into_iter().zip(b.mean());
-    let (mut outside, mut all) = (0_u64, 0_u64);
-    for ((ma, mb), (ea, eb)) in means.zip(errors) {
-        for c in 0..3 {
-            let error = ea[c].hypot(eb[c]) + 1e-4 * ma[c].abs();
-            all += 1;
-            outside += u64::from((ma[c] - mb[c]).abs() > SIGMAS * error);
-        }
-    }
-    outside as f64 / all.max(1) as f64
 }

@@ -107,8 +107,17 @@ pub struct Evaluator {
     gpu: Gpu,
     isolated: Isolated,
     layout: Layout,
-    /// With the stack slots it was made for.
-    kernel: Option<(u32, Kernel)>,
+    kernel: Option<Made>,
+    /// The kernel is of the former subject.
+    is_replaced: bool,
+}
+
+/// A kernel with what it was made of.
+#[derive(Debug)]
+struct Made {
+    slots: u32,
+    text: String,
+    kernel: Kernel,
 }
 
 impl Evaluator {
@@ -120,7 +129,16 @@ impl Evaluator {
             layout: Layout::new(library.custom_attributes()),
             isolated,
             kernel: None,
+            is_replaced: false,
         }
+    }
+
+    /// Evaluates something else from now on. Where only values and links differ, no kernel is made.
+    pub fn replace(&mut self, isolated: Isolated) {
+        let library = isolated.procedural.graph().library();
+        self.layout = Layout::new(library.custom_attributes());
+        self.isolated = isolated;
+        self.is_replaced = true;
     }
 
     /// Evaluates the texture in a file, with its default arguments.
@@ -219,13 +237,23 @@ impl Evaluator {
 
     /// Makes the kernel, unless there is one with enough slots.
     fn compile(&mut self, slots: u32, second_occlusion: Option<u32>) -> Result<(), EvaluateError> {
-        if self.kernel.as_ref().is_some_and(|(has, _)| *has >= slots) {
+        let has = self.kernel.as_ref().map_or(0, |made| made.slots);
+        if has >= slots && !self.is_replaced {
             return Ok(());
         }
+        let slots = slots.max(has);
         let generated = self.isolated.procedural.graph().library().emit(slots);
         let source = host::source(&self.layout, second_occlusion, &generated);
-        let kernel = Kernel::new(&self.gpu, &source, "evaluate", Trust::User, &[])?;
-        self.kernel = Some((slots, kernel));
+        let is_same = |made: &Made| made.text == source.text;
+        if !self.kernel.as_ref().is_some_and(is_same) {
+            let kernel = Kernel::new(&self.gpu, &source, "evaluate", Trust::User, &[])?;
+            self.kernel = Some(Made {
+                slots,
+                text: source.text,
+                kernel,
+            });
+        }
+        self.is_replaced = false;
         Ok(())
     }
 
@@ -235,7 +263,7 @@ impl Evaluator {
         points: &[[u32; 4]],
         count: usize,
     ) -> Result<Vec<[f32; 4]>, EvaluateError> {
-        let (_, kernel) = self.kernel.as_ref().expect("it was made before");
+        let Made { kernel, .. } = self.kernel.as_ref().expect("it was made before");
         let gpu = &self.gpu;
         let bytes = 16 * count as u64;
         let storage = wgpu::BufferUsages::STORAGE;

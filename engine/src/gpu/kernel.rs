@@ -6,7 +6,9 @@ use std::{
     sync::{Arc, atomic::Ordering},
 };
 
-use naga::{AddressSpace, ImageClass, ImageDimension, ScalarKind, StorageAccess, TypeInner};
+use naga::{
+    AddressSpace, ImageClass, ImageDimension, ScalarKind, StorageAccess, StorageFormat, TypeInner,
+};
 
 use super::{Gpu, GpuError, wgsl::Source};
 
@@ -377,6 +379,20 @@ fn binding_type(inner: &TypeInner, space: AddressSpace) -> Option<wgpu::BindingT
                 vertex_return: false,
             } => Some(wgpu::BindingType::AccelerationStructure {
                 vertex_return: false,
+            }),
+            // What a window shows; the one format that every device can write and sample.
+            TypeInner::Image {
+                dim: ImageDimension::D2,
+                arrayed: false,
+                class:
+                    ImageClass::Storage {
+                        format: StorageFormat::Rgba8Unorm,
+                        ..
+                    },
+            } => Some(wgpu::BindingType::StorageTexture {
+                access: wgpu::StorageTextureAccess::WriteOnly,
+                format: wgpu::TextureFormat::Rgba8Unorm,
+                view_dimension: wgpu::TextureViewDimension::D2,
             }),
             _ => None,
         },

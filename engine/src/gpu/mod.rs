@@ -178,6 +178,8 @@ pub struct Gpu {
 
 #[derive(Debug)]
 struct Shared {
+    instance: wgpu::Instance,
+    adapter: wgpu::Adapter,
     device: wgpu::Device,
     queue: wgpu::Queue,
     description: AdapterDescription,
@@ -193,7 +195,7 @@ struct Shared {
 impl Gpu {
     /// All adapters of the machine, the usual choice first.
     pub fn adapters() -> Vec<AdapterDescription> {
-        adapters_by_preference()
+        (adapters_by_preference().1)
             .iter()
             .enumerate()
             .map(|(i, a)| AdapterDescription::new(i, a))
@@ -217,8 +219,8 @@ impl Gpu {
         choice: &DeviceChoice,
         folder: Option<&std::path::Path>,
     ) -> Result<Self, GpuError> {
-        let (adapter, description) = choose(choice)?;
-        Self::open(&adapter, description, folder, false)
+        let (instance, adapter, description) = choose(choice)?;
+        Self::open(instance, &adapter, description, folder, false)
     }
 
     /// As [`Self::new`], with ray queries where the adapter offers them: see [`Self::has_ray_queries`]. wgpu calls them
@@ -227,12 +229,13 @@ impl Gpu {
     /// # Errors
     /// As [`Self::new`].
     pub fn with_ray_queries(choice: &DeviceChoice) -> Result<Self, GpuError> {
-        let (adapter, description) = choose(choice)?;
+        let (instance, adapter, description) = choose(choice)?;
         let offers_them = description.ray_queries;
-        Self::open(&adapter, description, None, offers_them)
+        Self::open(instance, &adapter, description, None, offers_them)
     }
 
     fn open(
+        instance: wgpu::Instance,
         adapter: &wgpu::Adapter,
         description: AdapterDescription,
         cache_folder: Option<&std::path::Path>,
@@ -279,6 +282,8 @@ impl Gpu {
             .and_then(|folder| cache::DiskCache::open(&device, &adapter.get_info(), folder));
         Ok(Self {
             shared: Arc::new(Shared {
+                instance,
+                adapter: adapter.clone(),
                 cache,
                 device,
                 queue,
@@ -317,6 +322,16 @@ impl Gpu {
     /// What was opened.
     pub fn description(&self) -> &AdapterDescription {
         &self.shared.description
+    }
+
+    /// The instance that the device was opened by: a window makes its surface with it.
+    pub fn instance(&self) -> &wgpu::Instance {
+        &self.shared.instance
+    }
+
+    /// The adapter that was opened.
+    pub fn adapter(&self) -> &wgpu::Adapter {
+        &self.shared.adapter
     }
 
     /// The wgpu device.
@@ -471,8 +486,10 @@ impl Gpu {
 }
 
 /// The adapter that is meant.
-fn choose(choice: &DeviceChoice) -> Result<(wgpu::Adapter, AdapterDescription), GpuError> {
-    let adapters = adapters_by_preference();
+fn choose(
+    choice: &DeviceChoice,
+) -> Result<(wgpu::Instance, wgpu::Adapter, AdapterDescription), GpuError> {
+    let (instance, adapters) = adapters_by_preference();
     let descriptions: Vec<_> = adapters
         .iter()
         .enumerate()
@@ -505,10 +522,10 @@ fn choose(choice: &DeviceChoice) -> Result<(wgpu::Adapter, AdapterDescription), 
         return Err(GpuError::NotFound { wanted, available });
     };
     let description = description.clone();
-    Ok((adapters[description.index].clone(), description))
+    Ok((instance, adapters[description.index].clone(), description))
 }
 
-fn adapters_by_preference() -> Vec<wgpu::Adapter> {
+fn adapters_by_preference() -> (wgpu::Instance, Vec<wgpu::Adapter>) {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = wgpu::Backends::PRIMARY;
     // wgpu's own checks of indirect dispatches cost a hidden pass each; our sizes are written by our own kernel.
@@ -522,7 +539,7 @@ fn adapters_by_preference() -> Vec<wgpu::Adapter> {
         wgpu::DeviceType::Other => 3,
         wgpu::DeviceType::Cpu => 4,
     });
-    adapters
+    (instance, adapters)
 }
 
 fn device_type_name(kind: wgpu::DeviceType) -> &'static str {

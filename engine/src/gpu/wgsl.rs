@@ -118,6 +118,8 @@ const FILES: &[(&str, &str)] = files![
     "brdf/entry.wgsl",
     "classify/classify.wgsl",
     "classify/entry.wgsl",
+    "display/display.wgsl",
+    "guide/guide.wgsl",
     "proctex/counted_ao.wgsl",
     "proctex/entry.wgsl",
     "proctex/inlined.wgsl",

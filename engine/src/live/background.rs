@@ -193,6 +193,9 @@ impl LiveRender {
                 self.camera = loaded.camera;
                 self.warnings = loaded.warnings;
                 self.renderer = renderer;
+                if let Some(view) = &self.view {
+                    self.renderer.set_camera(view);
+                }
                 self.was_without_lamp = self.has_no_lamp();
                 (self.problems.look, self.problems.sources) = Default::default();
                 self.generation += 1;

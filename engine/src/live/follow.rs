@@ -6,7 +6,8 @@ use crate::load;
 use crate::procedural::UpdateError;
 use crate::renderer::Touched;
 use crate::scene::look::{
-    EnvironmentLook, Look, MaterialLook, Section, Spanned, Table, find, placed_fields, table,
+    EnvironmentLook, Look, LookDocument, MaterialLook, Section, Spanned, Table, find,
+    placed_fields, table,
 };
 use crate::scene::{Camera, Environment, Material};
 
@@ -90,6 +91,28 @@ impl LiveRender {
         edits.into_iter().try_for_each(|edit| self.edit(edit))
     }
 
+    /// Replaces the whole text of the look, as an undo does. What differs is followed table by table where writes to
+    /// buffers suffice, and built in the background where they don't; what is wrong with it is told by
+    /// [`Self::problems`], and the picture stays until that is mended. No file is written.
+    ///
+    /// # Errors
+    /// The text isn't in the form of a look; then the look is as before.
+    pub fn replace_look(&mut self, text: &str) -> Result<(), LiveError> {
+        let refused = |problems: Diagnostics| LiveError::Refused(messages(&problems));
+        Look::parse(&self.look_path(), text).map_err(refused)?;
+        let document = super::parse_look(&self.inputs, text).map_err(refused)?;
+        self.want(document);
+        Ok(())
+    }
+
+    /// Shows another look, as soon as it can be shown.
+    pub(super) fn want(&mut self, document: LookDocument) {
+        let former = self.document.fields();
+        self.shown.get_or_insert(former);
+        self.document = document;
+        self.catch_up();
+    }
+
     /// Changes the text.
     fn write(&mut self, edit: &Edit) -> Result<(), LiveError> {
         match edit {
@@ -111,7 +134,8 @@ impl LiveRender {
         if touched.materials && !is_told && self.has_no_lamp() != self.was_without_lamp {
             return Err(UpdateError::Rebuild);
         }
-        match self.renderer.update(&self.scene, &self.camera, touched) {
+        let camera = self.view.as_ref().unwrap_or(&self.camera);
+        match self.renderer.update(&self.scene, camera, touched) {
             Ok(true) => {
                 self.generation += 1;
                 Ok(())

@@ -17,6 +17,7 @@ mod background;
 mod difference;
 mod edit;
 mod follow;
+mod view;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -111,7 +112,10 @@ pub struct LiveRender {
     shown: Option<Vec<Field>>,
     /// As it is shown: constants of the look included.
     scene: Scene,
+    /// That of the look.
     camera: Camera,
+    /// Another one that is looked through meanwhile.
+    view: Option<Camera>,
     renderer: Renderer,
     job: Option<Job>,
     /// Something changed that the running job may not have seen.
@@ -184,6 +188,7 @@ impl LiveRender {
             shown: None,
             scene,
             camera,
+            view: None,
             renderer,
             job: None,
             again: Again::default(),
@@ -317,6 +322,30 @@ impl LiveRender {
         }
     }
 
+    /// Saves the look to another file, which is its file from then on. In another folder the look is read anew, because
+    /// what it names is searched from there.
+    ///
+    /// # Errors
+    /// As [`Self::save`].
+    pub fn save_as(&mut self, path: &Path) -> Result<(), LiveError> {
+        self.save(Some(path))?;
+        let folder = |path: &Path| path.parent().map(Path::to_owned);
+        let is_elsewhere = self.inputs.look.as_deref().map(folder) != Some(folder(path));
+        self.inputs.look = Some(path.to_owned());
+        if is_elsewhere {
+            self.rebuild();
+        }
+        Ok(())
+    }
+
+    /// Searches textures in this folder, too, before the others.
+    pub fn add_textures(&mut self, folder: PathBuf) {
+        if !self.inputs.textures.contains(&folder) {
+            self.inputs.textures.insert(0, folder);
+            self.sources_changed();
+        }
+    }
+
     /// The files to be watched: scene, look, images. Those of textures lie in [`LiveInputs::textures`].
     pub fn files(&self) -> Vec<PathBuf> {
         let path = self.look_path();
@@ -351,11 +380,8 @@ impl LiveRender {
         match (checked, parse_look(&self.inputs, &text)) {
             (Ok(_), Ok(document)) => {
                 self.problems.file = Diagnostics::new();
-                let former = self.document.fields();
-                self.shown.get_or_insert(former);
-                self.document = document;
                 self.saved = text;
-                self.catch_up();
+                self.want(document);
             }
             (Err(problems), _) | (_, Err(problems)) => self.problems.file = problems,
         }

@@ -7,6 +7,8 @@ pub mod advance;
 pub mod ao;
 pub mod brdf;
 pub mod classify;
+pub mod display;
+pub mod guide;
 pub mod proctex;
 pub mod raygen;
 pub mod rayquery;

@@ -45,6 +45,8 @@ mod output;
 mod probe;
 mod reads;
 mod reload;
+mod rounds;
+mod sketch;
 mod sources;
 #[cfg(test)]
 mod tests;
@@ -72,6 +74,7 @@ pub use memory::{
 };
 pub use output::{Kind, Output};
 pub use reads::TextureReads;
+pub use sketch::sketch;
 pub use sources::{SourcesError, TextureSources};
 pub use traits::ProgramTraits;
 pub(crate) use update::UpdateError;
@@ -173,6 +176,17 @@ impl Procedural {
     /// The generated kernel's text, for programs that need at most [`Self::stack_slots`] slots.
     pub fn kernel(&self) -> GeneratedKernel {
         self.graph.library().emit(self.stack_slots)
+    }
+
+    /// The same kernel for drivers that run all sides of a branch, with the textures in the order in which the programs
+    /// use them now: see [`texgen::Library::emit_in_rounds`].
+    ///
+    /// # Errors
+    /// As an edit that makes a program which can't be.
+    pub fn kernel_in_rounds(&self) -> Result<GeneratedKernel, CompileError> {
+        let order = rounds::order(&self.graph, self.wiring.iter())?;
+        let library = self.graph.library();
+        Ok(library.emit_in_rounds(self.stack_slots, &order))
     }
 
     /// Stack slots of the kernel.

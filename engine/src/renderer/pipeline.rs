@@ -137,7 +137,7 @@ pub(super) fn texture_kernel(
     procedural: &Procedural,
     form: TextureForm,
 ) -> Result<Kernel, RenderError> {
-    let generated = generated_kernel(procedural, form)?;
+    let generated = generated_kernel(gpu, procedural, form)?;
     proctex::kernel(gpu, form, &generated, features).map_err(|error| {
         let library = procedural.graph().library();
         let build = |alone: &texgen::Library| {
@@ -149,10 +149,12 @@ pub(super) fn texture_kernel(
 
 /// The generated part of the kernel.
 pub(super) fn generated_kernel(
+    gpu: &Gpu,
     procedural: &Procedural,
     form: TextureForm,
 ) -> Result<GeneratedKernel, CompileError> {
     match form {
+        TextureForm::Stack if gpu.is_cpu() => procedural.kernel_in_rounds(),
         TextureForm::Stack => Ok(procedural.kernel()),
         TextureForm::Inlined => Ok(procedural.inlined()?.kernel),
     }

@@ -44,7 +44,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// Runs as many threads as the queue has entries.
-    fn run_queue(&mut self, kernel: &BoundKernel, queue: Queue) {
+    pub(super) fn run_queue(&mut self, kernel: &BoundKernel, queue: Queue) {
         self.run(
             kernel,
             Extent::Indirect(self.sizes, queue.dispatch_offset()),

@@ -2,7 +2,6 @@
 //! together, by writes to buffers.
 
 use crate::{
-    frame::Frame,
     gpu_scene::{GpuSceneError, Update},
     procedural::Procedural,
     scene::{Camera, Environment, Scene},
@@ -69,6 +68,7 @@ impl Renderer {
         }
         if touched.camera {
             self.settings.camera = camera.clone();
+            self.forget_guides();
         }
         self.frame = self.fresh_frame();
         self.write_changes()?;
@@ -78,13 +78,10 @@ impl Renderer {
         Ok(true)
     }
 
-    pub(super) fn fresh_frame(&self) -> Frame {
-        Frame::new(&self.settings, self.capacity, &self.scene)
-    }
-
     /// Renders another view from now on, from the first sample.
     pub fn set_camera(&mut self, camera: &Camera) {
         self.settings.camera = camera.clone();
+        self.forget_guides();
         self.frame = self.fresh_frame();
         self.restart();
     }

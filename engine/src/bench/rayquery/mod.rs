@@ -24,7 +24,7 @@ use crate::{
     passes::{proctex::TextureForm, rayquery},
     procedural::Procedural,
     renderer::{
-        ReloadError, RenderEditError, RenderError, RenderSettings, allocate_picture,
+        LONGEST_WAVE, ReloadError, RenderEditError, RenderError, RenderSettings, allocate_picture,
         allocate_textures, clear_picture, default_capacity, first_wave, next_wave, read_picture,
     },
     scene::Scene,
@@ -124,7 +124,8 @@ impl RayQueryRenderer {
             queue.submit([encoder.finish()]);
             self.gpu.wait()?;
             self.position += wave;
-            self.wave_size = next_wave(self.wave_size, self.capacity, start.elapsed());
+            let took = start.elapsed();
+            self.wave_size = next_wave(self.wave_size, self.capacity, took, LONGEST_WAVE);
         }
         Ok(())
     }

@@ -37,12 +37,7 @@ fn advance_start() {
 @compute @workgroup_size(1)
 fn advance_texture() {
     size_dispatch(QUEUE_PROCTEX, hand_over(QUEUE_PROCTEX));
-    var samples = 0u;
-    for (var i = 0u; i < 4u; i++) {
-        samples = max(samples, ao_tables[i].samples);
-    }
-    let hits = hand_over(QUEUE_AO);
-    size_dispatch(QUEUE_AO, hits * samples);
+    size_dispatch(QUEUE_AO, hand_over(QUEUE_AO) * ao_threads());
 }
 
 // After brdf.

@@ -6,6 +6,8 @@ use crate::gpu::{
     wgsl::Source,
 };
 
+use super::ao;
+
 /// Which kernel ran before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum After {
@@ -32,6 +34,6 @@ pub fn kernel(gpu: &Gpu, after: After) -> Result<Kernel, GpuError> {
         &Source::of("advance/advance.wgsl"),
         entry,
         Trust::Engine,
-        &[],
+        &[ao::rays_per_thread(gpu)],
     )
 }

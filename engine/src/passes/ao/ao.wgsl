@@ -1,5 +1,5 @@
-// Ambient occlusion for the hits whose texture program reads it: one thread per ray, all rays of all hits at once.
-// Each occluded ray adds one to its table's eight bits of the slot's word.
+// Ambient occlusion for the hits whose texture program reads it: all rays of all hits at once, one or a few of a hit in
+// each thread. Each occluded ray adds one to its table's eight bits of the slot's word.
 //!include shared/wave_memory.wgsl
 //!include shared/queue_lists.wgsl
 //!include shared/random.wgsl
@@ -13,13 +13,10 @@
 @compute @workgroup_size(64)
 fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
       @builtin(local_invocation_index) local: u32) {
-    var samples = 0u;
-    for (var i = 0u; i < 4u; i++) {
-        samples = max(samples, ao_tables[i].samples);
-    }
     let index = thread_index(workgroup, workgroups, local);
-    let entry_index = index / max(samples, 1u);
-    let sample = index % max(samples, 1u);
+    let threads = ao_threads();
+    let entry_index = index / threads;
+    let first = index % threads * ao_rays_per_thread;
     if (entry_index >= queue_length(QUEUE_AO)) {
         return;
     }
@@ -35,24 +32,28 @@ fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgrou
     // lanes that skip it too, four rays for one.
     var tables = entry >> 28u;
     var asked = 0u;
+    var free = 0u;
     while (tables != 0u) {
         let i = firstTrailingBit(tables);
         tables &= tables - 1u;
         let count = ao_tables[i].samples;
         asked += count;
-        if (sample >= count) {
-            continue;
+        let site = occlusion_site(s, hit.instance, path, purpose, i);
+        var occluded = 0u;
+        for (var sample = first; sample < min(first + ao_rays_per_thread, count); sample++) {
+            let traced = occlusion(site, sample);
+            occluded += traced.occluded;
+            free += 1u - traced.traced;
         }
-        let occluder = occlusion(s, hit.instance, path, purpose, i, sample);
-        if (occluder.traced == 0u) {
-            add_total(WORD_AO_FREE, 1u);
-        }
-        if (occluder.occluded != 0u) {
-            atomicAdd(&queues[ao_word(ray)], 1u << (8u * i));
+        if (occluded != 0u) {
+            atomicAdd(&queues[ao_word(ray)], occluded << (8u * i));
         }
     }
     // One atomic for all rays of a hit: one for each ray took longer than some rays.
-    if (sample == 0u) {
+    if (first == 0u) {
         add_total(WORD_AO_RAYS, asked);
+    }
+    if (free != 0u) {
+        add_total(WORD_AO_FREE, free);
     }
 }

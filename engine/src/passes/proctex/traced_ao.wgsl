@@ -13,9 +13,10 @@ fn patina_attr_AO(slot: u32) -> vec4f {
     let samples = ao_tables[table].samples;
     var s = site.surface;
     s.position = site.anchor;
+    let at = occlusion_site(s, site.instance, site.path, site.ao_purpose, table);
     var occluded = 0u;
     for (var sample = 0u; sample < samples; sample++) {
-        occluded += occlusion(s, site.instance, site.path, site.ao_purpose, table, sample).occluded;
+        occluded += occlusion(at, sample).occluded;
     }
     return vec4f(1.0 - f32(occluded) / max(f32(samples), 1.0));
 }

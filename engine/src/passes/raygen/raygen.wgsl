@@ -70,8 +70,8 @@ fn start_path(slot: u32) {
     path_set_words(PATH_MEDIA, slot, vec4u(0u));
     path_set_words(PATH_LIGHT_POINT, slot, vec4u(MISS, 0u, 0u, 0u));
     rays[shadow_ray(slot)].triangle = MISS;
-    if (pixel.x >= frame.width || pixel.y >= frame.height || path.sample >= frame.sample_limit) {
-        // Padding of a block at the border.
+    if (!is_rendered(pixel) || path.sample >= frame.sample_limit) {
+        // Padding of a block at the border, or a part that nobody looks at.
         return;
     }
     let size = vec2f(f32(frame.width), f32(frame.height));

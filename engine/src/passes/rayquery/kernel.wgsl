@@ -36,7 +36,7 @@ fn trace_paths(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups)
         return;
     }
     let pixel = pixel_coordinates(path_id(first).pixel);
-    if (pixel.x >= frame.width || pixel.y >= frame.height) {
+    if (!is_rendered(pixel)) {
         return;
     }
     let at = pixel.y * frame.width + pixel.x;

@@ -12,3 +12,15 @@ const AO_INSIDE = 1u;
 const AO_BOTH = 2u; // every other ray goes inside
 
 @group(0) @binding(33) var<uniform> ao_tables: array<AoTable, 4>;
+
+// Rays of a table that one thread traces for a hit.
+override ao_rays_per_thread: u32 = 1u;
+
+// Threads that a hit's rays need.
+fn ao_threads() -> u32 {
+    var samples = 0u;
+    for (var i = 0u; i < 4u; i++) {
+        samples = max(samples, ao_tables[i].samples);
+    }
+    return max((samples + ao_rays_per_thread - 1u) / ao_rays_per_thread, 1u);
+}

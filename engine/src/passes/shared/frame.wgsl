@@ -46,8 +46,8 @@ struct Frame {
     sampler: u32, // see random.wgsl
     aperture_blades: u32, // sides of a polygon; below 3 the aperture is a disk
     aperture_rotation: f32, // radians
-    spare1: u32,
-    spare2: u32,
+    region_min: u32, // first column | first row << 16 in which paths start
+    region_max: u32, // first column | first row << 16 behind these
     sobol: array<vec4u, 384>, // what four bits of an index add to three groups of four dimensions, see sobol.rs
 }
 
@@ -78,6 +78,13 @@ fn pixel_coordinates(pixel: u32) -> vec2u {
     let inside = pixel & 63u;
     let corner = vec2u(block % frame.blocks_x, block / frame.blocks_x) * 8u;
     return corner + vec2u(compact_bits(inside), compact_bits(inside >> 1u));
+}
+
+// Whether paths start in a pixel: it lies in the picture, and in the part of it that is asked for.
+fn is_rendered(pixel: vec2u) -> bool {
+    let low = vec2u(frame.region_min & 0xffffu, frame.region_min >> 16u);
+    let high = vec2u(frame.region_max & 0xffffu, frame.region_max >> 16u);
+    return all(pixel >= low) && all(pixel < min(high, vec2u(frame.width, frame.height)));
 }
 
 // Linear thread index of a dispatch that spreads its workgroups of 64 over x and y.

@@ -1,0 +1,55 @@
+//! Tells the program which commit it is built from, for the reports of `patina bench`. Without git, or outside of a
+//! repository, the commit is `unknown`; nothing fails.
+
+use std::path::Path;
+use std::process::Command;
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rustc-env=PATINA_COMMIT={}", commit());
+}
+
+fn commit() -> String {
+    // A repository somewhere above an unpacked archive says nothing about the archive.
+    let is_own = git(&["rev-parse", "--show-prefix"]).is_some_and(|prefix| prefix.is_empty());
+    let Some(commit) = git(&["rev-parse", "--short=12", "HEAD"]).filter(|_| is_own) else {
+        return "unknown".to_owned();
+    };
+    // A commit or a checkout changes these; what isn't there would make Cargo build again each time.
+    for name in ["HEAD", "logs/HEAD"] {
+        if let Some(path) =
+            git(&["rev-parse", "--git-path", name]).filter(|p| Path::new(p).exists())
+        {
+            println!("cargo::rerun-if-changed={path}");
+        }
+    }
+    // What the program is made of: any change of it builds the program again anyway.
+    let sources = [
+        "Cargo.toml",
+        "Cargo.lock",
+        "src",
+        "engine/src",
+        "texgen/src",
+    ];
+    for source in sources {
+        println!("cargo::rerun-if-changed={source}");
+    }
+    let mut changes = vec!["status", "--porcelain", "--untracked-files=no", "--"];
+    changes.extend(sources);
+    match git(&changes) {
+        Some(none) if none.is_empty() => commit,
+        _ => commit + "-modified",
+    }
+}
+
+/// What a command of git prints, if it succeeds.
+fn git(arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git")
+        // The index is left as it is.
+        .env("GIT_OPTIONAL_LOCKS", "0")
+        .args(arguments)
+        .output()
+        .ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    output.status.success().then(|| text.trim().to_owned())
+}

@@ -1,0 +1,189 @@
+// What a window shows of a film: the mean or another channel of each pixel, exposed, brought to what a screen can show,
+// and encoded as sRGB. The sums of a film are those of `accumulate.wgsl`.
+//!include shared/vectors.wgsl
+
+struct Display {
+    width: u32,
+    height: u32,
+    channel: u32, // see `display::Channel`
+    view: u32, // see `display::ViewTransform`
+    gain: f32, // of radiance
+    distance_scale: f32, // shown half bright, metres
+    most_samples: f32,
+    spare: u32,
+}
+
+@group(0) @binding(0) var<uniform> display: Display;
+@group(0) @binding(1) var<storage, read> film0: array<vec4u>;
+@group(0) @binding(2) var<storage, read> film1: array<vec4u>;
+@group(0) @binding(3) var<storage, read> film2: array<vec4u>;
+@group(0) @binding(4) var<storage, read> film3: array<vec4u>;
+@group(0) @binding(5) var<storage, read> film4: array<vec4u>;
+@group(0) @binding(6) var<storage, read> guides: array<vec4u>;
+// Of each workgroup: the sum of standard errors, that of luminances, and the pixels that have an error.
+@group(0) @binding(7) var<storage, read_write> error_sums: array<vec4f>;
+@group(0) @binding(8) var picture: texture_storage_2d<rgba8unorm, write>;
+
+const CHANNEL_RADIANCE = 0u;
+const CHANNEL_SAMPLES = 1u;
+const CHANNEL_ERROR = 2u;
+const CHANNEL_NORMAL = 3u;
+const CHANNEL_DISTANCE = 4u;
+const CHANNEL_MATERIAL = 5u;
+
+const VIEW_STANDARD = 0u;
+const VIEW_NEUTRAL = 1u;
+
+const MISS = 0xffffffffu;
+
+var<workgroup> partial: array<vec3f, 64>;
+
+// A sum of 96 bits, as two's complement, in units of 2^-44.
+fn radiance_sum(words: vec3u) -> f32 {
+    if ((words.z >> 31u) == 0u) {
+        return square_sum(words) * 0.00390625;
+    }
+    // Negated as a whole number, so that nothing cancels.
+    let low = ~words.x + 1u;
+    let middle = ~words.y + u32(low == 0u);
+    let high = ~words.z + u32(low == 0u && middle == 0u);
+    return -square_sum(vec3u(low, middle, high)) * 0.00390625;
+}
+
+// A sum of 96 bits without sign, in units of 2^-36.
+fn square_sum(words: vec3u) -> f32 {
+    return f32(words.z) * 268435456.0 + f32(words.y) * 0.0625 + f32(words.x) * 1.4551915228366852e-11;
+}
+
+fn srgb(linear: vec3f) -> vec3f {
+    let c = clamp(linear, vec3f(0.0), vec3f(1.0));
+    return select(1.055 * pow(c, vec3f(1.0 / 2.4)) - 0.055, 12.92 * c, c <= vec3f(0.0031308));
+}
+
+// Khronos PBR Neutral: colours up to 0.8 stay as they are but for a small offset, brighter ones are compressed and lose
+// colour (Khronos PBR Neutral tone mapper, specification 1.0).
+fn neutral(linear: vec3f) -> vec3f {
+    let start = 0.8 - 0.04;
+    let least = min(linear.x, min(linear.y, linear.z));
+    let offset = select(0.04, least - 6.25 * least * least, least < 0.08);
+    let color = linear - offset;
+    let peak = max_component(color);
+    if (peak < start) {
+        return color;
+    }
+    let room = 1.0 - start;
+    let compressed = 1.0 - room * room / (peak + room - start);
+    let faded = 1.0 - 1.0 / (0.15 * (peak - compressed) + 1.0);
+    return mix(color * (compressed / peak), vec3f(compressed), faded);
+}
+
+// An S-shaped curve (Narkowicz, "ACES Filmic Tone Mapping Curve", 2016).
+fn filmic(linear: vec3f) -> vec3f {
+    let x = linear * 0.6;
+    return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+}
+
+// Blue, cyan, green, yellow, red for 0 to 1.
+fn heat(x: f32) -> vec3f {
+    let h = 4.0 * (1.0 - clamp(x, 0.0, 1.0));
+    return clamp(vec3f(2.0 - h, min(h, 4.0 - h), h - 2.0), vec3f(0.0), vec3f(1.0));
+}
+
+// A colour for a number, so that neighbours differ.
+fn name_color(number: u32) -> vec3f {
+    if (number == MISS) {
+        return vec3f(0.0);
+    }
+    // Steps of the golden ratio spread hues evenly however many there are.
+    let hue = fract(f32(number + 1u) * 0.61803399) * 6.0;
+    let pure = clamp(vec3f(abs(hue - 3.0) - 1.0, 2.0 - abs(hue - 2.0), 2.0 - abs(hue - 4.0)), vec3f(0.0), vec3f(1.0));
+    let pale = 0.25 * f32(number / 7u % 3u);
+    return mix(pure, vec3f(1.0), pale) * 0.9;
+}
+
+fn shown(at: u32, mean: vec3f, count: u32, relative_error: f32) -> vec3f {
+    switch display.channel {
+        case CHANNEL_RADIANCE: {
+            let exposed = max(mean * display.gain, vec3f(0.0));
+            if (display.view == VIEW_STANDARD) {
+                return srgb(exposed);
+            }
+            if (display.view == VIEW_NEUTRAL) {
+                return srgb(neutral(exposed));
+            }
+            return srgb(filmic(exposed));
+        }
+        case CHANNEL_SAMPLES: { return heat(f32(count) / max(display.most_samples, 1.0)); }
+        // From 0.1 % to 100 %.
+        case CHANNEL_ERROR: { return heat(1.0 + log2(max(relative_error, 1e-9)) / 9.9657843); }
+        case CHANNEL_NORMAL: {
+            let guide = guides[at];
+            if (guide.y == MISS) {
+                return vec3f(0.0);
+            }
+            return octahedral(guide.w) * 0.5 + 0.5;
+        }
+        case CHANNEL_DISTANCE: {
+            let guide = guides[at];
+            return vec3f(display.distance_scale / (display.distance_scale + bitcast<f32>(guide.x)));
+        }
+        case CHANNEL_MATERIAL: { return name_color(guides[at].y); }
+        default: { return name_color(guides[at].z); }
+    }
+}
+
+// As `octahedral_decode` of `geometry.wgsl`, which binds the whole scene.
+fn octahedral(packed: u32) -> vec3f {
+    let e = unpack2x16snorm(packed);
+    var v = vec3f(e, 1.0 - abs(e.x) - abs(e.y));
+    if (v.z < 0.0) {
+        let folded = (vec2f(1.0) - abs(v.yx)) * select(vec2f(-1.0), vec2f(1.0), v.xy >= vec2f(0.0));
+        v = vec3f(folded, v.z);
+    }
+    return normalize(v);
+}
+
+@compute @workgroup_size(64)
+fn display_film(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+                @builtin(local_invocation_index) local: u32) {
+    let group = workgroup.y * workgroups.x + workgroup.x;
+    let at = group * 64u + local;
+    var sums = vec3f(0.0);
+    if (at < display.width * display.height) {
+        let words0 = film0[at];
+        let words1 = film1[at];
+        let words2 = film2[at];
+        let words3 = film3[at];
+        let words4 = film4[at];
+        let count = words4.z;
+        let n = max(f32(count), 1.0);
+        let mean = vec3f(
+            radiance_sum(words0.xyz),
+            radiance_sum(vec3u(words0.w, words1.xy)),
+            radiance_sum(vec3u(words1.zw, words2.x))) / n;
+        let square = vec3f(
+            square_sum(words2.yzw),
+            square_sum(words3.xyz),
+            square_sum(vec3u(words3.w, words4.xy))) / n;
+        // The error of the luminance as if the channels had their errors in common: no less than it is.
+        let spread = sqrt(max(square - mean * mean, vec3f(0.0)) / max(n - 1.0, 1.0));
+        let error = luminance(spread);
+        let light = max(luminance(mean), 0.0);
+        let relative = select(1.0, error / max(light, 1e-6), count > 1u);
+        if (count > 1u) {
+            sums = vec3f(error, light, 1.0);
+        }
+        let color = shown(at, mean, count, relative);
+        textureStore(picture, vec2u(at % display.width, at / display.width), vec4f(color, 1.0));
+    }
+    partial[local] = sums;
+    for (var step = 32u; step > 0u; step /= 2u) {
+        workgroupBarrier();
+        if (local < step) {
+            partial[local] += partial[local + step];
+        }
+    }
+    if (local == 0u) {
+        error_sums[group] = vec4f(partial[0], 0.0);
+    }
+}

@@ -1,0 +1,160 @@
+//! What somebody who watches a render wants of it: another size, a part of the picture, short waves, and what the
+//! camera sees first.
+
+use std::time::Duration;
+
+use crate::{
+    display::DeviceFilm,
+    film,
+    frame::Frame,
+    gpu::{
+        Gpu, GpuError,
+        kernel::{Extent, Kernel, Resources},
+    },
+    passes::{advance::After, guide, traverse::Rays},
+    wave::{self, Queue},
+};
+
+use super::{MAX_SIDE, RenderError, Renderer};
+
+/// The guides of a picture: see `guide.wgsl`.
+#[derive(Debug)]
+pub(super) struct Guides {
+    kernel: Kernel,
+    /// Made for a size; `None` where they show another view or another scene.
+    buffer: Option<wgpu::Buffer>,
+}
+
+/// Makes the film's buffers.
+pub(super) fn allocate_film(
+    gpu: &Gpu,
+    width: u32,
+    height: u32,
+    resources: &mut Resources,
+) -> Result<(), GpuError> {
+    let bytes = u64::from(width) * u64::from(height) * 16;
+    let usage = wgpu::BufferUsages::STORAGE;
+    let planes: Vec<_> = film::PLANES
+        .iter()
+        .map(|_| gpu.empty_buffer("the picture", bytes, usage))
+        .collect::<Result<_, _>>()?;
+    for (name, plane) in film::PLANES.into_iter().zip(planes) {
+        resources.set_buffer(name, plane);
+    }
+    Ok(())
+}
+
+impl Renderer {
+    /// Renders a picture of another size from now on, from the first sample. Nothing is compiled.
+    ///
+    /// # Errors
+    /// A size that can't be rendered or does not fit; nothing has changed then.
+    pub fn resize(&mut self, width: u32, height: u32) -> Result<(), RenderError> {
+        if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+            return Err(RenderError::Size { width, height });
+        }
+        allocate_film(&self.gpu, width, height, &mut self.resources)?;
+        (self.settings.width, self.settings.height) = (width, height);
+        self.bound = self.kernels.bind(&self.gpu, &self.resources);
+        self.region = None;
+        self.forget_guides();
+        self.frame = self.fresh_frame();
+        self.position = 0;
+        Ok(())
+    }
+
+    /// From now on only these pixels get samples: first column and row, then those behind the last. What the others have
+    /// stays.
+    pub fn set_region(&mut self, region: Option<[u32; 4]>) {
+        if region != self.region {
+            self.region = region;
+            self.frame = self.fresh_frame();
+        }
+    }
+
+    /// Waves are kept shorter than this from now on, so that edits, and other users of the device, needn't wait for longer.
+    pub fn set_longest_wave(&mut self, longest: Duration) {
+        self.longest_wave = longest;
+    }
+
+    pub(super) fn fresh_frame(&self) -> Frame {
+        let mut frame = Frame::new(&self.settings, self.capacity, &self.scene);
+        if let Some([left, top, right, bottom]) = self.region {
+            let (width, height) = (self.settings.width, self.settings.height);
+            frame.region_min = left.min(width) | top.min(height) << 16;
+            frame.region_max = right.min(width) | bottom.min(height) << 16;
+        }
+        frame
+    }
+
+    /// The film on the device, with the guides if they have been traced for it.
+    pub fn device_film(&self) -> DeviceFilm {
+        DeviceFilm {
+            width: self.settings.width,
+            height: self.settings.height,
+            planes: film::PLANES.map(|name| self.resources.buffer(name).clone()),
+            guides: self.guides.as_ref().and_then(|g| g.buffer.clone()),
+        }
+    }
+
+    /// Traces what the camera's rays hit first, pinhole-sharp, unless that is known. The film stays as it is. The first time, a
+    /// kernel is compiled.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn trace_guides(&mut self) -> Result<(), RenderError> {
+        let guides = match self.guides.take() {
+            Some(guides) => guides,
+            None => Guides {
+                kernel: guide::kernel(&self.gpu)?,
+                buffer: None,
+            },
+        };
+        if guides.buffer.is_some() {
+            self.guides = Some(guides);
+            return Ok(());
+        }
+        let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
+        let buffer = self
+            .gpu
+            .empty_buffer("guides", pixels * 16, wgpu::BufferUsages::STORAGE)?;
+        let mut resources = self.resources.clone();
+        resources.set_buffer("guides", buffer.clone());
+        let kernel = guides.kernel.bind(&self.gpu, &resources);
+        let mut frame = Frame::new(&self.settings, self.capacity, &self.scene);
+        frame.set_pinhole();
+        frame.sample_limit = 1;
+        let queue = self.gpu.queue().clone();
+        for first in (0..frame.padded_pixels).step_by(self.capacity as usize) {
+            frame.first_pixel = first;
+            frame.wave_size = self.capacity.min(frame.padded_pixels - first);
+            queue.write_buffer(
+                self.resources.buffer("frame"),
+                0,
+                bytemuck::bytes_of(&frame),
+            );
+            let fresh = wave::fresh_queues();
+            let queues = self.resources.buffer("queues");
+            queue.write_buffer(queues, 0, bytemuck::cast_slice(&fresh));
+            let paths = Extent::Threads(frame.wave_size);
+            self.submit(|wave| {
+                wave.run(&wave.bound.raygen, paths);
+                wave.run(wave.after(After::Raygen), Extent::One);
+                let closest = &wave.bound.traverse[Rays::Closest as usize];
+                wave.run_queue(closest, Queue::Active);
+                wave.run(&kernel, paths);
+            })?;
+        }
+        self.guides = Some(Guides {
+            buffer: Some(buffer),
+            ..guides
+        });
+        Ok(())
+    }
+
+    pub(super) fn forget_guides(&mut self) {
+        if let Some(guides) = &mut self.guides {
+            guides.buffer = None;
+        }
+    }
+}

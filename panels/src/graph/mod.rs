@@ -1,0 +1,380 @@
+//! The graph form: the nodes of a material as cards with sockets, and links between them.
+//!
+//! The look doesn't say where cards stand; that is a matter of the view.
+
+mod card;
+mod layout;
+
+use std::collections::{BTreeSet, HashMap};
+
+use egui::epaint::CubicBezierShape;
+use egui::{Color32, Key, Modifiers, Pos2, Rect, Response, Scene, Shape, Stroke, Ui, vec2};
+use texgen::Swizzle;
+
+use crate::edits;
+use crate::model::{Model, Target};
+use crate::panel::{Context, add_menu};
+
+/// Points around a socket in which a link can be dropped.
+const REACH: f32 = 16.0;
+
+/// What a link comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Source {
+    node: String,
+    swizzle: Option<Swizzle>,
+}
+
+/// A link that hangs on the pointer.
+#[derive(Debug)]
+struct Loose {
+    source: Source,
+    /// Where it was taken off.
+    former: Option<Target>,
+}
+
+/// The view of a graph.
+#[derive(Debug)]
+pub(crate) struct GraphView {
+    /// The part of the plane that is seen; empty until it is known.
+    seen: Rect,
+    /// Upper left corners of cards by their ids.
+    places: HashMap<String, Pos2>,
+    /// Nodes.
+    selected: BTreeSet<String>,
+    loose: Option<Loose>,
+    /// Where the menu for new nodes was opened.
+    menu_at: Pos2,
+    search: String,
+}
+
+impl Default for GraphView {
+    fn default() -> Self {
+        Self {
+            seen: Rect::ZERO,
+            places: HashMap::new(),
+            selected: BTreeSet::new(),
+            loose: None,
+            menu_at: Pos2::ZERO,
+            search: String::new(),
+        }
+    }
+}
+
+/// What was drawn where in this frame.
+#[derive(Debug, Default)]
+struct Sockets {
+    outputs: HashMap<Source, Pos2>,
+    inputs: HashMap<Target, Pos2>,
+    /// Right edges of materials, for the sides of blends, and where those go.
+    surfaces: HashMap<String, Pos2>,
+    sides: Vec<(String, Pos2)>,
+    /// The link that hangs on the pointer was let go.
+    is_dropped: bool,
+}
+
+/// What a card is of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Subject<'a> {
+    Node(&'a str),
+    Material(&'a str),
+}
+
+impl Subject<'_> {
+    fn id(self) -> String {
+        match self {
+            Self::Node(name) => format!("node {name}"),
+            Self::Material(name) => format!("material {name}"),
+        }
+    }
+}
+
+impl GraphView {
+    /// The one node that is selected.
+    pub(crate) fn selected(&self) -> Option<&str> {
+        match self.selected.iter().next() {
+            Some(node) if self.selected.len() == 1 => Some(node),
+            _ => None,
+        }
+    }
+
+    /// Where cards stand, by their ids.
+    pub(crate) fn places(&self) -> impl Iterator<Item = (&str, [f32; 2])> {
+        let places = self.places.iter();
+        places.map(|(id, place)| (id.as_str(), [place.x, place.y]))
+    }
+
+    /// Puts cards where they were.
+    pub(crate) fn set_places(&mut self, places: impl IntoIterator<Item = (String, [f32; 2])>) {
+        let places = places.into_iter();
+        self.places = places.map(|(id, [x, y])| (id, Pos2::new(x, y))).collect();
+    }
+
+    /// Shows all of the graph again.
+    pub(crate) fn fit(&mut self) {
+        self.seen = Rect::ZERO;
+    }
+
+    /// Shows the graph of some materials and what no material needs.
+    pub(crate) fn show(&mut self, ui: &mut Ui, cx: &mut Context<'_>, materials: &[&str]) {
+        let model = cx.model;
+        let mut nodes = model.nodes_of(materials);
+        nodes.extend(model.loose_nodes(cx.document.look()));
+        self.selected.retain(|node| nodes.contains(node));
+        ui.horizontal(|ui| self.tools(ui, cx));
+        let mut subjects: Vec<Subject<'_>> = materials
+            .iter()
+            .map(|name| Subject::Material(name))
+            .collect();
+        subjects.extend(nodes.iter().map(|name| Subject::Node(name)));
+        self.place(cx, &subjects);
+
+        let area = ui.available_rect_before_wrap();
+        let mut seen = self.seen;
+        let shown = Scene::new()
+            .zoom_range(0.1..=2.0)
+            .max_inner_size(vec2(f32::INFINITY, f32::INFINITY))
+            .show(ui, &mut seen, |ui| {
+                // Links lie below the cards, but are known after them.
+                let below = ui.painter().add(Shape::Noop);
+                let mut sockets = Sockets::default();
+                for &subject in &subjects {
+                    self.card(ui, cx, subject, &mut sockets);
+                }
+                self.drop_loose(ui, cx, &sockets);
+                let links = self.links(ui, model, &sockets);
+                ui.painter().set(below, Shape::Vec(links));
+            });
+        self.seen = seen;
+        self.background(cx, &shown.response);
+        let pointer = ui.input(|input| input.pointer.latest_pos());
+        let is_here = pointer.is_none_or(|pointer| area.contains(pointer));
+        if is_here && !ui.text_edit_focused() {
+            self.keys(ui, cx);
+        }
+    }
+
+    fn tools(&mut self, ui: &mut Ui, cx: &mut Context<'_>) {
+        let center = match self.seen.is_positive() {
+            true => self.seen.center(),
+            false => Pos2::ZERO,
+        };
+        let add = ui.menu_button("Add…", |ui| self.add(ui, cx, center));
+        crate::widgets::name(&add.response, "Add a node");
+        if ui.button("Arrange").clicked() {
+            self.places.clear();
+            self.fit();
+        }
+        if ui.button("Fit").clicked() {
+            self.fit();
+        }
+        if !self.selected.is_empty() {
+            if ui.button("Duplicate").clicked() {
+                self.duplicate(cx);
+            }
+            if ui.button("Delete").clicked() {
+                self.delete(cx);
+            }
+        }
+    }
+
+    fn add(&mut self, ui: &mut Ui, cx: &mut Context<'_>, at: Pos2) {
+        if let Some(name) = add_menu(ui, cx, &mut self.search) {
+            self.places.insert(Subject::Node(&name).id(), at);
+            self.selected = BTreeSet::from([name]);
+        }
+    }
+
+    /// Gives places to cards that have none.
+    fn place(&mut self, cx: &Context<'_>, subjects: &[Subject<'_>]) {
+        let ids: Vec<String> = subjects.iter().map(|subject| subject.id()).collect();
+        if ids.iter().all(|id| self.places.contains_key(id)) {
+            return;
+        }
+        let index = |subject: Subject<'_>| subjects.iter().position(|other| *other == subject);
+        let mut cards: Vec<layout::Card<'_>> = subjects
+            .iter()
+            .zip(&ids)
+            .map(|(&subject, id)| layout::Card {
+                id,
+                height: card::height(cx, subject),
+                readers: Vec::new(),
+            })
+            .collect();
+        for wire in &cx.model.wires {
+            let reader = match &wire.target {
+                Target::Parameter { node, .. } => Subject::Node(node),
+                Target::Input { material, .. } | Target::Mask { material } => {
+                    Subject::Material(material)
+                }
+            };
+            if let (Some(source), Some(reader)) =
+                (index(Subject::Node(&wire.source)), index(reader))
+            {
+                cards[source].readers.push(reader);
+            }
+        }
+        for (reader, subject) in subjects.iter().enumerate() {
+            let Subject::Material(material) = *subject else {
+                continue;
+            };
+            for side in cx.model.sides(material).into_iter().flatten() {
+                let side = index(Subject::Material(side));
+                if let Some(side) = side.filter(|&side| side != reader) {
+                    cards[side].readers.push(reader);
+                }
+            }
+        }
+        let places = layout::arrange(&cards);
+        for (card, place) in cards.iter().zip(places) {
+            self.places.entry(card.id.to_owned()).or_insert(place);
+        }
+    }
+
+    /// The links that there are, and the one on the pointer.
+    fn links(&self, ui: &Ui, model: &Model, sockets: &Sockets) -> Vec<Shape> {
+        let color = ui.visuals().widgets.inactive.fg_stroke.color;
+        let mut shapes = Vec::new();
+        for (material, end) in &sockets.sides {
+            if let Some(&start) = sockets.surfaces.get(material) {
+                shapes.push(curve(
+                    start,
+                    *end,
+                    Stroke::new(1.0, color.gamma_multiply(0.5)),
+                ));
+            }
+        }
+        for wire in &model.wires {
+            let source = Source {
+                node: wire.source.clone(),
+                swizzle: wire.swizzle,
+            };
+            // Several components at once come from the socket of the whole.
+            let whole = Source {
+                swizzle: None,
+                ..source.clone()
+            };
+            let start = sockets.outputs.get(&source).or(sockets.outputs.get(&whole));
+            let end = sockets.inputs.get(&wire.target);
+            let is_off = (self.loose.as_ref())
+                .is_some_and(|loose| loose.former.as_ref() == Some(&wire.target));
+            if let (Some(&start), Some(&end), false) = (start, end, is_off) {
+                shapes.push(curve(start, end, Stroke::new(2.0, color)));
+            }
+        }
+        if let Some(loose) = &self.loose
+            && let Some(&start) = sockets.outputs.get(&loose.source)
+            && let Some(end) = pointer(ui)
+        {
+            let color = ui.visuals().selection.bg_fill;
+            shapes.push(curve(start, end, Stroke::new(2.0, color)));
+        }
+        shapes
+    }
+
+    /// Connects the link on the pointer where it was let go, or says why not.
+    fn drop_loose(&mut self, ui: &Ui, cx: &mut Context<'_>, sockets: &Sockets) {
+        let Some(loose) = &self.loose else {
+            return;
+        };
+        let near = pointer(ui).and_then(|pointer| {
+            let distance = |place: &Pos2| place.distance(pointer);
+            let inputs = sockets.inputs.iter();
+            let near = inputs.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))?;
+            (distance(near.1) < REACH).then(|| near.0.clone())
+        });
+        let Source { node, swizzle } = &loose.source;
+        if !sockets.is_dropped {
+            if let Some(target) = &near
+                && let Err(why) = cx.model.check(node, *swizzle, target)
+            {
+                let error = egui::RichText::new(why).color(ui.visuals().error_fg_color);
+                egui::Tooltip::always_open(
+                    ui.ctx().clone(),
+                    ui.layer_id(),
+                    ui.scope_id().with("refused"),
+                    egui::PopupAnchor::Pointer,
+                )
+                .show(|ui| ui.label(error));
+            }
+            return;
+        }
+        let taken_off = |target: &Target| edits::disconnect(cx.document, target);
+        match (near, &loose.former) {
+            (Some(target), former) if former.as_ref() != Some(&target) => {
+                let connected = edits::connect(cx.model, node, *swizzle, &target).map(|edits| {
+                    let off = former.as_ref().map(taken_off).unwrap_or_default();
+                    off.into_iter().chain(edits).collect()
+                });
+                cx.edit_if(&format!("connect {node}"), connected);
+            }
+            (None, Some(former)) => {
+                let edits = taken_off(former);
+                cx.edit(&format!("disconnect {node}"), edits, None);
+            }
+            _ => {}
+        }
+        self.loose = None;
+    }
+
+    /// Clicks beside all cards.
+    fn background(&mut self, cx: &mut Context<'_>, plane: &Response) {
+        if plane.secondary_clicked()
+            && let Some(at) = plane.interact_pointer_pos()
+        {
+            self.menu_at = at;
+        }
+        let at = self.menu_at;
+        plane.context_menu(|ui| self.add(ui, cx, at));
+        if plane.clicked() {
+            self.selected.clear();
+        }
+    }
+
+    fn keys(&mut self, ui: &Ui, cx: &mut Context<'_>) {
+        let pressed = |modifiers, key| ui.input_mut(|input| input.consume_key(modifiers, key));
+        if pressed(Modifiers::NONE, Key::Delete) || pressed(Modifiers::NONE, Key::Backspace) {
+            self.delete(cx);
+        }
+        if pressed(Modifiers::COMMAND, Key::D) {
+            self.duplicate(cx);
+        }
+    }
+
+    fn delete(&mut self, cx: &mut Context<'_>) {
+        let nodes: Vec<String> = std::mem::take(&mut self.selected).into_iter().collect();
+        if !nodes.is_empty() {
+            let edits = edits::remove_nodes(cx.document, cx.model, &nodes);
+            cx.edit(&format!("delete {}", nodes.join(", ")), edits, None);
+        }
+    }
+
+    fn duplicate(&mut self, cx: &mut Context<'_>) {
+        let nodes: Vec<String> = self.selected.iter().cloned().collect();
+        if nodes.is_empty() {
+            return;
+        }
+        let (copies, edits) = edits::duplicate(cx.document, cx.model, &nodes);
+        for (node, copy) in nodes.iter().zip(&copies) {
+            if let Some(&place) = self.places.get(&Subject::Node(node).id()) {
+                let place = place + vec2(30.0, 30.0);
+                self.places.insert(Subject::Node(copy).id(), place);
+            }
+        }
+        self.selected = copies.into_iter().collect();
+        cx.edit(&format!("duplicate {}", nodes.join(", ")), edits, None);
+    }
+}
+
+/// Where the pointer is on the plane.
+fn pointer(ui: &Ui) -> Option<Pos2> {
+    let at = ui.input(|input| input.pointer.latest_pos())?;
+    let to_plane = ui.ctx().layer_transform_from_global(ui.layer_id());
+    Some(to_plane.map_or(at, |to_plane| to_plane * at))
+}
+
+fn curve(start: Pos2, end: Pos2, stroke: Stroke) -> Shape {
+    let reach = vec2((0.5 * (end.x - start.x).abs()).clamp(24.0, 160.0), 0.0);
+    let points = [start, start + reach, end - reach, end];
+    CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke).into()
+}

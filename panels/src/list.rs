@@ -1,0 +1,484 @@
+//! The list form: what belongs to a material as rows of widgets.
+
+use egui::{CollapsingHeader, Response, RichText, Ui};
+use engine::live::{Edit, written};
+use engine::scene::look::{Section, Value};
+use texgen::{BuiltinAttribute, Parameter, Widget};
+
+use crate::edits;
+use crate::material::{KEYS, Key, Takes};
+use crate::model::Target;
+use crate::panel::Context;
+use crate::widgets::{Bounds, Edited, Spec, choice, edit, image_slot, name, row};
+
+/// A material: what it is blended of, what drives it, its constants.
+pub(crate) fn material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
+    let title = format!("Material {material}");
+    let header = CollapsingHeader::new(RichText::new(&title).strong())
+        .id_salt(&title)
+        .default_open(true);
+    header.show(ui, |ui| {
+        blend(ui, cx, material);
+        if cx.model.is_pure_blend(material) {
+            return;
+        }
+        let section = Section::Material(material.to_owned());
+        let is_set = |key: &Key| cx.document.value(&section, key.name).is_some();
+        let (set, unset): (Vec<&Key>, Vec<&Key>) =
+            KEYS.iter().partition(|key| key.is_common || is_set(key));
+        for key in set {
+            material_key(ui, cx, material, key);
+        }
+        let more = CollapsingHeader::new("More").id_salt((material, "more"));
+        more.show(ui, |ui| {
+            for key in unset {
+                material_key(ui, cx, material, key);
+            }
+        });
+    });
+}
+
+fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
+    let section = || Section::Material(material.to_owned());
+    let Some([base, over]) = cx.model.sides(material) else {
+        let label = format!("Blend {material} with another material");
+        let button = ui.menu_button("Blend with…", |ui| {
+            for other in cx.material_names() {
+                // A material of which this one is a part would close a circle.
+                if cx.model.is_made_of(&other, material) {
+                    continue;
+                }
+                if ui.button(&other).clicked() {
+                    let edits = edits::make_blend(material, &other);
+                    cx.edit("blend", edits, None);
+                    ui.close();
+                }
+            }
+        });
+        name(&button.response, &label);
+        return;
+    };
+    let (base, over) = (base.to_owned(), over.to_owned());
+    for (side, key, chosen) in [("Base", "blend.base", &base), ("Over", "blend.over", &over)] {
+        let names = cx.material_names();
+        let fits = |other: &&String| {
+            let is_itself = key == "blend.base" && other.as_str() == material;
+            is_itself || !cx.model.is_made_of(other, material)
+        };
+        let words: Vec<&str> = names.iter().filter(fits).map(String::as_str).collect();
+        let label = format!("{side} of {material}");
+        let help = "a material that this one is blended of";
+        let (_, picked) = row(ui, side, help, true, |ui| {
+            choice(ui, &label, chosen, &words)
+        });
+        if let Some(other) = picked.value {
+            let edit = Edit::set(section(), key, Value::Text(other));
+            cx.edit(&label, vec![edit], None);
+        }
+    }
+    let target = Target::Mask {
+        material: material.to_owned(),
+    };
+    let label = format!("Mask of {material}");
+    let help = "where it is 1, the upper material is shown, where it is 0 the base";
+    let constant = cx.document.value(&section(), "blend.mask");
+    let constant = constant.and_then(|value| value.as_number());
+    let spec = share(&label);
+    driven(ui, cx, &target, "Mask", help, true, |ui, cx| {
+        let shown = texgen::Value::F32(constant.unwrap_or(0.0) as f32);
+        let edited = edit(ui, &spec, &shown);
+        if let Some(value) = &edited.value {
+            let edit = Edit::set(section(), "blend.mask", written(value));
+            cx.edit(&label, vec![edit], Some(&edited.response));
+        }
+        edited.response
+    });
+    let button = ui.button("Take blend away");
+    name(&button, &format!("Take blend of {material} away"));
+    if button.clicked() {
+        let clear = Edit::reset_material(material, "blend");
+        cx.edit("take blend away", vec![clear], None);
+    }
+}
+
+fn share(label: &str) -> Spec<'static> {
+    Spec {
+        name: label.to_owned(),
+        range: Some((0.0, 1.0)),
+        bounds: Bounds { min: 0.0, max: 1.0 },
+        unit: "",
+        widget: Widget::Plain,
+    }
+}
+
+fn material_key(ui: &mut Ui, cx: &mut Context<'_>, material: &str, key: &Key) {
+    let section = Section::Material(material.to_owned());
+    let written_value = cx.document.value(&section, key.name);
+    let is_set = written_value.is_some();
+    let label = format!("{} of {material}", key.label);
+    let constant = match &written_value {
+        Some(value) if !matches!(value, Value::Text(text) if !text.starts_with('#') && key.output().is_some()) => {
+            Some(value.clone())
+        }
+        _ => cx.scene_material(material).and_then(|m| key.constant(m)),
+    };
+    let widget = |ui: &mut Ui, cx: &mut Context<'_>| {
+        let set = |cx: &mut Context<'_>, value: Value, response: Option<&Response>| {
+            let edits = material_edits(cx, material, key, value);
+            cx.edit(&label, edits, response);
+        };
+        if let (Takes::Choice(words), Some(Value::Text(word))) = (key.takes, &constant) {
+            let Edited { response, value } = choice(ui, &label, word, words);
+            if let Some(word) = value {
+                set(cx, Value::Text(word), None);
+            }
+            return response;
+        }
+        let Some(shown) = constant.as_ref().and_then(|value| key.shown(value)) else {
+            let text = match key.takes {
+                Takes::Link => "not driven",
+                _ => "",
+            };
+            let response = ui.weak(text);
+            name(&response, &label);
+            return response;
+        };
+        let Edited { response, value } = edit(ui, &spec_of(key, &label), &shown);
+        if let Some(value) = value {
+            set(cx, written(&value), Some(&response));
+        }
+        response
+    };
+    match key.output() {
+        Some(output) => {
+            let target = Target::Input {
+                material: material.to_owned(),
+                output,
+            };
+            driven(ui, cx, &target, key.label, key.help, is_set, widget);
+        }
+        None => {
+            let (whole, _) = row(ui, key.label, key.help, is_set, |ui| widget(ui, cx));
+            let clear = Edit::reset_material(material, key.name);
+            cx.reset_menu(&whole, is_set, &label, vec![clear]);
+        }
+    }
+}
+
+/// Setting some keys needs another one.
+fn material_edits(cx: &Context<'_>, material: &str, key: &Key, value: Value) -> Vec<Edit> {
+    let section = Section::Material(material.to_owned());
+    let is_missing = |key: &str| cx.document.value(&section, key).is_none();
+    let mut edits = vec![Edit::material(material, key.name, value)];
+    if key.name == "attenuation_color" && is_missing("attenuation_distance") {
+        let distance = Value::number(1.0);
+        edits.push(Edit::material(material, "attenuation_distance", distance));
+    }
+    edits
+}
+
+fn spec_of(key: &Key, label: &str) -> Spec<'static> {
+    let (range, bounds, widget, unit) = match key.takes {
+        Takes::Number {
+            range: (low, high),
+            is_log,
+            unit,
+        } => {
+            let widget = match is_log {
+                true => Widget::Log,
+                false => Widget::Plain,
+            };
+            let bounds = match unit {
+                "°" => Bounds::ANY,
+                _ => Bounds {
+                    min: low.into(),
+                    // Shares end at 1, everything else goes on.
+                    max: if high == 1.0 && !is_log {
+                        1.0
+                    } else {
+                        Bounds::ANY.max
+                    },
+                },
+            };
+            (Some((low, high)), bounds, widget, unit)
+        }
+        Takes::Whole { range: (low, high) } => {
+            let bounds = Bounds {
+                min: -1000.0,
+                max: 1000.0,
+            };
+            (Some((low as f32, high as f32)), bounds, Widget::Plain, "")
+        }
+        Takes::Color => {
+            let bounds = Bounds {
+                min: 0.0,
+                ..Bounds::ANY
+            };
+            (None, bounds, Widget::Color, "")
+        }
+        Takes::Bool | Takes::Choice(_) | Takes::Link => (None, Bounds::ANY, Widget::Plain, ""),
+    };
+    Spec {
+        name: label.to_owned(),
+        range,
+        bounds,
+        unit,
+        widget,
+    }
+}
+
+/// A row of something that a node may drive: the link where one does, else a widget for the constant.
+fn driven(
+    ui: &mut Ui,
+    cx: &mut Context<'_>,
+    target: &Target,
+    label: &str,
+    help: &str,
+    is_set: bool,
+    constant: impl FnOnce(&mut Ui, &mut Context<'_>) -> Response,
+) {
+    let wire = cx.model.source(target).cloned();
+    let full = target_name(target, label);
+    let (whole, _) = row(ui, label, help, is_set, |ui| match &wire {
+        None => constant(ui, cx),
+        Some(wire) => {
+            let text = edits::link(&wire.source, wire.swizzle);
+            let link = ui.link(text);
+            name(&link, &full);
+            let button = ui.small_button("×").on_hover_text("disconnect");
+            name(&button, &format!("Disconnect {full}"));
+            if button.clicked() {
+                let edits = edits::disconnect(cx.document, target);
+                cx.edit(&format!("disconnect {full}"), edits, None);
+            }
+            link
+        }
+    });
+    whole.container_context_menu(|ui| link_menu(ui, cx, target, &full, is_set, "Reset"));
+}
+
+/// The menu by right click of something that a node may drive; `clear` is what taking away is called.
+pub(crate) fn link_menu(
+    ui: &mut Ui,
+    cx: &mut Context<'_>,
+    target: &Target,
+    full: &str,
+    is_set: bool,
+    clear: &str,
+) {
+    let taken = ui.add_enabled(is_set, egui::Button::new(clear));
+    if taken.clicked() {
+        let edits = edits::disconnect(cx.document, target);
+        cx.edit(&format!("{} {full}", clear.to_lowercase()), edits, None);
+        ui.close();
+    }
+    ui.menu_button("Connect", |ui| connect_menu(ui, cx, target, full));
+}
+
+fn connect_menu(ui: &mut Ui, cx: &mut Context<'_>, target: &Target, full: &str) {
+    let fitting = cx.model.fitting(target);
+    if fitting.is_empty() {
+        ui.weak("no node fits");
+    }
+    for (node, swizzle) in fitting {
+        if ui.button(edits::link(&node, swizzle)).clicked() {
+            let connected = edits::connect(cx.model, &node, swizzle, target);
+            cx.edit_if(&format!("connect {full}"), connected);
+            ui.close();
+        }
+    }
+}
+
+/// By which a target is found.
+pub(crate) fn target_name(target: &Target, label: &str) -> String {
+    match target {
+        Target::Parameter { node, parameter } => format!("{parameter} of {node}"),
+        Target::Input { material, .. } | Target::Mask { material } => {
+            format!("{label} of {material}")
+        }
+    }
+}
+
+/// A node: its texture's parameters.
+pub(crate) fn node(ui: &mut Ui, cx: &mut Context<'_>, node: &str) {
+    let textures = cx.textures;
+    let looks = &cx.document.look().nodes;
+    let Some(texture_name) = looks.iter().find(|n| n.name.value == node) else {
+        return;
+    };
+    let texture_name = texture_name.texture.value.clone();
+    let title = RichText::new(format!("Node {node}")).strong();
+    let header = CollapsingHeader::new(title)
+        .id_salt(("node", node))
+        .default_open(true);
+    header.show(ui, |ui| {
+        let Some(texture) = textures.library.get(&texture_name) else {
+            let broken = textures
+                .broken
+                .iter()
+                .any(|(name, _)| *name == texture_name);
+            let text = match broken {
+                true => format!("the texture `{texture_name}` has mistakes"),
+                false => format!("there is no texture called `{texture_name}`"),
+            };
+            ui.colored_label(ui.visuals().error_fg_color, text);
+            return;
+        };
+        ui.horizontal(|ui| {
+            if cx.previews.is_some() {
+                let size = egui::vec2(48.0, 48.0);
+                let (place, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+                cx.paint_preview(ui, node, place);
+            }
+            let first = texture.docs().split(". ").next().unwrap_or_default();
+            let docs = ui.weak(format!("{texture_name}: {first}"));
+            docs.on_hover_text(texture.docs());
+        });
+        for parameter in texture.parameters() {
+            node_parameter(ui, cx, node, parameter);
+        }
+        for (key, attribute, otherwise) in [
+            ("occlusion", BuiltinAttribute::AO, 0),
+            ("occlusion1", BuiltinAttribute::AO1, 1),
+        ] {
+            if texture.attributes().contains(&attribute.into()) {
+                occlusion(ui, cx, node, key, otherwise);
+            }
+        }
+        ui.horizontal(|ui| node_buttons(ui, cx, node));
+    });
+}
+
+fn node_buttons(ui: &mut Ui, cx: &mut Context<'_>, node: &str) {
+    let nodes = [node.to_owned()];
+    let duplicate = ui.button("Duplicate");
+    name(&duplicate, &format!("Duplicate {node}"));
+    if duplicate.clicked() {
+        let (_, edits) = edits::duplicate(cx.document, cx.model, &nodes);
+        cx.edit(&format!("duplicate {node}"), edits, None);
+    }
+    let delete = ui.button("Delete");
+    name(&delete, &format!("Delete {node}"));
+    if delete.clicked() {
+        let edits = edits::remove_nodes(cx.document, cx.model, &nodes);
+        cx.edit(&format!("delete {node}"), edits, None);
+    }
+}
+
+/// One parameter of a node.
+pub(crate) fn node_parameter(ui: &mut Ui, cx: &mut Context<'_>, node: &str, parameter: &Parameter) {
+    let section = Section::Node(node.to_owned());
+    let written_value = cx.document.value(&section, &parameter.name);
+    let is_set = written_value.is_some();
+    let full = format!("{} of {node}", parameter.name);
+    let target = Target::Parameter {
+        node: node.to_owned(),
+        parameter: parameter.name.clone(),
+    };
+    let Some(id) = cx.model.graph.node(node) else {
+        return;
+    };
+    let value = cx.model.graph.value(id, &parameter.name).cloned();
+    let widget = |ui: &mut Ui, cx: &mut Context<'_>| {
+        let Edited { response, value } = match &value {
+            Some(value) => {
+                let spec = Spec::of(parameter, full.clone());
+                let Edited { response, value } = edit(ui, &spec, value);
+                let value = value.as_ref().map(written);
+                Edited { response, value }
+            }
+            None => {
+                let folder = cx.document.look().resolve("");
+                let written = written_value.as_ref();
+                image_slot(ui, cx.images, &full, &folder, written)
+            }
+        };
+        if let Some(value) = value {
+            let edit = Edit::set(section.clone(), &parameter.name, value);
+            cx.edit(&full, vec![edit], Some(&response));
+        }
+        response
+    };
+    let help = help_of(parameter);
+    if parameter.ty.is_linkable() {
+        return driven(
+            ui,
+            cx,
+            &target,
+            short_label(parameter),
+            &help,
+            is_set,
+            widget,
+        );
+    }
+    let (whole, _) = row(ui, short_label(parameter), &help, is_set, |ui| {
+        widget(ui, cx)
+    });
+    let clear = Edit::reset(node, &parameter.name);
+    cx.reset_menu(&whole, is_set, &full, vec![clear]);
+}
+
+/// What a parameter is called in the panel: as its texture calls it, unless that is a whole sentence.
+pub(crate) fn short_label(parameter: &Parameter) -> &str {
+    match parameter.label.chars().count() {
+        0..=24 => &parameter.label,
+        _ => &parameter.name,
+    }
+}
+
+/// What a tooltip says about a parameter.
+fn help_of(parameter: &Parameter) -> String {
+    let mut help = format!("{}\n{}", parameter.label, parameter.ty);
+    if let Some((low, high)) = parameter.range {
+        help += &format!(", {low} to {high}");
+    }
+    if let Some(unit) = &parameter.unit {
+        help += &format!(" {unit}");
+    }
+    match &parameter.default {
+        Some(texgen::Value::Ramp(_) | texgen::Value::Array(_)) | None => {}
+        Some(default) => help += &format!("\ndefault: {}", value_text(default)),
+    }
+    help
+}
+
+fn value_text(value: &texgen::Value) -> String {
+    use texgen::Value as V;
+    match value {
+        V::F32(x) => x.to_string(),
+        V::I32(x) => x.to_string(),
+        V::U32(x) | V::Image(x) => x.to_string(),
+        V::Bool(x) => x.to_string(),
+        V::Vec2(x) => format!("{x:?}"),
+        V::Vec3(x) => format!("{x:?}"),
+        V::Vec4(x) => format!("{x:?}"),
+        V::Mat3(_) | V::Mat4(_) | V::Ramp(_) | V::Array(_) => String::new(),
+    }
+}
+
+/// Which AO table a node reads.
+fn occlusion(ui: &mut Ui, cx: &mut Context<'_>, node: &str, key: &str, otherwise: usize) {
+    let tables = &cx.document.look().ao;
+    if tables.is_empty() {
+        return;
+    }
+    let words: Vec<&str> = tables
+        .iter()
+        .map(|table| table.name.value.as_str())
+        .collect();
+    let section = Section::Node(node.to_owned());
+    let written_value = cx.document.value(&section, key);
+    let is_set = written_value.is_some();
+    let shown = match &written_value {
+        Some(Value::Text(table)) => table.as_str(),
+        _ => words[otherwise.min(words.len() - 1)],
+    };
+    let full = format!("{key} of {node}");
+    let help = "which of the tables of ambient occlusion the texture reads";
+    let (whole, picked) = row(ui, key, help, is_set, |ui| choice(ui, &full, shown, &words));
+    if let Some(table) = picked.value {
+        let edit = Edit::set(section, key, Value::Text(table));
+        cx.edit(&full, vec![edit], None);
+    }
+    cx.reset_menu(&whole, is_set, &full, vec![Edit::reset(node, key)]);
+}

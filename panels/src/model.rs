@@ -1,0 +1,299 @@
+//! What a look means to an editor: its graph, which nodes belong to which material, and who reads what.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use engine::procedural::{Output, sketch};
+use engine::scene::look::{Field, Look, Section, Value, find, link_text};
+use texgen::{Graph, Library, Swizzle, TextureType};
+
+use crate::Document;
+
+/// Something that a node's result can be connected to.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) enum Target {
+    /// A parameter of a node.
+    Parameter { node: String, parameter: String },
+    /// A value of a material.
+    Input { material: String, output: Output },
+    /// Where a blend shows its `over`.
+    Mask { material: String },
+}
+
+impl Target {
+    /// The table in which it is written, and the key.
+    pub(crate) fn place(&self) -> (Section, &str) {
+        match self {
+            Self::Parameter { node, parameter } => (Section::Node(node.clone()), parameter),
+            Self::Input { material, output } => (Section::Material(material.clone()), output.key()),
+            Self::Mask { material } => (Section::Material(material.clone()), "blend.mask"),
+        }
+    }
+}
+
+/// A link that is written in the look.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Wire {
+    pub(crate) source: String,
+    pub(crate) swizzle: Option<Swizzle>,
+    pub(crate) target: Target,
+}
+
+/// The graph of a look, kept until the look or the textures change.
+#[derive(Debug)]
+pub(crate) struct Model {
+    pub(crate) graph: Graph,
+    pub(crate) wires: Vec<Wire>,
+    /// The look's materials by name, as they are written.
+    materials: HashMap<String, Vec<Field>>,
+    revision: u64,
+}
+
+impl Model {
+    pub(crate) fn new(document: &Document, library: &Arc<Library>) -> Self {
+        let look = document.look();
+        let graph = sketch(look, library);
+        let materials = look.materials.iter().map(|material| {
+            let name = material.name.value.clone();
+            let table = document.table(&Section::Material(name.clone()));
+            (name, table)
+        });
+        let materials = materials.collect();
+        let wires = wires(look, &graph, &materials);
+        Self {
+            graph,
+            wires,
+            materials,
+            revision: document.revision(),
+        }
+    }
+
+    /// Whether it is of this look and these textures.
+    pub(crate) fn is_of(&self, document: &Document, library: &Arc<Library>) -> bool {
+        self.revision == document.revision() && Arc::ptr_eq(self.graph.library(), library)
+    }
+
+    /// The texture of a node; `None` where the library lacks it.
+    pub(crate) fn texture(&self, node: &str) -> Option<&TextureType> {
+        Some(self.graph.texture(self.graph.node(node)?))
+    }
+
+    /// What the look says about a material.
+    pub(crate) fn material(&self, name: &str) -> &[Field] {
+        self.materials.get(name).map_or(&[], Vec::as_slice)
+    }
+
+    /// Names of the two materials that a blend is made of.
+    pub(crate) fn sides(&self, material: &str) -> Option<[&str; 2]> {
+        let Value::Table(blend) = &find(self.material(material), "blend")?.value else {
+            return None;
+        };
+        let side = |key| match &find(blend, key)?.value {
+            Value::Text(name) => Some(name.as_str()),
+            _ => None,
+        };
+        Some([side("base")?, side("over")?])
+    }
+
+    /// Whether a material is a blend of others only, without a surface of its own.
+    pub(crate) fn is_pure_blend(&self, material: &str) -> bool {
+        self.sides(material)
+            .is_some_and(|[base, _]| base != material)
+    }
+
+    /// A material and all that it is blended of, itself first.
+    pub(crate) fn family<'m>(&'m self, material: &'m str) -> Vec<&'m str> {
+        let mut family = vec![material];
+        let mut next = 0;
+        while let Some(&material) = family.get(next) {
+            for side in self.sides(material).into_iter().flatten() {
+                if !family.contains(&side) {
+                    family.push(side);
+                }
+            }
+            next += 1;
+        }
+        family
+    }
+
+    /// Whether `inner` is part of the blend that `material` is.
+    pub(crate) fn is_made_of(&self, material: &str, inner: &str) -> bool {
+        self.family(material).contains(&inner)
+    }
+
+    /// The nodes below some materials, those that drive them directly first.
+    pub(crate) fn nodes_of(&self, materials: &[&str]) -> Vec<String> {
+        let mut nodes: Vec<String> = Vec::new();
+        let mut seen = HashSet::new();
+        for wire in &self.wires {
+            let is_root = match &wire.target {
+                Target::Input { material, .. } | Target::Mask { material } => {
+                    materials.contains(&material.as_str())
+                }
+                Target::Parameter { .. } => false,
+            };
+            if is_root && seen.insert(wire.source.clone()) {
+                nodes.push(wire.source.clone());
+            }
+        }
+        let mut next = 0;
+        while let Some(reader) = nodes.get(next).cloned() {
+            for wire in &self.wires {
+                let is_below =
+                    matches!(&wire.target, Target::Parameter { node, .. } if *node == reader);
+                if is_below && seen.insert(wire.source.clone()) {
+                    nodes.push(wire.source.clone());
+                }
+            }
+            next += 1;
+        }
+        nodes
+    }
+
+    /// A node and all that it reads, directly or not.
+    pub(crate) fn upstream<'m>(&'m self, node: &'m str) -> HashSet<&'m str> {
+        let mut seen = HashSet::from([node]);
+        let mut open = vec![node];
+        while let Some(reader) = open.pop() {
+            for wire in &self.wires {
+                let is_below =
+                    matches!(&wire.target, Target::Parameter { node, .. } if node == reader);
+                if is_below && seen.insert(&wire.source) {
+                    open.push(&wire.source);
+                }
+            }
+        }
+        seen
+    }
+
+    /// Nodes that no material needs, in the order of the look.
+    pub(crate) fn loose_nodes(&self, look: &Look) -> Vec<String> {
+        let all: Vec<&str> = self.wires.iter().filter_map(material_of).collect();
+        let used: HashSet<String> = self.nodes_of(&all).into_iter().collect();
+        let names = look.nodes.iter().map(|node| node.name.value.clone());
+        names.filter(|name| !used.contains(name)).collect()
+    }
+
+    /// What drives a target.
+    pub(crate) fn source(&self, target: &Target) -> Option<&Wire> {
+        self.wires.iter().find(|wire| wire.target == *target)
+    }
+
+    /// What could be connected to a target: nodes as a whole where they fit, else their first component.
+    pub(crate) fn fitting(&self, target: &Target) -> Vec<(String, Option<Swizzle>)> {
+        // One copy for all: a link replaces the one before.
+        let mut graph = self.graph.clone();
+        let first: Option<Swizzle> = "x".parse().ok();
+        let mut fits = |source, swizzle| match target {
+            Target::Parameter { node, parameter } => {
+                let reader = self.graph.node(node);
+                reader.is_some_and(|reader| {
+                    graph.set_link(reader, parameter, source, swizzle).is_ok()
+                })
+            }
+            _ => self.check(self.graph.name(source), swizzle, target).is_ok(),
+        };
+        let candidates = self.graph.ids().filter_map(|id| {
+            let fitting = [None, first]
+                .into_iter()
+                .find(|&swizzle| fits(id, swizzle))?;
+            Some((self.graph.name(id).to_owned(), fitting))
+        });
+        candidates.collect()
+    }
+
+    /// Checks that a node's result, or some of its components, may go to a target.
+    ///
+    /// # Errors
+    /// Says what to do instead.
+    pub(crate) fn check(
+        &self,
+        source: &str,
+        swizzle: Option<Swizzle>,
+        target: &Target,
+    ) -> Result<(), String> {
+        let missing = |name: &str| format!("node `{name}` has a texture with mistakes, or none");
+        let node = self.graph.node(source).ok_or_else(|| missing(source))?;
+        let link = texgen::Link {
+            source: node,
+            swizzle,
+        };
+        match target {
+            Target::Parameter { node, parameter } => {
+                let reader = self.graph.node(node).ok_or_else(|| missing(node))?;
+                let mut graph = self.graph.clone();
+                let linked = graph.set_link(reader, parameter, link.source, swizzle);
+                linked.map(|_| ()).map_err(|error| error.to_string())
+            }
+            Target::Input { material, output } => {
+                if self.is_pure_blend(material) {
+                    return Err(format!(
+                        "`{material}` is a blend of other materials: connect to one of those"
+                    ));
+                }
+                output.check(&self.graph, link)
+            }
+            // A mask is a number, like roughness.
+            Target::Mask { .. } => Output::Roughness.check(&self.graph, link),
+        }
+    }
+}
+
+fn material_of(wire: &Wire) -> Option<&str> {
+    match &wire.target {
+        Target::Input { material, .. } | Target::Mask { material } => Some(material),
+        Target::Parameter { .. } => None,
+    }
+}
+
+/// All links as they are written, those of nodes first.
+fn wires(look: &Look, graph: &Graph, materials: &HashMap<String, Vec<Field>>) -> Vec<Wire> {
+    let mut wires = Vec::new();
+    let wire = |value: &Value, target| {
+        let Value::Text(text) = value else {
+            return None;
+        };
+        let link = link_text(text).ok()?;
+        Some(Wire {
+            source: link.node,
+            swizzle: link.swizzle,
+            target,
+        })
+    };
+    for node in &look.nodes {
+        let name = &node.name.value;
+        let texture = graph.node(name).map(|id| graph.texture(id));
+        for field in &node.params {
+            let parameter = &field.key.value;
+            let declared = texture.and_then(|texture| texture.parameter(parameter));
+            // The path of an image is no link.
+            if declared.is_some_and(|(_, declared)| declared.ty.is_linkable()) {
+                let target = Target::Parameter {
+                    node: name.clone(),
+                    parameter: parameter.clone(),
+                };
+                wires.extend(wire(&field.value.value, target));
+            }
+        }
+    }
+    for material in &look.materials {
+        let name = &material.name.value;
+        let Some(table) = materials.get(name) else {
+            continue;
+        };
+        for output in Output::ALL {
+            let target = Target::Input {
+                material: name.clone(),
+                output,
+            };
+            wires.extend(find(table, output.key()).and_then(|value| wire(&value.value, target)));
+        }
+        if let Some(Value::Table(blend)) = find(table, "blend").map(|value| &value.value) {
+            let target = Target::Mask {
+                material: name.clone(),
+            };
+            wires.extend(find(blend, "mask").and_then(|value| wire(&value.value, target)));
+        }
+    }
+    wires
+}

@@ -1,0 +1,92 @@
+//! Widgets for values of all types. They know neither looks nor history: each shows a value and says what it becomes.
+
+mod image_slot;
+mod ramp;
+mod value;
+
+use egui::accesskit::Role;
+use egui::{Response, Ui, WidgetInfo};
+
+pub(crate) use image_slot::{ImageSlot, image_slot};
+pub(crate) use value::{Bounds, Spec, edit};
+
+/// What a widget shows, and what it has become.
+pub(crate) struct Edited<T> {
+    /// Of the whole widget: for tooltips and context menus.
+    pub(crate) response: Response,
+    /// The new value, where it was changed.
+    pub(crate) value: Option<T>,
+}
+
+/// Gives a widget the name by which assistive technology finds it, and so do tests.
+pub(crate) fn name(response: &Response, name: &str) {
+    let ctx = &response.ctx;
+    let place = match ctx.layer_transform_to_global(response.layer_id) {
+        Some(to_global) => to_global * response.rect,
+        None => response.rect,
+    };
+    ctx.accesskit_node_builder(response.id, |node| {
+        node.set_label(name);
+        node.clear_labelled_by();
+        node.set_bounds(egui::accesskit::Rect {
+            x0: place.min.x.into(),
+            y0: place.min.y.into(),
+            x1: place.max.x.into(),
+            y1: place.max.y.into(),
+        });
+    });
+}
+
+/// Makes something that was painted by hand a widget with a name.
+pub(crate) fn describe(response: &Response, role: Role, label: &str) {
+    response.widget_info(|| WidgetInfo::labeled(role, true, label));
+    name(response, label);
+}
+
+/// A line with a label on the left, which `help` explains, and a widget on the right. Gives the response of the whole.
+pub(crate) fn row<R>(
+    ui: &mut Ui,
+    label: &str,
+    help: &str,
+    is_set: bool,
+    add: impl FnOnce(&mut Ui) -> R,
+) -> (Response, R) {
+    let row = ui.horizontal_wrapped(|ui| {
+        let text = egui::RichText::new(label);
+        let text = if is_set { text.strong() } else { text };
+        let size = egui::vec2(
+            (ui.available_width() * 0.38).clamp(60.0, 220.0),
+            ui.spacing().interact_size.y,
+        );
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        ui.allocate_ui_with_layout(size, layout, |ui| {
+            ui.set_min_width(size.x);
+            let label = ui.add(egui::Label::new(text).truncate());
+            if !help.is_empty() {
+                label.on_hover_text(help);
+            }
+        });
+        add(ui)
+    });
+    (row.response, row.inner)
+}
+
+/// A choice of some words.
+pub(crate) fn choice(ui: &mut Ui, label: &str, selected: &str, words: &[&str]) -> Edited<String> {
+    let mut value = None;
+    let shown = egui::ComboBox::from_id_salt(label)
+        .selected_text(selected)
+        .show_ui(ui, |ui| {
+            for &word in words {
+                let entry = ui.selectable_label(word == selected, word);
+                if entry.clicked() && word != selected {
+                    value = Some(word.to_owned());
+                }
+            }
+        });
+    name(&shown.response, label);
+    Edited {
+        response: shown.response,
+        value,
+    }
+}

@@ -1,0 +1,65 @@
+//! The command line of `patina view` as the user typed it. What it means is [`super::job`]'s business.
+
+use std::path::PathBuf;
+
+use clap::ArgAction;
+
+pub(crate) const EXAMPLES: &str = "\
+Examples:
+  Look at a scene, walk through it, edit its look:
+    patina view helmet.glb --look rust.look.toml
+  Where one has been last:
+    patina view
+  A picture of the window, for a page about it:
+    patina view helmet.glb --screenshot window.png
+
+In the window, `?` lists keys and what the mouse does. Files that are edited elsewhere are followed as by `patina watch`.
+
+Exit codes: 0 closed, 1 failed, 2 wrong usage.";
+
+/// Flags of `patina view`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct ViewArgs {
+    /// The scene: a glTF 2.0 file (.gltf or .glb); without it, the last one.
+    pub(crate) scene: Option<PathBuf>,
+
+    /// The look: a TOML file with procedural textures, environment and overrides.
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    pub(crate) look: Option<PathBuf>,
+
+    /// Samples per pixel after which a picture is done.
+    #[arg(long, value_name = "N", default_value = "4096")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) spp: String,
+
+    /// Camera of the scene by name, in place of the look's.
+    #[arg(long, value_name = "NAME", requires = "scene")]
+    pub(crate) camera: Option<String>,
+
+    /// At most N surface points scatter light along a path; 1 is direct light only.
+    #[arg(long, value_name = "N", default_value = "9")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) max_depth: String,
+
+    /// Seed of the random numbers.
+    #[arg(long, value_name = "N", default_value = "0")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) seed: String,
+
+    /// Device by number or by part of its name, as `patina devices` lists them.
+    #[arg(long, value_name = "NAME|N")]
+    pub(crate) device: Option<String>,
+
+    /// Folder with user textures (.wgsl). May be given several times; searched before the standard ones.
+    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
+    pub(crate) texture_dirs: Vec<PathBuf>,
+
+    /// Write a picture of the window (.png or .jpg) and close it.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) screenshot: Option<PathBuf>,
+
+    /// Samples per pixel that the picture in the screenshot has.
+    #[arg(long, value_name = "N", default_value = "16")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) screenshot_spp: String,
+}

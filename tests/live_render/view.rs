@@ -1,0 +1,176 @@
+//! What a window wants of a live render: views, sizes, regions, pictures on the device, and what lies below a pixel. None
+//! of it changes the look or, once it is over, the film.
+
+use engine::display::{Channel, Display, DisplaySettings};
+use engine::film::Film;
+use engine::live::LiveRender;
+use glam::{Vec2, Vec3};
+
+use crate::look::{LOOK, TEXTURES};
+use crate::stage::{SPP, Stage, film, is_same, settle};
+use crate::support::device;
+
+fn opened() -> Option<(Stage, LiveRender, Film)> {
+    device::open()?;
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut live = stage.open("scene.look.toml");
+    let whole = film(&mut live);
+    Some((stage, live, whole))
+}
+
+fn render(live: &mut LiveRender) {
+    while !live.step(SPP).expect("rendered").is_done() {}
+}
+
+#[test]
+fn sizes_and_views_come_and_go() {
+    let Some((_stage, mut live, whole)) = opened() else {
+        return;
+    };
+    let gpu = live.renderer().gpu().clone();
+    let made = (gpu.pipelines_created(), gpu.shader_modules_created());
+    let generation = live.generation();
+    live.resize(24, 16).expect("nothing to do");
+    assert_eq!(live.generation(), generation);
+    live.resize(11, 5).expect("a smaller size");
+    assert!(live.generation() > generation);
+    let small = film(&mut live);
+    assert_eq!((small.width, small.height), (11, 5));
+    let mut view = live.look_camera().clone();
+    view.transform.translation.x += 0.3;
+    live.set_view(Some(view.clone()));
+    assert!(!is_same(&film(&mut live), &small));
+    // Edits of the look's camera are not seen meanwhile, and stay.
+    assert!(live.resize(0, 5).is_err());
+    live.resize(24, 16).expect("the first size");
+    live.set_view(None);
+    assert!(is_same(&film(&mut live), &whole));
+    assert_eq!(
+        (gpu.pipelines_created(), gpu.shader_modules_created()),
+        made
+    );
+    // What is built anew keeps the view.
+    live.set_view(Some(view));
+    let seen = film(&mut live);
+    live.assets_changed();
+    settle(&mut live);
+    assert!(is_same(&film(&mut live), &seen));
+    assert!(!live.has_unsaved_edits());
+}
+
+#[test]
+fn a_region_gets_samples_alone() {
+    let Some((_stage, mut live, whole)) = opened() else {
+        return;
+    };
+    live.restart();
+    live.set_region(Some([5, 2, 17, 99]));
+    render(&mut live);
+    let part = live.snapshot().expect("read").film;
+    for y in 0..16 {
+        for x in 0..24 {
+            let pixel = (y * 24 + x) as usize;
+            let is_inside = (5..17).contains(&x) && y >= 2;
+            assert_eq!(
+                part.samples(pixel),
+                if is_inside { SPP } else { 0 },
+                "{x} {y}"
+            );
+            if is_inside {
+                assert_eq!(part.sum(pixel), whole.sum(pixel));
+            }
+        }
+    }
+    live.set_region(None);
+    live.restart();
+    assert!(is_same(&film(&mut live), &whole));
+}
+
+#[test]
+fn the_display_shows_the_film() {
+    let Some((_stage, mut live, whole)) = opened() else {
+        return;
+    };
+    let mut display = Display::new(live.renderer().gpu()).expect("compiled");
+    let settings = DisplaySettings {
+        exposure: 1.0,
+        ..DisplaySettings::default()
+    };
+    let shown = live.device_film(true).expect("guides");
+    display.show(&shown, &settings).expect("shown");
+    let rgba = display.read().expect("read");
+    let encode = |x: f32| match x.clamp(0.0, 1.0) {
+        x if x <= 0.003_130_8 => 12.92 * x,
+        x => 1.055 * x.powf(1.0 / 2.4) - 0.055,
+    };
+    for (pixel, mean) in rgba.chunks(4).zip(whole.mean()) {
+        for (byte, value) in pixel.iter().zip(mean) {
+            // Rounding, and the driver's `pow`.
+            let expected = 255.0 * encode(2.0 * value);
+            assert!(
+                (f32::from(*byte) - expected).abs() < 1.0,
+                "{pixel:?} {mean:?}"
+            );
+        }
+    }
+    // Guides leave the film alone.
+    assert!(is_same(&live.snapshot().expect("read").film, &whole));
+
+    let luminance = |c: [f32; 3]| 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+    let errors: f32 = whole.standard_error().into_iter().map(luminance).sum();
+    let light: f32 = whole.mean().into_iter().map(luminance).sum();
+    let error = display
+        .relative_error()
+        .expect("read")
+        .expect("two samples");
+    let expected = f64::from(errors / light);
+    assert!(
+        (error - expected).abs() < 1e-3 * expected,
+        "{error} {expected}"
+    );
+
+    // A copy stays as it was.
+    let kept = live.keep_film(false).expect("copied");
+    live.restart();
+    display.show(&kept, &settings).expect("shown");
+    assert_eq!(display.read().expect("read"), rgba);
+}
+
+#[test]
+fn materials_are_picked_where_they_are_shown() {
+    let Some((_stage, mut live, _)) = opened() else {
+        return;
+    };
+    let mut display = Display::new(live.renderer().gpu()).expect("compiled");
+    let settings = DisplaySettings {
+        channel: Channel::Material,
+        ..DisplaySettings::default()
+    };
+    let shown = live.device_film(true).expect("guides");
+    display.show(&shown, &settings).expect("shown");
+    let rgba = display.read().expect("read");
+    let mut colors = vec![None; live.scene().materials.len() + 1];
+    let mut same = 0;
+    for y in 0..16 {
+        for x in 0..24 {
+            let place = Vec2::new((x as f32 + 0.5) / 24.0, (y as f32 + 0.5) / 16.0);
+            let hit = live.pick(place);
+            let number = hit.map_or(colors.len() - 1, |hit| hit.material as usize);
+            let at = (y * 24 + x) * 4;
+            let color = &rgba[at..at + 4];
+            same += u32::from(*colors[number].get_or_insert(color) == color);
+        }
+    }
+    // Guides are seen through one place of the pixel, picks through its centre: they differ at some edges.
+    assert!(same >= 24 * 16 * 9 / 10, "{same}");
+    assert!(
+        colors.iter().flatten().count() >= 3,
+        "floor, wall and nothing"
+    );
+
+    let center = live
+        .pick(Vec2::splat(0.5))
+        .expect("something is in the middle");
+    let eye = Vec3::from(live.shown_camera().transform.translation);
+    assert!(((center.position - eye).length() - center.distance).abs() < 1e-4);
+}

@@ -1,0 +1,213 @@
+//! The line between the window and the render's thread: commands one way, pictures and figures the other. The window
+//! never waits.
+
+use std::path::PathBuf;
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use engine::display::DisplaySettings;
+use engine::scene::{Camera, Material};
+use engine::stats::PassStats;
+use glam::Vec2;
+use patina_panels::{Change, Textures};
+
+/// What the render is to do.
+#[derive(Debug, Clone)]
+pub enum Command {
+    /// Change the look; changes are numbered from 1 on.
+    Change(Change, u64),
+    /// Look through this camera, or again through that of the look.
+    View(Option<Camera>),
+    /// Pixels of the picture while nothing moves.
+    Size([u32; 2]),
+    /// How the picture is shown.
+    Display(DisplaySettings),
+    /// Render only the part between these corners: left, top, right, bottom, 0 to 1.
+    Region(Option<[f32; 4]>),
+    /// Say what is seen at this place, (0, 0) the upper left corner, (1, 1) the lower right one.
+    Pick(Vec2, PickPurpose),
+    /// Say how large the scene is.
+    Bounds,
+    /// Keep the picture to compare with, or forget it.
+    KeepBefore(bool),
+    /// Render, or wait.
+    Pause(bool),
+    /// Measure each pass.
+    TimePasses(bool),
+    /// Samples per pixel after which the picture is done.
+    Target(u32),
+    /// Save the look to its file, or to another one, which is its file from then on.
+    Save(Option<PathBuf>),
+    /// Write the picture: what is shown as .png or .jpg, radiance as .exr.
+    SavePicture(PathBuf),
+    /// Render other files.
+    Open(Files),
+    /// Search textures in this folder, too.
+    TextureFolder(PathBuf),
+    /// End.
+    Quit,
+}
+
+/// What is rendered.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Files {
+    /// The glTF file.
+    pub scene: PathBuf,
+    /// The look.
+    pub look: Option<PathBuf>,
+    /// A camera of the scene in place of the look's.
+    pub camera: Option<String>,
+}
+
+/// What a pick is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PickPurpose {
+    /// To choose the material.
+    Material,
+    /// To focus the lens there, and to turn around it.
+    Focus,
+}
+
+/// What the render has to say, once.
+#[derive(Debug, Clone)]
+pub enum Reply {
+    /// What lies below a place.
+    Picked {
+        /// What it was asked for.
+        purpose: PickPurpose,
+        /// Name of the material, and the distance from the camera's plane; `None` where nothing is seen.
+        hit: Option<(String, f32)>,
+    },
+    /// Something was done.
+    Done(String),
+    /// Something could not be done.
+    Failed(String),
+    /// Corners of a box around everything, metres.
+    Bounds([glam::Vec3; 2]),
+    /// Other files are rendered from now on.
+    Opened(Files),
+}
+
+/// A picture on the device.
+#[derive(Debug, Clone)]
+pub struct Shown {
+    /// What is rendered.
+    pub view: wgpu::TextureView,
+    /// Its size; smaller than the viewport while something moves.
+    pub size: [u32; 2],
+    /// What was kept to compare with, shown in the same way.
+    pub before: Option<wgpu::TextureView>,
+    /// Another one with each texture, not with each sample.
+    pub texture_number: u64,
+}
+
+/// Figures of a render.
+#[derive(Debug, Clone, Default)]
+pub struct Status {
+    /// Samples per pixel of what is shown.
+    pub spp: f64,
+    /// Where it ends.
+    pub target: u32,
+    /// Pixels.
+    pub size: [u32; 2],
+    /// Camera paths per second.
+    pub samples_per_second: f64,
+    /// Million rays of all kinds per second.
+    pub mrays_per_second: f64,
+    /// Passes, if they are measured.
+    pub passes: Vec<PassStats>,
+    /// GPU memory of the render, bytes.
+    pub memory: u64,
+    /// Relative standard error of the picture.
+    pub error: Option<f64>,
+    /// Pipelines created since the device was opened.
+    pub pipelines: u64,
+    /// Shader modules created since the device was opened.
+    pub shader_modules: u64,
+    /// Seconds from the last change to the first picture of it.
+    pub latency: Option<f64>,
+    /// Something is being built in the background.
+    pub is_building: bool,
+    /// The scene is being read.
+    pub is_loading: bool,
+    /// Nothing is rendered for now.
+    pub is_paused: bool,
+    /// What is wrong with the files, each with line and caret.
+    pub problems: String,
+    /// What is odd about them.
+    pub warnings: String,
+    /// The look has edits that are not saved.
+    pub has_unsaved_edits: bool,
+    /// The device.
+    pub device: String,
+    /// Why nothing can be rendered any more.
+    pub fatal: Option<String>,
+}
+
+/// What is known of the scene; changes with its files only.
+#[derive(Debug, Clone, Default)]
+pub struct SceneFacts {
+    /// What is rendered.
+    pub files: Files,
+    /// Cameras of the scene.
+    pub cameras: Vec<Camera>,
+    /// That of the look.
+    pub look_camera: Option<Camera>,
+}
+
+/// The look as the render has it.
+#[derive(Debug, Clone, Default)]
+pub struct LookFacts {
+    /// With all changes that it has heard of.
+    pub text: Arc<str>,
+    /// How many these are.
+    pub heard: u64,
+    /// As they are shown.
+    pub materials: Arc<Vec<Material>>,
+    /// That there are.
+    pub textures: Arc<Textures>,
+}
+
+/// What the render's thread writes and the window reads.
+#[derive(Debug, Default)]
+pub struct Board {
+    /// The picture.
+    pub shown: Option<Shown>,
+    /// Its figures.
+    pub status: Status,
+    /// The scene, and how often that has changed.
+    pub scene: Arc<SceneFacts>,
+    /// The look, once it has been read.
+    pub look: Option<LookFacts>,
+    /// Not read yet.
+    pub replies: Vec<Reply>,
+}
+
+/// The window's end.
+#[derive(Debug, Clone)]
+pub struct Link {
+    commands: Sender<Command>,
+    board: Arc<Mutex<Board>>,
+}
+
+impl Link {
+    /// From both halves.
+    pub fn new(commands: Sender<Command>, board: Arc<Mutex<Board>>) -> Self {
+        Self { commands, board }
+    }
+
+    /// Sends a command. One that nobody hears is lost: then the board says why.
+    pub fn send(&self, command: Command) {
+        let _ = self.commands.send(command);
+    }
+
+    /// What there is to read. Held for moments only, by either side.
+    pub fn board(&self) -> MutexGuard<'_, Board> {
+        lock(&self.board)
+    }
+}
+
+/// A board whose writer died is as readable as before.
+pub(crate) fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
+    board.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,237 @@
+//! The window around [`Viewer`]: its device is that of the render, so that the picture is shown without being copied.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupExisting};
+use egui::{TextureId, Ui, ViewportBuilder, ViewportCommand};
+use engine::gpu::{DeviceChoice, Gpu};
+use patina_panels::Previews;
+
+use crate::host::Host;
+use crate::link::Files;
+use crate::thread::{RenderOptions, RenderThread};
+use crate::viewer::{PictureIds, Preferences, Viewer};
+
+/// Key of what is kept between starts.
+const PREFERENCES: &str = "preferences";
+/// Points of a window that is opened for the first time.
+const SIZE: [f32; 2] = [1280.0, 800.0];
+
+/// What is opened, and how.
+#[derive(Debug, Clone)]
+pub struct WindowOptions {
+    /// What is rendered; what was rendered last without it.
+    pub files: Option<Files>,
+    /// How it is rendered.
+    pub render: RenderOptions,
+    /// Of the previews of nodes.
+    pub preview_device: DeviceChoice,
+    /// The window is pictured and closed, once the render has so many samples per pixel.
+    pub picture_at_spp: Option<u32>,
+}
+
+/// A picture of the window.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WindowPicture {
+    /// Pixels.
+    pub size: [u32; 2],
+    /// 8-bit RGBA as it is shown, row 0 on top.
+    pub rgba: Vec<u8>,
+}
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot open a window: {0}")]
+pub struct WindowError(#[from] eframe::Error);
+
+/// Opens a window and returns when it has been closed, with a picture of it if one was asked for and could be taken.
+///
+/// # Errors
+/// There is no window system.
+pub fn run(
+    gpu: &Gpu,
+    options: WindowOptions,
+    host: Box<dyn Host>,
+) -> Result<Option<WindowPicture>, WindowError> {
+    let setup = WgpuSetupExisting {
+        instance: gpu.instance().clone(),
+        adapter: gpu.adapter().clone(),
+        device: gpu.device().clone(),
+        queue: gpu.queue().clone(),
+    };
+    let taken = Taken::default();
+    let is_screenshot = options.picture_at_spp.is_some();
+    let native = eframe::NativeOptions {
+        viewport: ViewportBuilder::default()
+            .with_title("Patina")
+            .with_app_id("patina")
+            .with_inner_size(SIZE)
+            .with_drag_and_drop(true),
+        renderer: eframe::Renderer::Wgpu,
+        wgpu_options: WgpuConfiguration {
+            wgpu_setup: WgpuSetup::Existing(setup),
+            ..WgpuConfiguration::default()
+        },
+        // A screenshot looks the same whatever the last window was.
+        persist_window: !is_screenshot,
+        ..eframe::NativeOptions::default()
+    };
+    let (gpu, kept) = (gpu.clone(), Taken::clone(&taken));
+    eframe::run_native(
+        "Patina",
+        native,
+        Box::new(move |context| {
+            let shell = Shell::new(context, gpu, options, host, kept)?;
+            Ok(Box::new(shell))
+        }),
+    )?;
+    let picture = lock(&taken).take();
+    Ok(picture)
+}
+
+/// The picture, once it has been taken.
+type Taken = Arc<Mutex<Option<WindowPicture>>>;
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+struct Shell {
+    viewer: Viewer,
+    thread: Option<RenderThread>,
+    ids: Option<(TextureId, Option<TextureId>)>,
+    texture_number: u64,
+    picture_at_spp: Option<u32>,
+    /// The picture has been asked for.
+    is_taking: bool,
+    taken: Taken,
+}
+
+impl Shell {
+    fn new(
+        context: &eframe::CreationContext<'_>,
+        gpu: Gpu,
+        options: WindowOptions,
+        host: Box<dyn Host>,
+        taken: Taken,
+    ) -> std::io::Result<Self> {
+        let storage = context.storage.filter(|_| options.picture_at_spp.is_none());
+        let preferences: Preferences = storage
+            .and_then(|storage| eframe::get_value(storage, PREFERENCES))
+            .unwrap_or_default();
+        let last = || {
+            let files = preferences.files.clone();
+            files.filter(|files| files.scene.exists())
+        };
+        let files = options.files.or_else(last);
+        let ctx = context.egui_ctx.clone();
+        let wake = Box::new(move || ctx.request_repaint());
+        let thread = RenderThread::start(gpu, files, options.render, host, wake)?;
+        let mut viewer = Viewer::new(thread.link.clone(), preferences);
+        // A device of their own, so that they don't keep the render waiting.
+        let device = options.preview_device;
+        let open = move || Gpu::new(&device);
+        viewer.set_previews(Previews::start(&context.egui_ctx, open));
+        Ok(Self {
+            viewer,
+            thread: Some(thread),
+            ids: None,
+            texture_number: 0,
+            picture_at_spp: options.picture_at_spp,
+            is_taking: false,
+            taken,
+        })
+    }
+
+    /// Makes the picture known to the window's renderer when it lies in another texture.
+    fn take_picture(&mut self, frame: &eframe::Frame) {
+        let Some(state) = frame.wgpu_render_state() else {
+            return;
+        };
+        let Some(thread) = &self.thread else {
+            return;
+        };
+        let shown = match &thread.link.board().shown {
+            Some(shown) if shown.texture_number != self.texture_number => shown.clone(),
+            _ => return,
+        };
+        self.texture_number = shown.texture_number;
+        let mut renderer = state.renderer.write();
+        let mut register = |view: &wgpu::TextureView, id: Option<TextureId>| match id {
+            None => renderer.register_native_texture(&state.device, view, wgpu::FilterMode::Linear),
+            Some(id) => {
+                let filter = wgpu::FilterMode::Linear;
+                renderer.update_egui_texture_from_wgpu_texture(&state.device, view, filter, id);
+                id
+            }
+        };
+        let (now_id, before_id) = self.ids.unzip();
+        let now = register(&shown.view, now_id);
+        let before_id = before_id.flatten();
+        let before = match &shown.before {
+            Some(view) => Some(register(view, before_id)),
+            None => before_id,
+        };
+        self.ids = Some((now, before));
+        self.viewer.picture = Some(PictureIds {
+            now,
+            before: before.filter(|_| shown.before.is_some()),
+            size: shown.size,
+        });
+    }
+
+    /// Pictures the window when it is time, and closes it.
+    fn take_screenshot(&mut self, ui: &Ui) {
+        let Some(spp) = self.picture_at_spp else {
+            return;
+        };
+        if lock(&self.taken).is_some() {
+            ui.ctx().send_viewport_cmd(ViewportCommand::Close);
+            return;
+        }
+        let status = self.viewer.status();
+        let is_ready = status.spp >= f64::from(spp) || status.fatal.is_some();
+        if is_ready && !self.is_taking {
+            self.is_taking = true;
+            let (taken, ctx) = (Taken::clone(&self.taken), ui.ctx().clone());
+            let take = move |image: Arc<egui::ColorImage>| {
+                *lock(&taken) = Some(WindowPicture {
+                    size: image.size.map(|side| side as u32),
+                    rgba: image
+                        .pixels
+                        .iter()
+                        .flat_map(|pixel| pixel.to_array())
+                        .collect(),
+                });
+                ctx.request_repaint();
+            };
+            let callback = egui::ScreenshotCallback::new(take);
+            ui.ctx()
+                .send_viewport_cmd(ViewportCommand::Screenshot(callback));
+        }
+    }
+}
+
+impl eframe::App for Shell {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        self.take_picture(frame);
+        self.viewer.ui(ui);
+        self.take_screenshot(ui);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        if self.picture_at_spp.is_none() {
+            eframe::set_value(storage, PREFERENCES, self.viewer.kept());
+        }
+    }
+
+    fn persist_egui_memory(&self) -> bool {
+        self.picture_at_spp.is_none()
+    }
+
+    fn on_exit(&mut self) {
+        if let Some(thread) = self.thread.take() {
+            thread.finish();
+        }
+    }
+}

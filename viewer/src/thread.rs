@@ -1,0 +1,512 @@
+//! The render's thread: takes commands, follows files, renders wave by wave, and puts what there is to see on the board.
+
+mod commands;
+mod publish;
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use engine::display::{DeviceFilm, Display, DisplaySettings};
+use engine::gpu::{Gpu, GpuError};
+use engine::live::{LiveError, LiveInputs, LiveRender};
+use engine::renderer::RenderSettings;
+use engine::scene::Camera;
+use patina_panels::Change;
+
+use crate::host::Host;
+use crate::link::{Board, Command, Files, Link, Reply, lock};
+use crate::pace::{self, Pace};
+
+/// Parsing recurses along a texture's expressions.
+const STACK_BYTES: usize = 8 << 20;
+/// Failures in a row after which nothing is tried any more.
+const MOST_FAILURES: u32 = 3;
+/// How often a render that has nothing to do looks for commands, files and what is built.
+const IDLE: Duration = Duration::from_millis(20);
+/// Motion is over when nothing has moved for so long.
+const STILL: Duration = Duration::from_millis(250);
+/// Longest waves on a GPU: the window's frames wait for them.
+const GPU_WAVE: Duration = Duration::from_millis(15);
+/// The same on a software driver, while something moves and while nothing does.
+const CPU_WAVE_MOVING: Duration = Duration::from_millis(40);
+const CPU_WAVE: Duration = Duration::from_millis(100);
+
+/// How it is rendered, whatever is.
+#[derive(Debug, Clone)]
+pub struct RenderOptions {
+    /// Samples per pixel after which the picture is done.
+    pub target_spp: u32,
+    /// Most scattering vertices of a path.
+    pub max_depth: u32,
+    /// Seed of the random numbers.
+    pub seed: u32,
+    /// Pixels of the first picture.
+    pub size: [u32; 2],
+}
+
+/// A running thread. It ends when it is told to, or the last [`Link`] to it is gone.
+#[derive(Debug)]
+pub struct RenderThread {
+    /// To it.
+    pub link: Link,
+    thread: JoinHandle<()>,
+}
+
+impl RenderThread {
+    /// Starts rendering on a device. `wake` is called whenever there is something new to see.
+    ///
+    /// # Errors
+    /// The system has no room for a thread.
+    pub fn start(
+        gpu: Gpu,
+        files: Option<Files>,
+        options: RenderOptions,
+        host: Box<dyn Host>,
+        wake: Box<dyn Fn() + Send>,
+    ) -> std::io::Result<Self> {
+        let (sender, commands) = channel();
+        let board = Arc::new(Mutex::new(Board::default()));
+        lock(&board).status.device = gpu.description().name.clone();
+        let link = Link::new(sender, Arc::clone(&board));
+        let thread = std::thread::Builder::new()
+            .name("render".to_owned())
+            .stack_size(STACK_BYTES)
+            .spawn(move || {
+                let size = Arc::new(Mutex::new(options.size));
+                let mut render = Render {
+                    gpu,
+                    options,
+                    host,
+                    wake,
+                    board,
+                    size,
+                    live: None,
+                    display: None,
+                    settings: DisplaySettings::default(),
+                    is_paused: false,
+                    times_passes: false,
+                    pending: Pending::default(),
+                    motion: None,
+                    is_moving: false,
+                    region: None,
+                    before: None,
+                    pace: Pace::default(),
+                    run: Run::default(),
+                    is_stale: false,
+                    failures: 0,
+                    published: publish::Published::default(),
+                };
+                render.run(&commands, files);
+            })?;
+        Ok(Self { link, thread })
+    }
+
+    /// Ends the thread and waits for that, so that the device is at rest.
+    pub fn finish(self) {
+        self.link.send(Command::Quit);
+        // A panic has been reported already.
+        let _ = self.thread.join();
+    }
+}
+
+/// Everything that the thread works on.
+struct Render {
+    gpu: Gpu,
+    options: RenderOptions,
+    host: Box<dyn Host>,
+    wake: Box<dyn Fn() + Send>,
+    board: Arc<Mutex<Board>>,
+    /// Pixels of the picture while nothing moves; what is built anew asks for it.
+    size: Arc<Mutex<[u32; 2]>>,
+    live: Option<LiveRender>,
+    display: Option<Displays>,
+    settings: DisplaySettings,
+    is_paused: bool,
+    times_passes: bool,
+    pending: Pending,
+    /// When something moved last.
+    motion: Option<Instant>,
+    /// The picture is a small one, because something moves.
+    is_moving: bool,
+    region: Option<[f32; 4]>,
+    before: Option<DeviceFilm>,
+    pace: Pace,
+    run: Run,
+    /// The scene, or its files, may be others than those on the board.
+    is_stale: bool,
+    /// Failures in a row.
+    failures: u32,
+    published: publish::Published,
+}
+
+/// What shows the picture, and what it is compared with.
+struct Displays {
+    now: Display,
+    before: Display,
+}
+
+/// Changes that wait until the picture of those before them has been seen: without that, a steady stream of them would
+/// leave nothing to see.
+#[derive(Default)]
+struct Pending {
+    changes: Vec<Change>,
+    /// Of the last change that has come.
+    number: u64,
+    view: Option<Option<Camera>>,
+    since: Option<Instant>,
+}
+
+/// The picture that is being rendered.
+struct Run {
+    generation: u64,
+    start: Instant,
+    /// When the change came that began it.
+    cause: Option<Instant>,
+    samples_done: u64,
+    /// Each pixel has a sample, and they have been shown.
+    is_seen: bool,
+    last_shown: Instant,
+    is_done: bool,
+}
+
+impl Default for Run {
+    fn default() -> Self {
+        let now = Instant::now();
+        Self {
+            generation: u64::MAX,
+            start: now,
+            cause: None,
+            samples_done: 0,
+            is_seen: false,
+            last_shown: now,
+            is_done: false,
+        }
+    }
+}
+
+impl Render {
+    fn run(&mut self, commands: &Receiver<Command>, files: Option<Files>) {
+        if let Some(files) = files {
+            self.open(files);
+        }
+        loop {
+            let wait = match self.has_work() {
+                true => Duration::ZERO,
+                false => IDLE,
+            };
+            if !self.take_commands(commands, wait) {
+                return;
+            }
+            match self.turn() {
+                Ok(()) => self.failures = 0,
+                Err(error) => self.fail(&error),
+            }
+        }
+    }
+
+    fn has_work(&self) -> bool {
+        let is_rendering = !self.is_paused && !self.run.is_done;
+        self.live.is_some() && (is_rendering || self.pending.since.is_some())
+    }
+
+    /// Takes all commands that have come; waits at most so long for the first. False when there will be no more.
+    fn take_commands(&mut self, commands: &Receiver<Command>, wait: Duration) -> bool {
+        match commands.recv_timeout(wait) {
+            Ok(Command::Quit) => return false,
+            Ok(command) => self.take(command),
+            Err(RecvTimeoutError::Timeout) => return true,
+            Err(RecvTimeoutError::Disconnected) => return false,
+        }
+        loop {
+            match commands.try_recv() {
+                Ok(Command::Quit) => return false,
+                Ok(command) => self.take(command),
+                Err(TryRecvError::Empty) => return true,
+                Err(TryRecvError::Disconnected) => return false,
+            }
+        }
+    }
+
+    /// Renders other files, if they can be read.
+    fn open(&mut self, files: Files) {
+        self.publish_loading(true);
+        match self.opened(&files) {
+            Ok(live) => {
+                self.live = Some(live);
+                self.run = Run::default();
+                self.run.cause = Some(Instant::now());
+                self.before = None;
+                self.region = None;
+                self.pending = Pending::default();
+                self.published.forget();
+                lock(&self.board).status.fatal = None;
+                self.publish_scene();
+                self.watch();
+                self.reply(Reply::Opened(files));
+            }
+            Err(why) => self.reply(Reply::Failed(why)),
+        }
+        self.publish_loading(false);
+    }
+
+    fn opened(&self, files: &Files) -> Result<LiveRender, String> {
+        let inputs = LiveInputs {
+            scene: files.scene.clone(),
+            look: files.look.clone(),
+            textures: self.host.texture_folders(files.look.as_deref())?,
+            camera: files.camera.clone(),
+        };
+        // The window shows what lies on its own device: there can be no other one.
+        let (gpu, is_first) = (self.gpu.clone(), Mutex::new(true));
+        let open_device = move || {
+            let mut is_first = is_first.lock().map_err(|e| GpuError::Lost(e.to_string()))?;
+            match std::mem::replace(&mut *is_first, false) {
+                true => Ok(gpu.clone()),
+                false => Err(GpuError::Lost(
+                    "the window has to be opened again".to_owned(),
+                )),
+            }
+        };
+        let (size, max_depth, seed) = (
+            Arc::clone(&self.size),
+            self.options.max_depth,
+            self.options.seed,
+        );
+        let make_settings = move |camera: Camera| {
+            let [width, height] = *size
+                .lock()
+                .unwrap_or_else(std::sync::PoisonError::into_inner);
+            RenderSettings {
+                max_depth,
+                seed,
+                ..RenderSettings::new(width, height, &camera)
+            }
+        };
+        let opened = LiveRender::open(inputs, Arc::new(open_device), Arc::new(make_settings));
+        opened.map_err(|error| publish::message(&error))
+    }
+
+    fn watch(&mut self) {
+        let Some(live) = &self.live else {
+            return;
+        };
+        let inputs = live.inputs();
+        let watched = self
+            .host
+            .watch(&live.files(), inputs.look.as_deref(), &inputs.textures);
+        if let Err(why) = watched {
+            self.reply(Reply::Failed(why));
+        }
+    }
+
+    /// One turn of the loop: files, changes, a wave, what there is to see.
+    fn turn(&mut self) -> Result<(), LiveError> {
+        let Some(live) = &mut self.live else {
+            return Ok(());
+        };
+        let changes = self.host.changes();
+        if changes.look {
+            live.look_changed();
+        }
+        if changes.textures {
+            live.sources_changed();
+            self.published.forget_textures();
+        }
+        if changes.assets {
+            live.assets_changed();
+        }
+        live.poll()?;
+        if changes.look || changes.textures {
+            self.publish_look();
+        }
+        self.apply_pending()?;
+        self.fit_size()?;
+        self.notice_generation();
+        if self.is_stale && !self.is_moving {
+            self.is_stale = false;
+            self.publish_scene();
+            self.watch();
+        }
+        if !self.is_paused && !self.run.is_done {
+            self.render()?;
+        }
+        self.publish_status(false);
+        Ok(())
+    }
+
+    /// Makes the changes that have been waiting, unless a picture that began with the last ones is still to be seen.
+    fn apply_pending(&mut self) -> Result<(), LiveError> {
+        let Some(since) = self.pending.since else {
+            return Ok(());
+        };
+        let is_awaited = self.is_moving && !self.run.is_seen && !self.is_paused;
+        if is_awaited && !self.run.is_done {
+            return Ok(());
+        }
+        let Some(live) = &mut self.live else {
+            return Ok(());
+        };
+        self.motion = Some(Instant::now());
+        self.run.cause = Some(since);
+        self.pending.since = None;
+        if let Some(view) = self.pending.view.take() {
+            live.set_view(view);
+        }
+        let changes = std::mem::take(&mut self.pending.changes);
+        let sent = changes.iter().try_for_each(|change| change.send(live));
+        if !changes.is_empty() {
+            self.publish_look();
+        }
+        sent
+    }
+
+    /// A small picture while something moves, the whole one when nothing does.
+    fn fit_size(&mut self) -> Result<(), LiveError> {
+        let full = *lock_size(&self.size);
+        let Some(live) = &mut self.live else {
+            return Ok(());
+        };
+        self.is_moving = self.motion.is_some_and(|motion| motion.elapsed() < STILL);
+        let size = match self.is_moving {
+            true => self.pace.moving_size(full),
+            false => full,
+        };
+        live.set_longest_wave(match (self.gpu.is_cpu(), self.is_moving) {
+            (false, _) => GPU_WAVE,
+            (true, true) => CPU_WAVE_MOVING,
+            (true, false) => CPU_WAVE,
+        });
+        live.resize(size[0], size[1])?;
+        let region = self.region.filter(|_| !self.is_moving);
+        live.set_region(region.map(|corners| pixels(corners, size)));
+        Ok(())
+    }
+
+    /// Notices that the picture has begun anew.
+    fn notice_generation(&mut self) {
+        let Some(live) = &mut self.live else {
+            return;
+        };
+        let generation = live.generation();
+        if generation == self.run.generation {
+            return;
+        }
+        self.run = Run {
+            generation,
+            cause: self.run.cause,
+            ..Run::default()
+        };
+        if self.times_passes && !live.renderer().is_timing() {
+            // Without it, figures are missing: no reason to stop.
+            let _ = live.time_passes();
+        }
+        self.is_stale = true;
+    }
+
+    fn render(&mut self) -> Result<(), LiveError> {
+        let Some(live) = &mut self.live else {
+            return Ok(());
+        };
+        let clock = Instant::now();
+        let progress = live.step(self.options.target_spp)?;
+        if live.generation() != self.run.generation {
+            // Something was swapped in: its samples are counted from the next turn on.
+            self.notice_generation();
+            return Ok(());
+        }
+        let paths = progress.samples_done.saturating_sub(self.run.samples_done);
+        self.pace.note(paths, clock.elapsed());
+        self.run.samples_done = progress.samples_done;
+        self.run.is_done = progress.is_done();
+        let [width, height] = self.picture_size();
+        let is_whole = progress.samples_done >= u64::from(width) * u64::from(height);
+        let is_due = !self.run.is_seen
+            || self.run.is_done
+            || self.run.last_shown.elapsed() >= pace::interval(self.run.start.elapsed());
+        if is_whole && is_due {
+            self.show()?;
+            if !self.run.is_seen {
+                self.run.is_seen = true;
+                let cause = self.run.cause.take();
+                if let Some(cause) = cause {
+                    lock(&self.board).status.latency = Some(cause.elapsed().as_secs_f64());
+                }
+            }
+            (self.wake)();
+        }
+        Ok(())
+    }
+
+    fn picture_size(&self) -> [u32; 2] {
+        let settings = self.live.as_ref().map(|live| live.renderer().settings());
+        settings.map_or([1, 1], |s| [s.width, s.height])
+    }
+
+    /// A failure that may pass is told; others end the render.
+    fn fail(&mut self, error: &LiveError) {
+        self.failures += 1;
+        let is_lost = matches!(error, LiveError::Lost(_)) || self.gpu.is_lost();
+        match is_lost || self.failures >= MOST_FAILURES {
+            true => self.stop(error),
+            false => self.reply(Reply::Failed(publish::message(error))),
+        }
+    }
+
+    /// The device is gone, or fails always: says so, and keeps what was not saved.
+    fn stop(&mut self, error: &LiveError) {
+        let Some(live) = self.live.take() else {
+            return;
+        };
+        let mut text = publish::message(error);
+        if live.has_unsaved_edits() {
+            let look = live.inputs().look.clone();
+            let beside = look.unwrap_or_else(|| live.inputs().scene.with_extension("look.toml"));
+            let mut name = beside.into_os_string();
+            name.push(".recovered");
+            let path = PathBuf::from(name);
+            text = match std::fs::write(&path, live.look_text()) {
+                Ok(()) => format!("{text}\nYour edits are in {}", path.display()),
+                Err(why) => format!("{text}\nYour edits could not be kept: {why}"),
+            };
+        }
+        lock(&self.board).status.fatal = Some(text);
+        (self.wake)();
+    }
+
+    fn reply(&self, reply: Reply) {
+        lock(&self.board).replies.push(reply);
+        (self.wake)();
+    }
+}
+
+fn lock_size(size: &Mutex<[u32; 2]>) -> std::sync::MutexGuard<'_, [u32; 2]> {
+    size.lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// The pixels between corners of 0 to 1, at least one.
+fn pixels([left, top, right, bottom]: [f32; 4], [width, height]: [u32; 2]) -> [u32; 4] {
+    let span = |a: f32, b: f32, size: u32| {
+        let at = |x: f32| x.clamp(0.0, 1.0) * size as f32;
+        let low = (at(a.min(b)).floor() as u32).min(size - 1);
+        (low, (at(a.max(b)).ceil() as u32).clamp(low + 1, size))
+    };
+    let ((left, right), (top, bottom)) = (span(left, right, width), span(top, bottom, height));
+    [left, top, right, bottom]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regions_become_whole_pixels() {
+        assert_eq!(pixels([0.0, 0.0, 1.0, 1.0], [640, 360]), [0, 0, 640, 360]);
+        assert_eq!(pixels([0.75, 0.5, 0.25, 0.0], [100, 10]), [25, 0, 75, 5]);
+        assert_eq!(pixels([2.0, 2.0, 2.0, 2.0], [8, 8]), [7, 7, 8, 8]);
+        assert_eq!(pixels([0.5, f32::NAN, 0.5, 0.5], [8, 8])[0], 4);
+    }
+}

@@ -1,0 +1,294 @@
+//! All of the window that is no window: state and widgets. It sends commands, reads the board, and knows neither GPU nor
+//! window system, so that tests drive it as a user does.
+
+mod bars;
+mod dialogs;
+mod dropped;
+mod lens;
+mod look;
+mod shortcuts;
+mod viewport;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use egui::{CentralPanel, Panel, Ui};
+use engine::display::{DisplaySettings, ViewTransform};
+
+use crate::link::{Command, Files, Link, PickPurpose, Reply, SceneFacts, Status};
+
+use dialogs::{Closing, Dialog};
+use look::Editor;
+use viewport::Viewport;
+
+/// How long a message stays, seconds.
+const MESSAGE: f64 = 6.0;
+/// Messages that are kept.
+const MESSAGES: usize = 4;
+
+/// What is the same at the next start.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct Preferences {
+    /// What was rendered last.
+    pub files: Option<Files>,
+    /// Stops.
+    pub exposure: f32,
+    /// By name, see [`ViewTransform::name`].
+    pub view: String,
+    /// Pixels of the viewport per pixel of the picture.
+    pub coarseness: u32,
+    /// Figures of passes are shown.
+    pub shows_passes: bool,
+    /// Materials are shown as a graph.
+    pub shows_graph: bool,
+    /// Where the cards of the graph of these files stand.
+    pub places: Vec<(String, [f32; 2])>,
+}
+
+impl Default for Preferences {
+    fn default() -> Self {
+        Self {
+            files: None,
+            exposure: 0.0,
+            view: ViewTransform::default().name().to_owned(),
+            coarseness: 1,
+            shows_passes: false,
+            shows_graph: false,
+            places: Vec::new(),
+        }
+    }
+}
+
+/// What the picture is called where widgets are drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PictureIds {
+    /// What is rendered.
+    pub now: egui::TextureId,
+    /// What it is compared with.
+    pub before: Option<egui::TextureId>,
+    /// Pixels of what is rendered.
+    pub size: [u32; 2],
+}
+
+/// The window's contents.
+#[derive(Debug)]
+pub struct Viewer {
+    link: Link,
+    /// What is kept between starts.
+    pub preferences: Preferences,
+    /// The picture, once there is one.
+    pub picture: Option<PictureIds>,
+    display: DisplaySettings,
+    viewport: Viewport,
+    editor: Editor,
+    status: Status,
+    scene: Arc<SceneFacts>,
+    messages: Vec<Message>,
+    dialog: Option<Dialog>,
+    lists_shortcuts: bool,
+    closing: Closing,
+    /// Material that was clicked.
+    material: Option<String>,
+}
+
+#[derive(Debug)]
+struct Message {
+    text: String,
+    is_error: bool,
+    until: f64,
+}
+
+impl Viewer {
+    /// With a line to the render.
+    pub fn new(link: Link, preferences: Preferences) -> Self {
+        let view = ViewTransform::ALL
+            .into_iter()
+            .find(|view| view.name() == preferences.view);
+        let display = DisplaySettings {
+            exposure: preferences.exposure,
+            view: view.unwrap_or_default(),
+            ..DisplaySettings::default()
+        };
+        link.send(Command::Display(display));
+        link.send(Command::TimePasses(preferences.shows_passes));
+        Self {
+            link,
+            preferences,
+            picture: None,
+            display,
+            viewport: Viewport::default(),
+            editor: Editor::default(),
+            status: Status::default(),
+            scene: Arc::default(),
+            messages: Vec::new(),
+            dialog: None,
+            lists_shortcuts: false,
+            closing: Closing::No,
+            material: None,
+        }
+    }
+
+    /// The material that was clicked last.
+    pub fn material(&self) -> Option<&str> {
+        self.material.as_deref()
+    }
+
+    /// Figures as they are shown.
+    pub fn status(&self) -> &Status {
+        &self.status
+    }
+
+    /// Something that the window itself has to say.
+    pub fn tell(&mut self, text: String, is_error: bool, now: f64) {
+        let until = now + MESSAGE * if is_error { 3.0 } else { 1.0 };
+        self.messages.retain(|message| message.text != text);
+        self.messages.push(Message {
+            text,
+            is_error,
+            until,
+        });
+        let surplus = self.messages.len().saturating_sub(MESSAGES);
+        self.messages.drain(..surplus);
+    }
+
+    /// Shows everything, and does what the user does.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        let now = ui.input(|input| input.time);
+        // What was edited since the last frame is no change of the file's.
+        self.flush_edits();
+        self.read_board(now);
+        self.take_keys(ui);
+        self.take_dropped(ui);
+        Panel::top("tools").show(ui, |ui| self.tools(ui));
+        Panel::bottom("status").show(ui, |ui| self.status_bar(ui));
+        if !self.status.problems.is_empty() || self.status.fatal.is_some() {
+            Panel::bottom("problems")
+                .resizable(true)
+                .default_size(140.0)
+                .show(ui, |ui| self.problems(ui));
+        }
+        Panel::right("look")
+            .resizable(true)
+            .default_size(340.0)
+            .show(ui, |ui| self.look_panel(ui));
+        CentralPanel::default()
+            .frame(egui::Frame::NONE.fill(egui::Color32::from_gray(24)))
+            .show(ui, |ui| {
+                self.viewport(ui);
+                self.messages(ui, now);
+            });
+        self.dialogs(ui);
+        self.flush_edits();
+        self.close(ui);
+    }
+
+    fn read_board(&mut self, now: f64) {
+        let (replies, scene, status, look) = {
+            let mut board = self.link.board();
+            let replies = std::mem::take(&mut board.replies);
+            let scene = Arc::clone(&board.scene);
+            (replies, scene, board.status.clone(), board.look.clone())
+        };
+        self.status = status;
+        if !Arc::ptr_eq(&scene, &self.scene) {
+            self.scene = scene;
+            self.viewport.scene_changed(&self.scene);
+        }
+        for reply in replies {
+            self.hear(reply, now);
+        }
+        if let Some(look) = look {
+            let path = self.scene.files.look.clone().unwrap_or_default();
+            self.editor.read(&look, &path);
+        }
+    }
+
+    fn hear(&mut self, reply: Reply, now: f64) {
+        match reply {
+            Reply::Picked { purpose, hit } => match (purpose, hit) {
+                (PickPurpose::Material, Some((material, _))) => {
+                    self.show_material(&material);
+                    self.material = Some(material);
+                }
+                (PickPurpose::Material, None) => self.material = None,
+                (PickPurpose::Focus, Some((_, depth))) => {
+                    let view = self.viewport.focus(depth);
+                    self.send_view(view);
+                    self.tell(format!("focus at {depth:.3} m"), false, now);
+                }
+                (PickPurpose::Focus, None) => {}
+            },
+            Reply::Done(text) => self.tell(text, false, now),
+            Reply::Failed(text) => self.tell(text, true, now),
+            Reply::Bounds([low, high]) => {
+                let view = self.viewport.moved(|camera| camera.frame(low, high));
+                self.send_view(view);
+            }
+            Reply::Opened(files) => {
+                self.viewport = Viewport::default();
+                self.editor.forget();
+                self.begin_look(self.preferences.files.as_ref() == Some(&files));
+                self.material = None;
+                self.preferences.files = Some(files);
+            }
+        }
+    }
+
+    fn send_view(&self, view: Option<engine::scene::Camera>) {
+        if let Some(camera) = view {
+            self.link.send(Command::View(Some(camera)));
+        }
+    }
+
+    fn set_display(&mut self, display: DisplaySettings) {
+        if display != self.display {
+            self.display = display;
+            self.preferences.exposure = display.exposure;
+            self.preferences.view = display.view.name().to_owned();
+            self.link.send(Command::Display(display));
+        }
+    }
+
+    /// Saves the look; asks for a file where it has none.
+    fn save(&mut self) {
+        match self.scene.files.look {
+            Some(_) => self.link.send(Command::Save(None)),
+            None => self.dialog = Some(Dialog::save_as(&self.scene.files)),
+        }
+    }
+
+    fn open(&mut self, files: Files) {
+        self.link.send(Command::Open(files));
+    }
+
+    /// Messages lie over the picture and vanish.
+    fn messages(&mut self, ui: &mut Ui, now: f64) {
+        self.messages.retain(|message| message.until > now);
+        if self.messages.is_empty() {
+            return;
+        }
+        let corner = ui.max_rect().left_bottom() + egui::vec2(12.0, -12.0);
+        egui::Area::new(egui::Id::unique("messages"))
+            .fixed_pos(corner)
+            .pivot(egui::Align2::LEFT_BOTTOM)
+            .show(ui.ctx(), |ui| {
+                for message in &self.messages {
+                    egui::Frame::popup(ui.style()).show(ui, |ui| {
+                        let text = egui::RichText::new(&message.text);
+                        ui.label(match message.is_error {
+                            true => text.color(ui.visuals().error_fg_color),
+                            false => text,
+                        });
+                    });
+                }
+            });
+        ui.ctx().request_repaint_after(Duration::from_millis(500));
+    }
+}
+
+/// A path for people.
+fn name(path: &std::path::Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}

@@ -1,0 +1,251 @@
+//! The bar of tools on top, the figures at the bottom, and what is wrong with the files.
+
+use egui::{ComboBox, DragValue, RichText, Slider, Ui};
+use engine::display::{Channel, DisplaySettings, ViewTransform};
+
+use crate::link::{Command, Status};
+
+use super::dialogs::Dialog;
+use super::{Viewer, name};
+
+/// Stops.
+const EXPOSURE: std::ops::RangeInclusive<f32> = -10.0..=10.0;
+
+impl Viewer {
+    pub(super) fn tools(&mut self, ui: &mut Ui) {
+        ui.horizontal_wrapped(|ui| {
+            self.file_menu(ui);
+            self.camera_menu(ui);
+            ui.separator();
+            let mut display = self.display;
+            display_settings(ui, &mut display);
+            self.set_display(display);
+            ui.separator();
+            self.picture_tools(ui);
+            let help = ui.button("?").on_hover_text("keyboard and mouse (?)");
+            if help.clicked() {
+                self.lists_shortcuts ^= true;
+            }
+        });
+    }
+
+    fn file_menu(&mut self, ui: &mut Ui) {
+        ui.menu_button("File", |ui| {
+            if ui.button("Save look").clicked() {
+                self.save();
+            }
+            if ui.button("Save look as ...").clicked() {
+                self.dialog = Some(Dialog::save_as(&self.scene.files));
+            }
+            if ui.button("Save picture ...").clicked() {
+                self.dialog = Some(Dialog::save_picture(&self.scene.files));
+            }
+            ui.separator();
+            if ui.button("Open ...").clicked() {
+                self.dialog = Some(Dialog::open(&self.scene.files));
+            }
+        });
+    }
+
+    fn picture_tools(&mut self, ui: &mut Ui) {
+        let mut is_paused = self.status.is_paused;
+        let pause = ui.toggle_value(&mut is_paused, "Pause");
+        if pause.on_hover_text("render no more for now (P)").changed() {
+            self.link.send(Command::Pause(is_paused));
+        }
+        let mut has_region = self.viewport.region.is_some() || self.viewport.chooses_region;
+        let region = ui.toggle_value(&mut has_region, "Region");
+        let hint = "drag a rectangle: only that is rendered (R)";
+        if region.on_hover_text(hint).changed() {
+            self.toggle_region();
+        }
+        let mut is_compared = self.viewport.split.is_some();
+        let compare = ui.toggle_value(&mut is_compared, "Compare");
+        let hint = "keep this picture beside what comes (C)";
+        if compare.on_hover_text(hint).changed() {
+            self.toggle_compare();
+        }
+        let coarseness = self.preferences.coarseness.max(1);
+        let choices = ComboBox::from_id_salt("coarseness")
+            .selected_text(format!("1:{coarseness}"))
+            .width(52.0);
+        let shown = choices.show_ui(ui, |ui| {
+            for choice in [1, 2, 4] {
+                let value = &mut self.preferences.coarseness;
+                ui.selectable_value(value, choice, format!("1:{choice}"));
+            }
+        });
+        let hint = "pixels of the picture per pixel of the screen, along a side";
+        shown.response.on_hover_text(hint);
+    }
+
+    pub(super) fn toggle_region(&mut self) {
+        let had_region = self.viewport.region.take().is_some();
+        if had_region {
+            self.link.send(Command::Region(None));
+        }
+        self.viewport.chooses_region = !had_region && !self.viewport.chooses_region;
+    }
+
+    pub(super) fn toggle_compare(&mut self) {
+        self.viewport.split = match self.viewport.split {
+            Some(_) => None,
+            None => Some(0.5),
+        };
+        let is_kept = self.viewport.split.is_some();
+        self.link.send(Command::KeepBefore(is_kept));
+    }
+
+    pub(super) fn status_bar(&mut self, ui: &mut Ui) {
+        if self.preferences.shows_passes && !self.status.passes.is_empty() {
+            passes(ui, &self.status);
+        }
+        ui.horizontal_wrapped(|ui| {
+            let status = &self.status;
+            ui.label(progress(status));
+            ui.separator();
+            let samples = count(status.samples_per_second);
+            let rays = status.mrays_per_second;
+            ui.label(format!("{samples} samples/s   {rays:.2} Mrays/s"));
+            ui.separator();
+            let mebibytes = status.memory as f64 / f64::from(1 << 20);
+            ui.label(format!("{mebibytes:.0} MiB"));
+            if let Some(latency) = status.latency {
+                ui.separator();
+                let text = format!("{:.0} ms to a picture", latency * 1e3);
+                let hint = "from the last change to its first picture";
+                ui.label(text).on_hover_text(hint);
+            }
+            ui.separator();
+            let pipelines = ui.label(format!("{} pipelines", status.pipelines));
+            pipelines.on_hover_text(
+                "kernels compiled since the start: edits of arguments, links and constants add none",
+            );
+            let mut shows_passes = self.preferences.shows_passes;
+            let toggle = ui.toggle_value(&mut shows_passes, "Passes");
+            if toggle.on_hover_text("how long each pass takes").changed() {
+                self.preferences.shows_passes = shows_passes;
+                self.link.send(Command::TimePasses(shows_passes));
+            }
+            if let Some(material) = &self.material {
+                ui.separator();
+                ui.label(format!("material: {material}"));
+            }
+            ui.separator();
+            let files = &self.scene.files;
+            let mut title = name(&files.scene);
+            if let Some(look) = &files.look {
+                title = format!("{title} with {}", name(look));
+            }
+            if self.status.has_unsaved_edits {
+                title.push_str(" *");
+            }
+            let whole = format!("{}\non {}", files.scene.display(), self.status.device);
+            ui.label(title).on_hover_text(whole);
+        });
+    }
+
+    pub(super) fn problems(&mut self, ui: &mut Ui) {
+        egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+            let color = ui.visuals().error_fg_color;
+            let texts = self.status.fatal.iter().chain([&self.status.problems]);
+            for text in texts.filter(|text| !text.is_empty()) {
+                let text = RichText::new(text.trim_end()).monospace().color(color);
+                ui.add(egui::Label::new(text).selectable(true).extend());
+            }
+        });
+    }
+}
+
+fn display_settings(ui: &mut Ui, display: &mut DisplaySettings) {
+    let label = ui.label("Exposure");
+    let slider = Slider::new(&mut display.exposure, EXPOSURE)
+        .fixed_decimals(2)
+        .suffix(" EV");
+    let response = ui.add(slider).labelled_by(label.id);
+    if response.secondary_clicked() {
+        display.exposure = 0.0;
+    }
+    response.on_hover_text("brightness of what is shown; right-click for 0");
+    let views = ComboBox::from_id_salt("view transform")
+        .selected_text(display.view.name())
+        .width(80.0);
+    let shown = views.show_ui(ui, |ui| {
+        for view in ViewTransform::ALL {
+            ui.selectable_value(&mut display.view, view, view.name());
+        }
+    });
+    let hint = "view transform: how radiance becomes what a screen shows";
+    shown.response.on_hover_text(hint);
+    let channels = ComboBox::from_id_salt("channel")
+        .selected_text(display.channel.name())
+        .width(80.0);
+    let shown = channels.show_ui(ui, |ui| {
+        for channel in Channel::ALL {
+            ui.selectable_value(&mut display.channel, channel, channel.name());
+        }
+    });
+    shown
+        .response
+        .on_hover_text("channel: what of the picture is shown");
+}
+
+fn progress(status: &Status) -> String {
+    let [width, height] = status.size;
+    let mut text = format!(
+        "{:.0} of {} spp   {width} x {height}",
+        status.spp.floor(),
+        status.target
+    );
+    if let Some(error) = status.error {
+        text = format!("{text}   error {:.2} %", 100.0 * error);
+    }
+    for (is_so, what) in [
+        (status.is_paused, "paused"),
+        (status.is_loading, "reading ..."),
+        (status.is_building, "building ..."),
+    ] {
+        if is_so {
+            text = format!("{text}   {what}");
+        }
+    }
+    text
+}
+
+fn passes(ui: &mut Ui, status: &Status) {
+    let grid = egui::Grid::new("passes").num_columns(4).striped(true);
+    grid.show(ui, |ui| {
+        for heading in ["pass", "share", "ms", "runs"] {
+            ui.label(RichText::new(heading).strong());
+        }
+        ui.end_row();
+        for pass in &status.passes {
+            ui.label(&pass.name);
+            ui.label(format!("{:.1} %", 100.0 * pass.share));
+            let mean = pass.milliseconds / pass.dispatches.max(1) as f64;
+            ui.label(format!("{mean:.3}"));
+            ui.label(pass.dispatches.to_string());
+            ui.end_row();
+        }
+    });
+}
+
+/// With three digits and a unit of thousands.
+fn count(number: f64) -> String {
+    match number {
+        n if n >= 1e9 => format!("{:.2} G", n * 1e-9),
+        n if n >= 1e6 => format!("{:.2} M", n * 1e-6),
+        n if n >= 1e3 => format!("{:.1} k", n * 1e-3),
+        n => format!("{n:.0}"),
+    }
+}
+
+/// A number that is dragged, in its own unit; whether it has been.
+pub(super) fn dragged(ui: &mut Ui, text: &str, value: &mut f32, speed: f32, suffix: &str) -> bool {
+    let label = ui.label(text);
+    let drag = DragValue::new(value)
+        .speed(speed)
+        .range(0.0..=f32::MAX)
+        .suffix(suffix);
+    ui.add(drag).labelled_by(label.id).changed()
+}

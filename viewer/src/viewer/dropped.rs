@@ -1,0 +1,126 @@
+//! Files that are dropped onto the window.
+
+use std::path::{Path, PathBuf};
+
+use egui::Ui;
+use engine::live::Edit;
+use engine::scene::look::{Section, Value};
+
+use crate::link::{Command, Files};
+
+use super::Viewer;
+
+/// What is done with a file, by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Dropped {
+    Scene,
+    Look,
+    Texture,
+    Environment,
+    /// Taken by the slot that it is dropped on.
+    Image,
+    Unknown,
+}
+
+fn kind(path: &Path) -> Dropped {
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    match ending.to_lowercase().as_str() {
+        "glb" | "gltf" => Dropped::Scene,
+        "toml" => Dropped::Look,
+        "wgsl" => Dropped::Texture,
+        "hdr" | "exr" => Dropped::Environment,
+        "png" | "jpg" | "jpeg" | "webp" | "bmp" | "tga" => Dropped::Image,
+        _ => Dropped::Unknown,
+    }
+}
+
+impl Viewer {
+    pub(super) fn take_dropped(&mut self, ui: &Ui) {
+        let (files, now): (Vec<PathBuf>, f64) = ui.input(|input| {
+            let files = input.raw.dropped_files.iter();
+            (
+                files.map(|file| file.path().to_owned()).collect(),
+                input.time,
+            )
+        });
+        // A scene and its look may come together.
+        let of = |wanted| files.iter().find(|file| kind(file) == wanted).cloned();
+        match (of(Dropped::Scene), of(Dropped::Look)) {
+            (Some(scene), look) => self.open(Files {
+                scene,
+                look,
+                camera: None,
+            }),
+            (None, Some(look)) => self.open(Files {
+                look: Some(look),
+                camera: None,
+                ..self.scene.files.clone()
+            }),
+            (None, None) => {}
+        }
+        for file in &files {
+            match kind(file) {
+                Dropped::Scene | Dropped::Look | Dropped::Image => {}
+                Dropped::Texture => self.take_texture(file, now),
+                Dropped::Environment => {
+                    let path = self.named_by_look(file).display().to_string();
+                    // In place of whatever light there is.
+                    let clear = Edit::Remove {
+                        section: Section::Environment,
+                    };
+                    let set = Edit::environment("image", Value::Text(path));
+                    self.edit("environment", &[clear, set], now);
+                }
+                Dropped::Unknown => {
+                    let text = format!("nothing is known to be done with {}", file.display());
+                    self.tell(text, true, now);
+                }
+            }
+        }
+    }
+
+    fn take_texture(&mut self, file: &Path, now: f64) {
+        let Some(folder) = file.parent() else {
+            return;
+        };
+        self.link.send(Command::TextureFolder(folder.to_owned()));
+        let text = format!(
+            "textures of {} can be used now; next time: --textures {}",
+            folder.display(),
+            folder.display()
+        );
+        self.tell(text, false, now);
+    }
+
+    /// A file as the look names it: from its own folder, where it lies below that.
+    fn named_by_look(&self, file: &Path) -> PathBuf {
+        let look = self.scene.files.look.as_deref().and_then(Path::parent);
+        let folder = look.and_then(|folder| match folder == Path::new("") {
+            true => Path::new(".").canonicalize().ok(),
+            false => folder.canonicalize().ok(),
+        });
+        let below = folder.and_then(|folder| file.strip_prefix(folder).ok().map(Path::to_owned));
+        below.unwrap_or_else(|| file.to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_known_by_their_endings() {
+        for (name, expected) in [
+            ("a.glb", Dropped::Scene),
+            ("a.b.GLTF", Dropped::Scene),
+            ("a.look.toml", Dropped::Look),
+            ("rust.wgsl", Dropped::Texture),
+            ("sky.hdr", Dropped::Environment),
+            ("paint.PNG", Dropped::Image),
+            ("a.txt", Dropped::Unknown),
+            ("a", Dropped::Unknown),
+        ] {
+            assert_eq!(kind(Path::new(name)), expected, "{name}");
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! The camera: which one, its lens, and back into the look.
+
+use egui::Ui;
+use engine::live::Edit;
+use engine::scene::look::{Section, Value};
+use engine::scene::{Camera, Projection};
+use glam::Vec3;
+
+use crate::link::Command;
+use crate::navigate::Navigator;
+
+use super::Viewer;
+use super::bars::dragged;
+
+impl Viewer {
+    pub(super) fn camera_menu(&mut self, ui: &mut Ui) {
+        ui.menu_button("Camera", |ui| {
+            if ui.button("Of the look").on_hover_text("Home").clicked() {
+                self.go_home();
+            }
+            for (number, camera) in self.scene.cameras.clone().into_iter().enumerate() {
+                let hint = match number {
+                    0..9 => format!("{}", number + 1),
+                    _ => "of the scene".to_owned(),
+                };
+                if ui.button(&camera.name).on_hover_text(hint).clicked() {
+                    self.look_through(camera);
+                }
+            }
+            if ui.button("Frame everything").on_hover_text("F").clicked() {
+                self.link.send(Command::Bounds);
+            }
+            ui.separator();
+            self.lens(ui);
+            ui.separator();
+            let store = egui::Button::new("Put into the look");
+            let is_other = self.viewport.has_own_view();
+            if ui.add_enabled(is_other, store).clicked() {
+                self.store_camera(ui.input(|input| input.time));
+            }
+        });
+    }
+
+    pub(super) fn go_home(&mut self) {
+        self.viewport.go_home();
+        self.link.send(Command::View(None));
+    }
+
+    pub(super) fn look_through(&mut self, camera: Camera) {
+        let view = self.viewport.moved(|now| *now = Navigator::new(camera));
+        self.send_view(view);
+    }
+
+    fn lens(&mut self, ui: &mut Ui) {
+        let Some(navigator) = self.viewport.now() else {
+            return;
+        };
+        let mut camera = navigator.camera().clone();
+        let mut has_changed = false;
+        egui::Grid::new("lens").num_columns(2).show(ui, |ui| {
+            if let Projection::Perspective { y_fov } = &mut camera.projection {
+                let label = ui.label("Field of view");
+                let mut degrees = y_fov.to_degrees();
+                let drag = egui::DragValue::new(&mut degrees)
+                    .range(1.0..=170.0)
+                    .suffix("°");
+                if ui.add(drag).labelled_by(label.id).changed() {
+                    *y_fov = degrees.to_radians();
+                    has_changed = true;
+                }
+                ui.end_row();
+            }
+            let mut millimetres = camera.aperture_radius * 1e3;
+            if dragged(ui, "Aperture radius", &mut millimetres, 0.1, " mm") {
+                camera.aperture_radius = millimetres * 1e-3;
+                has_changed = true;
+            }
+            ui.end_row();
+            let speed = 0.01 * camera.focus_distance.max(0.01);
+            let focus = &mut camera.focus_distance;
+            has_changed |= dragged(ui, "Focus", focus, speed, " m");
+            ui.end_row();
+        });
+        if has_changed {
+            let view = self.viewport.moved(|now| *now.camera_mut() = camera);
+            self.send_view(view);
+        }
+    }
+
+    /// Makes the camera that of the look.
+    fn store_camera(&mut self, now: f64) {
+        let Some(navigator) = self.viewport.now() else {
+            return;
+        };
+        // A camera that was asked for by name stays in the place of the look's.
+        if self.scene.files.camera.is_none() {
+            self.go_home();
+        }
+        self.edit("camera", &camera_edits(&navigator), now);
+    }
+}
+
+/// The keys of `[camera]` by which a look has this camera.
+fn camera_edits(navigator: &Navigator) -> Vec<Edit> {
+    let camera = navigator.camera();
+    let place = |v: Vec3| Value::numbers(&v.to_array());
+    let mut edits = vec![
+        Edit::camera("position", place(camera.transform.translation.into())),
+        Edit::camera("look_at", place(navigator.pivot())),
+        Edit::camera("up", place(camera.transform.matrix3.y_axis.into())),
+        Edit::camera("focus_distance", Value::number(camera.focus_distance)),
+        Edit::camera("aperture_radius", Value::number(camera.aperture_radius)),
+        // It would be stronger than the radius.
+        Edit::Clear {
+            section: Section::Camera,
+            key: "f_number".to_owned(),
+        },
+    ];
+    if let Projection::Perspective { y_fov } = camera.projection {
+        edits.push(Edit::camera("y_fov", Value::number(y_fov.to_degrees())));
+    }
+    edits
+}

@@ -1,0 +1,143 @@
+//! The look that is edited: its document with the history, and the panel that shows it.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use egui::Ui;
+use engine::live::Edit;
+use engine::scene::Material;
+use patina_panels::{Document, Form, Previews, SceneView, Textures, TexturesPanel};
+
+use crate::link::{Command, Link, LookFacts};
+
+use super::{Preferences, Viewer};
+
+/// What edits the look. Its document is ahead of the render's by the changes that are on their way.
+#[derive(Debug, Default)]
+pub(super) struct Editor {
+    document: Option<Document>,
+    panel: TexturesPanel,
+    textures: Arc<Textures>,
+    materials: Arc<Vec<Material>>,
+    /// Changes that have been sent.
+    sent: u64,
+}
+
+impl Editor {
+    /// Takes over what the render has: its first text, and texts that files have brought.
+    pub(super) fn read(&mut self, facts: &LookFacts, path: &Path) {
+        self.textures = Arc::clone(&facts.textures);
+        self.materials = Arc::clone(&facts.materials);
+        match &mut self.document {
+            Some(document) => {
+                if document.path() != path {
+                    document.set_path(path);
+                }
+                let is_other = facts.heard == self.sent && *facts.text != *document.text();
+                if is_other && document.replace("file", &facts.text).is_ok() {
+                    // The render has it already.
+                    document.take_changes();
+                }
+            }
+            None => self.document = Document::new(path, &facts.text).ok(),
+        }
+    }
+
+    /// Forgets the look. The panel stays, with its previews.
+    pub(super) fn forget(&mut self) {
+        self.document = None;
+        self.sent = 0;
+    }
+
+    /// Tells the render what has changed.
+    fn flush(&mut self, link: &Link) {
+        let Some(document) = &mut self.document else {
+            return;
+        };
+        for change in document.take_changes() {
+            self.sent += 1;
+            link.send(Command::Change(change, self.sent));
+        }
+    }
+}
+
+impl Viewer {
+    /// The look with its history, once it has been read.
+    pub fn document_mut(&mut self) -> Option<&mut Document> {
+        self.editor.document.as_mut()
+    }
+
+    /// Makes edits as one step that can be undone.
+    pub(super) fn edit(&mut self, label: &str, edits: &[Edit], now: f64) {
+        let outcome = match self.document_mut() {
+            Some(document) => document.apply(label, edits, None),
+            None => Err("there is no look yet".to_owned()),
+        };
+        if let Err(why) = outcome {
+            self.tell(why, true, now);
+        }
+    }
+
+    pub(super) fn undo(&mut self) {
+        if let Some(document) = self.document_mut() {
+            document.undo();
+        }
+    }
+
+    pub(super) fn redo(&mut self) {
+        if let Some(document) = self.document_mut() {
+            document.redo();
+        }
+    }
+
+    pub(super) fn flush_edits(&mut self) {
+        self.editor.flush(&self.link);
+    }
+
+    pub(super) fn look_panel(&mut self, ui: &mut Ui) {
+        let Editor {
+            document: Some(document),
+            panel,
+            textures,
+            materials,
+            ..
+        } = &mut self.editor
+        else {
+            return;
+        };
+        let scene = SceneView { materials };
+        panel.show(ui, document, textures, scene);
+    }
+
+    /// Shows pictures of nodes from now on.
+    pub fn set_previews(&mut self, previews: Previews) {
+        self.editor.panel.set_previews(previews);
+    }
+
+    /// What is to be the same at the next start, as it is now.
+    pub fn kept(&mut self) -> &Preferences {
+        let panel = &self.editor.panel;
+        self.preferences.shows_graph = panel.form() == Form::Graph;
+        let places = panel.places();
+        self.preferences.places = places.map(|(id, at)| (id.to_owned(), at)).collect();
+        &self.preferences
+    }
+
+    /// Begins with another look; in the form, and if it is the one of last time, with the places, that were kept.
+    pub(super) fn begin_look(&mut self, is_last: bool) {
+        let Editor { panel, .. } = &mut self.editor;
+        let form = match self.preferences.shows_graph {
+            true => Form::Graph,
+            false => Form::List,
+        };
+        panel.set_form(form);
+        if is_last {
+            panel.set_places(self.preferences.places.clone());
+        }
+    }
+
+    /// Shows the material that was clicked.
+    pub(super) fn show_material(&mut self, material: &str) {
+        self.editor.panel.pick(material);
+    }
+}

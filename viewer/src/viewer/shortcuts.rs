@@ -1,0 +1,140 @@
+//! Keys, and the list of them.
+
+use egui::{Grid, Key, KeyboardShortcut, Modifiers, RichText, Ui, Window};
+
+use crate::link::Command;
+
+use super::Viewer;
+use super::dialogs::Dialog;
+
+const SHIFT_COMMAND: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
+const SAVE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::S);
+const SAVE_AS: KeyboardShortcut = KeyboardShortcut::new(SHIFT_COMMAND, Key::S);
+const SAVE_PICTURE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::E);
+const OPEN: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::O);
+const UNDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Z);
+const REDO: KeyboardShortcut = KeyboardShortcut::new(SHIFT_COMMAND, Key::Z);
+const REDO_TOO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Y);
+/// Stops that a key changes.
+const STOP: f32 = 0.25;
+
+/// What the list says: keys, and what they do.
+const LIST: [(&str, &str); 24] = [
+    ("drag", "turn around the point in focus"),
+    ("right drag", "look around"),
+    ("middle drag, Shift drag", "pan"),
+    ("wheel", "nearer, farther"),
+    (
+        "W A S D, Q E",
+        "fly, with the pointer over the picture; Shift is faster",
+    ),
+    ("click", "choose the material"),
+    ("Ctrl click", "focus there, and turn around it"),
+    ("F", "frame everything"),
+    ("Home", "the look's camera"),
+    ("1 ... 9", "cameras of the scene"),
+    ("R", "render a region only; again: everything"),
+    ("C", "compare with the picture of now; again: don't"),
+    ("P", "pause"),
+    ("[  ]", "exposure by a quarter of a stop"),
+    ("0", "exposure 0"),
+    ("Ctrl Z", "undo the last edit of the look"),
+    ("Ctrl Shift Z, Ctrl Y", "do it again"),
+    ("Ctrl S", "save the look"),
+    ("Ctrl Shift S", "save the look as another file"),
+    ("Ctrl E", "save the picture"),
+    ("Ctrl O", "open a scene"),
+    ("right-click a value", "its default"),
+    ("?", "this list"),
+    ("Esc", "close; end what was begun"),
+];
+
+impl Viewer {
+    pub(super) fn take_keys(&mut self, ui: &Ui) {
+        let ctx = ui.ctx();
+        if self.dialog.is_some() {
+            // Its own keys are taken where it is shown.
+            return;
+        }
+        // The longer ones first: Ctrl Shift S is also Ctrl S.
+        let pressed = |shortcut| ctx.input_mut(|input| input.consume_shortcut(shortcut));
+        if pressed(&SAVE_AS) {
+            self.dialog = Some(Dialog::save_as(&self.scene.files));
+        } else if pressed(&SAVE) {
+            self.save();
+        } else if pressed(&SAVE_PICTURE) {
+            self.dialog = Some(Dialog::save_picture(&self.scene.files));
+        } else if pressed(&REDO) || pressed(&REDO_TOO) {
+            self.redo();
+        } else if pressed(&UNDO) {
+            self.undo();
+        } else if pressed(&OPEN) {
+            self.dialog = Some(Dialog::open(&self.scene.files));
+        }
+        if ctx.egui_wants_keyboard_input() {
+            return;
+        }
+        // By what was typed: where the question mark is depends on the keyboard.
+        let typed: Vec<String> = ctx.input(|input| {
+            let texts = input.events.iter().filter_map(|event| match event {
+                egui::Event::Text(text) => Some(text.clone()),
+                _ => None,
+            });
+            texts.collect()
+        });
+        for text in typed {
+            self.typed(&text);
+        }
+        let (home, escape) = ctx.input(|i| (i.key_pressed(Key::Home), i.key_pressed(Key::Escape)));
+        if home {
+            self.go_home();
+        }
+        if escape {
+            self.lists_shortcuts = false;
+            self.viewport.chooses_region = false;
+        }
+    }
+
+    fn typed(&mut self, text: &str) {
+        let mut display = self.display;
+        match text {
+            "?" => self.lists_shortcuts ^= true,
+            "f" => self.link.send(Command::Bounds),
+            "r" => self.toggle_region(),
+            "c" => self.toggle_compare(),
+            "p" => self.link.send(Command::Pause(!self.status.is_paused)),
+            "[" => display.exposure -= STOP,
+            "]" => display.exposure += STOP,
+            "0" => display.exposure = 0.0,
+            digit => {
+                let number = digit.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
+                let camera = number.and_then(|n| self.scene.cameras.get(n).cloned());
+                if let Some(camera) = camera {
+                    self.look_through(camera);
+                }
+            }
+        }
+        self.set_display(display);
+    }
+
+    pub(super) fn shortcut_list(&mut self, ui: &Ui) {
+        let mut is_open = self.lists_shortcuts;
+        Window::new("Keyboard and mouse")
+            .open(&mut is_open)
+            .resizable(false)
+            .collapsible(false)
+            .show(ui.ctx(), |ui| {
+                Grid::new("shortcuts")
+                    .num_columns(2)
+                    .striped(true)
+                    .show(ui, |ui| {
+                        for (keys, what) in LIST {
+                            ui.label(RichText::new(keys).strong());
+                            ui.label(what);
+                            ui.end_row();
+                        }
+                    });
+            });
+        self.lists_shortcuts = is_open;
+    }
+}

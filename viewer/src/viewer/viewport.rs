@@ -1,0 +1,299 @@
+//! The picture, and what the pointer and the keys do in it.
+
+use egui::{Color32, Key, PointerButton, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2};
+use engine::display::Channel;
+use engine::scene::Camera;
+use glam::Vec3;
+
+use crate::link::{Command, PickPurpose, SceneFacts};
+use crate::navigate::Navigator;
+
+use super::Viewer;
+
+/// Of the distance per point of the wheel.
+const WHEEL: f32 = 0.002;
+/// Flying while Shift is held is so many times faster.
+const FAST: f32 = 4.0;
+/// Points around the border between both pictures in which it can be taken.
+const GRIP: f32 = 6.0;
+/// Frames per second while flying: more would take time from rendering.
+const FLIGHT_FPS: f32 = 30.0;
+
+/// What is looked at, and how.
+#[derive(Debug, Default)]
+pub(super) struct Viewport {
+    /// Where the camera is, once the user has moved it.
+    navigator: Option<Navigator>,
+    /// The look's camera.
+    home: Option<Camera>,
+    /// Pixels that were asked for.
+    size: [u32; 2],
+    /// The next drag chooses a region.
+    pub(super) chooses_region: bool,
+    /// Corners of the region, 0 to 1.
+    pub(super) region: Option<[f32; 4]>,
+    /// Where a region that is being chosen begins.
+    region_start: Option<Pos2>,
+    /// Where the picture of before ends, 0 to 1, while it is compared with.
+    pub(super) split: Option<f32>,
+    is_splitting: bool,
+    is_flying: bool,
+}
+
+impl Viewport {
+    pub(super) fn scene_changed(&mut self, scene: &SceneFacts) {
+        self.home.clone_from(&scene.look_camera);
+    }
+
+    /// The camera that is looked through, with what it turns around.
+    pub(super) fn now(&self) -> Option<Navigator> {
+        let home = || self.home.clone().map(Navigator::new);
+        self.navigator.clone().or_else(home)
+    }
+
+    /// Whether the camera isn't that of the look.
+    pub(super) fn has_own_view(&self) -> bool {
+        self.navigator.is_some()
+    }
+
+    /// Looks through the look's camera again.
+    pub(super) fn go_home(&mut self) {
+        self.navigator = None;
+    }
+
+    /// Changes the camera, if there is one: what is to be looked through now.
+    pub(super) fn moved(&mut self, change: impl FnOnce(&mut Navigator)) -> Option<Camera> {
+        let mut navigator = self.now()?;
+        change(&mut navigator);
+        let camera = navigator.camera().clone();
+        self.navigator = Some(navigator);
+        Some(camera)
+    }
+
+    pub(super) fn focus(&mut self, depth: f32) -> Option<Camera> {
+        self.moved(|navigator| {
+            navigator.set_distance(depth);
+            navigator.camera_mut().focus_distance = depth;
+        })
+    }
+}
+
+impl Viewer {
+    pub(super) fn viewport(&mut self, ui: &mut Ui) {
+        let rect = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
+        let label = || egui::WidgetInfo::labeled(egui::Role::Image, true, "Viewport");
+        response.widget_info(label);
+        self.ask_for_size(ui, rect);
+        self.paint(ui, rect);
+        if self.split_pointer(ui, rect, &response) {
+            return;
+        }
+        if self.viewport.chooses_region {
+            self.choose_region(ui, rect, &response);
+            return;
+        }
+        let view = self.navigate(ui, rect, &response);
+        self.send_view(view);
+        if let Some(at) = response
+            .interact_pointer_pos()
+            .filter(|_| response.clicked())
+        {
+            let purpose = match ui.input(|input| input.modifiers.command) {
+                true => PickPurpose::Focus,
+                false => PickPurpose::Material,
+            };
+            let [x, y] = place(rect, at);
+            let at = glam::Vec2::new(x, y);
+            self.link.send(Command::Pick(at, purpose));
+        }
+    }
+
+    fn ask_for_size(&mut self, ui: &Ui, rect: Rect) {
+        let coarseness = self.preferences.coarseness.clamp(1, 8) as f32;
+        let pixels = rect.size() * ui.ctx().pixels_per_point() / coarseness;
+        let size = [pixels.x, pixels.y].map(|side| (side.round() as u32).max(1));
+        if size != self.viewport.size {
+            self.viewport.size = size;
+            self.link.send(Command::Size(size));
+        }
+    }
+
+    fn paint(&self, ui: &Ui, rect: Rect) {
+        let painter = ui.painter_at(rect);
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        match self.picture {
+            Some(picture) => {
+                painter.image(picture.now, rect, whole, Color32::WHITE);
+                if let (Some(split), Some(before)) = (self.viewport.split, picture.before) {
+                    paint_before(&painter, rect, split, before);
+                }
+            }
+            None => {
+                let is_empty = self.scene.files.scene.as_os_str().is_empty();
+                let text = match (self.status.is_loading, is_empty) {
+                    (true, _) => "Reading the scene ...",
+                    (false, true) => "Drop a glTF file here",
+                    (false, false) => "Rendering ...",
+                };
+                let (font, color) = (egui::FontId::proportional(18.0), Color32::from_gray(170));
+                painter.text(
+                    rect.center(),
+                    egui::Align2::CENTER_CENTER,
+                    text,
+                    font,
+                    color,
+                );
+            }
+        }
+        if let Some([left, top, right, bottom]) = self.viewport.region {
+            let at = |x: f32, y: f32| rect.min + Vec2::new(x, y) * rect.size();
+            let region = Rect::from_two_pos(at(left, top), at(right, bottom));
+            let stroke = Stroke::new(1.0, Color32::from_rgb(255, 200, 60));
+            painter.rect_stroke(region, 0.0, stroke, StrokeKind::Outside);
+        }
+        let legend = match self.display.channel {
+            Channel::Error => {
+                "relative error: blue 0.1 %, cyan 0.6 %, green 3 %, yellow 18 %, red 100 %"
+            }
+            Channel::Samples => "samples: blue none, green half, red the most",
+            _ => return,
+        };
+        let at = rect.left_top() + Vec2::splat(10.0);
+        let font = egui::FontId::proportional(13.0);
+        let galley = painter.layout_no_wrap(legend.to_owned(), font, Color32::WHITE);
+        let back = Rect::from_min_size(at, galley.size()).expand(4.0);
+        painter.rect_filled(back, 3.0, Color32::from_black_alpha(170));
+        painter.galley(at, galley, Color32::WHITE);
+    }
+
+    /// The border between both pictures. True while it has the pointer.
+    fn split_pointer(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) -> bool {
+        let Some(split) = self.viewport.split else {
+            self.viewport.is_splitting = false;
+            return false;
+        };
+        let border = egui::lerp(rect.x_range(), split);
+        let is_near = |at: Pos2| (at.x - border).abs() <= GRIP;
+        if response.drag_started_by(PointerButton::Primary) {
+            let start = ui.input(|input| input.pointer.press_origin());
+            self.viewport.is_splitting = start.is_some_and(is_near);
+        }
+        let is_taken = self.viewport.is_splitting && response.dragged();
+        if response.drag_stopped() {
+            self.viewport.is_splitting = false;
+        }
+        if let Some(at) = response.interact_pointer_pos().filter(|_| is_taken) {
+            self.viewport.split = Some(place(rect, at)[0]);
+        }
+        if is_taken || response.hover_pos().is_some_and(is_near) {
+            ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
+        }
+        is_taken
+    }
+
+    fn choose_region(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) {
+        ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
+        if response.drag_started() {
+            self.viewport.region_start = ui.input(|input| input.pointer.press_origin());
+        }
+        let Some(start) = self.viewport.region_start else {
+            return;
+        };
+        if let Some(at) = response.interact_pointer_pos() {
+            let ([x0, y0], [x1, y1]) = (place(rect, start), place(rect, at));
+            let corners = [x0.min(x1), y0.min(y1), x0.max(x1), y0.max(y1)];
+            self.viewport.region = Some(corners);
+        }
+        if response.drag_stopped() {
+            self.viewport.region_start = None;
+            self.viewport.chooses_region = false;
+            self.link.send(Command::Region(self.viewport.region));
+        }
+    }
+
+    /// Moves the camera as the pointer and the keys say.
+    fn navigate(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) -> Option<Camera> {
+        let mut view = None;
+        let motion = response.drag_delta() / rect.height().max(1.0);
+        let motion = glam::Vec2::new(motion.x, motion.y);
+        let (shift, scroll) = ui.input(|i| (i.modifiers.shift, i.smooth_scroll_delta.y));
+        if motion != glam::Vec2::ZERO {
+            let has = |button| response.dragged_by(button);
+            if has(PointerButton::Middle) || has(PointerButton::Primary) && shift {
+                view = self.viewport.moved(|navigator| navigator.pan(motion));
+            } else if has(PointerButton::Primary) {
+                view = self.viewport.moved(|navigator| navigator.orbit(motion));
+            } else if has(PointerButton::Secondary) {
+                view = self.viewport.moved(|navigator| navigator.look(motion));
+            }
+        }
+        if response.hovered() && scroll != 0.0 {
+            let factor = (-scroll * WHEEL).exp();
+            view = self.viewport.moved(|navigator| navigator.dolly(factor));
+        }
+        self.fly(ui, response).or(view)
+    }
+
+    fn fly(&mut self, ui: &Ui, response: &egui::Response) -> Option<Camera> {
+        let was_flying = std::mem::take(&mut self.viewport.is_flying);
+        let is_here = response.hovered() || response.dragged();
+        if !is_here || ui.ctx().egui_wants_keyboard_input() || self.dialog.is_some() {
+            return None;
+        }
+        let (way, seconds) = ui.input(|input| {
+            let held = |key| f32::from(u8::from(input.key_down(key)));
+            let way = Vec3::new(
+                held(Key::D) - held(Key::A),
+                held(Key::E) - held(Key::Q),
+                held(Key::W) - held(Key::S),
+            );
+            let is_command = input.modifiers.command || input.modifiers.alt;
+            let factor = match (is_command, input.modifiers.shift) {
+                (true, _) => 0.0,
+                (false, true) => FAST,
+                (false, false) => 1.0,
+            };
+            (way * factor, input.stable_dt)
+        });
+        if way == Vec3::ZERO {
+            return None;
+        }
+        self.viewport.is_flying = true;
+        let frame = std::time::Duration::from_secs_f32(1.0 / FLIGHT_FPS);
+        ui.ctx().request_repaint_after(frame);
+        // The first frame of a flight has been waited for, perhaps long.
+        let seconds = match was_flying {
+            true => seconds.min(0.1),
+            false => 1.0 / FLIGHT_FPS,
+        };
+        self.viewport.moved(|navigator| {
+            let way = way * (seconds * navigator.speed());
+            navigator.fly(way);
+        })
+    }
+}
+
+fn paint_before(painter: &egui::Painter, rect: Rect, split: f32, before: egui::TextureId) {
+    let border = egui::lerp(rect.x_range(), split);
+    let part = Rect::from_min_max(pos2(0.0, 0.0), pos2(split, 1.0));
+    painter.image(before, rect.with_max_x(border), part, Color32::WHITE);
+    painter.vline(border, rect.y_range(), Stroke::new(2.0, Color32::WHITE));
+    let (font, top) = (egui::FontId::proportional(13.0), rect.top() + 6.0);
+    let left = pos2(border - 8.0, top);
+    painter.text(
+        left,
+        egui::Align2::RIGHT_TOP,
+        "before",
+        font.clone(),
+        Color32::WHITE,
+    );
+    let right = pos2(border + 8.0, top);
+    painter.text(right, egui::Align2::LEFT_TOP, "now", font, Color32::WHITE);
+}
+
+/// A point of the viewport as 0 to 1 from its upper left corner.
+fn place(rect: Rect, at: Pos2) -> [f32; 2] {
+    let place = (at - rect.min) / rect.size();
+    [place.x, place.y].map(|x| x.clamp(0.0, 1.0))
+}

@@ -1,0 +1,345 @@
+//! The window's contents, driven by labels as a user and a screen reader find them; no window and no GPU.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex};
+
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, PointerButton, Pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use engine::display::{Channel, ViewTransform};
+use engine::scene::{Camera, Scene, default_camera};
+use patina_viewer::link::{Board, Command, Files, Link, LookFacts, PickPurpose, Reply, SceneFacts};
+use patina_viewer::viewer::{Preferences, Viewer};
+
+/// A window whose render does nothing: commands are read, and the board is written, by the test.
+struct Stage {
+    harness: Harness<'static, Viewer>,
+    commands: Receiver<Command>,
+    board: Arc<Mutex<Board>>,
+}
+
+fn camera(name: &str) -> Camera {
+    Camera {
+        name: name.to_owned(),
+        ..default_camera(&Scene::default())
+    }
+}
+
+impl Stage {
+    fn new() -> Self {
+        let (sender, commands) = channel();
+        let board = Arc::new(Mutex::new(Board::default()));
+        board.lock().unwrap().scene = Arc::new(SceneFacts {
+            files: Files {
+                scene: PathBuf::from("scenes/lamp.glb"),
+                look: Some(PathBuf::from("scenes/lamp.look.toml")),
+                camera: None,
+            },
+            cameras: vec![camera("Door"), camera("Window")],
+            look_camera: Some(camera("Door")),
+        });
+        board.lock().unwrap().look = Some(LookFacts::default());
+        let link = Link::new(sender, Arc::clone(&board));
+        let viewer = Viewer::new(link, Preferences::default());
+        let mut harness = Harness::builder()
+            .with_size([1280.0, 720.0])
+            .build_ui_state(|ui, viewer: &mut Viewer| viewer.ui(ui), viewer);
+        harness.run_steps(3);
+        let stage = Self {
+            harness,
+            commands,
+            board,
+        };
+        stage.sent();
+        stage
+    }
+
+    fn sent(&self) -> Vec<Command> {
+        self.commands.try_iter().collect()
+    }
+
+    fn reply(&mut self, reply: Reply) {
+        self.board.lock().unwrap().replies.push(reply);
+        self.harness.run_steps(2);
+    }
+
+    fn press(&mut self, modifiers: Modifiers, key: Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.harness.run_steps(2);
+    }
+
+    fn type_text(&mut self, text: &str) {
+        self.harness.event(Event::Text(text.to_owned()));
+        self.harness.run_steps(2);
+    }
+
+    fn click(&mut self, label: &str) {
+        self.harness.get_by_label(label).click();
+        self.harness.run_steps(3);
+    }
+
+    /// Presses, moves in steps and lets go.
+    fn drag(&mut self, start: Pos2, end: Pos2, button: PointerButton) {
+        let event = |pos, pressed| Event::PointerButton {
+            pos,
+            button,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        self.harness.event(Event::PointerMoved(start));
+        self.harness.event(event(start, true));
+        self.harness.run_steps(1);
+        for step in 1..=4 {
+            let at = start.lerp(end, step as f32 / 4.0);
+            self.harness.event(Event::PointerMoved(at));
+            self.harness.run_steps(1);
+        }
+        self.harness.event(event(end, false));
+        self.harness.run_steps(2);
+    }
+
+    fn center(&self) -> Pos2 {
+        self.harness.get_by_label("Viewport").rect().center()
+    }
+}
+
+#[test]
+fn the_exposure_slider_brightens_the_picture() {
+    let mut stage = Stage::new();
+    let slider = stage
+        .harness
+        .get_by_role_and_label(Role::Slider, "Exposure");
+    let rect = slider.rect();
+    let start = rect.center();
+    stage.drag(
+        start,
+        start + egui::vec2(0.3 * rect.width(), 0.0),
+        PointerButton::Primary,
+    );
+    let exposures: Vec<f32> = (stage.sent().iter())
+        .filter_map(|command| match command {
+            Command::Display(settings) => Some(settings.exposure),
+            _ => None,
+        })
+        .collect();
+    assert!(
+        exposures.last().is_some_and(|stops| *stops > 1.0),
+        "{exposures:?}"
+    );
+    let kept = stage.harness.state().preferences.exposure;
+    assert_eq!(Some(&kept), exposures.last());
+    // Keys change it in quarters of a stop, and back to nothing.
+    stage.type_text("0");
+    stage.type_text("]");
+    assert_eq!(stage.harness.state().preferences.exposure, 0.25);
+}
+
+#[test]
+fn the_question_mark_lists_shortcuts() {
+    let mut stage = Stage::new();
+    let title = "Keyboard and mouse";
+    assert!(stage.harness.query_by_label("save the look").is_none());
+    stage.type_text("?");
+    assert!(stage.harness.query_all_by_label(title).count() > 0);
+    assert!(stage.harness.query_by_label("save the look").is_some());
+    stage.press(Modifiers::NONE, Key::Escape);
+    assert!(stage.harness.query_by_label("save the look").is_none());
+    stage.click("?");
+    assert!(stage.harness.query_by_label("save the look").is_some());
+}
+
+#[test]
+fn saving_has_keys_and_asks_for_a_file_where_there_is_none() {
+    let mut stage = Stage::new();
+    stage.press(Modifiers::COMMAND, Key::S);
+    assert!(matches!(stage.sent()[..], [Command::Save(None)]));
+    stage.press(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::S);
+    assert!(stage.harness.query_by_label("Save the look as").is_some());
+    stage.press(Modifiers::NONE, Key::Enter);
+    let sent = stage.sent();
+    let [Command::Save(Some(path))] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    assert_eq!(path, &PathBuf::from("scenes/lamp.look.toml"));
+    // A scene without a look.
+    let mut facts = SceneFacts::clone(&stage.board.lock().unwrap().scene);
+    facts.files.look = None;
+    stage.board.lock().unwrap().scene = Arc::new(facts);
+    stage.harness.run_steps(2);
+    stage.press(Modifiers::COMMAND, Key::S);
+    assert!(stage.harness.query_by_label("Save the look as").is_some());
+    stage.click("Cancel");
+    assert!(stage.sent().is_empty());
+    stage.press(Modifiers::COMMAND, Key::E);
+    stage.click("Save");
+    assert!(
+        matches!(&stage.sent()[..], [Command::SavePicture(path)] if *path == PathBuf::from("lamp.png"))
+    );
+}
+
+#[test]
+fn dragging_moves_the_camera_and_home_brings_it_back() {
+    let mut stage = Stage::new();
+    let center = stage.center();
+    let home = camera("Door").transform;
+    for button in [
+        PointerButton::Primary,
+        PointerButton::Secondary,
+        PointerButton::Middle,
+    ] {
+        stage.drag(center, center + egui::vec2(80.0, 40.0), button);
+        let sent = stage.sent();
+        let last = sent.iter().rev().find_map(|command| match command {
+            Command::View(view) => Some(view.clone()),
+            _ => None,
+        });
+        let Some(Some(moved)) = last else {
+            panic!("{button:?}: {sent:?}");
+        };
+        assert_ne!(moved.transform, home);
+        stage.press(Modifiers::NONE, Key::Home);
+        assert!(matches!(stage.sent()[..], [Command::View(None)]));
+    }
+    // Flying, while a key is held.
+    stage.harness.event(Event::PointerMoved(center));
+    stage.harness.key_down(Key::W);
+    stage.harness.run_steps(3);
+    stage.harness.key_up(Key::W);
+    stage.harness.run_steps(2);
+    let views = stage.sent().len();
+    assert!(views > 0);
+    stage.harness.run_steps(2);
+    assert!(stage.sent().is_empty(), "it stands still again");
+}
+
+#[test]
+fn a_click_picks_and_with_command_focuses() {
+    let mut stage = Stage::new();
+    stage.harness.get_by_label("Viewport").click();
+    stage.harness.run_steps(3);
+    let sent = stage.sent();
+    let [Command::Pick(place, PickPurpose::Material)] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    assert!((*place - glam::Vec2::splat(0.5)).length() < 0.01);
+    let hit = Some(("Brass".to_owned(), 3.0));
+    stage.reply(Reply::Picked {
+        purpose: PickPurpose::Material,
+        hit: hit.clone(),
+    });
+    assert_eq!(stage.harness.state().material(), Some("Brass"));
+    assert!(stage.harness.query_by_label("material: Brass").is_some());
+    stage
+        .harness
+        .get_by_label("Viewport")
+        .click_modifiers(Modifiers::COMMAND);
+    stage.harness.run_steps(3);
+    assert!(matches!(
+        stage.sent()[..],
+        [Command::Pick(_, PickPurpose::Focus)]
+    ));
+    stage.reply(Reply::Picked {
+        purpose: PickPurpose::Focus,
+        hit,
+    });
+    let sent = stage.sent();
+    let [Command::View(Some(view))] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    assert_eq!(view.focus_distance, 3.0);
+}
+
+#[test]
+fn regions_are_dragged_and_given_up() {
+    let mut stage = Stage::new();
+    stage.click("Region");
+    let rect = stage.harness.get_by_label("Viewport").rect();
+    let at = |x: f32, y: f32| rect.min + egui::vec2(x * rect.width(), y * rect.height());
+    stage.drag(at(0.75, 0.5), at(0.25, 0.25), PointerButton::Primary);
+    let sent = stage.sent();
+    let [Command::Region(Some(region))] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    for (is, expected) in region.iter().zip([0.25, 0.25, 0.75, 0.5]) {
+        assert!((is - expected).abs() < 0.01, "{region:?}");
+    }
+    stage.type_text("r");
+    assert!(matches!(stage.sent()[..], [Command::Region(None)]));
+    stage.click("Compare");
+    stage.type_text("c");
+    assert!(matches!(
+        stage.sent()[..],
+        [Command::KeepBefore(true), Command::KeepBefore(false)]
+    ));
+}
+
+#[test]
+fn channels_and_cameras_are_chosen_from_lists() {
+    let mut stage = Stage::new();
+    stage.click("Picture");
+    stage.click("Error");
+    let chosen = stage.sent();
+    assert!(
+        matches!(&chosen[..], [Command::Display(d)] if d.channel == Channel::Error),
+        "{chosen:?}"
+    );
+    stage.click("Standard");
+    stage.click("Filmic");
+    let chosen = stage.sent();
+    assert!(
+        matches!(&chosen[..], [Command::Display(d)] if d.view == ViewTransform::Filmic),
+        "{chosen:?}"
+    );
+    stage.click("Camera");
+    stage.click("Window");
+    let chosen = stage.sent();
+    assert!(
+        matches!(&chosen[..], [Command::View(Some(camera))] if camera.name == "Window"),
+        "{chosen:?}"
+    );
+    stage.click("Camera");
+    stage.click("Put into the look");
+    let sent = stage.sent();
+    let [Command::View(None), Command::Change(change, 1)] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    for key in [
+        "position",
+        "look_at",
+        "up",
+        "focus_distance",
+        "aperture_radius",
+        "y_fov",
+    ] {
+        let line = format!("\n{key} = ");
+        assert!(change.text().contains(&line), "{}", change.text());
+    }
+    assert!(change.text().starts_with("[camera]"));
+    stage.press(Modifiers::COMMAND, Key::Z);
+    let undone = stage.sent();
+    assert!(
+        matches!(&undone[..], [Command::Change(change, 2)] if change.text().is_empty()),
+        "{undone:?}"
+    );
+}
+
+#[test]
+fn problems_are_shown_with_their_place_until_they_are_mended() {
+    let mut stage = Stage::new();
+    let text = "error: no definition in scope for `colour`\n  rust.wgsl:3:12";
+    stage.board.lock().unwrap().status.problems = text.to_owned();
+    stage.harness.run_steps(2);
+    assert!(stage.harness.query_by_label(text).is_some());
+    stage.board.lock().unwrap().status.problems.clear();
+    stage.harness.run_steps(2);
+    assert!(stage.harness.query_by_label(text).is_none());
+    stage.reply(Reply::Failed("cannot write the look".to_owned()));
+    assert!(
+        stage
+            .harness
+            .query_by_label("cannot write the look")
+            .is_some()
+    );
+}
