@@ -66,10 +66,11 @@ fn list(adapters: &[AdapterDescription]) -> String {
             (
                 "limits",
                 format!(
-                    "{} storage buffers per stage, {} invocations per workgroup, {} timestamps",
+                    "{} storage buffers per stage, {} invocations per workgroup, {} timestamps, {} ray queries",
                     adapter.storage_buffers_per_stage,
                     adapter.workgroup_invocations,
-                    if adapter.timestamps { "with" } else { "no" }
+                    if adapter.timestamps { "with" } else { "no" },
+                    if adapter.ray_queries { "with" } else { "no" }
                 ),
             ),
             (
@@ -105,6 +106,7 @@ mod tests {
             storage_buffers_per_stage: 4,
             workgroup_invocations: 128,
             timestamps: false,
+            ray_queries: false,
             usable: Err("4 storage buffers per stage, 8 are needed".into()),
         };
         let text = list(&[adapter]);

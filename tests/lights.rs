@@ -118,7 +118,7 @@ struct Harness {
 impl Harness {
     fn new(scene: &Scene) -> Option<Self> {
         let gpu = device::open()?;
-        let mut source = Source::of("brdf/brdf.wgsl");
+        let mut source = Source::of("brdf/entry.wgsl");
         source.text.push_str(HARNESS);
         let mut resources = Resources::default();
         let reads = TextureReads::default();

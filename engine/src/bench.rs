@@ -1,11 +1,15 @@
 //! Traversal on its own: traces given rays through the renderer's kernel, for tests of agreement and for
-//! `patina bench traverse`. [`kernel`] measures the texture kernel, [`textures`] what textures cost in whole renders,
+//! `patina bench traverse`. [`kernel`] measures the texture kernel, [`textures`] what textures cost in whole renders
+//! in each of the [`forms`], one of which is [`rayquery`]; [`inspect`] asks the driver about their kernels;
 //! [`render`] whole renders, [`scenes`] are there to be rendered, and [`traffic`] says what the passes read and write.
 
 pub mod coverage;
+pub mod forms;
 mod in_turn;
 pub mod insert;
+pub mod inspect;
 pub mod kernel;
+pub mod rayquery;
 pub mod render;
 pub mod scenes;
 pub mod sweeps;

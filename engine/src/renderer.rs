@@ -16,11 +16,15 @@ use crate::{
     frame::Frame,
     gpu::{
         Gpu, GpuError,
-        kernel::{Extent, Resources},
+        kernel::{Extent, Resources, Trust},
+        statistics::KernelText,
         timing::Timer,
     },
     gpu_scene::{GpuScene, GpuSceneError},
-    passes::{advance::After, proctex::TextureForm},
+    passes::{
+        advance::After,
+        proctex::{self, TextureForm},
+    },
     procedural::{CompileError, Procedural},
     scene::Scene,
     stats::{PassStats, Stats},
@@ -32,6 +36,7 @@ use self::record::Recorder;
 
 pub use crate::settings::RenderSettings;
 
+pub(crate) use self::edits::allocate as allocate_textures;
 pub(crate) use self::update::Touched;
 pub use self::{
     culprit::{Culprit, culprits},
@@ -43,7 +48,7 @@ pub use self::{
 const GPU_CAPACITY: u32 = 1 << 20;
 const CPU_CAPACITY: u32 = 1 << 16;
 /// Waves are kept shorter than this, so that no dispatch comes near a desktop's watchdog and Ctrl-C is heard.
-const LONGEST_WAVE: Duration = Duration::from_millis(1500);
+pub(crate) const LONGEST_WAVE: Duration = Duration::from_millis(1500);
 /// Rounds that are added at once for rays that texture programs let pass, and the most of them: a path that meets more
 /// such surfaces ends there.
 const PASSAGES: u32 = 4;
@@ -68,6 +73,9 @@ pub enum RenderError {
     /// The device.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    /// The comparison with ray queries on a device without them.
+    #[error("this device has no ray queries, or was opened without them")]
+    NoRayQueries,
     /// The texture programs have no inlined form.
     #[error(transparent)]
     Programs(#[from] CompileError),
@@ -89,12 +97,81 @@ impl Progress {
     }
 }
 
-fn default_capacity(gpu: &Gpu) -> u32 {
+/// Most paths of a wave.
+pub(crate) fn default_capacity(gpu: &Gpu) -> u32 {
     if gpu.is_cpu() {
         CPU_CAPACITY
     } else {
         GPU_CAPACITY
     }
+}
+
+/// Paths of the first wave, whose speed nobody knows.
+pub(crate) fn first_wave(gpu: &Gpu, capacity: u32) -> u32 {
+    capacity.min(if gpu.is_cpu() { 1 << 14 } else { 1 << 18 })
+}
+
+/// Paths of the wave after one that took so long: longer waves keep the device busy, shorter ones keep each dispatch short.
+pub(crate) fn next_wave(wave_size: u32, capacity: u32, took: Duration, longest: Duration) -> u32 {
+    if took > longest {
+        (wave_size / 2).max(1024).min(capacity)
+    } else if took < longest / 4 {
+        (wave_size * 2).min(capacity)
+    } else {
+        wave_size
+    }
+}
+
+/// Creates the film, the table of the pixel filter and the frame's uniform.
+pub(crate) fn allocate_picture(
+    gpu: &Gpu,
+    settings: &RenderSettings,
+    resources: &mut Resources,
+) -> Result<(), RenderError> {
+    let (width, height) = (settings.width, settings.height);
+    if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+        return Err(RenderError::Size { width, height });
+    }
+    view::allocate_film(gpu, width, height, resources)?;
+    let filter = FilterTable::new(settings.filter).distances;
+    resources.set_buffer(
+        "filter_table",
+        gpu.storage_buffer("the pixel filter", bytemuck::cast_slice(&filter))?,
+    );
+    let bytes = size_of::<Frame>() as u64;
+    resources.set_buffer(
+        "frame",
+        gpu.empty_buffer("frame", bytes, wgpu::BufferUsages::UNIFORM)?,
+    );
+    Ok(())
+}
+
+/// The film as it is now.
+pub(crate) fn read_picture(
+    gpu: &Gpu,
+    settings: &RenderSettings,
+    resources: &Resources,
+) -> Result<Film, GpuError> {
+    let (width, height) = (settings.width, settings.height);
+    let bytes = u64::from(width) * u64::from(height) * 16;
+    let mut planes = [const { Vec::new() }; film::PLANES.len()];
+    for (plane, name) in planes.iter_mut().zip(film::PLANES) {
+        let buffer = resources.buffer(name);
+        *plane = bytemuck::pod_collect_to_vec(&gpu.read_buffer(buffer, 0, bytes)?);
+    }
+    Ok(Film::from_planes(width, height, planes))
+}
+
+/// Starts the film anew.
+pub(crate) fn clear_picture(gpu: &Gpu, resources: &Resources) {
+    let descriptor = wgpu::CommandEncoderDescriptor {
+        label: Some("restart"),
+    };
+    let mut encoder = gpu.device().create_command_encoder(&descriptor);
+    for name in film::PLANES {
+        encoder.clear_buffer(resources.buffer(name), 0, None);
+    }
+    gpu.queue().submit([encoder.finish()]);
 }
 
 /// Renders one scene progressively.
@@ -194,12 +271,9 @@ impl Renderer {
         capacity: u32,
         form: TextureForm,
     ) -> Result<Self, RenderError> {
-        let (width, height) = (settings.width, settings.height);
-        if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
-            return Err(RenderError::Size { width, height });
-        }
         let capacity = capacity.next_multiple_of(64).max(64);
         let mut resources = Resources::default();
+        allocate_picture(gpu, settings, &mut resources)?;
         let mut gpu_scene = GpuScene::new(
             gpu,
             scene,
@@ -209,20 +283,6 @@ impl Renderer {
         )?;
         gpu_scene.features.energy_compensation = settings.energy_compensation;
         wave::allocate(gpu, capacity, procedural.result_words(), &mut resources)?;
-        view::allocate_film(gpu, width, height, &mut resources)?;
-        let filter = FilterTable::new(settings.filter).distances;
-        resources.set_buffer(
-            "filter_table",
-            gpu.storage_buffer("the pixel filter", bytemuck::cast_slice(&filter))?,
-        );
-        resources.set_buffer(
-            "frame",
-            gpu.empty_buffer(
-                "frame",
-                size_of::<Frame>() as u64,
-                wgpu::BufferUsages::UNIFORM,
-            )?,
-        );
         edits::allocate(gpu, procedural, form, &mut resources)?;
         let kernels = Kernels::new(gpu, &gpu_scene.features, procedural, form)?;
         let bound = kernels.bind(gpu, &resources);
@@ -238,7 +298,7 @@ impl Renderer {
             kernels,
             bound,
             capacity,
-            wave_size: capacity.min(if gpu.is_cpu() { 1 << 14 } else { 1 << 18 }),
+            wave_size: first_wave(gpu, capacity),
             position: 0,
             timer: Timer::new(gpu, false)?,
             seconds: 0.0,
@@ -282,7 +342,8 @@ impl Renderer {
             self.frame.sample_limit = first + target_spp;
             self.render_wave()?;
             self.position += wave;
-            self.adapt_wave(start.elapsed());
+            let took = start.elapsed();
+            self.wave_size = next_wave(self.wave_size, self.capacity, took, self.longest_wave);
             self.seconds += start.elapsed().as_secs_f64();
         }
         let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
@@ -371,27 +432,9 @@ impl Renderer {
         self.timer.collect(&self.gpu)
     }
 
-    /// Longer waves keep the device busy, shorter ones keep each dispatch short.
-    fn adapt_wave(&mut self, took: Duration) {
-        if took > self.longest_wave {
-            self.wave_size = (self.wave_size / 2).max(1024).min(self.capacity);
-        } else if took < self.longest_wave / 4 {
-            self.wave_size = (self.wave_size * 2).min(self.capacity);
-        }
-    }
-
     /// Forgets all samples: the next wave starts the picture anew.
     pub fn restart(&mut self) {
-        let mut encoder =
-            self.gpu
-                .device()
-                .create_command_encoder(&wgpu::CommandEncoderDescriptor {
-                    label: Some("restart"),
-                });
-        for name in film::PLANES {
-            encoder.clear_buffer(self.resources.buffer(name), 0, None);
-        }
-        self.gpu.queue().submit([encoder.finish()]);
+        clear_picture(&self.gpu, &self.resources);
         self.position = 0;
     }
 
@@ -400,14 +443,30 @@ impl Renderer {
     /// # Errors
     /// What the driver reports.
     pub fn film(&self) -> Result<Film, RenderError> {
-        let (width, height) = (self.settings.width, self.settings.height);
-        let bytes = u64::from(width) * u64::from(height) * 16;
-        let mut planes = [const { Vec::new() }; film::PLANES.len()];
-        for (plane, name) in planes.iter_mut().zip(film::PLANES) {
-            let buffer = self.resources.buffer(name);
-            *plane = bytemuck::pod_collect_to_vec(&self.gpu.read_buffer(buffer, 0, bytes)?);
+        Ok(read_picture(&self.gpu, &self.settings, &self.resources)?)
+    }
+
+    /// Bytes of private memory that a thread of the texture kernel asks for: see [`texgen::kernel_private_bytes`]. None
+    /// where there is no such kernel.
+    pub fn texture_private_bytes(&self) -> Option<u32> {
+        self.kernels.texture_private_bytes()
+    }
+
+    /// The text of the texture kernel, for tools. None where there is no such kernel.
+    ///
+    /// # Errors
+    /// Programs that have no inlined form.
+    pub fn texture_kernel_text(&self) -> Result<Option<KernelText>, RenderError> {
+        if !self.kernels.has_texture() {
+            return Ok(None);
         }
-        Ok(Film::from_planes(width, height, planes))
+        let generated = pipeline::generated_kernel(&self.gpu, &self.procedural, self.form)?;
+        Ok(Some(KernelText {
+            source: proctex::source(self.form, &generated),
+            entry: proctex::ENTRY,
+            trust: Trust::User,
+            constants: self.scene.features.constants().to_vec(),
+        }))
     }
 
     /// GPU memory of one path.

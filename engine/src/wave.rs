@@ -1,4 +1,5 @@
-//! The memory of a wave of paths, as `rays.wgsl`, `paths.wgsl`, `queues.wgsl` and `accumulate.wgsl` lay it out.
+//! The memory of a wave of paths, as `rays.wgsl`, `paths.wgsl`, `wave_memory.wgsl`, `queues.wgsl` and `accumulate.wgsl`
+//! lay it out.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
@@ -183,14 +184,17 @@ pub fn allocate(
             storage | wgpu::BufferUsages::INDIRECT,
         )?,
     );
-    resources.set_buffer(
-        "ao_tables",
-        gpu.empty_buffer(
-            "AO tables",
-            4 * size_of::<GpuAoTable>() as u64,
-            wgpu::BufferUsages::UNIFORM,
-        )?,
-    );
+    allocate_ao_tables(gpu, resources)
+}
+
+/// Creates the uniform with the AO tables.
+///
+/// # Errors
+/// The device.
+pub fn allocate_ao_tables(gpu: &Gpu, resources: &mut Resources) -> Result<(), GpuError> {
+    let bytes = 4 * size_of::<GpuAoTable>() as u64;
+    let tables = gpu.empty_buffer("AO tables", bytes, wgpu::BufferUsages::UNIFORM)?;
+    resources.set_buffer("ao_tables", tables);
     Ok(())
 }
 

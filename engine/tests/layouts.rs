@@ -8,16 +8,20 @@ use engine::{
     frame::Frame,
     gpu::wgsl::Source,
     gpu_scene::{GpuInstance, light_tree::GpuLightNode, lights::GpuLight, materials::GpuMaterial},
+    passes::{
+        proctex::{self, TextureForm},
+        rayquery,
+    },
     wave::{GpuAoTable, RayHit},
 };
 
 const KERNELS: [&str; 9] = [
-    "raygen/raygen.wgsl",
-    "traverse/traverse.wgsl",
-    "classify/classify.wgsl",
+    "raygen/entry.wgsl",
+    "traverse/entry.wgsl",
+    "classify/entry.wgsl",
     "ao/ao.wgsl",
-    "brdf/brdf.wgsl",
-    "accumulate/accumulate.wgsl",
+    "brdf/entry.wgsl",
+    "accumulate/entry.wgsl",
     "advance/advance.wgsl",
     "display/display.wgsl",
     "guide/guide.wgsl",
@@ -28,11 +32,21 @@ fn module(text: &str) -> (naga::Module, naga::valid::ModuleInfo) {
         naga::front::wgsl::parse_str(text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
     let info = naga::valid::Validator::new(
         naga::valid::ValidationFlags::all(),
-        naga::valid::Capabilities::empty(),
+        naga::valid::Capabilities::RAY_QUERY,
     )
     .validate(&module)
     .unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
     (module, info)
+}
+
+fn private_bytes(module: &naga::Module, info: &naga::valid::ModuleInfo, entry: &str) -> u32 {
+    let index = module.entry_points.iter().position(|e| e.name == entry);
+    let index = index.expect("it is there");
+    texgen::kernel_private_bytes(
+        module,
+        info.get_entry_point(index),
+        &module.entry_points[index],
+    )
 }
 
 /// Size and member offsets of a WGSL struct as naga lays it out.
@@ -66,7 +80,7 @@ fn assert_layout(module: &naga::Module, name: &str, size: usize, offsets: &[(&st
 
 #[test]
 fn shared_structs_agree() {
-    let (brdf, _) = module(&Source::of("brdf/brdf.wgsl").text);
+    let (brdf, _) = module(&Source::of("brdf/entry.wgsl").text);
     let (advance, _) = module(&Source::of("advance/advance.wgsl").text);
     assert_layout(&brdf, "Frame", size_of::<Frame>(), &Frame::offsets());
     let (display, _) = module(&Source::of("display/display.wgsl").text);
@@ -149,4 +163,39 @@ fn kernels_are_valid_and_bind_at_most_eight_storage_buffers() {
             );
         }
     }
+}
+
+#[test]
+fn the_kernel_on_ray_queries_is_valid_with_and_without_textures() {
+    let inlined = texgen::emit_inlined(&texgen::Graph::new(Default::default()), &[Vec::new()])
+        .unwrap_or_else(|error| panic!("{error}"));
+    for generated in [None, Some(&inlined)] {
+        let source = rayquery::source(generated, 9);
+        let (module, info) = module(&source.text);
+        let bytes = private_bytes(&module, &info, rayquery::ENTRY);
+        // Two rays, six fields, nine words, and what functions need.
+        assert!(bytes > 2 * 48 + 6 * 16 + 9 * 4, "{bytes}");
+    }
+}
+
+#[test]
+fn private_memory_counts_the_stack_of_programs_and_that_of_traversal() {
+    let library = texgen::Library::default();
+    let of = |source: Source| {
+        let (module, info) = module(&source.text);
+        private_bytes(&module, &info, proctex::ENTRY)
+    };
+    let stack = |slots| of(proctex::source(TextureForm::Stack, &library.emit(slots)));
+    assert_eq!(stack(24) - stack(8), 16 * 16);
+    // Ambient occlusion in the kernel brings the traversal's stack of 32 groups of two words.
+    let reads_ao = texgen::SourceFile::new(
+        "dirt",
+        "dirt.wgsl",
+        "fn userProc() -> f32 { return readAttr(AO).x; }",
+    );
+    let texture = texgen::TextureType::parse(reads_ao).unwrap_or_else(|e| panic!("{e}"));
+    let library = texgen::Library::new(vec![texture]).unwrap_or_else(|e| panic!("{e}"));
+    let counted = of(proctex::source(TextureForm::Stack, &library.emit(1)));
+    let traced = of(proctex::source(TextureForm::Inlined, &library.emit(1)));
+    assert!(traced > counted + 256, "{counted} and {traced} bytes");
 }

@@ -110,7 +110,7 @@ pub(crate) struct TexturesArgs {
     )]
     pub(crate) insert: Option<PathBuf>,
 
-    /// Forms of the texture kernel that are compared: stack, inlined.
+    /// What is compared: stack, inlined, and rayquery where the device has ray queries.
     #[arg(long, value_name = "LIST", default_value = "stack,inlined")]
     pub(crate) modes: String,
 
@@ -122,6 +122,10 @@ pub(crate) struct TexturesArgs {
         allow_hyphen_values = true
     )]
     pub(crate) ao_rays: String,
+
+    /// Ask the driver of another Vulkan device, by a part of its name, for registers and stack of the kernels.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) statistics_device: Option<String>,
 
     /// Measure also what changes the cost: nodes, textures, ao, coverage, bounces, or all. Takes minutes each.
     #[arg(long, value_name = "LIST")]

@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
+use engine::bench::forms::Form;
 use engine::bench::sweeps::Sweep;
-use engine::bench::textures::form_name;
 use engine::gpu::DeviceChoice;
-use engine::passes::proctex::TextureForm;
 
 use crate::job::{
     MAX_DEPTH, MAX_SPP, UsageError, parse_device, parse_number, parse_size, parse_word,
@@ -65,9 +64,11 @@ pub(crate) struct TexturesJob {
     /// A look for it.
     pub(crate) look: Option<PathBuf>,
     /// Forms of the kernel.
-    pub(crate) forms: Vec<TextureForm>,
+    pub(crate) forms: Vec<Form>,
     /// Rays of ambient occlusion, a table each.
     pub(crate) ao_rays: Vec<u32>,
+    /// Another device whose driver is asked about kernels.
+    pub(crate) statistics_device: Option<String>,
     /// What is changed beyond that.
     pub(crate) sweeps: Vec<Sweep>,
     /// Reports to write; no two alike.
@@ -206,10 +207,9 @@ impl TexturesJob {
             (Some(path), None, Some(model)) => Some((path, Model::Inserted(model))),
             (Some(path), None, None) => return Err(UsageError::Untextured { path }),
         };
-        const FORMS: [TextureForm; 2] = [TextureForm::Stack, TextureForm::Inlined];
         Ok(Self {
             forms: parse_list(&args.modes, |word| {
-                parse_word("--modes", word, FORMS, form_name)
+                parse_word("--modes", word, Form::ALL, Form::name)
             })?,
             ao_rays: parse_list(&args.ao_rays, |word| {
                 parse_number("--ao-rays", word, 1, 255)
@@ -225,6 +225,7 @@ impl TexturesJob {
             effort: Effort::from_args(args.effort)?,
             scene,
             look: args.look,
+            statistics_device: args.statistics_device,
         })
     }
 }

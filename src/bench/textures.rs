@@ -8,6 +8,7 @@ mod paper;
 
 use std::io::Write as _;
 
+use engine::bench::forms::Form;
 use engine::bench::textures::{self as bench, MODEL, Setup};
 use engine::bench::{coverage, insert, scenes, sweeps};
 use engine::gpu::Gpu;
@@ -61,7 +62,11 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     let folders = library::texture_dirs(&job.effort.texture_dirs, None)?;
     let sources = TextureSources::scan(&folders).map_err(Failure::because)?;
     let subject = prepare(job, &folders, &bar)?;
-    let gpu = Gpu::new(&job.effort.device).map_err(Failure::because)?;
+    let gpu = match job.forms.contains(&Form::RayQuery) {
+        true => Gpu::with_ray_queries(&job.effort.device),
+        false => Gpu::new(&job.effort.device),
+    };
+    let gpu = gpu.map_err(Failure::because)?;
     let usual = match gpu.is_cpu() {
         true => USUAL_ON_CPU,
         false => USUAL_ON_GPU,
@@ -79,6 +84,7 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
         runs: amount.runs,
         ao_rays: &job.ao_rays,
         forms: &job.forms,
+        statistics_device: job.statistics_device.as_deref(),
     };
     bar.stage("measuring");
     let of_sweeps = job.sweeps.iter().map(|&what| sweeps::steps(&setup, what));
@@ -101,6 +107,8 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
         coverage,
         results: compared.results,
         absent: compared.absent,
+        statistics_device: compared.statistics_device,
+        statistics_absent: compared.statistics_absent,
         sweeps: swept,
         paper: &paper::TABLE,
     };

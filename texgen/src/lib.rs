@@ -82,7 +82,7 @@ pub use inline::emit_inlined;
 pub use interface::{Parameter, Widget};
 pub use library::Library;
 pub use parse::PRELUDE;
-pub use private_memory::{FunctionMemory, PrivateMemory};
+pub use private_memory::{FunctionMemory, PrivateMemory, kernel_private_bytes};
 pub use program::{Instruction, Program, link_word};
 pub use source_map::SourceMap;
 pub use suggest::did_you_mean;

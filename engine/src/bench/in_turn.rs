@@ -10,9 +10,8 @@ use serde::{Serialize, Serializer};
 use crate::{
     film::Film,
     gpu::Gpu,
-    passes::proctex::TextureForm,
     procedural::{Procedural, TextureSources},
-    renderer::{RenderError, RenderSettings, Renderer},
+    renderer::{RenderError, RenderSettings},
     scene::{
         Scene,
         look::{Look, LookError},
@@ -20,8 +19,9 @@ use crate::{
 };
 
 use super::{
+    forms::{Form, FormRenderer},
     render::Spread,
-    textures::{TextureBenchError, form_name},
+    textures::TextureBenchError,
 };
 
 /// Standard errors that two pictures of one pixel may differ by, and the share of the pixels that may differ by more.
@@ -30,8 +30,8 @@ const OUTLIERS: f64 = 0.005;
 
 /// A look in one form of the texture kernel, and how long its renders took.
 pub(super) struct Case {
-    pub(super) form: TextureForm,
-    pub(super) renderer: Renderer,
+    pub(super) form: Form,
+    pub(super) renderer: FormRenderer,
     /// Seconds of each timed run.
     pub(super) times: Vec<f64>,
 }
@@ -47,14 +47,14 @@ impl Case {
         look: &str,
         sources: &TextureSources,
         settings: &RenderSettings,
-        form: TextureForm,
+        form: Form,
     ) -> Result<Self, TextureBenchError> {
         let mut scene = scene.clone();
         let look = Look::parse(Path::new("bench.look.toml"), look)?;
         let procedural = Procedural::build(&look, &mut scene, sources).map_err(LookError::from)?;
         Ok(Self {
             form,
-            renderer: Renderer::with_form(gpu, &scene, &procedural, settings, form)?,
+            renderer: FormRenderer::new(gpu, &scene, &procedural, settings, form)?,
             times: Vec::new(),
         })
     }
@@ -74,8 +74,8 @@ pub struct Absent {
 /// # Errors
 /// The first reason if no form is left, and whatever isn't about the device.
 pub(super) fn of_each_form<T>(
-    forms: &[TextureForm],
-    mut cases: impl FnMut(TextureForm) -> Result<Vec<T>, TextureBenchError>,
+    forms: &[Form],
+    mut cases: impl FnMut(Form) -> Result<Vec<T>, TextureBenchError>,
 ) -> Result<(Vec<T>, Vec<Absent>), TextureBenchError> {
     let (mut made, mut absent, mut first) = (Vec::new(), Vec::new(), None);
     for &form in forms {
@@ -83,7 +83,7 @@ pub(super) fn of_each_form<T>(
             Ok(cases) => made.extend(cases),
             Err(TextureBenchError::Render(error)) => {
                 absent.push(Absent {
-                    mode: form_name(form),
+                    mode: form.name(),
                     reason: error.to_string(),
                 });
                 first.get_or_insert(error);
@@ -147,7 +147,7 @@ pub(super) fn same_picture(
     let share = outliers(first, &case.renderer.film()?);
     match share > OUTLIERS {
         true => Err(TextureBenchError::Differs {
-            form: form_name(case.form),
+            form: case.form.name(),
             texture,
             percent: share * 100.0,
         }),

@@ -9,7 +9,6 @@ use serde::Serialize;
 
 use crate::{
     gpu::Gpu,
-    passes::proctex::TextureForm,
     procedural::TextureSources,
     renderer::RenderSettings,
     scene::{Material, Scene},
@@ -17,10 +16,11 @@ use crate::{
 
 use super::{
     coverage,
+    forms::Form,
     in_turn::{self, Absent, Case},
     kernel::{self, MOST_RUN_ON_CPU},
     render::Spread,
-    textures::{Setup, Texture, TextureBenchError, form_name},
+    textures::{Setup, Texture, TextureBenchError},
 };
 
 /// What is changed.
@@ -193,7 +193,7 @@ pub fn sweep(
         for (gray, case) in grays.iter().zip(&textured) {
             report.points.push(SweepPoint {
                 value: step.value,
-                mode: form_name(case.form),
+                mode: case.form.name(),
                 ms_per_spp: in_turn::ms_per_spp(&case.times, setup.spp),
                 gray_ms_per_spp: in_turn::ms_per_spp(&gray.times, setup.spp),
                 increase: in_turn::increase(&case.times, &gray.times),
@@ -271,7 +271,7 @@ impl Step {
         Ok(Ok(step))
     }
 
-    fn case(&self, gpu: &Gpu, form: TextureForm) -> Result<Case, TextureBenchError> {
+    fn case(&self, gpu: &Gpu, form: Form) -> Result<Case, TextureBenchError> {
         Case::new(
             gpu,
             &self.scene,

@@ -5,24 +5,26 @@
 use std::time::Instant;
 
 use serde::Serialize;
-use texgen::{Diagnostics, PrivateMemory, TextureType, Value, did_you_mean};
+use texgen::{Diagnostics, TextureType, Value, did_you_mean};
 
 use crate::{
     gpu::Gpu,
-    passes::proctex::TextureForm,
     procedural::{SourcesError, TextureSources},
-    renderer::{ReloadError, RenderEditError, RenderError, RenderSettings, Renderer},
+    renderer::{ReloadError, RenderEditError, RenderError, RenderSettings},
     scene::{Scene, look::LookError},
 };
 
 pub use super::in_turn::Absent;
 use super::in_turn::{self, Case, SIGMAS};
-use super::{kernel, render::Spread};
+use super::{
+    forms::{Form, FormRenderer},
+    inspect::Inspection,
+    kernel,
+    render::Spread,
+};
 
 /// Name of the material that is textured in the built-in scene.
 pub const MODEL: &str = "model";
-/// Bytes of a slot of the kernel's stack, or of a result in the inlined form.
-const SLOT_BYTES: u32 = 16;
 
 /// Why nothing was measured.
 #[derive(Debug, thiserror::Error)]
@@ -134,14 +136,6 @@ impl Texture {
     }
 }
 
-/// Name of a form in reports.
-pub fn form_name(form: TextureForm) -> &'static str {
-    match form {
-        TextureForm::Stack => "stack",
-        TextureForm::Inlined => "inlined",
-    }
-}
-
 /// What is rendered, and how often.
 #[derive(Debug)]
 pub struct Setup<'a> {
@@ -160,13 +154,15 @@ pub struct Setup<'a> {
     /// Rays of ambient occlusion at a hit: a row of each texture for each number. At least one.
     pub ao_rays: &'a [u32],
     /// Which forms are compared.
-    pub forms: &'a [TextureForm],
+    pub forms: &'a [Form],
+    /// The driver that is asked about kernels: see [`Inspection::new`].
+    pub statistics_device: Option<&'a str>,
 }
 
 /// A row of the comparison.
 #[derive(Debug, Clone, Serialize)]
 pub struct TextureResult {
-    /// `stack` or `inlined`.
+    /// `stack`, `inlined` or `rayquery`.
     pub mode: &'static str,
     /// `gray`, `rust` or `scratches`.
     pub texture: &'static str,
@@ -178,8 +174,14 @@ pub struct TextureResult {
     /// Percent more than gray of the same form takes, run by run.
     #[serde(flatten, serialize_with = "in_turn::flat_increase")]
     pub increase: Spread,
-    /// Of a thread: the stack or the results of all nodes, and the deepest chain of a texture's own functions.
+    /// Private memory of a thread of the kernel that has the textures in it: see [`FormRenderer::private_bytes`].
     pub private_bytes: u32,
+    /// Registers of a thread of that kernel, where the driver tells.
+    pub registers: Option<f64>,
+    /// Bytes of memory of such a thread beside registers, where the driver tells.
+    pub stack_bytes: Option<f64>,
+    /// What did not fit into registers, as the driver counts it.
+    pub spills: Option<f64>,
     /// From changed source to the first image, with a kernel that no cache knows, less a usual image.
     pub build_ms_cold: f64,
     /// The same with one that was built before.
@@ -202,6 +204,10 @@ pub struct Comparison {
     pub results: Vec<TextureResult>,
     /// Forms without rows.
     pub absent: Vec<Absent>,
+    /// Whose driver told registers and stack.
+    pub statistics_device: Option<String>,
+    /// Why nothing is known of them, if that is so.
+    pub statistics_absent: Option<String>,
 }
 
 /// A texture that is measured in one form.
@@ -225,7 +231,7 @@ impl Subject {
         Texture::ALL.into_iter().flat_map(each)
     }
 
-    fn shows(&self, form: TextureForm, texture: Texture, ao_rays: u32) -> bool {
+    fn shows(&self, form: Form, texture: Texture, ao_rays: u32) -> bool {
         let same_rays = !texture.reads_ao() || self.ao_rays == ao_rays;
         self.case.form == form && self.texture == texture && same_rays
     }
@@ -255,6 +261,7 @@ pub fn compare(
     let mut cases: Vec<&mut Case> = subjects.iter_mut().map(|s| &mut s.case).collect();
     in_turn::run(&mut cases, setup.spp, setup.runs, &mut progress)?;
     same_pictures(&subjects)?;
+    let inspection = Inspection::new(gpu, setup.statistics_device);
     let mut measured = Vec::new();
     let mut gray = Vec::new();
     for subject in &mut subjects {
@@ -262,7 +269,7 @@ pub fn compare(
         if subject.texture == Texture::Gray {
             gray.clone_from(&subject.case.times);
         }
-        measured.push(result(gpu, setup, subject, &gray)?);
+        measured.push(result(gpu, setup, subject, &gray, &inspection)?);
         progress();
     }
     let mut results = Vec::new();
@@ -278,7 +285,12 @@ pub fn compare(
             }
         }
     }
-    Ok(Comparison { results, absent })
+    Ok(Comparison {
+        results,
+        absent,
+        statistics_device: inspection.device().map(str::to_owned),
+        statistics_absent: inspection.absent().map(str::to_owned),
+    })
 }
 
 /// Renders of [`compare`] and edits, for a progress bar.
@@ -303,7 +315,7 @@ impl Setup<'_> {
         Err(TextureBenchError::NoMaterial { name, remedy })
     }
 
-    fn case(&self, gpu: &Gpu, look: &str, form: TextureForm) -> Result<Case, TextureBenchError> {
+    fn case(&self, gpu: &Gpu, look: &str, form: Form) -> Result<Case, TextureBenchError> {
         Case::new(gpu, self.scene, look, self.sources, &self.settings, form)
     }
 }
@@ -313,15 +325,20 @@ fn result(
     setup: &Setup<'_>,
     subject: &mut Subject,
     gray: &[f64],
+    inspection: &Inspection,
 ) -> Result<TextureResult, TextureBenchError> {
     let texture = subject.texture;
     let case = &mut subject.case;
     let picture = case.renderer.film()?.mean();
+    let private_bytes = case.renderer.private_bytes();
+    let said = inspection.of(&case.renderer);
     let usual = image(&mut case.renderer)?;
     let (mut edit_ms, mut pipelines_created, mut builds) = (0.0, 0, [0.0; 3]);
     if let Some((node, parameter, value)) = texture.edited() {
         let before = gpu.pipelines_created();
         let start = Instant::now();
+        // A number that no cache has seen, in case it is pasted into a kernel.
+        let value = value + (kernel::fresh_number() % 0xffff) as f32 * 1e-6;
         case.renderer
             .set_argument(node, parameter, Value::F32(value))?;
         first_image(&mut case.renderer)?;
@@ -338,12 +355,15 @@ fn result(
     }
     let less_usual = |ms: f64| if ms > 0.0 { (ms - usual).max(0.0) } else { 0.0 };
     Ok(TextureResult {
-        mode: form_name(case.form),
+        mode: case.form.name(),
         texture: texture.name(),
         ao_rays: subject.ao_rays,
         ms_per_spp: in_turn::ms_per_spp(&case.times, setup.spp),
         increase: in_turn::increase(&case.times, gray),
-        private_bytes: private_bytes(case),
+        private_bytes,
+        registers: said.registers,
+        stack_bytes: said.stack_bytes,
+        spills: said.spills,
         build_ms_cold: less_usual(builds[0]),
         build_ms_warm: less_usual(builds[2]),
         edit_ms,
@@ -354,27 +374,26 @@ fn result(
 }
 
 /// Milliseconds of one sample of all pixels, once everything is compiled.
-fn image(renderer: &mut Renderer) -> Result<f64, RenderError> {
+fn image(renderer: &mut FormRenderer) -> Result<f64, RenderError> {
     renderer.restart();
     let start = Instant::now();
     first_image(renderer)?;
     Ok(start.elapsed().as_secs_f64() * 1e3)
 }
 
-fn first_image(renderer: &mut Renderer) -> Result<(), RenderError> {
+fn first_image(renderer: &mut FormRenderer) -> Result<(), RenderError> {
     renderer.render(1)
 }
 
 /// Milliseconds from a changed source of the texture to the first image.
 fn rebuild(
-    renderer: &mut Renderer,
+    renderer: &mut FormRenderer,
     texture: &TextureType,
     number: u64,
 ) -> Result<f64, TextureBenchError> {
     let file = kernel::variant(texture, texture.name(), number);
     let start = Instant::now();
-    let reload = renderer.begin_reload(vec![file]);
-    renderer.finish_reload(reload)?;
+    renderer.reload(vec![file])?;
     first_image(renderer)?;
     Ok(start.elapsed().as_secs_f64() * 1e3)
 }
@@ -393,18 +412,4 @@ fn same_pictures(subjects: &[Subject]) -> Result<(), TextureBenchError> {
         }
     }
     Ok(())
-}
-
-fn private_bytes(case: &Case) -> u32 {
-    let procedural = case.renderer.procedural();
-    let graph = procedural.graph();
-    if procedural.is_empty() {
-        return 0;
-    }
-    let slots = match case.form {
-        TextureForm::Stack => procedural.stack_slots(),
-        TextureForm::Inlined => graph.ids().len() as u32,
-    };
-    let functions = graph.library().textures().iter().map(PrivateMemory::of);
-    slots * SLOT_BYTES + functions.map(|memory| memory.bytes).max().unwrap_or(0)
 }

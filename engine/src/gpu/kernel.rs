@@ -1,7 +1,10 @@
 //! A compute kernel whose bindings are found by name: naga tells which globals an entry point uses, and
 //! [`Kernel::bind`] looks each up in a table of named resources. No list of binding numbers exists on the Rust side.
 
-use std::{collections::HashMap, sync::atomic::Ordering};
+use std::{
+    collections::HashMap,
+    sync::{Arc, atomic::Ordering},
+};
 
 use naga::{
     AddressSpace, ImageClass, ImageDimension, ScalarKind, StorageAccess, StorageFormat, TypeInner,
@@ -16,6 +19,9 @@ pub enum Trust {
     Engine,
     /// Contains a user's code: indices are checked and loops bounded.
     User,
+    /// Contains a user's code beside the engine's own: indices are checked. Loops are not bounded once more, because the
+    /// engine's end and texgen bounds the users'.
+    Mixed,
 }
 
 /// A compiled kernel.
@@ -26,6 +32,7 @@ pub struct Kernel {
     layout: wgpu::BindGroupLayout,
     /// Binding number and name of each global that the entry point uses.
     bindings: Vec<(u32, String)>,
+    private_bytes: u32,
 }
 
 /// Named resources that kernels bind. Clones share them.
@@ -33,6 +40,7 @@ pub struct Kernel {
 pub struct Resources {
     buffers: HashMap<&'static str, wgpu::Buffer>,
     views: HashMap<&'static str, wgpu::TextureView>,
+    structures: HashMap<&'static str, Arc<wgpu::Tlas>>,
 }
 
 impl Resources {
@@ -44,6 +52,11 @@ impl Resources {
     /// Adds or replaces a texture view.
     pub fn set_view(&mut self, name: &'static str, view: wgpu::TextureView) {
         self.views.insert(name, view);
+    }
+
+    /// Adds or replaces an acceleration structure, which has been built.
+    pub fn set_structure(&mut self, name: &'static str, structure: Arc<wgpu::Tlas>) {
+        self.structures.insert(name, structure);
     }
 
     /// A buffer by name.
@@ -66,6 +79,9 @@ impl Resources {
     fn get(&self, name: &str) -> wgpu::BindingResource<'_> {
         if let Some(buffer) = self.buffers.get(name) {
             return buffer.as_entire_binding();
+        }
+        if let Some(structure) = self.structures.get(name) {
+            return structure.as_binding();
         }
         match self.views.get(name) {
             Some(view) => wgpu::BindingResource::TextureView(view),
@@ -91,31 +107,19 @@ impl Kernel {
             label: entry.to_owned(),
             message,
         };
-        let module = naga::front::wgsl::parse_str(&source.text).map_err(|e| {
-            failed(located(
-                source,
-                e.labels().next().map(|(span, _)| span),
-                e.message(),
-            ))
-        })?;
-        let info = naga::valid::Validator::new(
-            naga::valid::ValidationFlags::all(),
-            naga::valid::Capabilities::empty(),
-        )
-        .validate(&module)
-        .map_err(|e| {
-            failed(located(
-                source,
-                e.spans().last().map(|(span, _)| *span),
-                &error_chain(e.as_inner()),
-            ))
-        })?;
+        let capabilities = match gpu.has_ray_queries() {
+            true => naga::valid::Capabilities::RAY_QUERY,
+            false => naga::valid::Capabilities::empty(),
+        };
+        let (module, info) = parse(source, capabilities).map_err(failed)?;
         let index = module
             .entry_points
             .iter()
             .position(|e| e.name == entry)
             .ok_or_else(|| failed(format!("it has no entry point `{entry}`")))?;
         let uses = info.get_entry_point(index);
+        let private_bytes =
+            texgen::kernel_private_bytes(&module, uses, &module.entry_points[index]);
 
         let constants: Vec<(&str, f64)> = constants
             .iter()
@@ -169,6 +173,16 @@ impl Kernel {
         };
         let shader = match trust {
             Trust::User => device.create_shader_module(descriptor),
+            // SAFETY: all loops end: the engine's own do, and texgen counts the steps of users'.
+            Trust::Mixed => unsafe {
+                device.create_shader_module_trusted(
+                    descriptor,
+                    wgpu::ShaderRuntimeChecks {
+                        force_loop_bounding: false,
+                        ..wgpu::ShaderRuntimeChecks::checked()
+                    },
+                )
+            },
             // SAFETY: the engine's kernels index only what their queues and tables hold, and their loops end.
             Trust::Engine => unsafe {
                 device.create_shader_module_trusted(
@@ -203,7 +217,13 @@ impl Kernel {
             pipeline,
             layout,
             bindings,
+            private_bytes,
         })
+    }
+
+    /// Bytes of private memory that a thread asks for: see [`texgen::kernel_private_bytes`].
+    pub fn private_bytes(&self) -> u32 {
+        self.private_bytes
     }
 
     /// The entry point's name.
@@ -289,6 +309,25 @@ impl BoundKernel {
     }
 }
 
+/// The kernel's text as naga knows it, valid; else what is wrong with it, with file and line.
+pub(super) fn parse(
+    source: &Source,
+    capabilities: naga::valid::Capabilities,
+) -> Result<(naga::Module, naga::valid::ModuleInfo), String> {
+    let module = naga::front::wgsl::parse_str(&source.text)
+        .map_err(|e| located(source, e.labels().next().map(|(span, _)| span), e.message()))?;
+    let info = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities)
+        .validate(&module)
+        .map_err(|e| {
+            located(
+                source,
+                e.spans().last().map(|(span, _)| *span),
+                &error_chain(e.as_inner()),
+            )
+        })?;
+    Ok((module, info))
+}
+
 fn located(source: &Source, span: Option<naga::Span>, message: &str) -> String {
     span.and_then(|s| s.to_range())
         .and_then(|range| source.locate(range, message))
@@ -335,6 +374,11 @@ fn binding_type(inner: &TypeInner, space: AddressSpace) -> Option<wgpu::BindingT
                     wgpu::TextureViewDimension::D2
                 },
                 multisampled: false,
+            }),
+            TypeInner::AccelerationStructure {
+                vertex_return: false,
+            } => Some(wgpu::BindingType::AccelerationStructure {
+                vertex_return: false,
             }),
             // What a window shows; the one format that every device can write and sample.
             TypeInner::Image {

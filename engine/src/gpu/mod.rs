@@ -4,6 +4,7 @@
 
 pub mod cache;
 pub mod kernel;
+pub mod statistics;
 pub mod timing;
 pub mod wgsl;
 
@@ -102,6 +103,8 @@ pub struct AdapterDescription {
     pub workgroup_invocations: u32,
     /// Whether passes can be timed on the device.
     pub timestamps: bool,
+    /// Whether kernels can trace rays in acceleration structures of the driver's.
+    pub ray_queries: bool,
     /// Why it can't be used, if it can't.
     pub usable: Result<(), String>,
 }
@@ -147,6 +150,9 @@ impl AdapterDescription {
             storage_buffers_per_stage: limits.max_storage_buffers_per_shader_stage,
             workgroup_invocations: limits.max_compute_invocations_per_workgroup,
             timestamps: adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY),
+            ray_queries: adapter
+                .features()
+                .contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY),
             usable,
         }
     }
@@ -213,40 +219,19 @@ impl Gpu {
         choice: &DeviceChoice,
         folder: Option<&std::path::Path>,
     ) -> Result<Self, GpuError> {
-        let (instance, adapters) = adapters_by_preference();
-        let descriptions: Vec<_> = adapters
-            .iter()
-            .enumerate()
-            .map(|(i, a)| AdapterDescription::new(i, a))
-            .collect();
-        let chosen = descriptions.iter().find(|d| match choice {
-            DeviceChoice::Best => d.usable.is_ok(),
-            DeviceChoice::Index(index) => d.index == *index && d.usable.is_ok(),
-            DeviceChoice::Name(name) => {
-                d.name.to_lowercase().contains(&name.to_lowercase()) && d.usable.is_ok()
-            }
-        });
-        let Some(description) = chosen else {
-            if descriptions.is_empty() {
-                return Err(GpuError::NoAdapter);
-            }
-            let available = descriptions
-                .iter()
-                .map(|d| match &d.usable {
-                    Ok(()) => format!("  {}: {} ({}, {})", d.index, d.name, d.backend, d.driver),
-                    Err(why) => format!("  {}: {} (not usable: {why})", d.index, d.name),
-                })
-                .collect::<Vec<_>>()
-                .join("\n");
-            let wanted = match choice {
-                DeviceChoice::Best => "any".to_owned(),
-                DeviceChoice::Index(index) => index.to_string(),
-                DeviceChoice::Name(name) => name.clone(),
-            };
-            return Err(GpuError::NotFound { wanted, available });
-        };
-        let adapter = &adapters[description.index];
-        Self::open(instance, adapter, description.clone(), folder)
+        let (instance, adapter, description) = choose(choice)?;
+        Self::open(instance, &adapter, description, folder, false)
+    }
+
+    /// As [`Self::new`], with ray queries where the adapter offers them: see [`Self::has_ray_queries`]. wgpu calls them
+    /// experimental, so that only comparisons with them ask for this.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_ray_queries(choice: &DeviceChoice) -> Result<Self, GpuError> {
+        let (instance, adapter, description) = choose(choice)?;
+        let offers_them = description.ray_queries;
+        Self::open(instance, &adapter, description, None, offers_them)
     }
 
     fn open(
@@ -254,13 +239,22 @@ impl Gpu {
         adapter: &wgpu::Adapter,
         description: AdapterDescription,
         cache_folder: Option<&std::path::Path>,
+        ray_queries: bool,
     ) -> Result<Self, GpuError> {
         let mut features = wgpu::Features::TIMESTAMP_QUERY;
         features.set(wgpu::Features::PIPELINE_CACHE, cache_folder.is_some());
+        features.set(wgpu::Features::EXPERIMENTAL_RAY_QUERY, ray_queries);
+        let experimental_features = match ray_queries {
+            // SAFETY: wgpu asks to be told that its ray queries may have faults. Nothing but the comparison with them
+            // opens such a device; its kernel is our own, and wgpu checks the state of each query.
+            true => unsafe { wgpu::ExperimentalFeatures::enabled() },
+            false => wgpu::ExperimentalFeatures::disabled(),
+        };
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("patina"),
             required_features: adapter.features() & features,
             required_limits: adapter.limits(),
+            experimental_features,
             ..Default::default()
         }))
         .map_err(|e| GpuError::Open {
@@ -317,6 +311,12 @@ impl Gpu {
     /// Whether compiled pipelines are kept in a file.
     pub fn has_cache(&self) -> bool {
         self.shared.cache.is_some()
+    }
+
+    /// Whether kernels can trace rays in acceleration structures, because that was asked for and is there.
+    pub fn has_ray_queries(&self) -> bool {
+        let features = self.device().features();
+        features.contains(wgpu::Features::EXPERIMENTAL_RAY_QUERY)
     }
 
     /// What was opened.
@@ -483,6 +483,46 @@ impl Gpu {
         staging.unmap();
         Ok(data)
     }
+}
+
+/// The adapter that is meant.
+fn choose(
+    choice: &DeviceChoice,
+) -> Result<(wgpu::Instance, wgpu::Adapter, AdapterDescription), GpuError> {
+    let (instance, adapters) = adapters_by_preference();
+    let descriptions: Vec<_> = adapters
+        .iter()
+        .enumerate()
+        .map(|(i, a)| AdapterDescription::new(i, a))
+        .collect();
+    let chosen = descriptions.iter().find(|d| match choice {
+        DeviceChoice::Best => d.usable.is_ok(),
+        DeviceChoice::Index(index) => d.index == *index && d.usable.is_ok(),
+        DeviceChoice::Name(name) => {
+            d.name.to_lowercase().contains(&name.to_lowercase()) && d.usable.is_ok()
+        }
+    });
+    let Some(description) = chosen else {
+        if descriptions.is_empty() {
+            return Err(GpuError::NoAdapter);
+        }
+        let available = descriptions
+            .iter()
+            .map(|d| match &d.usable {
+                Ok(()) => format!("  {}: {} ({}, {})", d.index, d.name, d.backend, d.driver),
+                Err(why) => format!("  {}: {} (not usable: {why})", d.index, d.name),
+            })
+            .collect::<Vec<_>>()
+            .join("\n");
+        let wanted = match choice {
+            DeviceChoice::Best => "any".to_owned(),
+            DeviceChoice::Index(index) => index.to_string(),
+            DeviceChoice::Name(name) => name.clone(),
+        };
+        return Err(GpuError::NotFound { wanted, available });
+    };
+    let description = description.clone();
+    Ok((instance, adapters[description.index].clone(), description))
 }
 
 fn adapters_by_preference() -> (wgpu::Instance, Vec<wgpu::Adapter>) {

@@ -28,6 +28,12 @@ impl Source {
         source
     }
 
+    /// Appends a constant that the files leave open.
+    pub fn append_constant(&mut self, name: &str, value: u32) {
+        self.text.push_str(&format!("const {name} = {value}u;\n"));
+        self.origins.push(("the engine".to_owned(), 1));
+    }
+
     /// Appends the generated texture kernel, whose lines belong to the users' files.
     pub fn append_generated(&mut self, kernel: &GeneratedKernel) {
         self.generated = Some((self.text.len(), kernel.source_map.clone()));
@@ -84,6 +90,7 @@ const FILES: &[(&str, &str)] = files![
     "shared/filter.wgsl",
     "shared/frame.wgsl",
     "shared/geometry.wgsl",
+    "shared/hit.wgsl",
     "shared/images.wgsl",
     "shared/light_tree.wgsl",
     "shared/lights.wgsl",
@@ -94,6 +101,7 @@ const FILES: &[(&str, &str)] = files![
     "shared/outputs.wgsl",
     "shared/paths.wgsl",
     "shared/programs.wgsl",
+    "shared/queue_lists.wgsl",
     "shared/queues.wgsl",
     "shared/random.wgsl",
     "shared/rays.wgsl",
@@ -101,19 +109,31 @@ const FILES: &[(&str, &str)] = files![
     "shared/thin_film.wgsl",
     "shared/traversal.wgsl",
     "shared/vectors.wgsl",
+    "shared/wave_memory.wgsl",
     "accumulate/accumulate.wgsl",
+    "accumulate/entry.wgsl",
     "advance/advance.wgsl",
     "ao/ao.wgsl",
     "brdf/brdf.wgsl",
+    "brdf/entry.wgsl",
     "classify/classify.wgsl",
+    "classify/entry.wgsl",
     "display/display.wgsl",
     "guide/guide.wgsl",
     "proctex/counted_ao.wgsl",
+    "proctex/entry.wgsl",
     "proctex/inlined.wgsl",
     "proctex/proctex.wgsl",
     "proctex/run.wgsl",
     "proctex/site.wgsl",
     "proctex/traced_ao.wgsl",
     "raygen/raygen.wgsl",
+    "raygen/entry.wgsl",
+    "rayquery/kernel.wgsl",
+    "rayquery/path_memory.wgsl",
+    "rayquery/plain.wgsl",
+    "rayquery/queries.wgsl",
+    "rayquery/textured.wgsl",
     "traverse/traverse.wgsl",
+    "traverse/entry.wgsl",
 ];

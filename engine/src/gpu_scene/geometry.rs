@@ -12,13 +12,13 @@ use crate::{
 
 use super::materials;
 
-pub(super) const TRIANGLE_ALPHA: u32 = 1 << 31;
+pub(crate) const TRIANGLE_ALPHA: u32 = 1 << 31;
 const TRIANGLE_HAS_UV: u32 = 1 << 30;
 const TRIANGLE_HAS_EXTRA: u32 = 1 << 29;
 const TRIANGLE_HAS_TANGENT: u32 = 1 << 28;
 const TRIANGLE_HAS_COLOR: u32 = 1 << 27;
-const TRIANGLE_SINGLE_SIDED: u32 = 1 << 26;
-const TRIANGLE_PROGRAM_ALPHA: u32 = 1 << 25;
+pub(crate) const TRIANGLE_SINGLE_SIDED: u32 = 1 << 26;
+pub(crate) const TRIANGLE_PROGRAM_ALPHA: u32 = 1 << 25;
 const TRIANGLE_HAS_CUSTOM: u32 = 1 << 24;
 
 /// Triangles in hierarchy order, and the heap of vertices: each mesh has records of one to three `vec4u`, and one more
@@ -53,7 +53,7 @@ pub(super) fn geometry(
 }
 
 /// What each material means for its triangles, without and with vertex colours.
-pub(super) fn material_flags(
+pub(crate) fn material_flags(
     scene: &Scene,
     program: impl Fn(u32) -> ProgramTraits,
 ) -> Vec<[u32; 2]> {

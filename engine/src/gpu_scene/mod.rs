@@ -22,14 +22,13 @@ use crate::{
 };
 
 use self::{
-    environment::GpuEnvironment,
-    geometry::{TRIANGLE_ALPHA, geometry},
-    images::GpuImages,
-    lights::LightTable,
-    materials::GpuMaterial,
-    update::Uploaded,
+    environment::GpuEnvironment, geometry::geometry, images::GpuImages, lights::LightTable,
+    materials::GpuMaterial, update::Uploaded,
 };
 
+pub(crate) use self::geometry::{
+    TRIANGLE_ALPHA, TRIANGLE_PROGRAM_ALPHA, TRIANGLE_SINGLE_SIDED, material_flags,
+};
 pub(crate) use self::update::Update;
 
 /// Materials that a triangle's word can name.
@@ -152,6 +151,11 @@ pub struct GpuScene {
 }
 
 impl GpuScene {
+    /// The order of triangles and instances on the GPU. Its nodes are not kept.
+    pub(crate) fn hierarchy(&self) -> &SceneBvh {
+        self.uploaded.hierarchy()
+    }
+
     /// Uploads the scene and names its resources. `program` says what is known of a material's texture program,
     /// `reads` what of the scene its textures read.
     ///
@@ -315,7 +319,7 @@ fn inverse(transform: &Affine3A) -> Affine3A {
     Affine3A::from_mat3_translation(wide.matrix3.as_mat3(), wide.translation.as_vec3())
 }
 
-fn rows(a: &Affine3A) -> [[f32; 4]; 3] {
+pub(crate) fn rows(a: &Affine3A) -> [[f32; 4]; 3] {
     let m = a.matrix3;
     let t = a.translation;
     std::array::from_fn(|i| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]])

@@ -50,6 +50,10 @@ impl Uploaded {
             bvh,
         }
     }
+
+    pub(super) fn hierarchy(&self) -> &SceneBvh {
+        &self.bvh
+    }
 }
 
 fn emission(scene: &Scene, program: impl Fn(u32) -> ProgramTraits) -> Vec<Emission> {

@@ -42,7 +42,7 @@ impl From<GpuError> for RenderEditError {
 }
 
 /// Creates the buffers of programs, arguments and AO tables, with room to grow.
-pub(super) fn allocate(
+pub(crate) fn allocate(
     gpu: &Gpu,
     procedural: &Procedural,
     form: TextureForm,

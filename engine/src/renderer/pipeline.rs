@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use texgen::GeneratedKernel;
+
 use super::culprit;
 use crate::{
     gpu::{
@@ -13,7 +15,7 @@ use crate::{
         accumulate, advance, advance::After, ao, brdf, classify, proctex, proctex::TextureForm,
         raygen, traverse, traverse::Rays,
     },
-    procedural::Procedural,
+    procedural::{CompileError, Procedural},
 };
 
 use super::RenderError;
@@ -101,6 +103,12 @@ impl Kernels {
         Ok(())
     }
 
+    /// Bytes of private memory that a thread of the generated kernel asks for.
+    pub(super) fn texture_private_bytes(&self) -> Option<u32> {
+        let texture = self.texture.as_ref()?;
+        Some(texture.proctex.private_bytes())
+    }
+
     pub(super) fn has_texture(&self) -> bool {
         self.texture.is_some()
     }
@@ -129,11 +137,7 @@ pub(super) fn texture_kernel(
     procedural: &Procedural,
     form: TextureForm,
 ) -> Result<Kernel, RenderError> {
-    let generated = match form {
-        TextureForm::Stack if gpu.is_cpu() => procedural.kernel_in_rounds()?,
-        TextureForm::Stack => procedural.kernel(),
-        TextureForm::Inlined => procedural.inlined()?.kernel,
-    };
+    let generated = generated_kernel(gpu, procedural, form)?;
     proctex::kernel(gpu, form, &generated, features).map_err(|error| {
         let library = procedural.graph().library();
         let build = |alone: &texgen::Library| {
@@ -141,6 +145,19 @@ pub(super) fn texture_kernel(
         };
         culprit::named(error, library, build).into()
     })
+}
+
+/// The generated part of the kernel.
+pub(super) fn generated_kernel(
+    gpu: &Gpu,
+    procedural: &Procedural,
+    form: TextureForm,
+) -> Result<GeneratedKernel, CompileError> {
+    match form {
+        TextureForm::Stack if gpu.is_cpu() => procedural.kernel_in_rounds(),
+        TextureForm::Stack => Ok(procedural.kernel()),
+        TextureForm::Inlined => Ok(procedural.inlined()?.kernel),
+    }
 }
 
 /// The words that the kernel reads its heads, and its programs if it has any, from.

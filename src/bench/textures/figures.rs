@@ -26,6 +26,10 @@ pub(super) struct Figures {
     pub(super) results: Vec<TextureResult>,
     /// Forms without results.
     pub(super) absent: Vec<Absent>,
+    /// Whose driver told registers and stack.
+    pub(super) statistics_device: Option<String>,
+    /// Why nothing is known of them, if that is so.
+    pub(super) statistics_absent: Option<String>,
     pub(super) sweeps: Vec<SweepReport>,
     /// Figures of the paper, not of this machine.
     pub(super) paper: &'static [Published],
@@ -43,6 +47,26 @@ impl Figures {
         numbers
     }
 
+    /// What the driver says about the kernels, if anything.
+    fn statistics(&self, text: &mut String) {
+        if let Some(device) = &self.statistics_device {
+            let _ = writeln!(text, "registers and stack on {device}:");
+        }
+        for row in self.results.iter().filter(|row| row.registers.is_some()) {
+            let figure = |known: Option<f64>| known.map_or("-".to_owned(), |v| v.to_string());
+            let _ = writeln!(
+                text,
+                "  {} {}, {} AO rays: {} registers, {} bytes of stack, {} spills",
+                row.mode,
+                row.texture,
+                row.ao_rays,
+                figure(row.registers),
+                figure(row.stack_bytes),
+                figure(row.spills)
+            );
+        }
+    }
+
     /// For people, on a terminal.
     pub(super) fn table(&self) -> String {
         let mut text = self.conditions.text();
@@ -55,6 +79,7 @@ impl Figures {
             self.material,
             self.coverage * 100.0
         );
+        self.statistics(&mut text);
         for ao_rays in self.ao_rays() {
             let _ = writeln!(
                 text,

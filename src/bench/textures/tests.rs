@@ -32,6 +32,9 @@ fn row(place: u32, mode: &'static str, texture: &'static str, ao_rays: u32) -> T
         ms_per_spp: spread(20 * place),
         increase: spread(20 * place + 1),
         private_bytes: 10_000 + place,
+        registers: None,
+        stack_bytes: None,
+        spills: None,
         build_ms_cold: number(20 * place + 2),
         build_ms_warm: number(20 * place + 3),
         edit_ms: number(20 * place + 4),
@@ -83,6 +86,8 @@ fn figures() -> Figures {
             mode: "rayquery",
             reason: "the adapter has no ray queries <yet>".to_owned(),
         }],
+        statistics_device: None,
+        statistics_absent: None,
         sweeps: vec![
             SweepReport {
                 sweep: "textures",

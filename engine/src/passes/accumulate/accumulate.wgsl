@@ -1,6 +1,5 @@
-// Adds the finished paths of a wave to the film: the sum and the sum of squares of each pixel's samples.
-// One thread owns a pixel. The sums are fixed-point numbers of 96 bits, so they are exact whatever the order: see
-// `film.rs`, which has the twin of the arithmetic.
+// The film: the sum and the sum of squares of each pixel's samples. `entry.wgsl` is the pass. The sums are fixed-point
+// numbers of 96 bits, so they are exact whatever the order: see `film.rs`, which has the twin of the arithmetic.
 //!include shared/frame.wgsl
 //!include shared/rays.wgsl
 //!include shared/paths.wgsl
@@ -55,65 +54,62 @@ fn fixed_point(value: f32, bits: i32) -> vec3u {
     return whole;
 }
 
-@compute @workgroup_size(64)
-fn accumulate(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
-              @builtin(local_invocation_index) local: u32) {
-    let first = thread_index(workgroup, workgroups, local);
-    if (first >= min(frame.wave_size, frame.padded_pixels)) {
-        return;
-    }
-    let pixel = pixel_coordinates(path_id(first).pixel);
-    if (!is_rendered(pixel)) {
-        return;
-    }
-    let at = pixel.y * frame.width + pixel.x;
+// What a pixel has gathered.
+struct Sums {
+    red: vec3u,
+    green: vec3u,
+    blue: vec3u,
+    red_squares: vec3u,
+    green_squares: vec3u,
+    blue_squares: vec3u,
+    count: u32,
+}
+
+fn sums_read(at: u32) -> Sums {
     let words0 = film0[at];
     let words1 = film1[at];
     let words2 = film2[at];
     let words3 = film3[at];
     let words4 = film4[at];
-    var red = words0.xyz;
-    var green = vec3u(words0.w, words1.xy);
-    var blue = vec3u(words1.zw, words2.x);
-    var red_squares = words2.yzw;
-    var green_squares = words3.xyz;
-    var blue_squares = vec3u(words3.w, words4.xy);
-    var count = words4.z;
-    for (var slot = first; slot < frame.wave_size; slot += frame.padded_pixels) {
-        if (path_id(slot).sample >= frame.sample_limit) {
-            break;
-        }
-        var value = path_read(PATH_RADIANCE, slot).xyz;
-        // Unless the shadow ray met more surfaces than anyone waits for.
-        let is_known = !has_program_shadows || path_words(PATH_LIGHT_POINT, slot).x == MISS;
-        if (rays[frame.capacity + slot].triangle == MISS && is_known) {
-            // The path ended where it sampled this light, before that vertex was counted.
-            value += waiting_light(slot, path_depth(slot) + 1u);
-        }
-        // A sample that isn't finite would spoil its pixel for good. Comparisons with NaN are false.
-        if (!(all(value >= vec3f(0.0)) && all(value <= vec3f(1e30)))) {
-            value = vec3f(0.0);
-            atomicAdd(&queues[WORD_INVALID], 1u);
-        }
-        if (frame.filter_positive < 1.0) {
-            value *= filter_weight(random4(path_id(slot), DIMENSION_CAMERA, GROUP_CAMERA).xy);
-        }
-        if (any(abs(value) > vec3f(LARGEST))) {
-            value = clamp(value, vec3f(-LARGEST), vec3f(LARGEST));
-            atomicAdd(&queues[WORD_CLAMPED], 1u);
-        }
-        let square = min(value * value, vec3f(LARGEST_SQUARE));
-        red = add_wide(red, fixed_point(value.x, SUM_BITS));
-        green = add_wide(green, fixed_point(value.y, SUM_BITS));
-        blue = add_wide(blue, fixed_point(value.z, SUM_BITS));
-        red_squares = add_wide(red_squares, fixed_point(square.x, SQUARE_BITS));
-        green_squares = add_wide(green_squares, fixed_point(square.y, SQUARE_BITS));
-        blue_squares = add_wide(blue_squares, fixed_point(square.z, SQUARE_BITS));
-        count += 1u;
+    return Sums(words0.xyz, vec3u(words0.w, words1.xy), vec3u(words1.zw, words2.x), words2.yzw, words3.xyz,
+        vec3u(words3.w, words4.xy), words4.z);
+}
+
+fn sums_write(at: u32, sums: Sums) {
+    film0[at] = vec4u(sums.red, sums.green.x);
+    film1[at] = vec4u(sums.green.yz, sums.blue.xy);
+    film2[at] = vec4u(sums.blue.z, sums.red_squares);
+    film3[at] = vec4u(sums.green_squares, sums.blue_squares.x);
+    film4[at] = vec4u(sums.blue_squares.yz, sums.count, 0u);
+}
+
+// Adds the sample of a finished path.
+fn add_sample(sums: ptr<function, Sums>, slot: u32) {
+    var value = path_read(PATH_RADIANCE, slot).xyz;
+    // Unless the shadow ray met more surfaces than anyone waits for.
+    let is_known = !has_program_shadows || path_words(PATH_LIGHT_POINT, slot).x == MISS;
+    if (rays[shadow_ray(slot)].triangle == MISS && is_known) {
+        // The path ended where it sampled this light, before that vertex was counted.
+        value += waiting_light(slot, path_depth(slot) + 1u);
     }
-    film0[at] = vec4u(red, green.x);
-    film1[at] = vec4u(green.yz, blue.xy);
-    film2[at] = vec4u(blue.z, red_squares);
-    film3[at] = vec4u(green_squares, blue_squares.x);
-    film4[at] = vec4u(blue_squares.yz, count, 0u);
+    // A sample that isn't finite would spoil its pixel for good. Comparisons with NaN are false.
+    if (!(all(value >= vec3f(0.0)) && all(value <= vec3f(1e30)))) {
+        value = vec3f(0.0);
+        atomicAdd(&queues[WORD_INVALID], 1u);
+    }
+    if (frame.filter_positive < 1.0) {
+        value *= filter_weight(random4(path_id(slot), DIMENSION_CAMERA, GROUP_CAMERA).xy);
+    }
+    if (any(abs(value) > vec3f(LARGEST))) {
+        value = clamp(value, vec3f(-LARGEST), vec3f(LARGEST));
+        atomicAdd(&queues[WORD_CLAMPED], 1u);
+    }
+    let square = min(value * value, vec3f(LARGEST_SQUARE));
+    (*sums).red = add_wide((*sums).red, fixed_point(value.x, SUM_BITS));
+    (*sums).green = add_wide((*sums).green, fixed_point(value.y, SUM_BITS));
+    (*sums).blue = add_wide((*sums).blue, fixed_point(value.z, SUM_BITS));
+    (*sums).red_squares = add_wide((*sums).red_squares, fixed_point(square.x, SQUARE_BITS));
+    (*sums).green_squares = add_wide((*sums).green_squares, fixed_point(square.y, SQUARE_BITS));
+    (*sums).blue_squares = add_wide((*sums).blue_squares, fixed_point(square.z, SQUARE_BITS));
+    (*sums).count += 1u;
 }

@@ -14,7 +14,7 @@ use crate::gpu_scene::SceneFeatures;
 pub fn kernel(gpu: &Gpu, features: &SceneFeatures) -> Result<Kernel, GpuError> {
     Kernel::new(
         gpu,
-        &Source::of("accumulate/accumulate.wgsl"),
+        &Source::of("accumulate/entry.wgsl"),
         "accumulate",
         Trust::Engine,
         &features.constants(),

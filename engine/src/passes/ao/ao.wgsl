@@ -1,14 +1,13 @@
 // Ambient occlusion for the hits whose texture program reads it: all rays of all hits at once, one or a few of a hit in
 // each thread. Each occluded ray adds one to its table's eight bits of the slot's word.
-//!include shared/frame.wgsl
-//!include shared/rays.wgsl
-//!include shared/paths.wgsl
-//!include shared/queues.wgsl
+//!include shared/wave_memory.wgsl
+//!include shared/queue_lists.wgsl
 //!include shared/random.wgsl
 //!include shared/geometry.wgsl
 //!include shared/images.wgsl
 //!include shared/materials.wgsl
 //!include shared/surface.wgsl
+//!include shared/traversal.wgsl
 //!include shared/occlusion.wgsl
 
 @compute @workgroup_size(64)
@@ -25,8 +24,8 @@ fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgrou
     let ray = entry & ENTRY_RAY;
     let hit = rays[ray];
     let s = surface_at(hit);
-    let is_shadow = ray >= frame.capacity;
-    let slot = select(ray, ray - frame.capacity, is_shadow);
+    let is_shadow = is_shadow_ray(ray);
+    let slot = ray_slot(ray);
     let path = path_id(slot);
     let purpose = vertex_dimension(path_depth(slot), select(DIMENSION_AO, DIMENSION_SHADOW_AO, is_shadow));
     // Only the tables that the entry names: a loop over all four would cost a software driver, which runs the body for

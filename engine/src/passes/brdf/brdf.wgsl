@@ -1,5 +1,5 @@
-// One vertex of every active path: gathers emission, samples a light and the BSDF, and sends the path on.
-// Light and BSDF samples are combined by multiple importance sampling.
+// One vertex of a path: gathers emission, samples a light and the BSDF, and sends the path on. Light and BSDF samples are
+// combined by multiple importance sampling. `entry.wgsl` is the pass.
 //!include shared/frame.wgsl
 //!include shared/rays.wgsl
 //!include shared/paths.wgsl
@@ -158,9 +158,9 @@ fn curved_lift(s: Surface, instance: u32) -> vec3f {
 fn pass_on(slot: u32, throughput: vec4f, radiance: vec4f, t: f32) {
     path_write(PATH_THROUGHPUT, slot, throughput);
     path_write(PATH_RADIANCE, slot, radiance);
-    rays[slot].t_min = t;
-    rays[slot].t_max = 1e30;
-    rays[slot].triangle = MISS;
+    rays[own_ray(slot)].t_min = t;
+    rays[own_ray(slot)].t_max = 1e30;
+    rays[own_ray(slot)].triangle = MISS;
     queue_append(QUEUE_ACTIVE, slot);
 }
 
@@ -194,22 +194,15 @@ fn leaves(cosine: f32, side: f32, is_lifted: bool) -> bool {
 fn end_path(slot: u32, depth: u32, has_shadow_ray: bool) {
     if (has_program_shadows && has_shadow_ray) {
         path_set_words(PATH_STATE, slot, vec4u(0u, 0u, depth + 1u, 0u));
-        rays[slot].t_max = DEAD;
+        rays[own_ray(slot)].t_max = DEAD;
         queue_append(QUEUE_ACTIVE, slot);
     }
 }
 
-@compute @workgroup_size(64)
-fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
-        @builtin(local_invocation_index) local: u32) {
-    let index = thread_index(workgroup, workgroups, local);
-    if (index >= queue_length(QUEUE_ACTIVE)) {
-        return;
-    }
-    let slot = queue_read(QUEUE_ACTIVE, index);
+fn shade_vertex(slot: u32) {
     let depth = path_depth(slot);
     let path = path_id(slot);
-    let hit = rays[slot];
+    let hit = rays[own_ray(slot)];
     let before = path_read(PATH_THROUGHPUT, slot);
     var throughput = before.xyz;
     let bsdf_pdf = before.w; // 0 for camera rays
@@ -218,18 +211,18 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     let cone_width = gathered.w + frame.pixel_spread * min(hit.t_max, 1e10);
 
     // The light sample of the previous vertex.
-    let blocker = rays[frame.capacity + slot].triangle;
+    let blocker = rays[shadow_ray(slot)].triangle;
     if (has_program_shadows && blocker != MISS && (triangles[blocker].w & TRIANGLE_PROGRAM_ALPHA) != 0u) {
         // The shadow ray met a surface that lets some of it pass: how much is part of PATH_LIGHT by now. It goes on
         // behind that surface, and the path waits for it.
-        rays[frame.capacity + slot].triangle = MISS;
+        rays[shadow_ray(slot)].triangle = MISS;
         if (max_component(path_read(PATH_LIGHT, slot).xyz) > 0.0) {
             queue_append(QUEUE_SHADOW, slot);
         } else {
             path_set_words(PATH_LIGHT_POINT, slot, vec4u(MISS, 0u, 0u, 0u));
         }
-        rays[slot].t_max = select(1e30, DEAD, hit.t_max < 0.0);
-        rays[slot].triangle = MISS;
+        rays[own_ray(slot)].t_max = select(1e30, DEAD, hit.t_max < 0.0);
+        rays[own_ray(slot)].triangle = MISS;
         queue_append(QUEUE_ACTIVE, slot);
         return;
     }
@@ -456,7 +449,7 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
                     direction = to / t_max;
                     t_max *= 0.9999; // stops short of the light's own surface
                 }
-                rays[frame.capacity + slot] = RayHit(origin, 0.0, direction, t_max, vec2f(0.0), MISS, 0u);
+                rays[shadow_ray(slot)] = RayHit(origin, 0.0, direction, t_max, vec2f(0.0), MISS, 0u);
                 path_set_words(PATH_LIGHT, slot, vec4u(bitcast<vec3u>(contribution), receiver));
                 if (has_program_shadows) {
                     path_set_words(PATH_LIGHT_POINT, slot, light.point);
@@ -500,6 +493,6 @@ fn brdf(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgr
     }
     path_write(PATH_THROUGHPUT, slot, vec4f(next, sampled.pdf));
     path_set_words(PATH_STATE, slot, vec4u(0u, 0u, depth + 1u, path_words(PATH_STATE, slot).w));
-    rays[slot] = RayHit(select(below, above, sampled.wi.z > 0.0), 0.0, normalize(direction), 1e30, vec2f(0.0), MISS, 0u);
+    rays[own_ray(slot)] = RayHit(select(below, above, sampled.wi.z > 0.0), 0.0, normalize(direction), 1e30, vec2f(0.0), MISS, 0u);
     queue_append(QUEUE_ACTIVE, slot);
 }

@@ -14,7 +14,7 @@ use crate::gpu_scene::SceneFeatures;
 pub fn kernel(gpu: &Gpu, features: &SceneFeatures) -> Result<Kernel, GpuError> {
     Kernel::new(
         gpu,
-        &Source::of("brdf/brdf.wgsl"),
+        &Source::of("brdf/entry.wgsl"),
         "brdf",
         Trust::Engine,
         &features.constants(),

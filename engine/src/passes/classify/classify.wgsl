@@ -1,5 +1,6 @@
 // Sorts out the hits whose material has a texture program, and those whose program wants ambient occlusion: hits of the
 // paths' own rays, surfaces that shadow rays met and that may let them pass, and points of lights that were sampled.
+// `entry.wgsl` is the pass.
 //!include shared/frame.wgsl
 //!include shared/rays.wgsl
 //!include shared/paths.wgsl
@@ -13,21 +14,13 @@ fn append(ray: u32, material: u32, bits: u32) {
     queue_append(QUEUE_PROCTEX, ray | bits);
     let ao = head_word(material, HEAD_AO);
     if (ao != 0u) {
-        atomicStore(&queues[ao_word(ray)], 0u);
-        queue_append(QUEUE_AO, ray | (ao << 28u));
+        queue_append_ao(ray, ao);
     }
 }
 
-@compute @workgroup_size(64)
-fn classify(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
-            @builtin(local_invocation_index) local: u32) {
-    let index = thread_index(workgroup, workgroups, local);
-    if (index >= queue_length(QUEUE_ACTIVE)) {
-        return;
-    }
-    let slot = queue_read(QUEUE_ACTIVE, index);
+fn classify_hits(slot: u32) {
     if (has_program_shadows) {
-        let shadow = frame.capacity + slot;
+        let shadow = shadow_ray(slot);
         let blocker = rays[shadow].triangle;
         let light = path_words(PATH_LIGHT_POINT, slot);
         if (blocker != MISS && (triangles[blocker].w & TRIANGLE_PROGRAM_ALPHA) != 0u) {
@@ -44,12 +37,12 @@ fn classify(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) wo
             append(shadow, triangles[light.x].w & TRIANGLE_MATERIAL, ENTRY_LIGHT);
         }
     }
-    let hit = rays[slot].triangle;
+    let hit = rays[own_ray(slot)].triangle;
     if (hit == MISS) {
         return;
     }
     let material = triangles[hit].w & TRIANGLE_MATERIAL;
     if (runs_program(materials[material].flags, path_depth(slot))) {
-        append(slot, material, 0u);
+        append(own_ray(slot), material, 0u);
     }
 }

@@ -14,7 +14,7 @@ use crate::gpu_scene::SceneFeatures;
 pub fn kernel(gpu: &Gpu, features: &SceneFeatures) -> Result<Kernel, GpuError> {
     Kernel::new(
         gpu,
-        &Source::of("classify/classify.wgsl"),
+        &Source::of("classify/entry.wgsl"),
         "classify",
         Trust::Engine,
         &features.constants(),

@@ -1,6 +1,5 @@
 // Keeps what the camera's rays hit first, for a window to show. One thread per path of a wave of one sample.
-//!include shared/frame.wgsl
-//!include shared/rays.wgsl
+//!include shared/wave_memory.wgsl
 //!include shared/geometry.wgsl
 //!include shared/surface.wgsl
 

@@ -20,6 +20,19 @@ pub enum TextureForm {
     Inlined,
 }
 
+/// Name of the entry point.
+pub const ENTRY: &str = "proctex";
+
+/// The kernel's text with the users' functions in it.
+pub fn source(form: TextureForm, generated: &GeneratedKernel) -> Source {
+    let mut source = Source::of(match form {
+        TextureForm::Stack => "proctex/proctex.wgsl",
+        TextureForm::Inlined => "proctex/inlined.wgsl",
+    });
+    source.append_generated(generated);
+    source
+}
+
 /// Compiles the kernel with the users' functions in it, for what the scene uses.
 ///
 /// # Errors
@@ -30,10 +43,6 @@ pub fn kernel(
     generated: &GeneratedKernel,
     features: &SceneFeatures,
 ) -> Result<Kernel, GpuError> {
-    let mut source = Source::of(match form {
-        TextureForm::Stack => "proctex/proctex.wgsl",
-        TextureForm::Inlined => "proctex/inlined.wgsl",
-    });
-    source.append_generated(generated);
-    Kernel::new(gpu, &source, "proctex", Trust::User, &features.constants())
+    let source = source(form, generated);
+    Kernel::new(gpu, &source, ENTRY, Trust::User, &features.constants())
 }

@@ -1,4 +1,4 @@
-// One thread per hit with a program: chooses the sides of blends, runs the programs, stores what they drive.
+// A hit with a program: chooses the sides of blends, runs the programs, stores what they drive. `entry.wgsl` is the pass.
 
 const MAX_BLEND_DEPTH = 4096u; // blends have no circles: this is never met
 
@@ -76,7 +76,7 @@ fn emission_of(material: u32, flags: u32) -> vec3f {
 }
 
 // What the program says about a hit of a shadow ray: how much light passes, or what a light emits.
-fn shade_shadow(ray: u32, slot: u32, material: u32, flags: u32, is_light: bool) {
+fn shade_shadow(slot: u32, material: u32, flags: u32, is_light: bool) {
     let may_pass = (site.surface.triangle.w & TRIANGLE_PROGRAM_ALPHA) != 0u;
     let opacity = select(1.0, opacity_of(material, flags), may_pass);
     var factor = vec3f(1.0 - opacity);
@@ -85,7 +85,7 @@ fn shade_shadow(ray: u32, slot: u32, material: u32, flags: u32, is_light: bool) 
         if (is_driven(flags, OUTPUT_EMISSION_STRENGTH)) {
             factor *= max(output(material, OUTPUT_EMISSION_STRENGTH).x, 0.0);
         }
-        rays[ray].triangle = MISS; // as the shadow ray's own result: nothing is in the way
+        rays[shadow_ray(slot)].triangle = MISS; // as the shadow ray's own result: nothing is in the way
     }
     let waiting = path_words(PATH_LIGHT, slot);
     path_set_words(PATH_LIGHT, slot, vec4u(bitcast<vec3u>(bitcast<vec3f>(waiting.xyz) * factor), waiting.w));
@@ -117,20 +117,13 @@ fn store_outputs(slot: u32, material: u32, flags: u32, wanted: u32) -> u32 {
     return at;
 }
 
-@compute @workgroup_size(64)
-fn proctex(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
-           @builtin(local_invocation_index) local: u32) {
-    let index = thread_index(workgroup, workgroups, local);
-    if (index >= queue_length(QUEUE_PROCTEX)) {
-        return;
-    }
-    let entry = queue_read(QUEUE_PROCTEX, index);
+// The hit of a path that `entry` of QUEUE_PROCTEX names.
+fn run_textures(entry: u32, slot: u32) {
     let ray = entry & ENTRY_RAY;
     let is_light = (entry & ENTRY_LIGHT) != 0u;
-    let is_shadow = ray >= frame.capacity;
-    let slot = select(ray, ray - frame.capacity, is_shadow);
+    let is_shadow = is_shadow_ray(ray);
     let path = path_id(slot);
-    let hit = rays[ray];
+    let hit = ray_read(ray);
     let depth = path_depth(slot);
     // A shadow ray meets what the path's next ray could have met, and a lamp looks the same to both.
     var kind = select(RAY_CAMERA, RAY_SCATTERED, depth > 0u);
@@ -147,7 +140,7 @@ fn proctex(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) wor
     site.kind = kind;
     site.path = path;
     site.ao_purpose = vertex_dimension(depth, select(DIMENSION_AO, DIMENSION_SHADOW_AO, is_shadow));
-    site.occluded = atomicLoad(&queues[ao_word(ray)]);
+    site.occluded = occluded_rays(ray);
     site.footprint = cone_width;
 
     let may_pass = (site.surface.triangle.w & TRIANGLE_PROGRAM_ALPHA) != 0u;
@@ -193,7 +186,7 @@ fn proctex(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) wor
                 continue;
             }
             if (is_shadow) {
-                shade_shadow(ray, slot, material, flags, is_light);
+                shade_shadow(slot, material, flags, is_light);
                 break;
             }
             // Driven or not, the next kernel asks for the opacity.

@@ -2,6 +2,11 @@
 //!include shared/materials.wgsl
 //!include shared/occlusion.wgsl
 
+// Nothing has been counted.
+fn occluded_rays(ray: u32) -> u32 {
+    return 0u;
+}
+
 // 1 where nothing is near, 0 where everything is occluded.
 fn patina_attr_AO(slot: u32) -> vec4f {
     let table = slot & 3u;

@@ -13,7 +13,7 @@ use crate::gpu::{
 pub fn kernel(gpu: &Gpu) -> Result<Kernel, GpuError> {
     Kernel::new(
         gpu,
-        &Source::of("raygen/raygen.wgsl"),
+        &Source::of("raygen/entry.wgsl"),
         "raygen",
         Trust::Engine,
         &[],

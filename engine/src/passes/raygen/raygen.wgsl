@@ -1,4 +1,4 @@
-// Camera rays: starts every path of the wave.
+// Camera rays: how a path starts. `entry.wgsl` is the pass.
 //!include shared/frame.wgsl
 //!include shared/rays.wgsl
 //!include shared/paths.wgsl
@@ -8,7 +8,7 @@
 // Steps of each lobe in the table of distances: the positive lobe first, then the negative one. See `filter.rs`.
 const FILTER_SLOTS = 512u;
 
-@group(0) @binding(5) var<storage, read> filter_table: array<f32>;
+@group(0) @binding(22) var<storage, read> filter_table: array<f32>;
 
 // Where a sample lies along an axis, seen from the centre of its pixel, distributed as the filter's absolute value.
 fn filter_offset(u: f32) -> f32 {
@@ -59,13 +59,7 @@ fn aperture(u: vec2f) -> vec2f {
     return sqrt(u.y) * rim;
 }
 
-@compute @workgroup_size(64)
-fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
-          @builtin(local_invocation_index) local: u32) {
-    let slot = thread_index(workgroup, workgroups, local);
-    if (slot >= frame.wave_size) {
-        return;
-    }
+fn start_path(slot: u32) {
     let path = path_id(slot);
     let pixel = pixel_coordinates(path.pixel);
     // Parallel rays are as wide as a pixel from the start.
@@ -75,7 +69,7 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
     path_set_words(PATH_STATE, slot, vec4u(0u));
     path_set_words(PATH_MEDIA, slot, vec4u(0u));
     path_set_words(PATH_LIGHT_POINT, slot, vec4u(MISS, 0u, 0u, 0u));
-    rays[frame.capacity + slot].triangle = MISS;
+    rays[shadow_ray(slot)].triangle = MISS;
     if (!is_rendered(pixel) || path.sample >= frame.sample_limit) {
         // Padding of a block at the border, or a part that nobody looks at.
         return;
@@ -101,7 +95,7 @@ fn raygen(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) work
     let world_origin = frame.camera_position + frame.camera_right * origin.x + frame.camera_up * origin.y;
     let world_direction = normalize(
         frame.camera_right * direction.x + frame.camera_up * direction.y + frame.camera_back * direction.z);
-    rays[slot] = RayHit(world_origin, 0.0, world_direction, 1e30, vec2f(0.0), MISS, 0u);
+    rays[own_ray(slot)] = RayHit(world_origin, 0.0, world_direction, 1e30, vec2f(0.0), MISS, 0u);
     path_write(PATH_THROUGHPUT, slot, vec4f(1.0, 1.0, 1.0, 0.0));
     queue_append(QUEUE_ACTIVE, slot);
 }

@@ -1,6 +1,6 @@
 // Rays of ambient occlusion.
 //!include shared/ao_tables.wgsl
-//!include shared/traversal.wgsl
+//!include shared/hit.wgsl
 
 // What the rays of one AO table at a surface have in common.
 struct OcclusionSite {

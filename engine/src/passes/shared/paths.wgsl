@@ -1,4 +1,4 @@
-// State of the paths of a wave, field by field so that neighbouring threads touch neighbouring words.
+// State of a path: its fields, and what can be said about them. Where they lie, `wave_memory.wgsl` says.
 // The Rust twin is `wave::PATH_FIELDS`.
 
 const PATH_THROUGHPUT = 0u; // rgb, then the pdf of the direction that was sampled last (0: not from a BSDF)
@@ -13,8 +13,6 @@ const PATH_LIGHT_POINT = 4u; // triangle (or MISS), instance and barycentrics of
 const PATH_MEDIA = 5u; // the bodies that the path is in, see media.wgsl; read only where light goes through something
 const PATH_RESULTS = 6u; // the driven outputs' values, word by word: as many fields as the hungriest material needs
 
-@group(0) @binding(2) var<storage, read_write> paths: array<vec4u>;
-
 // Whether texture programs decide about the opacity or the light of some surface. Then shadow rays wait for them, and a
 // path whose end has come lives on until its last shadow ray is through: its own ray is dead, see DEAD.
 override has_program_shadows: bool = true;
@@ -28,14 +26,6 @@ fn path_read(field: u32, slot: u32) -> vec4f {
 
 fn path_write(field: u32, slot: u32, value: vec4f) {
     path_set_words(field, slot, bitcast<vec4u>(value));
-}
-
-fn path_words(field: u32, slot: u32) -> vec4u {
-    return paths[field * frame.capacity + slot];
-}
-
-fn path_set_words(field: u32, slot: u32, value: vec4u) {
-    paths[field * frame.capacity + slot] = value;
 }
 
 // What light adds to a sample that this many surfaces have scattered: indirect light is clamped where that is asked for.
@@ -54,14 +44,5 @@ fn waiting_light(slot: u32, scatterings: u32) -> vec3f {
 
 // Vertices of the path that have scattered.
 fn path_depth(slot: u32) -> u32 {
-    return paths[PATH_STATE * frame.capacity + slot].z;
-}
-
-// Word `at` of the results of the path's texture program.
-fn result_read(slot: u32, at: u32) -> f32 {
-    return bitcast<f32>(paths[(PATH_RESULTS + at / 4u) * frame.capacity + slot][at % 4u]);
-}
-
-fn result_write(slot: u32, at: u32, value: f32) {
-    paths[(PATH_RESULTS + at / 4u) * frame.capacity + slot][at % 4u] = bitcast<u32>(value);
+    return path_words(PATH_STATE, slot).z;
 }

@@ -1,5 +1,5 @@
-// Compacted lists of path slots, one per kind of work, and the totals for statistics. One buffer, because at most
-// eight storage buffers may be bound. The Rust twin of the layout is in `wave`.
+// Compacted lists of path slots, one per kind of work (`queue_lists.wgsl`), and the totals for statistics. One buffer,
+// because at most eight storage buffers may be bound. The Rust twin of the layout is in `wave`.
 //
 // Word 2k is what producers of queue k have appended, word 2k+1 what its consumers may read; `advance` moves the one
 // to the other between kernels.
@@ -26,44 +26,10 @@ const QUEUE_HEADER = 32u;
 
 @group(0) @binding(3) var<storage, read_write> queues: array<atomic<u32>>;
 
-// The active list is read and written by the same kernel, so it has two halves that swap with each round. The lists of
-// hits have room for one of each path's own ray and one of its shadow ray.
-fn queue_base(queue: u32, half: u32) -> u32 {
-    switch queue {
-        case QUEUE_ACTIVE: { return QUEUE_HEADER + frame.capacity * half; }
-        case QUEUE_SHADOW: { return QUEUE_HEADER + frame.capacity * 2u; }
-        case QUEUE_PROCTEX: { return QUEUE_HEADER + frame.capacity * 3u; }
-        default: { return QUEUE_HEADER + frame.capacity * 5u; }
-    }
-}
-
-fn queue_length(queue: u32) -> u32 {
-    return atomicLoad(&queues[2u * queue + 1u]);
-}
-
-fn round_number() -> u32 {
-    return atomicLoad(&queues[WORD_ROUND]);
-}
-
-fn queue_read(queue: u32, index: u32) -> u32 {
-    return atomicLoad(&queues[queue_base(queue, round_number() & 1u) + index]);
-}
-
-// Appends to the half that the next round reads.
-fn queue_append(queue: u32, entry: u32) {
-    let index = atomicAdd(&queues[2u * queue], 1u);
-    atomicStore(&queues[queue_base(queue, (round_number() + 1u) & 1u) + index], entry);
-}
-
 // Adds to a 64-bit total.
 fn add_total(word: u32, count: u32) {
     let before = atomicAdd(&queues[word], count);
     if (before + count < before) {
         atomicAdd(&queues[word + 1u], 1u);
     }
-}
-
-// Occluded AO rays of the hit of ray `ray`: eight bits for each of four AO tables.
-fn ao_word(ray: u32) -> u32 {
-    return QUEUE_HEADER + frame.capacity * 7u + ray;
 }

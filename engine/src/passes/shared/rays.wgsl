@@ -1,6 +1,5 @@
 // Rays and what they hit: the seam between traversal and everything else.
-// The Rust twin is `wave::RayHit`; a test compares the layouts.
-// Slots [0, capacity) hold the paths' own rays, [capacity, 2 capacity) their shadow rays.
+// The Rust twin is `wave::RayHit`; a test compares the layouts. Where rays lie, `wave_memory.wgsl` says.
 
 struct RayHit {
     origin: vec3f,
@@ -13,8 +12,6 @@ struct RayHit {
 }
 
 const MISS = 0xffffffffu;
-
-@group(0) @binding(1) var<storage, read_write> rays: array<RayHit>;
 
 // The origin of a ray that leaves a surface point towards the side of `normal`, moved by a few ulps so that it
 // can't meet its own surface again (Wächter and Binder, Ray Tracing Gems, chapter 6).

@@ -3,18 +3,12 @@
 // stack serves both. A node is five vec4u:
 //   origin.xyz, exponents and mask of inner children | first child, first primitive, child meta 0-3, 4-7 |
 //   min x 0-3, 4-7, max x 0-3, 4-7 | the same for y | the same for z
+//!include shared/hit.wgsl
 
 @group(0) @binding(10) var<storage, read> nodes: array<vec4u>;
 
 const STACK_SIZE = 32u; // `bvh` refuses deeper trees
 const IN_TOP_LEVEL = 0xffffffffu;
-
-struct Hit {
-    t: f32,
-    barycentrics: vec2f,
-    triangle: u32,
-    instance: u32,
-}
 
 // A direction whose components are never so small that their reciprocal overflows.
 fn safe_direction(d: vec3f) -> vec3f {
@@ -62,16 +56,6 @@ fn intersect_node(node: u32, origin: vec3f, inverse: vec3f, octant4: u32, t_min:
     return vec4u(n1.x, n1.y, mask, n0.w >> 24u);
 }
 
-// True where the surface lets the ray pass at this point: glTF's alpha mask, or a coin toss with its alpha.
-// The coin depends on ray and triangle alone, not on the order of traversal.
-fn is_transparent(triangle: vec4u, index: u32, barycentrics: vec2f, coin: u32) -> bool {
-    let coverage = material_coverage(triangle.w & TRIANGLE_MATERIAL, triangle, barycentric_weights(barycentrics));
-    return f32(hash2(coin, index) >> 8u) * (1.0 / 16777216.0) >= coverage;
-}
-
-// Whether any surface of the scene may be transparent.
-override has_alpha: bool = true;
-
 // The closest hit, or with `any` some hit, between t_min and t_max.
 //
 // Alpha is looked up after traversal, not in its inner loop: there it would cost registers on a GPU, and on a software
@@ -81,7 +65,7 @@ fn trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any: bool, onl
     if (!has_alpha) {
         return trace_surfaces(origin, direction, t_min, t_max, any, only_instance);
     }
-    let coin = hash2(hash2(bitcast<u32>(direction.x), bitcast<u32>(direction.y)), bitcast<u32>(origin.x));
+    let coin = alpha_coin(origin, direction);
     var start = t_min;
     var hit: Hit;
     loop {

@@ -27,7 +27,7 @@ pub fn kernel(gpu: &Gpu, rays: Rays, features: &SceneFeatures) -> Result<Kernel,
     };
     Kernel::new(
         gpu,
-        &Source::of("traverse/traverse.wgsl"),
+        &Source::of("traverse/entry.wgsl"),
         entry,
         Trust::Engine,
         &features.constants(),

@@ -1,14 +1,13 @@
-// Traces the rays of a queue: `traverse_closest` the paths' own rays, `traverse_occlusion` their shadow rays.
+// What the rays of a path meet. `entry.wgsl` is the pass.
 //!include shared/frame.wgsl
 //!include shared/rays.wgsl
 //!include shared/paths.wgsl
-//!include shared/queues.wgsl
 //!include shared/random.wgsl
 //!include shared/vectors.wgsl
 //!include shared/geometry.wgsl
 //!include shared/images.wgsl
 //!include shared/materials.wgsl
-//!include shared/traversal.wgsl
+//!include shared/hit.wgsl
 
 // The cosine between a ray and a triangle's normal in the world.
 fn world_cosine(triangle: vec4u, instance: u32, direction: vec3f) -> f32 {
@@ -20,31 +19,20 @@ fn world_cosine(triangle: vec4u, instance: u32, direction: vec3f) -> f32 {
     return dot(normal, direction) * inverseSqrt(max(dot(normal, normal), 1e-37));
 }
 
-@compute @workgroup_size(64)
-fn traverse_closest(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
-                    @builtin(local_invocation_index) local: u32) {
-    let index = thread_index(workgroup, workgroups, local);
-    if (index >= queue_length(QUEUE_ACTIVE)) {
-        return;
-    }
-    let slot = queue_read(QUEUE_ACTIVE, index);
-    let hit = trace(rays[slot].origin, rays[slot].direction, rays[slot].t_min, rays[slot].t_max, false, MISS);
-    rays[slot].t_max = hit.t;
-    rays[slot].barycentrics = hit.barycentrics;
-    rays[slot].triangle = hit.triangle;
-    rays[slot].instance = hit.instance;
+// The path's own ray, to its closest hit.
+fn find_closest(slot: u32) {
+    let ray = own_ray(slot);
+    let hit = trace(rays[ray].origin, rays[ray].direction, rays[ray].t_min, rays[ray].t_max, false, MISS);
+    rays[ray].t_max = hit.t;
+    rays[ray].barycentrics = hit.barycentrics;
+    rays[ray].triangle = hit.triangle;
+    rays[ray].instance = hit.instance;
 }
 
-@compute @workgroup_size(64)
-fn traverse_occlusion(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
-                      @builtin(local_invocation_index) local: u32) {
-    let index = thread_index(workgroup, workgroups, local);
-    if (index >= queue_length(QUEUE_SHADOW)) {
-        return;
-    }
-    let path = queue_read(QUEUE_SHADOW, index);
-    let slot = frame.capacity + path;
-    var hit = trace(rays[slot].origin, rays[slot].direction, rays[slot].t_min, rays[slot].t_max, true, MISS);
+// Its shadow ray, to any hit.
+fn find_occluder(slot: u32) {
+    let ray = shadow_ray(slot);
+    var hit = trace(rays[ray].origin, rays[ray].direction, rays[ray].t_min, rays[ray].t_max, true, MISS);
     if (has_clear) {
         // Clear walls are filters.
         var passing = vec3f(1.0);
@@ -54,18 +42,18 @@ fn traverse_occlusion(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
             if ((materials[material].flags & MATERIAL_CLEAR) == 0u) {
                 break;
             }
-            let cosine = world_cosine(triangle, hit.instance, rays[slot].direction);
+            let cosine = world_cosine(triangle, hit.instance, rays[ray].direction);
             passing *= clear_transmittance(material, triangle, barycentric_weights(hit.barycentrics), cosine);
-            hit = trace(rays[slot].origin, rays[slot].direction, hit.t, rays[slot].t_max, true, MISS);
+            hit = trace(rays[ray].origin, rays[ray].direction, hit.t, rays[ray].t_max, true, MISS);
         }
-        let light = path_words(PATH_LIGHT, path);
-        path_set_words(PATH_LIGHT, path, vec4u(bitcast<vec3u>(bitcast<vec3f>(light.xyz) * passing), light.w));
+        let light = path_words(PATH_LIGHT, slot);
+        path_set_words(PATH_LIGHT, slot, vec4u(bitcast<vec3u>(bitcast<vec3f>(light.xyz) * passing), light.w));
     }
-    rays[slot].triangle = hit.triangle;
+    rays[ray].triangle = hit.triangle;
     if (hit.triangle != MISS && (triangles[hit.triangle].w & TRIANGLE_PROGRAM_ALPHA) != 0u) {
         // A texture program decides how much passes. Then the ray goes on from here.
-        rays[slot].t_min = hit.t;
-        rays[slot].barycentrics = hit.barycentrics;
-        rays[slot].instance = hit.instance;
+        rays[ray].t_min = hit.t;
+        rays[ray].barycentrics = hit.barycentrics;
+        rays[ray].instance = hit.instance;
     }
 }

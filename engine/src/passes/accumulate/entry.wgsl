@@ -1,0 +1,25 @@
+// Adds the finished paths of a wave to the film. One thread owns a pixel.
+//!include shared/wave_memory.wgsl
+//!include accumulate/accumulate.wgsl
+
+@compute @workgroup_size(64)
+fn accumulate(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+              @builtin(local_invocation_index) local: u32) {
+    let first = thread_index(workgroup, workgroups, local);
+    if (first >= min(frame.wave_size, frame.padded_pixels)) {
+        return;
+    }
+    let pixel = pixel_coordinates(path_id(first).pixel);
+    if (!is_rendered(pixel)) {
+        return;
+    }
+    let at = pixel.y * frame.width + pixel.x;
+    var sums = sums_read(at);
+    for (var slot = first; slot < frame.wave_size; slot += frame.padded_pixels) {
+        if (path_id(slot).sample >= frame.sample_limit) {
+            break;
+        }
+        add_sample(&sums, slot);
+    }
+    sums_write(at, sums);
+}
