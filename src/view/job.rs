@@ -46,7 +46,7 @@ impl ViewJob {
             None => None,
             Some(path) => {
                 let inputs = [args.scene.as_ref(), args.look.as_ref()];
-                refuse_overwriting([&path], inputs.into_iter().flatten())?;
+                refuse_overwriting(std::iter::once(&path), inputs.into_iter().flatten())?;
                 let output = parse_output(path)?;
                 if output.format == Format::Exr {
                     return Err(UsageError::Extension { path: output.path });
