@@ -278,14 +278,14 @@ fn regions_are_dragged_and_given_up() {
 #[test]
 fn channels_and_cameras_are_chosen_from_lists() {
     let mut stage = Stage::new();
-    stage.click("Picture");
+    stage.click("Channel");
     stage.click("Error");
     let chosen = stage.sent();
     assert!(
         matches!(&chosen[..], [Command::Display(d)] if d.channel == Channel::Error),
         "{chosen:?}"
     );
-    stage.click("Standard");
+    stage.click("View transform");
     stage.click("Filmic");
     let chosen = stage.sent();
     assert!(

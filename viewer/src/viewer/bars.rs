@@ -75,6 +75,7 @@ impl Viewer {
                 ui.selectable_value(value, choice, format!("1:{choice}"));
             }
         });
+        name(&shown.response, "Coarseness");
         let hint = "pixels of the picture per pixel of the screen, along a side";
         shown.response.on_hover_text(hint);
     }
@@ -175,6 +176,7 @@ fn display_settings(ui: &mut Ui, display: &mut DisplaySettings) {
             ui.selectable_value(&mut display.view, view, view.name());
         }
     });
+    name(&shown.response, "View transform");
     let hint = "view transform: how radiance becomes what a screen shows";
     shown.response.on_hover_text(hint);
     let channels = ComboBox::from_id_salt("channel")
@@ -185,6 +187,7 @@ fn display_settings(ui: &mut Ui, display: &mut DisplaySettings) {
             ui.selectable_value(&mut display.channel, channel, channel.name());
         }
     });
+    name(&shown.response, "Channel");
     shown
         .response
         .on_hover_text("channel: what of the picture is shown");
