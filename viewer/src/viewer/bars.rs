@@ -75,7 +75,7 @@ impl Viewer {
                 ui.selectable_value(value, choice, format!("1:{choice}"));
             }
         });
-        name(&shown.response, "Coarseness");
+        call(&shown.response, "Coarseness");
         let hint = "pixels of the picture per pixel of the screen, along a side";
         shown.response.on_hover_text(hint);
     }
@@ -176,7 +176,7 @@ fn display_settings(ui: &mut Ui, display: &mut DisplaySettings) {
             ui.selectable_value(&mut display.view, view, view.name());
         }
     });
-    name(&shown.response, "View transform");
+    call(&shown.response, "View transform");
     let hint = "view transform: how radiance becomes what a screen shows";
     shown.response.on_hover_text(hint);
     let channels = ComboBox::from_id_salt("channel")
@@ -187,10 +187,16 @@ fn display_settings(ui: &mut Ui, display: &mut DisplaySettings) {
             ui.selectable_value(&mut display.channel, channel, channel.name());
         }
     });
-    name(&shown.response, "Channel");
+    call(&shown.response, "Channel");
     shown
         .response
         .on_hover_text("channel: what of the picture is shown");
+}
+
+/// Gives a list the name by which assistive technology finds it, and so do tests.
+fn call(list: &egui::Response, name: &str) {
+    list.ctx
+        .accesskit_node_builder(list.id, |node| node.set_label(name));
 }
 
 fn progress(status: &Status) -> String {
