@@ -105,7 +105,7 @@ pub(crate) fn write(output: &Output, picture: &Picture, exposure: f32) -> Result
 /// written.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub(crate) fn write_shown(
     output: &Output,
     [width, height]: [u32; 2],
