@@ -112,6 +112,28 @@ pub(crate) enum Command {
     },
 }
 
+/// Flags that `render`, `watch` and `view` share.
+#[derive(Debug, clap::Args)]
+pub(crate) struct CommonArgs {
+    /// At most N surface points scatter light along a path; 1 is direct light only.
+    #[arg(long, value_name = "N", default_value = "9")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) max_depth: String,
+
+    /// Seed of the random numbers; the same seed gives the same noise.
+    #[arg(long, value_name = "N", default_value = "0")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) seed: String,
+
+    /// Device by number or by part of its name, as `patina devices` lists them.
+    #[arg(long, value_name = "NAME|N")]
+    pub(crate) device: Option<String>,
+
+    /// Folder with user textures (.wgsl). May be given several times; searched before the standard ones.
+    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
+    pub(crate) texture_dirs: Vec<PathBuf>,
+}
+
 /// Flags of `patina render`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RenderArgs {
@@ -148,11 +170,6 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "NAME")]
     pub(crate) camera: Option<String>,
 
-    /// At most N surface points scatter light along a path; 1 is direct light only.
-    #[arg(long, value_name = "N", default_value = "9")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) max_depth: String,
-
     /// How a pixel weighs the light around its centre: box, gaussian, blackman-harris or mitchell.
     #[arg(long, value_name = "NAME", default_value = "box")]
     pub(crate) filter: String,
@@ -185,18 +202,9 @@ pub(crate) struct RenderArgs {
     #[arg(long)]
     pub(crate) no_energy_compensation: bool,
 
-    /// Seed of the random numbers; the same seed gives the same noise.
-    #[arg(long, value_name = "N", default_value = "0")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) seed: String,
-
-    /// Device by number or by part of its name, as `patina devices` lists them.
-    #[arg(long, value_name = "NAME|N")]
-    pub(crate) device: Option<String>,
-
-    /// Folder with user textures (.wgsl). May be given several times; searched before the standard ones.
-    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
-    pub(crate) texture_dirs: Vec<PathBuf>,
+    /// What all renders can choose.
+    #[command(flatten)]
+    pub(crate) common: CommonArgs,
 
     /// Brightness of PNG and JPEG files in stops: +1 is twice as bright. EXR files keep the radiance as it is.
     #[arg(long, value_name = "STOPS", default_value = "0")]

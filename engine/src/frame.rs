@@ -221,4 +221,14 @@ impl Frame {
             sobol: sobol::nibbles(),
         }
     }
+
+    /// Sets what a wave renders: `paths` paths of a picture whose first `position` ones are done, sample after sample from
+    /// `first_sample` on, until each pixel has `spp`.
+    pub fn set_wave(&mut self, position: u64, paths: u32, first_sample: u32, spp: u32) {
+        let padded = u64::from(self.padded_pixels);
+        self.first_pixel = (position % padded) as u32;
+        self.first_sample = first_sample + (position / padded) as u32;
+        self.wave_size = paths;
+        self.sample_limit = first_sample + spp;
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::ArgAction;
+use crate::args::CommonArgs;
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -36,23 +36,9 @@ pub(crate) struct ViewArgs {
     #[arg(long, value_name = "NAME", requires = "scene")]
     pub(crate) camera: Option<String>,
 
-    /// At most N surface points scatter light along a path; 1 is direct light only.
-    #[arg(long, value_name = "N", default_value = "9")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) max_depth: String,
-
-    /// Seed of the random numbers.
-    #[arg(long, value_name = "N", default_value = "0")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) seed: String,
-
-    /// Device by number or by part of its name, as `patina devices` lists them.
-    #[arg(long, value_name = "NAME|N")]
-    pub(crate) device: Option<String>,
-
-    /// Folder with user textures (.wgsl). May be given several times; searched before the standard ones.
-    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
-    pub(crate) texture_dirs: Vec<PathBuf>,
+    /// What all renders can choose.
+    #[command(flatten)]
+    pub(crate) common: CommonArgs,
 
     /// Write a picture of the window (.png or .jpg) and close it.
     #[arg(long, value_name = "FILE")]

@@ -41,7 +41,9 @@ impl ViewJob {
     /// The first flag that makes no sense.
     pub(crate) fn from_args(args: ViewArgs) -> Result<Self, UsageError> {
         let spp = parse_number("--spp", &args.spp, 1, MAX_SPP)?;
-        let screenshot_spp = parse_number("--screenshot-spp", &args.screenshot_spp, 1, spp)?;
+        let screenshot_spp = parse_number("--screenshot-spp", &args.screenshot_spp, 1, MAX_SPP)?;
+        // A picture that is done waits for no more samples.
+        let screenshot_spp = screenshot_spp.min(spp);
         let screenshot = match args.screenshot {
             None => None,
             Some(path) => {
@@ -59,10 +61,10 @@ impl ViewJob {
             look: args.look,
             spp,
             camera: args.camera,
-            max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
-            seed: parse_number("--seed", &args.seed, 0, u32::MAX)?,
-            device: parse_device(args.device.as_deref())?,
-            texture_dirs: args.texture_dirs,
+            max_depth: parse_number("--max-depth", &args.common.max_depth, 1, MAX_DEPTH)?,
+            seed: parse_number("--seed", &args.common.seed, 0, u32::MAX)?,
+            device: parse_device(args.common.device.as_deref())?,
+            texture_dirs: args.common.texture_dirs,
             screenshot,
         })
     }

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::ArgAction;
 
+use crate::args::CommonArgs;
+
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   Write a texture with the picture in view, in any viewer that notices a new file:
@@ -45,23 +47,9 @@ pub(crate) struct WatchArgs {
     #[arg(long, value_name = "NAME")]
     pub(crate) camera: Option<String>,
 
-    /// At most N surface points scatter light along a path; 1 is direct light only.
-    #[arg(long, value_name = "N", default_value = "9")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) max_depth: String,
-
-    /// Seed of the random numbers.
-    #[arg(long, value_name = "N", default_value = "0")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) seed: String,
-
-    /// Device by number or by part of its name, as `patina devices` lists them.
-    #[arg(long, value_name = "NAME|N")]
-    pub(crate) device: Option<String>,
-
-    /// Folder with user textures (.wgsl). May be given several times; searched before the standard ones.
-    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
-    pub(crate) texture_dirs: Vec<PathBuf>,
+    /// What all renders can choose.
+    #[command(flatten)]
+    pub(crate) common: CommonArgs,
 
     /// Brightness of PNG and JPEG files in stops.
     #[arg(long, value_name = "STOPS", default_value = "0")]

@@ -8,6 +8,9 @@ const MOVING: Duration = Duration::from_millis(150);
 /// Most that sides are divided by while moving.
 const COARSEST: u32 = 8;
 
+/// What a processor is thought to take for a path until it has been measured. Others are fast enough for any guess.
+const SECONDS_ON_CPU: f64 = 2e-5;
+
 /// What was measured.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Pace {
@@ -15,6 +18,13 @@ pub struct Pace {
 }
 
 impl Pace {
+    /// Before anything is measured.
+    pub fn of(is_cpu: bool) -> Self {
+        Self {
+            seconds_per_path: is_cpu.then_some(SECONDS_ON_CPU),
+        }
+    }
+
     /// So many camera paths took so long.
     pub fn note(&mut self, paths: u64, took: Duration) {
         if paths == 0 {
@@ -57,6 +67,8 @@ mod tests {
     fn slow_devices_get_smaller_pictures_while_moving() {
         let mut pace = Pace::default();
         assert_eq!(pace.moving_size([640, 360]), [640, 360]);
+        assert_eq!(Pace::of(false).moving_size([640, 360]), [640, 360]);
+        assert!(Pace::of(true).moving_size([640, 360])[0] < 160);
         // 100,000 paths per second: 2.3 s for all pixels, a sixteenth of them in time.
         pace.note(100_000, Duration::from_secs(1));
         let [width, height] = pace.moving_size([640, 360]);

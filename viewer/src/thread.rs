@@ -75,7 +75,9 @@ impl RenderThread {
             .name("render".to_owned())
             .stack_size(STACK_BYTES)
             .spawn(move || {
-                let size = Arc::new(Mutex::new(options.size));
+                let full = options.size;
+                let size = Arc::new(Mutex::new(full));
+                let pace = Pace::of(gpu.is_cpu());
                 let mut render = Render {
                     gpu,
                     options,
@@ -91,9 +93,10 @@ impl RenderThread {
                     pending: Pending::default(),
                     motion: None,
                     is_moving: false,
+                    full,
                     region: None,
                     before: None,
-                    pace: Pace::default(),
+                    pace,
                     run: Run::default(),
                     is_stale: false,
                     failures: 0,
@@ -131,6 +134,8 @@ struct Render {
     motion: Option<Instant>,
     /// The picture is a small one, because something moves.
     is_moving: bool,
+    /// Pixels of the picture while nothing moves, as the last turn had them.
+    full: [u32; 2],
     region: Option<[f32; 4]>,
     before: Option<DeviceFilm>,
     pace: Pace,
@@ -238,6 +243,8 @@ impl Render {
                 self.live = Some(live);
                 self.run = Run::default();
                 self.run.cause = Some(Instant::now());
+                // The first picture comes soon, too.
+                self.motion = self.run.cause;
                 self.before = None;
                 self.region = None;
                 self.pending = Pending::default();
@@ -366,13 +373,19 @@ impl Render {
     /// A small picture while something moves, the whole one when nothing does.
     fn fit_size(&mut self) -> Result<(), LiveError> {
         let full = *lock_size(&self.size);
-        let Some(live) = &mut self.live else {
-            return Ok(());
-        };
-        self.is_moving = self.motion.is_some_and(|motion| motion.elapsed() < STILL);
+        // What has begun small is seen small first, however long a driver compiles before.
+        let is_awaited = self.is_moving && !self.run.is_seen && self.has_work();
+        self.is_moving = is_awaited || self.motion.is_some_and(|motion| motion.elapsed() < STILL);
+        // Another size would begin it anew.
+        let keeps_size = is_awaited && full == self.full;
+        self.full = full;
         let size = match self.is_moving {
+            true if keeps_size => self.picture_size(),
             true => self.pace.moving_size(full),
             false => full,
+        };
+        let Some(live) = &mut self.live else {
+            return Ok(());
         };
         live.set_longest_wave(match (self.gpu.is_cpu(), self.is_moving) {
             (false, _) => GPU_WAVE,

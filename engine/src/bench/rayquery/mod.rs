@@ -108,10 +108,8 @@ impl RayQueryRenderer {
         while self.position < total {
             let start = Instant::now();
             let wave = u64::from(self.wave_size).min(total - self.position);
-            self.frame.first_pixel = (self.position % padded) as u32;
-            self.frame.first_sample = first + (self.position / padded) as u32;
-            self.frame.wave_size = wave as u32;
-            self.frame.sample_limit = first + target_spp;
+            let frame = &mut self.frame;
+            frame.set_wave(self.position, wave as u32, first, target_spp);
             let frame = self.resources.buffer("frame");
             let queue = self.gpu.queue();
             queue.write_buffer(frame, 0, bytemuck::bytes_of(&self.frame));
