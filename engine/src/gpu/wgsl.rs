@@ -114,6 +114,7 @@ const FILES: &[(&str, &str)] = files![
     "accumulate/entry.wgsl",
     "advance/advance.wgsl",
     "ao/ao.wgsl",
+    "ao/packet.wgsl",
     "brdf/brdf.wgsl",
     "brdf/entry.wgsl",
     "classify/classify.wgsl",

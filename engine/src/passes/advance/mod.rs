@@ -34,6 +34,6 @@ pub fn kernel(gpu: &Gpu, after: After) -> Result<Kernel, GpuError> {
         &Source::of("advance/advance.wgsl"),
         entry,
         Trust::Engine,
-        &[ao::rays_per_thread(gpu)],
+        &[ao::thread_per_hit(gpu)],
     )
 }

@@ -1,5 +1,5 @@
-// Ambient occlusion for the hits whose texture program reads it: all rays of all hits at once, one or a few of a hit in
-// each thread. Each occluded ray adds one to its table's eight bits of the slot's word.
+// Ambient occlusion for the hits whose texture program reads it: all rays of all hits at once, each in a thread of its own,
+// or all of a hit in one. Each occluded ray adds one to its table's eight bits of the slot's word.
 //!include shared/wave_memory.wgsl
 //!include shared/queue_lists.wgsl
 //!include shared/random.wgsl
@@ -9,6 +9,7 @@
 //!include shared/surface.wgsl
 //!include shared/traversal.wgsl
 //!include shared/occlusion.wgsl
+//!include ao/packet.wgsl
 
 @compute @workgroup_size(64)
 fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
@@ -16,7 +17,7 @@ fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgrou
     let index = thread_index(workgroup, workgroups, local);
     let threads = ao_threads();
     let entry_index = index / threads;
-    let first = index % threads * ao_rays_per_thread;
+    let sample = index % threads;
     if (entry_index >= queue_length(QUEUE_AO)) {
         return;
     }
@@ -39,18 +40,19 @@ fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgrou
         let count = ao_tables[i].samples;
         asked += count;
         let site = occlusion_site(s, hit.instance, path, purpose, i);
-        var occluded = 0u;
-        for (var sample = first; sample < min(first + ao_rays_per_thread, count); sample++) {
-            let traced = occlusion(site, sample);
-            occluded += traced.occluded;
-            free += 1u - traced.traced;
+        var traced = Occlusion(0u, 0u);
+        if (ao_thread_per_hit) {
+            traced = occlusion_in_packets(site, count);
+        } else if (sample < count) {
+            traced = occlusion(site, sample);
         }
-        if (occluded != 0u) {
-            atomicAdd(&queues[ao_word(ray)], occluded << (8u * i));
+        free += traced.free;
+        if (traced.occluded != 0u) {
+            atomicAdd(&queues[ao_word(ray)], traced.occluded << (8u * i));
         }
     }
     // One atomic for all rays of a hit: one for each ray took longer than some rays.
-    if (first == 0u) {
+    if (sample == 0u) {
         add_total(WORD_AO_RAYS, asked);
     }
     if (free != 0u) {

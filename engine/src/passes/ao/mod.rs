@@ -7,13 +7,11 @@ use crate::gpu::{
 };
 use crate::gpu_scene::SceneFeatures;
 
-/// The override constant that says how many of a hit's rays a thread traces, for this kernel and the one that sizes its
-/// dispatch. A graphics card needs many threads. A processor has enough of them in the hits alone: there one thread
-/// traces all rays of a hit, so that the hit is looked up once and its rays' lengths even out over the lanes of a
-/// vector.
-pub(super) fn rays_per_thread(gpu: &Gpu) -> (&'static str, f64) {
-    let rays = if gpu.is_cpu() { 256 } else { 1 };
-    ("ao_rays_per_thread", f64::from(rays))
+/// The override constant that says whether a thread traces all rays of a hit, for this kernel and the one that sizes its
+/// dispatch. A graphics card needs many threads, one for each ray. A processor has enough of them in the hits alone: there
+/// one thread traces all rays of a hit, in packets of four (`packet.wgsl`).
+pub(super) fn thread_per_hit(gpu: &Gpu) -> (&'static str, f64) {
+    ("ao_thread_per_hit", f64::from(u8::from(gpu.is_cpu())))
 }
 
 /// Compiles the kernel for what the scene uses.
@@ -26,6 +24,6 @@ pub fn kernel(gpu: &Gpu, features: &SceneFeatures) -> Result<Kernel, GpuError> {
         &Source::of("ao/ao.wgsl"),
         "ao",
         Trust::Engine,
-        &[&features.constants()[..], &[rays_per_thread(gpu)]].concat(),
+        &[&features.constants()[..], &[thread_per_hit(gpu)]].concat(),
     )
 }

@@ -13,14 +13,17 @@ const AO_BOTH = 2u; // every other ray goes inside
 
 @group(0) @binding(33) var<uniform> ao_tables: array<AoTable, 4>;
 
-// Rays of a table that one thread traces for a hit.
-override ao_rays_per_thread: u32 = 1u;
+// Whether one thread traces all rays of a hit, in packets, or each thread one.
+override ao_thread_per_hit: bool = false;
 
 // Threads that a hit's rays need.
 fn ao_threads() -> u32 {
-    var samples = 0u;
+    if (ao_thread_per_hit) {
+        return 1u;
+    }
+    var samples = 1u;
     for (var i = 0u; i < 4u; i++) {
         samples = max(samples, ao_tables[i].samples);
     }
-    return max((samples + ao_rays_per_thread - 1u) / ao_rays_per_thread, 1u);
+    return samples;
 }

@@ -24,13 +24,14 @@ fn occlusion_site(s: Surface, instance: u32, path: PathId, purpose: u32, index: 
         hash2(path.pixel ^ frame.seed, purpose + index));
 }
 
-struct Occlusion {
-    traced: u32, // 1: a ray was traced
-    occluded: u32, // 1: and it hit something
+struct OcclusionRay {
+    origin: vec3f,
+    direction: vec3f,
+    is_free: bool, // under the surface because the shading normal leans: counts as free and isn't traced
 }
 
 // Ray `sample` of a site.
-fn occlusion(at: OcclusionSite, sample: u32) -> Occlusion {
+fn occlusion_ray(at: OcclusionSite, sample: u32) -> OcclusionRay {
     // Consecutive points of one sequence: well spread within a hit and over the samples of a pixel.
     let u = sobol2(at.first + sample, at.stream);
     let radius = sqrt(u.x);
@@ -42,11 +43,20 @@ fn occlusion(at: OcclusionSite, sample: u32) -> Occlusion {
         direction = -direction;
         normal = -normal;
     }
-    if (dot(direction, normal) <= 0.0) {
-        // Under the surface because the shading normal leans: counts as free.
-        return Occlusion(0u, 0u);
+    return OcclusionRay(offset_origin(at.position, normal), direction, dot(direction, normal) <= 0.0);
+}
+
+struct Occlusion {
+    occluded: u32, // rays that hit something
+    free: u32, // rays that were not traced
+}
+
+// Traces ray `sample` of a site.
+fn occlusion(at: OcclusionSite, sample: u32) -> Occlusion {
+    let ray = occlusion_ray(at, sample);
+    if (ray.is_free) {
+        return Occlusion(0u, 1u);
     }
-    let origin = offset_origin(at.position, normal);
-    let occluder = trace(origin, direction, 0.0, at.table.distance, true, at.only_instance);
-    return Occlusion(1u, select(0u, 1u, occluder.triangle != MISS));
+    let occluder = trace(ray.origin, ray.direction, 0.0, at.table.distance, true, at.only_instance);
+    return Occlusion(select(0u, 1u, occluder.triangle != MISS), 0u);
 }
