@@ -3,7 +3,7 @@
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use engine::bench::sweeps::SweepReport;
-use engine::bench::textures::{Absent, TextureResult};
+use engine::bench::textures::Absent;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::console;
@@ -65,9 +65,10 @@ pub(super) fn html(figures: &Figures) -> Result<String, PageError> {
                 }
                 @for ao_rays in figures.ao_rays() {
                     h2 { (ao_rays) " rays of ambient occlusion per hit" }
-                    (results(figures.results.iter().filter(|row| row.ao_rays == ao_rays)))
+                    (results(figures, ao_rays))
                 }
                 (absent(&figures.absent))
+                (statistics(figures))
                 p.note {
                     "Private memory is what the kernel’s own variables take for each thread, by their types. Builds are "
                     "from a changed source to the first image, less a usual image: cold is a text that no cache knows, warm "
@@ -133,27 +134,38 @@ fn facts(figures: &Figures) -> Markup {
     }
 }
 
-fn results<'a>(rows: impl Iterator<Item = &'a TextureResult>) -> Markup {
+fn results(figures: &Figures, ao_rays: u32) -> Markup {
+    let rows = || figures.results.iter().filter(|row| row.ao_rays == ao_rays);
+    // Without a driver that tells, the columns would be empty.
+    let is_told = rows().any(|row| row.registers.is_some());
+    let figure = |known: Option<f64>| known.map_or("–".to_owned(), value);
     html! {
         div.scroll {
             table {
                 thead {
                     tr {
                         th.name { "form" } th.name { "texture" } th { "ms per sample" } th { "over gray" }
-                        th { "private, bytes" } th { "build cold, ms" } th { "build warm, ms" }
+                        th { "private, bytes" }
+                        @if is_told { th { "registers" } th { "stack, bytes" } th { "spills" } }
+                        th { "build cold, ms" } th { "build warm, ms" }
                         th { "edit, ms" } th { "source edit, ms" } th { "pipelines" }
                     }
                 }
                 tbody {
-                    @for row in rows {
+                    @for row in rows() {
                         tr {
                             td.name { (row.mode) } td.name { (row.texture) }
                             td { (milliseconds(&row.ms_per_spp)) }
                             @if row.texture == "gray" {
-                                @for _ in 0..7 { td { "–" } }
+                                @for _ in 0..(if is_told { 10 } else { 7 }) { td { "–" } }
                             } @else {
                                 td { (percent(&row.increase)) }
                                 td { (row.private_bytes) }
+                                @if is_told {
+                                    td { (figure(row.registers)) }
+                                    td { (figure(row.stack_bytes)) }
+                                    td { (figure(row.spills)) }
+                                }
                                 td { (format!("{:.1}", row.build_ms_cold)) }
                                 td { (format!("{:.1}", row.build_ms_warm)) }
                                 td { (format!("{:.1}", row.edit_ms)) }
@@ -164,6 +176,20 @@ fn results<'a>(rows: impl Iterator<Item = &'a TextureResult>) -> Markup {
                     }
                 }
             }
+        }
+    }
+}
+
+/// Who told registers, or why nobody did.
+fn statistics(figures: &Figures) -> Markup {
+    html! {
+        @if let Some(device) = &figures.statistics_device {
+            p.note {
+                "Registers, stack and spills of the kernel with the textures in it: what the driver of " (device) " says."
+            }
+        }
+        @if let Some(reason) = &figures.statistics_absent {
+            p.note { "Registers are not known: " (reason) }
         }
     }
 }

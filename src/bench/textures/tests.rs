@@ -156,6 +156,26 @@ fn the_page_is_well_formed_and_needs_no_other_file() {
 }
 
 #[test]
+fn what_a_driver_tells_of_kernels_has_columns_where_it_does() {
+    let mut figures = figures();
+    let page = page::html(&figures).expect("it is written");
+    assert!(!page.contains(">registers<"));
+    figures.statistics_device = Some("A <driver>".to_owned());
+    figures.results[1].registers = Some(128.0);
+    figures.results[1].stack_bytes = Some(640.0);
+    figures.results[1].spills = Some(0.5);
+    let page = page::html(&figures).expect("it is written");
+    check_tags(&page);
+    for text in [">registers<", ">128<", ">640<", ">0.5<", "A &lt;driver&gt;"] {
+        assert!(page.contains(text), "{text}");
+    }
+    figures.statistics_device = None;
+    figures.statistics_absent = Some("it says nothing".to_owned());
+    let page = page::html(&figures).expect("it is written");
+    assert!(page.contains("it says nothing"));
+}
+
+#[test]
 fn every_figure_is_in_the_page() {
     let figures = figures();
     let page = page::html(&figures).expect("it is written");
