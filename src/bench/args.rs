@@ -110,9 +110,10 @@ pub(crate) struct TexturesArgs {
     )]
     pub(crate) insert: Option<PathBuf>,
 
-    /// What is compared: stack, inlined, and rayquery where the device has ray queries.
-    #[arg(long, value_name = "LIST", default_value = "stack,inlined")]
-    pub(crate) modes: String,
+    /// What is compared: stack, inlined, rayquery. All by default; on a software driver, which needs minutes to compile
+    /// a kernel of the last one, the first two.
+    #[arg(long, value_name = "LIST")]
+    pub(crate) modes: Option<String>,
 
     /// Rays of ambient occlusion at a hit: one table for each number.
     #[arg(

@@ -63,8 +63,8 @@ pub(crate) struct TexturesJob {
     pub(crate) scene: Option<(PathBuf, Model)>,
     /// A look for it.
     pub(crate) look: Option<PathBuf>,
-    /// Forms of the kernel.
-    pub(crate) forms: Vec<Form>,
+    /// Forms of the kernel; those that suit the device if none were named.
+    pub(crate) forms: Option<Vec<Form>>,
     /// Rays of ambient occlusion, a table each.
     pub(crate) ao_rays: Vec<u32>,
     /// Another device whose driver is asked about kernels.
@@ -208,9 +208,12 @@ impl TexturesJob {
             (Some(path), None, None) => return Err(UsageError::Untextured { path }),
         };
         Ok(Self {
-            forms: parse_list(&args.modes, |word| {
-                parse_word("--modes", word, Form::ALL, Form::name)
-            })?,
+            forms: match args.modes.as_deref() {
+                None => None,
+                Some(list) => Some(parse_list(list, |word| {
+                    parse_word("--modes", word, Form::ALL, Form::name)
+                })?),
+            },
             ao_rays: parse_list(&args.ao_rays, |word| {
                 parse_number("--ao-rays", word, 1, 255)
             })?,

@@ -9,7 +9,7 @@ mod paper;
 use std::io::Write as _;
 
 use engine::bench::forms::Form;
-use engine::bench::textures::{self as bench, MODEL, Setup};
+use engine::bench::textures::{self as bench, Absent, MODEL, Setup};
 use engine::bench::{coverage, insert, scenes, sweeps};
 use engine::gpu::Gpu;
 use engine::load;
@@ -62,11 +62,7 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     let folders = library::texture_dirs(&job.effort.texture_dirs, None)?;
     let sources = TextureSources::scan(&folders).map_err(Failure::because)?;
     let subject = prepare(job, &folders, &bar)?;
-    let gpu = match job.forms.contains(&Form::RayQuery) {
-        true => Gpu::with_ray_queries(&job.effort.device),
-        false => Gpu::new(&job.effort.device),
-    };
-    let gpu = gpu.map_err(Failure::because)?;
+    let (gpu, forms, left_out) = open(job)?;
     let usual = match gpu.is_cpu() {
         true => USUAL_ON_CPU,
         false => USUAL_ON_GPU,
@@ -83,7 +79,7 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
         spp: amount.spp,
         runs: amount.runs,
         ao_rays: &job.ao_rays,
-        forms: &job.forms,
+        forms: &forms,
         statistics_device: job.statistics_device.as_deref(),
     };
     bar.stage("measuring");
@@ -106,7 +102,7 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
         material: subject.material,
         coverage,
         results: compared.results,
-        absent: compared.absent,
+        absent: compared.absent.into_iter().chain(left_out).collect(),
         statistics_device: compared.statistics_device,
         statistics_absent: compared.statistics_absent,
         sweeps: swept,
@@ -125,6 +121,34 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
         console::print(&format!("wrote {}", report.path.display()));
     }
     Ok(())
+}
+
+/// Opens the device. If no forms were named they are all of them, but on a software driver not the one that such drivers
+/// compile for minutes; that it is left out is said.
+fn open(job: &TexturesJob) -> Result<(Gpu, Vec<Form>, Option<Absent>), Failure> {
+    let device = &job.effort.device;
+    let open = |forms: &[Form]| match forms.contains(&Form::RayQuery) {
+        true => Gpu::with_ray_queries(device).map_err(Failure::because),
+        false => Gpu::new(device).map_err(Failure::because),
+    };
+    if let Some(forms) = &job.forms {
+        return Ok((open(forms)?, forms.clone(), None));
+    }
+    let all = Form::ALL.to_vec();
+    let gpu = open(&all)?;
+    if !gpu.is_cpu() {
+        return Ok((gpu, all, None));
+    }
+    let absent = Absent {
+        mode: Form::RayQuery.name(),
+        reason: match gpu.has_ray_queries() {
+            true => "a software driver compiles its kernels for minutes; `--modes rayquery` measures it nevertheless",
+            false => "the device has no ray queries",
+        }
+        .to_owned(),
+    };
+    let few = vec![Form::Stack, Form::Inlined];
+    Ok((open(&few)?, few, Some(absent)))
 }
 
 /// Loads the scene, or builds it, and finds what is to be textured.
