@@ -174,22 +174,18 @@ impl Document {
     /// # Errors
     /// With them the text would be no look: says why. Nothing has changed then.
     pub fn apply(&mut self, label: &str, edits: &[Edit], group: Option<u64>) -> Result<(), String> {
-        let written = edits.iter().try_for_each(|edit| match edit {
-            Edit::Set {
-                section,
-                key,
-                value,
-            } => self.document.set(section, key, value),
-            Edit::Clear { section, key } => {
-                self.document.remove(section, key);
-                Ok(())
-            }
-            Edit::Remove { section } => {
-                self.document.remove_table(section);
-                Ok(())
-            }
-        });
-        let checked = written.and_then(|()| {
+        self.change(label, group, edits, |document| write(document, edits))
+    }
+
+    /// Changes the text as one step. `told` is what the renderer may be told of it, if that is all.
+    pub(crate) fn change(
+        &mut self,
+        label: &str,
+        group: Option<u64>,
+        told: &[Edit],
+        change: impl FnOnce(&mut LookDocument) -> Result<(), String>,
+    ) -> Result<(), String> {
+        let checked = change(&mut self.document).and_then(|()| {
             let text = self.document.text();
             let look = Look::parse(&self.path, &text).map_err(|p| messages(&p))?;
             Ok((text, look))
@@ -200,7 +196,7 @@ impl Document {
                     self.text = text;
                     self.look = look;
                     self.remember(label, patch, group);
-                    self.tell(edits);
+                    self.tell(told);
                 }
                 Ok(())
             }
@@ -340,6 +336,25 @@ impl Document {
             self.look = look;
         }
     }
+}
+
+/// Edits a text, one after the other.
+pub(crate) fn write(document: &mut LookDocument, edits: &[Edit]) -> Result<(), String> {
+    edits.iter().try_for_each(|edit| match edit {
+        Edit::Set {
+            section,
+            key,
+            value,
+        } => document.set(section, key, value),
+        Edit::Clear { section, key } => {
+            document.remove(section, key);
+            Ok(())
+        }
+        Edit::Remove { section } => {
+            document.remove_table(section);
+            Ok(())
+        }
+    })
 }
 
 /// What diagnostics say, on one line.

@@ -6,6 +6,7 @@ use engine::scene::look::{Section, Value};
 use texgen::Swizzle;
 
 use crate::Document;
+use crate::context::Context;
 use crate::model::{Model, Target};
 
 /// `node` or `node.xyz`, as a look writes a link.
@@ -115,6 +116,44 @@ pub(crate) fn make_blend(material: &str, over: &str) -> Vec<Edit> {
         Edit::set(section(), "blend.over", text(over)),
         Edit::set(section(), "blend.mask", Value::number(0.0)),
     ]
+}
+
+/// Takes away the materials that only the look has and that nothing uses any more once `material` is a blend of
+/// `sides`: the look may not have them then.
+pub(crate) fn remove_unused(cx: &Context<'_>, material: &str, sides: &[&str]) -> Vec<Edit> {
+    let names = cx.document.look().materials.iter();
+    let names: Vec<&str> = names.map(|table| table.name.value.as_str()).collect();
+    let used = |sides_of: &dyn Fn(&str) -> Vec<String>| {
+        let own = names.iter().filter(|name| cx.is_own(name));
+        let mut used: Vec<String> = own.map(|&name| name.to_owned()).collect();
+        let mut next = 0;
+        while let Some(name) = used.get(next).cloned() {
+            for side in sides_of(&name) {
+                if !used.contains(&side) {
+                    used.push(side);
+                }
+            }
+            next += 1;
+        }
+        used
+    };
+    let written = |name: &str| -> Vec<String> {
+        let sides = cx.model.sides(name).into_iter().flatten();
+        sides.map(str::to_owned).collect()
+    };
+    let before = used(&written);
+    let after = used(&|name| match name == material {
+        true => sides.iter().map(|&side| side.to_owned()).collect(),
+        false => written(name),
+    });
+    let gone = names.iter().filter(|&&name| {
+        let has = |used: &[String]| used.iter().any(|other| other == name);
+        !cx.is_own(name) && has(&before) && !has(&after)
+    });
+    let gone = gone.map(|name| Edit::Remove {
+        section: Section::Material((*name).to_owned()),
+    });
+    gone.collect()
 }
 
 /// A name that no node has: `wanted`, or with a number behind it. Other characters than names may have become `_`.

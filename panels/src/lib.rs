@@ -4,10 +4,13 @@
 //! owns the window shows the panel each frame and then brings [`Document::take_changes`] to the renderer with
 //! [`Change::send`]. Nothing here opens windows, files (but looks and images) or event loops.
 
+mod context;
 mod document;
 mod edits;
 mod graph;
+mod library;
 mod light;
+mod links;
 mod list;
 mod material;
 mod model;
@@ -16,6 +19,7 @@ mod patch;
 mod preview;
 #[cfg(test)]
 mod random_tests;
+mod rename;
 mod textures;
 mod widgets;
 

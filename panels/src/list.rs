@@ -5,11 +5,12 @@ use engine::live::{Edit, written};
 use engine::scene::look::{Section, Value};
 use texgen::{BuiltinAttribute, Parameter, Widget};
 
+use crate::context::Context;
 use crate::edits;
+use crate::links::driven;
 use crate::material::{KEYS, Key, Takes};
 use crate::model::Target;
-use crate::panel::Context;
-use crate::widgets::{Bounds, Edited, Spec, choice, edit, image_slot, name, row};
+use crate::widgets::{Bounds, Edited, Spec, choice, draft, edit, image_slot, menu, name, row};
 
 /// A material: what it is blended of, what drives it, its constants.
 pub(crate) fn material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
@@ -18,6 +19,16 @@ pub(crate) fn material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
         .id_salt(&title)
         .default_open(true);
     header.show(ui, |ui| {
+        if !cx.is_own(material) {
+            let label = format!("Name of {title}");
+            let help = "what blends call this material";
+            let (_, field) = row(ui, "Name", help, true, |ui| {
+                draft(ui, &label, "name", material, 180.0)
+            });
+            if let Some(name) = field.value {
+                cx.rename_material(material, name.trim());
+            }
+        }
         blend(ui, cx, material);
         if cx.model.is_pure_blend(material) {
             return;
@@ -44,7 +55,7 @@ fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
     let section = || Section::Material(material.to_owned());
     let Some([base, over]) = cx.model.sides(material) else {
         let label = format!("Blend {material} with another material");
-        let button = ui.menu_button("Blend with…", |ui| {
+        let button = menu(ui, "Blend with…", |ui| {
             for other in cx.material_names() {
                 // A material of which this one is a part would close a circle.
                 if cx.model.is_made_of(&other, material) {
@@ -56,6 +67,8 @@ fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
                     ui.close();
                 }
             }
+            ui.separator();
+            new_material(ui, cx, material);
         });
         name(&button.response, &label);
         return;
@@ -74,8 +87,13 @@ fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
             choice(ui, &label, chosen, &words)
         });
         if let Some(other) = picked.value {
-            let edit = Edit::set(section(), key, Value::Text(other));
-            cx.edit(&label, vec![edit], None);
+            let sides = match key {
+                "blend.base" => [other.as_str(), &over],
+                _ => [&base, other.as_str()],
+            };
+            let mut edits = edits::remove_unused(cx, material, &sides);
+            edits.insert(0, Edit::set(section(), key, Value::Text(other)));
+            cx.edit(&label, edits, None);
         }
     }
     let target = Target::Mask {
@@ -98,9 +116,31 @@ fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
     let button = ui.button("Take blend away");
     name(&button, &format!("Take blend of {material} away"));
     if button.clicked() {
-        let clear = Edit::reset_material(material, "blend");
-        cx.edit("take blend away", vec![clear], None);
+        let mut edits = edits::remove_unused(cx, material, &[]);
+        edits.insert(0, Edit::reset_material(material, "blend"));
+        cx.edit("take blend away", edits, None);
     }
+}
+
+/// A field for the name of a material that is made to be blended with: without a blend of it, it would be none.
+fn new_material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
+    let label = format!("New material to blend with {material}");
+    let field = draft(ui, &label, "name of a new material", "", 180.0);
+    let Some(new) = field.value else {
+        return;
+    };
+    let new = new.trim();
+    if new.is_empty() || cx.material_names().iter().any(|other| other == new) {
+        let why = format!("there is a material called `{new}` already");
+        cx.edit_if("blend", Err(why));
+    } else {
+        // As it would be without the key, so that there is a table.
+        let roughness = Edit::material(new, "roughness", Value::number(0.5));
+        let mut edits = edits::make_blend(material, new);
+        edits.push(roughness);
+        cx.edit(&format!("blend with {new}"), edits, None);
+    }
+    ui.close();
 }
 
 fn share(label: &str) -> Spec<'static> {
@@ -122,7 +162,7 @@ fn material_key(ui: &mut Ui, cx: &mut Context<'_>, material: &str, key: &Key) {
         Some(value) if !matches!(value, Value::Text(text) if !text.starts_with('#') && key.output().is_some()) => {
             Some(value.clone())
         }
-        _ => cx.scene_material(material).and_then(|m| key.constant(m)),
+        _ => key.constant(cx.scene_material(material)),
     };
     let widget = |ui: &mut Ui, cx: &mut Context<'_>| {
         let set = |cx: &mut Context<'_>, value: Value, response: Option<&Response>| {
@@ -229,78 +269,6 @@ fn spec_of(key: &Key, label: &str) -> Spec<'static> {
     }
 }
 
-/// A row of something that a node may drive: the link where one does, else a widget for the constant.
-fn driven(
-    ui: &mut Ui,
-    cx: &mut Context<'_>,
-    target: &Target,
-    label: &str,
-    help: &str,
-    is_set: bool,
-    constant: impl FnOnce(&mut Ui, &mut Context<'_>) -> Response,
-) {
-    let wire = cx.model.source(target).cloned();
-    let full = target_name(target, label);
-    let (whole, _) = row(ui, label, help, is_set, |ui| match &wire {
-        None => constant(ui, cx),
-        Some(wire) => {
-            let text = edits::link(&wire.source, wire.swizzle);
-            let link = ui.link(text);
-            name(&link, &full);
-            let button = ui.small_button("×").on_hover_text("disconnect");
-            name(&button, &format!("Disconnect {full}"));
-            if button.clicked() {
-                let edits = edits::disconnect(cx.document, target);
-                cx.edit(&format!("disconnect {full}"), edits, None);
-            }
-            link
-        }
-    });
-    whole.container_context_menu(|ui| link_menu(ui, cx, target, &full, is_set, "Reset"));
-}
-
-/// The menu by right click of something that a node may drive; `clear` is what taking away is called.
-pub(crate) fn link_menu(
-    ui: &mut Ui,
-    cx: &mut Context<'_>,
-    target: &Target,
-    full: &str,
-    is_set: bool,
-    clear: &str,
-) {
-    let taken = ui.add_enabled(is_set, egui::Button::new(clear));
-    if taken.clicked() {
-        let edits = edits::disconnect(cx.document, target);
-        cx.edit(&format!("{} {full}", clear.to_lowercase()), edits, None);
-        ui.close();
-    }
-    ui.menu_button("Connect", |ui| connect_menu(ui, cx, target, full));
-}
-
-fn connect_menu(ui: &mut Ui, cx: &mut Context<'_>, target: &Target, full: &str) {
-    let fitting = cx.model.fitting(target);
-    if fitting.is_empty() {
-        ui.weak("no node fits");
-    }
-    for (node, swizzle) in fitting {
-        if ui.button(edits::link(&node, swizzle)).clicked() {
-            let connected = edits::connect(cx.model, &node, swizzle, target);
-            cx.edit_if(&format!("connect {full}"), connected);
-            ui.close();
-        }
-    }
-}
-
-/// By which a target is found.
-pub(crate) fn target_name(target: &Target, label: &str) -> String {
-    match target {
-        Target::Parameter { node, parameter } => format!("{parameter} of {node}"),
-        Target::Input { material, .. } | Target::Mask { material } => {
-            format!("{label} of {material}")
-        }
-    }
-}
-
 /// A node: its texture's parameters.
 pub(crate) fn node(ui: &mut Ui, cx: &mut Context<'_>, node: &str, is_open: bool) {
     let textures = cx.textures;
@@ -309,11 +277,13 @@ pub(crate) fn node(ui: &mut Ui, cx: &mut Context<'_>, node: &str, is_open: bool)
         return;
     };
     let texture_name = texture_name.texture.value.clone();
+    let is_wanted = cx.wanted.as_deref() == Some(node);
     let title = RichText::new(format!("Node {node}")).strong();
     let header = CollapsingHeader::new(title)
         .id_salt(("node", node))
-        .default_open(is_open);
-    header.show(ui, |ui| {
+        .default_open(is_open)
+        .open(is_wanted.then_some(true));
+    let shown = header.show(ui, |ui| {
         let Some(texture) = textures.library.get(&texture_name) else {
             let broken = textures
                 .broken
@@ -349,9 +319,14 @@ pub(crate) fn node(ui: &mut Ui, cx: &mut Context<'_>, node: &str, is_open: bool)
         }
         ui.horizontal(|ui| node_buttons(ui, cx, node));
     });
+    if is_wanted {
+        shown.header_response.scroll_to_me(Some(egui::Align::TOP));
+    }
 }
 
 fn node_buttons(ui: &mut Ui, cx: &mut Context<'_>, node: &str) {
+    ui.label("Name");
+    rename_field(ui, cx, node);
     let nodes = [node.to_owned()];
     let duplicate = ui.button("Duplicate");
     name(&duplicate, &format!("Duplicate {node}"));
@@ -365,6 +340,17 @@ fn node_buttons(ui: &mut Ui, cx: &mut Context<'_>, node: &str) {
         let edits = edits::remove_nodes(cx.document, cx.model, &nodes);
         cx.edit(&format!("delete {node}"), edits, None);
     }
+}
+
+/// A field with a node's name, for another one. Gives whether one was written.
+pub(crate) fn rename_field(ui: &mut Ui, cx: &mut Context<'_>, node: &str) -> bool {
+    let field = draft(ui, &format!("Name of {node}"), "name", node, 140.0);
+    field.response.on_hover_text("what links call this node");
+    let is_written = field.value.is_some();
+    if let Some(name) = field.value {
+        cx.rename_node(node, name.trim());
+    }
+    is_written
 }
 
 /// One parameter of a node.

@@ -218,6 +218,14 @@ impl Model {
         candidates.collect()
     }
 
+    /// The usual choices of a source's components that fit a target: all of them, one, the first few.
+    pub(crate) fn swizzles(&self, source: &str, target: &Target) -> Vec<Option<Swizzle>> {
+        let usual = ["x", "y", "z", "w", "xy", "xyz"];
+        let usual = usual.iter().filter_map(|text| text.parse().ok().map(Some));
+        let fits = |swizzle: &Option<Swizzle>| self.check(source, *swizzle, target).is_ok();
+        [None].into_iter().chain(usual).filter(fits).collect()
+    }
+
     /// Checks that a node's result, or some of its components, may go to a target.
     ///
     /// # Errors

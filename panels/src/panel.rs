@@ -5,16 +5,18 @@
 
 use std::rc::Rc;
 
-use egui::{Color32, Key, Modifiers, Rect, Response, ScrollArea, Ui, pos2};
-use engine::live::Edit;
+use egui::{Key, Modifiers, ScrollArea, Ui};
 use engine::scene::Material;
-use engine::scene::look::Value;
+use engine::scene::look::Section;
 
-use crate::graph::GraphView;
+use crate::context::{Action, Context, material_names};
+use crate::graph::{GraphView, Subject};
+use crate::library::add_menu;
 use crate::model::Model;
 use crate::preview::Previews;
+use crate::rename::Renaming;
 use crate::widgets::{self, ImageSlot};
-use crate::{Document, Textures, edits, light, list};
+use crate::{Document, Textures, light, list};
 
 /// Of more nodes than this only the names are shown at first.
 const MAX_OPEN: usize = 12;
@@ -22,8 +24,13 @@ const MAX_OPEN: usize = 12;
 /// What the panel needs to know about the scene that is shown.
 #[derive(Debug, Clone, Copy)]
 pub struct SceneView<'a> {
-    /// Materials as they are shown, constants of the look included.
+    /// Materials as they are shown, constants of the look included: those of the scene's files, then those that the
+    /// look has added.
     pub materials: &'a [Material],
+    /// So many of them are those of the scene's files.
+    pub own: usize,
+    /// Names of the scene's directional lights.
+    pub suns: &'a [String],
 }
 
 /// How a material is shown.
@@ -47,10 +54,10 @@ pub struct TexturesPanel {
     images: ImageSlot,
     previews: Option<Previews>,
     graph: GraphView,
+    /// A node that is to be seen in the list.
+    wanted: Option<String>,
     /// What is looked for among the textures.
     search: String,
-    /// The name of a material to be made.
-    new_material: String,
 }
 
 impl TexturesPanel {
@@ -112,17 +119,18 @@ impl TexturesPanel {
             scene,
             images: &mut self.images,
             previews: self.previews.as_mut(),
+            wanted: self.wanted.take(),
             actions: Vec::new(),
         };
         match self.form {
             Form::List => {
                 let material = self.material.as_deref();
-                let (search, new_material) = (&mut self.search, &mut self.new_material);
+                let search = &mut self.search;
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     list_form(ui, &mut cx, material, search);
                     light::occlusion(ui, &mut cx);
                     light::environment(ui, &mut cx);
-                    add_material(ui, &mut cx, new_material);
+                    light::suns(ui, &mut cx);
                 });
             }
             Form::Graph => {
@@ -155,7 +163,28 @@ impl TexturesPanel {
                 edits,
                 group,
             } => self.message = document.apply(&label, &edits, group).err(),
+            Action::Rename(renaming) => self.rename(document, &renaming),
+            Action::Show(node) => {
+                self.graph.select(&node);
+                self.wanted = Some(node);
+            }
             Action::Refused(why) => self.message = Some(why),
+        }
+    }
+
+    /// What is shown of it goes on being shown.
+    fn rename(&mut self, document: &mut Document, renaming: &Renaming) {
+        self.message = document.rename(renaming).err();
+        if self.message.is_some() {
+            return;
+        }
+        let (old, new) = (renaming.old_name(), renaming.name.as_str());
+        match renaming.section {
+            Section::Node(_) => self.graph.rename(Subject::Node(old), Subject::Node(new)),
+            _ => (self.graph).rename(Subject::Material(old), Subject::Material(new)),
+        }
+        if matches!(renaming.section, Section::Material(_)) && self.material() == Some(old) {
+            self.pick(new);
         }
     }
 
@@ -243,7 +272,7 @@ fn list_form(ui: &mut Ui, cx: &mut Context<'_>, material: Option<&str>, search: 
             list::node(ui, cx, &node, is_open);
         }
     }
-    let add = ui.menu_button("Add a node…", |ui| add_menu(ui, cx, search));
+    let add = widgets::menu(ui, "Add a node…", |ui| add_menu(ui, cx, search));
     widgets::name(&add.response, "Add a node");
 }
 
@@ -262,167 +291,4 @@ fn graph_form(ui: &mut Ui, cx: &mut Context<'_>, family: &[&str], graph: &mut Gr
     ScrollArea::vertical()
         .auto_shrink(false)
         .show(ui, |ui| list::node(ui, cx, &node, true));
-}
-
-/// The library, narrowed down by what is looked for. Gives the name of a node that was added.
-pub(crate) fn add_menu(ui: &mut Ui, cx: &mut Context<'_>, search: &mut String) -> Option<String> {
-    let field = egui::TextEdit::singleline(search).hint_text("search");
-    let field = ui.add(field);
-    widgets::name(&field, "Search textures");
-    let wanted = search.to_lowercase();
-    let textures = cx.textures.library.textures().iter();
-    let mut found: Vec<_> = textures
-        .filter(|texture| {
-            texture.name().to_lowercase().contains(&wanted)
-                || texture.docs().to_lowercase().contains(&wanted)
-        })
-        .collect();
-    // What is called so comes before what only mentions it.
-    found.sort_by_key(|texture| !texture.name().to_lowercase().contains(&wanted));
-    let by_enter = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-    let mut added = None;
-    for (i, texture) in found.iter().enumerate() {
-        let entry = ui.button(texture.name());
-        let is_chosen = entry.clicked() || (i == 0 && by_enter && !wanted.is_empty());
-        entry.on_hover_text(texture.docs());
-        if is_chosen && added.is_none() {
-            let (name, edits) = edits::add_node(cx.document, texture.name());
-            cx.edit(&format!("add {name}"), edits, None);
-            added = Some(name);
-            ui.close();
-        }
-    }
-    if found.is_empty() {
-        ui.weak("no texture is called so");
-    }
-    for (name, problems) in &cx.textures.broken {
-        let entry = ui.add_enabled(false, egui::Button::new(name));
-        entry.on_disabled_hover_text(crate::document::messages(problems));
-    }
-    if added.is_some() {
-        search.clear();
-    }
-    added
-}
-
-fn add_material(ui: &mut Ui, cx: &mut Context<'_>, name: &mut String) {
-    ui.horizontal(|ui| {
-        let field = egui::TextEdit::singleline(name).hint_text("name of a new material");
-        let field = ui.add(field.desired_width(160.0));
-        widgets::name(&field, "Name of a new material");
-        let is_new = !name.is_empty() && !cx.material_names().contains(name);
-        let button = ui.add_enabled(is_new, egui::Button::new("Add material"));
-        if button.clicked() {
-            // As it would be without the key, so that there is a table.
-            let roughness = Edit::material(name, "roughness", Value::number(0.5));
-            cx.edit(&format!("add material {name}"), vec![roughness], None);
-            name.clear();
-        }
-    });
-}
-
-/// Those of the scene, then those that only the look has.
-fn material_names(document: &Document, scene: SceneView<'_>) -> Vec<String> {
-    let mut names: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
-    for material in &document.look().materials {
-        if !names.contains(&material.name.value) {
-            names.push(material.name.value.clone());
-        }
-    }
-    names
-}
-
-/// Something to be done once all has been shown.
-#[derive(Debug)]
-pub(crate) enum Action {
-    Edit {
-        label: String,
-        edits: Vec<Edit>,
-        group: Option<u64>,
-    },
-    Refused(String),
-}
-
-/// What the parts of the panel show, and what they want done.
-pub(crate) struct Context<'a> {
-    pub(crate) document: &'a Document,
-    pub(crate) model: &'a Model,
-    pub(crate) textures: &'a Textures,
-    pub(crate) scene: SceneView<'a>,
-    pub(crate) images: &'a mut ImageSlot,
-    pub(crate) previews: Option<&'a mut Previews>,
-    pub(crate) actions: Vec<Action>,
-}
-
-impl<'a> Context<'a> {
-    /// Makes some edits as one step. Those of one widget that follow each other, as in a drag, are one step too.
-    pub(crate) fn edit(&mut self, label: &str, edits: Vec<Edit>, widget: Option<&Response>) {
-        self.actions.push(Action::Edit {
-            label: label.to_owned(),
-            edits,
-            group: widget.map(|response| response.id.value()),
-        });
-    }
-
-    /// Makes some edits, or says why not.
-    pub(crate) fn edit_if(&mut self, label: &str, edits: Result<Vec<Edit>, String>) {
-        match edits {
-            Ok(edits) => self.edit(label, edits, None),
-            Err(why) => self.actions.push(Action::Refused(why)),
-        }
-    }
-
-    /// A menu by right click on a row that takes back what was set.
-    pub(crate) fn reset_menu(
-        &mut self,
-        row: &Response,
-        is_set: bool,
-        label: &str,
-        edits: Vec<Edit>,
-    ) {
-        row.container_context_menu(|ui| {
-            let reset = ui.add_enabled(is_set, egui::Button::new("Reset"));
-            if reset.clicked() {
-                self.edit(&format!("reset {label}"), edits, None);
-                ui.close();
-            }
-        });
-    }
-
-    /// Paints the picture of a node, where there is one; says why where there is none.
-    pub(crate) fn paint_preview(&mut self, ui: &mut Ui, node: &str, place: Rect) {
-        let Some(previews) = &mut self.previews else {
-            return;
-        };
-        if !ui.is_rect_visible(place) {
-            return;
-        }
-        let (document, textures, model) = (self.document, self.textures, self.model);
-        let (texture, error) = previews.picture(ui.ctx(), document, textures, model, node);
-        if let Some(texture) = texture {
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter()
-                .image(texture.id(), place, whole, Color32::WHITE);
-        }
-        if let Some(error) = error {
-            let color = ui.visuals().error_fg_color;
-            let stroke = egui::Stroke::new(1.0, color);
-            ui.painter()
-                .rect_stroke(place, 2.0, stroke, egui::StrokeKind::Inside);
-            let id = ui.scope_id().with(("preview", node));
-            ui.interact(place, id, egui::Sense::hover())
-                .on_hover_text(error);
-        }
-    }
-
-    /// Those of the scene, then those that only the look has.
-    pub(crate) fn material_names(&self) -> Vec<String> {
-        material_names(self.document, self.scene)
-    }
-
-    /// A material as it is shown.
-    pub(crate) fn scene_material(&self, name: &str) -> Option<&'a Material> {
-        let mut materials = self.scene.materials.iter();
-        materials.find(|material| material.name == name)
-    }
 }

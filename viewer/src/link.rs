@@ -164,6 +164,10 @@ pub struct LookFacts {
     pub heard: u64,
     /// As they are shown.
     pub materials: Arc<Vec<Material>>,
+    /// So many of them are those of the scene's files.
+    pub own_materials: usize,
+    /// Names of the directional lights.
+    pub suns: Arc<[String]>,
     /// That there are.
     pub textures: Arc<Textures>,
 }

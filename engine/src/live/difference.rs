@@ -36,8 +36,9 @@ pub(super) fn difference(before: &[Field], after: &[Field]) -> Option<Vec<TableC
         _ => false,
     };
     let names = |fields| -> Vec<&String> { tables(fields, "ao").map(|f| &f.key.value).collect() };
-    // The place of an AO table among the others is part of what is random about it.
-    if !is_same("include") || names(before) != names(after) {
+    // Includes and lights are read with the scene. The place of an AO table among the others is part of what is
+    // random about it.
+    if !is_same("include") || !is_same("light") || names(before) != names(after) {
         return None;
     }
     let mut changes = Vec::new();
@@ -147,7 +148,8 @@ mod tests {
     }
 
     #[test]
-    fn includes_and_the_order_of_ao_tables_are_no_matter_of_tables() {
+    fn includes_lights_and_the_order_of_ao_tables_are_no_matter_of_tables() {
+        assert!(sections("", "[light.Sun]\nangular_diameter = 1").is_none());
         assert!(sections("", "[[include]]\nfile = 'a.glb'").is_none());
         let (a, b) = ("[ao.a]\ndistance = 1\n", "[ao.b]\ndistance = 1\n");
         assert!(sections(&format!("{a}{b}"), &format!("{b}{a}")).is_none());

@@ -241,6 +241,9 @@ impl LiveRender {
             after,
             span,
         } = change;
+        if let Section::Light(_) = section {
+            return Err(UpdateError::Rebuild);
+        }
         let fields = after.as_deref().unwrap_or_default();
         let read = |file| table(file, section, fields, span).map_err(UpdateError::Refused);
         let procedural = self.renderer.procedural_mut();

@@ -189,6 +189,11 @@ impl Procedural {
         Ok(library.emit_in_rounds(self.stack_slots, &order))
     }
 
+    /// So many materials are those of the scene's files, its first ones; the look has added the others.
+    pub fn scene_materials(&self) -> usize {
+        self.scene_materials
+    }
+
     /// Stack slots of the kernel.
     pub fn stack_slots(&self) -> u32 {
         self.stack_slots

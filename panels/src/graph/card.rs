@@ -9,11 +9,11 @@ use engine::procedural::{Kind, Output};
 use texgen::{OutputType, ParameterType, Swizzle};
 
 use super::{GraphView, Loose, Sockets, Source, Subject};
-use crate::list;
+use crate::context::Context;
 use crate::material::KEYS;
 use crate::model::Target;
-use crate::panel::Context;
-use crate::widgets::describe;
+use crate::widgets::{context_menu, describe, menu};
+use crate::{links, list};
 
 const WIDTH: f32 = 190.0;
 const TITLE: f32 = 24.0;
@@ -107,7 +107,8 @@ impl GraphView {
         let id = subject.id();
         let place = *self.places.entry(id.clone()).or_default();
         let card = Rect::from_min_size(place, vec2(WIDTH, height(cx, subject)));
-        ui.expand_to_include_rect(card);
+        // Sockets stand out at the sides.
+        ui.expand_to_include_rect(card.expand(3.0 * SOCKET));
         let body = ui.interact(card, ui.scope_id().with(&id), Sense::click_and_drag());
         describe(&body, Role::Button, &id);
         self.handle(ui, cx, subject, &body);
@@ -163,7 +164,12 @@ impl GraphView {
                     self.selected.insert(node.to_owned());
                 }
             }
-            body.context_menu(|ui| {
+            context_menu(body, |ui| {
+                menu(ui, "Rename", |ui| {
+                    if list::rename_field(ui, cx, node) {
+                        ui.close();
+                    }
+                });
                 for (text, is_delete) in [("Duplicate", false), ("Delete", true)] {
                     if !ui.button(text).clicked() {
                         continue;
@@ -284,7 +290,7 @@ impl GraphView {
         color: Color32,
         sockets: &mut Sockets,
     ) {
-        let full = list::target_name(&target, label);
+        let full = links::target_name(&target, label);
         let text = center + vec2(2.0 * MARGIN, 0.0);
         let ink = ui.visuals().text_color();
         write(
@@ -307,8 +313,8 @@ impl GraphView {
             });
         }
         sockets.is_dropped |= socket.drag_stopped();
-        socket.context_menu(|ui| {
-            list::link_menu(ui, cx, &target, &full, wire.is_some(), "Disconnect");
+        context_menu(&socket, |ui| {
+            links::link_menu(ui, cx, &target, &full, wire.is_some(), "Disconnect");
         });
         sockets.inputs.insert(target, center);
     }

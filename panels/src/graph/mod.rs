@@ -11,9 +11,11 @@ use egui::epaint::CubicBezierShape;
 use egui::{Color32, Key, Modifiers, Pos2, Rect, Response, Scene, Shape, Stroke, Ui, vec2};
 use texgen::Swizzle;
 
+use crate::context::Context;
 use crate::edits;
+use crate::library::add_menu;
 use crate::model::{Model, Target};
-use crate::panel::{Context, add_menu};
+use crate::widgets::{context_menu, menu, name};
 
 /// Points around a socket in which a link can be dropped.
 const REACH: f32 = 16.0;
@@ -73,9 +75,21 @@ struct Sockets {
     is_dropped: bool,
 }
 
+impl Sockets {
+    /// Where a link comes out. Several components at once come from the socket of the whole.
+    fn output(&self, source: &Source) -> Option<&Pos2> {
+        let whole = || Source {
+            swizzle: None,
+            ..source.clone()
+        };
+        let own = self.outputs.get(source);
+        own.or_else(|| self.outputs.get(&whole()))
+    }
+}
+
 /// What a card is of.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Subject<'a> {
+pub(crate) enum Subject<'a> {
     Node(&'a str),
     Material(&'a str),
 }
@@ -95,6 +109,23 @@ impl GraphView {
         match self.selected.iter().next() {
             Some(node) if self.selected.len() == 1 => Some(node),
             _ => None,
+        }
+    }
+
+    /// Selects a node, and nothing else.
+    pub(crate) fn select(&mut self, node: &str) {
+        self.selected = BTreeSet::from([node.to_owned()]);
+    }
+
+    /// A card goes by another name. The place of the former one is kept, for when that is undone.
+    pub(crate) fn rename(&mut self, old: Subject<'_>, new: Subject<'_>) {
+        if let Some(&place) = self.places.get(&old.id()) {
+            self.places.insert(new.id(), place);
+        }
+        if let (Subject::Node(old), Subject::Node(new)) = (old, new)
+            && self.selected.remove(old)
+        {
+            self.selected.insert(new.to_owned());
         }
     }
 
@@ -159,8 +190,8 @@ impl GraphView {
             true => self.seen.center(),
             false => Pos2::ZERO,
         };
-        let add = ui.menu_button("Add…", |ui| self.add(ui, cx, center));
-        crate::widgets::name(&add.response, "Add a node");
+        let add = menu(ui, "Add…", |ui| self.add(ui, cx, center));
+        name(&add.response, "Add a node");
         if ui.button("Arrange").clicked() {
             self.places.clear();
             self.fit();
@@ -249,21 +280,20 @@ impl GraphView {
                 node: wire.source.clone(),
                 swizzle: wire.swizzle,
             };
-            // Several components at once come from the socket of the whole.
-            let whole = Source {
-                swizzle: None,
-                ..source.clone()
-            };
-            let start = sockets.outputs.get(&source).or(sockets.outputs.get(&whole));
+            let start = sockets.output(&source);
             let end = sockets.inputs.get(&wire.target);
             let is_off = (self.loose.as_ref())
                 .is_some_and(|loose| loose.former.as_ref() == Some(&wire.target));
             if let (Some(&start), Some(&end), false) = (start, end, is_off) {
                 shapes.push(curve(start, end, Stroke::new(2.0, color)));
+                let is_several = !sockets.outputs.contains_key(&source);
+                if let (Some(swizzle), true) = (wire.swizzle, is_several) {
+                    shapes.push(note(ui, start.lerp(end, 0.5), &swizzle.to_string()));
+                }
             }
         }
         if let Some(loose) = &self.loose
-            && let Some(&start) = sockets.outputs.get(&loose.source)
+            && let Some(&start) = sockets.output(&loose.source)
             && let Some(end) = pointer(ui)
         {
             let color = ui.visuals().selection.bg_fill;
@@ -325,7 +355,7 @@ impl GraphView {
             self.menu_at = at;
         }
         let at = self.menu_at;
-        plane.context_menu(|ui| self.add(ui, cx, at));
+        context_menu(plane, |ui| self.add(ui, cx, at));
         if plane.clicked() {
             self.selected.clear();
         }
@@ -377,4 +407,14 @@ fn curve(start: Pos2, end: Pos2, stroke: Stroke) -> Shape {
     let reach = vec2((0.5 * (end.x - start.x).abs()).clamp(24.0, 160.0), 0.0);
     let points = [start, start + reach, end - reach, end];
     CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke).into()
+}
+
+/// A few letters at the middle of a link.
+fn note(ui: &Ui, at: Pos2, text: &str) -> Shape {
+    let font = egui::FontId::proportional(11.0);
+    let color = ui.visuals().strong_text_color();
+    let line = (ui.painter()).layout_no_wrap(text.to_owned(), font, color);
+    let place = egui::Align2::CENTER_CENTER.anchor_size(at, line.size());
+    let back = Shape::rect_filled(place.expand(2.0), 2.0, ui.visuals().extreme_bg_color);
+    Shape::Vec(vec![back, Shape::galley(place.min, line, color)])
 }

@@ -118,7 +118,7 @@ pub(crate) fn image_slot(
                     ui.painter().rect_filled(place, 2.0, background);
                 }
             }
-            let field = draft(ui, label, "path of an image, or drop one here", file);
+            let field = draft(ui, label, "path of an image, or drop one here", file, 260.0);
             if let Some(path) = field.value {
                 value = Some(with_key(fields, "file", Value::Text(path)));
             }

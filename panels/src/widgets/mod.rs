@@ -1,6 +1,7 @@
 //! Widgets for values of all types. They know neither looks nor history: each shows a value and says what it becomes.
 
 mod image_slot;
+mod menu;
 mod ramp;
 mod value;
 
@@ -8,6 +9,7 @@ use egui::accesskit::Role;
 use egui::{Response, Ui, WidgetInfo};
 
 pub(crate) use image_slot::{ImageSlot, image_slot};
+pub(crate) use menu::{context_menu, menu, row_menu};
 pub(crate) use value::{Bounds, Spec, edit};
 
 /// What a widget shows, and what it has become.
@@ -66,6 +68,9 @@ pub(crate) fn row<R>(
                 label.on_hover_text(help);
             }
         });
+        // As wide as the panel allows, with room for the number behind it.
+        ui.spacing_mut().slider_width =
+            (ui.available_size_before_wrap().x - 96.0).clamp(60.0, 260.0);
         add(ui)
     });
     (row.response, row.inner)
@@ -73,11 +78,17 @@ pub(crate) fn row<R>(
 
 /// A field for a text that means something only when it is complete, such as a path: it counts when the field is left,
 /// unless by Escape.
-pub(crate) fn draft(ui: &mut Ui, label: &str, hint: &str, current: &str) -> Edited<String> {
+pub(crate) fn draft(
+    ui: &mut Ui,
+    label: &str,
+    hint: &str,
+    current: &str,
+    width: f32,
+) -> Edited<String> {
     let id = ui.scope_id().with((label, "draft"));
     let draft: Option<String> = ui.data(|data| data.get_temp(id));
     let mut text = draft.unwrap_or_else(|| current.to_owned());
-    let width = ui.available_width().min(260.0);
+    let width = ui.available_width().min(width);
     let field = egui::TextEdit::singleline(&mut text)
         .hint_text(hint)
         .desired_width(width);

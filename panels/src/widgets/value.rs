@@ -158,7 +158,8 @@ fn is_slid(ui: &Ui, slider: &Response) -> bool {
 fn drag_value<'v>(shown: &'v mut f64, spec: &Spec<'_>, scale: f64) -> DragValue<'v> {
     let extent = match spec.range {
         Some((low, high)) if spec.widget != Widget::Log => f64::from(high - low) * scale,
-        // Where nothing is said about its size: by its own.
+        // Where nothing is said about its size: by its own. Nothing is as good as 1.
+        _ if *shown == 0.0 => scale,
         _ => shown.abs().max(0.01 * scale),
     };
     let Bounds { min, max } = spec.bounds;

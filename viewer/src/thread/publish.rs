@@ -8,6 +8,7 @@ use engine::live::LiveError;
 use engine::load::LoadError;
 use engine::procedural::TextureSources;
 use engine::renderer::RenderError;
+use engine::scene::LightKind;
 use engine::scene::look::LookError;
 use patina_panels::Textures;
 
@@ -198,10 +199,18 @@ impl Render {
             }
         };
         self.published.textures_there = Some(Arc::clone(&textures));
+        let is_sun = |kind| matches!(kind, LightKind::Directional | LightKind::Disk { .. });
+        let suns = live
+            .scene()
+            .lights
+            .iter()
+            .filter(|light| is_sun(light.kind));
         lock(&self.board).look = Some(LookFacts {
             text: live.look_text().into(),
             heard: self.pending.number,
             materials: Arc::new(live.scene().materials.clone()),
+            own_materials: live.renderer().procedural().scene_materials(),
+            suns: suns.map(|light| light.name.clone()).collect(),
             textures,
         });
     }

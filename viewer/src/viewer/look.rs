@@ -19,6 +19,8 @@ pub(super) struct Editor {
     panel: TexturesPanel,
     textures: Arc<Textures>,
     materials: Arc<Vec<Material>>,
+    own_materials: usize,
+    suns: Arc<[String]>,
     /// Changes that have been sent.
     sent: u64,
 }
@@ -28,6 +30,8 @@ impl Editor {
     pub(super) fn read(&mut self, facts: &LookFacts, path: &Path) {
         self.textures = Arc::clone(&facts.textures);
         self.materials = Arc::clone(&facts.materials);
+        self.own_materials = facts.own_materials;
+        self.suns = Arc::clone(&facts.suns);
         match &mut self.document {
             Some(document) => {
                 if document.path() != path {
@@ -100,12 +104,18 @@ impl Viewer {
             panel,
             textures,
             materials,
+            own_materials,
+            suns,
             ..
         } = &mut self.editor
         else {
             return;
         };
-        let scene = SceneView { materials };
+        let scene = SceneView {
+            materials,
+            own: *own_materials,
+            suns,
+        };
         panel.show(ui, document, textures, scene);
     }
 

@@ -9,7 +9,7 @@ use std::path::Path;
 use texgen::{Diagnostic, Diagnostics, SourceFile};
 use toml_edit::{DocumentMut, Item, Table, TableLike};
 
-use super::value::{Field, Value, fields, to_toml};
+use super::value::{Field, Value, fields, to_toml, to_toml_like};
 
 /// One table of a look.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -18,6 +18,8 @@ pub enum Section {
     Environment,
     /// `[camera]`.
     Camera,
+    /// `[light.NAME]`.
+    Light(String),
     /// `[ao.NAME]`.
     Ao(String),
     /// `[node.NAME]`.
@@ -32,6 +34,7 @@ impl Section {
         match self {
             Self::Environment => ("environment", None),
             Self::Camera => ("camera", None),
+            Self::Light(name) => ("light", Some(name)),
             Self::Ao(name) => ("ao", Some(name)),
             Self::Node(name) => ("node", Some(name)),
             Self::Material(name) => ("material", Some(name)),
@@ -164,15 +167,15 @@ impl LookDocument {
                 .as_table_like_mut()
                 .ok_or_else(|| format!("`{step}` of {section} is no table"))?;
         }
-        let mut value = to_toml(value);
         match table.get_mut(last) {
             Some(Item::Value(old)) => {
+                let mut value = to_toml_like(value, old);
                 *value.decor_mut() = old.decor().clone();
                 *old = value;
             }
-            Some(item) => *item = Item::Value(value),
+            Some(item) => *item = Item::Value(to_toml(value)),
             None => {
-                table.insert(last, Item::Value(value));
+                table.insert(last, Item::Value(to_toml(value)));
             }
         }
         Ok(())
@@ -240,6 +243,10 @@ impl LookDocument {
                 parent.insert(name, item);
             }
         }
+    }
+
+    pub(super) fn root_mut(&mut self) -> &mut Table {
+        self.document.as_table_mut()
     }
 
     fn existing(&mut self, section: &Section) -> Option<&mut dyn TableLike> {

@@ -10,6 +10,7 @@ mod light;
 mod material;
 mod parse;
 mod reader;
+mod rename;
 #[cfg(test)]
 mod tests;
 mod value;

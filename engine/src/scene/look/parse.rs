@@ -105,6 +105,8 @@ pub(crate) fn table(
             environment(&mut reader, &whole()).map(|e| Table::Environment(e.value))
         }
         Section::Camera => Some(Table::Camera(camera(&mut reader, &whole()))),
+        // Lights are read with the scene.
+        Section::Light(_) => None,
         Section::Ao(name) => {
             ao(&mut reader, &named(name), fields, span).map(|ao| Table::Ao(ao.settings))
         }

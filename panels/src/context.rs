@@ -1,0 +1,162 @@
+//! What the parts of the panel see while they are shown, and what they want done.
+
+use std::sync::LazyLock;
+
+use egui::{Color32, Rect, Response, Ui, pos2};
+use engine::live::Edit;
+use engine::scene::Material;
+
+use crate::model::Model;
+use crate::panel::SceneView;
+use crate::preview::Previews;
+use crate::rename::Renaming;
+use crate::widgets::{ImageSlot, row_menu};
+use crate::{Document, Textures};
+
+/// Those of the scene, then those that only the look has.
+pub(crate) fn material_names(document: &Document, scene: SceneView<'_>) -> Vec<String> {
+    let mut names: Vec<String> = own_names(scene).map(str::to_owned).collect();
+    for material in &document.look().materials {
+        if !names.contains(&material.name.value) {
+            names.push(material.name.value.clone());
+        }
+    }
+    names
+}
+
+/// Materials of the scene's files.
+fn own_names<'a>(scene: SceneView<'a>) -> impl Iterator<Item = &'a str> + use<'a> {
+    let own = scene.materials.iter().take(scene.own);
+    own.map(|material| material.name.as_str())
+}
+
+/// Something to be done once all has been shown.
+#[derive(Debug)]
+pub(crate) enum Action {
+    Edit {
+        label: String,
+        edits: Vec<Edit>,
+        group: Option<u64>,
+    },
+    Rename(Renaming),
+    /// A node is to be seen.
+    Show(String),
+    Refused(String),
+}
+
+/// What the parts of the panel show, and what they want done.
+pub(crate) struct Context<'a> {
+    pub(crate) document: &'a Document,
+    pub(crate) model: &'a Model,
+    pub(crate) textures: &'a Textures,
+    pub(crate) scene: SceneView<'a>,
+    pub(crate) images: &'a mut ImageSlot,
+    pub(crate) previews: Option<&'a mut Previews>,
+    /// A node that is to be scrolled to.
+    pub(crate) wanted: Option<String>,
+    pub(crate) actions: Vec<Action>,
+}
+
+impl<'a> Context<'a> {
+    /// Makes some edits as one step. Those of one widget that follow each other, as in a drag, are one step too.
+    pub(crate) fn edit(&mut self, label: &str, edits: Vec<Edit>, widget: Option<&Response>) {
+        self.actions.push(Action::Edit {
+            label: label.to_owned(),
+            edits,
+            group: widget.map(|response| response.id.value()),
+        });
+    }
+
+    /// Makes some edits, or says why not.
+    pub(crate) fn edit_if(&mut self, label: &str, edits: Result<Vec<Edit>, String>) {
+        match edits {
+            Ok(edits) => self.edit(label, edits, None),
+            Err(why) => self.actions.push(Action::Refused(why)),
+        }
+    }
+
+    /// Gives a node another name, and all links with it.
+    pub(crate) fn rename_node(&mut self, node: &str, name: &str) {
+        let renaming = Renaming::of_node(self.document, self.model, node, name);
+        self.actions
+            .push(renaming.map_or_else(Action::Refused, Action::Rename));
+    }
+
+    /// Gives a material that only the look has another name, and all blends of it.
+    pub(crate) fn rename_material(&mut self, material: &str, name: &str) {
+        let own = own_names(self.scene);
+        let renaming = Renaming::of_material(self.document, self.model, material, name, own);
+        self.actions
+            .push(renaming.map_or_else(Action::Refused, Action::Rename));
+    }
+
+    /// Brings a node into view.
+    pub(crate) fn show_node(&mut self, node: &str) {
+        self.actions.push(Action::Show(node.to_owned()));
+    }
+
+    /// Whether a material is one of the scene's files.
+    pub(crate) fn is_own(&self, material: &str) -> bool {
+        own_names(self.scene).any(|own| own == material)
+    }
+
+    /// A menu by right click on a row that takes back what was set.
+    pub(crate) fn reset_menu(
+        &mut self,
+        row: &Response,
+        is_set: bool,
+        label: &str,
+        edits: Vec<Edit>,
+    ) {
+        row_menu(row, |ui| {
+            let reset = ui.add_enabled(is_set, egui::Button::new("Reset"));
+            if reset.clicked() {
+                self.edit(&format!("reset {label}"), edits, None);
+                ui.close();
+            }
+        });
+    }
+
+    /// Paints the picture of a node, where there is one; says why where there is none.
+    pub(crate) fn paint_preview(&mut self, ui: &mut Ui, node: &str, place: Rect) {
+        let Some(previews) = &mut self.previews else {
+            return;
+        };
+        if !ui.is_rect_visible(place) {
+            return;
+        }
+        let (document, textures, model) = (self.document, self.textures, self.model);
+        let (texture, error) = previews.picture(ui.ctx(), document, textures, model, node);
+        if let Some(texture) = texture {
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter()
+                .image(texture.id(), place, whole, Color32::WHITE);
+        }
+        if let Some(error) = error {
+            let color = ui.visuals().error_fg_color;
+            let stroke = egui::Stroke::new(1.0, color);
+            ui.painter()
+                .rect_stroke(place, 2.0, stroke, egui::StrokeKind::Inside);
+            let id = ui.scope_id().with(("preview", node));
+            ui.interact(place, id, egui::Sense::hover())
+                .on_hover_text(error);
+        }
+    }
+
+    /// Those of the scene, then those that only the look has.
+    pub(crate) fn material_names(&self) -> Vec<String> {
+        material_names(self.document, self.scene)
+    }
+
+    /// A material as it is shown. One that has only just been added is not known to the scene yet.
+    pub(crate) fn scene_material(&self, name: &str) -> &'a Material {
+        static ADDED: LazyLock<Material> = LazyLock::new(|| Material {
+            metallic: 0.0,
+            roughness: 0.5,
+            ..Material::default()
+        });
+        let mut materials = self.scene.materials.iter();
+        let known = materials.find(|material| material.name == name);
+        known.unwrap_or_else(|| &ADDED)
+    }
+}
