@@ -13,6 +13,8 @@ use crate::patch::Patch;
 
 /// Steps that can be undone.
 const MAX_STEPS: usize = 10_000;
+/// Bytes of text that these may take together: a look may be large, and an editor replace all of it with each step.
+const MAX_BYTES: usize = 64 << 20;
 
 /// What a renderer has to be told.
 #[derive(Debug, Clone, PartialEq)]
@@ -287,14 +289,24 @@ impl Document {
             }
             return;
         }
-        if self.undo.len() >= MAX_STEPS {
-            self.undo.remove(0);
-        }
         self.undo.push(Step {
             label: label.to_owned(),
             patch,
             group,
         });
+        self.forget_old_steps();
+    }
+
+    /// The last step always can be undone.
+    fn forget_old_steps(&mut self) {
+        let mut bytes = 0;
+        let kept = self.undo.iter().rev().take(MAX_STEPS);
+        let kept = kept.take_while(|step| {
+            bytes += step.patch.bytes();
+            bytes <= MAX_BYTES
+        });
+        let kept = kept.count().max(1);
+        self.undo.drain(..self.undo.len() - kept);
     }
 
     /// Notes what the renderer has to know: one edit as such, anything else as the whole text.
@@ -443,6 +455,23 @@ mod tests {
             document.take_changes(),
             [Change::Text(document.text().to_owned())]
         );
+    }
+
+    #[test]
+    fn history_has_a_limit() {
+        let mut document = document();
+        for i in 0..MAX_STEPS + 10 {
+            let comment = format!("# {i}\n{TEXT}");
+            document.replace("step", &comment).expect("a look");
+        }
+        assert_eq!(document.undo.len(), MAX_STEPS);
+        let large = |letter: &str| format!("# {}\n", letter.repeat(MAX_BYTES / 5));
+        for letter in ["a", "b", "c", "d"] {
+            document.replace("step", &large(letter)).expect("a look");
+        }
+        assert_eq!(document.undo.len(), 2, "each has what goes and what comes");
+        assert!(document.undo() && document.undo() && !document.undo());
+        assert_eq!(document.text(), large("b"));
     }
 
     #[test]

@@ -272,11 +272,10 @@ fn spec_of(key: &Key, label: &str) -> Spec<'static> {
 /// A node: its texture's parameters.
 pub(crate) fn node(ui: &mut Ui, cx: &mut Context<'_>, node: &str, is_open: bool) {
     let textures = cx.textures;
-    let looks = &cx.document.look().nodes;
-    let Some(texture_name) = looks.iter().find(|n| n.name.value == node) else {
+    let Some(table) = cx.model.table(cx.document.look(), node) else {
         return;
     };
-    let texture_name = texture_name.texture.value.clone();
+    let texture_name = table.texture.value.clone();
     let is_wanted = cx.wanted.as_deref() == Some(node);
     let title = RichText::new(format!("Node {node}")).strong();
     let header = CollapsingHeader::new(title)

@@ -149,9 +149,12 @@ impl TexturesPanel {
     }
 
     fn model(&mut self, document: &Document, textures: &Textures) -> Rc<Model> {
-        let known = self.model.take();
-        let known = known.filter(|model| model.is_of(document, &textures.library));
-        let model = known.unwrap_or_else(|| Rc::new(Model::new(document, &textures.library)));
+        let library = &textures.library;
+        let model = match self.model.take() {
+            Some(model) if model.is_of(document, library) => model,
+            Some(model) => Rc::new(model.renewed(document, library)),
+            None => Rc::new(Model::new(document, library)),
+        };
         self.model = Some(Rc::clone(&model));
         model
     }
@@ -192,7 +195,9 @@ impl TexturesPanel {
     fn head(&mut self, ui: &mut Ui, document: &mut Document, scene: SceneView<'_>) {
         ui.horizontal_wrapped(|ui| {
             let names = material_names(document, scene);
-            if self.material.is_none() {
+            // There is none any more where a rename was undone, or another scene opened.
+            let is_there = (self.material.as_ref()).is_some_and(|name| names.contains(name));
+            if !is_there && !names.is_empty() {
                 self.material = names.first().cloned();
             }
             let words: Vec<&str> = names.iter().map(String::as_str).collect();

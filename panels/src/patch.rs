@@ -33,6 +33,11 @@ impl Patch {
         })
     }
 
+    /// What it takes to remember it.
+    pub(crate) fn bytes(&self) -> usize {
+        self.removed.len() + self.inserted.len()
+    }
+
     /// Changes the text it was made for.
     pub(crate) fn apply(&self, text: &mut String) {
         text.replace_range(self.at..self.at + self.removed.len(), &self.inserted);

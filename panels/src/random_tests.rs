@@ -1,6 +1,7 @@
 //! Random edits of all kinds: every state is a look, and undoing all of them gives back the text to the byte.
 
 use std::path::Path;
+use std::rc::Rc;
 
 use engine::live::{Edit, written};
 use engine::procedural::{Output, TextureSources};
@@ -8,6 +9,7 @@ use engine::scene::look::{AoSettings, Look, LookDocument, Section, Value};
 use texgen::{Interpolation, Ramp, Swizzle};
 
 use crate::model::{Model, Target};
+use crate::rename::Renaming;
 use crate::{Document, Textures, edits};
 
 const LOOK: &str = "# An old valve.\nenvironment = { color = [1, 1, 1] } # white\n\n[ao.near]\ndistance = 0.1 # m\n\n\
@@ -75,6 +77,15 @@ fn act(random: &mut Random, document: &mut Document, textures: &Textures) {
     };
     let label = "step";
     let group = (random.below(2) == 0).then_some(3);
+    if random.below(12) == 0 {
+        let name = ["rust", "moss", "a b", "rust-2"][random.below(4)];
+        let renaming = match random.below(2) {
+            0 => Renaming::of_node(document, &model, &node, name),
+            _ => Renaming::of_material(document, &model, &material, name, std::iter::empty()),
+        };
+        let _ = renaming.and_then(|renaming| document.rename(&renaming));
+        return;
+    }
     let made: Result<Vec<Edit>, String> = match random.below(14) {
         0 | 1 if model.texture(&node).is_some_and(|t| t.name() == "mask") => {
             let value = texgen::Value::F32(random.unit());
@@ -160,6 +171,7 @@ fn random_edits_are_looks_and_can_be_undone() {
         let mut document = Document::new(path, text).unwrap_or_else(|e| panic!("{e}"));
         // As the renderer has it: changed only by what it is told.
         let mut told = LookDocument::parse(path, text).unwrap_or_else(|e| panic!("{e}"));
+        let mut model = Rc::new(Model::new(&document, &textures.library));
         for _ in 0..400 {
             match random.below(12) {
                 0 => {
@@ -173,6 +185,10 @@ fn random_edits_are_looks_and_can_be_undone() {
             }
             let now = document.text();
             Look::parse(path, now).unwrap_or_else(|e| panic!("no look: {e}\n{now}"));
+            model = Rc::new(model.renewed(&document, &textures.library));
+            let new = Model::new(&document, &textures.library);
+            assert_eq!(model.wires, new.wires);
+            assert_eq!(model.graph.args(), new.graph.args());
             for change in document.take_changes() {
                 match change {
                     crate::Change::Edit {

@@ -74,7 +74,7 @@ pub use memory::{
 };
 pub use output::{Kind, Output};
 pub use reads::TextureReads;
-pub use sketch::sketch;
+pub use sketch::{resketch, sketch};
 pub use sources::{SourcesError, TextureSources};
 pub use traits::ProgramTraits;
 pub(crate) use update::UpdateError;

@@ -5,95 +5,17 @@ use egui::text::LayoutJob;
 use egui::{
     Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
-use engine::procedural::{Kind, Output};
-use texgen::{OutputType, ParameterType, Swizzle};
 
+use super::rows::{Input, MARGIN, PREVIEW, ROW, Rows, TITLE, WIDTH};
 use super::{GraphView, Loose, Sockets, Source, Subject};
 use crate::context::Context;
-use crate::material::KEYS;
-use crate::model::Target;
 use crate::widgets::{context_menu, describe, menu};
 use crate::{links, list};
 
-const WIDTH: f32 = 190.0;
-const TITLE: f32 = 24.0;
-const ROW: f32 = 18.0;
-const PREVIEW: f32 = 64.0;
-const MARGIN: f32 = 6.0;
 const SOCKET: f32 = 5.0;
 
-/// What of a node or material can be driven, with its label and colour.
-fn inputs(cx: &Context<'_>, subject: Subject<'_>) -> Vec<(Target, String, Color32)> {
-    match subject {
-        Subject::Node(node) => {
-            let parameters = cx.model.texture(node).map_or(&[][..], |t| t.parameters());
-            let linkable = parameters.iter().filter(|p| p.ty.is_linkable());
-            let input = linkable.map(|parameter| {
-                let target = Target::Parameter {
-                    node: node.to_owned(),
-                    parameter: parameter.name.clone(),
-                };
-                let label = list::short_label(parameter).to_owned();
-                (target, label, color_of(components(parameter.ty)))
-            });
-            input.collect()
-        }
-        Subject::Material(material) => {
-            let mask = cx.model.sides(material).map(|_| {
-                let target = Target::Mask {
-                    material: material.to_owned(),
-                };
-                (target, "Mask".to_owned(), color_of(1))
-            });
-            let keys = KEYS.iter().filter_map(|key| {
-                let output = key.output()?;
-                let target = Target::Input {
-                    material: material.to_owned(),
-                    output,
-                };
-                let is_driven = cx.model.source(&target).is_some();
-                let is_usual = key.is_common && output != Output::EmissionStrength;
-                let is_shown = is_driven || (is_usual && !cx.model.is_pure_blend(material));
-                let count = match output.kind() {
-                    Kind::Scalar => 1,
-                    Kind::Color | Kind::Vector => 3,
-                };
-                is_shown.then(|| (target, key.label.to_owned(), color_of(count)))
-            });
-            mask.into_iter().chain(keys).collect()
-        }
-    }
-}
-
-fn components(ty: ParameterType) -> usize {
-    match ty {
-        ParameterType::Vec2 => 2,
-        ParameterType::Vec3 => 3,
-        ParameterType::Vec4 => 4,
-        _ => 1,
-    }
-}
-
-/// Of a socket that takes or gives so many numbers.
-fn color_of(components: usize) -> Color32 {
-    match components {
-        1 => Color32::from_rgb(160, 160, 160),
-        2 => Color32::from_rgb(90, 170, 120),
-        3 => Color32::from_rgb(210, 180, 80),
-        _ => Color32::from_rgb(170, 110, 200),
-    }
-}
-
-/// Points that a card is high.
-pub(super) fn height(cx: &Context<'_>, subject: Subject<'_>) -> f32 {
-    let rows = inputs(cx, subject).len() as f32;
-    let head = match subject {
-        Subject::Node(_) => PREVIEW + MARGIN,
-        // The sides of a blend.
-        Subject::Material(material) => cx.model.sides(material).map_or(0.0, |_| 2.0 * ROW),
-    };
-    TITLE + head + rows * ROW + MARGIN
-}
+/// Below this zoom nothing written on a card can be read, and no socket be hit: cards are mere shapes.
+const READABLE: f32 = 0.3;
 
 impl GraphView {
     /// Shows a card, and notes where its sockets are.
@@ -106,9 +28,14 @@ impl GraphView {
     ) {
         let id = subject.id();
         let place = *self.places.entry(id.clone()).or_default();
-        let card = Rect::from_min_size(place, vec2(WIDTH, height(cx, subject)));
+        let rows = self.rows(cx, subject);
+        let card = Rect::from_min_size(place, vec2(WIDTH, rows.height));
         // Sockets stand out at the sides.
         ui.expand_to_include_rect(card.expand(3.0 * SOCKET));
+        rows.put_sockets(card, subject, sockets);
+        if !ui.is_rect_visible(card.expand(3.0 * SOCKET)) {
+            return;
+        }
         let body = ui.interact(card, ui.scope_id().with(&id), Sense::click_and_drag());
         describe(&body, Role::Button, &id);
         self.handle(ui, cx, subject, &body);
@@ -117,33 +44,24 @@ impl GraphView {
             Subject::Material(name) => (name, false),
         };
         paint_body(ui, card, subject, is_selected);
+        if zoom(ui) < READABLE {
+            return;
+        }
         let title = pos2(card.left() + 2.0 * MARGIN, card.top() + 0.5 * TITLE);
         let color = ui.visuals().strong_text_color();
-        write(
-            ui,
-            title,
-            Align2::LEFT_CENTER,
-            name,
-            WIDTH - 4.0 * MARGIN,
-            color,
-        );
-        let top = match subject {
+        let room = WIDTH - 4.0 * MARGIN;
+        write(ui, title, Align2::LEFT_CENTER, name, room, color);
+        match subject {
             Subject::Node(node) => {
-                self.outputs(ui, cx, node, card, sockets);
+                self.outputs(ui, &rows, card, sockets);
                 let corner = pos2(card.left() + 2.0 * MARGIN, card.top() + TITLE);
                 let place = Rect::from_min_size(corner, vec2(PREVIEW, PREVIEW));
                 cx.paint_preview(ui, node, place);
-                card.top() + TITLE + PREVIEW + MARGIN
             }
-            Subject::Material(material) => {
-                let surface = pos2(card.right(), title.y);
-                sockets.surfaces.insert(material.to_owned(), surface);
-                sides(ui, cx, material, card, sockets)
-            }
-        };
-        for (i, (target, label, color)) in inputs(cx, subject).into_iter().enumerate() {
-            let center = pos2(card.left(), top + (i as f32 + 0.5) * ROW);
-            self.input(ui, cx, center, target, &label, color, sockets);
+            Subject::Material(material) => sides(ui, cx, material, card),
+        }
+        for (i, row) in rows.inputs.iter().enumerate() {
+            self.input(ui, cx, rows.input_place(card, i), row, sockets);
         }
     }
 
@@ -202,107 +120,51 @@ impl GraphView {
     }
 
     /// The sockets on the right: the whole result, and each of its components.
-    fn outputs(
-        &mut self,
-        ui: &mut Ui,
-        cx: &Context<'_>,
-        node: &str,
-        card: Rect,
-        sockets: &mut Sockets,
-    ) {
-        let Some(output) = cx.model.texture(node).map(|texture| texture.output()) else {
+    fn outputs(&mut self, ui: &mut Ui, rows: &Rows, card: Rect, sockets: &mut Sockets) {
+        if rows.outputs.is_empty() {
             let place = pos2(
                 card.left() + 3.0 * MARGIN + PREVIEW,
                 card.top() + TITLE + ROW,
             );
             let color = ui.visuals().error_fg_color;
-            write(
-                ui,
-                place,
-                Align2::LEFT_CENTER,
-                "no texture",
-                WIDTH - PREVIEW,
-                color,
-            );
-            return;
-        };
-        let count = output.components();
-        let whole = pos2(card.right(), card.top() + 0.5 * TITLE);
-        self.output(ui, node, None, whole, color_of(count), sockets);
-        if output == OutputType::F32 {
-            return;
+            let room = WIDTH - PREVIEW;
+            write(ui, place, Align2::LEFT_CENTER, "no texture", room, color);
         }
-        for (i, component) in ["x", "y", "z", "w"].into_iter().take(count).enumerate() {
-            let center = pos2(card.right(), card.top() + TITLE + (i as f32 + 0.5) * 15.0);
+        for (i, output) in rows.outputs.iter().enumerate() {
+            let center = Rows::output_place(card, i);
+            let swizzle = output.source.swizzle;
+            let component = swizzle.map_or(String::new(), |s| s.to_string());
             let text = center - vec2(2.0 * MARGIN, 0.0);
             let color = ui.visuals().weak_text_color();
-            write(ui, text, Align2::RIGHT_CENTER, component, ROW, color);
-            self.output(
-                ui,
-                node,
-                component.parse().ok(),
-                center,
-                color_of(1),
-                sockets,
-            );
+            let letter = component.trim_start_matches('.');
+            write(ui, text, Align2::RIGHT_CENTER, letter, ROW, color);
+            let label = format!("Output {}{component}", output.source.node);
+            let socket = socket(ui, center, &label, output.color);
+            if socket.drag_started() {
+                self.loose = Some(Loose {
+                    source: output.source.as_ref().clone(),
+                    former: None,
+                });
+            }
+            sockets.is_dropped |= socket.drag_stopped();
         }
     }
 
-    fn output(
-        &mut self,
-        ui: &mut Ui,
-        node: &str,
-        swizzle: Option<Swizzle>,
-        center: Pos2,
-        color: Color32,
-        sockets: &mut Sockets,
-    ) {
-        let source = Source {
-            node: node.to_owned(),
-            swizzle,
-        };
-        let label = match swizzle {
-            Some(swizzle) => format!("Output {node}{swizzle}"),
-            None => format!("Output {node}"),
-        };
-        let socket = socket(ui, center, &label, color);
-        if socket.drag_started() {
-            self.loose = Some(Loose {
-                source: source.clone(),
-                former: None,
-            });
-        }
-        sockets.is_dropped |= socket.drag_stopped();
-        sockets.outputs.insert(source, center);
-    }
-
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "what a row of a card consists of"
-    )]
     fn input(
         &mut self,
         ui: &mut Ui,
         cx: &mut Context<'_>,
         center: Pos2,
-        target: Target,
-        label: &str,
-        color: Color32,
+        row: &Input,
         sockets: &mut Sockets,
     ) {
-        let full = links::target_name(&target, label);
+        let target = row.target.as_ref();
+        let full = links::target_name(target, &row.label);
         let text = center + vec2(2.0 * MARGIN, 0.0);
-        let ink = ui.visuals().text_color();
-        write(
-            ui,
-            text,
-            Align2::LEFT_CENTER,
-            label,
-            WIDTH - 3.0 * MARGIN,
-            ink,
-        );
-        let socket = socket(ui, center, &format!("Input {full}"), color);
-        let wire = cx.model.source(&target).cloned();
+        let (ink, room) = (ui.visuals().text_color(), WIDTH - 3.0 * MARGIN);
+        write(ui, text, Align2::LEFT_CENTER, &row.label, room, ink);
+        let socket = socket(ui, center, &format!("Input {full}"), row.color);
+        let wire = cx.model.source(target).cloned();
         if let (true, Some(wire)) = (socket.drag_started(), &wire) {
             self.loose = Some(Loose {
                 source: Source {
@@ -314,10 +176,15 @@ impl GraphView {
         }
         sockets.is_dropped |= socket.drag_stopped();
         context_menu(&socket, |ui| {
-            links::link_menu(ui, cx, &target, &full, wire.is_some(), "Disconnect");
+            links::link_menu(ui, cx, target, &full, wire.is_some(), "Disconnect");
         });
-        sockets.inputs.insert(target, center);
     }
+}
+
+/// Points on the screen for one of the plane.
+fn zoom(ui: &Ui) -> f32 {
+    let to_screen = ui.ctx().layer_transform_to_global(ui.layer_id());
+    to_screen.map_or(1.0, |to_screen| to_screen.scaling)
 }
 
 fn paint_body(ui: &Ui, card: Rect, subject: Subject<'_>, is_selected: bool) {
@@ -337,34 +204,19 @@ fn paint_body(ui: &Ui, card: Rect, subject: Subject<'_>, is_selected: bool) {
     painter.rect_stroke(card, 4.0, stroke, StrokeKind::Outside);
 }
 
-/// The rows of a blend's two sides; gives where the next row begins.
-fn sides(ui: &Ui, cx: &Context<'_>, material: &str, card: Rect, sockets: &mut Sockets) -> f32 {
-    let top = card.top() + TITLE;
-    let Some(names) = cx.model.sides(material) else {
-        return top;
-    };
-    for (i, (side, name)) in ["Base", "Over"].into_iter().zip(names).enumerate() {
-        let place = pos2(card.left(), top + (i as f32 + 0.5) * ROW);
-        let itself = name == material;
-        let text = match itself {
+/// The rows of a blend's two sides.
+fn sides(ui: &Ui, cx: &Context<'_>, material: &str, card: Rect) {
+    for (i, name) in cx.model.sides(material).into_iter().flatten().enumerate() {
+        let side = ["Base", "Over"][i];
+        let text = match name == material {
             true => format!("{side}: itself"),
             false => format!("{side}: {name}"),
         };
         let color = ui.visuals().weak_text_color();
-        let start = place + vec2(2.0 * MARGIN, 0.0);
-        write(
-            ui,
-            start,
-            Align2::LEFT_CENTER,
-            &text,
-            WIDTH - 3.0 * MARGIN,
-            color,
-        );
-        if !itself {
-            sockets.sides.push((name.to_owned(), place));
-        }
+        let start = Rows::side_place(card, i) + vec2(2.0 * MARGIN, 0.0);
+        let room = WIDTH - 3.0 * MARGIN;
+        write(ui, start, Align2::LEFT_CENTER, &text, room, color);
     }
-    top + 2.0 * ROW
 }
 
 fn socket(ui: &mut Ui, center: Pos2, label: &str, color: Color32) -> Response {

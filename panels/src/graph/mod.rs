@@ -4,8 +4,10 @@
 
 mod card;
 mod layout;
+mod rows;
 
 use std::collections::{BTreeSet, HashMap};
+use std::rc::Rc;
 
 use egui::epaint::CubicBezierShape;
 use egui::{Color32, Key, Modifiers, Pos2, Rect, Response, Scene, Shape, Stroke, Ui, vec2};
@@ -19,6 +21,9 @@ use crate::widgets::{context_menu, menu, name};
 
 /// Points around a socket in which a link can be dropped.
 const REACH: f32 = 16.0;
+
+/// How far a link goes on sideways before it bends, at most.
+const BEND: f32 = 160.0;
 
 /// What a link comes from.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -45,6 +50,9 @@ pub(crate) struct GraphView {
     /// Nodes.
     selected: BTreeSet<String>,
     loose: Option<Loose>,
+    /// What stands on the cards, by their ids, and the model whose look says so.
+    rows: HashMap<String, Rc<rows::Rows>>,
+    rows_of: u64,
     /// Where the menu for new nodes was opened.
     menu_at: Pos2,
     search: String,
@@ -57,6 +65,8 @@ impl Default for GraphView {
             places: HashMap::new(),
             selected: BTreeSet::new(),
             loose: None,
+            rows: HashMap::new(),
+            rows_of: 0,
             menu_at: Pos2::ZERO,
             search: String::new(),
         }
@@ -66,8 +76,8 @@ impl Default for GraphView {
 /// What was drawn where in this frame.
 #[derive(Debug, Default)]
 struct Sockets {
-    outputs: HashMap<Source, Pos2>,
-    inputs: HashMap<Target, Pos2>,
+    outputs: HashMap<Rc<Source>, Pos2>,
+    inputs: HashMap<Rc<Target>, Pos2>,
     /// Right edges of materials, for the sides of blends, and where those go.
     surfaces: HashMap<String, Pos2>,
     sides: Vec<(String, Pos2)>,
@@ -228,7 +238,7 @@ impl GraphView {
             .zip(&ids)
             .map(|(&subject, id)| layout::Card {
                 id,
-                height: card::height(cx, subject),
+                height: self.rows(cx, subject).height,
                 readers: Vec::new(),
             })
             .collect();
@@ -284,7 +294,9 @@ impl GraphView {
             let end = sockets.inputs.get(&wire.target);
             let is_off = (self.loose.as_ref())
                 .is_some_and(|loose| loose.former.as_ref() == Some(&wire.target));
-            if let (Some(&start), Some(&end), false) = (start, end, is_off) {
+            if let (Some(&start), Some(&end), false) = (start, end, is_off)
+                && ui.is_rect_visible(Rect::from_two_pos(start, end).expand2(vec2(BEND, 0.0)))
+            {
                 shapes.push(curve(start, end, Stroke::new(2.0, color)));
                 let is_several = !sockets.outputs.contains_key(&source);
                 if let (Some(swizzle), true) = (wire.swizzle, is_several) {
@@ -311,7 +323,7 @@ impl GraphView {
             let distance = |place: &Pos2| place.distance(pointer);
             let inputs = sockets.inputs.iter();
             let near = inputs.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))?;
-            (distance(near.1) < REACH).then(|| near.0.clone())
+            (distance(near.1) < REACH).then(|| near.0.as_ref().clone())
         });
         let Source { node, swizzle } = &loose.source;
         if !sockets.is_dropped {
@@ -404,7 +416,7 @@ fn pointer(ui: &Ui) -> Option<Pos2> {
 }
 
 fn curve(start: Pos2, end: Pos2, stroke: Stroke) -> Shape {
-    let reach = vec2((0.5 * (end.x - start.x).abs()).clamp(24.0, 160.0), 0.0);
+    let reach = vec2((0.5 * (end.x - start.x).abs()).clamp(24.0, BEND), 0.0);
     let points = [start, start + reach, end - reach, end];
     CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke).into()
 }

@@ -204,3 +204,64 @@ fn a_node_that_many_use_is_deleted_at_once() {
     harness.state_mut().document.undo();
     assert_eq!(text(&harness), linked);
 }
+
+#[test]
+fn a_text_that_is_no_look_changes_nothing() {
+    let mut harness = harness(Form::List);
+    for broken in ["[node.rust\n", "[node.rust]\nscale = 3\n", "node = 1"] {
+        let document = &mut harness.state_mut().document;
+        let problems = document.replace("file", broken).expect_err("no look");
+        assert!(!problems.is_empty());
+        assert_eq!(document.text(), LOOK);
+        harness.run();
+    }
+    // What the panel does goes on from the last look that was one.
+    write(&mut harness, "Name of paint", "dye");
+    assert!(text(&harness).contains("[node.dye]"));
+}
+
+#[test]
+fn the_material_of_an_undone_rename_is_shown_no_more() {
+    let mut harness = harness(Form::List);
+    let over = Value::Text("New".to_owned());
+    let edits = [
+        Edit::material("New", "roughness", Value::number(0.5)),
+        Edit::material("Paint", "blend.base", Value::Text("Paint".to_owned())),
+        Edit::material("Paint", "blend.over", over),
+        Edit::material("Paint", "blend.mask", Value::number(0.0)),
+    ];
+    let document = &mut harness.state_mut().document;
+    document.apply("new", &edits, None).expect("a look");
+    harness.state_mut().panel.pick("New");
+    harness.run();
+    write(&mut harness, "Name of Material New", "Other");
+    assert_eq!(harness.state().panel.material(), Some("Other"));
+    harness.get_by_label("Undo").click();
+    harness.run();
+    assert_eq!(harness.state().panel.material(), Some("Iron"));
+}
+
+#[test]
+fn copies_are_linked_among_themselves() {
+    let mut harness = harness(Form::Graph);
+    let link = [Edit::link("paint", "factor", "rust")];
+    let document = &mut harness.state_mut().document;
+    document.apply("link", &link, None).expect("a look");
+    harness.run();
+    harness
+        .get_by_role_and_label(Role::Button, "node paint")
+        .click();
+    harness.run();
+    harness
+        .get_by_role_and_label(Role::Button, "node rust")
+        .click_modifiers(egui::Modifiers::SHIFT);
+    harness.run();
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::D);
+    harness.run();
+    let text = text(&harness);
+    assert!(text.contains("[node.paint_2]"), "{text}");
+    assert!(text.contains("factor = \"rust_2\""), "{text}");
+    assert!(text.contains("factor = \"rust\"\n"), "{text}");
+    harness.state_mut().document.undo();
+    assert_eq!(harness.state().document.undo_label(), Some("link"));
+}

@@ -1,0 +1,215 @@
+//! What stands on a card: its inputs and outputs, and where on the card they are.
+
+use std::rc::Rc;
+
+use egui::{Color32, Pos2, Rect, pos2, vec2};
+use engine::procedural::{Kind, Output};
+use texgen::ParameterType;
+
+use super::{GraphView, Sockets, Source, Subject};
+use crate::context::Context;
+use crate::list;
+use crate::material::KEYS;
+use crate::model::Target;
+
+pub(super) const WIDTH: f32 = 190.0;
+pub(super) const TITLE: f32 = 24.0;
+pub(super) const ROW: f32 = 18.0;
+pub(super) const PREVIEW: f32 = 64.0;
+pub(super) const MARGIN: f32 = 6.0;
+
+/// Something that can be driven.
+#[derive(Debug)]
+pub(super) struct Input {
+    pub(super) target: Rc<Target>,
+    pub(super) label: String,
+    pub(super) color: Color32,
+}
+
+impl Input {
+    fn new(target: Target, label: String, components: usize) -> Self {
+        Self {
+            target: Rc::new(target),
+            label,
+            color: color_of(components),
+        }
+    }
+}
+
+/// A node's result, or one of its components.
+#[derive(Debug)]
+pub(super) struct Out {
+    pub(super) source: Rc<Source>,
+    pub(super) color: Color32,
+}
+
+/// What stands on a card; kept until the look changes.
+#[derive(Debug)]
+pub(super) struct Rows {
+    pub(super) inputs: Vec<Input>,
+    /// The whole result first; none where there is no texture.
+    pub(super) outputs: Vec<Out>,
+    /// Other materials that a blend is made of, and their rows.
+    sides: Vec<(String, usize)>,
+    /// Points from the top of the card to its first input.
+    top: f32,
+    /// Points that the card is high.
+    pub(super) height: f32,
+}
+
+impl Rows {
+    fn new(cx: &Context<'_>, subject: Subject<'_>) -> Self {
+        let inputs = inputs(cx, subject);
+        let mut sides = Vec::new();
+        let (outputs, head) = match subject {
+            Subject::Node(node) => (outputs(cx, node), PREVIEW + MARGIN),
+            Subject::Material(material) => {
+                let names = cx.model.sides(material);
+                let others = names.into_iter().flatten().enumerate();
+                let others = others.filter(|(_, name)| *name != material);
+                sides.extend(others.map(|(i, name)| (name.to_owned(), i)));
+                (Vec::new(), names.map_or(0.0, |_| 2.0 * ROW))
+            }
+        };
+        let top = TITLE + head;
+        let height = top + inputs.len() as f32 * ROW + MARGIN;
+        Self {
+            inputs,
+            outputs,
+            sides,
+            top,
+            height,
+        }
+    }
+
+    pub(super) fn input_place(&self, card: Rect, i: usize) -> Pos2 {
+        pos2(card.left(), card.top() + self.top + (i as f32 + 0.5) * ROW)
+    }
+
+    pub(super) fn output_place(card: Rect, i: usize) -> Pos2 {
+        let below = match i {
+            0 => 0.5 * TITLE,
+            _ => TITLE + (i as f32 - 0.5) * 15.0,
+        };
+        card.right_top() + vec2(0.0, below)
+    }
+
+    pub(super) fn side_place(card: Rect, i: usize) -> Pos2 {
+        card.left_top() + vec2(0.0, TITLE + (i as f32 + 0.5) * ROW)
+    }
+
+    /// Notes where links begin and end on a card.
+    pub(super) fn put_sockets(&self, card: Rect, subject: Subject<'_>, sockets: &mut Sockets) {
+        for (i, input) in self.inputs.iter().enumerate() {
+            let place = self.input_place(card, i);
+            sockets.inputs.insert(Rc::clone(&input.target), place);
+        }
+        for (i, output) in self.outputs.iter().enumerate() {
+            let place = Self::output_place(card, i);
+            sockets.outputs.insert(Rc::clone(&output.source), place);
+        }
+        if let Subject::Material(material) = subject {
+            let surface = card.right_top() + vec2(0.0, 0.5 * TITLE);
+            sockets.surfaces.insert(material.to_owned(), surface);
+        }
+        for (name, i) in &self.sides {
+            let place = Self::side_place(card, *i);
+            sockets.sides.push((name.clone(), place));
+        }
+    }
+}
+
+impl GraphView {
+    /// What stands on a card.
+    pub(super) fn rows(&mut self, cx: &Context<'_>, subject: Subject<'_>) -> Rc<Rows> {
+        if self.rows_of != cx.model.id() {
+            self.rows.clear();
+            self.rows_of = cx.model.id();
+        }
+        let rows = self.rows.entry(subject.id());
+        Rc::clone(rows.or_insert_with(|| Rc::new(Rows::new(cx, subject))))
+    }
+}
+
+fn outputs(cx: &Context<'_>, node: &str) -> Vec<Out> {
+    let Some(texture) = cx.model.texture(node) else {
+        return Vec::new();
+    };
+    let count = texture.output().components();
+    let whole = [(None, count)];
+    // A number has no parts.
+    let parts = if count > 1 { count } else { 0 };
+    let parts = ["x", "y", "z", "w"].into_iter().take(parts);
+    let parts = parts.map(|part| (part.parse().ok(), 1));
+    let all = whole.into_iter().chain(parts);
+    let out = all.map(|(swizzle, components)| Out {
+        source: Rc::new(Source {
+            node: node.to_owned(),
+            swizzle,
+        }),
+        color: color_of(components),
+    });
+    out.collect()
+}
+
+/// What of a node or material can be driven, with its label and colour.
+fn inputs(cx: &Context<'_>, subject: Subject<'_>) -> Vec<Input> {
+    match subject {
+        Subject::Node(node) => {
+            let parameters = cx.model.texture(node).map_or(&[][..], |t| t.parameters());
+            let linkable = parameters.iter().filter(|p| p.ty.is_linkable());
+            let input = linkable.map(|parameter| {
+                let target = Target::Parameter {
+                    node: node.to_owned(),
+                    parameter: parameter.name.clone(),
+                };
+                let label = list::short_label(parameter).to_owned();
+                Input::new(target, label, components(parameter.ty))
+            });
+            input.collect()
+        }
+        Subject::Material(material) => {
+            let mask = cx.model.sides(material).map(|_| {
+                let target = Target::Mask {
+                    material: material.to_owned(),
+                };
+                Input::new(target, "Mask".to_owned(), 1)
+            });
+            let keys = KEYS.iter().filter_map(|key| {
+                let output = key.output()?;
+                let target = Target::Input {
+                    material: material.to_owned(),
+                    output,
+                };
+                let is_driven = cx.model.source(&target).is_some();
+                let is_usual = key.is_common && output != Output::EmissionStrength;
+                let is_shown = is_driven || (is_usual && !cx.model.is_pure_blend(material));
+                let count = match output.kind() {
+                    Kind::Scalar => 1,
+                    Kind::Color | Kind::Vector => 3,
+                };
+                is_shown.then(|| Input::new(target, key.label.to_owned(), count))
+            });
+            mask.into_iter().chain(keys).collect()
+        }
+    }
+}
+
+fn components(ty: ParameterType) -> usize {
+    match ty {
+        ParameterType::Vec2 => 2,
+        ParameterType::Vec3 => 3,
+        ParameterType::Vec4 => 4,
+        _ => 1,
+    }
+}
+
+/// Of a socket that takes or gives so many numbers.
+fn color_of(components: usize) -> Color32 {
+    match components {
+        1 => Color32::from_rgb(160, 160, 160),
+        2 => Color32::from_rgb(90, 170, 120),
+        3 => Color32::from_rgb(210, 180, 80),
+        _ => Color32::from_rgb(170, 110, 200),
+    }
+}
