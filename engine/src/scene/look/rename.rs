@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn only_the_name_changes_in_tables_of_any_shape() {
         for text in [
-            "# Head.\n[ node . rust ] # it rusts\n  texture = 't' # mine\n\n[node.b]\ntexture = 't'\n[node.rust.ramp] # below\nstops = []\n[material.M]\n",
+            "# Head.\n[node.rust] # it rusts\n  texture = 't' # mine\n\n[node.b]\ntexture = 't'\n[node.rust.ramp] # below\nstops = []\n[material.M]\n",
             "[node.b]\n# before\n[material.M]\n[node.rust]\nx = 1\n# The end.",
             "node = { b = {}, rust = { texture = 't' } , c = {} } # all",
             "node.rust.texture = 't' # one\nnode.b.texture = 't'\nnode.rust.scale = 1\n",
