@@ -326,7 +326,9 @@ impl GraphView {
             (distance(near.1) < REACH).then(|| near.0.as_ref().clone())
         });
         let Source { node, swizzle } = &loose.source;
-        if !sockets.is_dropped {
+        // The socket that it hangs on may be out of sight by now, and not tell that it was let go.
+        let is_dropped = sockets.is_dropped || ui.input(|input| !input.pointer.any_down());
+        if !is_dropped {
             if let Some(target) = &near
                 && let Err(why) = cx.model.check(node, *swizzle, target)
             {

@@ -239,3 +239,33 @@ fn nodes_are_duplicated_and_deleted() {
     harness.state_mut().document.undo();
     assert_eq!(harness.state().document.text(), LOOK);
 }
+
+#[test]
+fn a_link_is_let_go_though_its_socket_is_out_of_sight() {
+    let mut harness = harness(Form::Graph);
+    let from = center(&harness, Role::Button, "Output rust");
+    harness.hover_at(from);
+    harness.run();
+    harness.drag_at(from);
+    harness.run();
+    harness.hover_at(from + vec2(30.0, 40.0));
+    harness.run();
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: vec2(-4000.0, 0.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Unknown,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run_steps(30);
+    let card = harness.query_by_role_and_label(Role::Button, "node rust");
+    assert!(card.is_none(), "it is out of sight");
+    harness.drop_at(from + vec2(30.0, 40.0));
+    harness.run();
+    harness.get_by_label("Fit").click();
+    harness.run_steps(8);
+    // Nothing hangs on the pointer that could be connected by another drag.
+    let other = center(&harness, Role::Button, "Input factor of paint");
+    drag(&mut harness, other, vec2(2.0, 2.0));
+    assert_eq!(text(&harness), LOOK);
+}
