@@ -74,6 +74,7 @@ mod tests {
         let path = Path::new("a.look.toml");
         let mut document = LookDocument::parse(path, text).unwrap_or_else(|e| panic!("{e}"));
         let section = Section::Node("rust".to_owned());
+        assert_eq!(document.text(), text);
         document.rename(&section, "moss").expect("renamed");
         let mut again =
             LookDocument::parse(path, &document.text()).unwrap_or_else(|e| panic!("{e}"));
@@ -90,7 +91,7 @@ mod tests {
             "# Head.\n[node.rust] # it rusts\n  texture = 't' # mine\n\n[node.b]\ntexture = 't'\n[node.rust.ramp] # below\nstops = []\n[material.M]\n",
             "[node.b]\n# before\n[material.M]\n[node.rust]\nx = 1\n# The end.",
             "node = { b = {}, rust = { texture = 't' } , c = {} } # all",
-            "node.rust.texture = 't' # one\nnode.b.texture = 't'\nnode.rust.scale = 1\n",
+            "node.rust.texture = 't' # one\nnode.rust.scale = 1\nnode.b.texture = 't'\n",
             "[node]\nb = { x = 1 }\nrust.texture = 't'\nrust.scale = 2 # two\nc = {}\n",
             "[node]\r\n'rust' = { texture = 't' }\r\n",
         ] {
