@@ -5,6 +5,7 @@
 //! the window needs of the program around it (file events, formats of pictures) is a [`host::Host`]. Nothing here
 //! prints.
 
+pub mod blit;
 pub mod host;
 pub mod link;
 pub mod navigate;

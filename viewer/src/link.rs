@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 use engine::display::DisplaySettings;
 use engine::scene::{Camera, Material};
@@ -185,6 +186,8 @@ pub struct Board {
     pub look: Option<LookFacts>,
     /// Not read yet.
     pub replies: Vec<Reply>,
+    /// When the user did something last; written by the window.
+    pub touched: Option<Instant>,
 }
 
 /// The window's end.

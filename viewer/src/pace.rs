@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-/// A moving picture's first samples shall be there so soon. With the wave that is under way, the display and a frame of the
-/// window, the picture is on screen within half a second.
-const MOVING: Duration = Duration::from_millis(150);
+/// A moving picture's first samples shall be there so soon. A change may have to wait until the picture before it has been
+/// seen, and is on screen within half a second all the same.
+const MOVING: Duration = Duration::from_millis(140);
 /// Most that sides are divided by while moving.
-const COARSEST: u32 = 8;
+const COARSEST: u32 = 12;
 
 /// What a processor is thought to take for a path until it has been measured. Others are fast enough for any guess.
 const SECONDS_ON_CPU: f64 = 2e-5;
@@ -43,14 +43,13 @@ impl Pace {
         self.seconds_per_path.filter(|s| *s > 0.0).map(|s| 1.0 / s)
     }
 
-    /// Size of the picture while something moves: the sides divided by a whole number.
-    pub fn moving_size(&self, [width, height]: [u32; 2]) -> [u32; 2] {
+    /// What the sides of the picture are divided by while something moves.
+    pub fn moving_divisor(&self, [width, height]: [u32; 2]) -> u32 {
         let seconds =
             self.seconds_per_path.unwrap_or_default() * f64::from(width) * f64::from(height);
         let wanted = (seconds / MOVING.as_secs_f64()).sqrt().ceil();
         // `as` saturates.
-        let divisor = (wanted as u32).clamp(1, COARSEST);
-        [width, height].map(|side| (side / divisor).max(1))
+        (wanted as u32).clamp(1, COARSEST)
     }
 }
 
@@ -66,21 +65,20 @@ mod tests {
     #[test]
     fn slow_devices_get_smaller_pictures_while_moving() {
         let mut pace = Pace::default();
-        assert_eq!(pace.moving_size([640, 360]), [640, 360]);
-        assert_eq!(Pace::of(false).moving_size([640, 360]), [640, 360]);
-        assert!(Pace::of(true).moving_size([640, 360])[0] < 160);
-        // 100,000 paths per second: 2.3 s for all pixels, a sixteenth of them in time.
+        assert_eq!(pace.moving_divisor([640, 360]), 1);
+        assert_eq!(Pace::of(false).moving_divisor([640, 360]), 1);
+        assert!(Pace::of(true).moving_divisor([640, 360]) > 4);
+        // 100,000 paths per second: 2.3 s for all pixels, a twenty-fifth of them in time.
         pace.note(100_000, Duration::from_secs(1));
-        let [width, height] = pace.moving_size([640, 360]);
-        assert_eq!([width, height], [160, 90]);
-        let seconds = f64::from(width * height) / pace.paths_per_second().unwrap();
+        assert_eq!(pace.moving_divisor([640, 360]), 5);
+        let seconds = f64::from(128 * 72) / pace.paths_per_second().unwrap();
         assert!(seconds <= MOVING.as_secs_f64());
-        // A GPU needs no reduction, and nothing becomes smaller than a pixel.
+        // A GPU needs no reduction, and there is an end to it.
         let mut fast = Pace::default();
         fast.note(100_000_000, Duration::from_secs(1));
-        assert_eq!(fast.moving_size([1920, 1080]), [1920, 1080]);
+        assert_eq!(fast.moving_divisor([1920, 1080]), 1);
         pace.note(1, Duration::from_secs(1000));
-        assert_eq!(pace.moving_size([2, 2]), [1, 1]);
+        assert_eq!(pace.moving_divisor([1920, 1080]), COARSEST);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use egui::{TextureId, Ui, ViewportBuilder, ViewportCommand};
 use engine::gpu::{DeviceChoice, Gpu};
 use patina_panels::Previews;
 
+use crate::blit::Blit;
 use crate::host::Host;
 use crate::link::Files;
 use crate::thread::{RenderOptions, RenderThread};
@@ -74,6 +75,8 @@ pub fn run(
         },
         // A screenshot looks the same whatever the last window was.
         persist_window: !is_screenshot,
+        // Nobody sees it in flat panels, and a software driver pays for each pixel.
+        dithering: !gpu.is_cpu(),
         ..eframe::NativeOptions::default()
     };
     let (gpu, kept) = (gpu.clone(), Taken::clone(&taken));
@@ -100,6 +103,7 @@ struct Shell {
     viewer: Viewer,
     thread: Option<RenderThread>,
     ids: Option<(TextureId, Option<TextureId>)>,
+    blit: Option<Blit>,
     texture_number: u64,
     picture_at_spp: Option<u32>,
     /// The picture has been asked for.
@@ -136,6 +140,10 @@ impl Shell {
             viewer,
             thread: Some(thread),
             ids: None,
+            blit: context
+                .wgpu_render_state
+                .as_ref()
+                .and_then(|state| Blit::new(&state.device, state.target_format)),
             texture_number: 0,
             picture_at_spp: options.picture_at_spp,
             is_taking: false,
@@ -173,6 +181,8 @@ impl Shell {
             None => before_id,
         };
         self.ids = Some((now, before));
+        let blit = self.blit.as_ref();
+        self.viewer.drawn = blit.map(|blit| blit.bind(&state.device, &shown.view));
         self.viewer.picture = Some(PictureIds {
             now,
             before: before.filter(|_| shown.before.is_some()),
@@ -227,6 +237,10 @@ impl eframe::App for Shell {
 
     fn persist_egui_memory(&self) -> bool {
         self.picture_at_spp.is_none()
+    }
+
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
     }
 
     fn on_exit(&mut self) {

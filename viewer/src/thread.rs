@@ -1,9 +1,10 @@
 //! The render's thread: takes commands, follows files, renders wave by wave, and puts what there is to see on the board.
 
 mod commands;
+mod failure;
 mod publish;
+mod size;
 
-use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -22,17 +23,8 @@ use crate::pace::{self, Pace};
 
 /// Parsing recurses along a texture's expressions.
 const STACK_BYTES: usize = 8 << 20;
-/// Failures in a row after which nothing is tried any more.
-const MOST_FAILURES: u32 = 3;
 /// How often a render that has nothing to do looks for commands, files and what is built.
 const IDLE: Duration = Duration::from_millis(20);
-/// Motion is over when nothing has moved for so long.
-const STILL: Duration = Duration::from_millis(250);
-/// Longest waves on a GPU: the window's frames wait for them.
-const GPU_WAVE: Duration = Duration::from_millis(15);
-/// The same on a software driver, while something moves and while nothing does.
-const CPU_WAVE_MOVING: Duration = Duration::from_millis(40);
-const CPU_WAVE: Duration = Duration::from_millis(100);
 
 /// How it is rendered, whatever is.
 #[derive(Debug, Clone)]
@@ -93,6 +85,7 @@ impl RenderThread {
                     pending: Pending::default(),
                     motion: None,
                     is_moving: false,
+                    divisor: 1,
                     full,
                     region: None,
                     before: None,
@@ -132,8 +125,10 @@ struct Render {
     pending: Pending,
     /// When something moved last.
     motion: Option<Instant>,
-    /// The picture is a small one, because something moves.
+    /// Something moves, so that the picture is a small one.
     is_moving: bool,
+    /// Pixels of the whole picture along a side per pixel of this one.
+    divisor: u32,
     /// Pixels of the picture while nothing moves, as the last turn had them.
     full: [u32; 2],
     region: Option<[f32; 4]>,
@@ -370,34 +365,6 @@ impl Render {
         sent
     }
 
-    /// A small picture while something moves, the whole one when nothing does.
-    fn fit_size(&mut self) -> Result<(), LiveError> {
-        let full = *lock_size(&self.size);
-        // What has begun small is seen small first, however long a driver compiles before.
-        let is_awaited = self.is_moving && !self.run.is_seen && self.has_work();
-        self.is_moving = is_awaited || self.motion.is_some_and(|motion| motion.elapsed() < STILL);
-        // Another size would begin it anew.
-        let keeps_size = is_awaited && full == self.full;
-        self.full = full;
-        let size = match self.is_moving {
-            true if keeps_size => self.picture_size(),
-            true => self.pace.moving_size(full),
-            false => full,
-        };
-        let Some(live) = &mut self.live else {
-            return Ok(());
-        };
-        live.set_longest_wave(match (self.gpu.is_cpu(), self.is_moving) {
-            (false, _) => GPU_WAVE,
-            (true, true) => CPU_WAVE_MOVING,
-            (true, false) => CPU_WAVE,
-        });
-        live.resize(size[0], size[1])?;
-        let region = self.region.filter(|_| !self.is_moving);
-        live.set_region(region.map(|corners| pixels(corners, size)));
-        Ok(())
-    }
-
     /// Notices that the picture has begun anew.
     fn notice_generation(&mut self) {
         let Some(live) = &mut self.live else {
@@ -458,37 +425,6 @@ impl Render {
         settings.map_or([1, 1], |s| [s.width, s.height])
     }
 
-    /// A failure that may pass is told; others end the render.
-    fn fail(&mut self, error: &LiveError) {
-        self.failures += 1;
-        let is_lost = matches!(error, LiveError::Lost(_)) || self.gpu.is_lost();
-        match is_lost || self.failures >= MOST_FAILURES {
-            true => self.stop(error),
-            false => self.reply(Reply::Failed(publish::message(error))),
-        }
-    }
-
-    /// The device is gone, or fails always: says so, and keeps what was not saved.
-    fn stop(&mut self, error: &LiveError) {
-        let Some(live) = self.live.take() else {
-            return;
-        };
-        let mut text = publish::message(error);
-        if live.has_unsaved_edits() {
-            let look = live.inputs().look.clone();
-            let beside = look.unwrap_or_else(|| live.inputs().scene.with_extension("look.toml"));
-            let mut name = beside.into_os_string();
-            name.push(".recovered");
-            let path = PathBuf::from(name);
-            text = match std::fs::write(&path, live.look_text()) {
-                Ok(()) => format!("{text}\nYour edits are in {}", path.display()),
-                Err(why) => format!("{text}\nYour edits could not be kept: {why}"),
-            };
-        }
-        lock(&self.board).status.fatal = Some(text);
-        (self.wake)();
-    }
-
     fn reply(&self, reply: Reply) {
         lock(&self.board).replies.push(reply);
         (self.wake)();
@@ -498,28 +434,4 @@ impl Render {
 fn lock_size(size: &Mutex<[u32; 2]>) -> std::sync::MutexGuard<'_, [u32; 2]> {
     size.lock()
         .unwrap_or_else(std::sync::PoisonError::into_inner)
-}
-
-/// The pixels between corners of 0 to 1, at least one.
-fn pixels([left, top, right, bottom]: [f32; 4], [width, height]: [u32; 2]) -> [u32; 4] {
-    let span = |a: f32, b: f32, size: u32| {
-        let at = |x: f32| x.clamp(0.0, 1.0) * size as f32;
-        let low = (at(a.min(b)).floor() as u32).min(size - 1);
-        (low, (at(a.max(b)).ceil() as u32).clamp(low + 1, size))
-    };
-    let ((left, right), (top, bottom)) = (span(left, right, width), span(top, bottom, height));
-    [left, top, right, bottom]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn regions_become_whole_pixels() {
-        assert_eq!(pixels([0.0, 0.0, 1.0, 1.0], [640, 360]), [0, 0, 640, 360]);
-        assert_eq!(pixels([0.75, 0.5, 0.25, 0.0], [100, 10]), [25, 0, 75, 5]);
-        assert_eq!(pixels([2.0, 2.0, 2.0, 2.0], [8, 8]), [7, 7, 8, 8]);
-        assert_eq!(pixels([0.5, f32::NAN, 0.5, 0.5], [8, 8])[0], 4);
-    }
 }

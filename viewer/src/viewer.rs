@@ -10,11 +10,12 @@ mod shortcuts;
 mod viewport;
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use egui::{CentralPanel, Panel, Ui};
+use egui::{CentralPanel, Color32, Panel, Ui};
 use engine::display::{DisplaySettings, ViewTransform};
 
+use crate::blit::Drawn;
 use crate::link::{Command, Files, Link, PickPurpose, Reply, SceneFacts, Status};
 
 use dialogs::{Closing, Dialog};
@@ -79,6 +80,8 @@ pub struct Viewer {
     pub preferences: Preferences,
     /// The picture, once there is one.
     pub picture: Option<PictureIds>,
+    /// What draws it faster than egui does, if there is such a thing.
+    pub drawn: Option<Drawn>,
     display: DisplaySettings,
     viewport: Viewport,
     editor: Editor,
@@ -116,6 +119,7 @@ impl Viewer {
             link,
             preferences,
             picture: None,
+            drawn: None,
             display,
             viewport: Viewport::default(),
             editor: Editor::default(),
@@ -157,23 +161,32 @@ impl Viewer {
         let now = ui.input(|input| input.time);
         // What was edited since the last frame is no change of the file's.
         self.flush_edits();
+        if ui.input(|input| !input.events.is_empty()) {
+            self.link.board().touched = Some(Instant::now());
+        }
         self.read_board(now);
         self.take_keys(ui);
         self.take_dropped(ui);
-        Panel::top("tools").show(ui, |ui| self.tools(ui));
-        Panel::bottom("status").show(ui, |ui| self.status_bar(ui));
+        // The window is cleared with the panels' colour: to fill it twice takes a software driver as long as the rest.
+        let bare = egui::Frame::side_top_panel(ui.style()).fill(Color32::TRANSPARENT);
+        let top = Panel::top("tools").frame(bare);
+        top.show(ui, |ui| self.tools(ui));
+        let bottom = Panel::bottom("status").frame(bare);
+        bottom.show(ui, |ui| self.status_bar(ui));
         if !self.status.problems.is_empty() || self.status.fatal.is_some() {
             Panel::bottom("problems")
+                .frame(bare)
                 .resizable(true)
                 .default_size(140.0)
                 .show(ui, |ui| self.problems(ui));
         }
         Panel::right("look")
+            .frame(bare)
             .resizable(true)
             .default_size(340.0)
             .show(ui, |ui| self.look_panel(ui));
         CentralPanel::default()
-            .frame(egui::Frame::NONE.fill(egui::Color32::from_gray(24)))
+            .frame(egui::Frame::NONE)
             .show(ui, |ui| {
                 self.viewport(ui);
                 self.messages(ui, now);

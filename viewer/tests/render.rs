@@ -13,7 +13,7 @@ use engine::gpu::{DeviceChoice, Gpu};
 use engine::live::Edit;
 use engine::scene::look::Value;
 use patina_viewer::host::{Changes, Host};
-use patina_viewer::link::{Command, Files};
+use patina_viewer::link::{Command, Files, PickPurpose};
 use patina_viewer::thread::{RenderOptions, RenderThread};
 use patina_viewer::viewer::{Preferences, Viewer};
 use tempfile::TempDir;
@@ -71,6 +71,7 @@ impl Host for TestHost {
 }
 
 struct Stage {
+    gpu: Gpu,
     folder: TempDir,
     harness: Harness<'static, Viewer>,
     thread: RenderThread,
@@ -110,7 +111,7 @@ impl Stage {
         };
         let (sender, changes) = std::sync::mpsc::channel();
         let host = Box::new(TestHost { changes });
-        let thread = RenderThread::start(gpu, Some(files), options, host, Box::new(|| {}));
+        let thread = RenderThread::start(gpu.clone(), Some(files), options, host, Box::new(|| {}));
         let thread = thread.expect("a thread");
         let preferences = Preferences {
             // Small pictures are enough.
@@ -122,6 +123,7 @@ impl Stage {
             .with_size([900.0, 400.0])
             .build_ui_state(|ui, viewer: &mut Viewer| viewer.ui(ui), viewer);
         let mut stage = Self {
+            gpu,
             folder,
             harness,
             thread,
@@ -257,4 +259,44 @@ fn a_picked_material_is_named() {
         status.size == full && status.spp >= 4.0
     });
     stage.thread.finish();
+}
+
+#[test]
+fn a_lost_device_ends_the_render_and_keeps_the_edits() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    // More than will be done before the device is gone.
+    stage.thread.link.send(Command::Target(1 << 20));
+    stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
+    stage.gpu.device().destroy();
+    stage.wait("message", |stage| {
+        stage.harness.state().status().fatal.is_some()
+    });
+    let fatal = stage.harness.state().status().fatal.clone();
+    let fatal = fatal.expect("it has just been there");
+    assert!(fatal.contains("lost"), "{fatal}");
+    assert!(fatal.contains("scene.look.toml.recovered"), "{fatal}");
+    assert!(stage.harness.query_by_label(fatal.trim_end()).is_some());
+    let recovered = stage.read("scene.look.toml.recovered");
+    assert_eq!(recovered, LOOK.replace("0.5 ", "0.25 "));
+    assert_eq!(stage.read("scene.look.toml"), LOOK, "the file is as it was");
+
+    // Whatever is asked for is answered or left alone, and nothing hangs or panics.
+    let picture = stage.path("a.png");
+    for command in [
+        Command::View(None),
+        Command::Size([64, 36]),
+        Command::KeepBefore(true),
+        Command::Pick(glam::Vec2::splat(0.5), PickPurpose::Material),
+        Command::TimePasses(true),
+        Command::Save(None),
+        Command::SavePicture(picture),
+    ] {
+        stage.thread.link.send(command);
+    }
+    stage.harness.key_press(Key::F);
+    stage.harness.run_steps(3);
+    let Stage { thread, .. } = stage;
+    thread.finish();
 }

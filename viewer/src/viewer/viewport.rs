@@ -124,7 +124,10 @@ impl Viewer {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         match self.picture {
             Some(picture) => {
-                painter.image(picture.now, rect, whole, Color32::WHITE);
+                match &self.drawn {
+                    Some(drawn) => painter.add(drawn.shape(rect)),
+                    None => painter.image(picture.now, rect, whole, Color32::WHITE),
+                };
                 if let (Some(split), Some(before)) = (self.viewport.split, picture.before) {
                     paint_before(&painter, rect, split, before);
                 }

@@ -1,0 +1,45 @@
+//! Failures: those that may pass are told, others end the render and keep the edits.
+
+use std::path::PathBuf;
+
+use engine::live::LiveError;
+
+use crate::link::{Reply, lock};
+
+use super::{Render, publish};
+
+/// Failures in a row after which nothing is tried any more.
+const MOST_FAILURES: u32 = 3;
+
+impl Render {
+    /// A failure that may pass is told; others end the render.
+    pub(super) fn fail(&mut self, error: &LiveError) {
+        self.failures += 1;
+        let is_lost = matches!(error, LiveError::Lost(_)) || self.gpu.is_lost();
+        match is_lost || self.failures >= MOST_FAILURES {
+            true => self.stop(error),
+            false => self.reply(Reply::Failed(publish::message(error))),
+        }
+    }
+
+    /// The device is gone, or fails always: says so, and keeps what was not saved.
+    fn stop(&mut self, error: &LiveError) {
+        let Some(live) = self.live.take() else {
+            return;
+        };
+        let mut text = publish::message(error);
+        if live.has_unsaved_edits() {
+            let look = live.inputs().look.clone();
+            let beside = look.unwrap_or_else(|| live.inputs().scene.with_extension("look.toml"));
+            let mut name = beside.into_os_string();
+            name.push(".recovered");
+            let path = PathBuf::from(name);
+            text = match std::fs::write(&path, live.look_text()) {
+                Ok(()) => format!("{text}\nYour edits are in {}", path.display()),
+                Err(why) => format!("{text}\nYour edits could not be kept: {why}"),
+            };
+        }
+        lock(&self.board).status.fatal = Some(text);
+        (self.wake)();
+    }
+}

@@ -1,0 +1,80 @@
+//! How large the picture is and how long its waves are: what keeps the window answering.
+
+use std::time::Duration;
+
+use engine::live::LiveError;
+
+use crate::link::lock;
+
+use super::{Render, lock_size};
+
+/// Motion is over when nothing has moved for so long, and the user is at work until so long after his last input.
+const STILL: Duration = Duration::from_millis(250);
+/// Longest waves on a GPU: the window's frames wait for them.
+const GPU_WAVE: Duration = Duration::from_millis(15);
+/// The same on a software driver, while the user is at work and while nothing needs the window.
+const CPU_WAVE_TOUCHED: Duration = Duration::from_millis(20);
+const CPU_WAVE: Duration = Duration::from_millis(100);
+
+impl Render {
+    /// A small picture while something moves; when nothing does, larger ones until it is whole.
+    pub(super) fn fit_size(&mut self) -> Result<(), LiveError> {
+        let full = *lock_size(&self.size);
+        // What has begun small is seen small first, however long a driver compiles before.
+        let is_awaited = self.is_moving && !self.run.is_seen && self.has_work();
+        self.is_moving = is_awaited || self.motion.is_some_and(|motion| motion.elapsed() < STILL);
+        // Another size would begin it anew.
+        let keeps_size = is_awaited && full == self.full;
+        self.full = full;
+        self.divisor = match self.is_moving {
+            true if keeps_size => self.divisor,
+            true => self.pace.moving_divisor(full),
+            false if self.run.is_seen => self.divisor.div_ceil(2),
+            false => self.divisor,
+        };
+        let size = full.map(|side| (side / self.divisor).max(1));
+        let longest = self.longest_wave();
+        let Some(live) = &mut self.live else {
+            return Ok(());
+        };
+        live.set_longest_wave(longest);
+        live.resize(size[0], size[1])?;
+        let region = self.region.filter(|_| !self.is_moving);
+        live.set_region(region.map(|corners| pixels(corners, size)));
+        Ok(())
+    }
+
+    fn longest_wave(&self) -> Duration {
+        let touched = lock(&self.board).touched;
+        let is_touched = touched.is_some_and(|at| at.elapsed() < STILL);
+        match (self.gpu.is_cpu(), self.is_moving || is_touched) {
+            (false, _) => GPU_WAVE,
+            (true, true) => CPU_WAVE_TOUCHED,
+            (true, false) => CPU_WAVE,
+        }
+    }
+}
+
+/// The pixels between corners of 0 to 1, at least one.
+fn pixels([left, top, right, bottom]: [f32; 4], [width, height]: [u32; 2]) -> [u32; 4] {
+    let span = |a: f32, b: f32, size: u32| {
+        let at = |x: f32| x.clamp(0.0, 1.0) * size as f32;
+        let low = (at(a.min(b)).floor() as u32).min(size - 1);
+        (low, (at(a.max(b)).ceil() as u32).clamp(low + 1, size))
+    };
+    let ((left, right), (top, bottom)) = (span(left, right, width), span(top, bottom, height));
+    [left, top, right, bottom]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regions_become_whole_pixels() {
+        assert_eq!(pixels([0.0, 0.0, 1.0, 1.0], [640, 360]), [0, 0, 640, 360]);
+        assert_eq!(pixels([0.75, 0.5, 0.25, 0.0], [100, 10]), [25, 0, 75, 5]);
+        assert_eq!(pixels([2.0, 2.0, 2.0, 2.0], [8, 8]), [7, 7, 8, 8]);
+        assert_eq!(pixels([0.5, f32::NAN, 0.5, 0.5], [8, 8])[0], 4);
+    }
+}
