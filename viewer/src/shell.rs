@@ -40,15 +40,21 @@ pub struct WindowPicture {
     pub rgba: Vec<u8>,
 }
 
-/// Why there is no window.
+/// Why there is no window, or none any more.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot open a window: {0}")]
-pub struct WindowError(#[from] eframe::Error);
+pub enum WindowError {
+    /// There is no window system, or none that can be used.
+    #[error("cannot open a window: {0}")]
+    System(#[from] eframe::Error),
+    /// The device is gone, and nothing can be drawn without it. The text says where edits are that were not saved.
+    #[error("{0}")]
+    Lost(String),
+}
 
 /// Opens a window and returns when it has been closed, with a picture of it if one was asked for and could be taken.
 ///
 /// # Errors
-/// There is no window system.
+/// There is no window system, or the device was lost.
 pub fn run(
     gpu: &Gpu,
     options: WindowOptions,
@@ -79,15 +85,22 @@ pub fn run(
         dithering: !gpu.is_cpu(),
         ..eframe::NativeOptions::default()
     };
-    let (gpu, kept) = (gpu.clone(), Taken::clone(&taken));
+    let lost = Arc::new(Mutex::new(None));
+    let (gpu, kept, why) = (gpu.clone(), Taken::clone(&taken), Arc::clone(&lost));
     eframe::run_native(
         "Patina",
         native,
         Box::new(move |context| {
-            let shell = Shell::new(context, gpu, options, host, kept)?;
+            let shell = Shell {
+                lost: why,
+                ..Shell::new(context, gpu, options, host, kept)?
+            };
             Ok(Box::new(shell))
         }),
     )?;
+    if let Some(why) = lock(&lost).take() {
+        return Err(WindowError::Lost(why));
+    }
     let picture = lock(&taken).take();
     Ok(picture)
 }
@@ -100,6 +113,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 struct Shell {
+    gpu: Gpu,
     viewer: Viewer,
     thread: Option<RenderThread>,
     ids: Option<(TextureId, Option<TextureId>)>,
@@ -109,6 +123,8 @@ struct Shell {
     /// The picture has been asked for.
     is_taking: bool,
     taken: Taken,
+    /// Why the window has closed by itself.
+    lost: Arc<Mutex<Option<String>>>,
 }
 
 impl Shell {
@@ -130,13 +146,14 @@ impl Shell {
         let files = options.files.or_else(last);
         let ctx = context.egui_ctx.clone();
         let wake = Box::new(move || ctx.request_repaint());
-        let thread = RenderThread::start(gpu, files, options.render, host, wake)?;
+        let thread = RenderThread::start(gpu.clone(), files, options.render, host, wake)?;
         let mut viewer = Viewer::new(thread.link.clone(), preferences);
         // A device of their own, so that they don't keep the render waiting.
         let device = options.preview_device;
         let open = move || Gpu::new(&device);
         viewer.set_previews(Previews::start(&context.egui_ctx, open));
         Ok(Self {
+            gpu,
             viewer,
             thread: Some(thread),
             ids: None,
@@ -148,6 +165,7 @@ impl Shell {
             picture_at_spp: options.picture_at_spp,
             is_taking: false,
             taken,
+            lost: Arc::default(),
         })
     }
 
@@ -190,6 +208,16 @@ impl Shell {
         });
     }
 
+    /// Without its device the window can show nothing, not even that: it closes, and who opened it tells why.
+    fn end_if_lost(&self, ui: &Ui) {
+        if let Some(why) = self.viewer.status().fatal.as_ref()
+            && self.gpu.is_lost()
+        {
+            lock(&self.lost).get_or_insert_with(|| why.clone());
+            ui.ctx().send_viewport_cmd(ViewportCommand::Close);
+        }
+    }
+
     /// Pictures the window when it is time, and closes it.
     fn take_screenshot(&mut self, ui: &Ui) {
         let Some(spp) = self.picture_at_spp else {
@@ -226,6 +254,7 @@ impl eframe::App for Shell {
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         self.take_picture(frame);
         self.viewer.ui(ui);
+        self.end_if_lost(ui);
         self.take_screenshot(ui);
     }
 

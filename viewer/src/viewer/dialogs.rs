@@ -139,7 +139,8 @@ impl Viewer {
     /// Closes the window when that has been asked for and nothing would be lost.
     pub(super) fn close(&mut self, ui: &Ui) {
         let is_asked = ui.input(|input| input.viewport().close_requested());
-        let is_saved = !self.status.has_unsaved_edits;
+        // After a failure that ended the render they lie beside the look already.
+        let is_saved = !self.status.has_unsaved_edits || self.status.fatal.is_some();
         if is_asked && self.closing != Closing::Now && !is_saved {
             ui.ctx().send_viewport_cmd(ViewportCommand::CancelClose);
             self.closing = Closing::Asked;
