@@ -1,6 +1,8 @@
 //! The window around [`Viewer`]: its device is that of the render, so that the picture is shown without being copied.
 
+use std::panic::AssertUnwindSafe;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupExisting};
 use egui::{TextureId, Ui, ViewportBuilder, ViewportCommand};
@@ -9,7 +11,7 @@ use patina_panels::Previews;
 
 use crate::blit::Blit;
 use crate::host::Host;
-use crate::link::Files;
+use crate::link::{Files, Link};
 use crate::thread::{RenderOptions, RenderThread};
 use crate::viewer::{PictureIds, Preferences, Viewer};
 
@@ -17,6 +19,9 @@ use crate::viewer::{PictureIds, Preferences, Viewer};
 const PREFERENCES: &str = "preferences";
 /// Points of a window that is opened for the first time.
 const SIZE: [f32; 2] = [1280.0, 800.0];
+
+/// How long a render may take to notice that the device is lost.
+const FAREWELL: Duration = Duration::from_secs(10);
 
 /// What is opened, and how.
 #[derive(Debug, Clone)]
@@ -86,23 +91,51 @@ pub fn run(
         ..eframe::NativeOptions::default()
     };
     let lost = Arc::new(Mutex::new(None));
-    let (gpu, kept, why) = (gpu.clone(), Taken::clone(&taken), Arc::clone(&lost));
-    eframe::run_native(
-        "Patina",
-        native,
-        Box::new(move |context| {
-            let shell = Shell {
-                lost: why,
-                ..Shell::new(context, gpu, options, host, kept)?
-            };
-            Ok(Box::new(shell))
-        }),
-    )?;
+    let running = Arc::new(Mutex::new(None));
+    let (device, kept) = (gpu.clone(), Taken::clone(&taken));
+    let (why, thread) = (Arc::clone(&lost), Arc::clone(&running));
+    let window = AssertUnwindSafe(move || {
+        eframe::run_native(
+            "Patina",
+            native,
+            Box::new(move |context| {
+                let mut shell = Shell::new(context, device, options, host, kept)?;
+                *lock(&thread) = lock(&shell.thread).take();
+                (shell.lost, shell.thread) = (why, thread);
+                Ok(Box::new(shell))
+            }),
+        )
+    });
+    // egui panics where it meets a device that is lost, before or after the render has noticed.
+    match std::panic::catch_unwind(window) {
+        Ok(outcome) => outcome?,
+        Err(_) if gpu.is_lost() => {
+            let thread = lock(&running).take();
+            return Err(WindowError::Lost(thread.map_or_else(String::new, farewell)));
+        }
+        Err(panic) => std::panic::resume_unwind(panic),
+    }
     if let Some(why) = lock(&lost).take() {
         return Err(WindowError::Lost(why));
     }
     let picture = lock(&taken).take();
     Ok(picture)
+}
+
+/// Waits until the render has noticed that the device is lost, and has kept the edits: what it says of that.
+fn farewell(thread: RenderThread) -> String {
+    let end = Instant::now() + FAREWELL;
+    let why = loop {
+        if let Some(why) = thread.link.board().status.fatal.clone() {
+            break why;
+        }
+        if Instant::now() > end {
+            return "the graphics device was lost".to_owned();
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    thread.finish();
+    why
 }
 
 /// The picture, once it has been taken.
@@ -114,8 +147,9 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 
 struct Shell {
     gpu: Gpu,
+    link: Link,
     viewer: Viewer,
-    thread: Option<RenderThread>,
+    thread: Arc<Mutex<Option<RenderThread>>>,
     ids: Option<(TextureId, Option<TextureId>)>,
     blit: Option<Blit>,
     texture_number: u64,
@@ -154,8 +188,9 @@ impl Shell {
         viewer.set_previews(Previews::start(&context.egui_ctx, open));
         Ok(Self {
             gpu,
+            link: thread.link.clone(),
             viewer,
-            thread: Some(thread),
+            thread: Arc::new(Mutex::new(Some(thread))),
             ids: None,
             blit: context
                 .wgpu_render_state
@@ -174,10 +209,7 @@ impl Shell {
         let Some(state) = frame.wgpu_render_state() else {
             return;
         };
-        let Some(thread) = &self.thread else {
-            return;
-        };
-        let shown = match &thread.link.board().shown {
+        let shown = match &self.link.board().shown {
             Some(shown) if shown.texture_number != self.texture_number => shown.clone(),
             _ => return,
         };
@@ -273,7 +305,7 @@ impl eframe::App for Shell {
     }
 
     fn on_exit(&mut self) {
-        if let Some(thread) = self.thread.take() {
+        if let Some(thread) = lock(&self.thread).take() {
             thread.finish();
         }
     }
