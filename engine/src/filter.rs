@@ -5,6 +5,7 @@
 //! All filters are separable: products of the same function along x and along y.
 
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// Steps of each lobe in the table of the sampling kernel; `raygen.wgsl` has the same number. They are finer towards both
 /// ends of a lobe, where the filter falls to zero and equal shares would be ever wider: step `k` of the table is a share of
@@ -94,7 +95,14 @@ pub(crate) struct FilterTable {
 }
 
 impl FilterTable {
-    pub(crate) fn new(filter: PixelFilter) -> Self {
+    /// Computed when a filter is asked for first: integration takes longer than all else that an edit needs.
+    pub(crate) fn of(filter: PixelFilter) -> &'static Self {
+        static TABLES: [OnceLock<FilterTable>; PixelFilter::ALL.len()] =
+            [const { OnceLock::new() }; PixelFilter::ALL.len()];
+        TABLES[filter as usize].get_or_init(|| Self::new(filter))
+    }
+
+    fn new(filter: PixelFilter) -> Self {
         let step = |i: usize| filter.value((i as f64 + 0.5) / STEPS as f64);
         // No filter has more than one zero on a side.
         let zero = (0..STEPS).find(|&i| step(i) < 0.0).unwrap_or(STEPS);
@@ -161,7 +169,7 @@ mod tests {
         const BINS: usize = 40;
         const SAMPLES: usize = 100_000;
         for filter in PixelFilter::ALL {
-            let table = FilterTable::new(filter);
+            let table = FilterTable::of(filter);
             let mut counts = [0.0; BINS];
             let mut state = 1_u64;
             for _ in 0..SAMPLES {
@@ -190,7 +198,7 @@ mod tests {
     #[test]
     fn weights_have_a_mean_of_one() {
         for filter in PixelFilter::ALL {
-            let table = FilterTable::new(filter);
+            let table = FilterTable::of(filter);
             let mean = (2.0 * table.positive - 1.0) * table.weight;
             assert!((mean - 1.0).abs() < 1e-6, "{filter:?}: {mean}");
             let has_negative = filter == PixelFilter::Mitchell;

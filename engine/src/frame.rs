@@ -144,7 +144,7 @@ impl Frame {
     pub fn new(settings: &RenderSettings, capacity: u32, scene: &GpuScene) -> Self {
         let (width, height) = (settings.width, settings.height);
         let camera = &settings.camera;
-        let filter = FilterTable::new(settings.filter);
+        let filter = FilterTable::of(settings.filter);
         let blocks = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
         let axes = Mat3::from(camera.transform.matrix3);
         let (half_height, orthographic, pixel_spread) = match camera.projection {

@@ -133,10 +133,10 @@ pub(crate) fn allocate_picture(
         return Err(RenderError::Size { width, height });
     }
     view::allocate_film(gpu, width, height, resources)?;
-    let filter = FilterTable::new(settings.filter).distances;
+    let filter = &FilterTable::of(settings.filter).distances;
     resources.set_buffer(
         "filter_table",
-        gpu.storage_buffer("the pixel filter", bytemuck::cast_slice(&filter))?,
+        gpu.storage_buffer("the pixel filter", bytemuck::cast_slice(filter))?,
     );
     let bytes = size_of::<Frame>() as u64;
     resources.set_buffer(
@@ -197,6 +197,8 @@ pub struct Renderer {
     /// Pixels that get samples, where not all do.
     region: Option<[u32; 4]>,
     guides: Option<view::Guides>,
+    /// The film is to be cleared before anything is added to it or seen of it.
+    is_stale: bool,
 }
 
 impl Renderer {
@@ -305,6 +307,7 @@ impl Renderer {
             longest_wave: LONGEST_WAVE,
             region: None,
             guides: None,
+            is_stale: false,
         })
     }
 
@@ -335,6 +338,7 @@ impl Renderer {
         let total = padded * u64::from(target_spp);
         if self.position < total {
             let start = Instant::now();
+            self.clear_stale_film();
             let wave = u64::from(self.wave_size).min(total - self.position);
             let frame = &mut self.frame;
             frame.set_wave(self.position, wave as u32, first, target_spp);
@@ -430,10 +434,19 @@ impl Renderer {
         self.timer.collect(&self.gpu)
     }
 
-    /// Forgets all samples: the next wave starts the picture anew.
+    /// Forgets all samples: the next wave starts the picture anew. What was written before is submitted.
     pub fn restart(&mut self) {
-        clear_picture(&self.gpu, &self.resources);
+        // The film is cleared when it is needed next: an edit doesn't wait for that, nor do hundreds of them clear it
+        // hundreds of times.
+        self.is_stale = true;
         self.position = 0;
+        self.gpu.queue().submit([]);
+    }
+
+    fn clear_stale_film(&mut self) {
+        if std::mem::take(&mut self.is_stale) {
+            clear_picture(&self.gpu, &self.resources);
+        }
     }
 
     /// What has been gathered so far.
@@ -441,6 +454,9 @@ impl Renderer {
     /// # Errors
     /// What the driver reports.
     pub fn film(&self) -> Result<Film, RenderError> {
+        if self.is_stale {
+            return Ok(Film::new(self.settings.width, self.settings.height));
+        }
         Ok(read_picture(&self.gpu, &self.settings, &self.resources)?)
     }
 

@@ -60,6 +60,7 @@ impl Renderer {
         self.forget_guides();
         self.frame = self.fresh_frame();
         self.position = 0;
+        self.is_stale = false;
         Ok(())
     }
 
@@ -88,7 +89,8 @@ impl Renderer {
     }
 
     /// The film on the device, with the guides if they have been traced for it.
-    pub fn device_film(&self) -> DeviceFilm {
+    pub fn device_film(&mut self) -> DeviceFilm {
+        self.clear_stale_film();
         DeviceFilm {
             width: self.settings.width,
             height: self.settings.height,

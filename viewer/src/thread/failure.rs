@@ -24,7 +24,7 @@ impl Render {
 
     /// The device is gone, or fails always: says so, and keeps what was not saved.
     fn stop(&mut self, error: &LiveError) {
-        let Some(live) = self.live.take() else {
+        let Some(mut live) = self.live.take() else {
             return;
         };
         let mut text = publish::message(error);
@@ -34,9 +34,12 @@ impl Render {
             let mut name = beside.into_os_string();
             name.push(".recovered");
             let path = PathBuf::from(name);
-            text = match std::fs::write(&path, live.look_text()) {
+            text = match live.save(Some(&path)) {
                 Ok(()) => format!("{text}\nYour edits are in {}", path.display()),
-                Err(why) => format!("{text}\nYour edits could not be kept: {why}"),
+                Err(why) => format!(
+                    "{text}\nYour edits could not be kept: {}",
+                    publish::message(&why)
+                ),
             };
         }
         lock(&self.board).status.fatal = Some(text);
