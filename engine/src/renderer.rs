@@ -114,7 +114,7 @@ pub(crate) fn first_wave(gpu: &Gpu, capacity: u32) -> u32 {
 /// Paths of the wave after one that took so long: longer waves keep the device busy, shorter ones keep each dispatch short.
 pub(crate) fn next_wave(wave_size: u32, capacity: u32, took: Duration, longest: Duration) -> u32 {
     if took > longest {
-        (wave_size / 2).max(1024).min(capacity)
+        (wave_size / 2).max(256).min(capacity)
     } else if took < longest / 4 {
         (wave_size * 2).min(capacity)
     } else {

@@ -302,7 +302,9 @@ pub(crate) fn node(ui: &mut Ui, cx: &mut Context<'_>, node: &str, is_open: bool)
                 cx.paint_preview(ui, node, place);
             }
             let first = texture.docs().split(". ").next().unwrap_or_default();
-            let docs = ui.weak(format!("{texture_name}: {first}"));
+            // A panel grows with what is in it: a long sentence would take half of the window.
+            let docs = egui::RichText::new(format!("{texture_name}: {first}")).weak();
+            let docs = ui.add(egui::Label::new(docs).truncate());
             docs.on_hover_text(texture.docs());
         });
         for parameter in texture.parameters() {
