@@ -45,7 +45,7 @@ pub enum Channel {
     Samples,
     /// Relative standard error, as heat: blue is 0.1 %, red 100 %.
     Error,
-    /// Shading normal of the surface that is seen first, from -1..1 to 0..1.
+    /// Shading normal of the surface that is seen first, normal maps and textures included, from -1..1 to 0..1.
     Normal,
     /// Its distance; nearer is brighter.
     Distance,
@@ -53,11 +53,19 @@ pub enum Channel {
     Material,
     /// Its object.
     Object,
+    /// Its base colour, encoded as sRGB without exposure or view transform.
+    BaseColor,
+    /// Its roughness: black is 0, white 1.
+    Roughness,
+    /// How metallic it is: black is 0, white 1.
+    Metallic,
+    /// What it emits, shown as the picture is.
+    Emission,
 }
 
 impl Channel {
     /// All of them, in the order of `display.wgsl`.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 11] = [
         Self::Radiance,
         Self::Samples,
         Self::Error,
@@ -65,6 +73,10 @@ impl Channel {
         Self::Distance,
         Self::Material,
         Self::Object,
+        Self::BaseColor,
+        Self::Roughness,
+        Self::Metallic,
+        Self::Emission,
     ];
 
     /// Its name for people.
@@ -77,6 +89,10 @@ impl Channel {
             Self::Distance => "Distance",
             Self::Material => "Material",
             Self::Object => "Object",
+            Self::BaseColor => "Base colour",
+            Self::Roughness => "Roughness",
+            Self::Metallic => "Metallic",
+            Self::Emission => "Emission",
         }
     }
 

@@ -439,6 +439,7 @@ impl Renderer {
         // The film is cleared when it is needed next: an edit doesn't wait for that, nor do hundreds of them clear it
         // hundreds of times.
         self.is_stale = true;
+        self.forget_guides();
         self.position = 0;
         self.gpu.queue().submit([]);
     }

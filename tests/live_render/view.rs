@@ -3,7 +3,7 @@
 
 use engine::display::{Channel, Display, DisplaySettings};
 use engine::film::Film;
-use engine::live::LiveRender;
+use engine::live::{Edit, LiveRender};
 use glam::{Vec2, Vec3};
 
 use crate::look::{LOOK, TEXTURES};
@@ -173,4 +173,76 @@ fn materials_are_picked_where_they_are_shown() {
         .expect("something is in the middle");
     let eye = Vec3::from(live.shown_camera().transform.translation);
     assert!(((center.position - eye).length() - center.distance).abs() < 1e-4);
+}
+
+/// What is shown of a channel at the picture's lower edge, where the floor is, and in the middle, where the wall is.
+fn looks(live: &mut LiveRender, display: &mut Display, channel: Channel) -> [[u8; 3]; 2] {
+    let settings = DisplaySettings {
+        channel,
+        exposure: 1.0,
+        ..DisplaySettings::default()
+    };
+    let shown = live.device_film(true).expect("guides");
+    display.show(&shown, &settings).expect("shown");
+    let rgba = display.read().expect("read");
+    [(12, 14), (12, 5)].map(|(x, y)| {
+        let at = (y * 24 + x) * 4;
+        [rgba[at], rgba[at + 1], rgba[at + 2]]
+    })
+}
+
+#[test]
+fn channels_show_what_textures_give() {
+    if device::open().is_none() {
+        return;
+    }
+    let look = r#"
+[node.paint]
+texture = "tint"
+color = [0.8, 0.4, 0.2]
+amount = 1.0
+
+[material.Floor]
+base_color = "paint"
+metallic = 0.6
+
+[material.Wall]
+base_color = [0.2, 0.4, 0.6]
+roughness = 0.2
+emission = [0.05, 0.1, 0.2]
+"#;
+    let stage = Stage::new(look, &TEXTURES);
+    let mut live = stage.open("scene.look.toml");
+    let mut display = Display::new(live.renderer().gpu()).expect("compiled");
+    let mut check = |live: &mut LiveRender, channel, expected: [[f32; 3]; 2]| {
+        for (shown, expected) in looks(live, &mut display, channel).iter().zip(expected) {
+            for (byte, expected) in shown.iter().zip(expected) {
+                let difference = f32::from(*byte) - 255.0 * expected;
+                assert!(
+                    difference.abs() <= 1.0,
+                    "{channel:?}: {shown:?}, not {expected:?}"
+                );
+            }
+        }
+    };
+    let srgb = |c: [f32; 3]| {
+        c.map(|x| match x {
+            x if x <= 0.003_130_8 => 12.92 * x,
+            x => 1.055 * x.powf(1.0 / 2.4) - 0.055,
+        })
+    };
+    let wall = srgb([0.2, 0.4, 0.6]);
+    check(&mut live, Channel::BaseColor, [srgb([0.8, 0.4, 0.2]), wall]);
+    check(&mut live, Channel::Roughness, [[0.7; 3], [0.2; 3]]);
+    check(&mut live, Channel::Metallic, [[0.6; 3], [0.1; 3]]);
+    let glow = srgb([0.1, 0.2, 0.4]);
+    check(&mut live, Channel::Emission, [[0.0; 3], glow]);
+    // An edit is seen here, too.
+    let edit = Edit::argument("paint", "amount", &texgen::Value::F32(0.5));
+    live.edit(&edit).expect("edited");
+    check(
+        &mut live,
+        Channel::BaseColor,
+        [srgb([0.2, 0.1, 0.05]), wall],
+    );
 }

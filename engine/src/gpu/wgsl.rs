@@ -84,6 +84,7 @@ macro_rules! files {
 /// Every WGSL file of the engine, by its path below `passes/`.
 const FILES: &[(&str, &str)] = files![
     "shared/ao_tables.wgsl",
+    "shared/appearance.wgsl",
     "shared/bsdf.wgsl",
     "shared/environment.wgsl",
     "shared/estimator.wgsl",

@@ -57,6 +57,15 @@ impl<'a> Recorder<'a> {
 
     /// Takes each path that is under way to its next surface.
     pub(super) fn round(&mut self) {
+        self.find_hits();
+        let bound = self.bound;
+        self.run_queue(&bound.brdf, Queue::Active);
+        self.run(self.after(After::Brdf), Extent::One);
+        self.run_queue(&bound.traverse[Rays::Occlusion as usize], Queue::Shadow);
+    }
+
+    /// The first half of a round: what rays meet, and what the texture programs say about it.
+    pub(super) fn find_hits(&mut self) {
         let bound = self.bound;
         self.run_queue(&bound.traverse[Rays::Closest as usize], Queue::Active);
         if let Some(texture) = &bound.texture {
@@ -65,9 +74,6 @@ impl<'a> Recorder<'a> {
             self.run_queue(&texture.ao, Queue::Ao);
             self.run_queue(&texture.proctex, Queue::Proctex);
         }
-        self.run_queue(&bound.brdf, Queue::Active);
-        self.run(self.after(After::Brdf), Extent::One);
-        self.run_queue(&bound.traverse[Rays::Occlusion as usize], Queue::Shadow);
     }
 
     pub(super) fn finish(mut self) -> wgpu::CommandBuffer {

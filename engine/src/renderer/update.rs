@@ -68,7 +68,6 @@ impl Renderer {
         }
         if touched.camera {
             self.settings.camera = camera.clone();
-            self.forget_guides();
         }
         self.frame = self.fresh_frame();
         self.write_changes()?;
@@ -81,7 +80,6 @@ impl Renderer {
     /// Renders another view from now on, from the first sample.
     pub fn set_camera(&mut self, camera: &Camera) {
         self.settings.camera = camera.clone();
-        self.forget_guides();
         self.frame = self.fresh_frame();
         self.restart();
     }

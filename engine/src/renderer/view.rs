@@ -11,8 +11,9 @@ use crate::{
         Gpu, GpuError,
         kernel::{Extent, Kernel, Resources},
     },
-    passes::{advance::After, guide, traverse::Rays},
-    wave::{self, Queue},
+    gpu_scene::SceneFeatures,
+    passes::{advance::After, guide},
+    wave,
 };
 
 use super::{MAX_SIDE, RenderError, Renderer};
@@ -21,7 +22,9 @@ use super::{MAX_SIDE, RenderError, Renderer};
 #[derive(Debug)]
 pub(super) struct Guides {
     kernel: Kernel,
-    /// Made for a size; `None` where they show another view or another scene.
+    /// What the kernel was made for.
+    features: SceneFeatures,
+    /// Made for a size; `None` where they show another view, another look or another scene.
     buffer: Option<wgpu::Buffer>,
 }
 
@@ -99,16 +102,19 @@ impl Renderer {
         }
     }
 
-    /// Traces what the camera's rays hit first, pinhole-sharp, unless that is known. The film stays as it is. The first time, a
-    /// kernel is compiled.
+    /// Traces what the camera's rays hit first, pinhole-sharp, unless that is known, and runs its textures. The film stays as it
+    /// is. The first time, a kernel is compiled.
     ///
     /// # Errors
     /// What the driver reports.
     pub fn trace_guides(&mut self) -> Result<(), RenderError> {
-        let guides = match self.guides.take() {
+        let features = self.scene.features;
+        let former = self.guides.take();
+        let guides = match former.filter(|guides| guides.features == features) {
             Some(guides) => guides,
             None => Guides {
-                kernel: guide::kernel(&self.gpu)?,
+                kernel: guide::kernel(&self.gpu, &features)?,
+                features,
                 buffer: None,
             },
         };
@@ -119,7 +125,7 @@ impl Renderer {
         let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
         let buffer = self
             .gpu
-            .empty_buffer("guides", pixels * 16, wgpu::BufferUsages::STORAGE)?;
+            .empty_buffer("guides", pixels * 32, wgpu::BufferUsages::STORAGE)?;
         let mut resources = self.resources.clone();
         resources.set_buffer("guides", buffer.clone());
         let kernel = guides.kernel.bind(&self.gpu, &resources);
@@ -142,8 +148,7 @@ impl Renderer {
             self.submit(|wave| {
                 wave.run(&wave.bound.raygen, paths);
                 wave.run(wave.after(After::Raygen), Extent::One);
-                let closest = &wave.bound.traverse[Rays::Closest as usize];
-                wave.run_queue(closest, Queue::Active);
+                wave.find_hits();
                 wave.run(&kernel, paths);
             })?;
         }

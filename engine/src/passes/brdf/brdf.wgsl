@@ -11,74 +11,12 @@
 //!include shared/materials.wgsl
 //!include shared/media.wgsl
 //!include shared/surface.wgsl
+//!include shared/appearance.wgsl
 //!include shared/bsdf.wgsl
 //!include shared/thin_film.wgsl
 //!include shared/environment.wgsl
 //!include shared/lights.wgsl
 //!include shared/estimator.wgsl
-
-// Normal map number `texture` in the frame of the interpolated normal; `s.shading_normal` where there is none.
-fn mapped_normal(s: Surface, material: u32, instance: u32, texture: u32, map: vec3f, scale: f32) -> vec3f {
-    if ((materials[material].texture_mask & (1u << texture)) == 0u) {
-        return s.shading_normal;
-    }
-    let texel = map * 2.0 - 1.0;
-    // The map is made for the front: undo the flip, perturb, flip again.
-    let normal = select(-s.shading_normal, s.shading_normal, s.front);
-    let tangent = surface_tangent(s, instance, normal);
-    let bitangent = cross(normal, tangent.xyz) * tangent.w;
-    let mapped = tangent.xyz * (texel.x * scale) + bitangent * (texel.y * scale) + normal * texel.z;
-    let length2 = dot(mapped, mapped);
-    if (length2 < 1e-12) {
-        return s.shading_normal;
-    }
-    return select(-mapped, mapped, s.front) * inverseSqrt(length2);
-}
-
-// A shading normal that the viewer sees: one that is bent too far is bent back.
-fn visible_normal(normal: vec3f, s: Surface) -> vec3f {
-    let cosine = dot(normal, s.wo);
-    if (cosine >= 0.01) {
-        return normal;
-    }
-    return normalize(normal + s.wo * (0.01 - cosine));
-}
-
-fn is_direction(v: vec3f) -> bool {
-    let length2 = dot(v, v);
-    return length2 > 1e-12 && length2 < 1e12;
-}
-
-// Whether the texture program gave this output.
-fn gives(outputs: u32, which: u32) -> bool {
-    return has_programs && (outputs & (1u << which)) != 0u;
-}
-
-// Its word among the path's results: those of outputs with lower numbers come first.
-fn result_place(outputs: u32, which: u32) -> u32 {
-    let before = outputs & ((1u << which) - 1u);
-    return countOneBits(before) + 2u * countOneBits(before & OUTPUT_VECTORS);
-}
-
-fn driven_vector(slot: u32, outputs: u32, which: u32) -> vec3f {
-    let at = result_place(outputs, which);
-    return vec3f(result_read(slot, at), result_read(slot, at + 1u), result_read(slot, at + 2u));
-}
-
-// What the texture program gave, or else the material's own value.
-fn scalar_or(slot: u32, outputs: u32, which: u32, otherwise: f32) -> f32 {
-    if (gives(outputs, which)) {
-        return result_read(slot, result_place(outputs, which));
-    }
-    return otherwise;
-}
-
-fn color_or(slot: u32, outputs: u32, which: u32, otherwise: vec3f) -> vec3f {
-    if (gives(outputs, which)) {
-        return max(driven_vector(slot, outputs, which), vec3f(0.0));
-    }
-    return otherwise;
-}
 
 // The tangent that anisotropic reflections follow: that of the surface, turned by the material and its texture.
 fn stretched_tangent(s: Surface, material: u32, instance: u32, normal: vec3f, angle: f32, map: vec4f) -> vec3f {
@@ -304,29 +242,17 @@ fn shade_vertex(slot: u32) {
         throughput /= 1.0 - chance;
     }
 
-    var base_color: vec3f;
     // After the last scattering only emission matters.
     let wanted = select(0xffffffffu, 1u << TEXTURE_EMISSION, depth >= frame.max_depth && (flags & MATERIAL_UNLIT) == 0u);
     let texels = material_textures(material, wanted, s.triangle, s.weights);
-    if (gives(driven, OUTPUT_BASE_COLOR)) {
-        base_color = driven_vector(slot, driven, OUTPUT_BASE_COLOR);
-    } else {
-        base_color = materials[material].base_color.xyz * texels[TEXTURE_BASE_COLOR].xyz
-            * interpolate_color(s.triangle, s.weights).xyz;
-    }
+    let base_color = base_color_at(slot, driven, material, s, texels[TEXTURE_BASE_COLOR]);
     if ((flags & MATERIAL_UNLIT) != 0u) {
         path_write(PATH_RADIANCE, slot, vec4f(radiance + limited(throughput * base_color, f32(depth)), cone_width));
         return;
     }
 
     if (s.front || (flags & MATERIAL_DOUBLE_SIDED) != 0u) {
-        var emission = materials[material].emission;
-        if (gives(driven, OUTPUT_EMISSION)) {
-            emission = driven_vector(slot, driven, OUTPUT_EMISSION);
-        } else if (max_component(emission) > 0.0) {
-            emission *= texels[TEXTURE_EMISSION].xyz;
-        }
-        emission *= max(scalar_or(slot, driven, OUTPUT_EMISSION_STRENGTH, 1.0), 0.0);
+        let emission = emission_at(slot, driven, material, texels[TEXTURE_EMISSION]);
         var weight = 1.0;
         if (bsdf_pdf > 0.0 && materials[own_material].light_radiance > 0.0 && max_component(emission) > 0.0) {
             let cosine = max(dot(s.geometric_normal, s.wo), 1e-7);
@@ -339,25 +265,9 @@ fn shade_vertex(slot: u32) {
         return;
     }
 
-    let normal_scale = scalar_or(slot, driven, OUTPUT_NORMAL_SCALE, materials[material].normal_scale);
-    var normal = mapped_normal(s, material, hit.instance, TEXTURE_NORMAL, texels[TEXTURE_NORMAL].xyz, normal_scale);
-    if (gives(driven, OUTPUT_NORMAL)) {
-        let given = driven_vector(slot, driven, OUTPUT_NORMAL);
-        if (is_direction(given)) {
-            normal = visible_normal(normalize(given), s);
-        }
-    }
-    if (gives(driven, OUTPUT_BUMP)) {
-        // Mikkelsen, "Bump Mapping Unparametrized Surfaces on the GPU", 2010: the normal leans against the slope.
-        let rise = driven_vector(slot, driven, OUTPUT_BUMP);
-        let leaning = normal - (rise - normal * dot(rise, normal));
-        if (is_direction(leaning)) {
-            normal = visible_normal(normalize(leaning), s);
-        }
-    }
-    let metallic_roughness = texels[TEXTURE_METALLIC_ROUGHNESS];
-    let metallic = scalar_or(slot, driven, OUTPUT_METALLIC, materials[material].metallic * metallic_roughness.z);
-    let roughness = scalar_or(slot, driven, OUTPUT_ROUGHNESS, materials[material].roughness * metallic_roughness.y);
+    let normal = shading_normal_at(slot, driven, material, s, hit.instance, texels[TEXTURE_NORMAL]);
+    let metallic = metallic_at(slot, driven, material, texels[TEXTURE_METALLIC_ROUGHNESS]);
+    let roughness = roughness_at(slot, driven, material, texels[TEXTURE_METALLIC_ROUGHNESS]);
     let specular = scalar_or(slot, driven, OUTPUT_SPECULAR, materials[material].specular * texels[TEXTURE_SPECULAR].w);
     let specular_color = color_or(slot, driven, OUTPUT_SPECULAR_COLOR,
         materials[material].specular_color * texels[TEXTURE_SPECULAR_COLOR].xyz);

@@ -30,6 +30,10 @@ const CHANNEL_ERROR = 2u;
 const CHANNEL_NORMAL = 3u;
 const CHANNEL_DISTANCE = 4u;
 const CHANNEL_MATERIAL = 5u;
+const CHANNEL_OBJECT = 6u;
+const CHANNEL_BASE_COLOR = 7u;
+const CHANNEL_ROUGHNESS = 8u;
+const CHANNEL_METALLIC = 9u;
 
 const VIEW_STANDARD = 0u;
 const VIEW_NEUTRAL = 1u;
@@ -101,35 +105,57 @@ fn name_color(number: u32) -> vec3f {
     return mix(pure, vec3f(1.0), pale) * 0.9;
 }
 
+// Radiance, exposed and brought to what a screen can show.
+fn viewed(radiance: vec3f) -> vec3f {
+    let exposed = max(radiance * display.gain, vec3f(0.0));
+    if (display.view == VIEW_STANDARD) {
+        return srgb(exposed);
+    }
+    if (display.view == VIEW_NEUTRAL) {
+        return srgb(neutral(exposed));
+    }
+    return srgb(filmic(exposed));
+}
+
 fn shown(at: u32, mean: vec3f, count: u32, relative_error: f32) -> vec3f {
     switch display.channel {
-        case CHANNEL_RADIANCE: {
-            let exposed = max(mean * display.gain, vec3f(0.0));
-            if (display.view == VIEW_STANDARD) {
-                return srgb(exposed);
-            }
-            if (display.view == VIEW_NEUTRAL) {
-                return srgb(neutral(exposed));
-            }
-            return srgb(filmic(exposed));
-        }
+        case CHANNEL_RADIANCE: { return viewed(mean); }
         case CHANNEL_SAMPLES: { return heat(f32(count) / max(display.most_samples, 1.0)); }
         // From 0.1 % to 100 %.
         case CHANNEL_ERROR: { return heat(1.0 + log2(max(relative_error, 1e-9)) / 9.9657843); }
         case CHANNEL_NORMAL: {
-            let guide = guides[at];
+            let guide = guides[2u * at];
             if (guide.y == MISS) {
                 return vec3f(0.0);
             }
             return octahedral(guide.w) * 0.5 + 0.5;
         }
         case CHANNEL_DISTANCE: {
-            let guide = guides[at];
-            return vec3f(display.distance_scale / (display.distance_scale + bitcast<f32>(guide.x)));
+            let distance = bitcast<f32>(guides[2u * at].x);
+            return vec3f(display.distance_scale / (display.distance_scale + distance));
         }
-        case CHANNEL_MATERIAL: { return name_color(guides[at].y); }
-        default: { return name_color(guides[at].z); }
+        case CHANNEL_MATERIAL: { return name_color(guides[2u * at].y); }
+        case CHANNEL_OBJECT: { return name_color(guides[2u * at].z); }
+        default: { return look_of(guides[2u * at + 1u]); }
     }
+}
+
+// Numbers are shown as they are, colours encoded, and emission as the picture is.
+fn look_of(guide: vec4u) -> vec3f {
+    let base_color_red_green = unpack2x16unorm(guide.x);
+    let base_color_blue_roughness = unpack2x16unorm(guide.y);
+    switch display.channel {
+        case CHANNEL_BASE_COLOR: { return srgb(vec3f(base_color_red_green, base_color_blue_roughness.x)); }
+        case CHANNEL_ROUGHNESS: { return vec3f(base_color_blue_roughness.y); }
+        case CHANNEL_METALLIC: { return vec3f(unpack2x16unorm(guide.z).x); }
+        default: { return viewed(unpack_shared_exponent(guide.w)); }
+    }
+}
+
+// As `guide.wgsl` packs it.
+fn unpack_shared_exponent(packed: u32) -> vec3f {
+    let bits = vec3u(packed, packed >> 9u, packed >> 18u) & vec3u(511u);
+    return vec3f(bits) * exp2(f32(packed >> 27u) - 24.0);
 }
 
 // As `octahedral_decode` of `geometry.wgsl`, which binds the whole scene.

@@ -1,21 +1,22 @@
-//! Keeps what the camera's rays hit first: distance, material, instance and normal of each pixel. One thread per path.
+//! Keeps what the camera's rays hit first: where it is, what it is and what it looks like. One thread per path.
 
 use crate::gpu::{
     Gpu, GpuError,
     kernel::{Kernel, Trust},
     wgsl::Source,
 };
+use crate::gpu_scene::SceneFeatures;
 
-/// Compiles the kernel.
+/// Compiles the kernel for what the scene uses.
 ///
 /// # Errors
 /// If the driver refuses it.
-pub fn kernel(gpu: &Gpu) -> Result<Kernel, GpuError> {
+pub fn kernel(gpu: &Gpu, features: &SceneFeatures) -> Result<Kernel, GpuError> {
     Kernel::new(
         gpu,
         &Source::of("guide/guide.wgsl"),
         "guide",
         Trust::Engine,
-        &[],
+        &features.constants(),
     )
 }
