@@ -1,12 +1,12 @@
 //! `patina render`: loads, renders, writes. Reads in the order things happen.
 
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use engine::film::{Origin, Part, fingerprint};
 use engine::gpu::Gpu;
 use engine::load;
-use engine::renderer::{RenderSettings, Renderer};
+use engine::renderer::{RenderSettings, Renderer, TextureCosts};
 use engine::scene::{Camera, Scene};
 use engine::stats::Stats;
 use texgen::LOOP_LIMIT;
@@ -17,6 +17,9 @@ use crate::output;
 use crate::progress::Bar;
 use crate::report::{Report, Seconds};
 use crate::{cache, console, crash, interrupt, library};
+
+/// Most of the time that goes into measuring textures, where figures are asked for.
+const COSTS: Duration = Duration::from_secs(5);
 
 /// Renders a scene and writes the pictures. Ctrl-C ends the rendering early, not the writing.
 ///
@@ -106,7 +109,8 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
             prepare: prepare_seconds,
             render: render_seconds,
         };
-        let report = Report::new(job, gpu.description(), &part.film, seconds, stats);
+        let textures = texture_costs(&mut renderer)?;
+        let report = Report::new(job, gpu.description(), &part.film, seconds, stats, textures);
         if job.stats {
             console::print(&report.table());
         }
@@ -115,6 +119,17 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
         }
     }
     outcome
+}
+
+/// What textures cost, as far as that can be measured in a moment.
+fn texture_costs(renderer: &mut Renderer) -> Result<TextureCosts, Failure> {
+    let clock = Instant::now();
+    loop {
+        let costs = renderer.measure_costs().map_err(Failure::because)?;
+        if costs.is_done || clock.elapsed() > COSTS {
+            return Ok(costs.clone());
+        }
+    }
 }
 
 /// What makes the picture differ from what its author meant, found while rendering.

@@ -6,12 +6,16 @@ use std::path::Path;
 
 use engine::film::Film;
 use engine::gpu::AdapterDescription;
+use engine::renderer::TextureCosts;
 use engine::stats::Stats;
 use serde::Serialize;
 
 use crate::job::RenderJob;
 use crate::output::{self, OutputError};
 use crate::{console, devices};
+
+/// Textures that the table lists.
+const EXPENSIVE: usize = 12;
 
 /// Figures of one render. Its JSON form is read by other programs: fields are added, never renamed.
 #[derive(Debug, Serialize)]
@@ -35,6 +39,8 @@ pub(crate) struct Report {
     seed: u32,
     seconds: Seconds,
     stats: Stats,
+    /// Nodes and AO tables, the most expensive first; the list may end before all of them were measured.
+    textures: TextureCosts,
 }
 
 /// Wall-clock time by stage.
@@ -79,6 +85,7 @@ impl Report {
         film: &Film,
         seconds: Seconds,
         stats: Stats,
+        textures: TextureCosts,
     ) -> Self {
         Self {
             patina: env!("CARGO_PKG_VERSION"),
@@ -93,6 +100,7 @@ impl Report {
             seed: job.seed,
             seconds,
             stats,
+            textures,
         }
     }
 
@@ -128,6 +136,7 @@ impl Report {
                 "This device has no timestamps: there are no times per pass."
             );
         }
+        self.add_textures(&mut text);
         let Seconds {
             load,
             prepare,
@@ -158,6 +167,40 @@ impl Report {
             parts.join(", ")
         );
         text
+    }
+
+    /// The textures that take longest.
+    fn add_textures(&self, text: &mut String) {
+        let TextureCosts { list, is_done } = &self.textures;
+        if list.is_empty() {
+            return;
+        }
+        let _ = writeln!(
+            text,
+            "\n{:<32}{:>12}{:>12}{:>12}",
+            "node (texture), at first hits", "ms/sample", "runs/pixel", "ns/run"
+        );
+        let pixels = f64::from(self.width) * f64::from(self.height);
+        for cost in list.iter().take(EXPENSIVE) {
+            let texture = cost.texture.as_deref().unwrap_or("ambient occlusion");
+            let _ = writeln!(
+                text,
+                "{:<32}{:>12.2}{:>12.2}{:>12.0}",
+                format!("{} ({texture})", cost.name),
+                cost.per_sample() * pixels * 1e-6,
+                cost.runs_per_pixel,
+                cost.nanoseconds
+            );
+        }
+        let rest = list.len().saturating_sub(EXPENSIVE);
+        if rest > 0 || !is_done {
+            let others = if *is_done {
+                "are cheaper"
+            } else {
+                "are cheaper, and some have not been measured"
+            };
+            let _ = writeln!(text, "{rest} more {others}");
+        }
     }
 
     /// Writes the figures as JSON, all or nothing.

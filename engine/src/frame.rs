@@ -140,6 +140,16 @@ impl Frame {
         self.aperture_radius = 0.0;
     }
 
+    /// Textures are seen as finely as in another picture.
+    pub(crate) fn set_footprint(&mut self, of: &Self) {
+        self.pixel_spread = of.pixel_spread;
+    }
+
+    /// Columns times rows.
+    pub(crate) fn pixels(&self) -> u32 {
+        self.width * self.height
+    }
+
     /// For a picture of a scene. `capacity` is the number of path slots of a wave.
     pub fn new(settings: &RenderSettings, capacity: u32, scene: &GpuScene) -> Self {
         let (width, height) = (settings.width, settings.height);

@@ -1,5 +1,6 @@
 //! The order of the passes: a wave of paths from raygen to the film, again and again.
 
+mod costs;
 mod culprit;
 mod edits;
 mod pipeline;
@@ -39,6 +40,7 @@ pub use crate::settings::RenderSettings;
 pub(crate) use self::edits::allocate as allocate_textures;
 pub(crate) use self::update::Touched;
 pub use self::{
+    costs::{TextureCost, TextureCosts},
     culprit::{Culprit, culprits},
     edits::RenderEditError,
     reload::{Reload, ReloadError},
@@ -197,6 +199,7 @@ pub struct Renderer {
     /// Pixels that get samples, where not all do.
     region: Option<[u32; 4]>,
     guides: Option<view::Guides>,
+    survey: Option<costs::Survey>,
     /// The film is to be cleared before anything is added to it or seen of it.
     is_stale: bool,
 }
@@ -307,6 +310,7 @@ impl Renderer {
             longest_wave: LONGEST_WAVE,
             region: None,
             guides: None,
+            survey: None,
             is_stale: false,
         })
     }
@@ -440,6 +444,7 @@ impl Renderer {
         // hundreds of times.
         self.is_stale = true;
         self.forget_guides();
+        self.survey = None;
         self.position = 0;
         self.gpu.queue().submit([]);
     }

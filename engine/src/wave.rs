@@ -205,6 +205,17 @@ pub fn fresh_queues() -> [u32; 9] {
     words
 }
 
+/// Where the list of hits with a texture program begins in the buffer `queues`, in bytes.
+pub fn proctex_list(capacity: u32) -> u64 {
+    4 * (QUEUE_HEADER + 3 * u64::from(capacity))
+}
+
+/// Where the states of the paths begin in the buffer `paths`, in bytes: `PATH_STATE`, whose first word is the material after
+/// blends.
+pub fn state_field(capacity: u32) -> u64 {
+    16 * 3 * u64::from(capacity)
+}
+
 /// Totals that the kernels keep in the header of the queues.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Totals {

@@ -246,3 +246,47 @@ emission = [0.05, 0.1, 0.2]
         [srgb([0.2, 0.1, 0.05]), wall],
     );
 }
+
+#[test]
+fn costs_are_measured_beside_the_picture() {
+    let Some((_stage, mut live, whole)) = opened() else {
+        return;
+    };
+    let gpu = live.renderer().gpu().clone();
+    let made = (gpu.pipelines_created(), gpu.shader_modules_created());
+    live.restart();
+    live.step(SPP).expect("rendered");
+    let costs = loop {
+        let costs = live.measure_costs().expect("measured").clone();
+        if costs.is_done {
+            break costs;
+        }
+    };
+    render(&mut live);
+    assert!(is_same(&live.snapshot().expect("read").film, &whole));
+    assert_eq!(
+        (gpu.pipelines_created(), gpu.shader_modules_created()),
+        made
+    );
+    let find = |name: &str| costs.list.iter().find(|cost| cost.name == name);
+    // The node that nothing reads isn't there; the AO table is.
+    assert!(find("other").is_none() && find("crevices").is_some_and(|c| c.texture.is_none()));
+    let runs = |name: &str| find(name).map_or(0.0, |cost| cost.runs_per_pixel);
+    // Rings run on the floor, and on the wall as the mask of its blend; paint on the floor, worn on a part of the wall.
+    assert!(runs("paint") > 0.05 && runs("worn") > 0.01, "{costs:?}");
+    assert!(runs("rings") > runs("paint") + runs("worn"), "{costs:?}");
+    assert!(
+        runs("rings") <= 1.0 && runs("crevices") > runs("worn"),
+        "{costs:?}"
+    );
+    assert_eq!(
+        find("worn").and_then(|cost| cost.texture.as_deref()),
+        Some("worn")
+    );
+    let each: Vec<_> = costs.list.iter().map(|cost| cost.per_sample()).collect();
+    assert!(each.is_sorted_by(|a, b| a >= b) && each.iter().all(|ns| *ns >= 0.0 && ns.is_finite()));
+    // An edit begins it anew.
+    let edit = Edit::argument("rings", "count", &texgen::Value::F32(4.0));
+    live.edit(&edit).expect("edited");
+    assert!(!live.measure_costs().expect("measured").is_done);
+}

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use engine::display::DisplaySettings;
+use engine::renderer::TextureCosts;
 use engine::scene::{Camera, Material};
 use engine::stats::PassStats;
 use glam::Vec2;
@@ -33,7 +34,7 @@ pub enum Command {
     KeepBefore(bool),
     /// Render, or wait.
     Pause(bool),
-    /// Measure each pass.
+    /// Measure each pass and each texture.
     TimePasses(bool),
     /// Samples per pixel after which the picture is done.
     Target(u32),
@@ -117,6 +118,8 @@ pub struct Status {
     pub mrays_per_second: f64,
     /// Passes, if they are measured.
     pub passes: Vec<PassStats>,
+    /// What textures cost, as far as that is measured.
+    pub textures: TextureCosts,
     /// GPU memory of the render, bytes.
     pub memory: u64,
     /// Relative standard error of the picture.

@@ -335,6 +335,7 @@ impl Render {
         if !self.is_paused && !self.run.is_done {
             self.render()?;
         }
+        self.measure_costs()?;
         self.publish_status(false);
         Ok(())
     }
@@ -416,6 +417,24 @@ impl Render {
                 }
             }
             (self.wake)();
+        }
+        Ok(())
+    }
+
+    /// Measures what one more texture costs, where that is asked for and nobody waits for anything else.
+    fn measure_costs(&mut self) -> Result<(), LiveError> {
+        let is_at_rest = self.run.is_seen && self.divisor == 1 && !self.is_paused;
+        if !self.times_passes || !is_at_rest || self.is_moving || self.is_touched() {
+            return Ok(());
+        }
+        let Some(live) = &mut self.live else {
+            return Ok(());
+        };
+        let costs = live.measure_costs()?;
+        let shown = &mut lock(&self.board).status.textures;
+        // Former figures stay until there are all of the new ones.
+        if (costs.is_done || !shown.is_done) && costs != shown {
+            shown.clone_from(costs);
         }
         Ok(())
     }

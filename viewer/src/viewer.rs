@@ -173,6 +173,10 @@ impl Viewer {
         top.show(ui, |ui| self.tools(ui));
         let bottom = Panel::bottom("status").frame(bare);
         bottom.show(ui, |ui| self.status_bar(ui));
+        if self.preferences.shows_passes {
+            let times = Panel::bottom("times").frame(bare).resizable(true);
+            times.default_size(190.0).show(ui, |ui| self.times(ui));
+        }
         if !self.status.problems.is_empty() || self.status.fatal.is_some() {
             Panel::bottom("problems")
                 .frame(bare)

@@ -36,11 +36,12 @@ const LOOK: &str = "# Light from everywhere.\nenvironment = { color = [1, 1, 1],
 /// A host whose files change when the test says so, and that writes names instead of pictures.
 struct TestHost {
     changes: std::sync::mpsc::Receiver<Changes>,
+    textures: PathBuf,
 }
 
 impl Host for TestHost {
     fn texture_folders(&self, _: Option<&Path>) -> Result<Vec<PathBuf>, String> {
-        Ok(Vec::new())
+        Ok(vec![self.textures.clone()])
     }
 
     fn watch(&mut self, files: &[PathBuf], _: Option<&Path>, _: &[PathBuf]) -> Result<(), String> {
@@ -110,7 +111,8 @@ impl Stage {
             size: [32, 18],
         };
         let (sender, changes) = std::sync::mpsc::channel();
-        let host = Box::new(TestHost { changes });
+        let textures = folder.path().to_owned();
+        let host = Box::new(TestHost { changes, textures });
         let thread = RenderThread::start(gpu.clone(), Some(files), options, host, Box::new(|| {}));
         let thread = thread.expect("a thread");
         let preferences = Preferences {
@@ -238,6 +240,37 @@ fn mistakes_in_files_are_shown_until_they_are_mended() {
         stage.read("other.look.toml").contains("metallic")
     });
     assert_eq!(stage.read("scene.look.toml"), LOOK);
+    stage.thread.finish();
+}
+
+#[test]
+fn textures_are_timed_where_that_is_asked_for() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let texture = "fn userProc() -> f32 { return fract(readAttr(WorldPos).x); }\n";
+    fs::write(stage.path("stripes.wgsl"), texture).expect("written");
+    let look = LOOK.replace("0.5 ", "'bands' ") + "\n[node.bands]\ntexture = 'stripes'\n";
+    fs::write(stage.path("scene.look.toml"), look).expect("written");
+    let changes = Changes {
+        look: true,
+        textures: true,
+        assets: false,
+    };
+    stage.changes.send(changes).expect("it listens");
+    stage.wait("driven roughness", |stage| {
+        let status = stage.harness.state().status();
+        !status.is_building && status.pipelines > 0 && status.problems.is_empty()
+    });
+    stage.thread.link.send(Command::TimePasses(true));
+    stage.wait("times", |stage| {
+        let textures = &stage.harness.state().status().textures;
+        textures.is_done && !textures.list.is_empty()
+    });
+    let textures = stage.harness.state().status().textures.list.clone();
+    assert_eq!(textures[0].name, "bands");
+    assert_eq!(textures[0].texture.as_deref(), Some("stripes"));
+    assert!(textures[0].runs_per_pixel > 0.0 && textures[0].runs_per_pixel < 1.0);
     stage.thread.finish();
 }
 

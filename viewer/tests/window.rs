@@ -1,6 +1,6 @@
 //! The window's contents, driven by labels as a user and a screen reader find them; no window and no GPU.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
 
@@ -9,7 +9,9 @@ use egui::{Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use engine::display::{Channel, ViewTransform};
+use engine::renderer::{TextureCost, TextureCosts};
 use engine::scene::{Camera, Scene, default_camera};
+use engine::stats::PassStats;
 use patina_viewer::link::{Board, Command, Files, Link, LookFacts, PickPurpose, Reply, SceneFacts};
 use patina_viewer::viewer::{Preferences, Viewer};
 
@@ -18,6 +20,19 @@ struct Stage {
     harness: Harness<'static, Viewer>,
     commands: Receiver<Command>,
     board: Arc<Mutex<Board>>,
+}
+
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("nobody asks".to_owned())
+    }
 }
 
 fn camera(name: &str) -> Camera {
@@ -97,6 +112,17 @@ impl Stage {
             self.harness.run_steps(1);
         }
         self.harness.event(event(end, false));
+        self.harness.run_steps(2);
+    }
+
+    /// Lets go of files over the picture.
+    fn drop_files(&mut self, paths: &[&str]) {
+        let center = self.center();
+        self.harness.event(Event::PointerMoved(center));
+        let files = paths
+            .iter()
+            .map(|path| Arc::new(Dropped(path.into())) as egui::DroppedFileHandle);
+        self.harness.input_mut().dropped_files = files.collect();
         self.harness.run_steps(2);
     }
 
@@ -342,4 +368,134 @@ fn problems_are_shown_with_their_place_until_they_are_mended() {
             .query_by_label("cannot write the look")
             .is_some()
     );
+}
+
+#[test]
+fn dropped_files_are_opened_used_or_refused() {
+    let mut stage = Stage::new();
+    stage.drop_files(&["/models/car.GLB", "/models/red.look.toml"]);
+    let sent = stage.sent();
+    let [Command::Open(files)] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    assert_eq!(files.scene, Path::new("/models/car.GLB"));
+    assert_eq!(
+        files.look.as_deref(),
+        Some(Path::new("/models/red.look.toml"))
+    );
+
+    // A look alone is one for the scene that is there.
+    stage.drop_files(&["/models/blue.look.toml"]);
+    let sent = stage.sent();
+    let [Command::Open(files)] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    assert_eq!(files.scene, Path::new("scenes/lamp.glb"));
+    assert_eq!(
+        files.look.as_deref(),
+        Some(Path::new("/models/blue.look.toml"))
+    );
+
+    stage.drop_files(&["/textures/moss.wgsl"]);
+    let sent = stage.sent();
+    assert!(
+        matches!(&sent[..], [Command::TextureFolder(folder)] if folder == Path::new("/textures")),
+        "{sent:?}"
+    );
+    assert!(
+        stage
+            .harness
+            .query_by_label_contains("textures of /textures")
+            .is_some()
+    );
+
+    stage.drop_files(&["/skies/noon.hdr"]);
+    let sent = stage.sent();
+    let [Command::Change(change, _)] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    assert!(
+        change.text().contains("/skies/noon.hdr"),
+        "{}",
+        change.text()
+    );
+    stage.press(Modifiers::COMMAND, Key::Z);
+    let undone = stage.sent();
+    assert!(
+        matches!(&undone[..], [Command::Change(change, _)] if !change.text().contains("noon")),
+        "{undone:?}"
+    );
+
+    for (file, said) in [
+        ("/a/wood.png", "onto the slot of a texture"),
+        (
+            "/a/notes.txt",
+            "nothing is known to be done with /a/notes.txt",
+        ),
+        (
+            "/a/nameless",
+            "nothing is known to be done with /a/nameless",
+        ),
+    ] {
+        stage.drop_files(&[file]);
+        assert!(stage.sent().is_empty(), "{file}");
+        let message = stage.harness.query_by_label_contains(said);
+        assert!(message.is_some(), "{file}");
+    }
+}
+
+#[test]
+fn times_of_passes_and_textures_are_listed() {
+    let mut stage = Stage::new();
+    stage.click("Times");
+    assert!(matches!(stage.sent()[..], [Command::TimePasses(true), ..]));
+    assert!(
+        stage
+            .harness
+            .query_by_label("no times of textures yet")
+            .is_some()
+    );
+    let cost = |name: &str, texture: Option<&str>, nanoseconds, runs_per_pixel| TextureCost {
+        name: name.to_owned(),
+        texture: texture.map(str::to_owned),
+        nanoseconds,
+        runs_per_pixel,
+    };
+    {
+        let status = &mut stage.board.lock().unwrap().status;
+        status.size = [1000, 500];
+        status.passes = vec![PassStats {
+            name: "brdf".to_owned(),
+            milliseconds: 30.0,
+            share: 0.25,
+            dispatches: 4,
+        }];
+        status.textures = TextureCosts {
+            list: vec![
+                cost("crevices", None, 400.0, 0.5),
+                cost("flakes", Some("rust"), 90.0, 0.25),
+            ],
+            is_done: true,
+        };
+    }
+    stage.harness.run_steps(2);
+    assert!(stage.sent().is_empty(), "the picture keeps its size");
+    for label in [
+        "brdf",
+        "25.0 %",
+        "7.500", // of four
+        "crevices",
+        "ambient occlusion",
+        "100.00",
+        "400",
+        "flakes",
+        "rust",
+        "11.25",
+        "90",
+    ] {
+        assert!(stage.harness.query_by_label(label).is_some(), "{label}");
+    }
+    stage.click("Times");
+    assert!(matches!(stage.sent()[..], [Command::TimePasses(false), ..]));
+    assert!(stage.harness.query_by_label("flakes").is_none());
 }

@@ -7,7 +7,7 @@ use glam::Vec2;
 
 use crate::display::DeviceFilm;
 use crate::pick::{self, Pick};
-use crate::renderer::RenderError;
+use crate::renderer::{RenderError, TextureCosts};
 use crate::scene::Camera;
 
 use super::{LiveError, LiveRender};
@@ -61,6 +61,14 @@ impl LiveRender {
     /// The device.
     pub fn time_passes(&mut self) -> Result<(), LiveError> {
         Ok(self.renderer.time_passes()?)
+    }
+
+    /// Measures what one more texture costs: see [`crate::renderer::Renderer::measure_costs`].
+    ///
+    /// # Errors
+    /// The device.
+    pub fn measure_costs(&mut self) -> Result<&TextureCosts, LiveError> {
+        Ok(self.renderer.measure_costs()?)
     }
 
     /// The film on the device, to be shown, with guides if they are asked for.

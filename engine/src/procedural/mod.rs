@@ -35,6 +35,7 @@
 //!
 //! [`Scene::materials`]: crate::scene::Scene::materials
 
+mod alone;
 mod build;
 mod edit;
 mod images;
@@ -65,6 +66,7 @@ use texgen::{Diagnostics, GeneratedKernel, Graph, NodeId, Swizzle};
 use crate::scene::look::{AoSettings, MAX_AO};
 use crate::scene::{Material, TextureRef};
 
+pub(crate) use alone::Hits;
 pub use edit::EditError;
 pub use inlined::Inlined;
 pub use memory::{
@@ -166,6 +168,11 @@ impl Procedural {
     /// How many AO tables there are.
     pub fn ao_count(&self) -> usize {
         self.ao_names.len()
+    }
+
+    /// The names of the AO tables.
+    pub fn ao_names(&self) -> &[String] {
+        &self.ao_names
     }
 
     /// The images of `sam2D` parameters. A texture's image handle is an index into this list.

@@ -580,3 +580,44 @@ fn a_program_that_needs_more_slots_asks_for_a_kernel() {
         .unwrap();
     assert!(!procedural.take_changes().kernel);
 }
+
+#[test]
+fn hits_count_the_nodes_that_they_run() {
+    let (procedural, _) = build(
+        "[node.level]\ntexture='value'\n\
+         [node.paint]\ntexture='flat'\namount='level'\n\
+         [node.spare]\ntexture='value'\n\
+         [material.A]\nbase_color='paint'\n\
+         [material.B]\nbump='level'\n\
+         [material.C]\nblend={base='A', over='B', mask='level'}\n",
+    );
+    let hits = |material, resolved, count| Hits {
+        material,
+        resolved,
+        count,
+    };
+    let count = |hits: &[Hits]| {
+        let runs = procedural.count_runs(hits).into_iter();
+        runs.map(|(node, n)| (procedural.graph().name(node), n))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(count(&[hits(0, 0, 5)]), [("level", 5), ("paint", 5)]);
+    assert_eq!(count(&[hits(1, 1, 5)]), [("level", 15)]);
+    // The mask, and the side that was chosen.
+    let both = [hits(2, 0, 2), hits(2, 1, 7)];
+    assert_eq!(count(&both), [("level", 4 + 7 + 21), ("paint", 2)]);
+    assert!(count(&[]).is_empty());
+
+    let paint = procedural.graph().node("paint").unwrap();
+    let words = procedural.programs_of(paint).unwrap();
+    let begins = |m: u32| words[(m * HEAD_WORDS + HEAD_PROGRAM) as usize];
+    let heads = 3 * HEAD_WORDS;
+    assert_eq!([begins(0), begins(1), begins(2)], [heads, 0, heads]);
+    assert_eq!(words[heads as usize], 1, "one node: its link is cut");
+    assert!(
+        procedural
+            .idle_programs()
+            .iter()
+            .all(|&word| word == 0 || word == 1f32.to_bits())
+    );
+}

@@ -267,7 +267,7 @@ impl Procedural {
         }
     }
 
-    fn reachable(&self, roots: &[NodeId]) -> HashSet<NodeId> {
+    pub(super) fn reachable(&self, roots: &[NodeId]) -> HashSet<NodeId> {
         let mut seen = HashSet::new();
         let mut open = roots.to_vec();
         while let Some(node) = open.pop() {

@@ -44,10 +44,14 @@ impl Render {
         Ok(())
     }
 
-    fn longest_wave(&self) -> Duration {
+    /// The user is at work.
+    pub(super) fn is_touched(&self) -> bool {
         let touched = lock(&self.board).touched;
-        let is_touched = touched.is_some_and(|at| at.elapsed() < STILL);
-        match (self.gpu.is_cpu(), self.is_moving || is_touched) {
+        touched.is_some_and(|at| at.elapsed() < STILL)
+    }
+
+    fn longest_wave(&self) -> Duration {
+        match (self.gpu.is_cpu(), self.is_moving || self.is_touched()) {
             (false, _) => GPU_WAVE,
             (true, true) => CPU_WAVE_TOUCHED,
             (true, false) => CPU_WAVE,

@@ -8,6 +8,9 @@ use crate::link::{Command, Status};
 use super::dialogs::Dialog;
 use super::{Viewer, name};
 
+/// Textures that are listed.
+const EXPENSIVE: usize = 10;
+
 /// Stops.
 const EXPOSURE: std::ops::RangeInclusive<f32> = -10.0..=10.0;
 
@@ -98,9 +101,6 @@ impl Viewer {
     }
 
     pub(super) fn status_bar(&mut self, ui: &mut Ui) {
-        if self.preferences.shows_passes && !self.status.passes.is_empty() {
-            passes(ui, &self.status);
-        }
         ui.horizontal_wrapped(|ui| {
             let status = &self.status;
             ui.label(progress(status));
@@ -123,8 +123,9 @@ impl Viewer {
                 "kernels compiled since the start: edits of arguments, links and constants add none",
             );
             let mut shows_passes = self.preferences.shows_passes;
-            let toggle = ui.toggle_value(&mut shows_passes, "Passes");
-            if toggle.on_hover_text("how long each pass takes").changed() {
+            let toggle = ui.toggle_value(&mut shows_passes, "Times");
+            let hint = "how long each pass and each texture takes";
+            if toggle.on_hover_text(hint).changed() {
                 self.preferences.shows_passes = shows_passes;
                 self.link.send(Command::TimePasses(shows_passes));
             }
@@ -143,6 +144,17 @@ impl Viewer {
             }
             let whole = format!("{}\non {}", files.scene.display(), self.status.device);
             ui.label(title).on_hover_text(whole);
+        });
+    }
+
+    /// Has a height of its own: another one would make the picture another one, which begins anew.
+    pub(super) fn times(&mut self, ui: &mut Ui) {
+        egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+            ui.horizontal_top(|ui| {
+                passes(ui, &self.status);
+                ui.separator();
+                textures(ui, &self.status);
+            });
         });
     }
 
@@ -222,6 +234,10 @@ fn progress(status: &Status) -> String {
 }
 
 fn passes(ui: &mut Ui, status: &Status) {
+    if status.passes.is_empty() {
+        ui.label("no times of passes yet");
+        return;
+    }
     let grid = egui::Grid::new("passes").num_columns(4).striped(true);
     grid.show(ui, |ui| {
         for heading in ["pass", "share", "ms", "runs"] {
@@ -237,6 +253,44 @@ fn passes(ui: &mut Ui, status: &Status) {
             ui.end_row();
         }
     });
+}
+
+/// The textures that take longest, and the AO tables among them.
+fn textures(ui: &mut Ui, status: &Status) {
+    let costs = &status.textures;
+    if costs.list.is_empty() {
+        let text = match costs.is_done {
+            true => "nothing in sight has a texture of the look",
+            false => "no times of textures yet",
+        };
+        ui.label(text);
+        return;
+    }
+    let [width, height] = status.size;
+    let pixels = f64::from(width) * f64::from(height);
+    let grid = egui::Grid::new("textures").num_columns(5).striped(true);
+    let shown = grid.show(ui, |ui| {
+        for heading in [
+            "node",
+            "texture",
+            "ms per sample",
+            "runs per pixel",
+            "ns per run",
+        ] {
+            ui.label(RichText::new(heading).strong());
+        }
+        ui.end_row();
+        for cost in costs.list.iter().take(EXPENSIVE) {
+            ui.label(&cost.name);
+            ui.label(cost.texture.as_deref().unwrap_or("ambient occlusion"));
+            ui.label(format!("{:.2}", cost.per_sample() * pixels * 1e-6));
+            ui.label(format!("{:.2}", cost.runs_per_pixel));
+            ui.label(format!("{:.0}", cost.nanoseconds));
+            ui.end_row();
+        }
+    });
+    let hint = "each alone, at what the camera sees first; light that is scattered costs the same again, bounce by bounce";
+    shown.response.on_hover_text(hint);
 }
 
 /// With three digits and a unit of thousands.

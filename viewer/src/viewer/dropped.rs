@@ -60,7 +60,13 @@ impl Viewer {
         }
         for file in &files {
             match kind(file) {
-                Dropped::Scene | Dropped::Look | Dropped::Image => {}
+                Dropped::Scene | Dropped::Look => {}
+                Dropped::Image if self.viewport.has_pointer(ui) => {
+                    let text =
+                        "an image is dropped onto the slot of a texture, in the panel at the right";
+                    self.tell(text.to_owned(), false, now);
+                }
+                Dropped::Image => {}
                 Dropped::Texture => self.take_texture(file, now),
                 Dropped::Environment => {
                     let path = self.named_by_look(file).display().to_string();

@@ -28,6 +28,8 @@ pub(super) struct Viewport {
     home: Option<Camera>,
     /// Pixels that were asked for.
     size: [u32; 2],
+    /// Where the picture is, in points.
+    area: Option<Rect>,
     /// The next drag chooses a region.
     pub(super) chooses_region: bool,
     /// Corners of the region, 0 to 1.
@@ -70,6 +72,12 @@ impl Viewport {
         Some(camera)
     }
 
+    /// Whether the pointer is over the picture.
+    pub(super) fn has_pointer(&self, ui: &Ui) -> bool {
+        let pointer = ui.input(|input| input.pointer.latest_pos());
+        (self.area.zip(pointer)).is_some_and(|(area, at)| area.contains(at))
+    }
+
     pub(super) fn focus(&mut self, depth: f32) -> Option<Camera> {
         self.moved(|navigator| {
             navigator.set_distance(depth);
@@ -81,6 +89,7 @@ impl Viewport {
 impl Viewer {
     pub(super) fn viewport(&mut self, ui: &mut Ui) {
         let rect = ui.available_rect_before_wrap();
+        self.viewport.area = Some(rect);
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let label = || egui::WidgetInfo::labeled(egui::Role::Image, true, "Viewport");
         response.widget_info(label);

@@ -1,0 +1,129 @@
+//! How often hits run each node, and programs that run one node alone: to measure what it costs.
+
+use std::collections::BTreeMap;
+
+use texgen::NodeId;
+
+use super::memory::{HEAD_AO, HEAD_OPACITY, HEAD_PROGRAM, HEAD_WORDS};
+use super::wiring::CompileError;
+use super::{Output, Procedural};
+
+/// The height of a bump map is evaluated at the hit and at two points beside it.
+const BUMP_POINTS: u64 = 3;
+
+/// Hits of a material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Hits {
+    /// Of the surface that was hit.
+    pub(crate) material: u32,
+    /// The material that its blends led to.
+    pub(crate) resolved: u32,
+    /// How many.
+    pub(crate) count: u64,
+}
+
+impl Procedural {
+    /// How often hits run each node that they do run, in the order of the graph.
+    pub(crate) fn count_runs(&self, hits: &[Hits]) -> Vec<(NodeId, u64)> {
+        let mut runs = BTreeMap::<usize, u64>::new();
+        for hits in hits {
+            for material in self.chain(hits.material, hits.resolved) {
+                let wiring = &self.wiring[material as usize];
+                let bump = wiring.output(Output::Bump).map(|source| source.node);
+                let programs = [
+                    (wiring.roots(), 1),
+                    (bump.into_iter().collect(), BUMP_POINTS),
+                ];
+                for (roots, times) in programs {
+                    for node in self.reachable(&roots) {
+                        *runs.entry(node.index()).or_default() += times * hits.count;
+                    }
+                }
+            }
+        }
+        let count = |node: NodeId| Some((node, *runs.get(&node.index())?));
+        self.graph.ids().filter_map(count).collect()
+    }
+
+    /// The materials whose programs ran: a material, and what its blends led to.
+    fn chain(&self, material: u32, resolved: u32) -> Vec<u32> {
+        // What lies below a blend comes before it, so one pass is enough however blends share what they blend.
+        let mut leads = vec![false; self.wiring.len()];
+        for &m in &self.order {
+            let blend = self.wiring[m as usize].blend.as_ref();
+            let sides = blend.map(|b| leads[b.base as usize] || leads[b.over as usize]);
+            leads[m as usize] = m == resolved || sides.unwrap_or(false);
+        }
+        let mut chain = vec![material];
+        let mut at = material;
+        while at != resolved
+            && let Some(blend) = &self.wiring[at as usize].blend
+        {
+            at = match leads[blend.base as usize] {
+                true => blend.base,
+                false => blend.over,
+            };
+            chain.push(at);
+        }
+        chain
+    }
+
+    /// Heads, as [`Self::programs`] has them, with which no hit runs anything.
+    pub(crate) fn idle_programs(&self) -> Vec<u32> {
+        let heads = self.wiring.len() * HEAD_WORDS as usize;
+        let mut words = self.programs()[..heads].to_vec();
+        for head in words.chunks_exact_mut(HEAD_WORDS as usize) {
+            for (at, word) in (0..).zip(head) {
+                // A hit of a surface that lets light pass asks for its opacity, whatever is driven.
+                if at != HEAD_OPACITY {
+                    *word = 0;
+                }
+            }
+        }
+        words
+    }
+
+    /// The same, but that hits which may run `node`, by their material or by one that it blends, run it alone, with
+    /// constants in place of its links.
+    ///
+    /// # Errors
+    /// The node can't be compiled; those that some program runs can be.
+    pub(crate) fn programs_of(&self, node: NodeId) -> Result<Vec<u32>, CompileError> {
+        let mut graph = self.graph.clone();
+        let parameters = graph.texture(node).parameters().iter();
+        let names: Vec<String> = parameters.map(|p| p.name.clone()).collect();
+        for name in names {
+            graph.clear_link(node, &name)?;
+        }
+        let program = graph.compile(&[node])?;
+        let mut words = self.idle_programs();
+        let start = words.len() as u32;
+        for material in self.users(node) {
+            words[(material * HEAD_WORDS + HEAD_PROGRAM) as usize] = start;
+        }
+        words.extend(program.words);
+        Ok(words)
+    }
+
+    /// The materials that run a node or blend such.
+    fn users(&self, node: NodeId) -> impl Iterator<Item = u32> {
+        let mut uses = vec![false; self.wiring.len()];
+        for &m in &self.order {
+            let wiring = &self.wiring[m as usize];
+            let blend = wiring.blend.as_ref();
+            let below = blend.is_some_and(|b| uses[b.base as usize] || uses[b.over as usize]);
+            uses[m as usize] = below || wiring.nodes.contains(&node);
+        }
+        (0..).zip(uses).filter(|&(_, uses)| uses).map(|(m, _)| m)
+    }
+
+    /// The programs as they are, but that hits ask for one AO table only.
+    pub(crate) fn programs_with_ao(&self, table: u32) -> Vec<u32> {
+        let heads = self.wiring.len() * HEAD_WORDS as usize;
+        let mut words = self.programs().to_vec();
+        for head in words[..heads].chunks_exact_mut(HEAD_WORDS as usize) {
+            head[HEAD_AO as usize] &= 1 << table;
+        }
+        words
+    }
+}
