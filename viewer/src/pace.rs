@@ -2,19 +2,27 @@
 
 use std::time::Duration;
 
-/// A moving picture's first samples shall be there so soon. A change may have to wait until the picture before it has been
-/// seen, and is on screen within half a second all the same.
+/// A moving picture's samples may take so long, where the device does nothing else. A change may have to wait until the
+/// picture before it has been seen, and is on screen within half a second all the same.
 const MOVING: Duration = Duration::from_millis(140);
+/// Less than this would leave nothing to be seen.
+const SHORTEST: Duration = Duration::from_millis(30);
+/// From a change to its picture: with more than the first the pictures become smaller, with less than the second larger.
+const LATE: Duration = Duration::from_millis(350);
+const EARLY: Duration = Duration::from_millis(200);
 /// Most that sides are divided by while moving.
-const COARSEST: u32 = 12;
+const COARSEST: u32 = 16;
 
 /// What a processor is thought to take for a path until it has been measured. Others are fast enough for any guess.
 const SECONDS_ON_CPU: f64 = 2e-5;
 
 /// What was measured.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Pace {
     seconds_per_path: Option<f64>,
+    /// For the samples of a moving picture: less than [`MOVING`] where other things, the window's frames for one, take
+    /// the device's time.
+    budget: Duration,
 }
 
 impl Pace {
@@ -22,6 +30,7 @@ impl Pace {
     pub fn of(is_cpu: bool) -> Self {
         Self {
             seconds_per_path: is_cpu.then_some(SECONDS_ON_CPU),
+            budget: MOVING,
         }
     }
 
@@ -38,6 +47,16 @@ impl Pace {
         self.seconds_per_path = Some(mean);
     }
 
+    /// So long after a change its moving picture was there.
+    pub fn note_latency(&mut self, latency: Duration) {
+        let factor = match latency {
+            late if late > LATE => 0.7,
+            early if early < EARLY => 1.1,
+            _ => return,
+        };
+        self.budget = self.budget.mul_f64(factor).clamp(SHORTEST, MOVING);
+    }
+
     /// Camera paths per second.
     pub fn paths_per_second(&self) -> Option<f64> {
         self.seconds_per_path.filter(|s| *s > 0.0).map(|s| 1.0 / s)
@@ -47,7 +66,7 @@ impl Pace {
     pub fn moving_divisor(&self, [width, height]: [u32; 2]) -> u32 {
         let seconds =
             self.seconds_per_path.unwrap_or_default() * f64::from(width) * f64::from(height);
-        let wanted = (seconds / MOVING.as_secs_f64()).sqrt().ceil();
+        let wanted = (seconds / self.budget.as_secs_f64()).sqrt().ceil();
         // `as` saturates.
         (wanted as u32).clamp(1, COARSEST)
     }
@@ -64,9 +83,8 @@ mod tests {
 
     #[test]
     fn slow_devices_get_smaller_pictures_while_moving() {
-        let mut pace = Pace::default();
+        let mut pace = Pace::of(false);
         assert_eq!(pace.moving_divisor([640, 360]), 1);
-        assert_eq!(Pace::of(false).moving_divisor([640, 360]), 1);
         assert!(Pace::of(true).moving_divisor([640, 360]) > 4);
         // 100,000 paths per second: 2.3 s for all pixels, a twenty-fifth of them in time.
         pace.note(100_000, Duration::from_secs(1));
@@ -74,11 +92,32 @@ mod tests {
         let seconds = f64::from(128 * 72) / pace.paths_per_second().unwrap();
         assert!(seconds <= MOVING.as_secs_f64());
         // A GPU needs no reduction, and there is an end to it.
-        let mut fast = Pace::default();
+        let mut fast = Pace::of(false);
         fast.note(100_000_000, Duration::from_secs(1));
         assert_eq!(fast.moving_divisor([1920, 1080]), 1);
         pace.note(1, Duration::from_secs(1000));
         assert_eq!(pace.moving_divisor([1920, 1080]), COARSEST);
+    }
+
+    #[test]
+    fn pictures_that_come_late_become_smaller() {
+        let mut pace = Pace::of(true);
+        let first = pace.moving_divisor([640, 360]);
+        let late = Duration::from_millis(700);
+        pace.note_latency(late);
+        assert!(pace.moving_divisor([640, 360]) > first);
+        for _ in 0..100 {
+            pace.note_latency(late);
+        }
+        let least = pace.moving_divisor([640, 360]);
+        assert!(least <= COARSEST);
+        // In time is neither late nor early.
+        pace.note_latency(Duration::from_millis(300));
+        assert_eq!(pace.moving_divisor([640, 360]), least);
+        for _ in 0..100 {
+            pace.note_latency(Duration::from_millis(100));
+        }
+        assert_eq!(pace.moving_divisor([640, 360]), first);
     }
 
     #[test]

@@ -413,7 +413,11 @@ impl Render {
                 self.run.is_seen = true;
                 let cause = self.run.cause.take();
                 if let Some(cause) = cause {
-                    lock(&self.board).status.latency = Some(cause.elapsed().as_secs_f64());
+                    let latency = cause.elapsed();
+                    lock(&self.board).status.latency = Some(latency.as_secs_f64());
+                    if self.is_moving {
+                        self.pace.note_latency(latency);
+                    }
                 }
             }
             (self.wake)();
