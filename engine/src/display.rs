@@ -198,7 +198,7 @@ impl GpuDisplay {
 pub struct Display {
     gpu: Gpu,
     kernel: Kernel,
-    uniform: wgpu::Buffer,
+    parameters: wgpu::Buffer,
     /// In place of guides that aren't there.
     nothing: wgpu::Buffer,
     target: Option<Target>,
@@ -221,7 +221,7 @@ impl Display {
         Ok(Self {
             gpu: gpu.clone(),
             kernel: passes::display::kernel(gpu)?,
-            uniform: gpu.empty_buffer("display", bytes, wgpu::BufferUsages::UNIFORM)?,
+            parameters: gpu.empty_buffer("display", bytes, wgpu::BufferUsages::STORAGE)?,
             nothing: gpu.storage_buffer("no guides", &[])?,
             target: None,
         })
@@ -248,7 +248,7 @@ impl Display {
             true => Channel::Radiance,
             false => settings.channel,
         };
-        let uniform = GpuDisplay {
+        let parameters = GpuDisplay {
             width: film.width,
             height: film.height,
             channel: channel as u32,
@@ -258,9 +258,9 @@ impl Display {
             most_samples: settings.most_samples as f32,
             spare: 0,
         };
-        (self.gpu.queue()).write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        (self.gpu.queue()).write_buffer(&self.parameters, 0, bytemuck::bytes_of(&parameters));
         let mut resources = Resources::default();
-        resources.set_buffer("display", self.uniform.clone());
+        resources.set_buffer("display", self.parameters.clone());
         for (name, plane) in film::PLANES.into_iter().zip(&film.planes) {
             resources.set_buffer(name, plane.clone());
         }

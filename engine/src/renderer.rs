@@ -108,6 +108,9 @@ pub(crate) fn default_capacity(gpu: &Gpu) -> u32 {
     }
 }
 
+/// Fewer paths would take hardly less time.
+const SMALLEST_WAVE: u32 = 256;
+
 /// Paths of the first wave, whose speed nobody knows.
 pub(crate) fn first_wave(gpu: &Gpu, capacity: u32) -> u32 {
     capacity.min(if gpu.is_cpu() { 1 << 14 } else { 1 << 18 })
@@ -116,7 +119,7 @@ pub(crate) fn first_wave(gpu: &Gpu, capacity: u32) -> u32 {
 /// Paths of the wave after one that took so long: longer waves keep the device busy, shorter ones keep each dispatch short.
 pub(crate) fn next_wave(wave_size: u32, capacity: u32, took: Duration, longest: Duration) -> u32 {
     if took > longest {
-        (wave_size / 2).max(256).min(capacity)
+        (wave_size / 2).max(SMALLEST_WAVE).min(capacity)
     } else if took < longest / 4 {
         (wave_size * 2).min(capacity)
     } else {
@@ -143,7 +146,11 @@ pub(crate) fn allocate_picture(
     let bytes = size_of::<Frame>() as u64;
     resources.set_buffer(
         "frame",
-        gpu.empty_buffer("frame", bytes, wgpu::BufferUsages::UNIFORM)?,
+        gpu.empty_buffer(
+            "frame",
+            bytes,
+            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
+        )?,
     );
     Ok(())
 }
@@ -196,6 +203,7 @@ pub struct Renderer {
     timer: Timer,
     seconds: f64,
     longest_wave: Duration,
+    smallest_wave: u32,
     /// Pixels that get samples, where not all do.
     region: Option<[u32; 4]>,
     guides: Option<view::Guides>,
@@ -308,6 +316,7 @@ impl Renderer {
             timer: Timer::new(gpu, false)?,
             seconds: 0.0,
             longest_wave: LONGEST_WAVE,
+            smallest_wave: SMALLEST_WAVE,
             region: None,
             guides: None,
             survey: None,
@@ -341,9 +350,12 @@ impl Renderer {
         let padded = u64::from(self.frame.padded_pixels);
         let total = padded * u64::from(target_spp);
         if self.position < total {
+            // A window that shares the device may have a frame under way: that is no time of the wave's.
+            self.gpu.wait()?;
             let start = Instant::now();
             self.clear_stale_film();
-            let wave = u64::from(self.wave_size).min(total - self.position);
+            let wave = self.wave_size.max(self.smallest_wave).min(self.capacity);
+            let wave = u64::from(wave).min(total - self.position);
             let frame = &mut self.frame;
             frame.set_wave(self.position, wave as u32, first, target_spp);
             self.render_wave()?;
@@ -433,8 +445,9 @@ impl Renderer {
             &mut self.timer,
         );
         record(&mut recorder);
-        self.gpu.queue().submit([recorder.finish()]);
-        self.gpu.wait()?;
+        let submission = self.gpu.queue().submit([recorder.finish()]);
+        self.gpu.wait_for(submission)?;
+
         self.timer.collect(&self.gpu)
     }
 

@@ -3,13 +3,16 @@
 use std::time::Duration;
 
 /// A moving picture's samples may take so long, where the device does nothing else. A change may have to wait until the
-/// picture before it has been seen, and is on screen within half a second all the same.
-const MOVING: Duration = Duration::from_millis(140);
+/// picture before it has been seen, and is on screen in time all the same.
+const MOVING: Duration = Duration::from_millis(50);
 /// Less than this would leave nothing to be seen.
-const SHORTEST: Duration = Duration::from_millis(30);
-/// From a change to its picture: with more than the first the pictures become smaller, with less than the second larger.
-const LATE: Duration = Duration::from_millis(350);
-const EARLY: Duration = Duration::from_millis(200);
+const SHORTEST: Duration = Duration::from_millis(15);
+/// A change is to be seen so soon.
+const GOAL_ON_GPU: Duration = Duration::from_millis(100);
+const GOAL_ON_CPU: Duration = Duration::from_millis(500);
+/// Of the goal: with more than the first moving pictures become smaller, with less than the second larger.
+const LATE: f64 = 0.7;
+const EARLY: f64 = 0.5;
 /// Most that sides are divided by while moving.
 const COARSEST: u32 = 16;
 
@@ -23,6 +26,8 @@ pub struct Pace {
     /// For the samples of a moving picture: less than [`MOVING`] where other things, the window's frames for one, take
     /// the device's time.
     budget: Duration,
+    /// From a change to its picture.
+    goal: Duration,
 }
 
 impl Pace {
@@ -31,12 +36,17 @@ impl Pace {
         Self {
             seconds_per_path: is_cpu.then_some(SECONDS_ON_CPU),
             budget: MOVING,
+            goal: match is_cpu {
+                true => GOAL_ON_CPU,
+                false => GOAL_ON_GPU,
+            },
         }
     }
 
-    /// So many camera paths took so long.
-    pub fn note(&mut self, paths: u64, took: Duration) {
-        if paths == 0 {
+    /// So many camera paths took so long. While something moves, frames of the window lie between them: that counts only
+    /// where nothing else is known.
+    pub fn note(&mut self, paths: u64, took: Duration, is_moving: bool) {
+        if paths == 0 || is_moving && self.seconds_per_path.is_some() {
             return;
         }
         let now = took.as_secs_f64() / paths as f64;
@@ -49,7 +59,7 @@ impl Pace {
 
     /// So long after a change its moving picture was there.
     pub fn note_latency(&mut self, latency: Duration) {
-        let factor = match latency {
+        let factor = match latency.div_duration_f64(self.goal) {
             late if late > LATE => 0.7,
             early if early < EARLY => 1.1,
             _ => return,
@@ -86,38 +96,41 @@ mod tests {
         let mut pace = Pace::of(false);
         assert_eq!(pace.moving_divisor([640, 360]), 1);
         assert!(Pace::of(true).moving_divisor([640, 360]) > 4);
-        // 100,000 paths per second: 2.3 s for all pixels, a twenty-fifth of them in time.
-        pace.note(100_000, Duration::from_secs(1));
-        assert_eq!(pace.moving_divisor([640, 360]), 5);
-        let seconds = f64::from(128 * 72) / pace.paths_per_second().unwrap();
+        // 100,000 paths per second: 2.3 s for all pixels, a forty-sixth of them in time.
+        pace.note(100_000, Duration::from_secs(1), true);
+        assert_eq!(pace.moving_divisor([640, 360]), 7);
+        let seconds = f64::from(91 * 51) / pace.paths_per_second().unwrap();
         assert!(seconds <= MOVING.as_secs_f64());
         // A GPU needs no reduction, and there is an end to it.
         let mut fast = Pace::of(false);
-        fast.note(100_000_000, Duration::from_secs(1));
+        fast.note(100_000_000, Duration::from_secs(1), false);
         assert_eq!(fast.moving_divisor([1920, 1080]), 1);
-        pace.note(1, Duration::from_secs(1000));
+        // What is measured while something moves counts only where there is nothing else.
+        pace.note(1, Duration::from_secs(1000), true);
+        assert_eq!(pace.moving_divisor([640, 360]), 7);
+        pace.note(1, Duration::from_secs(1000), false);
         assert_eq!(pace.moving_divisor([1920, 1080]), COARSEST);
     }
 
     #[test]
     fn pictures_that_come_late_become_smaller() {
         let mut pace = Pace::of(true);
-        let first = pace.moving_divisor([640, 360]);
+        let first = pace.moving_divisor([320, 180]);
         let late = Duration::from_millis(700);
         pace.note_latency(late);
-        assert!(pace.moving_divisor([640, 360]) > first);
+        assert!(pace.moving_divisor([320, 180]) > first);
         for _ in 0..100 {
             pace.note_latency(late);
         }
-        let least = pace.moving_divisor([640, 360]);
-        assert!(least <= COARSEST);
+        let least = pace.moving_divisor([320, 180]);
+        assert!(least < COARSEST);
         // In time is neither late nor early.
         pace.note_latency(Duration::from_millis(300));
-        assert_eq!(pace.moving_divisor([640, 360]), least);
+        assert_eq!(pace.moving_divisor([320, 180]), least);
         for _ in 0..100 {
             pace.note_latency(Duration::from_millis(100));
         }
-        assert_eq!(pace.moving_divisor([640, 360]), first);
+        assert_eq!(pace.moving_divisor([320, 180]), first);
     }
 
     #[test]

@@ -399,7 +399,7 @@ impl Render {
             return Ok(());
         }
         let paths = progress.samples_done.saturating_sub(self.run.samples_done);
-        self.pace.note(paths, clock.elapsed());
+        self.pace.note(paths, clock.elapsed(), self.is_moving);
         self.run.samples_done = progress.samples_done;
         self.run.is_done = progress.is_done();
         let [width, height] = self.picture_size();

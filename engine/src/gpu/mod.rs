@@ -380,8 +380,23 @@ impl Gpu {
     /// # Errors
     /// What the driver reported.
     pub fn wait(&self) -> Result<(), GpuError> {
+        self.wait_until(wgpu::PollType::wait_indefinitely())
+    }
+
+    /// Waits until the device has done one submission; what others have submitted after it isn't waited for.
+    ///
+    /// # Errors
+    /// What the driver reported.
+    pub fn wait_for(&self, submission: wgpu::SubmissionIndex) -> Result<(), GpuError> {
+        self.wait_until(wgpu::PollType::Wait {
+            submission_index: Some(submission),
+            timeout: None,
+        })
+    }
+
+    fn wait_until(&self, what: wgpu::PollType) -> Result<(), GpuError> {
         self.device()
-            .poll(wgpu::PollType::wait_indefinitely())
+            .poll(what)
             .map_err(|e| match self.shared.lost.get() {
                 Some(message) => GpuError::Lost(message.clone()),
                 None => GpuError::Driver(e.to_string()),

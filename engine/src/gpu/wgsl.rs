@@ -28,6 +28,18 @@ impl Source {
         source
     }
 
+    /// Reads what the files declare as a uniform from a storage buffer instead.
+    ///
+    /// # Panics
+    /// There is no uniform of this name.
+    pub fn with_storage(mut self, name: &str) -> Self {
+        let uniform = format!("var<uniform> {name}:");
+        assert!(self.text.contains(&uniform), "no uniform `{name}`");
+        let storage = format!("var<storage, read> {name}:");
+        self.text = self.text.replace(&uniform, &storage);
+        self
+    }
+
     /// Appends a constant that the files leave open.
     pub fn append_constant(&mut self, name: &str, value: u32) {
         self.text.push_str(&format!("const {name} = {value}u;\n"));

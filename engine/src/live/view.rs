@@ -55,6 +55,11 @@ impl LiveRender {
         self.renderer.set_longest_wave(longest);
     }
 
+    /// See [`crate::renderer::Renderer::set_smallest_wave`]; of the renderer that there is now.
+    pub fn set_smallest_wave(&mut self, paths: u32) {
+        self.renderer.set_smallest_wave(paths);
+    }
+
     /// Times each pass from now on, until something is built anew.
     ///
     /// # Errors

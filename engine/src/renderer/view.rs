@@ -81,6 +81,12 @@ impl Renderer {
         self.longest_wave = longest;
     }
 
+    /// Waves have at least so many paths from now on, however long they take, so that a picture that is waited for comes after
+    /// a few of them.
+    pub fn set_smallest_wave(&mut self, paths: u32) {
+        self.smallest_wave = paths;
+    }
+
     pub(super) fn fresh_frame(&self) -> Frame {
         let mut frame = Frame::new(&self.settings, self.capacity, &self.scene);
         if let Some([left, top, right, bottom]) = self.region {

@@ -16,6 +16,9 @@ const GPU_WAVE: Duration = Duration::from_millis(15);
 const CPU_WAVE_TOUCHED: Duration = Duration::from_millis(20);
 const CPU_WAVE: Duration = Duration::from_millis(100);
 
+/// A moving picture comes after so many waves: a frame of the window may lie between any two of them.
+const MOVING_WAVES: u32 = 2;
+
 impl Render {
     /// A small picture while something moves; when nothing does, larger ones until it is whole.
     pub(super) fn fit_size(&mut self) -> Result<(), LiveError> {
@@ -29,8 +32,7 @@ impl Render {
         self.divisor = match self.is_moving {
             true if keeps_size => self.divisor,
             true => self.pace.moving_divisor(full),
-            false if self.run.is_seen => self.divisor.div_ceil(2),
-            false => self.divisor,
+            false => finer(self.divisor, self.run.is_seen),
         };
         let size = full.map(|side| (side / self.divisor).max(1));
         let longest = self.longest_wave();
@@ -38,6 +40,10 @@ impl Render {
             return Ok(());
         };
         live.set_longest_wave(longest);
+        live.set_smallest_wave(match self.is_moving {
+            true => size[0] * size[1] / MOVING_WAVES,
+            false => 0,
+        });
         live.resize(size[0], size[1])?;
         let region = self.region.filter(|_| !self.is_moving);
         live.set_region(region.map(|corners| pixels(corners, size)));
@@ -59,6 +65,14 @@ impl Render {
     }
 }
 
+/// Step by step, each once the one before has been seen: what the sides are divided by next, while nothing moves.
+fn finer(divisor: u32, is_seen: bool) -> u32 {
+    match is_seen {
+        true => divisor.div_ceil(2),
+        false => divisor,
+    }
+}
+
 /// The pixels between corners of 0 to 1, at least one.
 fn pixels([left, top, right, bottom]: [f32; 4], [width, height]: [u32; 2]) -> [u32; 4] {
     let span = |a: f32, b: f32, size: u32| {
@@ -73,6 +87,20 @@ fn pixels([left, top, right, bottom]: [f32; 4], [width, height]: [u32; 2]) -> [u
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pictures_at_rest_become_finer_in_few_steps() {
+        assert_eq!(finer(16, false), 16);
+        for (coarse, steps) in [(1, 0), (2, 1), (3, 2), (7, 3), (16, 4)] {
+            let mut divisor = coarse;
+            for _ in 0..steps {
+                assert_ne!(divisor, 1);
+                divisor = finer(divisor, true);
+            }
+            assert_eq!(divisor, 1, "from {coarse}");
+        }
+        assert_eq!(finer(1, true), 1);
+    }
 
     #[test]
     fn regions_become_whole_pixels() {

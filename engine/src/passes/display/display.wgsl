@@ -13,7 +13,8 @@ struct Display {
     spare: u32,
 }
 
-@group(0) @binding(0) var<uniform> display: Display;
+// No uniform: Mesa's software driver would compile the kernel again for each picture, with the channel's code alone.
+@group(0) @binding(0) var<storage, read> display: Display;
 @group(0) @binding(1) var<storage, read> film0: array<vec4u>;
 @group(0) @binding(2) var<storage, read> film1: array<vec4u>;
 @group(0) @binding(3) var<storage, read> film2: array<vec4u>;

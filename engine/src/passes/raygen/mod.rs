@@ -11,11 +11,12 @@ use crate::gpu::{
 /// # Errors
 /// If the driver refuses it.
 pub fn kernel(gpu: &Gpu) -> Result<Kernel, GpuError> {
-    Kernel::new(
-        gpu,
-        &Source::of("raygen/entry.wgsl"),
-        "raygen",
-        Trust::Engine,
-        &[],
-    )
+    let source = Source::of("raygen/entry.wgsl");
+    // Where more than half of this kernel hangs on uniforms (it does: sampler, filter, lens), lavapipe of Mesa 22 compiles it
+    // again for each dispatch, for the uniforms of the moment.
+    let source = match gpu.is_cpu() {
+        true => source.with_storage("frame"),
+        false => source,
+    };
+    Kernel::new(gpu, &source, "raygen", Trust::Engine, &[])
 }

@@ -51,12 +51,17 @@ fn unit_number(bits: u32) -> f32 {
     return f32(bits >> 8u) * (1.0 / 16777216.0);
 }
 
+// Two plain random numbers for sample `index` of a stream.
+fn independent2(index: u32, stream: u32) -> vec2f {
+    let seed = hash2(stream, index);
+    return vec2f(unit_number(seed), unit_number(hash(seed ^ 0x68bc21ebu)));
+}
+
 // Two numbers in [0, 1) for sample `index` of a stream. The second dimension is a subset-sum transform of the index, so it
 // needs no table.
 fn sobol2(index: u32, stream: u32) -> vec2f {
     if (frame.sampler == SAMPLER_INDEPENDENT) {
-        let seed = hash2(stream, index);
-        return vec2f(unit_number(seed), unit_number(hash(seed ^ 0x68bc21ebu)));
+        return independent2(index, stream);
     }
     let shuffled = reverseBits(owen_reversed(reverseBits(index), stream));
     var second = shuffled;
@@ -74,7 +79,7 @@ fn sobol2(index: u32, stream: u32) -> vec2f {
 // points; each stream is scrambled on its own.
 fn sobol4(index: u32, order: u32, group: u32, stream: u32) -> vec4f {
     if (frame.sampler == SAMPLER_INDEPENDENT) {
-        return vec4f(sobol2(index, stream), sobol2(index, hash(stream ^ 0x02e5be93u)));
+        return vec4f(independent2(index, stream), independent2(index, hash(stream ^ 0x02e5be93u)));
     }
     var rest = reverseBits(owen_reversed(reverseBits(index), order));
     var point = vec4u(0u);
