@@ -14,7 +14,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
 
-use steps::{Steps, cargo, root};
+use steps::{Step, Steps, cargo, root};
 
 /// Picture size and samples of the demo: about half a minute of rendering on two cores without a GPU.
 const DEMO_SIZE: &str = "640x360";
@@ -101,7 +101,13 @@ fn demo() -> Result<()> {
     steps.run("Release build", || {
         cargo(["build", "--release", "--package", "patina"]).run()
     })?;
-    steps.run("Devices", || ensure_device(&["--release"]))?;
+    steps.run("Devices", || {
+        ensure_device(|| {
+            cargo(["run", "--quiet", "--package", "patina", "--release"])
+                .args(["--", "devices"])
+                .run()
+        })
+    })?;
     let out = root().join("out");
     fs::create_dir_all(&out).with_context(|| format!("cannot create {}", out.display()))?;
     steps.run("Render", || {
@@ -134,7 +140,9 @@ fn test(full: bool) -> Result<()> {
     steps.run("Test build", || {
         cargo(["test", "--workspace", "--no-run"]).run()
     })?;
-    steps.run("Devices", || ensure_device(&[]))?;
+    steps.run("Devices", || {
+        ensure_device(|| tested_patina()?.args(["devices"]).run())
+    })?;
     let name = if full { "All tests" } else { "Tests" };
     steps.run(name, || {
         let tests = cargo(["test", "--workspace"]).env("PATINA_REQUIRE_DEVICE", "1");
@@ -215,17 +223,19 @@ fn render(scene: &str, look: &str, size: &str, spp: &str, outputs: &[&str]) -> R
 
 /// Lists the devices of the program just built. A driver may be installed and still find no device (a GPU's driver
 /// in a container without that GPU): Mesa's software driver is then added.
-fn ensure_device(profile: &[&str]) -> Result<()> {
-    let devices = || {
-        cargo(["run", "--quiet", "--package", "patina"])
-            .args(profile.iter().copied())
-            .args(["--", "devices"])
-            .run()
-    };
+fn ensure_device(devices: impl Fn() -> Result<()>) -> Result<()> {
     devices().or_else(|_| {
         vulkan::install().context("the installed Vulkan drivers find no device that can render")?;
         devices()
     })
+}
+
+/// The program of the test build. `cargo run` would build it again: alone, its dependencies have fewer features than
+/// together with those of the tests.
+fn tested_patina() -> Result<Step> {
+    let xtask = env::current_exe().context("the path of xtask is unknown")?;
+    let patina = xtask.with_file_name(format!("patina{}", env::consts::EXE_SUFFIX));
+    Ok(Step::new(patina))
 }
 
 /// rustfmt and clippy, which a minimal toolchain lacks.
@@ -234,7 +244,7 @@ fn ensure_components() -> Result<()> {
         if cargo([command, "--version"]).succeeds() {
             continue;
         }
-        steps::Step::new("rustup")
+        Step::new("rustup")
             .args(["component", "add", component])
             .run()
             .with_context(|| {
