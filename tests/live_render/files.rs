@@ -2,8 +2,10 @@
 
 use std::fs;
 
+use engine::live::{Edit, LiveError};
+
 use crate::look::{LOOK, RINGS, SQUARES, TEXTURES, TINT};
-use crate::stage::{Stage, film, is_same, settle};
+use crate::stage::{Stage, film, is_same, read, settle};
 use crate::support::device;
 
 #[test]
@@ -248,4 +250,39 @@ fn files_that_vanish_take_nothing_with_them() {
         assert!(live.problems().is_empty(), "{name}: {}", live.problems());
         assert!(is_same(&old, &film(&mut live)), "{name} is back");
     }
+}
+
+#[test]
+fn what_others_wrote_is_not_saved_over_unasked() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut live = stage.open("scene.look.toml");
+    let edit = Edit::argument("rings", "count", &texgen::Value::F32(7.0));
+    live.edit(&edit).expect("edited");
+    // Half of a file: nothing of it can be taken over.
+    let half = format!("{}\nramp = [", &LOOK[..LOOK.len() / 2]);
+    stage.write("scene.look.toml", &half);
+    live.look_changed();
+    assert!(!live.problems().is_empty());
+    let refused = live.save(None);
+    assert!(
+        matches!(refused, Err(LiveError::Changed { .. })),
+        "{refused:?}"
+    );
+    assert_eq!(read(&stage.path("scene.look.toml")), half);
+    assert!(live.has_unsaved_edits());
+    // Under a name, also its own, it is what is wanted.
+    let path = stage.path("scene.look.toml");
+    live.save(Some(&path)).expect("saved");
+    let expected = LOOK.replace("count = 5.0", "count = 7.0");
+    assert_eq!(read(&stage.path("scene.look.toml")), expected);
+    assert!(!live.has_unsaved_edits());
+    live.look_changed();
+    assert!(live.problems().is_empty(), "{}", live.problems());
+    // A file that has vanished is written anew.
+    fs::remove_file(&path).expect("removed");
+    live.save(None).expect("saved");
+    assert_eq!(read(&stage.path("scene.look.toml")), expected);
 }

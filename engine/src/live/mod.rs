@@ -71,6 +71,13 @@ pub enum LiveError {
     /// There is no file to save the look to.
     #[error("there is no look file to save to: name one")]
     NoFile,
+    /// The file has been changed by others, and what they wrote has not become part of the look, because it is wrong or has
+    /// just been written.
+    #[error("{} was changed by another program; mend it there, or save under a name: the same one replaces it", path.display())]
+    Changed {
+        /// The file.
+        path: PathBuf,
+    },
     /// The look can't be saved.
     #[error("cannot write the look {}: {source}", path.display())]
     Save {
@@ -308,9 +315,17 @@ impl LiveRender {
     /// Saves the look to its file, or to `path`: comments, order and formatting of what was not edited are kept.
     ///
     /// # Errors
-    /// There is no file, or the system refuses; an old file is untouched then.
+    /// There is no file, or the system refuses; the look's own file was changed by others and isn't the look as it is known.
+    /// An old file is untouched then. With a `path`, whatever is there is replaced.
     pub fn save(&mut self, path: Option<&Path>) -> Result<(), LiveError> {
-        let path = path.or(self.inputs.look.as_deref());
+        let own = self.inputs.look.as_deref();
+        if let (None, Some(own)) = (path, own)
+            && read_look(own).is_ok_and(|text| text != self.saved)
+        {
+            let path = own.to_owned();
+            return Err(LiveError::Changed { path });
+        }
+        let path = path.or(own);
         let path = path.ok_or(LiveError::NoFile)?.to_owned();
         let text = self.document.text();
         match self.document.save(&path) {
