@@ -89,6 +89,7 @@ impl RenderThread {
                     full,
                     region: None,
                     before: None,
+                    whole: None,
                     pace,
                     run: Run::default(),
                     is_stale: false,
@@ -133,6 +134,8 @@ struct Render {
     full: [u32; 2],
     region: Option<[f32; 4]>,
     before: Option<DeviceFilm>,
+    /// The last picture that was whole, while one of another size has just begun.
+    whole: Option<DeviceFilm>,
     pace: Pace,
     run: Run,
     /// The scene, or its files, may be others than those on the board.
@@ -241,6 +244,7 @@ impl Render {
                 // The first picture comes soon, too.
                 self.motion = self.run.cause;
                 self.before = None;
+                self.whole = None;
                 self.region = None;
                 self.pending = Pending::default();
                 self.published.forget();
@@ -310,6 +314,7 @@ impl Render {
             return Ok(());
         };
         let changes = self.host.changes();
+        let generation = live.generation();
         if changes.look {
             live.look_changed();
         }
@@ -320,7 +325,11 @@ impl Render {
         if changes.assets {
             live.assets_changed();
         }
-        live.poll()?;
+        let polled = live.poll();
+        if live.generation() != generation {
+            self.begin_small();
+        }
+        polled?;
         if changes.look || changes.textures {
             self.publish_look();
         }
@@ -338,6 +347,13 @@ impl Render {
         self.measure_costs()?;
         self.publish_status(false);
         Ok(())
+    }
+
+    /// What files have changed is seen as soon as what the user does: in fewer pixels first.
+    fn begin_small(&mut self) {
+        let now = Instant::now();
+        self.motion = Some(now);
+        self.run.cause.get_or_insert(now);
     }
 
     /// Makes the changes that have been waiting, unless a picture that began with the last ones is still to be seen.
@@ -395,6 +411,7 @@ impl Render {
         let progress = live.step(self.options.target_spp)?;
         if live.generation() != self.run.generation {
             // Something was swapped in: its samples are counted from the next turn on.
+            self.begin_small();
             self.notice_generation();
             return Ok(());
         }
@@ -411,6 +428,7 @@ impl Render {
             self.show()?;
             if !self.run.is_seen {
                 self.run.is_seen = true;
+                self.whole = None;
                 let cause = self.run.cause.take();
                 if let Some(cause) = cause {
                     let latency = cause.elapsed();

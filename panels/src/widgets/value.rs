@@ -20,6 +20,12 @@ impl Bounds {
     };
 }
 
+/// Most digits behind the point that are shown, and those of a colour.
+const DECIMALS: usize = 6;
+const COLOR_DECIMALS: usize = 3;
+/// Width of the button that shows a colour, in points.
+const PICKER: f32 = 24.0;
+
 /// How a value is shown.
 #[derive(Debug, Clone)]
 pub(crate) struct Spec<'a> {
@@ -109,6 +115,11 @@ impl<T> Edited<T> {
 }
 
 fn number(ui: &mut Ui, spec: &Spec<'_>, value: f32) -> Edited<f32> {
+    number_in(ui, spec, value, DECIMALS)
+}
+
+/// With so many digits behind the point at most.
+fn number_in(ui: &mut Ui, spec: &Spec<'_>, value: f32, decimals: usize) -> Edited<f32> {
     let (scale, suffix) = spec.scale();
     let mut shown = f64::from(value) * scale;
     let mut changed = false;
@@ -131,7 +142,9 @@ fn number(ui: &mut Ui, spec: &Spec<'_>, value: f32) -> Edited<f32> {
         Some(_) => format!("{} (number)", spec.name),
         None => spec.name.clone(),
     };
-    let field = drag_value(&mut shown, spec, scale).suffix(suffix);
+    let field = drag_value(&mut shown, spec, scale)
+        .suffix(suffix)
+        .max_decimals(decimals);
     let field = ui.add(field);
     name(&field, &field_name);
     changed |= field.changed();
@@ -167,7 +180,6 @@ fn drag_value<'v>(shown: &'v mut f64, spec: &Spec<'_>, scale: f64) -> DragValue<
         .speed(extent / 300.0)
         .range(min * scale..=max * scale)
         .clamp_existing_to_range(false)
-        .max_decimals(6)
 }
 
 fn whole(ui: &mut Ui, spec: &Spec<'_>, value: i64, bounds: (i64, i64)) -> Edited<i64> {
@@ -221,11 +233,17 @@ fn whole(ui: &mut Ui, spec: &Spec<'_>, value: i64, bounds: (i64, i64)) -> Edited
 }
 
 /// Number fields in a row.
-fn fields(ui: &mut Ui, spec: &Spec<'_>, parts: &[&str], values: &mut [f32]) -> Edited<()> {
+fn fields(
+    ui: &mut Ui,
+    spec: &Spec<'_>,
+    parts: &[&str],
+    values: &mut [f32],
+    decimals: usize,
+) -> Edited<()> {
     let mut changed = false;
     let mut all = None;
     for (value, part) in values.iter_mut().zip(parts) {
-        let edited = number(ui, &spec.part(part), *value);
+        let edited = number_in(ui, &spec.part(part), *value, decimals);
         if let Some(new) = edited.value {
             *value = new;
             changed = true;
@@ -243,13 +261,17 @@ fn fields(ui: &mut Ui, spec: &Spec<'_>, parts: &[&str], values: &mut [f32]) -> E
 
 fn vector<const N: usize>(ui: &mut Ui, spec: &Spec<'_>, value: &[f32; N]) -> Edited<[f32; N]> {
     let mut shown = *value;
-    let edited = fields(ui, spec, &["x", "y", "z", "w"], &mut shown);
+    let edited = fields(ui, spec, &["x", "y", "z", "w"], &mut shown, DECIMALS);
     edited.map(|()| shown)
 }
 
 fn color<const N: usize>(ui: &mut Ui, spec: &Spec<'_>, value: [f32; N]) -> Edited<[f32; N]> {
     let mut shown = value;
     let mut rgb = [shown[0], shown[1], shown[2]];
+    // Picker and four numbers fit into a panel of usual width.
+    let spacing = ui.spacing().clone();
+    ui.spacing_mut().interact_size.x = PICKER;
+    ui.spacing_mut().item_spacing.x = 3.0;
     let picker = ui.color_edit_button_rgb(&mut rgb);
     name(&picker, &spec.name);
     // The picker works in another colour space: untouched colours would not come back to the bit.
@@ -261,7 +283,11 @@ fn color<const N: usize>(ui: &mut Ui, spec: &Spec<'_>, value: [f32; N]) -> Edite
         widget: Widget::Plain,
         ..spec.clone()
     };
-    let edited = fields(ui, &parts, &["red", "green", "blue", "alpha"], &mut shown);
+    ui.spacing_mut().interact_size.x = 0.0;
+    ui.spacing_mut().button_padding.x = 2.0;
+    let names = ["red", "green", "blue", "alpha"];
+    let edited = fields(ui, &parts, &names, &mut shown, COLOR_DECIMALS);
+    *ui.spacing_mut() = spacing;
     Edited {
         value: (is_picked || edited.value.is_some()).then_some(shown),
         response: picker | edited.response,

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use engine::display::DeviceFilm;
 use engine::live::{Edit, LiveError};
 use patina_panels::Change;
 
@@ -45,10 +46,11 @@ impl Render {
             }
             Command::KeepBefore(is_kept) => {
                 self.before = None;
-                if let Some(live) = self.live.as_mut().filter(|_| is_kept) {
-                    match live.keep_film(self.settings.channel.needs_guides()) {
-                        Ok(film) => self.before = Some(film),
-                        Err(error) => self.reply(Reply::Failed(publish::message(&error))),
+                if is_kept {
+                    match self.shown_film() {
+                        Some(Ok(film)) => self.before = Some(film),
+                        Some(Err(error)) => self.reply(Reply::Failed(publish::message(&error))),
+                        None => {}
                     }
                 }
                 self.show_again();
@@ -96,6 +98,15 @@ impl Render {
             }
             // Heard by the loop.
             Command::Quit => {}
+        }
+    }
+
+    /// A copy of the film that is shown.
+    fn shown_film(&mut self) -> Option<Result<DeviceFilm, LiveError>> {
+        let live = self.live.as_mut()?;
+        match &self.whole {
+            Some(film) if !self.run.is_seen => Some(Ok(film.clone())),
+            _ => Some(live.keep_film(self.settings.channel.needs_guides())),
         }
     }
 

@@ -36,6 +36,7 @@ impl Render {
         };
         let size = full.map(|side| (side / self.divisor).max(1));
         let longest = self.longest_wave();
+        let seen = self.picture_size();
         let Some(live) = &mut self.live else {
             return Ok(());
         };
@@ -44,8 +45,13 @@ impl Render {
             true => size[0] * size[1] / MOVING_WAVES,
             false => 0,
         });
+        if self.run.is_seen && !self.is_moving && size != seen {
+            // Of the larger one there is less than a sample of each pixel for a while.
+            self.whole = Some(live.keep_film(self.settings.channel.needs_guides())?);
+        }
         live.resize(size[0], size[1])?;
-        let region = self.region.filter(|_| !self.is_moving);
+        // What lies beside it has a sample of each pixel first: it would be black.
+        let region = self.region.filter(|_| !self.is_moving && self.run.is_seen);
         live.set_region(region.map(|corners| pixels(corners, size)));
         Ok(())
     }
