@@ -118,13 +118,15 @@ pub(crate) fn first_wave(gpu: &Gpu, capacity: u32) -> u32 {
 
 /// Paths of the wave after one that took so long: longer waves keep the device busy, shorter ones keep each dispatch short.
 pub(crate) fn next_wave(wave_size: u32, capacity: u32, took: Duration, longest: Duration) -> u32 {
-    if took > longest {
-        (wave_size / 2).max(SMALLEST_WAVE).min(capacity)
-    } else if took < longest / 4 {
-        (wave_size * 2).min(capacity)
-    } else {
-        wave_size
-    }
+    // What a wave takes whatever its size, so that twice the paths take less than twice as long, is no reason to stay small.
+    let room = longest.as_secs_f64() / took.as_secs_f64().max(1e-6);
+    let factor = match room {
+        room if room < 1.0 => room.max(0.5),
+        room if room > 1.4 => (0.9 * room).min(2.0),
+        _ => return wave_size,
+    };
+    let paths = (f64::from(wave_size) * factor) as u32;
+    paths.next_multiple_of(64).max(SMALLEST_WAVE).min(capacity)
 }
 
 /// Creates the film, the table of the pixel filter and the frame's uniform.
@@ -575,5 +577,38 @@ impl Renderer {
             shader_modules_created: self.gpu.shader_modules_created(),
             timestamps: self.timer.is_timing(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where waves end up whose time is `fixed` milliseconds and some nanoseconds per path.
+    fn settled(fixed: f64, per_path: f64, longest: f64) -> (u32, f64) {
+        let time = |paths: u32| fixed * 1e-3 + f64::from(paths) * per_path * 1e-9;
+        let mut paths = 1 << 14;
+        for _ in 0..50 {
+            let took = Duration::from_secs_f64(time(paths));
+            paths = next_wave(
+                paths,
+                1 << 16,
+                took,
+                Duration::from_secs_f64(longest * 1e-3),
+            );
+        }
+        (paths, time(paths) * 1e3)
+    }
+
+    #[test]
+    fn waves_become_as_long_as_they_may() {
+        for (fixed, per_path) in [(0.0, 7e3), (40.0, 7e3), (0.0, 1e5), (90.0, 100.0)] {
+            let (paths, took) = settled(fixed, per_path, 100.0);
+            let is_fitting = (60.0..=115.0).contains(&took) || paths == 1 << 16;
+            assert!(is_fitting, "{fixed} {per_path}: {paths} paths, {took} ms");
+        }
+        // There is a smallest and a largest one.
+        assert_eq!(settled(500.0, 7e3, 100.0).0, SMALLEST_WAVE);
+        assert_eq!(settled(0.0, 1.0, 100.0).0, 1 << 16);
     }
 }

@@ -25,6 +25,8 @@ impl Render {
             }
             Command::Size(size) => {
                 *lock_size(&self.size) = size.map(|side| side.clamp(1, engine::renderer::MAX_SIDE));
+                // Until there is one of its shape, the former picture is stretched.
+                self.motion = Some(Instant::now());
             }
             Command::Display(settings) => {
                 if settings != self.settings {
