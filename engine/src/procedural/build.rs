@@ -138,7 +138,7 @@ fn folders(directories: &[PathBuf]) -> String {
         .collect();
     match shown.is_empty() {
         true => "none is known; name one with --textures DIR".to_owned(),
-        false => shown.join(", "),
+        false => format!("{} (--textures DIR adds one)", shown.join(", ")),
     }
 }
 

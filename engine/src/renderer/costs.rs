@@ -159,19 +159,18 @@ impl Renderer {
         frame
     }
 
-    /// The material that each hit with a program ends at, in the order of the queue.
+    /// The material that each hit with a program ends at, path by path.
     fn materials_of_hits(&mut self, frame: &Frame, words: &[u32]) -> Result<Vec<u32>, RenderError> {
         self.find_first_hits(frame, words)?;
         let queues = self.resources.buffer("queues");
         let length = self.read_words(queues, Queue::Proctex.length_offset(), 1)?[0];
         let list = wave::proctex_list(self.capacity);
-        let entries = self.read_words(queues, list, u64::from(length))?;
-        let states = self.resources.buffer("paths");
-        let (at, slots) = (wave::state_field(self.capacity), frame.wave_size);
-        let states = self.read_words(states, at, 4 * u64::from(slots))?;
         // The own ray of a path has its number.
+        let mut slots = self.read_words(queues, list, u64::from(length))?;
+        let states = self.resources.buffer("paths");
+        let (at, paths) = (wave::state_field(self.capacity), frame.wave_size);
+        let states = self.read_words(states, at, 4 * u64::from(paths))?;
         let material = |slot: &u32| states.get(4 * *slot as usize).copied();
-        let mut slots: Vec<_> = entries;
         slots.sort_unstable();
         Ok(slots.iter().filter_map(material).collect())
     }
@@ -193,7 +192,8 @@ impl Renderer {
         let alone = self.procedural.programs_of(node)?;
         let idle = self.procedural.idle_programs();
         // Hits whose ambient occlusion is known.
-        self.find_first_hits(frame, self.procedural.clone().programs())?;
+        let words = self.procedural.programs().to_vec();
+        self.find_first_hits(frame, &words)?;
         let mut times = Vec::new();
         for _ in 0..TIMINGS {
             let mut spent = [0.0; 2];
@@ -234,11 +234,14 @@ impl Renderer {
             })?);
         }
         self.restore_programs();
-        let is_used = hits > 0;
+        let spent = match hits {
+            0 => 0.0,
+            hits => median(times) / f64::from(hits),
+        };
         Ok(TextureCost {
             name: self.procedural.ao_names()[table as usize].clone(),
             texture: None,
-            nanoseconds: f64::from(u8::from(is_used)) * median(times) / f64::from(hits.max(1)),
+            nanoseconds: spent,
             runs_per_pixel: f64::from(hits) / f64::from(frame.pixels()),
         })
     }
