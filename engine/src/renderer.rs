@@ -449,7 +449,6 @@ impl Renderer {
         record(&mut recorder);
         let submission = self.gpu.queue().submit([recorder.finish()]);
         self.gpu.wait_for(submission)?;
-
         self.timer.collect(&self.gpu)
     }
 

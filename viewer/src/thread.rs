@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use engine::display::{DeviceFilm, Display, DisplaySettings};
 use engine::gpu::{Gpu, GpuError};
 use engine::live::{LiveError, LiveInputs, LiveRender};
-use engine::renderer::RenderSettings;
+use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::Camera;
 use patina_panels::Change;
 
@@ -248,7 +248,11 @@ impl Render {
                 self.region = None;
                 self.pending = Pending::default();
                 self.published.forget();
-                lock(&self.board).status.fatal = None;
+                {
+                    let mut board = lock(&self.board);
+                    board.status.fatal = None;
+                    board.status.textures = TextureCosts::default();
+                }
                 self.publish_scene();
                 self.watch();
                 self.reply(Reply::Opened(files));

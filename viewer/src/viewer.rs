@@ -39,8 +39,8 @@ pub struct Preferences {
     pub view: String,
     /// Pixels of the viewport per pixel of the picture.
     pub coarseness: u32,
-    /// Figures of passes are shown.
-    pub shows_passes: bool,
+    /// How long passes and textures take is shown.
+    pub shows_times: bool,
     /// Materials are shown as a graph.
     pub shows_graph: bool,
     /// Where the cards of the graph of these files stand.
@@ -54,7 +54,7 @@ impl Default for Preferences {
             exposure: 0.0,
             view: ViewTransform::default().name().to_owned(),
             coarseness: 1,
-            shows_passes: false,
+            shows_times: false,
             shows_graph: false,
             places: Vec::new(),
         }
@@ -114,7 +114,7 @@ impl Viewer {
             ..DisplaySettings::default()
         };
         link.send(Command::Display(display));
-        link.send(Command::TimePasses(preferences.shows_passes));
+        link.send(Command::TimePasses(preferences.shows_times));
         Self {
             link,
             preferences,
@@ -173,7 +173,7 @@ impl Viewer {
         top.show(ui, |ui| self.tools(ui));
         let bottom = Panel::bottom("status").frame(bare);
         bottom.show(ui, |ui| self.status_bar(ui));
-        if self.preferences.shows_passes {
+        if self.preferences.shows_times {
             let times = Panel::bottom("times").frame(bare).resizable(true);
             times.default_size(190.0).show(ui, |ui| self.times(ui));
         }

@@ -70,21 +70,17 @@ impl Procedural {
 
     /// Heads, as [`Self::programs`] has them, with which no hit runs anything.
     pub(crate) fn idle_programs(&self) -> Vec<u32> {
-        let heads = self.wiring.len() * HEAD_WORDS as usize;
-        let mut words = self.programs()[..heads].to_vec();
-        for head in words.chunks_exact_mut(HEAD_WORDS as usize) {
-            for (at, word) in (0..).zip(head) {
-                // A hit of a surface that lets light pass asks for its opacity, whatever is driven.
-                if at != HEAD_OPACITY {
-                    *word = 0;
-                }
-            }
+        let mut words = vec![0; self.wiring.len() * HEAD_WORDS as usize];
+        for material in 0..self.wiring.len() as u32 {
+            // A hit of a surface that lets light pass asks for its opacity, whatever is driven.
+            words[(material * HEAD_WORDS + HEAD_OPACITY) as usize] =
+                self.memory.head(material, HEAD_OPACITY);
         }
         words
     }
 
-    /// The same, but that hits which may run `node`, by their material or by one that it blends, run it alone, with
-    /// constants in place of its links.
+    /// The same, but that every hit runs `node` alone, with constants in place of its links. Hits of materials that don't run
+    /// it do so, too: the more there are, the better its time is known.
     ///
     /// # Errors
     /// The node can't be compiled; those that some program runs can be.
@@ -98,23 +94,11 @@ impl Procedural {
         let program = graph.compile(&[node])?;
         let mut words = self.idle_programs();
         let start = words.len() as u32;
-        for material in self.users(node) {
+        for material in 0..self.wiring.len() as u32 {
             words[(material * HEAD_WORDS + HEAD_PROGRAM) as usize] = start;
         }
         words.extend(program.words);
         Ok(words)
-    }
-
-    /// The materials that run a node or blend such.
-    fn users(&self, node: NodeId) -> impl Iterator<Item = u32> {
-        let mut uses = vec![false; self.wiring.len()];
-        for &m in &self.order {
-            let wiring = &self.wiring[m as usize];
-            let blend = wiring.blend.as_ref();
-            let below = blend.is_some_and(|b| uses[b.base as usize] || uses[b.over as usize]);
-            uses[m as usize] = below || wiring.nodes.contains(&node);
-        }
-        (0..).zip(uses).filter(|&(_, uses)| uses).map(|(m, _)| m)
     }
 
     /// The programs as they are, but that hits ask for one AO table only.

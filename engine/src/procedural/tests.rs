@@ -612,7 +612,7 @@ fn hits_count_the_nodes_that_they_run() {
     let words = procedural.programs_of(paint).unwrap();
     let begins = |m: u32| words[(m * HEAD_WORDS + HEAD_PROGRAM) as usize];
     let heads = 3 * HEAD_WORDS;
-    assert_eq!([begins(0), begins(1), begins(2)], [heads, 0, heads]);
+    assert_eq!([begins(0), begins(1), begins(2)], [heads; 3]);
     assert_eq!(words[heads as usize], 1, "one node: its link is cut");
     assert!(
         procedural

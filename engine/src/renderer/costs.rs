@@ -1,7 +1,7 @@
 //! What each node's texture and each AO table costs, measured at what the camera sees first.
 //!
 //! Once a picture of fewer pixels is rendered up to its first hits, which tells how often each node runs. Then each node is
-//! timed alone, with constants in place of its links, against a run of the same hits in which nothing is done. Only buffers
+//! timed alone at all of these hits, with constants in place of its links, against a run in which nothing is done. Only buffers
 //! are written, and in the end they are as they were.
 
 use std::collections::BTreeMap;
@@ -162,8 +162,8 @@ impl Renderer {
     /// The material that each hit with a program ends at, path by path.
     fn materials_of_hits(&mut self, frame: &Frame, words: &[u32]) -> Result<Vec<u32>, RenderError> {
         self.find_first_hits(frame, words)?;
+        let length = self.queue_length(Queue::Proctex)?;
         let queues = self.resources.buffer("queues");
-        let length = self.read_words(queues, Queue::Proctex.length_offset(), 1)?[0];
         let list = wave::proctex_list(self.capacity);
         // The own ray of a path has its number.
         let mut slots = self.read_words(queues, list, u64::from(length))?;
@@ -173,6 +173,11 @@ impl Renderer {
         let material = |slot: &u32| states.get(4 * *slot as usize).copied();
         slots.sort_unstable();
         Ok(slots.iter().filter_map(material).collect())
+    }
+
+    fn queue_length(&self, queue: Queue) -> Result<u32, GpuError> {
+        let queues = self.resources.buffer("queues");
+        Ok(self.read_words(queues, queue.length_offset(), 1)?[0])
     }
 
     fn read_words(&self, from: &wgpu::Buffer, at: u64, count: u64) -> Result<Vec<u32>, GpuError> {
@@ -194,6 +199,7 @@ impl Renderer {
         // Hits whose ambient occlusion is known.
         let words = self.procedural.programs().to_vec();
         self.find_first_hits(frame, &words)?;
+        let hits = self.queue_length(Queue::Proctex)?;
         let mut times = Vec::new();
         for _ in 0..TIMINGS {
             let mut spent = [0.0; 2];
@@ -215,7 +221,7 @@ impl Renderer {
             name: graph.name(node).to_owned(),
             texture: Some(graph.texture(node).name().to_owned()),
             // A cheap one may be lost in the noise.
-            nanoseconds: median(times).max(0.0) / runs.max(1) as f64,
+            nanoseconds: median(times).max(0.0) / f64::from(hits.max(1)),
             runs_per_pixel: runs as f64 / f64::from(frame.pixels()),
         })
     }
@@ -223,8 +229,7 @@ impl Renderer {
     fn occlusion_cost(&mut self, frame: &Frame, table: u32) -> Result<TextureCost, RenderError> {
         let words = self.procedural.programs_with_ao(table);
         self.find_first_hits(frame, &words)?;
-        let queues = self.resources.buffer("queues");
-        let hits = self.read_words(queues, Queue::Ao.length_offset(), 1)?[0];
+        let hits = self.queue_length(Queue::Ao)?;
         let mut times = Vec::new();
         for _ in 0..TIMINGS {
             times.push(self.nanoseconds("ao", |wave| {

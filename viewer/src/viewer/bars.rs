@@ -122,12 +122,12 @@ impl Viewer {
             pipelines.on_hover_text(
                 "kernels compiled since the start: edits of arguments, links and constants add none",
             );
-            let mut shows_passes = self.preferences.shows_passes;
-            let toggle = ui.toggle_value(&mut shows_passes, "Times");
+            let mut shows_times = self.preferences.shows_times;
+            let toggle = ui.toggle_value(&mut shows_times, "Times");
             let hint = "how long each pass and each texture takes";
             if toggle.on_hover_text(hint).changed() {
-                self.preferences.shows_passes = shows_passes;
-                self.link.send(Command::TimePasses(shows_passes));
+                self.preferences.shows_times = shows_times;
+                self.link.send(Command::TimePasses(shows_times));
             }
             if let Some(material) = &self.material {
                 ui.separator();

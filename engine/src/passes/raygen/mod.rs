@@ -12,8 +12,8 @@ use crate::gpu::{
 /// If the driver refuses it.
 pub fn kernel(gpu: &Gpu) -> Result<Kernel, GpuError> {
     let source = Source::of("raygen/entry.wgsl");
-    // Where more than half of this kernel hangs on uniforms (it does: sampler, filter, lens), lavapipe of Mesa 22 compiles it
-    // again for each dispatch, for the uniforms of the moment.
+    // Sampler, filter and lens are branches on uniforms: lavapipe of Mesa 22 compiled this kernel again for each dispatch,
+    // specialised to the uniforms of the moment. It leaves storage buffers alone.
     let source = match gpu.is_cpu() {
         true => source.with_storage("frame"),
         false => source,
