@@ -4,8 +4,8 @@
 
 use std::{error::Error, path::Path, time::Instant};
 
+use device::Device;
 use engine::{
-    gpu::{DeviceChoice, Gpu},
     procedural::{Procedural, TextureSources},
     renderer::{RenderSettings, Renderer},
     scene::{self, look::Look},
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         max_depth: number(4, 9)?,
         ..RenderSettings::new(number(1, 512)?, number(2, 512)?, &camera)
     };
-    let gpu = Gpu::new(&DeviceChoice::Best)?;
+    let gpu = Device::best()?;
     println!("{} ({})", gpu.description().name, gpu.description().driver);
     let start = Instant::now();
     let mut renderer = Renderer::new(&gpu, &scene, &procedural, &settings)?;

@@ -5,7 +5,10 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+use clap::builder::PossibleValuesParser;
 use clap::{ArgAction, Parser, Subcommand};
+use engine::filter::PixelFilter;
+use engine::settings::{Estimator, Sampler};
 
 use crate::bench::args::BenchCommand;
 use crate::console::MessageFormat;
@@ -24,7 +27,7 @@ Examples:
 
 `patina render --help` shows all options and more examples.
 
-Exit codes: 0 done, 1 failed, 2 wrong usage.";
+Exit codes: 0 done, 1 failed, 2 wrong usage, 130 ended by Ctrl-C (143 by SIGTERM, 129 by SIGHUP).";
 
 const RENDER_EXAMPLES: &str = "\
 Examples:
@@ -37,26 +40,27 @@ Examples:
   Where the time goes, for people and for programs:
     patina render room.gltf --stats --stats-json room.json
 
-Ctrl-C ends the render early and writes what has been rendered; a second one aborts.
+Ctrl-C, SIGTERM and SIGHUP end the render early, and what has been rendered is written; a second one aborts. Where a \
+result can't be written, the samples are kept and it is said where.
 
 Compiled pipelines are kept in the system's folder for caches; PATINA_CACHE=DIR names another, PATINA_CACHE=off none.
 
-Exit codes: 0 done, 1 failed, 2 wrong usage.";
+Exit codes: 0 done, 1 failed, 2 wrong usage, 130 ended by Ctrl-C (143 by SIGTERM, 129 by SIGHUP).";
 
 const MERGE_EXAMPLES: &str = "\
 Examples:
-  Two machines render half of the samples each, and the halves make exactly the whole:
+  Two machines render half of the samples each; merged, they are exactly the whole:
     patina render room.glb --sample-range 0..128 -o a.patina-film
     patina render room.glb --sample-range 128..256 -o b.patina-film
     patina merge a.patina-film b.patina-film -o room.exr -o room.png
   More samples later:
     patina render room.glb --sample-range 256..512 -o c.patina-film
-    patina merge a.patina-film b.patina-film c.patina-film -o all.patina-film -o room.exr
+    patina merge [abc].patina-film -o all.patina-film -o room.exr
 
-The parts may have gaps between them, but no sample in common. They must have been rendered from the same scene, look,
-size, camera and settings; a device of another kind gives other last bits.
+Partial renders may have gaps between them, but no sample in common. They must be of the same scene, look, size, camera \
+and settings; a device of another kind gives other last bits.
 
-Exit codes: 0 done, 1 failed, 2 wrong usage.";
+Exit codes: 0 done, 1 failed, 2 wrong usage, 130 ended by Ctrl-C (143 by SIGTERM, 129 by SIGHUP).";
 
 /// A path tracer extended with procedural textures in plain WGSL.
 #[derive(Debug, Parser)]
@@ -69,6 +73,10 @@ pub(crate) struct Args {
     /// How errors and warnings are written: as text, or as JSON for editors, one object per line.
     #[arg(long, global = true, value_name = "FORMAT", default_value = "text")]
     pub(crate) message_format: MessageFormat,
+
+    /// Print neither progress nor which files were written: only errors, warnings and what was asked for.
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
 }
 
 /// The commands.
@@ -83,7 +91,7 @@ pub(crate) enum Command {
     /// Open a window: look at a scene, walk through it, edit its look.
     #[command(after_help = crate::view::args::EXAMPLES)]
     View(Box<ViewArgs>),
-    /// Add films of parts of a picture's samples, as `render --sample-range` writes them.
+    /// Merge partial renders, as `render --sample-range` writes them, into one picture.
     #[command(after_help = MERGE_EXAMPLES)]
     Merge(MergeArgs),
     /// List, check, inspect, evaluate, preview and begin textures.
@@ -104,6 +112,12 @@ pub(crate) enum Command {
         #[arg(long, value_name = "NAME|N")]
         device: Option<String>,
     },
+    /// Writes the manual's pages and completions for shells into a folder: for those who pack the program.
+    #[command(hide = true)]
+    Manuals {
+        /// The folder; it is made where there is none.
+        dir: PathBuf,
+    },
     /// Measure parts of the renderer on this machine.
     Bench {
         /// What to measure.
@@ -115,7 +129,7 @@ pub(crate) enum Command {
 /// Flags that `render`, `watch` and `view` share.
 #[derive(Debug, clap::Args)]
 pub(crate) struct CommonArgs {
-    /// At most N surface points scatter light along a path; 1 is direct light only.
+    /// Largest path depth: at most N surface points scatter light along a path; 1 is direct light only.
     #[arg(long, value_name = "N", default_value = "9")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) max_depth: String,
@@ -129,7 +143,7 @@ pub(crate) struct CommonArgs {
     #[arg(long, value_name = "NAME|N")]
     pub(crate) device: Option<String>,
 
-    /// Folder with user textures (.wgsl). May be given several times; searched before the standard ones.
+    /// Folder with textures (.wgsl), searched before all others. May be given several times.
     #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
     pub(crate) texture_dirs: Vec<PathBuf>,
 }
@@ -156,7 +170,7 @@ pub(crate) struct RenderArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) spp: String,
 
-    /// Render only the samples from A up to, but not including, B of each pixel: part of a picture, see `patina merge`.
+    /// Partial render: only the samples from A up to, but not including, B of each pixel, to be put together by `patina merge`.
     #[arg(long, value_name = "A..B", conflicts_with = "spp")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) sample_range: Option<String>,
@@ -170,8 +184,9 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "NAME")]
     pub(crate) camera: Option<String>,
 
-    /// How a pixel weighs the light around its centre: box, gaussian, blackman-harris or mitchell.
+    /// How a pixel weighs the light around its centre.
     #[arg(long, value_name = "NAME", default_value = "box")]
+    #[arg(value_parser = words(PixelFilter::ALL.map(PixelFilter::name)))]
     pub(crate) filter: String,
 
     /// Width of the filter from edge to edge; 1 for the box, 3 for gaussian and blackman-harris, 4 for mitchell.
@@ -179,26 +194,28 @@ pub(crate) struct RenderArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) filter_width: Option<String>,
 
-    /// Let no contribution of indirect light (scattered twice or more) exceed X. Takes away fireflies, and light with them:
-    /// the picture is biased. Off by default.
-    #[arg(long, value_name = "X")]
+    /// Clamp indirect light: no contribution that was scattered twice or more exceeds X. Takes away fireflies, and light with
+    /// them: the picture is biased. Off by default.
+    #[arg(long, visible_alias = "clamp-indirect", value_name = "X")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) clamp: Option<String>,
 
-    /// How light is found: mis (samples of lights and of surfaces, balanced), bsdf or lights (one kind alone). The picture is
-    /// the same but for its noise.
+    /// How direct light is sampled: mis (multiple importance sampling of lights and BSDFs), bsdf or lights (one of both alone).
+    /// The picture is the same but for its noise.
     #[arg(long, value_name = "NAME", default_value = "mis")]
+    #[arg(value_parser = words(Estimator::ALL.map(Estimator::name)))]
     pub(crate) estimator: String,
 
-    /// Never end dark paths at random. The picture is the same but for its noise.
+    /// Trace all paths to their full depth, without Russian roulette. The picture is the same but for its noise.
     #[arg(long)]
     pub(crate) no_roulette: bool,
 
-    /// Where random numbers come from: sobol (evenly spread points) or independent (plain random numbers, to compare with).
+    /// The sampler: sobol (Owen-scrambled Sobol points) or independent (independent random numbers, to compare with).
     #[arg(long, value_name = "NAME", default_value = "sobol")]
+    #[arg(value_parser = words(Sampler::ALL.map(Sampler::name)))]
     pub(crate) sampler: String,
 
-    /// Leave out the light that rough surfaces scatter more than once in themselves, as glTF's own formula does.
+    /// Leave out what rough surfaces scatter more than once between their microfacets, as glTF's own formula does.
     #[arg(long)]
     pub(crate) no_energy_compensation: bool,
 
@@ -223,8 +240,8 @@ pub(crate) struct RenderArgs {
 /// Flags of `patina merge`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct MergeArgs {
-    /// The parts (.patina-film), in any order.
-    #[arg(required = true, value_name = "PART")]
+    /// Partial renders (.patina-film), in any order.
+    #[arg(required = true, value_name = "FILM")]
     pub(crate) parts: Vec<PathBuf>,
 
     /// Where to write: .png or .jpg (8-bit sRGB), .exr (linear float) or .patina-film (to be merged again). May be given
@@ -236,6 +253,11 @@ pub(crate) struct MergeArgs {
     #[arg(long, value_name = "STOPS", default_value = "0")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) exposure: String,
+}
+
+/// The words that a flag takes: its help shows them.
+pub(crate) fn words(all: impl IntoIterator<Item = &'static str>) -> PossibleValuesParser {
+    PossibleValuesParser::new(all)
 }
 
 /// The message format asked for by a command line that can't be understood otherwise.
@@ -257,5 +279,60 @@ mod tests {
     #[test]
     fn the_declaration_is_consistent() {
         Args::command().debug_assert();
+    }
+
+    /// The help of a command and of those below it.
+    fn helps(command: &mut clap::Command, found: &mut Vec<String>) {
+        found.push(command.render_long_help().to_string());
+        for below in command.get_subcommands_mut() {
+            helps(below, found);
+        }
+    }
+
+    #[test]
+    fn help_fits_a_narrow_terminal_and_is_wrapped_once() {
+        let mut command = Args::command().term_width(80);
+        command.build();
+        let mut found = Vec::new();
+        helps(&mut command, &mut found);
+        assert!(found.len() > 10);
+        for help in found {
+            let lines: Vec<&str> = help.lines().collect();
+            for (line, next) in lines.iter().zip(&lines[1..]) {
+                assert!(line.chars().count() <= 80, "{line}\n{help}");
+                // A line that was broken early though the next word had fitted: broken by hand, then again by clap.
+                let word = next.split(' ').next().unwrap_or_default();
+                let is_prose =
+                    line.starts_with(|c: char| c.is_alphabetic()) && !line.ends_with([':', '.']);
+                assert!(
+                    !is_prose || word.is_empty() || line.len() + word.len() >= 80,
+                    "wrapped twice:\n{line}\n{next}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn flags_with_a_list_of_words_show_it() {
+        let help = |line: &str| {
+            let words = ["patina"].into_iter().chain(line.split(' '));
+            let answer = Args::try_parse_from(words).expect_err("help is an answer");
+            answer.to_string()
+        };
+        for (line, words) in [
+            ("render --help", "box, gaussian, blackman-harris, mitchell"),
+            ("render --help", "mis, bsdf, lights"),
+            ("render --help", "sobol, independent"),
+            ("bench textures --help", "stack, inlined, rayquery"),
+            (
+                "bench textures --help",
+                "nodes, textures, ao, coverage, bounces, all",
+            ),
+            ("render a.glb --filter cone", "box, gaussian"),
+        ] {
+            let text = help(line).replace('\n', " ");
+            let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert!(text.contains(words), "{line}: {words}:\n{text}");
+        }
     }
 }

@@ -8,8 +8,8 @@ mod render;
 mod report;
 mod textures;
 
+use device::Device;
 use engine::bench::scenes;
-use engine::gpu::Gpu;
 use engine::scene::{self, Scene};
 use engine::{bench, load};
 
@@ -55,7 +55,8 @@ fn traverse(job: &TraverseJob) -> Result<(), Failure> {
         None => ("built-in scene".to_owned(), scenes::tunnel()),
     };
     bar.stage("measuring");
-    let gpu = Gpu::new(&job.device).map_err(Failure::because)?;
+    let gpu = Device::open(&job.device).map_err(Failure::because)?;
+    bar.follow(&gpu);
     let report = bench::traverse(&gpu, &scene).map_err(Failure::because)?;
     bar.finish();
 

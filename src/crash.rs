@@ -6,15 +6,18 @@ use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use engine::gpu::cache::fnv1a;
-use engine::gpu::{AdapterDescription, DeviceChoice, Gpu};
-use engine::procedural::Procedural;
+use device::gpu::fnv1a;
+use device::{Device, DeviceChoice, DeviceDescription};
+use engine::aside::Leftover;
+use engine::procedural::{Procedural, TextureSources};
 use engine::renderer::{RenderSettings, Renderer};
 use texgen::SourceFile;
 
 use crate::exit::Failure;
+use crate::interrupt;
 
 /// What is said when a marker is found.
 pub(crate) const SUSPICION: &str = "the last run with these textures ended without a word while their kernel was built; \
@@ -27,6 +30,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 #[derive(Debug)]
 pub(crate) struct Marker {
     path: PathBuf,
+    /// A program that is ended by a signal takes it away: then nothing has crashed.
+    _leftover: Leftover,
     /// Locked: a marker that isn't belongs to a process that is gone.
     _file: File,
 }
@@ -37,7 +42,7 @@ impl Marker {
     pub(crate) fn set(
         folder: Option<&Path>,
         kernel: &str,
-        device: &AdapterDescription,
+        device: &DeviceDescription,
     ) -> (Option<Self>, bool) {
         let Some(folder) = folder else {
             return (None, false);
@@ -61,7 +66,11 @@ impl Marker {
         if found.is_empty() {
             file.write_all(b"a texture kernel is being built\n").ok()?;
         }
-        let marker = Self { path, _file: file };
+        let marker = Self {
+            _leftover: Leftover::new(path.clone()),
+            path,
+            _file: file,
+        };
         Some((Some(marker), !found.is_empty()))
     }
 }
@@ -73,14 +82,33 @@ impl Drop for Marker {
     }
 }
 
-/// Builds each texture of a kernel in a process of its own.
+/// The process that builds a texture alone, while there is one.
+static PROBE: Mutex<Option<Child>> = Mutex::new(None);
+
+/// Ends the process that builds a texture alone, if there is one: this program is about to end.
+pub(crate) fn end_probe() {
+    let mut probe = PROBE.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(child) = probe.as_mut() {
+        // It may have ended just now.
+        let _ = child.kill();
+    }
+    // None is started any more.
+    std::mem::forget(probe);
+}
+
+/// Builds each texture of a kernel in a process of its own, and tells before each which one it is.
 ///
 /// # Errors
 /// Names the textures that don't survive it. If all do, something else ended the program.
-pub(crate) fn find(procedural: &Procedural, device: usize) -> Result<(), Failure> {
+pub(crate) fn find(
+    procedural: &Procedural,
+    device: usize,
+    tell: impl Fn(&str),
+) -> Result<(), Failure> {
     let textures = procedural.graph().library().textures();
     let paths = textures.iter().map(|texture| texture.file().path());
     let problems = problems(paths, |path| {
+        tell(path);
         let program = std::env::current_exe().unwrap_or_else(|_| "patina".into());
         let mut command = Command::new(program);
         command
@@ -108,14 +136,17 @@ fn problems<'p>(
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn();
-        let mut child = match child {
+        let child = match child {
             Ok(child) => child,
             Err(error) => return Some(format!("{path}: can't be built alone: {error}")),
         };
-        match wait(&mut child, PATIENCE) {
+        *PROBE.lock().unwrap_or_else(PoisonError::into_inner) = Some(child);
+        match wait(&PROBE, PATIENCE) {
             Some(status) if status.success() => None,
             // A device that refuses it says so itself when the kernel is built.
             Some(status) if status.code() == Some(1) => None,
+            // Somebody had no patience: that says nothing about the texture.
+            Some(status) if interrupt::is_cause_of(status) => None,
             Some(status) => Some(format!(
                 "{path}: this texture ends the graphics driver ({status}); {said}"
             )),
@@ -129,14 +160,18 @@ fn problems<'p>(
 }
 
 /// How a process ended; none that took too long, and is ended then.
-fn wait(child: &mut Child, patience: Duration) -> Option<ExitStatus> {
+fn wait(child: &Mutex<Option<Child>>, patience: Duration) -> Option<ExitStatus> {
     let start = Instant::now();
+    let lock = || child.lock().unwrap_or_else(PoisonError::into_inner);
     while start.elapsed() < patience {
-        if let Ok(Some(status)) = child.try_wait() {
+        let ended = lock().as_mut().map(Child::try_wait);
+        if let Some(Ok(Some(status))) = ended {
+            *lock() = None;
             return Some(status);
         }
         std::thread::sleep(Duration::from_millis(20));
     }
+    let mut child = lock().take()?;
     // It may have ended just now; nothing is wrong with that.
     let _ = child.kill();
     let _ = child.wait();
@@ -148,11 +183,10 @@ fn wait(child: &mut Child, patience: Duration) -> Option<ExitStatus> {
 /// # Errors
 /// The file can't be read, the texture is wrong, or the device refuses it.
 pub(crate) fn probe(path: &Path, device: &DeviceChoice) -> Result<(), Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::Failed(format!("{}: {error}", path.display())))?;
-    let file = SourceFile::new("probe", path.display().to_string(), text);
+    let file = TextureSources::open(path).map_err(Failure::because)?;
+    let file = SourceFile::new("probe", file.path(), file.text());
     let (scene, procedural) = Procedural::probe(&file).map_err(Failure::because)?;
-    let gpu = Gpu::new(device).map_err(Failure::because)?;
+    let gpu = Device::open(device).map_err(Failure::because)?;
     let settings = RenderSettings {
         max_depth: 1,
         ..RenderSettings::new(8, 8, &engine::scene::default_camera(&scene))
@@ -192,13 +226,24 @@ mod tests {
             let line = match path {
                 "bad.wgsl" => "kill -SEGV $$",
                 "aborts.wgsl" => "exit 134",
+                "interrupted.wgsl" => "kill -INT $$",
+                "ended.wgsl" => "kill -TERM $$",
+                "by-itself.wgsl" => "exit 129",
                 "refused.wgsl" => "exit 1",
                 _ => "exit 0",
             };
             command.args(["-c", line]);
             command
         };
-        let paths = ["a.wgsl", "bad.wgsl", "refused.wgsl", "aborts.wgsl"];
+        let paths = [
+            "a.wgsl",
+            "bad.wgsl",
+            "refused.wgsl",
+            "interrupted.wgsl",
+            "ended.wgsl",
+            "by-itself.wgsl",
+            "aborts.wgsl",
+        ];
         let found = problems(paths.into_iter(), shell);
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(found[0].starts_with("bad.wgsl: this texture ends the graphics driver"));
@@ -207,7 +252,8 @@ mod tests {
             Command::new("no-such-program-here")
         });
         assert!(missing[0].contains("can't be built alone"), "{missing:?}");
-        let mut slow = Command::new("sleep").arg("30").spawn().expect("sleep");
-        assert!(wait(&mut slow, Duration::from_millis(50)).is_none());
+        let slow = Command::new("sleep").arg("30").spawn().expect("sleep");
+        let slow = Mutex::new(Some(slow));
+        assert!(wait(&slow, Duration::from_millis(50)).is_none());
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use engine::gpu::{AdapterDescription, Gpu};
+use device::{Device, DeviceDescription};
 
 use crate::console;
 use crate::exit::Failure;
@@ -17,7 +17,7 @@ const NONE: &str = "no Vulkan, Metal or DirectX 12 device was found; \
 /// # Errors
 /// There is no device that can render.
 pub(crate) fn run() -> Result<(), Failure> {
-    let adapters = Gpu::adapters();
+    let adapters = Device::all();
     if adapters.is_empty() {
         return Err(Failure::because(NONE));
     }
@@ -32,7 +32,7 @@ pub(crate) fn run() -> Result<(), Failure> {
 }
 
 /// A device with its interface and driver, in one line.
-pub(crate) fn title(adapter: &AdapterDescription) -> String {
+pub(crate) fn title(adapter: &DeviceDescription) -> String {
     let about = known(&[&adapter.backend, &adapter.driver]);
     format!("{} ({about})", adapter.name)
 }
@@ -47,7 +47,7 @@ fn known(parts: &[&str]) -> String {
     known.join(", ")
 }
 
-fn list(adapters: &[AdapterDescription]) -> String {
+fn list(adapters: &[DeviceDescription]) -> String {
     let mut text = String::new();
     for adapter in adapters {
         let facts = [
@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn an_unusable_device_says_why() {
-        let adapter = AdapterDescription {
+        let adapter = DeviceDescription {
             index: 3,
             name: "Old GPU".into(),
             backend: "Vulkan".into(),

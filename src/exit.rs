@@ -1,8 +1,10 @@
-//! What an invocation ends with: exit code 0 (done), 1 (failed) or 2 (wrong usage), and the message on stderr.
+//! What an invocation ends with: exit code 0 (done), 1 (failed), 2 (wrong usage) or that of a signal, and the message on
+//! stderr.
 //!
 //! Every error the user sees passes through here, so that all of them look alike.
 
 use std::fmt;
+use std::io::Write;
 use std::process::ExitCode;
 
 use engine::live::LiveError;
@@ -10,8 +12,8 @@ use engine::load::LoadError;
 use engine::scene::look::LookError;
 use texgen::Diagnostics;
 
-use crate::console;
 use crate::job::UsageError;
+use crate::{console, interrupt};
 
 /// Why an invocation did not do what was asked.
 #[derive(Debug)]
@@ -22,6 +24,8 @@ pub(crate) enum Failure {
     Failed(String),
     /// Mistakes in the user's files, each with its place. Exit code 1.
     Mistakes(Diagnostics),
+    /// It was ended by a signal, and what there was has been written. Exit code 128 and the signal's number.
+    Interrupted,
 }
 
 impl Failure {
@@ -37,6 +41,7 @@ impl fmt::Display for Failure {
             Self::Usage(error) => error.fmt(f),
             Self::Failed(text) => f.write_str(text),
             Self::Mistakes(mistakes) => f.write_str(&mistakes.render()),
+            Self::Interrupted => f.write_str("interrupted"),
         }
     }
 }
@@ -82,8 +87,13 @@ impl From<LiveError> for Failure {
 
 /// The exit code of an outcome; prints the error, if any.
 pub(crate) fn with(outcome: Result<(), Failure>) -> ExitCode {
+    let outcome = match (outcome, console::failure()) {
+        (Ok(()), Some(broken)) => Err(Failure::Failed(broken)),
+        (outcome, _) => outcome,
+    };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Interrupted) => interrupt::leave(),
         Err(Failure::Usage(error)) => {
             let hint = match console::is_json() {
                 true => "",
@@ -108,12 +118,13 @@ pub(crate) fn with_clap(answer: &clap::Error) -> ExitCode {
     if console::is_json() && answer.use_stderr() {
         console::error(&answer.render().to_string());
     } else {
-        // A closed pipe (`patina --help | head -1`) is no failure.
-        let _ = answer.print();
+        let printed = answer.print();
+        if !answer.use_stderr() {
+            console::stdout_outcome(printed.and_then(|()| std::io::stdout().flush()));
+        }
     }
-    if answer.use_stderr() {
-        ExitCode::from(2)
-    } else {
-        ExitCode::SUCCESS
+    match answer.use_stderr() {
+        true => ExitCode::from(2),
+        false => with(Ok(())),
     }
 }

@@ -1,20 +1,156 @@
-//! Ctrl-C: the first one asks the render to end after its wave, the second one ends the process.
+//! Ctrl-C, SIGTERM and SIGHUP. Where there are results, the first signal asks for them to be written; where there are none
+//! yet, at the second signal, and where a driver doesn't come back, the program ends at once. Either way nothing that is half
+//! done stays behind, and the exit code says which signal it was: 128 and its number.
 
-use std::process;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::time::Duration;
 
-static REQUESTED: AtomicBool = AtomicBool::new(false);
+use crate::exit::Failure;
+use crate::{console, crash, progress};
 
-/// Starts listening. Where the system refuses, Ctrl-C keeps its usual meaning.
-pub(crate) fn listen() {
-    let _ = ctrlc::set_handler(|| {
-        if REQUESTED.swap(true, Ordering::SeqCst) {
-            process::exit(1);
-        }
-    });
+/// So long a driver may take to come back, so that results can be written.
+const PATIENCE: Duration = Duration::from_secs(4);
+
+/// What the exit code of a signal adds to its number, as shells do.
+const CODE: i32 = 128;
+
+/// The first signal; 0 before it.
+static SIGNAL: AtomicI32 = AtomicI32::new(0);
+/// There is something to be written before the end.
+static HAS_RESULTS: AtomicBool = AtomicBool::new(false);
+
+/// The results are being written.
+static IS_WRITING: AtomicBool = AtomicBool::new(false);
+
+/// Starts listening.
+///
+/// # Errors
+/// The system starts no thread.
+pub(crate) fn listen() -> Result<(), Failure> {
+    system::listen().map_err(|error| {
+        Failure::Failed(format!(
+            "cannot start a thread: {error}; end other programs, or raise the limit (`ulimit -u`)"
+        ))
+    })
 }
 
-/// Whether Ctrl-C has been pressed since [`listen`].
+/// Says that there are results from now on: the first signal no longer ends the program, [`requested`] tells of it.
+pub(crate) fn has_results() {
+    HAS_RESULTS.store(true, Ordering::SeqCst);
+}
+
+/// Says that the results are about to be written: however long that takes, it is waited for.
+pub(crate) fn writes_results() {
+    has_results();
+    IS_WRITING.store(true, Ordering::SeqCst);
+}
+
+/// Whether the end has been asked for.
 pub(crate) fn requested() -> bool {
-    REQUESTED.load(Ordering::SeqCst)
+    SIGNAL.load(Ordering::SeqCst) != 0
+}
+
+/// Whether a process ended by a signal that asks for the end, or with the exit code of one.
+pub(crate) fn is_cause_of(status: std::process::ExitStatus) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::ExitStatusExt;
+        if status
+            .signal()
+            .is_some_and(|signal| system::ALL.contains(&signal))
+        {
+            return true;
+        }
+    }
+    let of_signal = |signal: &i32| status.code() == Some(CODE + signal);
+    system::ALL.iter().any(of_signal)
+}
+
+/// A signal has come.
+fn arrived(signal: i32) {
+    let first = SIGNAL.compare_exchange(0, signal, Ordering::SeqCst, Ordering::SeqCst);
+    match first {
+        Ok(_) if HAS_RESULTS.load(Ordering::SeqCst) => {
+            // Without it a second signal is needed where a driver hangs.
+            let _ = std::thread::Builder::new().spawn(end_if_stuck);
+        }
+        Ok(_) => {
+            progress::clear_line();
+            console::warning("interrupted before there was anything to write");
+            leave();
+        }
+        Err(_) => leave(),
+    }
+}
+
+/// Ends the program where it is still waiting for a driver, as while that compiles.
+fn end_if_stuck() {
+    std::thread::sleep(PATIENCE);
+    if !IS_WRITING.load(Ordering::SeqCst) {
+        progress::clear_line();
+        console::warning("interrupted: the device is busy, so nothing more could be written");
+        leave();
+    }
+}
+
+/// Ends the program with the code of the signal that came. Threads that are in a driver are not waited for.
+pub(crate) fn leave() -> ! {
+    crash::end_probe();
+    engine::aside::discard_all();
+    let _ = io::stdout().flush();
+    system::exit(CODE + SIGNAL.load(Ordering::SeqCst))
+}
+
+#[cfg(unix)]
+mod system {
+    use std::io;
+
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::iterator::Signals;
+
+    pub(super) const ALL: [i32; 3] = [SIGINT, SIGTERM, SIGHUP];
+
+    pub(super) fn listen() -> io::Result<()> {
+        // `nohup` has SIGHUP ignored, and that is meant for its children too.
+        let wanted = ALL.into_iter().filter(|&s| s != SIGHUP || !is_ignored(s));
+        let mut signals = Signals::new(wanted)?;
+        std::thread::Builder::new()
+            .name("signals".to_owned())
+            .spawn(move || signals.forever().for_each(super::arrived))?;
+        Ok(())
+    }
+
+    fn is_ignored(signal: i32) -> bool {
+        let mut action = std::mem::MaybeUninit::<libc::sigaction>::zeroed();
+        // SAFETY: without a new action the call only writes the present one to the place it is given; all zeros are a
+        // valid one should it fail.
+        let action = unsafe {
+            libc::sigaction(signal, std::ptr::null(), action.as_mut_ptr());
+            action.assume_init()
+        };
+        action.sa_sigaction == libc::SIG_IGN
+    }
+
+    /// Without the C library's clean-up, which other threads may not survive.
+    pub(super) fn exit(code: i32) -> ! {
+        signal_hook::low_level::exit(code)
+    }
+}
+
+#[cfg(not(unix))]
+mod system {
+    use std::io;
+
+    /// Ctrl-C and the closing of the console count as SIGINT.
+    const INTERRUPT: i32 = 2;
+    pub(super) const ALL: [i32; 1] = [INTERRUPT];
+
+    pub(super) fn listen() -> io::Result<()> {
+        ctrlc::set_handler(|| super::arrived(INTERRUPT)).map_err(io::Error::other)
+    }
+
+    pub(super) fn exit(code: i32) -> ! {
+        std::process::exit(code)
+    }
 }

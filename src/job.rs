@@ -9,8 +9,8 @@ mod parse;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
+use device::DeviceChoice;
 use engine::filter::PixelFilter;
-use engine::gpu::DeviceChoice;
 use engine::settings::{Estimator, Sampler};
 
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
@@ -33,7 +33,7 @@ pub(crate) const MAX_PIXELS: u64 = 1 << 26;
 /// Most samples per pixel, and the end of the last range of samples.
 pub(crate) const MAX_SPP: u32 = engine::film::MAX_SAMPLES;
 /// What the name of a film's file ends in.
-const FILM_EXTENSION: &str = "patina-film";
+pub(crate) const FILM_EXTENSION: &str = "patina-film";
 /// Most scattering vertices of a path.
 pub(crate) const MAX_DEPTH: u32 = 255;
 /// Strongest exposure in stops, either way.
@@ -54,6 +54,8 @@ pub(crate) enum Job {
     Texture(TextureJob),
     /// List devices.
     Devices,
+    /// Write the manual's pages and completions for shells into this folder.
+    Manuals(PathBuf),
     /// Build and run one texture alone.
     ProbeTexture {
         /// The texture.
@@ -94,7 +96,7 @@ pub(crate) struct RenderJob {
     pub(crate) clamp: Option<f32>,
     /// How light is found.
     pub(crate) estimator: Estimator,
-    /// Dark paths may end at random.
+    /// Russian roulette: dark paths may end early.
     pub(crate) roulette: bool,
     /// Where random numbers come from.
     pub(crate) sampler: Sampler,
@@ -197,6 +199,7 @@ impl Job {
             Command::Merge(args) => Self::Merge(MergeJob::from_args(args)?),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,
+            Command::Manuals { dir } => Self::Manuals(dir),
             Command::ProbeTexture { file, device } => Self::ProbeTexture {
                 file,
                 device: parse_device(device.as_deref())?,
@@ -394,7 +397,6 @@ mod tests {
             ("--seed -1", "from 0 to 4294967295"),
             ("--seed 4294967296", "from 0 to 4294967295"),
             ("--clamp 0", "greater than 0"),
-            ("--filter cone", "must be box, gaussian"),
             ("--filter-width 0", "from 0.1 to 16"),
             ("--filter-width wide", "from 0.1 to 16"),
             ("--exposure NaN", "number of stops"),

@@ -1,4 +1,5 @@
-//! Where user textures are looked for: the folders named on the command line, then the standard ones.
+//! Where textures are looked for: the folders named on the command line, then the usual ones. Behind them all are the
+//! standard textures, which are part of the program (`TextureSources::search`).
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -8,7 +9,7 @@ use crate::exit::Failure;
 const FOLDER: &str = "user_textures";
 
 /// Folders with user textures in the order they are searched, all existing, none twice: those in `given`, then
-/// `user_textures` beside the look, in the current directory, and the one that belongs to this program.
+/// `user_textures` beside the look, in the current directory, and where this program is.
 ///
 /// # Errors
 /// A folder in `given` that isn't one.
@@ -40,17 +41,17 @@ pub(crate) fn texture_dirs(
     Ok(dirs)
 }
 
-/// The standard library: found from the executable upwards (`target/release/patina` in a checkout, or a folder the
-/// program was copied to with its textures), else in the checkout this program was built from.
+/// The folder beside the executable, or that of the checkout in whose `target/PROFILE` it lies: there the standard
+/// textures are edited without building the program again. No further up, where others may keep theirs.
 fn shipped() -> Option<PathBuf> {
-    let executable = env::current_exe().ok();
-    let above = executable
-        .iter()
-        .flat_map(|executable| executable.ancestors().skip(1).take(4));
-    above
-        .map(|dir| dir.join(FOLDER))
-        .chain([Path::new(env!("CARGO_MANIFEST_DIR")).join(FOLDER)])
-        .find(|dir| dir.is_dir())
+    let executable = env::current_exe().ok()?;
+    let beside = executable.parent()?;
+    let target = beside.parent().filter(|folder| folder.ends_with("target"));
+    [Some(beside), target.and_then(Path::parent)]
+        .into_iter()
+        .flatten()
+        .map(|folder| folder.join(FOLDER))
+        .find(|folder| folder.is_dir())
 }
 
 #[cfg(test)]

@@ -10,15 +10,18 @@ mod console;
 mod crash;
 mod devices;
 mod exit;
+mod fault;
 mod interrupt;
 mod job;
 mod library;
+mod manuals;
 mod merge;
 mod output;
 mod progress;
 mod render;
 mod report;
 mod texture;
+mod threads;
 mod view;
 mod watch;
 
@@ -34,6 +37,7 @@ fn main() -> ExitCode {
     // Mesa's device-selection layer complains on machines without a display; the device is chosen by `--device`.
     // SAFETY: nothing else runs yet that could read the environment.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    fault::install();
     let args = match Args::try_parse() {
         Ok(args) => args,
         Err(answer) => {
@@ -42,7 +46,16 @@ fn main() -> ExitCode {
         }
     };
     console::set_format(args.message_format);
-    exit::with(Job::from_args(args).map_err(Failure::from).and_then(run))
+    if args.quiet {
+        console::set_quiet();
+    }
+    let job = Job::from_args(args).map_err(Failure::from);
+    let ready = |job| {
+        interrupt::listen()
+            .and_then(|()| threads::start())
+            .map(|()| job)
+    };
+    exit::with(job.and_then(ready).and_then(run))
 }
 
 fn run(job: Job) -> Result<(), Failure> {
@@ -53,6 +66,7 @@ fn run(job: Job) -> Result<(), Failure> {
         Job::Merge(job) => merge::run(&job),
         Job::Texture(job) => texture::run(job),
         Job::Devices => devices::run(),
+        Job::Manuals(dir) => manuals::write(&dir),
         Job::ProbeTexture { file, device } => crash::probe(&file, &device),
         Job::Bench(job) => bench::run(&job),
     }

@@ -1,23 +1,22 @@
 //! `patina merge`: adds films of parts of a picture's samples and writes the picture they make.
 
-use std::fs::File;
 use std::io::BufReader;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use engine::film::{Part, PartError};
+use engine::input;
 
 use crate::exit::Failure;
 use crate::job::MergeJob;
-use crate::{console, output};
+use crate::{console, interrupt, output};
 
 /// Reads one film after the other, so that memory holds two at most, and writes their sum.
 ///
 /// # Errors
 /// A film can't be read, films don't belong together, or a result can't be written.
 pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
-    for path in job.outputs.paths() {
-        output::check(path).map_err(Failure::because)?;
-    }
+    let written: Vec<PathBuf> = job.outputs.paths().cloned().collect();
+    output::check_all(&written, &job.parts)?;
     let mut merged: Option<Part> = None;
     for path in &job.parts {
         let refused = |error: PartError| Failure::Failed(format!("{}: {error}", path.display()));
@@ -26,7 +25,7 @@ pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
             Some(merged) => {
                 if part.origin.device != merged.origin.device {
                     console::warning(&format!(
-                        "{} was rendered on {}, the parts before it on {}: the picture is right, but not to the last bit \
+                        "{} was rendered on {}, the partial renders before it on {}: the picture is right, but not to the last bit \
                          that of one device",
                         path.display(),
                         part.origin.device,
@@ -46,7 +45,9 @@ pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
         .iter()
         .map(|range| format!("{}..{}", range.start, range.end))
         .collect();
-    console::print(&format!(
+    // From here on it is a matter of moments.
+    interrupt::writes_results();
+    console::note(&format!(
         "samples {}: {} per pixel",
         ranges.join(", "),
         console::grouped(u64::from(merged.film.sample_bounds().0))
@@ -55,7 +56,6 @@ pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
 }
 
 fn read(path: &Path) -> Result<Part, PartError> {
-    let file = File::open(path)?;
-    let length = file.metadata()?.len();
+    let (file, length) = input::open(path)?;
     Part::read(&mut BufReader::new(file), length)
 }

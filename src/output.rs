@@ -1,24 +1,28 @@
 //! Picture files: PNG and JPEG to look at (8-bit sRGB, exposed) and EXR to work with (linear floats, as rendered).
 //!
-//! A file is written aside and renamed when it is complete, so that neither a full disk nor Ctrl-C leaves half a
-//! picture or destroys an older one. Whether that will be possible is tried before rendering.
+//! A file is written aside and renamed when it is complete ([`engine::aside`]), so that neither a full disk nor Ctrl-C leaves
+//! half a picture or destroys an older one. Whether that will be possible is tried before rendering.
 
-use std::fs::{self, File};
+mod identity;
+mod salvage;
+
+use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use engine::aside::{self, Aside};
 use engine::film::Part;
 use exr::image::{Encoding, Image, Layer, SpecificChannels};
 use exr::math::Vec2;
-use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
-use exr::meta::header::LayerAttributes;
+use exr::meta::attribute::{self, AttributeValue, Chromaticities, Text};
+use exr::meta::header::{Header, LayerAttributes};
 use exr::prelude::WritableImage;
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
-use tempfile::NamedTempFile;
 use thiserror::Error;
 
+pub(crate) use self::identity::refuse_overwriting;
 use crate::console;
 use crate::exit::Failure;
 use crate::job::{Format, Output, Outputs};
@@ -72,10 +76,24 @@ pub(crate) enum OutputError {
     },
 }
 
+impl OutputError {
+    fn new(path: &Path, reason: io::Error) -> Self {
+        let path = path.to_owned();
+        let dir = aside::folder_of(&path);
+        match reason.kind() == io::ErrorKind::NotFound && !dir.exists() {
+            true => Self::NoFolder {
+                dir: dir.to_owned(),
+                path,
+            },
+            false => Self::Io { path, reason },
+        }
+    }
+}
+
 /// Finds out, before any work is done, whether `path` can be written later.
 ///
 /// # Errors
-/// Its folder is missing or takes no new files, or `path` is a folder.
+/// Its folder is missing or takes no new files, its name is too long, or `path` is a folder.
 pub(crate) fn check(path: &Path) -> Result<(), OutputError> {
     if path.is_dir() {
         return Err(OutputError::IsFolder {
@@ -83,7 +101,23 @@ pub(crate) fn check(path: &Path) -> Result<(), OutputError> {
         });
     }
     // The file made here is removed at once; what counts is that it could be made.
-    aside(path).map(drop)
+    let begun = Aside::begin(path).map(drop);
+    begun.map_err(|reason| OutputError::new(path, reason))
+}
+
+/// As [`check`], for all results, and that none of them would replace a file that is read, or one of the others.
+///
+/// # Errors
+/// The first that can't be written, or must not be.
+pub(crate) fn check_all<'a>(
+    written: impl IntoIterator<Item = &'a PathBuf> + Clone,
+    read: &[PathBuf],
+) -> Result<(), Failure> {
+    refuse_overwriting(written.clone(), read)?;
+    for path in written {
+        check(path).map_err(Failure::because)?;
+    }
+    Ok(())
 }
 
 /// Writes `picture` to `output`; `exposure` in stops applies to PNG and JPEG.
@@ -126,11 +160,49 @@ pub(crate) fn write_shown(
     })
 }
 
-/// Writes the files of a render or a merge: its pictures, and its sums.
+/// Writes the files of a merge: its pictures, and its sums.
 ///
 /// # Errors
 /// What could not be written. The other files are written all the same: one full disk must not cost all.
 pub(crate) fn write_all(outputs: &Outputs, part: &Part, exposure: f32) -> Result<(), Failure> {
+    let failed = try_all(outputs, part, exposure);
+    match failed.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::Failed(text(&failed))),
+    }
+}
+
+/// As [`write_all`], for what would have to be rendered again: where a file could not be written, the sums are kept elsewhere.
+///
+/// # Errors
+/// As [`write_all`], with the place of the sums.
+pub(crate) fn write_or_keep(outputs: &Outputs, part: &Part, exposure: f32) -> Result<(), Failure> {
+    let failed = try_all(outputs, part, exposure);
+    let lost: Vec<&Path> = failed.iter().map(|(path, _)| path.as_path()).collect();
+    let Some(first) = lost.first() else {
+        return Ok(());
+    };
+    let written = outputs
+        .films
+        .iter()
+        .find(|film| !lost.contains(&film.as_path()));
+    let kept = match written {
+        Some(film) => Some(film.clone()),
+        None => salvage::keep(part, first),
+    };
+    let hint = match &kept {
+        Some(film) => format!(
+            "the samples are in {}; what is missing is written by: {}",
+            film.display(),
+            salvage::command(film, &lost)
+        ),
+        None => "nor could the samples be kept anywhere else".to_owned(),
+    };
+    Err(Failure::Failed(format!("{}\n{hint}", text(&failed))))
+}
+
+/// Writes what can be written; what can't, with the reason.
+fn try_all(outputs: &Outputs, part: &Part, exposure: f32) -> Vec<(PathBuf, OutputError)> {
     let picture = Picture {
         width: part.film.width,
         height: part.film.height,
@@ -148,14 +220,16 @@ pub(crate) fn write_all(outputs: &Outputs, part: &Part, exposure: f32) -> Result
     let mut failed = Vec::new();
     for (path, outcome) in pictures.chain(films) {
         match outcome {
-            Ok(()) => console::print(&format!("wrote {}", path.display())),
-            Err(error) => failed.push(error.to_string()),
+            Ok(()) => console::note(&format!("wrote {}", path.display())),
+            Err(error) => failed.push((path.clone(), error)),
         }
     }
-    match failed.is_empty() {
-        true => Ok(()),
-        false => Err(Failure::Failed(failed.join("\n"))),
-    }
+    failed
+}
+
+fn text(failed: &[(PathBuf, OutputError)]) -> String {
+    let lines = failed.iter().map(|(_, error)| error.to_string());
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 /// How a picture came about.
@@ -186,48 +260,7 @@ pub(crate) fn write_aside(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
 ) -> Result<(), OutputError> {
-    let refused = |reason| OutputError::Io {
-        path: path.to_owned(),
-        reason,
-    };
-    let file = aside(path)?;
-    let mut writer = BufWriter::new(file.as_file());
-    fill(&mut writer)
-        .and_then(|()| writer.flush())
-        .map_err(refused)?;
-    drop(writer);
-    file.persist(path).map_err(|error| refused(error.error))?;
-    Ok(())
-}
-
-/// An empty file in the folder of `path`, gone when dropped. It must be the same folder: a rename does not cross
-/// file systems.
-fn aside(path: &Path) -> Result<NamedTempFile, OutputError> {
-    let dir = match path.parent() {
-        Some(dir) if dir != Path::new("") => dir,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".patina-");
-    #[cfg(unix)]
-    {
-        // Temporary files are private by default; a result should be as readable as any other new file.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(dir).map_err(|reason| {
-        if fs::metadata(dir).is_err_and(|error| error.kind() == io::ErrorKind::NotFound) {
-            OutputError::NoFolder {
-                path: path.to_owned(),
-                dir: dir.to_owned(),
-            }
-        } else {
-            OutputError::Io {
-                path: path.to_owned(),
-                reason,
-            }
-        }
-    })
+    aside::replace(path, fill).map_err(|reason| OutputError::new(path, reason))
 }
 
 /// Of 100: artefacts are below the noise of a render.
@@ -273,7 +306,7 @@ fn srgb8(linear: f32) -> u8 {
     (encoded * 255.0 + 0.5) as u8
 }
 
-fn write_exr(writer: impl Write + io::Seek, picture: &Picture) -> io::Result<()> {
+fn write_exr(mut writer: impl Write + io::Seek, picture: &Picture) -> io::Result<()> {
     let (width, height) = (picture.width as usize, picture.height as usize);
     let mut attributes = LayerAttributes {
         software_name: Some(latin1(concat!("patina ", env!("CARGO_PKG_VERSION")))),
@@ -302,13 +335,28 @@ fn write_exr(writer: impl Write + io::Seek, picture: &Picture) -> io::Result<()>
         blue: Vec2(0.15, 0.06),
         white: Vec2(0.3127, 0.3290),
     });
-    image
-        .write()
-        .to_buffered(writer)
-        .map_err(|error| match error {
-            exr::error::Error::Io(error) => error,
-            other => io::Error::other(other.to_string()),
-        })
+    let refused = |error| match error {
+        exr::error::Error::Io(error) => error,
+        other => io::Error::other(other.to_string()),
+    };
+    image.write().to_buffered(&mut writer).map_err(refused)?;
+    let headers = image.write().infer_meta_data();
+    let attributes = sorted_attributes(&headers[0]).map_err(refused)?;
+    // They begin behind the magic number and the version. Their order doesn't change how long they are.
+    writer.seek(io::SeekFrom::Start(8))?;
+    writer.write_all(&attributes)
+}
+
+/// The attributes of a header as they lie in a file, by name: the crate keeps ours in a hash map and writes them in another
+/// order each time, but the same picture is to be the same file.
+fn sorted_attributes(header: &Header) -> exr::error::Result<Vec<u8>> {
+    let mut attributes: Vec<_> = header.all_named_attributes().collect();
+    attributes.sort_by_key(|(name, _)| *name);
+    let mut bytes = Vec::new();
+    for (name, value) in &attributes {
+        attribute::write(name, value, &mut bytes)?;
+    }
+    Ok(bytes)
 }
 
 fn latin1(text: &str) -> Text {
@@ -327,6 +375,8 @@ fn latin1(text: &str) -> Text {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn picture() -> Picture {
@@ -397,17 +447,25 @@ mod tests {
     }
 
     #[test]
-    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+    fn the_same_picture_is_the_same_file() {
+        let mut picture = picture();
+        // Hash maps of a few entries come in the same order by chance.
+        for name in ["maxDepth", "seed", "scene", "look", "a", "b", "c", "d"] {
+            picture.facts.push((name, Fact::Text(name.to_owned())));
+        }
+        let bytes = || {
+            let mut file = io::Cursor::new(Vec::new());
+            write_exr(&mut file, &picture).expect("memory takes everything");
+            file.into_inner()
+        };
+        let first = bytes();
+        assert!((0..4).all(|_| bytes() == first));
+        let read = exr::prelude::read_first_flat_layer_from_file;
         let dir = tempfile::tempdir().expect("a temporary folder");
-        let path = dir.path().join("x.png");
-        fs::write(&path, "old").unwrap();
-        let failed = write_aside(&path, |file| {
-            file.write_all(b"half of it")?;
-            Err(io::Error::other("disk full"))
-        });
-        assert!(failed.unwrap_err().to_string().contains("disk full"));
-        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
-        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+        let path = dir.path().join("x.exr");
+        fs::write(&path, first).unwrap();
+        let attributes = read(&path).unwrap().layer_data.attributes;
+        assert_eq!(attributes.other.len(), picture.facts.len());
     }
 
     #[test]
@@ -419,17 +477,5 @@ mod tests {
         assert!(matches!(folder, OutputError::IsFolder { .. }), "{folder}");
         assert!(check(&dir.path().join("x.png")).is_ok());
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn results_are_as_readable_as_other_new_files() {
-        use std::os::unix::fs::PermissionsExt;
-        let dir = tempfile::tempdir().expect("a temporary folder");
-        let (ours, plain) = (dir.path().join("ours"), dir.path().join("plain"));
-        write_aside(&ours, |_| Ok(())).unwrap();
-        fs::write(&plain, "").unwrap();
-        let mode = |path| fs::metadata(path).unwrap().permissions().mode();
-        assert_eq!(mode(&ours), mode(&plain));
     }
 }

@@ -1,88 +1,178 @@
-//! The progress bar of a render: samples, samples per second, remaining time; of a measurement: steps and remaining
-//! time. Silent where stderr isn't a terminal.
+//! How far a render or a measurement is: a bar on a terminal, a line every ten seconds elsewhere, nothing with `--quiet` or
+//! JSON messages. Something that a driver compiles for longer than two seconds is named.
 
-use std::fmt::Write;
-use std::io::{self, IsTerminal};
-use std::time::Duration;
+use std::io::{self, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
+use device::Activity;
+use device::Device;
 use engine::renderer::Progress;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::console;
 
+/// How often the bar is drawn anew while nothing else happens.
+const TICK: Duration = Duration::from_millis(200);
+/// What takes longer is named.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// Between lines where there is no terminal.
+const SILENCE: Duration = Duration::from_secs(10);
+
+/// A bar is on the terminal.
+static IS_SHOWN: AtomicBool = AtomicBool::new(false);
+
 /// A line on the terminal that follows one render.
 pub(crate) struct Bar {
+    shared: Arc<Shared>,
+}
+
+struct Shared {
     bar: ProgressBar,
-    started: bool,
+    state: Mutex<State>,
+    /// Notified when the bar is finished.
+    finished: Condvar,
+    form: Form,
+}
+
+/// How progress is shown.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Form {
+    Terminal,
+    Lines,
+    Silent,
+}
+
+struct State {
+    /// What is done before there is something to count; without it only what is compiled is told.
+    stage: Option<String>,
+    /// The stage began, or the first samples arrived.
+    since: Instant,
+    activity: Option<Activity>,
+    /// How much is done, and what that is of.
+    done: Option<(f64, f64, Unit)>,
+    /// Of the last line, where there is no terminal.
+    said: Instant,
+    /// The activity has been named in a line of its own.
+    is_named: bool,
+    is_finished: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Unit {
+    SamplesPerPixel,
+    Steps,
 }
 
 impl Bar {
     /// A bar that shows `stage` until the first samples arrive.
-    pub(crate) fn new(stage: &'static str) -> Self {
-        let target = if io::stderr().is_terminal() && !console::is_json() {
-            // Ten times a second is smooth enough and costs a render on the CPU nothing.
-            ProgressDrawTarget::stderr_with_hz(10)
-        } else {
-            ProgressDrawTarget::hidden()
-        };
-        let bar = ProgressBar::with_draw_target(None, target);
-        bar.set_style(style("{spinner} {msg} {elapsed}"));
-        bar.set_message(stage);
-        bar.enable_steady_tick(Duration::from_millis(200));
-        Self {
-            bar,
-            started: false,
+    pub(crate) fn new(stage: &str) -> Self {
+        match io::stderr().is_terminal() {
+            true => Self::with(Form::Terminal, Some(stage)),
+            false => Self::with(Form::Lines, Some(stage)),
         }
     }
 
+    /// Only tells what is compiled for long, in lines.
+    pub(crate) fn of_compiling() -> Self {
+        Self::with(Form::Lines, None)
+    }
+
+    fn with(form: Form, stage: Option<&str>) -> Self {
+        let form = match console::is_json() || console::is_quiet() {
+            true => Form::Silent,
+            false => form,
+        };
+        let target = match form {
+            // Ten times a second is smooth enough and costs a render on the CPU nothing.
+            Form::Terminal => ProgressDrawTarget::stderr_with_hz(10),
+            _ => ProgressDrawTarget::hidden(),
+        };
+        let bar = ProgressBar::with_draw_target(Some(1), target);
+        bar.set_style(style("{spinner} {msg}"));
+        IS_SHOWN.store(form == Form::Terminal, Ordering::Relaxed);
+        let now = Instant::now();
+        let shared = Arc::new(Shared {
+            bar,
+            form,
+            finished: Condvar::new(),
+            state: Mutex::new(State {
+                stage: stage.map(str::to_owned),
+                since: now,
+                activity: None,
+                done: None,
+                said: now,
+                is_named: false,
+                is_finished: false,
+            }),
+        });
+        if form != Form::Silent {
+            let ticker = Arc::clone(&shared);
+            // Without it the bar moves only when there is something new.
+            let _ = std::thread::Builder::new()
+                .name("progress".to_owned())
+                .spawn(move || ticker.tick());
+        }
+        Self { shared }
+    }
+
     /// Shows another stage of the work before rendering.
-    pub(crate) fn stage(&self, stage: &'static str) {
-        self.bar.set_message(stage);
+    pub(crate) fn stage(&self, stage: &str) {
+        let mut state = self.shared.lock();
+        state.stage = Some(stage.to_owned());
+        if state.done.is_none() {
+            state.since = Instant::now();
+        }
+        self.shared.show(&mut state);
+    }
+
+    /// Names from now on what the device compiles.
+    pub(crate) fn follow(&self, gpu: &Device) {
+        self.shared.lock().activity = Some(gpu.activity().clone());
     }
 
     /// Runs `print` with the bar out of the way of other lines.
     pub(crate) fn suspend(&self, print: impl FnOnce()) {
-        self.bar.suspend(print);
+        self.shared.bar.suspend(print);
     }
 
-    /// Shows how far the render is.
-    pub(crate) fn update(&mut self, progress: &Progress) {
-        if !self.started {
-            self.started = true;
-            self.bar.disable_steady_tick();
-            self.bar.set_style(
-                style("{bar:32} {human_pos}/{human_len} samples  {rate}  {eta} left")
-                    .with_key("rate", |state: &ProgressState, text: &mut dyn Write| {
-                        let _ = write!(text, "{} samples/s", console::short(state.per_sec()));
-                    })
-                    .progress_chars("=> "),
-            );
-            self.bar.set_length(progress.samples_total);
-            self.bar.reset_elapsed();
-            self.bar.reset_eta();
-        }
-        self.bar.set_length(progress.samples_total);
-        self.bar.set_position(progress.samples_done);
+    /// Shows how far a render of so many samples per pixel is.
+    pub(crate) fn update(&self, progress: &Progress, spp: u32) {
+        let share = progress.samples_done as f64 / progress.samples_total.max(1) as f64;
+        let spp = f64::from(spp);
+        self.advance(share * spp, spp, Unit::SamplesPerPixel);
     }
 
     /// Shows from now on how many of `total` steps are done, and about how long the rest will take.
     pub(crate) fn count(&self, total: u64) {
-        self.bar.set_style(
-            style("{msg} {bar:32} {pos}/{len}  {elapsed}, about {eta} left").progress_chars("=> "),
-        );
-        self.bar.set_length(total);
-        self.bar.reset_elapsed();
-        self.bar.reset_eta();
+        self.advance(0.0, total as f64, Unit::Steps);
     }
 
     /// One step of [`Self::count`] is done.
     pub(crate) fn step(&self) {
-        self.bar.inc(1);
+        let (done, total) = (self.shared.lock().done).map_or((0.0, 1.0), |(d, t, _)| (d, t));
+        self.advance(done + 1.0, total, Unit::Steps);
+    }
+
+    fn advance(&self, done: f64, total: f64, unit: Unit) {
+        let mut state = self.shared.lock();
+        if state.done.is_none() {
+            state.since = Instant::now();
+            self.shared
+                .bar
+                .set_style(style("{bar:12} {msg}").progress_chars("=> "));
+        }
+        state.done = Some((done, total, unit));
+        self.shared.show(&mut state);
     }
 
     /// Removes the bar so that other lines can be printed.
     pub(crate) fn finish(&self) {
-        self.bar.finish_and_clear();
+        self.shared.lock().is_finished = true;
+        self.shared.finished.notify_all();
+        self.shared.bar.finish_and_clear();
+        IS_SHOWN.store(false, Ordering::Relaxed);
     }
 }
 
@@ -93,6 +183,145 @@ impl Drop for Bar {
     }
 }
 
+/// Makes room for a last message, where a bar is on the terminal.
+pub(crate) fn clear_line() {
+    if IS_SHOWN.swap(false, Ordering::Relaxed) {
+        // Nothing can be done about a terminal that is gone.
+        let _ = io::stderr().write_all(b"\r\x1b[2K");
+    }
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Shows the time that passes, until the bar is finished.
+    fn tick(&self) {
+        let mut state = self.lock();
+        while !state.is_finished {
+            self.show(&mut state);
+            let waited = self.finished.wait_timeout(state, TICK);
+            state = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
+    fn show(&self, state: &mut State) {
+        if state.is_finished {
+            return;
+        }
+        match self.form {
+            Form::Silent => {}
+            Form::Terminal => {
+                if let Some((done, total, _)) = state.done {
+                    self.bar.set_length(total.max(1.0) as u64);
+                    self.bar.set_position(done as u64);
+                }
+                let text = console::printable(&state.text()).replace('\n', " ");
+                self.bar.set_message(text);
+                self.bar.tick();
+            }
+            Form::Lines => {
+                let is_named = state.compiled().is_some();
+                // What is compiled is named at once, and then as often as everything else.
+                let is_news = is_named && !state.is_named;
+                state.is_named &= is_named;
+                let is_due = state.said.elapsed() >= SILENCE;
+                if is_news || (is_due && (is_named || state.stage.is_some())) {
+                    state.is_named = is_named;
+                    state.said = Instant::now();
+                    console::progress(&state.text());
+                }
+            }
+        }
+    }
+}
+
+impl State {
+    /// What is being compiled, and has been for longer than a moment.
+    fn compiled(&self) -> Option<(String, Duration)> {
+        let current = self.activity.as_ref()?.current()?;
+        (current.1 >= PATIENCE).then_some(current)
+    }
+
+    fn text(&self) -> String {
+        if let Some((what, took)) = self.compiled() {
+            return format!("{what}, {} so far", clock(took));
+        }
+        let elapsed = self.since.elapsed();
+        let stage = self.stage.as_deref().unwrap_or_default();
+        let Some((done, total, unit)) = self.done else {
+            return format!("{stage}, {} so far", clock(elapsed));
+        };
+        let mut text = match unit {
+            Unit::SamplesPerPixel => format!("{done:.1} of {total} samples per pixel"),
+            Unit::Steps => format!("{stage}: {done} of {total} steps"),
+        };
+        text += &format!(", {}", clock(elapsed));
+        if let Some(left) = remaining(elapsed, done, total) {
+            text += &format!(", {} left", clock(left));
+        }
+        text
+    }
+}
+
+/// The time for what is left at the pace so far.
+fn remaining(elapsed: Duration, done: f64, total: f64) -> Option<Duration> {
+    let left = elapsed.as_secs_f64() * (total - done).max(0.0) / done;
+    Duration::try_from_secs_f64(left).ok()
+}
+
+/// A time of waiting: `7 s`, `3:05 min`, `2:03:05 h`.
+fn clock(time: Duration) -> String {
+    let seconds = time.as_secs();
+    let (hours, minutes) = (seconds / 3600, seconds / 60 % 60);
+    match (hours, minutes) {
+        (0, 0) => format!("{seconds} s"),
+        (0, _) => format!("{minutes}:{:02} min", seconds % 60),
+        _ => format!("{hours}:{minutes:02}:{:02} h", seconds % 60),
+    }
+}
+
 fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).expect("the templates in this file are well-formed")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_shown_as_people_say_them() {
+        for (seconds, expected) in [(7, "7 s"), (185, "3:05 min"), (7_385, "2:03:05 h")] {
+            assert_eq!(clock(Duration::from_secs(seconds)), expected);
+        }
+        let left = |done| remaining(Duration::from_secs(10), done, 40.0);
+        assert_eq!(left(10.0), Some(Duration::from_secs(30)));
+        assert_eq!(left(0.0), None, "nobody knows");
+        assert_eq!(left(40.0), Some(Duration::ZERO));
+    }
+
+    #[test]
+    fn the_longest_line_fits_a_narrow_terminal() {
+        let Some(since) = Instant::now().checked_sub(Duration::from_secs(3600)) else {
+            eprintln!("skipped: this machine has just been started");
+            return;
+        };
+        let state = State {
+            stage: None,
+            since,
+            activity: None,
+            done: Some((
+                90_000.0,
+                f64::from(crate::job::MAX_SPP),
+                Unit::SamplesPerPixel,
+            )),
+            said: since,
+            is_named: false,
+            is_finished: false,
+        };
+        let text = state.text();
+        assert!(text.starts_with("90000.0 of 1048576 samples per pixel, 1:00:00 h, "));
+        assert!("============ ".len() + text.len() < 80, "{text}");
+    }
 }

@@ -1,15 +1,13 @@
 //! `patina render`: loads, renders, writes. Reads in the order things happen.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use device::{Device, DeviceOptions};
 use engine::film::{Origin, Part, fingerprint};
-use engine::gpu::Gpu;
 use engine::load;
 use engine::renderer::{RenderSettings, Renderer, TextureCosts};
 use engine::scene::{Camera, Scene};
-use engine::stats::Stats;
-use texgen::LOOP_LIMIT;
 
 use crate::exit::Failure;
 use crate::job::RenderJob;
@@ -20,41 +18,52 @@ use crate::{cache, console, crash, interrupt, library};
 
 /// Most of the time that goes into measuring textures, where figures are asked for.
 const COSTS: Duration = Duration::from_secs(5);
+/// Most of the time that an interrupted render goes on for, so that a film is even.
+const FAREWELL: Duration = Duration::from_secs(1);
 
-/// Renders a scene and writes the pictures. Ctrl-C ends the rendering early, not the writing.
+/// Renders a scene and writes the pictures. A signal ends the rendering early, not the writing.
 ///
 /// # Errors
 /// Anything that keeps even one of the results from being written.
 pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
-    interrupt::listen();
-    for path in job.outputs.paths().chain(&job.stats_json) {
-        output::check(path).map_err(Failure::because)?;
-    }
+    let written: Vec<PathBuf> = job
+        .outputs
+        .paths()
+        .chain(&job.stats_json)
+        .cloned()
+        .collect();
+    let named: Vec<PathBuf> = job.look.iter().chain([&job.scene]).cloned().collect();
+    output::check_all(&written, &named)?;
     let texture_dirs = library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
 
-    let mut bar = Bar::new("loading the scene");
+    let bar = Bar::new("loading the scene");
     let clock = Instant::now();
     let loaded = load::load(&job.scene, job.look.as_deref(), &texture_dirs)?;
     bar.suspend(|| console::diagnostics(&loaded.warnings));
+    // What else was read is known only now.
+    let read = loaded.files(&job.scene, job.look.as_deref());
+    output::check_all(&written, &read)?;
     let camera = match &job.camera {
         Some(wanted) => find_camera(&loaded.scene, wanted)?,
         None => loaded.camera.clone(),
     };
-    stop_if_interrupted()?;
     let load_seconds = clock.elapsed().as_secs_f64();
 
     bar.stage("preparing the device");
     let clock = Instant::now();
     let cache = cache::folder();
-    let gpu = Gpu::with_cache(&job.device, cache.as_deref()).map_err(Failure::because)?;
+    let gpu = Device::open_with(&DeviceOptions::new(&job.device).with_cache(cache.as_deref()))
+        .map_err(Failure::because)?;
+    bar.follow(&gpu);
     let mut marker = None;
     if !loaded.procedural.is_empty() {
         let kernel = loaded.procedural.kernel().wgsl;
         let (own, has_crashed) = crash::Marker::set(cache.as_deref(), &kernel, gpu.description());
         if has_crashed {
-            bar.stage("looking for the texture that ended the program");
             bar.suspend(|| console::warning(crash::SUSPICION));
-            crash::find(&loaded.procedural, gpu.description().index)?;
+            let tell = |texture: &str| bar.stage(&format!("building {texture} alone"));
+            crash::find(&loaded.procedural, gpu.description().index, tell)?;
+            bar.stage("preparing the device");
         }
         marker = own;
     }
@@ -65,31 +74,28 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
     if job.stats || job.stats_json.is_some() {
         renderer.time_passes().map_err(Failure::because)?;
     }
-    stop_if_interrupted()?;
     let prepare_seconds = clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
     let first = |_: &Renderer| {
         // Some drivers compile a kernel when it runs for the first time.
         drop(marker.take());
+        interrupt::has_results();
         // A cache that can't be written costs time at the next start, nothing else.
         let _ = gpu.save_cache();
     };
-    let complete = accumulate(&mut renderer, job.spp.get(), &mut bar, first)?;
+    let complete = accumulate(&mut renderer, job.spp.get(), &bar, first)?;
     let mut film = renderer.film().map_err(Failure::because)?;
+    interrupt::writes_results();
     if !complete && !job.outputs.films.is_empty() {
-        // A film that is to be merged has the same samples in all pixels.
         let (_, most) = film.sample_bounds();
-        renderer.render(most).map_err(Failure::because)?;
+        complete_sample(&mut renderer, most)?;
         film = renderer.film().map_err(Failure::because)?;
     }
     let render_seconds = clock.elapsed().as_secs_f64();
     bar.finish();
 
     let (lowest, most) = film.sample_bounds();
-    if most == 0 {
-        return Err(interrupted_too_early());
-    }
     if !complete {
         console::warning(&format!(
             "interrupted: every pixel has at least {lowest} of {} samples",
@@ -97,11 +103,13 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
         ));
     }
     let stats = renderer.stats().map_err(Failure::because)?;
-    warn(&doubts(&stats));
+    for doubt in stats.doubts() {
+        console::warning(&doubt.to_string());
+    }
     let origin = origin(job, &gpu.description().name, settings_written);
     let samples = job.first_sample..job.first_sample + most;
     let part = Part::new(film, samples, origin);
-    let mut outcome = output::write_all(&job.outputs, &part, job.exposure);
+    let mut outcome = output::write_or_keep(&job.outputs, &part, job.exposure);
 
     if job.stats || job.stats_json.is_some() {
         let seconds = Seconds {
@@ -118,7 +126,10 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
             outcome = outcome.and(report.write_json(path).map_err(Failure::because));
         }
     }
-    outcome
+    match complete {
+        true => outcome,
+        false => outcome.and(Err(Failure::Interrupted)),
+    }
 }
 
 /// What textures cost, as far as that can be measured in a moment.
@@ -126,35 +137,10 @@ fn texture_costs(renderer: &mut Renderer) -> Result<TextureCosts, Failure> {
     let clock = Instant::now();
     loop {
         let costs = renderer.measure_costs().map_err(Failure::because)?;
-        if costs.is_done || clock.elapsed() > COSTS {
+        if costs.is_done || clock.elapsed() > COSTS || interrupt::requested() {
             return Ok(costs.clone());
         }
     }
-}
-
-/// What makes the picture differ from what its author meant, found while rendering.
-fn doubts(stats: &Stats) -> Vec<String> {
-    let mut doubts = Vec::new();
-    if let Some(texture) = &stats.endless_texture {
-        doubts.push(format!(
-            "the loops of texture `{texture}` took more than {LOOP_LIMIT} steps at one hit and were ended early; \
-             look for a loop that doesn't end"
-        ));
-    }
-    if stats.invalid_samples > 0 {
-        doubts.push(format!(
-            "{} samples were not finite and count as black; a texture may divide by zero or take the root of a \
-             negative number",
-            console::grouped(stats.invalid_samples)
-        ));
-    }
-    if stats.clamped_samples > 0 {
-        doubts.push(format!(
-            "{} samples were brighter than 2147483648 and were clamped to that; the picture is darker there than it should be",
-            console::grouped(stats.clamped_samples)
-        ));
-    }
-    doubts
 }
 
 fn settings(job: &RenderJob, camera: &Camera) -> RenderSettings {
@@ -177,7 +163,7 @@ fn settings(job: &RenderJob, camera: &Camera) -> RenderSettings {
 fn accumulate(
     renderer: &mut Renderer,
     spp: u32,
-    bar: &mut Bar,
+    bar: &Bar,
     after_first: impl FnOnce(&Renderer),
 ) -> Result<bool, Failure> {
     let mut after_first = Some(after_first);
@@ -186,7 +172,7 @@ fn accumulate(
         if let Some(after_first) = after_first.take() {
             after_first(renderer);
         }
-        bar.update(&progress);
+        bar.update(&progress, spp);
         if progress.samples_done >= progress.samples_total {
             return Ok(true);
         }
@@ -194,6 +180,18 @@ fn accumulate(
             return Ok(false);
         }
     }
+}
+
+/// Gives all pixels the same samples, as a film that is to be merged should have: if that is a matter of moments, because
+/// whoever ends a render doesn't wait for long.
+fn complete_sample(renderer: &mut Renderer, spp: u32) -> Result<(), Failure> {
+    let clock = Instant::now();
+    while clock.elapsed() < FAREWELL {
+        if renderer.step(spp).map_err(Failure::because)?.is_done() {
+            break;
+        }
+    }
+    Ok(())
 }
 
 /// The camera of that name, or the one of that number where no name fits.
@@ -229,24 +227,6 @@ fn origin(job: &RenderJob, device: &str, settings: Vec<(String, String)>) -> Ori
         look: job.look.as_deref().map(name),
         settings,
     }
-}
-
-fn warn(warnings: &[String]) {
-    for warning in warnings {
-        console::warning(warning);
-    }
-}
-
-fn stop_if_interrupted() -> Result<(), Failure> {
-    if interrupt::requested() {
-        Err(interrupted_too_early())
-    } else {
-        Ok(())
-    }
-}
-
-fn interrupted_too_early() -> Failure {
-    Failure::because("interrupted before the first sample; nothing was written")
 }
 
 #[cfg(test)]

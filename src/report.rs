@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
+use device::DeviceDescription;
 use engine::film::Film;
-use engine::gpu::AdapterDescription;
 use engine::renderer::TextureCosts;
 use engine::stats::Stats;
 use serde::Serialize;
@@ -26,7 +26,7 @@ pub(crate) struct Report {
     scene: String,
     /// The look file.
     look: Option<String>,
-    device: Device,
+    device: DeviceFacts,
     /// Pixels.
     width: u32,
     /// Pixels.
@@ -56,7 +56,7 @@ pub(crate) struct Seconds {
 
 /// What it was rendered on.
 #[derive(Debug, Serialize)]
-pub(crate) struct Device {
+pub(crate) struct DeviceFacts {
     /// In one line.
     #[serde(skip)]
     pub(crate) title: String,
@@ -65,9 +65,9 @@ pub(crate) struct Device {
     pub(crate) driver: String,
 }
 
-impl Device {
+impl DeviceFacts {
     /// What the adapter says of itself.
-    pub(crate) fn new(device: &AdapterDescription) -> Self {
+    pub(crate) fn new(device: &DeviceDescription) -> Self {
         Self {
             title: devices::title(device),
             name: device.name.clone(),
@@ -81,7 +81,7 @@ impl Report {
     /// Collects the figures of a finished (or interrupted) render.
     pub(crate) fn new(
         job: &RenderJob,
-        device: &AdapterDescription,
+        device: &DeviceDescription,
         film: &Film,
         seconds: Seconds,
         stats: Stats,
@@ -91,7 +91,7 @@ impl Report {
             patina: env!("CARGO_PKG_VERSION"),
             scene: job.scene.display().to_string(),
             look: job.look.as_ref().map(|look| look.display().to_string()),
-            device: Device::new(device),
+            device: DeviceFacts::new(device),
             width: film.width,
             height: film.height,
             samples_per_pixel: job.spp.get(),

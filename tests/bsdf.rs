@@ -6,11 +6,11 @@
 #[expect(dead_code, reason = "other tests use the rest")]
 mod support;
 
+use ::device::Device;
+use ::device::{DeviceError, Extent, Image, Kernel, Recording, Resources, Trust, Usage};
 use bytemuck::{Pod, Zeroable};
-use engine::gpu::Gpu;
-use engine::gpu::kernel::{Extent, Kernel, Resources, Trust};
-use engine::gpu::wgsl::Source;
 use engine::gpu_scene::albedo;
+use engine::passes::wgsl::Source;
 use glam::Vec3;
 
 use support::device;
@@ -95,10 +95,10 @@ fn sample(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
 ";
 
 struct Harness {
-    gpu: Gpu,
+    gpu: Device,
     evaluate: Kernel,
     sample: Kernel,
-    albedo_table: wgpu::TextureView,
+    albedo_table: Image,
 }
 
 impl Harness {
@@ -111,11 +111,12 @@ impl Harness {
             f64::from(u8::from(energy_compensation)),
         )];
         let kernel = |entry| {
-            Kernel::new(&gpu, &source, entry, Trust::User, &constants)
+            source
+                .compile(&gpu, entry, Trust::Nothing, &constants)
                 .unwrap_or_else(|error| panic!("{error}"))
         };
         let (evaluate, sample) = (kernel("evaluate"), kernel("sample"));
-        let albedo_table = albedo::upload(&gpu);
+        let albedo_table = albedo::upload(&gpu).unwrap_or_else(|error| panic!("{error}"));
         Some(Self {
             gpu,
             evaluate,
@@ -131,26 +132,22 @@ impl Harness {
         data: &[[f32; 4]],
         threads: u32,
     ) -> Vec<[f32; 4]> {
-        let run = || {
+        let run = || -> Result<_, DeviceError> {
             let mut resources = Resources::default();
             let bytes = size_of_val(data) as u64;
-            let storage = wgpu::BufferUsages::STORAGE;
-            resources.set_buffer("data", self.gpu.empty_buffer("data", bytes, storage)?);
-            let size = size_of::<Params>() as u64;
-            let uniform = wgpu::BufferUsages::UNIFORM;
-            resources.set_buffer("params", self.gpu.empty_buffer("params", size, uniform)?);
-            resources.set_view("albedo_table", self.albedo_table.clone());
-            let queue = self.gpu.queue();
-            queue.write_buffer(resources.buffer("data"), 0, bytemuck::cast_slice(data));
-            queue.write_buffer(resources.buffer("params"), 0, bytemuck::bytes_of(params));
+            resources.set_image("albedo_table", self.albedo_table.clone());
+            let data =
+                self.gpu
+                    .filled_buffer("data", Usage::Storage, bytemuck::cast_slice(data))?;
+            resources.set_buffer("data", data);
+            let params = bytemuck::bytes_of(params);
+            let params = self.gpu.filled_buffer("params", Usage::Uniform, params)?;
+            resources.set_buffer("params", params);
             let bound = kernel.bind(&self.gpu, &resources);
-            let mut encoder = self
-                .gpu
-                .device()
-                .create_command_encoder(&Default::default());
-            bound.record(&mut encoder, Extent::Threads(threads), None);
-            queue.submit([encoder.finish()]);
-            self.gpu.read_buffer(resources.buffer("data"), 0, bytes)
+            let mut recording = Recording::new("test");
+            recording.dispatch(&bound, Extent::Threads(threads));
+            self.gpu.play(&recording)?;
+            self.gpu.read(resources.buffer("data"), 0, bytes)
         };
         bytemuck::pod_collect_to_vec(&run().unwrap_or_else(|error| panic!("{error}")))
     }

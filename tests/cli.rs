@@ -9,6 +9,12 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
+#[cfg(unix)]
+#[path = "cli/endings.rs"]
+mod endings;
+#[path = "cli/lost_work.rs"]
+mod lost_work;
+
 /// One triangle that glows, facing +Z; no other file is needed.
 const TRIANGLE: &str = r#"{
   "asset": { "version": "2.0" },
@@ -335,6 +341,43 @@ fn a_render_writes_every_output_and_nothing_else() {
 }
 
 #[test]
+fn a_texture_that_gives_no_number_is_named_once() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let write = |name: &str, text: &str| fs::write(bench.path(name), text).expect("written");
+    let broken =
+        "fn userProc() -> vec3f { return vec3f(1.0 / floor(0.0 * readAttr(WorldPos).x)); }\n";
+    write("broken.wgsl", broken);
+    let look = "[node.glow]\ntexture = 'broken'\n[material.Glow]\nemission = 'glow'\n";
+    write("broken.look.toml", look);
+    let line = "render triangle.gltf --look broken.look.toml --textures . --size 16x16 --spp 4 --stats-json s.json";
+    let outcome = bench.run(line).expect_code(0);
+    let named = "node `glow` (texture `broken`)";
+    assert_eq!(
+        outcome.stderr.matches(named).count(),
+        1,
+        "{}",
+        outcome.stderr
+    );
+    assert_eq!(
+        outcome.stderr.matches("warning").count(),
+        1,
+        "{}",
+        outcome.stderr
+    );
+    let stats = fs::read_to_string(bench.path("s.json")).expect("a file");
+    let stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
+    let stats = &stats["stats"];
+    assert_eq!(stats["non_finite_node"]["node"], "glow");
+    assert_eq!(stats["non_finite_node"]["texture"], "broken");
+    for count in ["non_finite_hits", "invalid_samples"] {
+        assert!(stats[count].as_u64().is_some_and(|n| n > 0), "{count}");
+    }
+}
+
+#[test]
 fn textures_are_compared_with_plain_gray() {
     if !device() {
         return;
@@ -346,7 +389,7 @@ fn textures_are_compared_with_plain_gray() {
             "bench textures --size 16x16 --spp 1 --runs 1 --max-depth 1 --ao-rays 4 --json t.json --textures {textures}"
         ))
         .expect_code(0);
-    assert!(outcome.stdout.contains("over gray"), "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("over grey"), "{}", outcome.stdout);
     let text = fs::read_to_string(bench.path("t.json")).expect("it was written");
     let report: serde_json::Value = serde_json::from_str(&text).expect("it is JSON");
     let rows = report["results"].as_array().expect("there are rows");
@@ -516,36 +559,30 @@ fn without_outputs_the_picture_is_named_after_the_scene() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_picture() {
+fn the_same_seed_gives_the_same_files() {
     if !device() {
         return;
     }
     let bench = Bench::new();
-    for (name, seed) in [("a", 7), ("b", 7), ("c", 8)] {
-        bench
-            .run(&format!(
-                "render triangle.gltf --size 32x32 --spp 2 --seed {seed} -o {name}.exr"
-            ))
-            .expect_code(0);
+    const KINDS: [&str; 4] = ["exr", "png", "jpg", "patina-film"];
+    // The names of inputs and outputs are in the files, or not: outputs differ in their folder.
+    for (folder, seed, threads) in [("a", 7, "1"), ("b", 7, "2"), ("c", 7, "5"), ("d", 8, "2")] {
+        fs::create_dir(bench.path(folder)).expect("a folder");
+        let outputs = KINDS.map(|kind| format!("-o {folder}/x.{kind}")).join(" ");
+        let line = format!("render triangle.gltf --size 33x31 --spp 3 --seed {seed} {outputs}");
+        let threads = ["RAYON_NUM_THREADS", "LP_NUM_THREADS"].map(|name| (name, threads));
+        let output = bench.command(&line).envs(threads).output();
+        Outcome::of(output.expect("patina starts"), &line).expect_code(0);
     }
-    let pixels = |name| {
-        let flat = exr::prelude::read_first_flat_layer_from_file(bench.path(name)).expect("an EXR");
-        let channels = flat.layer_data.channel_data.list;
-        channels
-            .iter()
-            .flat_map(|channel| channel.sample_data.values_as_f32())
-            .collect::<Vec<f32>>()
+    let bytes = |folder, kind| {
+        let path = bench.path(folder).join(format!("x.{kind}"));
+        fs::read(path).expect("it was written")
     };
-    let largest_difference = |a, b| {
-        let pairs = pixels(a).into_iter().zip(pixels(b));
-        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
-    };
-    // The order of additions may differ from run to run, hence not bit by bit.
-    assert!(largest_difference("a.exr", "b.exr") < 1.0e-5);
-    assert!(
-        largest_difference("a.exr", "c.exr") > 0.1,
-        "the triangle's edges are sampled elsewhere"
-    );
+    for kind in KINDS {
+        assert!(bytes("a", kind) == bytes("b", kind), "{kind}");
+        assert!(bytes("a", kind) == bytes("c", kind), "{kind}");
+        assert!(bytes("a", kind) != bytes("d", kind), "{kind}");
+    }
 }
 
 #[cfg(unix)]
@@ -575,7 +612,8 @@ fn ctrl_c_writes_what_has_been_rendered() {
         assert!(kill.success(), "the render must still be running");
         let output = child.wait_with_output().expect("patina ends");
         let outcome = Outcome::of(output, line);
-        if outcome.code == Some(0) {
+        assert_eq!(outcome.code, Some(130), "{}", outcome.stderr);
+        if bench.path("a.png").exists() {
             assert!(outcome.stderr.contains("interrupted"), "{}", outcome.stderr);
             assert_eq!(bench.files(), ["a.png", "triangle.gltf"]);
             return;
@@ -600,7 +638,7 @@ fn parts_of_a_picture_are_merged_to_exactly_the_whole() {
             "render triangle.gltf --size 33x17 --max-depth 2 {flags}"
         ))
     };
-    render("--spp 11 -o whole.png -o whole.patina-film").expect_code(0);
+    render("--spp 11 -o whole.png -o whole.exr -o whole.patina-film").expect_code(0);
     for (name, range) in [("a", "0..2"), ("b", "2..9"), ("c", "9..11"), ("d", "8..10")] {
         render(&format!("--sample-range {range} -o {name}.patina-film")).expect_code(0);
     }
@@ -614,6 +652,7 @@ fn parts_of_a_picture_are_merged_to_exactly_the_whole() {
         .expect_code(0);
     let bytes = |name| fs::read(bench.path(name)).expect("it was written");
     assert!(bytes("whole.png") == bytes("m.png"));
+    assert!(bytes("whole.exr") == bytes("merged.exr"));
     assert!(bytes("whole.patina-film") == bytes("merged.patina-film"));
 
     let whole = bytes("c.patina-film");
@@ -623,7 +662,7 @@ fn parts_of_a_picture_are_merged_to_exactly_the_whole() {
     changed[middle] ^= 1;
     fs::write(bench.path("changed.patina-film"), changed).expect("written");
     for (parts, mentions) in [
-        ("a b d c", "samples 8..9 are in two of the parts"),
+        ("a b d c", "samples 8..9 are in two of the partial renders"),
         ("a b other", "seed is 1, but in the parts before it 0"),
         ("a short", "wrong length"),
         ("a changed", "checksum"),
@@ -641,4 +680,102 @@ fn parts_of_a_picture_are_merged_to_exactly_the_whole() {
         .run("merge triangle.gltf -o refused.exr")
         .expect_error(1, "no film of Patina");
     assert!(!bench.path("refused.exr").exists());
+}
+
+/// Runs the program and fails where it doesn't end.
+#[cfg(unix)]
+fn ends(bench: &Bench, line: &str) -> Outcome {
+    let mut child = bench
+        .command(line)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("patina starts");
+    let start = std::time::Instant::now();
+    while child.try_wait().expect("it is ours").is_none() {
+        if start.elapsed().as_secs() > 60 {
+            child.kill().expect("it is ours");
+            panic!("patina {line} hangs");
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    Outcome::of(child.wait_with_output().expect("it has ended"), line)
+}
+
+/// A pipe that nothing is written into would be waited for, and a device may never end.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused_as_inputs_of_every_kind() {
+    let bench = Bench::new();
+    let pipe = Command::new("mkfifo").arg(bench.path("pipe")).status();
+    assert!(pipe.expect("mkfifo starts").success());
+    std::os::unix::fs::symlink("/dev/zero", bench.path("zero")).expect("a link");
+    for (name, kind) in [("pipe", "a named pipe"), ("zero", "a device")] {
+        for extension in ["glb", "wgsl", "look.toml", "patina-film"] {
+            let link = bench.path(&format!("{name}.{extension}"));
+            std::os::unix::fs::symlink(bench.path(name), link).expect("a link");
+        }
+        let write = |file: &str, text: String| fs::write(bench.path(file), text).expect("written");
+        let buffer = TRIANGLE.split_once("\"data:").expect("its buffer").0;
+        write("buffer.gltf", format!("{buffer}\"{name}\"}}]}}"));
+        let image = format!(
+            r#""images": [{{ "uri": "{name}" }}], "textures": [{{ "source": 0 }}],
+            "materials": [{{ "emissiveTexture": {{ "index": 0 }}, "#
+        );
+        write(
+            "image.gltf",
+            TRIANGLE.replacen(r#""materials": [{ "#, &image, 1),
+        );
+        write(
+            "include.look.toml",
+            format!("[[include]]\nfile = '{name}'\n"),
+        );
+        write(
+            "environment.look.toml",
+            format!("environment = {{ image = '{name}' }}\n"),
+        );
+        for line in [
+            format!("render {name}.glb -o a.png"),
+            "render buffer.gltf -o a.png".to_owned(),
+            "render image.gltf -o a.png".to_owned(),
+            format!("render triangle.gltf --look {name}.look.toml -o a.png"),
+            "render triangle.gltf --look include.look.toml -o a.png".to_owned(),
+            "render triangle.gltf --look environment.look.toml -o a.png".to_owned(),
+            format!("merge {name}.patina-film -o a.png"),
+        ] {
+            ends(&bench, &line).expect_error(1, kind);
+        }
+        // What is wrong with textures is the result of a check.
+        let checked = ends(&bench, &format!("texture check {name}.wgsl")).expect_code(1);
+        assert!(checked.stdout.contains(kind), "{}", checked.stdout);
+    }
+}
+
+/// Where memory was taken for what is there once, or for nothing, the limit would end the program.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_small_address_space_suffices_for_inputs_that_hold_little() {
+    const KIBIBYTES: u32 = 1_500_000;
+    let bench = Bench::new();
+    let buffer = fs::File::create(bench.path("large.bin")).expect("a file");
+    buffer.set_len(16 << 20).expect("it grows");
+    let buffers = vec![r#"{"uri":"large.bin","byteLength":16777216}"#; 1000].join(",");
+    let scene = |members: &str| format!(r#"{{"asset":{{"version":"2.0"}},{members}}}"#);
+    let write = |name: &str, text: String| fs::write(bench.path(name), text).expect("written");
+    write("buffers.gltf", scene(&format!(r#""buffers":[{buffers}]"#)));
+    let list = "[],".repeat(64 << 20 >> 2);
+    write("json.gltf", scene(&format!(r#""extras":[{list}0]"#)));
+    for name in ["buffers.gltf", "json.gltf"] {
+        let line = format!(
+            "ulimit -v {KIBIBYTES}; exec {} render {name} -o a.png",
+            env!("CARGO_BIN_EXE_patina")
+        );
+        let run = Command::new("sh")
+            .args(["-c", &line])
+            .current_dir(&bench.dir)
+            .env("PATINA_CACHE", "off")
+            .output();
+        // All of it could be read; there is nothing in it.
+        Outcome::of(run.expect("sh starts"), name).expect_error(1, "nothing to render");
+    }
 }

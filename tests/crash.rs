@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use engine::gpu::{DeviceChoice, Gpu};
+use ::device::{Device, DeviceChoice, DeviceOptions};
 
 fn names(folder: &Path) -> Vec<String> {
     let Ok(entries) = std::fs::read_dir(folder) else {
@@ -93,7 +93,9 @@ fn compiled_pipelines_are_kept_where_the_device_offers_it() {
         return;
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let gpu = Gpu::with_cache(&DeviceChoice::Best, Some(folder.path())).expect("there is one");
+    let gpu =
+        Device::open_with(&DeviceOptions::new(&DeviceChoice::Best).with_cache(Some(folder.path())))
+            .expect("there is one");
     gpu.save_cache().expect("the folder can be written");
     let files = names(folder.path());
     if !gpu.has_cache() {
@@ -110,10 +112,13 @@ fn compiled_pipelines_are_kept_where_the_device_offers_it() {
         whole[..whole.len() / 2].to_vec(),
     ] {
         std::fs::write(&file, broken).expect("written");
-        let gpu = Gpu::with_cache(&DeviceChoice::Best, Some(folder.path())).expect("there is one");
+        let gpu = Device::open_with(
+            &DeviceOptions::new(&DeviceChoice::Best).with_cache(Some(folder.path())),
+        )
+        .expect("there is one");
         gpu.save_cache().expect("the folder can be written");
         assert_eq!(std::fs::read(&file).expect("there").len(), whole.len());
     }
-    let off = Gpu::new(&DeviceChoice::Best).expect("there is one");
+    let off = Device::best().expect("there is one");
     assert!(!off.has_cache());
 }

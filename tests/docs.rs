@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 /// README, changelog and everything in `docs/`.
 fn documents() -> Vec<PathBuf> {
@@ -37,76 +38,194 @@ fn links_lead_to_files_that_exist() {
     assert!(broken.is_empty(), "broken links:\n{}", broken.join("\n"));
 }
 
+/// A promise is as good as its test: files and tests that the page names are there.
 #[test]
-fn every_command_in_the_documents_is_understood() {
-    let mut understood = 0;
-    for document in documents() {
-        let text = fs::read_to_string(&document).expect("a document is UTF-8");
-        for line in text.lines() {
-            let Some((_, command)) = line.split_once("cargo run --release -- ") else {
+fn the_tests_of_promises_exist() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = fs::read_to_string(root.join("docs/reliability.md")).expect("part of the project");
+    let (mut missing, mut promises, mut tests) = (Vec::new(), 0, 0);
+    let rows = text.lines().filter(|line| line.starts_with("| **"));
+    for row in rows {
+        promises += 1;
+        let cell = row.trim_end_matches([' ', '|']).rsplit('|').next();
+        let names = cell.unwrap_or_default().split('`').skip(1).step_by(2);
+        let (mut file, mut source) = ("", String::new());
+        for name in names {
+            tests += 1;
+            if name.contains('/') {
+                let path = root.join(name);
+                file = name;
+                source = fs::read_to_string(&path).unwrap_or_default();
+                if !path.is_dir() && !source.contains("#[test]") {
+                    missing.push(name.to_owned());
+                }
                 continue;
-            };
-            let command = command.split('#').next().unwrap_or_default();
+            }
+            let head = format!("fn {name}()");
+            let before = source.split_once(&head).map(|(before, _)| before);
+            // Attributes stand between, and nothing else.
+            let is_test = before.is_some_and(|before| {
+                let attributes = before.rsplit(['}', ';']).next();
+                attributes.is_some_and(|attributes| attributes.contains("#[test]"))
+            });
+            if !is_test {
+                missing.push(format!("{file}: {name}"));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "no such tests:\n{}", missing.join("\n"));
+    assert!(promises > 20 && tests > 60, "{promises} promises, {tests}");
+}
+
+/// The commands that a document or a help text shows: lines of code that begin with the program's name, without what is
+/// said of them behind `#` or behind a gap.
+fn commands(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().filter_map(|line| {
+        let code = line.strip_prefix("  ")?.trim_start();
+        let code = code.strip_prefix("$ ").unwrap_or(code);
+        let command = code.strip_prefix("patina ")?;
+        let command = command.split(" #").next().unwrap_or_default();
+        let command = command.split("  ").next().unwrap_or_default();
+        Some(command.trim_end())
+    })
+}
+
+/// Words as a shell makes them, with what is between double quotes as one.
+fn words(command: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    for (index, part) in command.split('"').enumerate() {
+        let mut pieces = part.split(if index % 2 == 0 { ' ' } else { '"' });
+        let word = words.last_mut().expect("never empty");
+        word.push_str(pieces.next().unwrap_or_default());
+        words.extend(pieces.map(str::to_owned));
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+fn patina(words: &[String], folder: &Path) -> Result<String, String> {
+    let output = Command::new(env!("CARGO_BIN_EXE_patina"))
+        .args(words)
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .output()
+        .expect("patina starts");
+    match output.status.success() {
+        true => Ok(String::from_utf8_lossy(&output.stdout).into_owned()),
+        false => Err(String::from_utf8_lossy(&output.stderr).into_owned()),
+    }
+}
+
+#[test]
+fn every_command_in_documents_and_help_is_understood() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let helps = ["", "bench", "texture", "view", "watch"]
+        .map(|folder| root.join("src").join(folder).join("args.rs"));
+    let mut understood = 0;
+    for document in documents().into_iter().chain(helps) {
+        let text = fs::read_to_string(&document).expect("a document is UTF-8");
+        // As a program's source writes quotes.
+        let text = text.replace("\\\"", "\"");
+        for command in commands(&text) {
             // With `--help` at the end the flags before it are parsed and nothing is done.
-            let output = std::process::Command::new(env!("CARGO_BIN_EXE_patina"))
-                .args(command.split_whitespace())
-                .arg("--help")
-                .output()
-                .expect("patina starts");
-            assert!(
-                output.status.success(),
-                "{}: {line}\n{}",
-                document.display(),
-                String::from_utf8_lossy(&output.stderr)
-            );
+            let mut words = words(command);
+            words.push("--help".to_owned());
+            if let Err(error) = patina(&words, root) {
+                panic!("{}: patina {command}\n{error}", document.display());
+            }
             understood += 1;
         }
     }
-    assert!(understood > 3, "the README shows commands");
+    assert!(understood > 40, "there are many commands: {understood}");
 }
 
-/// The first block of a language in the README.
-fn readme_block(language: &str) -> String {
-    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
-    let text = fs::read_to_string(readme).expect("the README is UTF-8");
-    let (_, block) = text
-        .split_once(&format!("```{language}\n"))
-        .expect("the README has such a block");
-    let (block, _) = block.split_once("```").expect("the block ends");
-    block.to_owned()
-}
-
+/// The README is followed from top to bottom in a folder with the example scene: blocks of code are saved under the name
+/// that was said last, commands are run, at a small size and with few samples.
 #[test]
-fn the_readmes_texture_and_look_work_as_they_stand() {
-    let dir = tempfile::tempdir().expect("a temporary folder");
-    let write = |name: &str, text: &str| {
-        let path = dir.path().join(name);
-        fs::write(&path, text).expect("a file");
-        path
-    };
-    let scene = write("helmet.gltf", HELMET);
-    let look = write("helmet.look.toml", &readme_block("toml"));
-    write("stripes.wgsl", &readme_block("wgsl"));
-    let loaded = engine::load::load(&scene, Some(&look), &[dir.path().to_owned()]);
-    if let Err(error) = loaded {
-        panic!("the README misleads its readers:\n{error}");
+fn the_readme_works_in_its_order() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let desk = tempfile::tempdir().expect("a temporary folder");
+    let demo = desk.path().join("examples/demo");
+    fs::create_dir_all(&demo).expect("a folder");
+    for file in fs::read_dir(root.join("examples/demo")).expect("part of the project") {
+        let file = file.expect("an entry");
+        fs::copy(file.path(), demo.join(file.file_name())).expect("a copy");
+    }
+    let renders = device();
+    let text = fs::read_to_string(root.join("README.md")).expect("the README is UTF-8");
+    let (mut saved, mut run, mut block) = (0, 0, None);
+    let mut name = "";
+    for line in text.lines() {
+        if let Some(mut lines) = block.take() {
+            if line == "```" {
+                fs::write(desk.path().join(name), lines).expect("the folder has been made");
+                saved += 1;
+            } else {
+                lines += line;
+                lines += "\n";
+                block = Some(lines);
+            }
+        } else if line.starts_with("```") {
+            block = Some(String::new());
+        } else if let Some(command) = commands(line).next() {
+            let mut words = words(command);
+            let rendering = ["render", "watch", "view", "merge", "devices"];
+            let renders_now = rendering.contains(&words[0].as_str()) || {
+                ["eval", "preview"].contains(&words[1].as_str())
+            };
+            match words[0].as_str() {
+                "render" => shrink(&mut words),
+                // They don't end by themselves, or need a display.
+                "watch" | "view" => words.push("--help".to_owned()),
+                _ => {}
+            }
+            if renders || !renders_now {
+                if let Err(error) = patina(&words, desk.path()) {
+                    panic!("README.md: patina {command}\n{error}");
+                }
+                run += 1;
+            }
+        } else {
+            let file = |word: &&str| word.ends_with(".wgsl") || word.ends_with(".toml");
+            name = line.split('`').rfind(file).unwrap_or(name);
+        }
+    }
+    assert!(saved == 2 && run > 1, "{saved} files, {run} commands");
+    if renders {
+        for picture in [
+            "valve.png",
+            "valve.exr",
+            "whole.exr",
+            "stripes.png",
+            "striped.png",
+        ] {
+            assert!(desk.path().join(picture).is_file(), "{picture}");
+        }
+        let shown = |name: &str| fs::read(desk.path().join(name)).expect("a picture");
+        assert!(
+            shown("valve.png") != shown("striped.png"),
+            "the look is seen"
+        );
     }
 }
 
-/// A triangle of the material the README's look drives.
-const HELMET: &str = r#"{
-  "asset": { "version": "2.0" },
-  "scene": 0,
-  "scenes": [{ "nodes": [0] }],
-  "nodes": [{ "mesh": 0 }],
-  "materials": [{ "name": "Helmet" }],
-  "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
-  "accessors": [{
-    "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]
-  }],
-  "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
-  "buffers": [{
-    "byteLength": 36,
-    "uri": "data:application/octet-stream;base64,AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAA"
-  }]
-}"#;
+/// Makes a render small.
+fn shrink(words: &mut Vec<String>) {
+    for (flag, value) in [("--size", "48x27"), ("--spp", "1")] {
+        if let Some(at) = words.iter().position(|word| word == flag) {
+            words[at + 1] = value.to_owned();
+        } else if flag == "--size" || !words.iter().any(|word| word == "--sample-range") {
+            words.extend([flag.to_owned(), value.to_owned()]);
+        }
+    }
+}
+
+/// Whether this machine can render; says so where it can't.
+fn device() -> bool {
+    let found = patina(&["devices".to_owned()], Path::new("."));
+    if let Err(why) = &found {
+        assert!(std::env::var_os("PATINA_REQUIRE_DEVICE").is_none(), "{why}");
+        eprintln!("no device can render: only the commands that need none are run");
+    }
+    found.is_ok()
+}

@@ -8,8 +8,8 @@ mod support;
 
 use std::f32::consts::PI;
 
+use ::device::Device;
 use engine::film::Film;
-use engine::gpu::Gpu;
 use engine::procedural::TextureSources;
 use engine::scene::{Camera, LightKind, Material, Projection, PunctualLight, Scene};
 use glam::{Vec2, Vec3};
@@ -77,7 +77,7 @@ fn sources() -> TextureSources {
     sources
 }
 
-fn view(gpu: &Gpu, scene: &mut Scene, look: &str, camera: &Camera, shot: Shot) -> Film {
+fn view(gpu: &Device, scene: &mut Scene, look: &str, camera: &Camera, shot: Shot) -> Film {
     let procedural = textured(scene, look, &sources());
     render_textured(gpu, scene, &procedural, camera, shot)
 }
@@ -207,7 +207,7 @@ fn every_input_can_be_driven() {
             "metallic=1.0\nroughness=0.3\nanisotropy=0.8",
             "anisotropy_rotation",
             "30.0",
-            "[0.5235988, 0.0, 0.0]",
+            "[30.0, 0.0, 0.0]",
         ),
         (
             "metallic=1.0\nroughness=0.3",
@@ -457,7 +457,7 @@ fn sun(direction: Vec3) -> PunctualLight {
 }
 
 /// A white floor under a sun, seen from above; direct light only.
-fn sunlit(gpu: &Gpu, direction: Vec3, look: &str) -> Film {
+fn sunlit(gpu: &Device, direction: Vec3, look: &str) -> Film {
     let mut room = scene([(floor(2.0), lambert(Vec3::ONE))], Vec3::ZERO);
     room.lights.push(sun(direction));
     let shot = Shot {

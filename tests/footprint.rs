@@ -7,7 +7,7 @@ mod support;
 
 use std::path::Path;
 
-use engine::gpu::Gpu;
+use ::device::Device;
 use engine::procedural::TextureSources;
 use engine::scene::{Material, Projection};
 use glam::Vec3;
@@ -68,7 +68,7 @@ fn perspective() -> Projection {
 
 /// What each pixel of a plane shows with so many features of the pattern in a pixel, and without fading if asked.
 fn pixels(
-    gpu: &Gpu,
+    gpu: &Device,
     case: &Case,
     features: f32,
     fades: bool,

@@ -7,7 +7,7 @@ mod support;
 
 use std::path::Path;
 
-use engine::gpu::Gpu;
+use ::device::Device;
 use engine::procedural::TextureSources;
 use engine::renderer::Renderer;
 use engine::scene::Material;
@@ -200,7 +200,7 @@ fn sources() -> TextureSources {
 }
 
 /// What each pixel shows, by rows.
-fn shown(gpu: &Gpu, node: &str) -> Vec<[f32; 3]> {
+fn shown(gpu: &Device, node: &str) -> Vec<[f32; 3]> {
     let surface = Material {
         unlit: true,
         ..Material::default()

@@ -8,13 +8,13 @@ mod support;
 
 use std::f32::consts::PI;
 
+use ::device::Device;
+use ::device::{Extent, Recording, Resources, Trust, Usage};
 use bytemuck::{Pod, Zeroable};
 use engine::film::Film;
 use engine::frame::Frame;
-use engine::gpu::Gpu;
-use engine::gpu::kernel::{Extent, Kernel, Resources, Trust};
-use engine::gpu::wgsl::Source;
 use engine::gpu_scene::GpuScene;
+use engine::passes::wgsl::Source;
 use engine::procedural::TextureReads;
 use engine::renderer::RenderSettings;
 use engine::scene::{
@@ -109,7 +109,7 @@ fn distant(@builtin(global_invocation_id) id: vec3u) {
 ";
 
 struct Harness {
-    gpu: Gpu,
+    gpu: Device,
     source: Source,
     resources: Resources,
     scene: GpuScene,
@@ -126,16 +126,14 @@ impl Harness {
             .unwrap_or_else(|error| panic!("{error}"));
         let settings = RenderSettings::new(1, 1, &from_above(1.0, 1.0));
         let frame = Frame::new(&settings, 64, &scene);
-        let uniform = wgpu::BufferUsages::UNIFORM;
         for (name, size) in [
             ("frame", size_of::<Frame>()),
             ("params", size_of::<Params>()),
         ] {
-            let buffer = gpu.empty_buffer(name, size as u64, uniform);
+            let buffer = gpu.buffer(name, Usage::Uniform, size as u64);
             resources.set_buffer(name, buffer.unwrap_or_else(|error| panic!("{error}")));
         }
-        gpu.queue()
-            .write_buffer(resources.buffer("frame"), 0, bytemuck::bytes_of(&frame));
+        gpu.write(resources.buffer("frame"), 0, bytemuck::bytes_of(&frame));
         Some(Self {
             gpu,
             source,
@@ -150,25 +148,25 @@ impl Harness {
                 "has_environment",
                 f64::from(u8::from(self.scene.features.environment)),
             )];
-            let kernel = Kernel::new(&self.gpu, &self.source, entry, Trust::User, &constants)?;
+            let kernel = self
+                .source
+                .compile(&self.gpu, entry, Trust::Nothing, &constants)?;
             let mut resources = self.resources.clone();
             let bytes = size_of_val(data) as u64;
-            let storage = wgpu::BufferUsages::STORAGE;
-            resources.set_buffer("data", self.gpu.empty_buffer("data", bytes, storage)?);
-            let queue = self.gpu.queue();
-            queue.write_buffer(resources.buffer("data"), 0, bytemuck::cast_slice(data));
-            queue.write_buffer(resources.buffer("params"), 0, bytemuck::bytes_of(&params));
+            let data =
+                self.gpu
+                    .filled_buffer("data", Usage::Storage, bytemuck::cast_slice(data))?;
+            resources.set_buffer("data", data);
+            self.gpu
+                .write(resources.buffer("params"), 0, bytemuck::bytes_of(&params));
             let bound = kernel.bind(&self.gpu, &resources);
-            let mut encoder = self
-                .gpu
-                .device()
-                .create_command_encoder(&Default::default());
-            bound.record(&mut encoder, Extent::Threads(threads), None);
-            queue.submit([encoder.finish()]);
-            self.gpu.read_buffer(resources.buffer("data"), 0, bytes)
+            let mut recording = Recording::new("test");
+            recording.dispatch(&bound, Extent::Threads(threads));
+            self.gpu.play(&recording)?;
+            self.gpu.read(resources.buffer("data"), 0, bytes)
         };
         bytemuck::pod_collect_to_vec(
-            &run().unwrap_or_else(|error: engine::gpu::GpuError| panic!("{error}")),
+            &run().unwrap_or_else(|error: ::device::DeviceError| panic!("{error}")),
         )
     }
 }

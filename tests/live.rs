@@ -6,8 +6,8 @@ mod support;
 
 use std::path::Path;
 
+use ::device::Device;
 use engine::film::Film;
-use engine::gpu::Gpu;
 use engine::procedural::TextureSources;
 use engine::renderer::Renderer;
 use engine::scene::look::AoSettings;
@@ -191,7 +191,7 @@ fn view() -> Camera {
 }
 
 /// The picture of a state by a renderer that knew no other.
-fn fresh(gpu: &Gpu, state: &State) -> Film {
+fn fresh(gpu: &Device, state: &State) -> Film {
     let mut scene = bare_scene();
     let procedural = textured(&mut scene, &state.look(), &sources());
     render_textured(gpu, &scene, &procedural, &view(), SHOT)
@@ -217,7 +217,7 @@ fn edits_change_the_picture_and_make_no_pipeline() {
     let mut renderer = Renderer::new(&gpu, &scene, &procedural, &settings(&view(), SHOT))
         .unwrap_or_else(|error| panic!("{error}"));
     let first = picture(&mut renderer);
-    let made = |gpu: &Gpu| (gpu.pipelines_created(), gpu.shader_modules_created());
+    let made = |gpu: &Device| (gpu.counts().pipelines, gpu.counts().shader_modules);
     let before = made(&gpu);
     assert!(before.0 > 0 && before.1 > 0, "the counters count");
 

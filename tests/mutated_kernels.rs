@@ -1,34 +1,22 @@
 //! What texgen accepts, the device accepts: mutated textures that pass its checks are built into the kernel that really
 //! runs, by the driver. With `PATINA_FULL` set there are many more of them.
 
-#[path = "../texgen/tests/suite/mutate.rs"]
-mod mutate;
 #[expect(dead_code, reason = "other tests use the rest")]
 mod support;
 
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use engine::gpu_scene::SceneFeatures;
 use engine::passes::proctex::{self, TextureForm};
-use engine::procedural::TextureSources;
+use fuzzing::{WGSL, mutate::Random};
 use texgen::{Library, SourceFile, TextureType};
-
-use mutate::{RICH, Random, mutate};
 
 #[test]
 fn what_texgen_accepts_the_device_accepts() {
     let Some(gpu) = support::device::open() else {
         return;
     };
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("user_textures");
-    let sources = TextureSources::scan(&[folder]).unwrap_or_else(|error| panic!("{error}"));
-    let mut texts: Vec<String> = sources
-        .names()
-        .filter_map(|name| sources.read(name)?.ok())
-        .map(|file| file.text().to_owned())
-        .collect();
-    texts.extend([RICH, RICH, RICH].map(str::to_owned));
+    let seeds = (WGSL.seeds)();
     let features = SceneFeatures {
         programs: true,
         textures: true,
@@ -43,7 +31,8 @@ fn what_texgen_accepts_the_device_accepts() {
     let (start, mut built) = (Instant::now(), 0);
     let mut together: Vec<TextureType> = Vec::new();
     while start.elapsed() < budget {
-        let text = mutate(&texts[random.below(texts.len())], &mut random);
+        let seed = &seeds[random.below(seeds.len())];
+        let text = String::from_utf8((WGSL.mutate)(seed, &mut random)).expect("a text");
         let name = format!("mutated {}", together.len());
         let Ok(texture) = TextureType::parse(SourceFile::new(name.clone(), name, text)) else {
             continue;

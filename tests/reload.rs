@@ -4,8 +4,8 @@
 #[expect(dead_code, reason = "other tests use the rest")]
 mod support;
 
+use ::device::Device;
 use engine::film::Film;
-use engine::gpu::Gpu;
 use engine::procedural::{Output, Procedural, TextureSources};
 use engine::renderer::{ReloadError, Renderer};
 use engine::scene::{Camera, Projection, Scene};
@@ -84,12 +84,12 @@ fn built(look: &str, textures: &[(&str, &str)]) -> (Scene, Procedural) {
 }
 
 /// The picture of a look and its textures by a renderer that knew no others.
-fn fresh(gpu: &Gpu, look: &str, textures: &[(&str, &str)]) -> Film {
+fn fresh(gpu: &Device, look: &str, textures: &[(&str, &str)]) -> Film {
     let (scene, procedural) = built(look, textures);
     render_textured(gpu, &scene, &procedural, &view(), SHOT)
 }
 
-fn renderer(gpu: &Gpu) -> Renderer {
+fn renderer(gpu: &Device) -> Renderer {
     let (scene, procedural) = built(LOOK, &[("rings", RINGS), ("tint", TINT)]);
     Renderer::new(gpu, &scene, &procedural, &settings(&view(), SHOT))
         .unwrap_or_else(|error| panic!("{error}"))
@@ -115,7 +115,7 @@ fn the_new_kernel_gives_the_picture_of_the_new_source() {
     let Some(gpu) = device::open() else { return };
     let mut renderer = renderer(&gpu);
     let old = picture(&mut renderer);
-    let before = (gpu.pipelines_created(), gpu.shader_modules_created());
+    let before = (gpu.counts().pipelines, gpu.counts().shader_modules);
 
     let reload = renderer.begin_reload(vec![file("rings", SQUARES)]);
     // Whether or not it is done meanwhile: the old one renders until it is told to finish.
@@ -133,7 +133,7 @@ fn the_new_kernel_gives_the_picture_of_the_new_source() {
 
     let new = picture(&mut renderer);
     assert_eq!(
-        (gpu.pipelines_created(), gpu.shader_modules_created()),
+        (gpu.counts().pipelines, gpu.counts().shader_modules),
         (before.0 + 1, before.1 + 1),
         "one pipeline, one shader module"
     );
@@ -157,7 +157,7 @@ fn a_wrong_texture_is_reported_and_changes_nothing() {
     let Some(gpu) = device::open() else { return };
     let mut renderer = renderer(&gpu);
     let old = picture(&mut renderer);
-    let before = gpu.pipelines_created();
+    let before = gpu.counts().pipelines;
     for (name, text, parts) in [
         (
             "rings",
@@ -187,7 +187,7 @@ fn a_wrong_texture_is_reported_and_changes_nothing() {
             assert!(error.to_string().contains(part), "{part:?}: {error}");
         }
     }
-    assert_eq!(gpu.pipelines_created(), before);
+    assert_eq!(gpu.counts().pipelines, before);
     assert!(
         is_same(&old, &picture(&mut renderer)),
         "not even started anew"
@@ -231,12 +231,12 @@ fn an_added_texture_can_be_wired_while_rendering() {
     renderer
         .finish_reload(reload)
         .unwrap_or_else(|error| panic!("{error}"));
-    let before = gpu.pipelines_created();
+    let before = gpu.counts().pipelines;
     renderer
         .add_node("new", "extra")
         .and_then(|()| renderer.set_output_link("material 1", Output::Metallic, Some("new")))
         .unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(gpu.pipelines_created(), before);
+    assert_eq!(gpu.counts().pipelines, before);
     let look = LOOK.replace(
         "roughness = \"rings\"",
         "roughness = \"rings\"\nmetallic = \"new\"\n[node.new]\ntexture = \"extra\"",
@@ -277,12 +277,12 @@ fn a_renderer_without_programs_takes_new_textures_too() {
     let (scene, procedural) = built(look, &[("rings", RINGS)]);
     let mut renderer = Renderer::new(&gpu, &scene, &procedural, &settings(&view(), SHOT))
         .unwrap_or_else(|error| panic!("{error}"));
-    let before = gpu.pipelines_created();
+    let before = gpu.counts().pipelines;
     let reload = renderer.begin_reload(vec![file("rings", SQUARES)]);
     renderer
         .finish_reload(reload)
         .unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(gpu.pipelines_created(), before, "there is nothing to build");
+    assert_eq!(gpu.counts().pipelines, before, "there is nothing to build");
     renderer
         .set_output_link("material 0", Output::Roughness, Some("rings"))
         .unwrap_or_else(|error| panic!("{error}"));

@@ -4,7 +4,7 @@
 //! where `PATINA_REQUIRE_DEVICE` is set.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use serde_json::Value;
@@ -43,7 +43,12 @@ impl Desk {
 
     #[track_caller]
     fn run(&self, line: &str, code: i32) -> Outcome {
-        let output = Command::new(env!("CARGO_BIN_EXE_patina"))
+        self.run_program(env!("CARGO_BIN_EXE_patina").as_ref(), line, code)
+    }
+
+    #[track_caller]
+    fn run_program(&self, program: &Path, line: &str, code: i32) -> Outcome {
+        let output = Command::new(program)
             .args(line.split_whitespace())
             .current_dir(&self.dir)
             .stdin(Stdio::null())
@@ -372,8 +377,8 @@ fn values_are_those_of_the_formula() {
 
 #[test]
 fn many_points_are_evaluated_at_once_by_the_library() {
+    use ::device::Device;
     use engine::evaluate::{Evaluator, Point};
-    use engine::gpu::{DeviceChoice, Gpu};
 
     if !device() {
         return;
@@ -382,13 +387,13 @@ fn many_points_are_evaluated_at_once_by_the_library() {
         "square.wgsl",
         "fn userProc(k: f32) -> f32 { let x = readAttr(TexCoord0).x; return k * x * x; }",
     );
-    let gpu = Gpu::new(&DeviceChoice::Best).expect("there is a device");
+    let gpu = Device::best().expect("there is a device");
     let mut square = Evaluator::of_file(&gpu, &desk.path("square.wgsl")).expect("a good texture");
     square.set("k", "2").expect("a number");
     let points: Vec<Point> = (0..70_000)
         .map(|i| Point::new().with("TexCoord0", &[i as f32]))
         .collect();
-    let before = gpu.pipelines_created();
+    let before = gpu.counts().pipelines;
     let values = square.evaluate(&points).expect("values");
     assert_eq!(values.len(), points.len());
     for (i, value) in values.iter().enumerate() {
@@ -401,7 +406,7 @@ fn many_points_are_evaluated_at_once_by_the_library() {
     let again = square.evaluate(&points[..3]).expect("values");
     assert_eq!(again[2], [12.0; 4]);
     assert_eq!(
-        gpu.pipelines_created(),
+        gpu.counts().pipelines,
         before + 1,
         "one kernel does for all"
     );
@@ -529,3 +534,47 @@ const TRIANGLE: &str = r#"{
     "uri": "data:application/octet-stream;base64,AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAA"
   }]
 }"#;
+
+#[test]
+fn standard_textures_are_part_of_the_program() {
+    let desk = Desk::new();
+    // Elsewhere than in the checkout, whose folder would win.
+    let program = desk.path("patina");
+    let built = Path::new(env!("CARGO_BIN_EXE_patina"));
+    fs::hard_link(built, &program)
+        .or_else(|_| fs::copy(built, &program).map(drop))
+        .expect("the program can be copied");
+    let run = |line: &str, code: i32| desk.run_program(&program, line, code);
+
+    let list = run("texture list", 0).stdout;
+    assert!(list.contains("fbm -> f32  (built in)"), "{list}");
+    let objects = json(&run("texture list --message-format json", 0).stdout);
+    let fbm = objects.iter().find(|object| object["name"] == "fbm");
+    let fbm = fbm.expect("it is listed");
+    assert_eq!(fbm["built_in"], true);
+    assert_eq!(fbm["file"], "<built-in>/fbm.wgsl");
+
+    run("texture check <built-in>/fbm.wgsl", 0);
+    run("texture check", 0);
+    let kernel = run("texture inspect fbm --part kernel", 0).stdout;
+    assert!(kernel.contains("<built-in>/fbm.wgsl"), "{kernel}");
+    run("texture new mine --from fbm", 0);
+    let copy = fs::read_to_string(desk.path("user_textures/mine.wgsl")).expect("a copy");
+    assert!(copy.contains("fn userProc("), "{copy}");
+    let error = run("texture new other --from fmb", 1).stderr;
+    assert!(error.contains("did you mean `fbm`?"), "{error}");
+
+    let warning = run("texture new fbm", 0).stderr;
+    assert!(
+        warning.contains("standard texture of this name"),
+        "{warning}"
+    );
+    let list = run("texture list", 0).stdout;
+    assert!(
+        list.contains("fbm -> vec3f  (user_textures/fbm.wgsl)"),
+        "{list}"
+    );
+    fs::write(desk.path("user_textures/fbm.wgsl"), BAD).expect("a file");
+    let error = run("texture inspect fbm", 1).stderr;
+    assert!(error.contains("--> user_textures/fbm.wgsl:"), "{error}");
+}

@@ -8,10 +8,10 @@ mod support;
 
 use std::path::Path;
 
+use ::device::{Device, DeviceChoice, DeviceOptions};
 use engine::bench::forms::{Form, FormRenderer};
 use engine::bench::inspect::Inspection;
 use engine::film::Film;
-use engine::gpu::{DeviceChoice, Gpu};
 use engine::procedural::{Procedural, TextureSources};
 use engine::renderer::RenderSettings;
 use engine::scene::{AlphaMode, Instance, Material, Projection, Scene};
@@ -114,7 +114,7 @@ fn view() -> RenderSettings {
     settings(&camera, shot)
 }
 
-fn renderer(gpu: &Gpu, (scene, procedural): &(Scene, Procedural), form: Form) -> FormRenderer {
+fn renderer(gpu: &Device, (scene, procedural): &(Scene, Procedural), form: Form) -> FormRenderer {
     FormRenderer::new(gpu, scene, procedural, &view(), form)
         .unwrap_or_else(|error| panic!("{error}"))
 }
@@ -153,7 +153,7 @@ fn the_inlined_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
     let mut inlined = renderer(&gpu, &room(), Form::Inlined);
     assert_same("inlined form", &film(&mut inlined), &film(&mut stack));
 
-    let pipelines = gpu.pipelines_created();
+    let pipelines = gpu.counts().pipelines;
     let edit = |renderer: &mut FormRenderer| {
         let FormRenderer::Passes(renderer) = renderer else {
             panic!("it renders by passes");
@@ -166,9 +166,9 @@ fn the_inlined_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
             .unwrap_or_else(|error| panic!("{error}"));
     };
     edit(&mut stack);
-    assert_eq!(gpu.pipelines_created(), pipelines, "edits are data");
+    assert_eq!(gpu.counts().pipelines, pipelines, "edits are data");
     edit(&mut inlined);
-    assert_eq!(gpu.pipelines_created(), pipelines + 2, "edits are code");
+    assert_eq!(gpu.counts().pipelines, pipelines + 2, "edits are code");
     assert_same(
         "inlined form, edited",
         &film(&mut inlined),
@@ -177,15 +177,15 @@ fn the_inlined_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
 }
 
 /// A device with ray queries; `None`, with a notice, where there is none, or where it takes a minute for each kernel.
-fn open_with_ray_queries() -> Option<Gpu> {
+fn open_with_ray_queries() -> Option<Device> {
     // Whether there is a device at all is for the usual way to say.
     let usual = device::open()?;
-    if usual.is_cpu() && usual.description().ray_queries && !device::full_run() {
+    if usual.traits().compiles_slowly && usual.description().ray_queries && !device::full_run() {
         eprintln!("skipped: a software driver takes minutes for these kernels; set PATINA_FULL");
         return None;
     }
-    let has_them = |gpu: &Gpu| gpu.has_ray_queries();
-    let gpu = Gpu::with_ray_queries(&DeviceChoice::Best)
+    let has_them = |gpu: &Device| gpu.has_ray_queries();
+    let gpu = Device::open_with(&DeviceOptions::new(&DeviceChoice::Best).with_ray_queries())
         .ok()
         .filter(has_them);
     if gpu.is_none() {
@@ -216,11 +216,11 @@ fn the_ray_query_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
     assert!(queries.private_bytes() > 256);
 
     let edit = |renderer: &mut FormRenderer| {
-        let before = gpu.pipelines_created();
+        let before = gpu.counts().pipelines;
         renderer
             .set_argument("mask", "amount", Value::F32(0.9))
             .unwrap_or_else(|error| panic!("{error}"));
-        gpu.pipelines_created() - before
+        gpu.counts().pipelines - before
     };
     assert_eq!((edit(&mut stack), edit(&mut queries)), (0, 1));
     assert_same_picture(
@@ -325,7 +325,8 @@ fn a_driver_that_tells_registers_tells_them_of_every_form() {
         return;
     }
     // Kernels are compiled, none is run.
-    let gpu = Gpu::with_ray_queries(&DeviceChoice::Best).unwrap_or_else(|error| panic!("{error}"));
+    let gpu = Device::open_with(&DeviceOptions::new(&DeviceChoice::Best).with_ray_queries())
+        .unwrap_or_else(|error| panic!("{error}"));
     for form in Form::ALL {
         if form == Form::RayQuery && !gpu.has_ray_queries() {
             continue;

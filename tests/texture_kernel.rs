@@ -46,6 +46,7 @@ const TEXTURES: &[(&str, &str)] = &[
         "four",
         "fn userProc(a: vec4f, b: vec4f) -> vec4f { return a * 10.0 + b; }",
     ),
+    ("bits", "fn userProc(x: u32) -> f32 { return bitcast<f32>(x); }"),
     (
         "endless",
         "fn userProc(x: f32) -> f32 { var s = x; while x > 0.0 { s += 1.0; } return s; }",
@@ -232,7 +233,7 @@ fn programs_compute_what_the_language_promises() {
 
 /// Runs a case and compares its results; nothing may have been cut.
 fn check(case: &Case, form: Form) {
-    let Some((results, overrun)) = run(case, form) else {
+    let Some((results, faults)) = run(case, form) else {
         return;
     };
     for ((node, expected), result) in case.expected.iter().zip(&results) {
@@ -245,7 +246,7 @@ fn check(case: &Case, form: Form) {
             );
         }
     }
-    assert_eq!(overrun, 0.0);
+    assert_eq!(faults, [0.0; 2]);
 }
 
 #[test]
@@ -255,7 +256,7 @@ fn an_endless_loop_is_cut_and_reported() {
     case.expect(endless, [0.0; 4]);
     let after = case.node("one", [0, 0], &[("x", Value::F32(3.0))]);
     case.expect(after, [3.0; 4]);
-    let Some((results, overrun)) = run(&case, Form::Switch) else {
+    let Some((results, [overrun, _])) = run(&case, Form::Switch) else {
         return;
     };
     assert_eq!(
@@ -267,6 +268,26 @@ fn an_endless_loop_is_cut_and_reported() {
     assert_eq!(overrun, number as f32 + 1.0);
 }
 
+#[test]
+fn the_first_node_whose_result_is_not_finite_is_told() {
+    for bits in [0x7fc0_0000, 0x7f80_0000, 0xff80_0000] {
+        let mut case = Case::new();
+        let sound = case.node("one", [0, 0], &[("x", Value::F32(2.0))]);
+        let broken = case.node("bits", [0, 0], &[("x", Value::U32(bits))]);
+        let reader = case.node("four", [0, 0], &[]);
+        case.link(reader, "a", sound, "");
+        case.link(reader, "b", broken, "");
+        case.expect(reader, [0.0; 4]);
+        for form in [Form::Switch, Form::Rounds, Form::Inlined] {
+            let Some((_, [_, told])) = run(&case, form) else {
+                return;
+            };
+            let place = case.graph.block(broken).start;
+            assert_eq!(told, place as f32 + 1.0, "{form:?}, {bits:#x}");
+        }
+    }
+}
+
 /// How the kernel comes to the textures.
 #[derive(Clone, Copy, Debug)]
 enum Form {
@@ -275,9 +296,9 @@ enum Form {
     Inlined,
 }
 
-/// Runs the program of all expected nodes in one thread; their results, and the kernel's `patina_overrun`. The graph
-/// is data, or pasted into the kernel.
-fn run(case: &Case, form: Form) -> Option<(Vec<[f32; 4]>, f32)> {
+/// Runs the program of all expected nodes in one thread; their results, and the kernel's `patina_overrun` and
+/// `patina_non_finite`. The graph is data, or pasted into the kernel.
+fn run(case: &Case, form: Form) -> Option<(Vec<[f32; 4]>, [f32; 2])> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let Ok(adapter) = wait(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
     else {
@@ -374,8 +395,8 @@ fn run(case: &Case, form: Form) -> Option<(Vec<[f32; 4]>, f32)> {
         .get_mapped_range()
         .expect("mapping has ended");
     let mut rows: Vec<[f32; 4]> = bytemuck::cast_slice(&mapped).to_vec();
-    let overrun = rows.pop().expect("one row more than roots")[0];
-    Some((rows, overrun))
+    let [overrun, non_finite, ..] = rows.pop().expect("one row more than roots");
+    Some((rows, [overrun, non_finite]))
 }
 
 /// The kernel with a host that reads the two buffers, gives slot numbers as AO, and stores all results.
@@ -411,7 +432,7 @@ fn host(kernel: &str, results: &[u32]) -> String {
 @compute @workgroup_size(1) fn main() {{
     // The inlined kernel needs no program buffer: named here, it still is a binding.
     patina_run_program(program[0] * 0u + args[0] * 0u);
-{stores}    results[{}] = vec4f(f32(patina_overrun));
+{stores}    results[{}] = vec4f(f32(patina_overrun), f32(patina_non_finite), 0.0, 0.0);
 }}",
         results.len()
     )

@@ -1,11 +1,13 @@
 //! The traversal kernel against obvhs' traversal on the CPU, over the same triangles flattened into the world: a million
-//! rays through Sponza, and a million through a mesh of awkward triangles placed by awkward transforms.
+//! rays through Sponza, and a million through a mesh of awkward triangles placed by awkward transforms. Then scenes whose
+//! hierarchies are hard to build: where everything is in the same place, and where numbers leave the range of single precision.
 
 #[expect(dead_code, reason = "other tests use the rest")]
 mod support;
 
 use std::time::Duration;
 
+use ::device::Device;
 use engine::bench::{Tracer, camera_rays, world_triangle};
 use engine::bvh::SceneBvh;
 use engine::passes::traverse::Rays;
@@ -19,7 +21,7 @@ use obvhs::triangle::Triangle;
 use rayon::prelude::*;
 
 use support::normal::Normal;
-use support::{device, shared};
+use support::{device, scenes, shared};
 
 const RAYS: usize = 1_000_000;
 /// Share of the rays that may disagree. The kernel works in object space and single precision: a ray within a few ulps
@@ -249,6 +251,108 @@ fn a_million_rays_of_sponza_agree_with_the_cpu() {
 #[test]
 fn a_million_rays_of_awkward_triangles_agree_with_the_cpu() {
     compare(&awkward_scene());
+}
+
+/// A square of two metres about the origin, seen along -z, and instances of it.
+fn squares(transforms: impl IntoIterator<Item = Affine3A>) -> Scene {
+    let mut scene = Scene::default();
+    let square = scenes::quad(Vec3::new(-1.0, -1.0, 0.0), 2.0 * Vec3::X, 2.0 * Vec3::Y);
+    scenes::add(&mut scene, square, Material::default());
+    scene.instances = (transforms.into_iter().enumerate())
+        .map(|(i, transform)| Instance {
+            name: format!("instance {i}"),
+            mesh: 0,
+            transform,
+        })
+        .collect();
+    scene
+}
+
+/// Distances along rays from z = 5 towards points of the square; infinite where nothing was hit.
+fn distances_to_square(gpu: &Device, scene: &Scene) -> Vec<f32> {
+    let tracer = Tracer::new(gpu, scene).unwrap_or_else(|error| panic!("{error}"));
+    let mut random = Normal::new(4);
+    let rays: Vec<RayHit> = (0..1000)
+        .map(|_| {
+            let mut place = || 1.8 * random.uniform() as f32 - 0.9;
+            let target = Vec3::new(place(), place(), 0.0);
+            let origin = Vec3::new(place(), place(), 5.0);
+            RayHit::new(origin, (target - origin).normalize(), FAR)
+        })
+        .collect();
+    let traced = tracer.trace(&rays, Rays::Closest);
+    let (traced, _) = traced.unwrap_or_else(|error| panic!("{error}"));
+    (traced.iter())
+        .map(|hit| match hit.triangle {
+            RayHit::MISS => f32::INFINITY,
+            _ => -hit.t_max * hit.direction.z,
+        })
+        .collect()
+}
+
+/// Were the time quadratic, these would take minutes.
+#[test]
+fn instances_in_the_same_place_are_hit() {
+    let Some(gpu) = device::open() else { return };
+    let same = squares(vec![Affine3A::IDENTITY; 20_000]);
+    let bvh = SceneBvh::build(&same).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(bvh.instance_order.len(), 20_000);
+    let coincident = squares(vec![Affine3A::IDENTITY; 300]);
+    let concentric = squares((0..1000).map(|i| Affine3A::from_scale(Vec3::splat(1.0 + i as f32))));
+    for scene in [coincident, concentric] {
+        for distance in distances_to_square(&gpu, &scene) {
+            assert!((distance - 5.0).abs() < 1e-4, "{distance}");
+        }
+    }
+}
+
+#[test]
+fn what_is_far_away_hides_nothing_that_is_near() {
+    let Some(gpu) = device::open() else { return };
+    for far in [1e10, 3.7e19, 1.7e38, -3.4e38, f32::MAX] {
+        for axis in Vec3::AXES {
+            // Behind the square, or beside it.
+            let place = Affine3A::from_translation(far * (axis - 2.0 * axis * Vec3::Z));
+            let mut scene = squares([Affine3A::IDENTITY, place]);
+            let mesh = &mut scene.meshes[0];
+            // A triangle above the square that reaches far away behind it.
+            let first = mesh.positions.len() as u32;
+            let reaching = [Vec3::X, Vec3::X * far, Vec3::NEG_Z * far.abs()];
+            mesh.positions.extend(reaching.map(|p| p + 2.0 * Vec3::Y));
+            mesh.triangles.push([first, first + 1, first + 2]);
+            mesh.normals.resize(mesh.positions.len(), Vec3::Z);
+            mesh.triangle_materials.push(0);
+            for distance in distances_to_square(&gpu, &scene) {
+                assert!((distance - 5.0).abs() < 1e-4, "{far} {axis}: {distance}");
+            }
+        }
+    }
+}
+
+#[test]
+fn hostile_scenes_have_hierarchies() {
+    let Some(folder) = shared::find("trials/reliability") else {
+        return;
+    };
+    let Some(gpu) = device::open() else { return };
+    for name in [
+        "dup300",
+        "nested1000",
+        "far-instance",
+        "far-vertex-1.7e38",
+        "far-vertex-3.7e19",
+        "gpu-201-1379-panic",
+        "gpu-201-3008-panic",
+    ] {
+        let imported = import::load(&folder.join(name).with_added_extension("glb"));
+        let scene = imported.unwrap_or_else(|error| panic!("{error}")).scene;
+        let tracer = Tracer::new(&gpu, &scene).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let camera = scene.cameras.first().cloned();
+        let camera = camera.unwrap_or_else(|| default_camera(&scene));
+        let traced = tracer.trace(&camera_rays(&camera, 16), Rays::Closest);
+        let (traced, _) = traced.unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(traced.len(), 256);
+    }
 }
 
 /// Hills with triangles that are there twice, that have no area, that are needles, or that have one side only; placed

@@ -21,13 +21,11 @@ use std::time::Instant;
 use glam::{Mat3, Vec3};
 use serde::Serialize;
 
+use device::{BoundKernel, Device, Extent, Recording, Resources, Usage};
+
 use crate::{
     bvh::SceneBvh,
     frame::Frame,
-    gpu::{
-        Gpu,
-        kernel::{BoundKernel, Extent, Resources},
-    },
     gpu_scene::GpuScene,
     passes::traverse::{self, Rays},
     procedural::TextureReads,
@@ -45,7 +43,7 @@ const SIDE: u32 = 1024;
 /// Traces rays through the kernels of a device.
 #[derive(Debug)]
 pub struct Tracer {
-    gpu: Gpu,
+    gpu: Device,
     resources: Resources,
     closest: BoundKernel,
     occlusion: BoundKernel,
@@ -56,7 +54,7 @@ impl Tracer {
     ///
     /// # Errors
     /// If it is empty or does not fit the device.
-    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, RenderError> {
+    pub fn new(gpu: &Device, scene: &Scene) -> Result<Self, RenderError> {
         let mut resources = Resources::default();
         let gpu_scene = GpuScene::new(
             gpu,
@@ -70,18 +68,15 @@ impl Tracer {
         let frame = Frame::new(&RenderSettings::new(1, 1, &camera), BATCH, &gpu_scene);
         resources.set_buffer(
             "frame",
-            gpu.empty_buffer(
-                "frame",
-                size_of::<Frame>() as u64,
-                wgpu::BufferUsages::UNIFORM,
-            )?,
+            gpu.buffer("frame", Usage::Uniform, size_of::<Frame>() as u64)?,
         );
-        gpu.queue()
-            .write_buffer(resources.buffer("frame"), 0, bytemuck::bytes_of(&frame));
-        let closest =
-            traverse::kernel(gpu, Rays::Closest, &gpu_scene.features)?.bind(gpu, &resources);
-        let occlusion =
-            traverse::kernel(gpu, Rays::Occlusion, &gpu_scene.features)?.bind(gpu, &resources);
+        gpu.write(resources.buffer("frame"), 0, bytemuck::bytes_of(&frame));
+        let closest = traverse::CLOSEST
+            .kernel(gpu, &gpu_scene.features)?
+            .bind(gpu, &resources);
+        let occlusion = traverse::OCCLUSION
+            .kernel(gpu, &gpu_scene.features)?
+            .bind(gpu, &resources);
         Ok(Self {
             gpu: gpu.clone(),
             resources,
@@ -116,43 +111,25 @@ impl Tracer {
         words[1] = count;
         words[3] = count;
         let slots: Vec<u32> = (0..count).collect();
-        let queue = self.gpu.queue();
-        queue.write_buffer(
-            self.resources.buffer("queues"),
-            0,
-            bytemuck::cast_slice(&words),
-        );
+        let write = |name: &str, at: u64, bytes: &[u8]| {
+            self.gpu.write(self.resources.buffer(name), at, bytes);
+        };
+        write("queues", 0, bytemuck::cast_slice(&words));
         let at = (wave::QUEUE_HEADER + list * u64::from(BATCH)) * 4;
-        queue.write_buffer(
-            self.resources.buffer("queues"),
-            at,
-            bytemuck::cast_slice(&slots),
-        );
+        write("queues", at, bytemuck::cast_slice(&slots));
         let offset = first_slot * size_of::<RayHit>() as u64;
-        queue.write_buffer(
-            self.resources.buffer("rays"),
-            offset,
-            bytemuck::cast_slice(batch),
-        );
-        queue.submit([]);
+        write("rays", offset, bytemuck::cast_slice(batch));
+        self.gpu.flush();
         self.gpu.wait()?;
 
         let start = Instant::now();
-        let mut encoder =
-            self.gpu
-                .device()
-                .create_command_encoder(&wgpu::CommandEncoderDescriptor {
-                    label: Some("trace"),
-                });
-        kernel.record(&mut encoder, Extent::Threads(count), None);
-        queue.submit([encoder.finish()]);
-        self.gpu.wait()?;
+        let mut recording = Recording::new("trace");
+        recording.dispatch(kernel, Extent::Threads(count));
+        self.gpu.play(&recording)?;
         let seconds = start.elapsed().as_secs_f64();
-        let bytes = self.gpu.read_buffer(
-            self.resources.buffer("rays"),
-            offset,
-            u64::from(count) * size_of::<RayHit>() as u64,
-        )?;
+        let rays = self.resources.buffer("rays");
+        let bytes = u64::from(count) * size_of::<RayHit>() as u64;
+        let bytes = self.gpu.read(rays, offset, bytes)?;
         Ok((bytemuck::pod_collect_to_vec(&bytes), seconds))
     }
 }
@@ -172,7 +149,7 @@ pub struct TraverseReport {
 ///
 /// # Errors
 /// If the scene is empty or does not fit the device.
-pub fn traverse(gpu: &Gpu, scene: &Scene) -> Result<TraverseReport, RenderError> {
+pub fn traverse(gpu: &Device, scene: &Scene) -> Result<TraverseReport, RenderError> {
     let tracer = Tracer::new(gpu, scene)?;
     let camera = scene
         .cameras

@@ -3,11 +3,11 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::film;
-use crate::gpu::{
-    Gpu, GpuError,
-    kernel::{Extent, Kernel, Resources},
-};
 use crate::passes;
+use device::{
+    Buffer, Device, DeviceError, Extent, Format, Image, ImageUse, Kernel, Recording, Resources,
+    Usage,
+};
 
 /// How radiance becomes what a screen can show.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -124,8 +124,8 @@ pub struct DeviceFilm {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    pub(crate) planes: [wgpu::Buffer; film::PLANES.len()],
-    pub(crate) guides: Option<wgpu::Buffer>,
+    pub(crate) planes: [Buffer; film::PLANES.len()],
+    pub(crate) guides: Option<Buffer>,
 }
 
 impl DeviceFilm {
@@ -133,24 +133,21 @@ impl DeviceFilm {
     ///
     /// # Errors
     /// The device has no room for it.
-    pub fn copy(&self, gpu: &Gpu) -> Result<Self, GpuError> {
-        let descriptor = wgpu::CommandEncoderDescriptor {
-            label: Some("a copy of the film"),
-        };
-        let mut encoder = gpu.device().create_command_encoder(&descriptor);
-        let mut copy = |buffer: &wgpu::Buffer| {
-            let usage = wgpu::BufferUsages::STORAGE;
-            let copy = gpu.empty_buffer("a copy of the film", buffer.size(), usage)?;
-            encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+    pub fn copy(&self, gpu: &Device) -> Result<Self, DeviceError> {
+        let label = "a copy of the film";
+        let mut recording = Recording::new(label);
+        let mut copy = |buffer: &Buffer| {
+            let copy = gpu.buffer(label, Usage::Storage, buffer.size())?;
+            recording.copy(buffer, &copy);
             Ok(copy)
         };
         let planes: Vec<_> = self
             .planes
             .iter()
             .map(&mut copy)
-            .collect::<Result<_, GpuError>>()?;
+            .collect::<Result<_, DeviceError>>()?;
         let guides = self.guides.as_ref().map(&mut copy).transpose()?;
-        gpu.queue().submit([encoder.finish()]);
+        gpu.start(&recording)?;
         let planes = planes.try_into().expect("as many as there were");
         Ok(Self {
             planes,
@@ -196,19 +193,19 @@ impl GpuDisplay {
 /// Shows films of one device in a texture.
 #[derive(Debug)]
 pub struct Display {
-    gpu: Gpu,
+    gpu: Device,
     kernel: Kernel,
-    parameters: wgpu::Buffer,
+    parameters: Buffer,
     /// In place of guides that aren't there.
-    nothing: wgpu::Buffer,
+    nothing: Buffer,
     target: Option<Target>,
 }
 
 #[derive(Debug)]
 struct Target {
     size: [u32; 2],
-    texture: wgpu::Texture,
-    error_sums: wgpu::Buffer,
+    image: Image,
+    error_sums: Buffer,
 }
 
 impl Display {
@@ -216,18 +213,18 @@ impl Display {
     ///
     /// # Errors
     /// What the driver reports.
-    pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Device) -> Result<Self, DeviceError> {
         let bytes = size_of::<GpuDisplay>() as u64;
         Ok(Self {
             gpu: gpu.clone(),
             kernel: passes::display::kernel(gpu)?,
-            parameters: gpu.empty_buffer("display", bytes, wgpu::BufferUsages::STORAGE)?,
-            nothing: gpu.storage_buffer("no guides", &[])?,
+            parameters: gpu.buffer("display", Usage::Storage, bytes)?,
+            nothing: gpu.filled_buffer("no guides", Usage::Storage, &[])?,
             target: None,
         })
     }
 
-    /// Shows a film. The texture has the film's size, 8 bits per channel, sRGB-encoded in a linear format; it stays the same
+    /// Shows a film. The image has the film's size, 8 bits per channel, sRGB-encoded in a linear format; it stays the same
     /// one while the size does. Where guides are asked for and missing, the picture is shown.
     ///
     /// # Errors
@@ -236,7 +233,7 @@ impl Display {
         &mut self,
         film: &DeviceFilm,
         settings: &DisplaySettings,
-    ) -> Result<&wgpu::Texture, GpuError> {
+    ) -> Result<&Image, DeviceError> {
         let size = [film.width, film.height];
         let former = self.target.take().filter(|target| target.size == size);
         let target = match former {
@@ -258,7 +255,8 @@ impl Display {
             most_samples: settings.most_samples as f32,
             spare: 0,
         };
-        (self.gpu.queue()).write_buffer(&self.parameters, 0, bytemuck::bytes_of(&parameters));
+        self.gpu
+            .write(&self.parameters, 0, bytemuck::bytes_of(&parameters));
         let mut resources = Resources::default();
         resources.set_buffer("display", self.parameters.clone());
         for (name, plane) in film::PLANES.into_iter().zip(&film.planes) {
@@ -267,22 +265,12 @@ impl Display {
         let guides = film.guides.as_ref().unwrap_or(&self.nothing);
         resources.set_buffer("guides", guides.clone());
         resources.set_buffer("error_sums", target.error_sums.clone());
-        let view = target
-            .texture
-            .create_view(&wgpu::TextureViewDescriptor::default());
-        resources.set_view("picture", view);
+        resources.set_image("picture", target.image.clone());
         let bound = self.kernel.bind(&self.gpu, &resources);
-        let descriptor = wgpu::CommandEncoderDescriptor {
-            label: Some("display"),
-        };
-        let mut encoder = self.gpu.device().create_command_encoder(&descriptor);
-        bound.record(
-            &mut encoder,
-            Extent::Threads(film.width * film.height),
-            None,
-        );
-        self.gpu.queue().submit([encoder.finish()]);
-        Ok(&target.texture)
+        let mut recording = Recording::new("display");
+        recording.dispatch(&bound, Extent::Threads(film.width * film.height));
+        self.gpu.start(&recording)?;
+        Ok(&target.image)
     }
 
     /// The error of the film that was shown last: the sum of all pixels' standard errors over that of their luminances. `None`
@@ -290,12 +278,12 @@ impl Display {
     ///
     /// # Errors
     /// What the driver reports.
-    pub fn relative_error(&self) -> Result<Option<f64>, GpuError> {
+    pub fn relative_error(&self) -> Result<Option<f64>, DeviceError> {
         let Some(target) = &self.target else {
             return Ok(None);
         };
         let buffer = &target.error_sums;
-        let bytes = self.gpu.read_buffer(buffer, 0, buffer.size())?;
+        let bytes = self.gpu.read(buffer, 0, buffer.size())?;
         let sums = bytemuck::pod_collect_to_vec::<_, [f32; 4]>(&bytes);
         let total = |i: usize| sums.iter().map(|sum| f64::from(sum[i])).sum::<f64>();
         Ok((total(2) > 0.0).then(|| total(0) / total(1).max(1e-12)))
@@ -305,70 +293,28 @@ impl Display {
     ///
     /// # Errors
     /// What the driver reports.
-    pub fn read(&self) -> Result<Vec<u8>, GpuError> {
-        let Some(Target { size, texture, .. }) = &self.target else {
-            return Ok(Vec::new());
-        };
-        let [width, height] = *size;
-        // Rows of a copy begin at multiples of this.
-        let stride = (width * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let bytes = u64::from(stride) * u64::from(height);
-        let buffer = self
-            .gpu
-            .empty_buffer("what is shown", bytes, wgpu::BufferUsages::STORAGE)?;
-        let descriptor = wgpu::CommandEncoderDescriptor {
-            label: Some("what is shown"),
-        };
-        let mut encoder = self.gpu.device().create_command_encoder(&descriptor);
-        encoder.copy_texture_to_buffer(
-            texture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &buffer,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(stride),
-                    rows_per_image: None,
-                },
-            },
-            texture.size(),
-        );
-        self.gpu.queue().submit([encoder.finish()]);
-        let padded = self.gpu.read_buffer(&buffer, 0, bytes)?;
-        let rows = padded.chunks(stride as usize);
-        Ok(rows
-            .flat_map(|row| &row[..width as usize * 4])
-            .copied()
-            .collect())
+    pub fn read(&self) -> Result<Vec<u8>, DeviceError> {
+        match &self.target {
+            Some(target) => target.image.read(&self.gpu),
+            None => Ok(Vec::new()),
+        }
     }
 }
 
 impl Target {
-    fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
+    fn new(gpu: &Device, size: [u32; 2]) -> Result<Self, DeviceError> {
         let [width, height] = size;
         // As many workgroups as `Extent::Threads` makes, those that fill its last row included.
         let groups = (width * height).div_ceil(64);
         let groups = groups.min(32768) * groups.div_ceil(32768);
-        let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
-            label: Some("what is shown"),
-            size: wgpu::Extent3d {
-                width,
-                height,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8Unorm,
-            usage: wgpu::TextureUsages::STORAGE_BINDING
-                | wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let size_in_layers = [width, height, 1];
+        let shown = ImageUse::Shown;
+        let image = gpu.image("what is shown", shown, size_in_layers, Format::Rgba8Unorm)?;
         let bytes = u64::from(groups) * 16;
         Ok(Self {
             size,
-            texture,
-            error_sums: gpu.empty_buffer("error sums", bytes, wgpu::BufferUsages::STORAGE)?,
+            image,
+            error_sums: gpu.buffer("error sums", Usage::Storage, bytes)?,
         })
     }
 }

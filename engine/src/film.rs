@@ -18,6 +18,8 @@ mod fingerprint;
 mod part;
 
 pub use fingerprint::fingerprint;
+#[doc(hidden)]
+pub use part::sealed;
 pub use part::{Origin, Part, PartError};
 
 /// Most samples of a pixel: more could leave the range of the sums.

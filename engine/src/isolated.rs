@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(names("d"), ["d"]);
         assert_eq!(names("a"), ["a", "b"]);
         assert!(Isolated::new(Subject::Node("d", &look), &sources).is_ok());
-        let circle = Isolated::new(Subject::Node("a", &look), &sources);
-        assert!(circle.is_err_and(|e| e.to_string().contains("circle")));
+        let cyclic = Isolated::new(Subject::Node("a", &look), &sources);
+        assert!(cyclic.is_err_and(|e| e.to_string().contains("cyclic link")));
     }
 }

@@ -3,6 +3,7 @@
 //! It knows `texgen`, never prints, and reports every failure as a value.
 
 pub mod alias;
+pub mod aside;
 pub mod bench;
 pub mod bvh;
 pub mod display;
@@ -10,8 +11,8 @@ pub mod evaluate;
 pub mod film;
 pub mod filter;
 pub mod frame;
-pub mod gpu;
 pub mod gpu_scene;
+pub mod input;
 pub mod isolated;
 pub mod live;
 pub mod load;
@@ -21,6 +22,7 @@ pub mod preview;
 pub mod procedural;
 pub mod renderer;
 pub mod scene;
+pub mod schedule;
 pub mod settings;
 mod sobol;
 pub mod stats;

@@ -7,11 +7,11 @@ use std::f32::consts::{PI, TAU};
 use glam::{Affine3A, Mat3A, Quat, Vec2, Vec3, Vec4};
 use texgen::{Diagnostic, Diagnostics, OutputType, TextureType, Value};
 
-use crate::gpu::Gpu;
 use crate::isolated::{self, Isolated, Part, Subject};
 use crate::procedural::{CompileError, EditError, Output, TextureSources};
 use crate::renderer::{RenderError, RenderSettings, Renderer};
 use crate::scene::{Camera, Environment, FloatImage, Instance, Material, Mesh, Projection, Scene};
+use device::Device;
 
 /// Material of the objects.
 const SHOWN: &str = "shown";
@@ -92,7 +92,7 @@ impl Preview {
     ///
     /// # Errors
     /// An image parameter is not set, or the device refuses.
-    pub fn renderer(&self, gpu: &Gpu, width: u32) -> Result<Renderer, PreviewError> {
+    pub fn renderer(&self, gpu: &Device, width: u32) -> Result<Renderer, PreviewError> {
         let mut procedural = self.isolated.procedural.clone();
         procedural.set_output_link(SHOWN, Output::BaseColor, Some(&self.display))?;
         let settings = RenderSettings {

@@ -1,7 +1,7 @@
 //! The order of the passes: a wave of paths from raygen to the film, again and again.
 
 mod costs;
-mod culprit;
+pub(crate) mod culprit;
 mod edits;
 mod pipeline;
 mod record;
@@ -9,26 +9,26 @@ mod reload;
 mod update;
 mod view;
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use device::{Device, DeviceError, KernelText, Recording, Resources, Timer, Trust, Usage};
 
 use crate::{
     film::{self, Film},
     filter::FilterTable,
     frame::Frame,
-    gpu::{
-        Gpu, GpuError,
-        kernel::{Extent, Resources, Trust},
-        statistics::KernelText,
-        timing::Timer,
-    },
     gpu_scene::{GpuScene, GpuSceneError},
     passes::{
-        advance::After,
         proctex::{self, TextureForm},
+        wgsl::private_bytes,
     },
     procedural::{CompileError, Procedural},
     scene::Scene,
-    stats::{PassStats, Stats},
+    schedule,
+    stats::{NodeName, PassStats, Stats},
     wave::{self, PathBytes, Queue},
 };
 
@@ -38,6 +38,7 @@ use self::record::Recorder;
 pub use crate::settings::RenderSettings;
 
 pub(crate) use self::edits::allocate as allocate_textures;
+pub(crate) use self::pipeline::compiling;
 pub(crate) use self::update::Touched;
 pub use self::{
     costs::{TextureCost, TextureCosts},
@@ -46,9 +47,6 @@ pub use self::{
     reload::{Reload, ReloadError},
 };
 
-/// Most paths of a wave on a GPU, and on a software driver whose caches are small.
-const GPU_CAPACITY: u32 = 1 << 20;
-const CPU_CAPACITY: u32 = 1 << 16;
 /// Waves are kept shorter than this, so that no dispatch comes near a desktop's watchdog and Ctrl-C is heard.
 pub(crate) const LONGEST_WAVE: Duration = Duration::from_millis(1500);
 /// Rounds that are added at once for rays that texture programs let pass, and the most of them: a path that meets more
@@ -74,7 +72,7 @@ pub enum RenderError {
     Scene(#[from] GpuSceneError),
     /// The device.
     #[error(transparent)]
-    Gpu(#[from] GpuError),
+    Device(#[from] DeviceError),
     /// The comparison with ray queries on a device without them.
     #[error("this device has no ray queries, or was opened without them")]
     NoRayQueries,
@@ -100,20 +98,16 @@ impl Progress {
 }
 
 /// Most paths of a wave.
-pub(crate) fn default_capacity(gpu: &Gpu) -> u32 {
-    if gpu.is_cpu() {
-        CPU_CAPACITY
-    } else {
-        GPU_CAPACITY
-    }
+pub(crate) fn default_capacity(gpu: &Device) -> u32 {
+    gpu.traits().waves.most
 }
 
 /// Fewer paths would take hardly less time.
 const SMALLEST_WAVE: u32 = 256;
 
 /// Paths of the first wave, whose speed nobody knows.
-pub(crate) fn first_wave(gpu: &Gpu, capacity: u32) -> u32 {
-    capacity.min(if gpu.is_cpu() { 1 << 14 } else { 1 << 18 })
+pub(crate) fn first_wave(gpu: &Device, capacity: u32) -> u32 {
+    capacity.min(gpu.traits().waves.first)
 }
 
 /// Paths of the wave after one that took so long: longer waves keep the device busy, shorter ones keep each dispatch short.
@@ -131,7 +125,7 @@ pub(crate) fn next_wave(wave_size: u32, capacity: u32, took: Duration, longest: 
 
 /// Creates the film, the table of the pixel filter and the frame's uniform.
 pub(crate) fn allocate_picture(
-    gpu: &Gpu,
+    gpu: &Device,
     settings: &RenderSettings,
     resources: &mut Resources,
 ) -> Result<(), RenderError> {
@@ -143,52 +137,46 @@ pub(crate) fn allocate_picture(
     let filter = &FilterTable::of(settings.filter).distances;
     resources.set_buffer(
         "filter_table",
-        gpu.storage_buffer("the pixel filter", bytemuck::cast_slice(filter))?,
-    );
-    let bytes = size_of::<Frame>() as u64;
-    resources.set_buffer(
-        "frame",
-        gpu.empty_buffer(
-            "frame",
-            bytes,
-            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE,
+        gpu.filled_buffer(
+            "the pixel filter",
+            Usage::Storage,
+            bytemuck::cast_slice(filter),
         )?,
     );
+    let bytes = size_of::<Frame>() as u64;
+    resources.set_buffer("frame", gpu.buffer("frame", Usage::Uniform, bytes)?);
     Ok(())
 }
 
 /// The film as it is now.
 pub(crate) fn read_picture(
-    gpu: &Gpu,
+    gpu: &Device,
     settings: &RenderSettings,
     resources: &Resources,
-) -> Result<Film, GpuError> {
+) -> Result<Film, DeviceError> {
     let (width, height) = (settings.width, settings.height);
     let bytes = u64::from(width) * u64::from(height) * 16;
     let mut planes = [const { Vec::new() }; film::PLANES.len()];
     for (plane, name) in planes.iter_mut().zip(film::PLANES) {
         let buffer = resources.buffer(name);
-        *plane = bytemuck::pod_collect_to_vec(&gpu.read_buffer(buffer, 0, bytes)?);
+        *plane = bytemuck::pod_collect_to_vec(&gpu.read(buffer, 0, bytes)?);
     }
     Ok(Film::from_planes(width, height, planes))
 }
 
 /// Starts the film anew.
-pub(crate) fn clear_picture(gpu: &Gpu, resources: &Resources) {
-    let descriptor = wgpu::CommandEncoderDescriptor {
-        label: Some("restart"),
-    };
-    let mut encoder = gpu.device().create_command_encoder(&descriptor);
+pub(crate) fn clear_picture(gpu: &Device, resources: &Resources) -> Result<(), DeviceError> {
+    let mut recording = Recording::new("restart");
     for name in film::PLANES {
-        encoder.clear_buffer(resources.buffer(name), 0, None);
+        recording.clear(resources.buffer(name));
     }
-    gpu.queue().submit([encoder.finish()]);
+    gpu.start(&recording)
 }
 
 /// Renders one scene progressively.
 #[derive(Debug)]
 pub struct Renderer {
-    gpu: Gpu,
+    gpu: Device,
     settings: RenderSettings,
     procedural: Procedural,
     form: TextureForm,
@@ -212,6 +200,8 @@ pub struct Renderer {
     survey: Option<costs::Survey>,
     /// The film is to be cleared before anything is added to it or seen of it.
     is_stale: bool,
+    /// All kernels have run, so that drivers that compile them then have done so.
+    is_warm: bool,
 }
 
 impl Renderer {
@@ -220,7 +210,7 @@ impl Renderer {
     /// # Errors
     /// If the scene is empty, too large for the device, or a kernel (a user's texture) does not build.
     pub fn new(
-        gpu: &Gpu,
+        gpu: &Device,
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
@@ -241,7 +231,7 @@ impl Renderer {
     /// # Errors
     /// As [`Self::new`]; the inlined form needs a device with ten storage buffers per stage.
     pub fn with_form(
-        gpu: &Gpu,
+        gpu: &Device,
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
@@ -262,7 +252,7 @@ impl Renderer {
     /// # Errors
     /// As [`Self::new`].
     pub fn with_capacity(
-        gpu: &Gpu,
+        gpu: &Device,
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
@@ -279,7 +269,7 @@ impl Renderer {
     }
 
     fn build(
-        gpu: &Gpu,
+        gpu: &Device,
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
@@ -315,7 +305,7 @@ impl Renderer {
             capacity,
             wave_size: first_wave(gpu, capacity),
             position: 0,
-            timer: Timer::new(gpu, false)?,
+            timer: Timer::counting(),
             seconds: 0.0,
             longest_wave: LONGEST_WAVE,
             smallest_wave: SMALLEST_WAVE,
@@ -323,6 +313,7 @@ impl Renderer {
             guides: None,
             survey: None,
             is_stale: false,
+            is_warm: false,
         })
     }
 
@@ -331,7 +322,7 @@ impl Renderer {
     /// # Errors
     /// If the device is out of memory.
     pub fn time_passes(&mut self) -> Result<(), RenderError> {
-        self.timer = Timer::new(&self.gpu, true)?;
+        self.timer = Timer::timing(&self.gpu)?;
         Ok(())
     }
 
@@ -355,12 +346,13 @@ impl Renderer {
             // A window that shares the device may have a frame under way: that is no time of the wave's.
             self.gpu.wait()?;
             let start = Instant::now();
-            self.clear_stale_film();
+            self.clear_stale_film()?;
             let wave = self.wave_size.max(self.smallest_wave).min(self.capacity);
             let wave = u64::from(wave).min(total - self.position);
             let frame = &mut self.frame;
             frame.set_wave(self.position, wave as u32, first, target_spp);
             self.render_wave()?;
+            self.is_warm = true;
             self.position += wave;
             let took = start.elapsed();
             self.wave_size = next_wave(self.wave_size, self.capacity, took, self.longest_wave);
@@ -385,53 +377,41 @@ impl Renderer {
     }
 
     /// The passes of a wave.
-    fn render_wave(&mut self) -> Result<(), GpuError> {
-        let queue = self.gpu.queue();
-        queue.write_buffer(
-            self.resources.buffer("frame"),
-            0,
-            bytemuck::bytes_of(&self.frame),
-        );
-        queue.write_buffer(
-            self.resources.buffer("queues"),
-            0,
-            bytemuck::cast_slice(&wave::fresh_queues()),
-        );
-        let paths = Extent::Threads(self.frame.wave_size);
+    fn render_wave(&mut self) -> Result<(), DeviceError> {
+        self.begin_wave(&self.frame);
+        let paths = self.frame.wave_size;
         let max_depth = self.settings.max_depth;
         let may_take_longer = self.scene.features.passages;
-        self.submit(|wave| {
-            wave.run(&wave.bound.raygen, paths);
-            wave.run(wave.after(After::Raygen), Extent::One);
+        self.submit(paths, |wave| {
+            schedule::start(wave);
             // One round more than vertices that scatter: the last one finds emission only.
             for _ in 0..=max_depth {
-                wave.round();
+                schedule::round(wave);
             }
             if !may_take_longer {
-                wave.run(&wave.bound.accumulate, paths);
+                schedule::end(wave);
             }
         })?;
         if may_take_longer {
             self.finish_paths()?;
-            self.submit(|wave| wave.run(&wave.bound.accumulate, paths))?;
+            self.submit(paths, |wave| schedule::end(wave))?;
         }
         Ok(())
     }
 
     /// Rays that pass surfaces, because a texture program says so, through clear walls or inside overlapping bodies, take
     /// rounds in which nothing scatters: as many follow as there is work for.
-    fn finish_paths(&mut self) -> Result<(), GpuError> {
+    fn finish_paths(&mut self) -> Result<(), DeviceError> {
+        let paths = self.frame.wave_size;
         for _ in 0..MOST_PASSAGES / PASSAGES {
             let queues = self.resources.buffer("queues");
-            let active = self
-                .gpu
-                .read_buffer(queues, Queue::Active.length_offset(), 4)?;
+            let active = self.gpu.read(queues, Queue::Active.length_offset(), 4)?;
             if active.iter().all(|&byte| byte == 0) {
                 break;
             }
-            self.submit(|wave| {
+            self.submit(paths, |wave| {
                 for _ in 0..PASSAGES {
-                    wave.round();
+                    schedule::round(wave);
                 }
             })?;
         }
@@ -439,17 +419,32 @@ impl Renderer {
     }
 
     /// Records passes, and waits until they have run.
-    fn submit(&mut self, record: impl FnOnce(&mut Recorder<'_>)) -> Result<(), GpuError> {
-        let mut recorder = Recorder::new(
-            &self.gpu,
-            &self.bound,
-            self.resources.buffer("dispatch_sizes"),
-            &mut self.timer,
-        );
+    fn submit(
+        &mut self,
+        paths: u32,
+        record: impl FnOnce(&mut Recorder<'_>),
+    ) -> Result<(), DeviceError> {
+        let sizes = self.resources.buffer("dispatch_sizes");
+        let mut recorder = Recorder::new(&self.bound, sizes, paths);
         record(&mut recorder);
-        let submission = self.gpu.queue().submit([recorder.finish()]);
-        self.gpu.wait_for(submission)?;
-        self.timer.collect(&self.gpu)
+        let recording = recorder.finish();
+        if self.is_warm {
+            return self.gpu.play_timed(&recording, &mut self.timer);
+        }
+        let procedural = &self.procedural;
+        let say = |label: &str| match label == proctex::PASS.name {
+            true => pipeline::compiling(procedural),
+            false => format!("compiling the kernel {label}"),
+        };
+        self.gpu.play_apart(&recording, &mut self.timer, say)
+    }
+
+    /// Writes what a wave begins with.
+    fn begin_wave(&self, frame: &Frame) {
+        let write =
+            |name: &str, bytes: &[u8]| self.gpu.write(self.resources.buffer(name), 0, bytes);
+        write("frame", bytemuck::bytes_of(frame));
+        write("queues", bytemuck::cast_slice(&wave::fresh_queues()));
     }
 
     /// Forgets all samples: the next wave starts the picture anew. What was written before is submitted.
@@ -460,13 +455,15 @@ impl Renderer {
         self.forget_guides();
         self.survey = None;
         self.position = 0;
-        self.gpu.queue().submit([]);
+        self.gpu.flush();
     }
 
-    fn clear_stale_film(&mut self) {
+    fn clear_stale_film(&mut self) -> Result<(), DeviceError> {
         if std::mem::take(&mut self.is_stale) {
-            clear_picture(&self.gpu, &self.resources);
+            clear_picture(&self.gpu, &self.resources)?;
+            wave::clear_faults(&self.gpu, &self.resources);
         }
+        Ok(())
     }
 
     /// What has been gathered so far.
@@ -483,7 +480,8 @@ impl Renderer {
     /// Bytes of private memory that a thread of the texture kernel asks for: see [`texgen::kernel_private_bytes`]. None
     /// where there is no such kernel.
     pub fn texture_private_bytes(&self) -> Option<u32> {
-        self.kernels.texture_private_bytes()
+        let text = self.texture_kernel_text().ok()??;
+        private_bytes(&text)
     }
 
     /// The text of the texture kernel, for tools. None where there is no such kernel.
@@ -496,9 +494,9 @@ impl Renderer {
         }
         let generated = pipeline::generated_kernel(&self.gpu, &self.procedural, self.form)?;
         Ok(Some(KernelText {
-            source: proctex::source(self.form, &generated),
-            entry: proctex::ENTRY,
-            trust: Trust::User,
+            text: Arc::new(proctex::source(self.form, &generated)),
+            entry: proctex::PASS.name,
+            trust: Trust::Nothing,
             constants: self.scene.features.constants().to_vec(),
         }))
     }
@@ -513,10 +511,13 @@ impl Renderer {
     /// # Errors
     /// What the driver reports.
     pub fn stats(&self) -> Result<Stats, RenderError> {
-        let bytes =
-            self.gpu
-                .read_buffer(self.resources.buffer("queues"), 0, wave::QUEUE_HEADER * 4)?;
-        let totals = wave::Totals::new(&bytemuck::pod_collect_to_vec::<_, u32>(&bytes));
+        let bytes = self
+            .gpu
+            .read(self.resources.buffer("queues"), 0, wave::QUEUE_HEADER * 4)?;
+        let mut totals = wave::Totals::new(&bytemuck::pod_collect_to_vec::<_, u32>(&bytes));
+        if self.is_stale {
+            totals = totals.without_faults();
+        }
         let times = self.timer.totals();
         let all: f64 = times.values().map(|(ms, _)| ms).sum();
         let passes: Vec<PassStats> = self
@@ -557,6 +558,7 @@ impl Renderer {
             .collect();
         memory.push(("image layers".to_owned(), self.scene.image_bytes));
         memory.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+        let counts = self.gpu.counts();
         Ok(Stats {
             passes,
             rays,
@@ -571,9 +573,18 @@ impl Renderer {
                 let textures = self.procedural.graph().library().textures();
                 Some(textures.get(number as usize)?.name().to_owned())
             }),
+            non_finite_hits: totals.non_finite,
+            non_finite_node: totals.non_finite_node.and_then(|place| {
+                let graph = self.procedural.graph();
+                let node = graph.ids().find(|&id| graph.block(id).start == place)?;
+                Some(NodeName {
+                    node: graph.name(node).to_owned(),
+                    texture: graph.texture(node).name().to_owned(),
+                })
+            }),
             memory,
-            pipelines_created: self.gpu.pipelines_created(),
-            shader_modules_created: self.gpu.shader_modules_created(),
+            pipelines_created: counts.pipelines,
+            shader_modules_created: counts.shader_modules,
             timestamps: self.timer.is_timing(),
         })
     }

@@ -32,7 +32,7 @@ pub struct RenderSettings {
     pub clamp: Option<f32>,
     /// How light is found. The picture is the same but for its noise.
     pub estimator: Estimator,
-    /// Whether dark paths may end at random. The picture is the same but for its noise.
+    /// Russian roulette: whether dark paths may end early. The picture is the same but for its noise.
     pub roulette: bool,
     /// Where random numbers come from.
     pub sampler: Sampler,

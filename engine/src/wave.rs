@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 
-use crate::gpu::{Gpu, GpuError, kernel::Resources};
+use device::{Device, DeviceError, Resources, Usage};
 
 /// `vec4u` fields of a path in `paths.wgsl`, before the results of texture programs.
 const PATH_FIELDS: u64 = 6;
@@ -136,16 +136,16 @@ fn path_bytes(capacity: u32, result_words: u32) -> u64 {
 /// # Errors
 /// If it exceeds what the device can bind.
 pub fn grow_results(
-    gpu: &Gpu,
+    gpu: &Device,
     capacity: u32,
     result_words: u32,
     resources: &mut Resources,
-) -> Result<bool, GpuError> {
+) -> Result<bool, DeviceError> {
     let bytes = path_bytes(capacity, result_words);
     if resources.buffer("paths").size() >= bytes {
         return Ok(false);
     }
-    let paths = gpu.empty_buffer("paths", bytes, wgpu::BufferUsages::STORAGE)?;
+    let paths = gpu.buffer("paths", Usage::Storage, bytes)?;
     resources.set_buffer("paths", paths);
     Ok(true)
 }
@@ -155,35 +155,21 @@ pub fn grow_results(
 /// # Errors
 /// If they exceed what the device can bind.
 pub fn allocate(
-    gpu: &Gpu,
+    gpu: &Device,
     capacity: u32,
     result_words: u32,
     resources: &mut Resources,
-) -> Result<(), GpuError> {
-    let storage = wgpu::BufferUsages::STORAGE;
-    let paths = gpu.empty_buffer("paths", path_bytes(capacity, result_words), storage)?;
+) -> Result<(), DeviceError> {
+    let paths = path_bytes(capacity, result_words);
+    let paths = gpu.buffer("paths", Usage::Storage, paths)?;
     resources.set_buffer("paths", paths);
     let capacity = u64::from(capacity);
-    resources.set_buffer(
-        "rays",
-        gpu.empty_buffer("rays", 2 * capacity * size_of::<RayHit>() as u64, storage)?,
-    );
-    resources.set_buffer(
-        "queues",
-        gpu.empty_buffer(
-            "queues",
-            (QUEUE_HEADER + capacity * QUEUE_LISTS) * 4,
-            storage,
-        )?,
-    );
-    resources.set_buffer(
-        "dispatch_sizes",
-        gpu.empty_buffer(
-            "dispatch sizes",
-            QUEUE_COUNT * 12,
-            storage | wgpu::BufferUsages::INDIRECT,
-        )?,
-    );
+    let rays = 2 * capacity * size_of::<RayHit>() as u64;
+    resources.set_buffer("rays", gpu.buffer("rays", Usage::Storage, rays)?);
+    let queues = (QUEUE_HEADER + capacity * QUEUE_LISTS) * 4;
+    resources.set_buffer("queues", gpu.buffer("queues", Usage::Storage, queues)?);
+    let sizes = gpu.buffer("dispatch sizes", Usage::Indirect, QUEUE_COUNT * 12)?;
+    resources.set_buffer("dispatch_sizes", sizes);
     allocate_ao_tables(gpu, resources)
 }
 
@@ -191,9 +177,9 @@ pub fn allocate(
 ///
 /// # Errors
 /// The device.
-pub fn allocate_ao_tables(gpu: &Gpu, resources: &mut Resources) -> Result<(), GpuError> {
+pub fn allocate_ao_tables(gpu: &Device, resources: &mut Resources) -> Result<(), DeviceError> {
     let bytes = 4 * size_of::<GpuAoTable>() as u64;
-    let tables = gpu.empty_buffer("AO tables", bytes, wgpu::BufferUsages::UNIFORM)?;
+    let tables = gpu.buffer("AO tables", Usage::Uniform, bytes)?;
     resources.set_buffer("ao_tables", tables);
     Ok(())
 }
@@ -204,6 +190,21 @@ pub fn fresh_queues() -> [u32; 9] {
     words[8] = u32::MAX;
     words
 }
+
+/// Words of the header that tell what is wrong with a picture, by ranges: they begin anew with each.
+const FAULTS: [std::ops::Range<u64>; 3] = [11..13, 15..16, 20..23];
+
+/// Forgets what was wrong with the picture.
+pub fn clear_faults(gpu: &Device, resources: &Resources) {
+    for words in FAULTS {
+        let zeros = vec![0_u32; (words.end - words.start) as usize];
+        let queues = resources.buffer("queues");
+        gpu.write(queues, 4 * words.start, bytemuck::cast_slice(&zeros));
+    }
+}
+
+/// Words of the header from the first total on: what [`Totals`] is made of.
+pub const TOTALS: std::ops::Range<u64> = 9..QUEUE_HEADER;
 
 /// Where the list of hits with a texture program begins in the buffer `queues`, in bytes.
 pub fn proctex_list(capacity: u32) -> u64 {
@@ -231,6 +232,10 @@ pub struct Totals {
     pub clamped: u64,
     /// Type number of a texture whose loops were ended early.
     pub overrun: Option<u32>,
+    /// Hits whose texture program drove something by a value that was not finite.
+    pub non_finite: u64,
+    /// Where the arguments of a node that gave one begin in the fake stack.
+    pub non_finite_node: Option<u32>,
 }
 
 impl Totals {
@@ -245,6 +250,18 @@ impl Totals {
             invalid: u64::from(words[15]),
             clamped: u64::from(words[12]),
             overrun: words[11].checked_sub(1),
+            non_finite: pair(20),
+            non_finite_node: words[22].checked_sub(1),
+        }
+    }
+
+    /// Without what is wrong with a picture.
+    pub fn without_faults(self) -> Self {
+        Self {
+            rays: self.rays,
+            shadow_rays: self.shadow_rays,
+            ao_rays: self.ao_rays,
+            ..Self::new(&[0; QUEUE_HEADER as usize])
         }
     }
 }

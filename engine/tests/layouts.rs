@@ -6,12 +6,14 @@ use std::mem::{offset_of, size_of};
 use engine::{
     display::GpuDisplay,
     frame::Frame,
-    gpu::wgsl::Source,
     gpu_scene::{GpuInstance, light_tree::GpuLightNode, lights::GpuLight, materials::GpuMaterial},
     passes::{
+        guide,
         proctex::{self, TextureForm},
         rayquery,
+        wgsl::Source,
     },
+    schedule,
     wave::{GpuAoTable, RayHit},
 };
 
@@ -165,6 +167,45 @@ fn kernels_are_valid_and_bind_at_most_eight_storage_buffers() {
     }
 }
 
+/// What a pass declares is what its kernel uses.
+#[test]
+fn passes_read_and_write_what_they_declare() {
+    // It reads all that textures can read.
+    let text =
+        "fn userProc(image: sam2D) -> vec4f { return tex2D(image, readAttr(TexCoord0).xy); }";
+    let file = texgen::SourceFile::new("picture", "picture.wgsl", text);
+    let texture = texgen::TextureType::parse(file).unwrap_or_else(|e| panic!("{e}"));
+    let library = texgen::Library::new(vec![texture]).unwrap_or_else(|e| panic!("{e}"));
+    let mut wrong = String::new();
+    for pass in schedule::WAVE.into_iter().chain([&guide::PASS]) {
+        let mut source = Source::of(pass.file);
+        if pass.name == proctex::PASS.name {
+            source.append_generated(&library.emit(1));
+        }
+        let (module, info) = module(&source.text);
+        let mut entries = module.entry_points.iter();
+        let index = entries.position(|entry| entry.name == pass.name);
+        let uses = info.get_entry_point(index.expect("its entry point"));
+        let (mut reads, mut writes) = (Vec::new(), Vec::new());
+        for (handle, global) in module.global_variables.iter() {
+            let (Some(_), Some(name)) = (&global.binding, &global.name) else {
+                continue;
+            };
+            match uses[handle] {
+                used if used.is_empty() => {}
+                used if used.contains(naga::valid::GlobalUse::WRITE) => writes.push(name),
+                _ => reads.push(name),
+            }
+        }
+        reads.sort_unstable();
+        writes.sort_unstable();
+        if reads != pass.reads || writes != pass.writes {
+            wrong += &format!("{}: reads {reads:?}, writes {writes:?}\n", pass.name);
+        }
+    }
+    assert!(wrong.is_empty(), "\n{wrong}");
+}
+
 #[test]
 fn the_kernel_on_ray_queries_is_valid_with_and_without_textures() {
     let inlined = texgen::emit_inlined(&texgen::Graph::new(Default::default()), &[Vec::new()])
@@ -183,7 +224,7 @@ fn private_memory_counts_the_stack_of_programs_and_that_of_traversal() {
     let library = texgen::Library::default();
     let of = |source: Source| {
         let (module, info) = module(&source.text);
-        private_bytes(&module, &info, proctex::ENTRY)
+        private_bytes(&module, &info, proctex::PASS.name)
     };
     let stack = |slots| of(proctex::source(TextureForm::Stack, &library.emit(slots)));
     assert_eq!(stack(24) - stack(8), 16 * 16);

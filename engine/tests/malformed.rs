@@ -2,14 +2,18 @@
 //!
 //! The cases and the verdicts (`*.report.json`) are those of the Khronos glTF validator. Each case is loaded as it
 //! is, and once more with everything in it made visible, because most cases show nothing by themselves.
-//! Skipped with a notice where the data is absent.
+//! Skipped with a notice where the data is absent. Changes of valid files are tried by the crate `fuzzing`.
+
+#[path = "malformed/hostile.rs"]
+mod hostile;
+#[path = "../../fuzzing/src/memory.rs"]
+#[expect(dead_code, unreachable_pub, reason = "it is a part of another crate")]
+mod memory;
 
 use engine::scene::import::{Imported, load, load_environment_image};
 use serde_json::{Value, json};
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::time::Duration;
 
@@ -45,52 +49,12 @@ const FATAL: &[&str] = &[
 /// Valid enough: a byte order mark before the JSON, which the specification lets readers ignore.
 const TOLERATED: &[&str] = &["base/glb/bom.glb", "base/json/bom.gltf"];
 
-/// Counts what the process holds, to see what a file makes it allocate.
-struct Counting;
-
-static HELD: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-fn count(size: usize) {
-    let held = HELD.fetch_add(size, Ordering::Relaxed) + size;
-    PEAK.fetch_max(held, Ordering::Relaxed);
-}
-
-// SAFETY: every call is handed to the system's allocator unchanged; counting touches no memory of it.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count(layout.size());
-        // SAFETY: the caller's promises are those of `System`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        count(layout.size());
-        // SAFETY: as above.
-        unsafe { System.alloc_zeroed(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        HELD.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: as above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count(size);
-        HELD.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: as above.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: memory::Counting = memory::Counting;
 
 /// Runs `work` on a thread of its own and fails where it panics, hangs or holds too much.
 fn bounded<T: Send + 'static>(what: &Path, work: impl FnOnce() -> T + Send + 'static) -> T {
-    let before = HELD.load(Ordering::Relaxed);
-    PEAK.store(before, Ordering::Relaxed);
+    let before = memory::restart();
     let (sender, receiver) = mpsc::channel();
     let thread = std::thread::spawn(move || {
         // The receiver is gone only after a time-out, which has failed the test already.
@@ -102,7 +66,7 @@ fn bounded<T: Send + 'static>(what: &Path, work: impl FnOnce() -> T + Send + 'st
         Err(mpsc::RecvTimeoutError::Disconnected) => panic!("{} panics", what.display()),
     };
     thread.join().expect("the thread has sent its result");
-    let held = PEAK.load(Ordering::Relaxed).saturating_sub(before);
+    let held = memory::peak().saturating_sub(before);
     assert!(
         held < MEMORY_LIMIT,
         "{} takes {} MiB",
@@ -258,12 +222,12 @@ fn check(imported: &Imported) {
 /// One test, because the allocations are counted for the whole process.
 #[test]
 fn malformed_files_are_survived_and_fatal_ones_refused() {
+    hostile::made_here();
     let Some(folder) = cases() else {
         return;
     };
     gltf_cases(&folder.join("gltf-validator"));
     damaged_pictures(&folder.join("exr-damaged"));
-    mutations(folder.parent().unwrap());
 }
 
 fn gltf_cases(folder: &Path) {
@@ -354,144 +318,4 @@ fn damaged_pictures(folder: &Path) {
             Err(error) => eprintln!("  {error}"),
         }
     }
-}
-
-/// Numbers that break arithmetic.
-const HOSTILE: &[&str] = &[
-    "0",
-    "1",
-    "2",
-    "3",
-    "7",
-    "255",
-    "65535",
-    "5121",
-    "5126",
-    "2147483647",
-    "4294967295",
-    "4294967296",
-    "9007199254740993",
-    "18446744073709551615",
-    "-1",
-    "0.5",
-    "1e38",
-    "-1e300",
-    "null",
-    "[]",
-    "{}",
-    "\"MAT4\"",
-];
-
-/// Small real files with numbers of the JSON replaced and bytes of the data changed, the same ones in every run.
-fn mutations(scenes: &Path) {
-    let mut random = Random(1);
-    let scratch = std::env::temp_dir().join(format!("patina-mutated-{}", std::process::id()));
-    std::fs::create_dir_all(&scratch).unwrap();
-    let (mut loaded, mut refused) = (0, 0);
-    for name in [
-        "khronos/BoxTextured/BoxTextured.glb",
-        "khronos/AnimatedMorphCube/AnimatedMorphCube.glb",
-        "khronos/SimpleInstancing/SimpleInstancing.glb",
-        "khronos/RiggedSimple/RiggedSimple.glb",
-        "khronos/UnlitTest/UnlitTest.glb",
-        "khronos/OrientationTest/OrientationTest.glb",
-        "khronos/EmissiveStrengthTest/EmissiveStrengthTest.glb",
-        "khronos/MorphPrimitivesTest/MorphPrimitivesTest.glb",
-    ] {
-        let original = std::fs::read(scenes.join(name)).unwrap();
-        for round in 0..150 {
-            let file = if round % 3 == 0 {
-                flip_bytes(&original, &mut random)
-            } else {
-                replace_numbers(&original, &mut random)
-            };
-            let path = scratch.join("mutated.glb");
-            std::fs::write(&path, file).unwrap();
-            match bounded(Path::new(&format!("{name}, round {round}")), move || {
-                load(&path)
-            }) {
-                Ok(imported) => {
-                    check(&imported);
-                    loaded += 1;
-                }
-                Err(_) => refused += 1,
-            }
-        }
-    }
-    for name in ["interior-living-room/sky.exr", "hdri/vestibule_1k.hdr"] {
-        let original = std::fs::read(scenes.join(name)).unwrap();
-        for round in 0..12 {
-            let mut file = flip_bytes(&original, &mut random);
-            if round % 2 == 0 {
-                file.truncate(random.below(original.len()));
-            }
-            let path = scratch.join("mutated");
-            std::fs::write(&path, file).unwrap();
-            let result = bounded(Path::new(&format!("{name}, round {round}")), move || {
-                load_environment_image(&path)
-            });
-            *(if result.is_ok() {
-                &mut loaded
-            } else {
-                &mut refused
-            }) += 1;
-        }
-    }
-    std::fs::remove_dir_all(&scratch).unwrap();
-    eprintln!("{loaded} changed files loaded, {refused} were refused");
-    assert!(loaded > 100 && refused > 100, "the changes test nothing");
-}
-
-/// PCG without the permutation's finesse; good enough to choose bytes.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (self.0 >> 33) as usize % limit.max(1)
-    }
-}
-
-fn flip_bytes(original: &[u8], random: &mut Random) -> Vec<u8> {
-    let mut file = original.to_vec();
-    for _ in 0..1 + random.below(8) {
-        let at = random.below(file.len());
-        file[at] = random.below(256) as u8;
-    }
-    file
-}
-
-/// Replaces one to three numbers of the JSON chunk and writes the container anew.
-fn replace_numbers(original: &[u8], random: &mut Random) -> Vec<u8> {
-    let length = u32::from_le_bytes(original[12..16].try_into().unwrap()) as usize;
-    let mut json = String::from_utf8(original[20..20 + length].to_vec()).unwrap();
-    for _ in 0..1 + random.below(3) {
-        let is_number = |c: char| c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | 'e' | 'E');
-        let starts: Vec<usize> = json
-            .match_indices(|c: char| c.is_ascii_digit())
-            .map(|(at, _)| at)
-            .filter(|&at| at > 0 && matches!(json.as_bytes()[at - 1], b':' | b',' | b'['))
-            .collect();
-        let Some(&start) = starts.get(random.below(starts.len())) else {
-            continue;
-        };
-        let end = json[start..]
-            .find(|c| !is_number(c))
-            .map_or(json.len(), |n| start + n);
-        json.replace_range(start..end, HOSTILE[random.below(HOSTILE.len())]);
-    }
-    while !json.len().is_multiple_of(4) {
-        json.push(' ');
-    }
-    let rest = &original[20 + length..];
-    let mut file = original[..8].to_vec();
-    file.extend((20 + json.len() as u32 + rest.len() as u32).to_le_bytes());
-    file.extend((json.len() as u32).to_le_bytes());
-    file.extend(&original[16..20]);
-    file.extend(json.as_bytes());
-    file.extend(rest);
-    file
 }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use engine::gpu::wgsl::Source;
+use engine::passes::wgsl::Source;
 use texgen::{BUILTIN_ATTRIBUTES, GLOBALS, HOST_STUB, Library, SourceFile, TextureType};
 
 /// A library that reads every attribute and global, and calls every function, with every type of parameter.

@@ -10,7 +10,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use engine::gpu::{DeviceChoice, Gpu};
+use device::Device;
 use engine::load::load;
 use engine::renderer::{RenderSettings, Renderer};
 use engine::scene::import::load_environment_image;
@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         None => Environment::Constant(Vec3::splat(INTENSITY)),
     };
     let spp = rest.get(1).map_or(Ok(64), |spp| spp.parse())?;
-    let gpu = Gpu::new(&DeviceChoice::Best)?;
+    let gpu = Device::best()?;
     let models = models(Path::new(folder))?;
     let rows = (models.len() as u32).div_ceil(COLUMNS);
     let mut picture = RgbImage::new(COLUMNS * TILE, rows * (TILE + STRIP));
@@ -126,7 +126,7 @@ struct Shot {
 }
 
 fn render(
-    gpu: &Gpu,
+    gpu: &Device,
     file: &Path,
     environment: &Environment,
     spp: u32,

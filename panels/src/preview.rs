@@ -8,9 +8,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use device::{Device, DeviceError};
 use egui::{Color32, ColorImage, Rgba, TextureHandle, TextureOptions};
 use engine::evaluate::{Evaluator, Point};
-use engine::gpu::{Gpu, GpuError};
 use engine::isolated::{Isolated, Subject};
 use engine::procedural::TextureSources;
 use engine::scene::look::{Look, Value};
@@ -76,13 +76,17 @@ impl Previews {
     /// own, so that the renderer's isn't kept waiting.
     pub fn start(
         ctx: &egui::Context,
-        open: impl FnOnce() -> Result<Gpu, GpuError> + Send + 'static,
+        open: impl FnOnce() -> Result<Device, DeviceError> + Send + 'static,
     ) -> Self {
         let (wanted, requests) = channel();
         let (results, made) = channel();
         let ctx = ctx.clone();
         // It ends when the panel is gone, and with it the sender.
-        std::thread::spawn(move || work(&ctx, open, &requests, &results));
+        let work = move || work(&ctx, open, &requests, &results);
+        // A system that starts no more threads leaves the nodes without pictures.
+        let _ = std::thread::Builder::new()
+            .name("previews".to_owned())
+            .spawn(work);
         Self {
             wanted,
             made,
@@ -206,7 +210,7 @@ fn hash_value(value: &Value, hasher: &mut DefaultHasher) {
 /// The thread's work.
 fn work(
     ctx: &egui::Context,
-    open: impl FnOnce() -> Result<Gpu, GpuError>,
+    open: impl FnOnce() -> Result<Device, DeviceError>,
     requests: &Receiver<Wanted>,
     results: &Sender<Made>,
 ) {
@@ -238,7 +242,7 @@ fn work(
 }
 
 fn picture(
-    gpu: &Gpu,
+    gpu: &Device,
     kernels: &mut Vec<(BTreeSet<String>, Evaluator)>,
     wanted: &Wanted,
 ) -> Result<ColorImage, String> {
@@ -301,8 +305,6 @@ fn shown(value: [f32; 4], output: OutputType) -> Color32 {
 mod tests {
     use std::path::Path;
 
-    use engine::gpu::DeviceChoice;
-
     use super::*;
 
     const LOOK: &str = "[node.a]\ntexture = 'ramp'\n[node.b]\ntexture = 'tint'\nx = 'a'\nred = 0.5\n\
@@ -349,7 +351,7 @@ mod tests {
 
     #[test]
     fn values_are_changed_without_a_kernel() {
-        let Ok(gpu) = Gpu::new(&DeviceChoice::Best) else {
+        let Ok(gpu) = Device::best() else {
             eprintln!("skipped: there is no device");
             return;
         };
@@ -367,9 +369,9 @@ mod tests {
         let first = make("b", LOOK).expect("a picture");
         let (left, right) = (first.pixels[0], first.pixels[SIZE - 1]);
         assert!(left.g() < 60 && right.g() > 250 && left.b() == 0);
-        let made = gpu.pipelines_created();
+        let made = gpu.counts().pipelines;
         let second = make("b", &LOOK.replace("0.5", "0.0")).expect("a picture");
-        assert_eq!(gpu.pipelines_created(), made);
+        assert_eq!(gpu.counts().pipelines, made);
         assert_eq!(second.pixels[0].r(), 0);
         assert_eq!(second.pixels[9].g(), first.pixels[9].g());
         assert!(make("c", LOOK).is_err());

@@ -3,6 +3,13 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Subcommand};
+use engine::bench::forms::Form;
+use engine::bench::sweeps::Sweep;
+
+use crate::args::words;
+
+/// All sweeps.
+pub(super) const ALL: &str = "all";
 
 const RENDER_EXAMPLES: &str = "\
 Examples:
@@ -37,7 +44,7 @@ pub(crate) enum BenchCommand {
         )]
         most: String,
 
-        /// Folder with user textures, searched before the standard ones. May be given several times.
+        /// Folder with textures (.wgsl), searched before all others. May be given several times.
         #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
         texture_dirs: Vec<PathBuf>,
 
@@ -72,7 +79,7 @@ pub(crate) enum BenchCommand {
     /// Whole renders: samples and rays per second, time of each pass, for several scenes in turn.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArgs),
-    /// What procedural textures cost: time over plain gray of rust and of scratches, for each form of the texture kernel.
+    /// What procedural textures cost: time over plain grey of rust and of scratches, for each form of the texture kernel.
     #[command(after_help = TEXTURES_EXAMPLES)]
     Textures(Box<TexturesArgs>),
     /// Rays per second of the traversal kernel: primary, bounce and shadow rays.
@@ -97,11 +104,11 @@ pub(crate) struct TexturesArgs {
     #[arg(long, value_name = "FILE", requires = "scene")]
     pub(crate) look: Option<PathBuf>,
 
-    /// The material of that scene that is gray, rusty and scratched in turn.
+    /// The material of that scene that is grey, rusty and scratched in turn.
     #[arg(long, value_name = "NAME", requires = "scene")]
     pub(crate) material: Option<String>,
 
-    /// Or a glTF file whose model is put on the floor in front of the camera, and is gray, rusty and scratched all over.
+    /// Or a glTF file whose model is put on the floor in front of the camera, and is grey, rusty and scratched all over.
     #[arg(
         long,
         value_name = "FILE",
@@ -110,10 +117,11 @@ pub(crate) struct TexturesArgs {
     )]
     pub(crate) insert: Option<PathBuf>,
 
-    /// What is compared: stack, inlined, rayquery. All by default; on a software driver, which needs minutes to compile
-    /// a kernel of the last one, the first two.
-    #[arg(long, value_name = "LIST")]
-    pub(crate) modes: Option<String>,
+    /// What is compared, with commas between. All by default; on a software driver, which needs minutes to compile a kernel
+    /// of the last one, the first two.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    #[arg(value_parser = words(Form::ALL.map(Form::name)))]
+    pub(crate) modes: Vec<String>,
 
     /// Rays of ambient occlusion at a hit: one table for each number.
     #[arg(
@@ -128,9 +136,10 @@ pub(crate) struct TexturesArgs {
     #[arg(long, value_name = "NAME")]
     pub(crate) statistics_device: Option<String>,
 
-    /// Measure also what changes the cost: nodes, textures, ao, coverage, bounces, or all. Takes minutes each.
-    #[arg(long, value_name = "LIST")]
-    pub(crate) sweep: Option<String>,
+    /// Measure also what changes the cost, with commas between. Takes minutes each.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    #[arg(value_parser = words(Sweep::ALL.map(Sweep::name).into_iter().chain([ALL])))]
+    pub(crate) sweep: Vec<String>,
 
     /// Report to write: .html (a page to read), .json (figures for programs) or .svg (the chart). May be given several
     /// times.
@@ -175,7 +184,7 @@ pub(crate) struct EffortArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub(crate) runs: Option<String>,
 
-    /// At most N surface points scatter light along a path.
+    /// Largest path depth: at most N surface points scatter light along a path.
     #[arg(
         long,
         value_name = "N",
@@ -188,7 +197,7 @@ pub(crate) struct EffortArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
 
-    /// Folder with user textures, searched before the standard ones. May be given several times.
+    /// Folder with textures (.wgsl), searched before all others. May be given several times.
     #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
     pub(crate) texture_dirs: Vec<PathBuf>,
 

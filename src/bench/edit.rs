@@ -7,7 +7,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use engine::gpu::{DeviceChoice, Gpu};
+use device::{Device, DeviceChoice};
+use engine::aside::Leftover;
 use engine::live::{Edit, LiveInputs, LiveRender};
 use engine::renderer::RenderSettings;
 use engine::scene::look::{AoSettings, Value};
@@ -39,6 +40,7 @@ fn userProc(scale: f32, amount: f32, color: vec3f, ramp: ramp1D) -> f32 {
 pub(crate) fn run(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), Failure> {
     let bar = Bar::new("preparing the look");
     let folder = tempfile::tempdir().map_err(Failure::because)?;
+    let _leftover = Leftover::new(folder.path().to_owned());
     let materials = nodes.div_ceil(CHAIN);
     write_files(folder.path(), nodes, materials).map_err(Failure::because)?;
     let device = device.clone();
@@ -54,13 +56,13 @@ pub(crate) fn run(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), F
     };
     let mut live = LiveRender::open(
         inputs,
-        Arc::new(move || Gpu::new(&device)),
+        Arc::new(move || Device::open(&device)),
         Arc::new(settings),
     )?;
     bar.stage("measuring");
     live.step(1)?;
     let gpu = live.renderer().gpu().clone();
-    let made = || (gpu.pipelines_created(), gpu.shader_modules_created());
+    let made = || (gpu.counts().pipelines, gpu.counts().shader_modules);
     let before = made();
     let mut table =
         String::from("milliseconds to the command submitted   median     99 %  longest\n");

@@ -2,16 +2,16 @@
 
 use std::path::PathBuf;
 
+use device::DeviceChoice;
 use engine::bench::forms::Form;
 use engine::bench::sweeps::Sweep;
-use engine::gpu::DeviceChoice;
 
 use crate::job::{
     MAX_DEPTH, MAX_SPP, UsageError, parse_device, parse_number, parse_size, parse_word,
     refuse_overwriting,
 };
 
-use super::args::{BenchCommand, EffortArgs, RenderArgs, TexturesArgs};
+use super::args::{ALL, BenchCommand, EffortArgs, RenderArgs, TexturesArgs};
 
 /// Most timed runs of a scene.
 const MAX_RUNS: u32 = 1000;
@@ -208,19 +208,18 @@ impl TexturesJob {
             (Some(path), None, None) => return Err(UsageError::Untextured { path }),
         };
         Ok(Self {
-            forms: match args.modes.as_deref() {
-                None => None,
-                Some(list) => Some(parse_list(list, |word| {
+            forms: match args.modes.is_empty() {
+                true => None,
+                false => Some(parse_all(args.modes.iter(), |word| {
                     parse_word("--modes", word, Form::ALL, Form::name)
                 })?),
             },
-            ao_rays: parse_list(&args.ao_rays, |word| {
+            ao_rays: parse_all(args.ao_rays.split(','), |word| {
                 parse_number("--ao-rays", word, 1, 255)
             })?,
-            sweeps: match args.sweep.as_deref() {
-                None => Vec::new(),
-                Some("all") => Sweep::ALL.to_vec(),
-                Some(list) => parse_list(list, |word| {
+            sweeps: match args.sweep.iter().any(|word| word == ALL) {
+                true => Sweep::ALL.to_vec(),
+                false => parse_all(args.sweep.iter(), |word| {
                     parse_word("--sweep", word, Sweep::ALL, Sweep::name)
                 })?,
             },
@@ -233,14 +232,14 @@ impl TexturesJob {
     }
 }
 
-/// Words with commas between, each once.
-fn parse_list<T: PartialEq>(
-    list: &str,
+/// What words mean, each once.
+fn parse_all<T: PartialEq, W: AsRef<str>>(
+    words: impl Iterator<Item = W>,
     parse: impl Fn(&str) -> Result<T, UsageError>,
 ) -> Result<Vec<T>, UsageError> {
     let mut values = Vec::new();
-    for word in list.split(',') {
-        let value = parse(word.trim())?;
+    for word in words {
+        let value = parse(word.as_ref().trim())?;
         if !values.contains(&value) {
             values.push(value);
         }
@@ -372,8 +371,6 @@ mod tests {
             ("render a.glb --json a.glb", "input"),
             ("textures --ao-rays 4,256", "--ao-rays 256"),
             ("textures --ao-rays -4", "from 1 to 255"),
-            ("textures --modes stack,", "stack, inlined"),
-            ("textures --sweep depth", "nodes, textures, ao"),
             ("textures -o report.pdf", ".html"),
             ("textures -o report", ".html"),
             ("textures -o a.svg -o a.svg", "twice"),

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use device::{Device, DeviceChoice};
 use engine::bench::kernel;
-use engine::gpu::{DeviceChoice, Gpu};
 use engine::procedural::TextureSources;
 
 use crate::exit::Failure;
@@ -24,8 +24,9 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     let bar = Bar::new("measuring");
     let folders = library::texture_dirs(texture_dirs, None)?;
-    let sources = TextureSources::scan(&folders).map_err(Failure::because)?;
-    let gpu = Gpu::new(device).map_err(Failure::because)?;
+    let sources = TextureSources::search(&folders).map_err(Failure::because)?;
+    let gpu = Device::open(device).map_err(Failure::because)?;
+    bar.follow(&gpu);
     bar.suspend(|| console::print(&devices::title(gpu.description())));
 
     let head =

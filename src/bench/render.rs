@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use device::Device;
 use engine::bench::render::{self as bench, RenderReport, Spread, Subject};
 use engine::bench::scenes;
-use engine::gpu::Gpu;
 use engine::load;
 use engine::procedural::{Procedural, TextureSources};
 use engine::renderer::RenderSettings;
@@ -66,11 +66,14 @@ impl Prepared {
 /// # Errors
 /// A scene or look that can't be loaded or rendered, no device, a file that can't be written.
 pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
-    report::check(&job.effort)?;
+    let written: Vec<_> = job.effort.json.iter().cloned().collect();
+    let scenes: Vec<_> = job.scenes.iter().collect();
+    report::check(&written, &scenes, job.look.as_deref())?;
     let bar = Bar::new("loading the scenes");
     let prepared = prepare(job, &bar)?;
     bar.stage("measuring");
-    let gpu = Gpu::new(&job.effort.device).map_err(Failure::because)?;
+    let gpu = Device::open(&job.effort.device).map_err(Failure::because)?;
+    bar.follow(&gpu);
     let amount = job.effort.amount(USUAL);
     let subjects: Vec<Subject<'_>> = prepared
         .iter()

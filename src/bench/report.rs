@@ -1,14 +1,17 @@
 //! What all reports of measurements begin with, and how they become files.
 
 use std::io::Write as _;
+use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use engine::gpu::Gpu;
+use device::Device;
+use engine::load;
+use engine::scene::look::Look;
 use serde::Serialize;
 
 use crate::exit::Failure;
 use crate::output;
-use crate::report::Device;
+use crate::report::DeviceFacts;
 
 use super::job::{Amount, Effort};
 
@@ -21,7 +24,7 @@ pub(super) struct Conditions {
     pub(super) commit: &'static str,
     /// When the report was made: UTC, ISO 8601.
     pub(super) date: String,
-    pub(super) device: Device,
+    pub(super) device: DeviceFacts,
     /// Pixels.
     pub(super) width: u32,
     /// Pixels.
@@ -33,13 +36,13 @@ pub(super) struct Conditions {
 }
 
 impl Conditions {
-    pub(super) fn new(effort: &Effort, amount: Amount, gpu: &Gpu) -> Self {
+    pub(super) fn new(effort: &Effort, amount: Amount, gpu: &Device) -> Self {
         let since = SystemTime::now().duration_since(UNIX_EPOCH);
         Self {
             patina: env!("CARGO_PKG_VERSION"),
             commit: env!("PATINA_COMMIT"),
             date: utc(since.map_or(0, |since| since.as_secs())),
-            device: Device::new(gpu.description()),
+            device: DeviceFacts::new(gpu.description()),
             width: amount.width,
             height: amount.height,
             samples_per_pixel: amount.spp,
@@ -62,15 +65,22 @@ impl Conditions {
     }
 }
 
-/// Makes sure that the figures can be written before they are measured.
+/// Makes sure, before anything is measured, that reports can be written, and over nothing that is read: scenes, a look, and
+/// what these name.
 ///
 /// # Errors
-/// As [`output::check`].
-pub(super) fn check(effort: &Effort) -> Result<(), Failure> {
-    match &effort.json {
-        Some(path) => output::check(path).map_err(Failure::because),
-        None => Ok(()),
+/// As [`output::check_all`], and a look that can't be read.
+pub(super) fn check(
+    written: &[PathBuf],
+    scenes: &[&PathBuf],
+    look: Option<&Path>,
+) -> Result<(), Failure> {
+    let mut read: Vec<PathBuf> = look.iter().map(|look| look.to_path_buf()).collect();
+    let look = look.map(Look::load).transpose()?;
+    for scene in scenes {
+        read.extend(load::files(scene, look.as_ref()));
     }
+    output::check_all(written, &read)
 }
 
 /// Writes the figures where they are wanted.

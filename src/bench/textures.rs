@@ -1,4 +1,4 @@
-//! `patina bench textures`: what rust and scratches cost over plain gray, for each form of the texture kernel, and what
+//! `patina bench textures`: what rust and scratches cost over plain grey, for each form of the texture kernel, and what
 //! changes that cost. From a job to measurements to a table and to report files.
 
 mod charts;
@@ -8,10 +8,10 @@ mod paper;
 
 use std::io::Write as _;
 
+use device::{Device, DeviceOptions};
 use engine::bench::forms::Form;
 use engine::bench::textures::{self as bench, Absent, MODEL, Setup};
 use engine::bench::{coverage, insert, scenes, sweeps};
-use engine::gpu::Gpu;
 use engine::load;
 use engine::procedural::TextureSources;
 use engine::renderer::RenderSettings;
@@ -54,16 +54,21 @@ struct Subject {
 /// A scene or look that can't be loaded, textures that are missing, no device, pictures that differ between the forms,
 /// a file that can't be written.
 pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
-    report::check(&job.effort)?;
-    for report in &job.reports {
-        output::check(&report.path).map_err(Failure::because)?;
-    }
+    let reports = job.reports.iter().map(|report| &report.path);
+    let written: Vec<_> = reports.chain(&job.effort.json).cloned().collect();
+    let scenes: Vec<_> = match &job.scene {
+        Some((scene, Model::Inserted(model))) => vec![scene, model],
+        Some((scene, Model::Material(_))) => vec![scene],
+        None => Vec::new(),
+    };
+    report::check(&written, &scenes, job.look.as_deref())?;
     let bar = Bar::new("loading the scene");
     let folders = library::texture_dirs(&job.effort.texture_dirs, None)?;
-    let sources = TextureSources::scan(&folders).map_err(Failure::because)?;
+    let sources = TextureSources::search(&folders).map_err(Failure::because)?;
     let subject = prepare(job, &folders, &bar)?;
     let (gpu, forms, left_out) = open(job)?;
-    let usual = match gpu.is_cpu() {
+    bar.follow(&gpu);
+    let usual = match gpu.traits().compiles_slowly {
         true => USUAL_ON_CPU,
         false => USUAL_ON_GPU,
     };
@@ -118,25 +123,26 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
         };
         output::write_aside(&report.path, |file| file.write_all(text.as_bytes()))
             .map_err(Failure::because)?;
-        console::print(&format!("wrote {}", report.path.display()));
+        console::note(&format!("wrote {}", report.path.display()));
     }
     Ok(())
 }
 
 /// Opens the device. If no forms were named they are all of them, but on a software driver not the one that such drivers
 /// compile for minutes; that it is left out is said.
-fn open(job: &TexturesJob) -> Result<(Gpu, Vec<Form>, Option<Absent>), Failure> {
+fn open(job: &TexturesJob) -> Result<(Device, Vec<Form>, Option<Absent>), Failure> {
     let device = &job.effort.device;
     let open = |forms: &[Form]| match forms.contains(&Form::RayQuery) {
-        true => Gpu::with_ray_queries(device).map_err(Failure::because),
-        false => Gpu::new(device).map_err(Failure::because),
+        true => Device::open_with(&DeviceOptions::new(device).with_ray_queries())
+            .map_err(Failure::because),
+        false => Device::open(device).map_err(Failure::because),
     };
     if let Some(forms) = &job.forms {
         return Ok((open(forms)?, forms.clone(), None));
     }
     let all = Form::ALL.to_vec();
     let gpu = open(&all)?;
-    if !gpu.is_cpu() {
+    if !gpu.traits().compiles_slowly {
         return Ok((gpu, all, None));
     }
     let absent = Absent {

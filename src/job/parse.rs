@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use engine::gpu::DeviceChoice;
+use device::DeviceChoice;
 
 use super::{Format, MAX_EXPOSURE, MAX_PIXELS, MAX_SIDE, MAX_SPP, Output, UsageError};
 

@@ -10,8 +10,8 @@ Examples:
   patina texture eval fbm --set scale=3 --at \"WorldPos=1,2,3;Footprint=0.01\"
   patina texture eval rust --look rust.look.toml --at \"WorldPos=1,2,3;AO=0.5\"
 
-Each --at is a point and gives a line. Names are those of readAttr and readGlobal, and those of custom attributes (_WETNESS).
-What isn't given has a plain value: the origin, the normal +Y, AO 1, and so on.";
+Each --at is a point and gives a line. Names are those of readAttr and readGlobal, and those of custom attributes \
+(_WETNESS). What isn't given has a plain value: the origin, the normal +Y, AO 1, and so on.";
 
 const PREVIEW_EXAMPLES: &str = "\
 Examples:
@@ -45,21 +45,29 @@ pub(crate) enum TextureCommand {
     /// Render a texture on a sphere, a plane and a cube.
     #[command(after_help = PREVIEW_EXAMPLES)]
     Preview(PreviewArgs),
-    /// Begin a texture with a commented template.
+    /// Begin a texture with a commented template, or with a copy of another texture.
     New {
         /// The texture's name.
         name: String,
 
+        /// Copy this texture instead of the template.
+        #[arg(long, value_name = "TEXTURE")]
+        from: Option<String>,
+
         /// The folder it is written to; it is made where there is none.
         #[arg(long, value_name = "DIR", default_value = "user_textures")]
         dir: PathBuf,
+
+        /// Where textures are.
+        #[command(flatten)]
+        folders: Folders,
     },
 }
 
 /// Where textures are looked for.
 #[derive(Debug, Args)]
 pub(crate) struct Folders {
-    /// Folder with user textures (.wgsl). May be given several times; searched before the standard ones.
+    /// Folder with textures (.wgsl), searched before all others. May be given several times.
     #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
     pub(crate) texture_dirs: Vec<PathBuf>,
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use engine::procedural::TextureSources;
-use texgen::{Diagnostic, Diagnostics, SourceFile, TextureType};
+use texgen::{Diagnostic, Diagnostics, Severity, SourceFile, TextureType};
 
 use crate::console;
 use crate::exit::Failure;
@@ -26,10 +26,10 @@ pub(crate) fn run(job: &CheckJob) -> Result<(), Failure> {
     let (mut faulty, mut errors, mut warnings) = (0, 0, 0);
     for file in &files {
         let found = problems(file);
-        let count = found.iter().filter(|d| is_error(d)).count();
+        let count = found.count(Severity::Error);
         faulty += usize::from(count > 0);
         errors += count;
-        warnings += found.len() - count;
+        warnings += found.count(Severity::Warning);
         console::print_diagnostics(&found);
     }
     if !console::is_json() {
@@ -82,8 +82,4 @@ fn problems(file: &Read) -> Diagnostics {
             Err(problems) => problems,
         },
     }
-}
-
-fn is_error(diagnostic: &Diagnostic) -> bool {
-    diagnostic.severity == texgen::Severity::Error
 }

@@ -1,12 +1,13 @@
 //! `patina texture eval`: the value of a texture at points.
 
+use device::Device;
 use engine::evaluate::{EvaluateError, Evaluator, Point};
-use engine::gpu::Gpu;
 use engine::isolated::{Isolated, Subject};
 use engine::scene::look::Look;
 
 use crate::console;
 use crate::exit::Failure;
+use crate::progress::Bar;
 
 use super::job::{EvalJob, TargetJob};
 use super::written;
@@ -39,13 +40,17 @@ pub(crate) fn run(job: &EvalJob) -> Result<(), Failure> {
     }
     let components = isolated.output().components();
 
-    let gpu = Gpu::new(device).map_err(Failure::because)?;
+    let bar = Bar::new("preparing the device");
+    let gpu = Device::open(device).map_err(Failure::because)?;
+    bar.follow(&gpu);
     let point = |values: &Vec<(String, Vec<f32>)>| {
         let point = Point::new();
         (values.iter()).fold(point, |point, (name, value)| point.with(name, value))
     };
     let points: Vec<Point> = job.points.iter().map(point).collect();
-    for value in Evaluator::new(&gpu, isolated).evaluate(&points)? {
+    let values = Evaluator::new(&gpu, isolated).evaluate(&points)?;
+    bar.finish();
+    for value in values {
         console::print(&line(&value[..components]));
     }
     Ok(())

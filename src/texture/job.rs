@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use engine::gpu::DeviceChoice;
+use device::DeviceChoice;
 
 use crate::job::{Output, UsageError, parse_device, parse_number, parse_output};
 
@@ -103,8 +103,12 @@ pub(crate) struct PreviewJob {
 pub(crate) struct NewJob {
     /// Its name.
     pub(crate) name: String,
+    /// The texture that is copied; without it the template is written.
+    pub(crate) from: Option<String>,
     /// Where the file goes.
     pub(crate) dir: PathBuf,
+    /// Folders the user named, searched first.
+    pub(crate) texture_dirs: Vec<PathBuf>,
 }
 
 impl TextureJob {
@@ -124,9 +128,19 @@ impl TextureJob {
             TextureCommand::Inspect(args) => Self::Inspect(InspectJob::from_args(args)),
             TextureCommand::Eval(args) => Self::Eval(EvalJob::from_args(args)?),
             TextureCommand::Preview(args) => Self::Preview(PreviewJob::from_args(args)?),
-            TextureCommand::New { name, dir } => {
+            TextureCommand::New {
+                name,
+                from,
+                dir,
+                folders,
+            } => {
                 check_name(&name)?;
-                Self::New(NewJob { name, dir })
+                Self::New(NewJob {
+                    name,
+                    from,
+                    dir,
+                    texture_dirs: folders.texture_dirs,
+                })
             }
         })
     }

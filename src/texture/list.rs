@@ -1,4 +1,4 @@
-//! `patina texture list`: all textures with what they give and take.
+//! `patina texture list`: all textures with where they come from, what they give and what they take.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -22,10 +22,19 @@ pub(crate) fn run(texture_dirs: &[PathBuf]) -> Result<(), Failure> {
         let parsed = super::read(&sources, name).map_err(Into::into);
         match parsed.and_then(TextureType::parse) {
             Ok(texture) if console::is_json() => {
-                let entry = serde_json::to_string(&Entry::from(&texture)).map_err(Failure::because);
-                table += &(entry? + "\n");
+                let entry = Entry {
+                    built_in: sources.is_built_in(name),
+                    ..Entry::from(&texture)
+                };
+                table += &(serde_json::to_string(&entry).map_err(Failure::because)? + "\n");
             }
-            Ok(texture) => add(&mut table, &texture),
+            Ok(texture) => {
+                let origin = match sources.is_built_in(name) {
+                    true => "built in",
+                    false => texture.file().path(),
+                };
+                add(&mut table, &texture, origin);
+            }
             Err(_) => console::warning(&format!(
                 "texture `{name}` has errors: `patina texture check {name}` shows them"
             )),
@@ -42,8 +51,9 @@ fn first_sentence(docs: &str) -> String {
     sentence.trim_end_matches('.').to_owned()
 }
 
-fn add(table: &mut String, texture: &TextureType) {
-    let _ = writeln!(table, "{} -> {}", texture.name(), texture.output());
+fn add(table: &mut String, texture: &TextureType, origin: &str) {
+    let (name, output) = (texture.name(), texture.output());
+    let _ = writeln!(table, "{name} -> {output}  ({origin})");
     let sentence = first_sentence(texture.docs());
     if !sentence.is_empty() {
         let _ = writeln!(table, "    {sentence}");
@@ -88,7 +98,9 @@ fn default(parameter: &Parameter) -> Option<String> {
 #[derive(Serialize)]
 struct Entry<'a> {
     name: &'a str,
+    /// The file; of a standard texture the name that messages give it.
     file: &'a str,
+    built_in: bool,
     returns: String,
     doc: &'a str,
     parameters: Vec<ParameterEntry<'a>>,
@@ -130,6 +142,7 @@ impl<'a> From<&'a TextureType> for Entry<'a> {
         Self {
             name: texture.name(),
             file: texture.file().path(),
+            built_in: false,
             returns: texture.output().to_string(),
             doc: texture.docs(),
             parameters: texture.parameters().iter().map(parameter).collect(),

@@ -39,7 +39,7 @@ pub(crate) fn run(job: TextureJob) -> Result<(), Failure> {
 /// The textures of all folders that are searched.
 fn sources(texture_dirs: &[PathBuf], look: Option<&Path>) -> Result<TextureSources, Failure> {
     let dirs = library::texture_dirs(texture_dirs, look)?;
-    TextureSources::scan(&dirs).map_err(Failure::because)
+    TextureSources::search(&dirs).map_err(Failure::because)
 }
 
 /// The text of the texture of that name.

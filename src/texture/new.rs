@@ -1,7 +1,9 @@
-//! `patina texture new`: a commented template to begin with.
+//! `patina texture new`: a commented template to begin with, or a copy of another texture.
 
-use std::fs::{self, OpenOptions};
+use std::fs;
 use std::io::{ErrorKind, Write};
+
+use engine::aside;
 
 use crate::console;
 use crate::exit::Failure;
@@ -14,7 +16,7 @@ const TEMPLATE: &str = include_str!("template.wgsl");
 /// Writes the file.
 ///
 /// # Errors
-/// There is a file of that name already, or it can't be written.
+/// There is a file of that name already, or it can't be written; there is no texture to copy.
 pub(crate) fn run(job: &NewJob) -> Result<(), Failure> {
     let path = job.dir.join(format!("{}.wgsl", job.name));
     let refused = |error: std::io::Error| {
@@ -26,22 +28,24 @@ pub(crate) fn run(job: &NewJob) -> Result<(), Failure> {
             _ => format!("cannot write {}: {error}", path.display()),
         })
     };
-    let sources = super::sources(&[], None)?;
+    let sources = super::sources(&job.texture_dirs, None)?;
+    let text = match &job.from {
+        Some(original) => super::read(&sources, original)?.text().to_owned(),
+        None => TEMPLATE.replace("NAME", &job.name),
+    };
     if let Some(other) = sources.path(&job.name).filter(|other| *other != path) {
         console::warning(&format!(
             "there is a texture of this name already: {}; the folder that is searched first decides which one is used",
             other.display()
         ));
+    } else if sources.is_built_in(&job.name) {
+        console::warning(
+            "there is a standard texture of this name already: yours takes its place wherever its folder is searched",
+        );
     }
     fs::create_dir_all(&job.dir).map_err(refused)?;
-    let mut file = OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(&path)
-        .map_err(refused)?;
-    file.write_all(TEMPLATE.replace("NAME", &job.name).as_bytes())
-        .map_err(refused)?;
-    console::print(&format!(
+    aside::create(&path, |file| file.write_all(text.as_bytes())).map_err(refused)?;
+    console::note(&format!(
         "wrote {}\nsee it with: patina texture preview {} --textures {}",
         path.display(),
         job.name,

@@ -1,16 +1,17 @@
 //! `patina texture preview`: a texture on three objects, rendered within a few seconds.
 
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use engine::gpu::Gpu;
+use device::Device;
 use engine::isolated::Subject;
 use engine::preview::Preview;
 use engine::scene::look::Look;
 
-use crate::console;
 use crate::exit::Failure;
 use crate::output::{self, Picture};
 use crate::progress::Bar;
+use crate::{console, interrupt};
 
 use super::job::PreviewJob;
 
@@ -27,32 +28,50 @@ const PATIENCE: Duration = Duration::from_millis(3800);
 /// Mistakes in the texture or its arguments; no device; the picture can't be written.
 pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
     let start = Instant::now();
-    output::check(&job.output.path).map_err(Failure::because)?;
     let target = &job.target;
+    let written = [job.output.path.clone()];
+    let named: Vec<PathBuf> = target.look.iter().cloned().collect();
+    output::check_all(&written, &named)?;
     let sources = super::sources(&target.texture_dirs, target.look.as_deref())?;
     let look = target.look.as_deref().map(Look::load).transpose()?;
     let subject = match &look {
         Some(look) => Subject::Node(&target.name, look),
         None => Subject::Texture(&target.name),
     };
+    let mut read = match &look {
+        Some(look) => engine::load::files(Path::new(""), Some(look)),
+        None => Vec::new(),
+    };
+    // An argument may be an image.
+    let values = target.sets.iter().map(|(_, value)| value.trim_matches('"'));
+    read.extend(values.map(PathBuf::from));
+    output::check_all(&written, &read)?;
     let mut preview = Preview::new(subject, &sources, job.range)?;
     console::diagnostics(preview.warnings());
     for (parameter, value) in &target.sets {
         preview.set(parameter, value).map_err(Failure::because)?;
     }
 
-    let mut bar = Bar::new("preparing the device");
-    let gpu = Gpu::new(&target.device).map_err(Failure::because)?;
+    let bar = Bar::new("preparing the device");
+    let gpu = Device::open(&target.device).map_err(Failure::because)?;
+    bar.follow(&gpu);
     let mut renderer = preview.renderer(&gpu, job.size).map_err(Failure::because)?;
+    let mut is_complete = true;
     loop {
         let progress = renderer.step(MAX_SPP).map_err(Failure::because)?;
-        bar.update(&progress);
+        bar.update(&progress, MAX_SPP);
+        interrupt::has_results();
         let spp = progress.samples_done * u64::from(MAX_SPP) / progress.samples_total.max(1);
+        if interrupt::requested() {
+            is_complete = false;
+            break;
+        }
         if progress.is_done() || (spp >= u64::from(MIN_SPP) && start.elapsed() > PATIENCE) {
             break;
         }
     }
     let film = renderer.film().map_err(Failure::because)?;
+    interrupt::writes_results();
     bar.finish();
 
     let picture = Picture {
@@ -62,6 +81,9 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
         facts: Vec::new(),
     };
     output::write(&job.output, &picture, 0.0).map_err(Failure::because)?;
-    console::print(&format!("wrote {}", job.output.path.display()));
-    Ok(())
+    console::note(&format!("wrote {}", job.output.path.display()));
+    match is_complete {
+        true => Ok(()),
+        false => Err(Failure::Interrupted),
+    }
 }

@@ -13,7 +13,8 @@ Examples:
   A picture of the window, for a page about it:
     patina view helmet.glb --screenshot window.png
 
-In the window, `?` lists keys and what the mouse does. Files that are edited elsewhere are followed as by `patina watch`.
+In the window, `?` lists keys and what the mouse does. Files that are edited elsewhere are followed as by \
+`patina watch`.
 
 Exit codes: 0 closed, 1 failed, 2 wrong usage.";
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use engine::gpu::DeviceChoice;
+use device::DeviceChoice;
 
 use crate::job::{
     Format, MAX_DEPTH, MAX_SPP, Output, UsageError, parse_device, parse_number, parse_output,

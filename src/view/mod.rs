@@ -6,15 +6,15 @@ pub(crate) mod job;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use device::{Device, DeviceOptions};
 use engine::film::Film;
-use engine::gpu::Gpu;
 use patina_viewer::host::{Changes, Host};
 use patina_viewer::link::Files;
-use patina_viewer::shell::{self, WindowOptions};
+use patina_viewer::shell::{self, WindowError, WindowOptions};
 use patina_viewer::thread::RenderOptions;
 
 use crate::exit::Failure;
-use crate::job::parse_output;
+use crate::job::{Output, parse_output};
 use crate::output::{self, Fact, Picture};
 use crate::watch::files::Watcher;
 use crate::{cache, console, library};
@@ -35,15 +35,19 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
             .map_err(|error| Failure::Failed(format!("cannot read {}: {error}", file.display())))?;
     }
     if let Some((output, _)) = &job.screenshot {
-        output::check(&output.path).map_err(Failure::because)?;
+        let read: Vec<_> = job.scene.iter().chain(&job.look).cloned().collect();
+        output::check_all(std::slice::from_ref(&output.path), &read)?;
     }
+    is_displayed()?;
     let host = ProgramHost {
         texture_dirs: job.texture_dirs.clone(),
         watched: None,
+        read: Vec::new(),
     };
     library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
     let folder = cache::folder();
-    let gpu = Gpu::with_cache(&job.device, folder.as_deref()).map_err(Failure::because)?;
+    let gpu = Device::open_with(&DeviceOptions::new(&job.device).with_cache(folder.as_deref()))
+        .map_err(Failure::because)?;
     let files = job.scene.clone().map(|scene| Files {
         scene,
         look: job.look.clone(),
@@ -60,7 +64,10 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
         preview_device: job.device.clone(),
         picture_at_spp: job.screenshot.as_ref().map(|(_, spp)| *spp),
     };
-    let outcome = shell::run(&gpu, options, Box::new(host)).map_err(Failure::because);
+    let outcome = shell::run(&gpu, options, Box::new(host)).map_err(|error| match error {
+        WindowError::System(_) => no_window(&without_places(&error.to_string())),
+        WindowError::NoDriver | WindowError::Lost(_) => Failure::because(error),
+    });
     // Nothing depends on it but the time of the next start.
     let _ = gpu.save_cache();
     match (outcome?, &job.screenshot) {
@@ -77,16 +84,77 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
     }
 }
 
+/// Whether there is something to open a window on, as far as the system says so beforehand.
+fn is_displayed() -> Result<(), Failure> {
+    // What Wayland and X11 find their display by; other systems have one or fail when it is opened.
+    const VARIABLES: [&str; 3] = ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"];
+    let is_set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let needs_them = cfg!(all(
+        unix,
+        not(target_os = "macos"),
+        not(target_os = "android")
+    ));
+    match !needs_them || VARIABLES.into_iter().any(is_set) {
+        true => Ok(()),
+        false => Err(no_window(
+            "cannot open a window: there is no display (neither WAYLAND_DISPLAY nor DISPLAY is set)",
+        )),
+    }
+}
+
+fn no_window(why: &str) -> Failure {
+    Failure::Failed(format!(
+        "{why}; `patina render` and `patina watch` need no display"
+    ))
+}
+
+/// A library's text without the source files that it names, which nobody has.
+fn without_places(text: &str) -> String {
+    const HEAD: &str = "os error at ";
+    let mut rest = text;
+    let mut kept = String::new();
+    while let Some(at) = rest.find(HEAD) {
+        kept.push_str(&rest[..at]);
+        let place = &rest[at + HEAD.len()..];
+        // `FILE.rs:LINE: what it is`
+        let after = place.find(".rs:").and_then(|end| {
+            let number = &place[end + 4..];
+            let digits = number.find(|c: char| !c.is_ascii_digit())?;
+            number[digits..].strip_prefix(": ")
+        });
+        match after {
+            Some(after) => rest = after,
+            None => {
+                kept.push_str(HEAD);
+                rest = place;
+            }
+        }
+    }
+    kept + rest
+}
+
 /// What the window wants of this program.
 struct ProgramHost {
     /// Folders named on the command line.
     texture_dirs: Vec<PathBuf>,
     watched: Option<Watched>,
+    /// What is shown: no picture is written over it.
+    read: Vec<PathBuf>,
 }
 
 struct Watched {
     watcher: Watcher,
     textures: Vec<PathBuf>,
+}
+
+impl ProgramHost {
+    /// What a picture is written to, unless that is shown.
+    fn output(&self, path: &Path) -> Result<Output, String> {
+        let output = parse_output(path.to_owned()).map_err(|error| error.to_string())?;
+        output::refuse_overwriting([&output.path], &self.read)
+            .map_err(|error| error.to_string())?;
+        Ok(output)
+    }
 }
 
 impl Host for ProgramHost {
@@ -100,6 +168,7 @@ impl Host for ProgramHost {
         look: Option<&Path>,
         textures: &[PathBuf],
     ) -> Result<(), String> {
+        files.clone_into(&mut self.read);
         match &mut self.watched {
             Some(watched) if watched.textures == textures => {
                 watched.watcher.set_files(files, look);
@@ -133,12 +202,27 @@ impl Host for ProgramHost {
             rgb: film.mean(),
             facts: vec![("samplesPerPixel", Fact::Count(spp.into()))],
         };
-        let output = parse_output(path.to_owned()).map_err(|error| error.to_string())?;
+        let output = self.output(path)?;
         output::write(&output, &picture, 0.0).map_err(|error| error.to_string())
     }
 
     fn write_shown(&self, path: &Path, size: [u32; 2], rgba: &[u8]) -> Result<(), String> {
-        let output = parse_output(path.to_owned()).map_err(|error| error.to_string())?;
+        let output = self.output(path)?;
         output::write_shown(&output, size, rgba).map_err(|error| error.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_places;
+
+    #[test]
+    fn messages_name_no_file_of_the_machine_that_built_the_program() {
+        let text = "cannot open a window: winit EventLoopError: os error at /home/x-0.30/src/linux/mod.rs:765: no display";
+        assert_eq!(
+            without_places(text),
+            "cannot open a window: winit EventLoopError: no display"
+        );
+        assert_eq!(without_places("os error at once"), "os error at once");
     }
 }

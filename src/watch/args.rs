@@ -9,13 +9,13 @@ use crate::args::CommonArgs;
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   Write a texture with the picture in view, in any viewer that notices a new file:
-    patina watch helmet.glb --look rust.look.toml --textures my_textures -o helmet.png
+    patina watch helmet.glb --look rust.look.toml -o helmet.png
 
-The look, the textures in use, the scene and its images are watched. After each change the picture is written at 1, 4,
-16, 64, ... samples per pixel, with a line on how long that took. What is wrong is shown with file, line and caret,
-and the former picture goes on. Ctrl-C ends it.
+The look, the textures in use, the scene and its images are watched. After each change the picture is written at 1, 4, \
+16, 64, ... samples per pixel, with a line on how long that took. What is wrong is shown with file, line and caret, \
+and the former picture goes on. Ctrl-C ends it, and writes the picture as it is then.
 
-Exit codes: 0 ended, 1 failed, 2 wrong usage.";
+Exit codes: 1 failed, 2 wrong usage, 130 ended by Ctrl-C (143 by SIGTERM, 129 by SIGHUP).";
 
 /// Flags of `patina watch`.
 #[derive(Debug, clap::Args)]

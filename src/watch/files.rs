@@ -2,12 +2,17 @@
 //!
 //! Folders are watched, not files: an editor that saves by renaming leaves a watched file behind. What an event means
 //! is not asked either; whoever reads the file finds out whether its contents are others.
+//!
+//! Events are quick, but not all there is: a folder that is moved away or made anew takes its watch along, a link's target
+//! lies elsewhere, and some file systems have no events. So all files are also looked at twice a second.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
+use engine::aside;
 use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
 
 use crate::exit::Failure;
@@ -16,6 +21,8 @@ use crate::exit::Failure;
 const QUIET: Duration = Duration::from_millis(40);
 /// Nor does it last longer than this, however often is saved.
 const LONGEST: Duration = Duration::from_millis(300);
+/// How often files are looked at without an event.
+const INTERVAL: Duration = Duration::from_millis(500);
 
 /// What changed in a burst.
 #[derive(Debug)]
@@ -33,7 +40,7 @@ pub(crate) struct Changes {
 }
 
 /// What a file is, for a render.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Texture,
     Look,
@@ -44,21 +51,26 @@ enum Kind {
 pub(crate) struct Watcher {
     watcher: RecommendedWatcher,
     events: Receiver<notify::Result<notify::Event>>,
-    /// By where they really are.
+    /// By absolute paths in which the names are those that were given.
     files: HashMap<PathBuf, Kind>,
     texture_folders: Vec<PathBuf>,
-    watched: BTreeSet<PathBuf>,
-    /// Size and time of assets: they are large, and being touched is not being changed.
+    /// What events may call a file that is reached through links.
+    aliases: HashMap<PathBuf, PathBuf>,
+    /// Folders with events, and which folder each of them was when that began.
+    watched: BTreeMap<PathBuf, Stamp>,
+    /// What files were like when they were told of, or first met. Those of textures are in here too.
     stamps: HashMap<PathBuf, Stamp>,
+    looked: Instant,
     burst: Option<Burst>,
 }
 
-type Stamp = Option<(u64, std::time::SystemTime)>;
+/// What tells a file from its former self without being read; none where it isn't there.
+type Stamp = Option<(u64, SystemTime, u64)>;
 
 struct Burst {
     since: Instant,
     last: Instant,
-    files: BTreeSet<(PathBuf, u8)>,
+    files: BTreeSet<(PathBuf, Kind)>,
 }
 
 impl Watcher {
@@ -78,13 +90,18 @@ impl Watcher {
             watcher,
             events,
             files: HashMap::new(),
-            texture_folders: textures.iter().map(|folder| real(folder)).collect(),
-            watched: BTreeSet::new(),
+            texture_folders: textures.iter().map(|folder| absolute(folder)).collect(),
+            aliases: HashMap::new(),
+            watched: BTreeMap::new(),
             stamps: HashMap::new(),
+            looked: Instant::now(),
             burst: None,
         };
         for folder in this.texture_folders.clone() {
             this.watch(folder);
+        }
+        for texture in this.textures() {
+            this.stamps.insert(texture.clone(), stamp(&texture));
         }
         this.set_files(files, look);
         Ok(this)
@@ -92,32 +109,43 @@ impl Watcher {
 
     /// Watches these files from now on.
     pub(crate) fn set_files(&mut self, files: &[PathBuf], look: Option<&Path>) {
-        let look = look.map(real);
+        let look = look.map(absolute);
         self.files.clear();
         for file in files {
-            let path = real(file);
+            let path = absolute(file);
             let kind = match Some(&path) == look.as_ref() {
                 true => Kind::Look,
                 false => Kind::Asset,
             };
-            if let Some(folder) = path.parent() {
-                self.watch(folder.to_owned());
-            }
             self.stamps
                 .entry(path.clone())
                 .or_insert_with(|| stamp(&path));
+            self.watch(aside::folder_of(&path).to_owned());
+            self.follow(&path);
             self.files.insert(path, kind);
         }
     }
 
+    /// Events call a file by where it really is.
+    fn follow(&mut self, path: &Path) {
+        if let Ok(target) = path.canonicalize()
+            && target != path
+        {
+            self.watch(aside::folder_of(&target).to_owned());
+            self.aliases.insert(target, path.to_owned());
+        }
+    }
+
     fn watch(&mut self, folder: PathBuf) {
+        let now = identity(&folder);
         // One that can't be watched, or isn't there, has no events.
-        if !self.watched.contains(&folder)
+        if now.is_some()
+            && self.watched.get(&folder) != Some(&now)
             && (self.watcher)
                 .watch(&folder, RecursiveMode::NonRecursive)
                 .is_ok()
         {
-            self.watched.insert(folder);
+            self.watched.insert(folder, now);
         }
     }
 
@@ -130,8 +158,17 @@ impl Watcher {
                 Ok(Ok(event)) => self.note(event),
                 // Events were lost: anything may have changed.
                 Ok(Err(_)) => self.note_all(),
-                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => break,
+                Err(RecvTimeoutError::Timeout) => break,
+                // There is nobody to send any: the files are looked at all the same.
+                Err(RecvTimeoutError::Disconnected) => {
+                    std::thread::sleep(left);
+                    break;
+                }
             }
+        }
+        if self.looked.elapsed() >= INTERVAL {
+            self.look_at_all();
+            self.looked = Instant::now();
         }
         let burst = self.burst.as_ref()?;
         let is_over = burst.last.elapsed() >= QUIET || burst.since.elapsed() >= LONGEST;
@@ -146,9 +183,27 @@ impl Watcher {
             return self.note_all();
         }
         for path in event.paths {
-            if let Some(kind) = self.kind(&path) {
-                self.add(path, kind);
+            if let Some(path) = self.aliases.get(&path).cloned() {
+                // The link or its target may be another one now.
+                self.follow(&path);
+                self.add_known(path);
+                continue;
             }
+            // A folder that was moved or removed: its watch is gone, or looks elsewhere.
+            if matches!(event.kind, EventKind::Remove(_) | EventKind::Modify(_))
+                && self.watched.remove(&path).is_some()
+            {
+                // It may not have been watched any more.
+                let _ = self.watcher.unwatch(&path);
+                continue;
+            }
+            self.add_known(path);
+        }
+    }
+
+    fn add_known(&mut self, path: PathBuf) {
+        if let Some(kind) = self.kind(&path) {
+            self.add(path, kind);
         }
     }
 
@@ -160,6 +215,39 @@ impl Watcher {
         self.add(PathBuf::from("textures"), Kind::Texture);
     }
 
+    /// Notes what has another stamp than it had, and has folders watched that are others than they were.
+    fn look_at_all(&mut self) {
+        let folders: BTreeSet<PathBuf> = (self.files.keys())
+            .map(|path| aside::folder_of(path).to_owned())
+            .chain(self.texture_folders.iter().cloned())
+            .collect();
+        for folder in folders {
+            self.watch(folder);
+        }
+        let known_textures = self.stamps.keys().filter(|path| self.is_texture(path));
+        let textures: BTreeSet<PathBuf> = known_textures.cloned().chain(self.textures()).collect();
+        let files = self.files.iter().map(|(path, kind)| (path.clone(), *kind));
+        let all: Vec<(PathBuf, Kind)> = files
+            .chain(textures.into_iter().map(|path| (path, Kind::Texture)))
+            .collect();
+        for (path, kind) in all {
+            let is_waiting = |burst: &Burst| burst.files.contains(&(path.clone(), kind));
+            if stamp(&path) != self.stamps.get(&path).copied().flatten()
+                && !self.burst.as_ref().is_some_and(is_waiting)
+            {
+                self.follow(&path);
+                self.add(path, kind);
+            }
+        }
+    }
+
+    /// Textures that there are now.
+    fn textures(&self) -> Vec<PathBuf> {
+        let listed = self.texture_folders.iter().flat_map(std::fs::read_dir);
+        let entries = listed.flatten().flatten().map(|entry| entry.path());
+        entries.filter(|path| is_wgsl(path)).collect()
+    }
+
     fn add(&mut self, path: PathBuf, kind: Kind) {
         let now = Instant::now();
         let burst = self.burst.get_or_insert_with(|| Burst {
@@ -168,16 +256,21 @@ impl Watcher {
             files: BTreeSet::new(),
         });
         burst.last = now;
-        burst.files.insert((path, kind as u8));
+        burst.files.insert((path, kind));
     }
 
     fn kind(&self, path: &Path) -> Option<Kind> {
-        if let Some(kind) = self.files.get(path) {
-            return Some(*kind);
-        }
-        let is_wgsl = path.extension().is_some_and(|ending| ending == "wgsl");
-        let folder = path.parent()?;
-        (is_wgsl && self.texture_folders.iter().any(|f| f == folder)).then_some(Kind::Texture)
+        let known = self.files.get(path).copied();
+        known.or_else(|| self.is_texture(path).then_some(Kind::Texture))
+    }
+
+    fn is_texture(&self, path: &Path) -> bool {
+        let folder = path.parent();
+        is_wgsl(path)
+            && self
+                .texture_folders
+                .iter()
+                .any(|f| Some(f.as_path()) == folder)
     }
 
     fn take(&mut self) -> Option<Changes> {
@@ -190,15 +283,19 @@ impl Watcher {
             since: burst.since,
         };
         for (path, kind) in burst.files {
-            if kind == Kind::Asset as u8 {
-                let now = stamp(&path);
-                if self.stamps.insert(path.clone(), now) == Some(now) {
+            // A link may point to another file by now.
+            self.follow(&path);
+            let now = stamp(&path);
+            let before = self.stamps.insert(path.clone(), now);
+            if kind == Kind::Asset {
+                // They are large, and being touched is not being changed.
+                if before == Some(now) {
                     continue;
                 }
                 changes.assets = true;
             }
-            changes.textures |= kind == Kind::Texture as u8;
-            changes.look |= kind == Kind::Look as u8;
+            changes.textures |= kind == Kind::Texture;
+            changes.look |= kind == Kind::Look;
             let name = path.file_name().unwrap_or_default();
             changes.names.push(name.to_string_lossy().into_owned());
         }
@@ -206,18 +303,41 @@ impl Watcher {
     }
 }
 
-fn stamp(path: &Path) -> Stamp {
-    let meta = std::fs::metadata(path).ok()?;
-    Some((meta.len(), meta.modified().ok()?))
+fn is_wgsl(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "wgsl")
 }
 
-/// Where a file or folder really is, as events name it, also where the file itself is missing.
-fn real(path: &Path) -> PathBuf {
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    match (folder.canonicalize(), path.file_name()) {
+/// Of what a path leads to, through links.
+fn stamp(path: &Path) -> Stamp {
+    let meta = std::fs::metadata(path).ok()?;
+    Some((meta.len(), meta.modified().ok()?, number(&meta)))
+}
+
+/// Which folder it is: its contents don't matter.
+fn identity(folder: &Path) -> Stamp {
+    let meta = std::fs::metadata(folder).ok()?;
+    Some((0, SystemTime::UNIX_EPOCH, number(&meta)))
+}
+
+/// What tells a file from another one that came to its place.
+fn number(meta: &Metadata) -> u64 {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        meta.ino() ^ meta.dev().rotate_left(32)
+    }
+    #[cfg(not(unix))]
+    {
+        let created = meta.created().unwrap_or(SystemTime::UNIX_EPOCH);
+        let since = created.duration_since(SystemTime::UNIX_EPOCH);
+        since.map_or(0, |since| since.as_nanos() as u64)
+    }
+}
+
+/// Where a file or folder is said to be: its folder as events name it, also where the file itself is missing. A link is not
+/// followed, since another file may come to its place.
+fn absolute(path: &Path) -> PathBuf {
+    match (aside::folder_of(path).canonicalize(), path.file_name()) {
         (Ok(folder), Some(name)) => folder.join(name),
         _ => path.canonicalize().unwrap_or_else(|_| path.to_owned()),
     }
@@ -277,5 +397,59 @@ mod tests {
         // A folder that is removed, and a file that is only looked at.
         let _ = fs::read(path("a.gltf"));
         assert!(watcher.wait(Duration::from_millis(200)).is_none());
+    }
+
+    #[test]
+    fn folders_that_go_and_come_back_are_not_forgotten() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir(path("textures")).expect("a folder");
+        fs::write(path("textures/t.wgsl"), "old").expect("written");
+        let mut watcher = Watcher::new(&[], None, &[path("textures")]).expect("watched");
+        let mut expect = |what: &str| {
+            let changes = next(&mut watcher).unwrap_or_else(|| panic!("{what} is noticed"));
+            assert!(changes.textures, "{what}: {changes:?}");
+            // What belongs to the same change.
+            while watcher.wait(INTERVAL + QUIET + QUIET).is_some() {}
+        };
+        fs::rename(path("textures"), path("away")).expect("moved");
+        expect("that it has gone");
+        fs::rename(path("away"), path("textures")).expect("moved");
+        expect("that it is back");
+        fs::write(path("textures/t.wgsl"), "newer").expect("written");
+        expect("an edit after that");
+        fs::remove_dir_all(path("textures")).expect("removed");
+        expect("that it was deleted");
+        fs::create_dir(path("textures")).expect("a folder");
+        fs::write(path("textures/t.wgsl"), "another").expect("written");
+        expect("that there is another one");
+        fs::write(path("textures/t.wgsl"), "the last").expect("written");
+        expect("an edit of that");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn edits_behind_a_link_are_seen_and_so_is_another_target() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir(path("below")).expect("a folder");
+        for name in ["one", "two"] {
+            fs::write(path("below").join(name), name).expect("written");
+        }
+        let look = path("a.look.toml");
+        symlink("below/one", &look).expect("a link");
+        let mut watcher =
+            Watcher::new(std::slice::from_ref(&look), Some(&look), &[]).expect("watched");
+        fs::write(path("below/one"), "edited").expect("written");
+        let changes = next(&mut watcher).expect("noticed");
+        assert!(changes.look, "{changes:?}");
+        assert_eq!(changes.names, ["a.look.toml"]);
+        fs::remove_file(&look).expect("removed");
+        symlink("below/two", &look).expect("a link");
+        assert!(next(&mut watcher).expect("noticed").look);
+        while watcher.wait(INTERVAL + QUIET + QUIET).is_some() {}
+        fs::write(path("below/two"), "edited, too").expect("written");
+        assert!(next(&mut watcher).expect("noticed").look);
     }
 }

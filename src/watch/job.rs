@@ -3,7 +3,7 @@
 use std::num::NonZeroU32;
 use std::path::PathBuf;
 
-use engine::gpu::DeviceChoice;
+use device::DeviceChoice;
 
 use crate::job::{
     MAX_DEPTH, MAX_SPP, Output, Outputs, UsageError, parse_device, parse_exposure, parse_number,

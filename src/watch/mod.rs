@@ -5,15 +5,20 @@ pub(crate) mod args;
 pub(crate) mod files;
 pub(crate) mod job;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use engine::gpu::Gpu;
+use device::{Device, DeviceOptions};
 use engine::live::{LiveInputs, LiveRender};
+use engine::load;
 use engine::renderer::RenderSettings;
+use engine::scene::look::Look;
+use engine::stats::Doubt;
 
 use crate::exit::Failure;
 use crate::output::{self, Fact, Picture};
+use crate::progress::Bar;
 use crate::{cache, console, interrupt, library};
 
 use files::{Changes, Watcher};
@@ -26,22 +31,28 @@ const BUSY: Duration = Duration::from_millis(2);
 /// Each picture has so many times the samples of the one before.
 const STEP: u32 = 4;
 
-/// Renders until Ctrl-C.
+/// Renders until a signal ends it.
 ///
 /// # Errors
-/// The scene can't be loaded at first, or the device fails for good. Later mistakes in files are said, and waited out.
+/// Always: [`Failure::Interrupted`] once what there is has been written. Else the scene can't be loaded at first, or the
+/// device fails for good. Later mistakes in files are said, and waited out.
 pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
-    interrupt::listen();
-    for output in &job.outputs {
-        output::check(&output.path).map_err(Failure::because)?;
-    }
+    let written: Vec<PathBuf> = job.outputs.iter().map(|o| o.path.clone()).collect();
+    // A look that can't be read is told of when it is opened.
+    let look = job.look.as_deref().and_then(|look| Look::load(look).ok());
+    let mut read = load::files(&job.scene, look.as_ref());
+    read.extend(job.look.clone());
+    output::check_all(&written, &read)?;
     let clock = Instant::now();
-    let mut live = open(job)?;
+    let bar = Arc::new(Bar::of_compiling());
+    let mut live = open(job, &bar)?;
     console::diagnostics(live.warnings());
     let mut watcher = Watcher::new(&live.files(), job.look.as_deref(), &live.inputs().textures)?;
     let mut update = Update::new("start".to_owned(), clock);
     let mut told = String::new();
+    let mut doubts = Vec::new();
     let mut generation = live.generation();
+    let (mut is_written, mut may_write) = (true, true);
     while !interrupt::requested() {
         let wait = match (update.next > job.spp.get(), live.is_building()) {
             (false, _) => Duration::ZERO,
@@ -56,6 +67,7 @@ pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
         if live.generation() != generation {
             generation = live.generation();
             update.begin();
+            may_write = is_free(&written, &live.files());
             watcher.set_files(&live.files(), job.look.as_deref());
         } else if !live.is_building() {
             // Nothing to be seen came of it.
@@ -64,21 +76,40 @@ pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
         tell_problems(&live, &mut told);
         let target = update.next.min(job.spp.get());
         let progress = live.step(target)?;
+        is_written &= update.next > job.spp.get();
         // What was swapped in meanwhile is noticed, and begun anew, in the next round.
         if live.generation() != generation {
             live.restart();
         } else if progress.is_done() && update.next <= job.spp.get() {
-            write(job, &mut live, &update)?;
+            if may_write {
+                write(job, &mut live, &update)?;
+            }
+            tell_doubts(&live, update.next == job.spp.get(), &mut doubts)?;
+            interrupt::has_results();
+            is_written = true;
             update.next = match update.next {
                 last if last == job.spp.get() => u32::MAX,
                 done => done.saturating_mul(STEP).min(job.spp.get()),
             };
         }
     }
-    Ok(())
+    interrupt::writes_results();
+    if !is_written && may_write {
+        write(job, &mut live, &update)?;
+    }
+    Err(Failure::Interrupted)
 }
 
-fn open(job: &WatchJob) -> Result<LiveRender, Failure> {
+/// Whether no picture would replace a file that the scene or the look has come to name; says it where one would.
+fn is_free(written: &[PathBuf], read: &[PathBuf]) -> bool {
+    let refused = output::refuse_overwriting(written, read);
+    if let Err(error) = &refused {
+        console::error(&error.to_string());
+    }
+    refused.is_ok()
+}
+
+fn open(job: &WatchJob, bar: &Arc<Bar>) -> Result<LiveRender, Failure> {
     let inputs = LiveInputs {
         scene: job.scene.clone(),
         look: job.look.clone(),
@@ -86,10 +117,14 @@ fn open(job: &WatchJob) -> Result<LiveRender, Failure> {
         camera: job.camera.clone(),
     };
     let (device, folder) = (job.device.clone(), cache::folder());
+    let bar = Arc::clone(bar);
     let (width, height, max_depth, seed) = (job.width, job.height, job.max_depth, job.seed);
     LiveRender::open(
         inputs,
-        Arc::new(move || Gpu::with_cache(&device, folder.as_deref())),
+        Arc::new(move || {
+            Device::open_with(&DeviceOptions::new(&device).with_cache(folder.as_deref()))
+                .inspect(|gpu| bar.follow(gpu))
+        }),
         Arc::new(move |camera| RenderSettings {
             max_depth,
             seed,
@@ -158,7 +193,10 @@ impl Update {
 fn write(job: &WatchJob, live: &mut LiveRender, update: &Update) -> Result<(), Failure> {
     let snapshot = live.snapshot()?;
     let film = snapshot.film;
-    let (spp, _) = film.sample_bounds();
+    let (spp, most) = film.sample_bounds();
+    if most == 0 {
+        return Ok(());
+    }
     let picture = Picture {
         width: film.width,
         height: film.height,
@@ -180,6 +218,26 @@ fn write(job: &WatchJob, live: &mut LiveRender, update: &Update) -> Result<(), F
         update.since.elapsed().as_secs_f64(),
         names.join(", ")
     ));
+    Ok(())
+}
+
+/// Says what is wrong with the picture, each thing once. What a picture with all its samples no more shows is mended.
+fn tell_doubts(
+    live: &LiveRender,
+    has_all_samples: bool,
+    told: &mut Vec<Doubt>,
+) -> Result<(), Failure> {
+    let stats = live.renderer().stats().map_err(Failure::because)?;
+    let doubts = stats.doubts();
+    let holds = |list: &[Doubt], doubt: &Doubt| list.iter().any(|other| other.is_same(doubt));
+    for doubt in doubts.iter().filter(|doubt| !holds(told, doubt)) {
+        console::warning(&doubt.to_string());
+    }
+    if has_all_samples {
+        told.retain(|doubt| holds(&doubts, doubt));
+    }
+    let new: Vec<_> = doubts.into_iter().filter(|d| !holds(told, d)).collect();
+    told.extend(new);
     Ok(())
 }
 

@@ -1,6 +1,6 @@
 //! How fast pictures get better: Sobol points against random numbers, and against the number of samples.
 
-use engine::gpu::Gpu;
+use ::device::Device;
 use engine::scene::{Material, Projection, Scene};
 use engine::settings::Sampler;
 use glam::Vec3;
@@ -31,7 +31,7 @@ fn soft_shadow() -> Scene {
     )
 }
 
-fn picture(gpu: &Gpu, sampler: Sampler, max_depth: u32, spp: u32, seed: u32) -> Vec<[f32; 3]> {
+fn picture(gpu: &Device, sampler: Sampler, max_depth: u32, spp: u32, seed: u32) -> Vec<[f32; 3]> {
     let camera = camera(
         Vec3::new(0.0, 2.0, 4.0),
         Vec3::new(0.0, 0.2, 0.0),
@@ -58,7 +58,12 @@ fn rmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
 }
 
 /// Error against a reference of another seed at 4, 16, 64 and 256 samples, and the slope of its logarithm.
-fn errors(gpu: &Gpu, sampler: Sampler, max_depth: u32, reference: &[[f32; 3]]) -> ([f64; 4], f64) {
+fn errors(
+    gpu: &Device,
+    sampler: Sampler,
+    max_depth: u32,
+    reference: &[[f32; 3]],
+) -> ([f64; 4], f64) {
     let errors =
         [4, 16, 64, 256].map(|spp| rmse(&picture(gpu, sampler, max_depth, spp, 0), reference));
     // Least squares over equal steps of the logarithm of 4.

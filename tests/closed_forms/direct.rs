@@ -3,8 +3,8 @@
 
 use std::f32::consts::PI;
 
+use ::device::Device;
 use engine::film::Film;
-use engine::gpu::Gpu;
 use engine::procedural::TextureSources;
 use engine::scene::{AlphaMode, LightKind, Material, PunctualLight, Scene};
 use glam::{DVec3, Vec2, Vec3, Vec4};
@@ -38,7 +38,7 @@ fn lamp_edges() -> (Vec3, Vec3, Vec3) {
 }
 
 /// The camera floats between floor and lamp.
-fn view(gpu: &Gpu, scene: &mut Scene) -> Film {
+fn view(gpu: &Device, scene: &mut Scene) -> Film {
     render(gpu, scene, &from_above(0.5, HALF), SHOT)
 }
 

@@ -166,3 +166,37 @@ fn a_real_environment_lights_a_floor_as_its_integral_says() {
     let film = render(&gpu, &mut scene, &from_above(1.0, 1.0), FLOOR_SHOT);
     assert_shows("real environment", &film, |_| expected);
 }
+
+#[test]
+fn directions_are_found_in_a_picture_to_a_hundredth_of_a_mrad() {
+    let Some(gpu) = device::open() else { return };
+    // Each row shows its number.
+    const ROWS: u32 = 4096;
+    let image = FloatImage {
+        width: 1,
+        height: ROWS,
+        rgb: (0..ROWS).map(|row| [row as f32; 3]).collect(),
+    };
+    let behind = quad(Vec3::splat(-5.0), Vec3::X * 0.01, Vec3::Z * 0.01);
+    let empty = scene([(behind, lambert(Vec3::ONE))], Vec3::ZERO);
+    let mut scene = with_environment(empty, image, 0.0, 1.0);
+    let shot = Shot {
+        size: (8, 8),
+        max_depth: 1,
+        spp: 4,
+    };
+    let error = |degrees: u32| {
+        let polar = f64::from(degrees).to_radians();
+        let direction = DVec3::new(0.6 * polar.sin(), polar.cos(), 0.8 * polar.sin());
+        // So narrow that the mean is that of the middle.
+        let projection = Projection::Perspective { y_fov: 1e-3 };
+        let camera = camera(Vec3::ZERO, direction.as_vec3(), Vec3::Y, projection);
+        let film = render(&gpu, &mut scene, &camera, shot);
+        let rows = film.mean().iter().map(|rgb| f64::from(rgb[0])).sum::<f64>() / 64.0;
+        ((rows + 0.5) / f64::from(ROWS) * PI - polar).abs()
+    };
+    let errors: Vec<f64> = (5..180).step_by(10).map(error).collect();
+    println!("{errors:.7?}");
+    // Functions of drivers are this exact, but for acos.
+    assert!(errors.iter().all(|&error| error < 3e-5), "{errors:.7?}");
+}

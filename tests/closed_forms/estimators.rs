@@ -1,8 +1,8 @@
 //! All ways to find light agree: scattered rays alone, light samples alone and both balanced, with and without Russian
 //! roulette, one render and merged parts, path length by path length; and a clamp takes away indirect light only.
 
+use ::device::Device;
 use engine::film::Film;
-use engine::gpu::Gpu;
 use engine::renderer::RenderSettings;
 use engine::scene::{Projection, Scene};
 use engine::settings::Estimator;
@@ -57,7 +57,7 @@ fn room() -> Scene {
 }
 
 fn view(
-    gpu: &Gpu,
+    gpu: &Device,
     scene: &mut Scene,
     max_depth: u32,
     spp: u32,

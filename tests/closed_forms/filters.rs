@@ -17,7 +17,7 @@ use crate::support::stats::ZTest;
 const SIDE: u32 = 7;
 
 fn picture(
-    gpu: &engine::gpu::Gpu,
+    gpu: &::device::Device,
     scene: &mut Scene,
     filter: PixelFilter,
     width: f32,

@@ -8,7 +8,7 @@ use crate::support::device;
 use crate::support::scenes::{Shot, camera, faceted_sphere, lambert, quad, render, scene};
 
 /// A sphere that fills the picture up to where its surface leans by 81 degrees at the corners.
-fn sphere(gpu: &engine::gpu::Gpu, albedo: Vec3, max_depth: u32) -> engine::film::Film {
+fn sphere(gpu: &::device::Device, albedo: Vec3, max_depth: u32) -> engine::film::Film {
     let mut scene = scene([(faceted_sphere(24), lambert(albedo))], Vec3::ONE);
     let camera = camera(
         Vec3::Z * 3.0,

@@ -16,6 +16,8 @@ mod environment;
 mod estimators;
 mod filters;
 mod furnace;
+mod non_finite;
+mod seeds;
 
 use engine::film::Film;
 use glam::{Vec2, Vec3};

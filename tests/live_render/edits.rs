@@ -10,7 +10,7 @@ use crate::support::device;
 
 fn made(live: &LiveRender) -> (u64, u64) {
     let gpu = live.renderer().gpu();
-    (gpu.pipelines_created(), gpu.shader_modules_created())
+    (gpu.counts().pipelines, gpu.counts().shader_modules)
 }
 
 fn number(n: f32) -> Value {
@@ -232,7 +232,7 @@ fn refused_edits_change_neither_look_nor_picture() {
             Edit::argument("rings", "count", &texgen::Value::Vec3([1.0; 3])),
             "count",
         ),
-        (Edit::link("rings", "count", "rings"), "circle"),
+        (Edit::link("rings", "count", "rings"), "cyclic link"),
         (Edit::link("paint", "amount", "nothing"), "nothing"),
         (Edit::material("Floor", "roughness", number(1.5)), "0 to 1"),
         (

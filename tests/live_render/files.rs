@@ -16,7 +16,7 @@ fn a_source_is_swapped_and_a_wrong_one_is_not() {
     let stage = Stage::new(LOOK, &TEXTURES);
     let mut live = stage.open("scene.look.toml");
     let old = film(&mut live);
-    let pipelines = live.renderer().gpu().pipelines_created();
+    let pipelines = live.renderer().gpu().counts().pipelines;
 
     stage.write("textures/rings.wgsl", &RINGS.replace("sin(", "sinn("));
     live.sources_changed();
@@ -26,14 +26,14 @@ fn a_source_is_swapped_and_a_wrong_one_is_not() {
         assert!(shown.contains(part), "{part} is missing:\n{shown}");
     }
     assert!(is_same(&old, &film(&mut live)), "the picture is not lost");
-    assert_eq!(live.renderer().gpu().pipelines_created(), pipelines);
+    assert_eq!(live.renderer().gpu().counts().pipelines, pipelines);
 
     stage.replace("textures/rings.wgsl", SQUARES);
     live.sources_changed();
     assert!(live.is_building());
     settle(&mut live);
     assert!(live.problems().is_empty(), "{}", live.problems());
-    assert_eq!(live.renderer().gpu().pipelines_created(), pipelines + 1);
+    assert_eq!(live.renderer().gpu().counts().pipelines, pipelines + 1);
     let new = film(&mut live);
     assert!(!is_same(&old, &new) && is_same(&new, &stage.fresh(LOOK)));
 
@@ -57,7 +57,7 @@ fn a_look_is_followed_by_difference() {
     let stage = Stage::new(LOOK, &TEXTURES);
     let mut live = stage.open("scene.look.toml");
     let old = film(&mut live);
-    let pipelines = live.renderer().gpu().pipelines_created();
+    let pipelines = live.renderer().gpu().counts().pipelines;
     // Comments mean nothing.
     stage.write("scene.look.toml", &LOOK.replace("# of them", "# of rings"));
     let generation = live.generation();
@@ -78,7 +78,7 @@ fn a_look_is_followed_by_difference() {
         "{}",
         live.problems()
     );
-    assert_eq!(live.renderer().gpu().pipelines_created(), pipelines);
+    assert_eq!(live.renderer().gpu().counts().pipelines, pipelines);
     let new = film(&mut live);
     assert!(!is_same(&old, &new) && is_same(&new, &stage.fresh(&changed)));
     // And all the way back.
@@ -86,7 +86,7 @@ fn a_look_is_followed_by_difference() {
     live.look_changed();
     settle(&mut live);
     assert!(is_same(&old, &film(&mut live)));
-    assert_eq!(live.renderer().gpu().pipelines_created(), pipelines);
+    assert_eq!(live.renderer().gpu().counts().pipelines, pipelines);
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn a_texture_that_is_new_to_the_look_costs_one_kernel() {
     }
     let stage = Stage::new(LOOK, &TEXTURES);
     let mut live = stage.open("scene.look.toml");
-    let pipelines = live.renderer().gpu().pipelines_created();
+    let pipelines = live.renderer().gpu().counts().pipelines;
     let changed = LOOK.replace("base_color = \"worn\"", "base_color = \"spots\"")
         + "\n[node.spots]\ntexture = 'squares'\nedge = 0.4\n";
     // The look comes before its texture does.
@@ -176,7 +176,7 @@ fn a_texture_that_is_new_to_the_look_costs_one_kernel() {
     live.sources_changed();
     settle(&mut live);
     assert!(live.problems().is_empty(), "{}", live.problems());
-    assert_eq!(live.renderer().gpu().pipelines_created(), pipelines + 1);
+    assert_eq!(live.renderer().gpu().counts().pipelines, pipelines + 1);
     assert!(is_same(&film(&mut live), &stage.fresh(&changed)));
 }
 

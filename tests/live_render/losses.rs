@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use engine::gpu::{DeviceChoice, Gpu, GpuError};
+use ::device::{Device, DeviceError};
 use engine::live::{Edit, LiveError};
 
 use crate::look::{LOOK, SQUARES, TEXTURES};
@@ -25,7 +25,12 @@ fn a_lost_device_is_replaced() {
     let before = film(&mut live);
     let text = live.look_text();
     let generation = live.generation();
-    live.renderer().gpu().device().destroy();
+    live.renderer()
+        .gpu()
+        .gpu()
+        .expect("a driver")
+        .device()
+        .destroy();
     // Files are not needed for it.
     let aside = stage.path("gone");
     std::fs::rename(stage.path("scene.gltf"), &aside).expect("it is there");
@@ -41,7 +46,12 @@ fn a_lost_device_is_replaced() {
     // While a kernel is built, and with an edit that meets the dead device.
     stage.write("textures/rings.wgsl", SQUARES);
     live.sources_changed();
-    live.renderer().gpu().device().destroy();
+    live.renderer()
+        .gpu()
+        .gpu()
+        .expect("a driver")
+        .device()
+        .destroy();
     let dead = live.edit(&Edit::argument(
         "paint",
         "color",
@@ -52,7 +62,12 @@ fn a_lost_device_is_replaced() {
     assert!(live.problems().is_empty(), "{}", live.problems());
     assert!(is_same(&film(&mut live), &stage.fresh(&live.look_text())));
 
-    live.renderer().gpu().device().destroy();
+    live.renderer()
+        .gpu()
+        .gpu()
+        .expect("a driver")
+        .device()
+        .destroy();
     live.assets_changed();
     settle(&mut live);
     assert!(live.problems().is_empty(), "{}", live.problems());
@@ -70,8 +85,8 @@ fn where_no_device_is_left_the_look_is_kept() {
     let mut live = stage
         .open_on("scene.look.toml", move || {
             match switch.load(Ordering::Relaxed) {
-                true => Gpu::new(&DeviceChoice::Best),
-                false => Err(GpuError::NoAdapter),
+                true => Device::best(),
+                false => Err(DeviceError::NoAdapter),
             }
         })
         .unwrap_or_else(|error| panic!("{error}"));
@@ -79,7 +94,12 @@ fn where_no_device_is_left_the_look_is_kept() {
     let before = film(&mut live);
     live.restart();
     has_device.store(false, Ordering::Relaxed);
-    live.renderer().gpu().device().destroy();
+    live.renderer()
+        .gpu()
+        .gpu()
+        .expect("a driver")
+        .device()
+        .destroy();
     let error = live.step(1).expect_err("there is no device");
     assert!(matches!(error, LiveError::Lost(_)), "{error}");
     assert!(error.to_string().contains("the look is kept"), "{error}");

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use ::device::{Device, DeviceError};
 use engine::film::Film;
-use engine::gpu::{DeviceChoice, Gpu, GpuError};
 use engine::live::{LiveError, LiveInputs, LiveRender};
 use engine::renderer::RenderSettings;
 use tempfile::TempDir;
@@ -91,7 +91,7 @@ impl Stage {
 
     /// Rendered live, with a look of that name.
     pub(crate) fn open(&self, look: &str) -> LiveRender {
-        self.open_on(look, || Gpu::new(&DeviceChoice::Best))
+        self.open_on(look, Device::best)
             .unwrap_or_else(|error| panic!("{error}"))
     }
 
@@ -99,7 +99,7 @@ impl Stage {
     pub(crate) fn open_on(
         &self,
         look: &str,
-        device: impl Fn() -> Result<Gpu, GpuError> + Send + Sync + 'static,
+        device: impl Fn() -> Result<Device, DeviceError> + Send + Sync + 'static,
     ) -> Result<LiveRender, LiveError> {
         let inputs = LiveInputs {
             scene: self.path("scene.gltf"),

@@ -28,7 +28,7 @@ fn sizes_and_views_come_and_go() {
         return;
     };
     let gpu = live.renderer().gpu().clone();
-    let made = (gpu.pipelines_created(), gpu.shader_modules_created());
+    let made = (gpu.counts().pipelines, gpu.counts().shader_modules);
     let generation = live.generation();
     live.resize(24, 16).expect("nothing to do");
     assert_eq!(live.generation(), generation);
@@ -45,10 +45,7 @@ fn sizes_and_views_come_and_go() {
     live.resize(24, 16).expect("the first size");
     live.set_view(None);
     assert!(is_same(&film(&mut live), &whole));
-    assert_eq!(
-        (gpu.pipelines_created(), gpu.shader_modules_created()),
-        made
-    );
+    assert_eq!((gpu.counts().pipelines, gpu.counts().shader_modules), made);
     // What is built anew keeps the view.
     live.set_view(Some(view));
     let seen = film(&mut live);
@@ -253,7 +250,7 @@ fn costs_are_measured_beside_the_picture() {
         return;
     };
     let gpu = live.renderer().gpu().clone();
-    let made = (gpu.pipelines_created(), gpu.shader_modules_created());
+    let made = (gpu.counts().pipelines, gpu.counts().shader_modules);
     live.restart();
     live.step(SPP).expect("rendered");
     let costs = loop {
@@ -264,10 +261,7 @@ fn costs_are_measured_beside_the_picture() {
     };
     render(&mut live);
     assert!(is_same(&live.snapshot().expect("read").film, &whole));
-    assert_eq!(
-        (gpu.pipelines_created(), gpu.shader_modules_created()),
-        made
-    );
+    assert_eq!((gpu.counts().pipelines, gpu.counts().shader_modules), made);
     let find = |name: &str| costs.list.iter().find(|cost| cost.name == name);
     // The node that nothing reads isn't there; the AO table is.
     assert!(find("other").is_none() && find("crevices").is_some_and(|c| c.texture.is_none()));

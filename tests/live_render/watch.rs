@@ -47,11 +47,17 @@ impl Watch {
 
     /// Waits for a line with all these parts.
     #[track_caller]
-    fn expect(&self, parts: &[&str]) -> String {
+    fn expect(&self, parts: &[&str]) {
+        self.until(parts);
+    }
+
+    /// The lines before one with all these parts.
+    #[track_caller]
+    fn until(&self, parts: &[&str]) -> String {
         let mut seen = Vec::new();
         loop {
             match self.lines.recv_timeout(PATIENCE) {
-                Ok(line) if parts.iter().all(|part| line.contains(part)) => return line,
+                Ok(line) if parts.iter().all(|part| line.contains(part)) => return seen.join("\n"),
                 Ok(line) => seen.push(line),
                 Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {
                     panic!("no line with {parts:?} came:\n{}", seen.join("\n"))
@@ -109,6 +115,15 @@ fn a_saved_texture_is_seen_and_a_wrong_one_is_told() {
     watch.expect(&["rings.wgsl", "16 spp"]);
     assert_eq!(first, pixels(&stage.path("out.png")), "mended");
 
+    // A texture that is no mistake, but gives no numbers.
+    let broken = "fn userProc(count: f32) -> f32 { return count * sqrt(-1.0 - abs(readAttr(WorldPos).x)); }\n";
+    stage.replace("textures/rings.wgsl", broken);
+    watch.expect(&["warning", "(texture `rings`)", "not finite"]);
+    let told = watch.until(&["rings.wgsl", "16 spp"]);
+    assert!(!told.contains("not finite"), "twice: {told}");
+    stage.replace("textures/rings.wgsl", RINGS);
+    watch.expect(&["rings.wgsl", "16 spp"]);
+
     // The look, and then the scene.
     stage.replace(
         "scene.look.toml",
@@ -121,6 +136,34 @@ fn a_saved_texture_is_seen_and_a_wrong_one_is_told() {
     stage.write("scene.gltf", &scene.replace("[0, 1, -1]", "[0, 1, -0.5]"));
     watch.expect(&["scene.gltf", "16 spp"]);
     assert_ne!(darker, pixels(&stage.path("out.png")));
+
+    // Textures that go and come back, as when another branch is checked out.
+    std::fs::rename(stage.path("textures"), stage.path("away")).expect("moved");
+    std::fs::create_dir(stage.path("textures")).expect("a folder");
+    stage.write("textures/rings.wgsl", SQUARES);
+    watch.expect(&["rings.wgsl", "16 spp"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_ends_it_and_leaves_the_picture() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut watch = Watch::start(&stage);
+    watch.expect(&["0: start", "1 spp", "out.png"]);
+    let kill = Command::new("kill")
+        .args(["-TERM", &watch.child.id().to_string()])
+        .status();
+    assert!(kill.expect("kill starts").success());
+    let status = watch.child.wait().expect("it ends");
+    assert_eq!(status.code(), Some(143));
+    pixels(&stage.path("out.png"));
+    let left = std::fs::read_dir(stage.path("")).expect("a folder");
+    let names: Vec<_> = left.flatten().map(|entry| entry.file_name()).collect();
+    let is_aside = |name: &std::ffi::OsString| name.to_string_lossy().starts_with(".patina-");
+    assert!(!names.iter().any(is_aside), "{names:?}");
 }
 
 #[test]

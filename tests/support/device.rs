@@ -1,14 +1,14 @@
 //! The device that tests render on, which a machine may lack.
 
-use engine::gpu::{DeviceChoice, Gpu};
+use ::device::Device;
 
 /// Opens the best adapter; `None`, with a notice, where there is none: the test is to be skipped. Each test opens its
 /// own, so that one test's driver error or count of pipelines is not another's.
 ///
 /// # Panics
 /// There is none although `PATINA_REQUIRE_DEVICE` is set: a run that must not skip anything.
-pub(crate) fn open() -> Option<Gpu> {
-    match Gpu::new(&DeviceChoice::Best) {
+pub(crate) fn open() -> Option<Device> {
+    match Device::best() {
         Ok(gpu) => Some(gpu),
         Err(error) => {
             assert!(

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use ::device::Device;
 use engine::film::Film;
-use engine::gpu::Gpu;
 use engine::procedural::{Procedural, TextureSources};
 use engine::renderer::{RenderSettings, Renderer};
 use engine::scene::look::Look;
@@ -197,7 +197,7 @@ pub(crate) fn settings(camera: &Camera, shot: Shot) -> RenderSettings {
 ///
 /// # Panics
 /// It can't be rendered, or a sample was no number.
-pub(crate) fn render(gpu: &Gpu, scene: &mut Scene, camera: &Camera, shot: Shot) -> Film {
+pub(crate) fn render(gpu: &Device, scene: &mut Scene, camera: &Camera, shot: Shot) -> Film {
     let procedural = no_textures(scene);
     render_textured(gpu, scene, &procedural, camera, shot)
 }
@@ -207,7 +207,7 @@ pub(crate) fn render(gpu: &Gpu, scene: &mut Scene, camera: &Camera, shot: Shot) 
 /// # Panics
 /// It can't be rendered, or a sample was no number.
 pub(crate) fn render_textured(
-    gpu: &Gpu,
+    gpu: &Device,
     scene: &Scene,
     procedural: &Procedural,
     camera: &Camera,
@@ -221,7 +221,7 @@ pub(crate) fn render_textured(
 /// # Panics
 /// It can't be rendered, or a sample was no number.
 pub(crate) fn render_with(
-    gpu: &Gpu,
+    gpu: &Device,
     scene: &Scene,
     procedural: &Procedural,
     settings: &RenderSettings,

@@ -4,7 +4,7 @@
 
 use serde::Serialize;
 
-use crate::diagnostic::{Diagnostic, Diagnostics, Label, SourceFile};
+use crate::diagnostic::{Diagnostic, Diagnostics, Label, SourceFile, must_be_escaped};
 
 /// The whole object. The members of the place are absent where the problem has none.
 #[derive(Serialize)]
@@ -72,15 +72,32 @@ impl Diagnostic {
                 .map(|(_, label)| Place::from(label))
                 .collect(),
         };
-        serde_json::to_string(&message).expect("texts and numbers always are JSON")
+        let json = serde_json::to_string(&message).expect("texts and numbers always are JSON");
+        escaped(json)
     }
 }
 
 impl Diagnostics {
     /// One object per line, see [`Diagnostic::to_json`]; every line ends with a newline.
     pub fn to_json_lines(&self) -> String {
-        self.iter().map(|one| one.to_json() + "\n").collect()
+        let all = self.iter().cloned().chain(self.rest());
+        all.map(|one| one.to_json() + "\n").collect()
     }
+}
+
+/// JSON leaves some characters as they are that steer a terminal: they stand in strings, so they can be escaped.
+fn escaped(json: String) -> String {
+    if !json.contains(must_be_escaped) {
+        return json;
+    }
+    let mut out = String::with_capacity(json.len() + 16);
+    for c in json.chars() {
+        match must_be_escaped(c) {
+            true => out.push_str(&format!("\\u{:04x}", c as u32)),
+            false => out.push(c),
+        }
+    }
+    out
 }
 
 #[cfg(test)]
@@ -107,6 +124,11 @@ mod tests {
             }],
         });
         assert_eq!(json, expected);
+        let odd = Diagnostic::error("\u{9b}0m \u{1b} \u{202e}").to_json();
+        assert!(
+            odd.starts_with(r#"{"severity":"error","message":"\u009b0m \u001b \u202e","#),
+            "{odd}"
+        );
         let bare = Diagnostic::warning("odd").to_json();
         assert_eq!(
             bare,

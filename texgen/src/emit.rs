@@ -8,9 +8,7 @@ use std::fmt::Write;
 
 use crate::args;
 use crate::attribute::{Attribute, BuiltinAttribute};
-use crate::diagnostic::Diagnostics;
 use crate::library::Library;
-use crate::parse;
 use crate::rewrite::{Piece, array_reader, element_reader};
 use crate::source_map::{Segment, SourceMap};
 use crate::texture::TextureType;
@@ -21,7 +19,8 @@ use crate::value::{ElementType, OutputType, ParameterType};
 pub struct GeneratedKernel {
     /// The text. Its interface to the host: `fn patina_run_program(offset: u32)` runs the program that begins at
     /// that word of the program buffer, after which `fn patina_link(word: u32) -> vec4f` reads results
-    /// (see [`link_word`](crate::link_word)) and `patina_overrun` tells whether a loop was cut.
+    /// (see [`link_word`](crate::link_word)), `patina_overrun` tells whether a loop was cut, and `patina_non_finite` where
+    /// the arguments lie of a node whose result was not finite.
     pub wgsl: String,
     /// From places in the text to places in the users' files.
     pub source_map: SourceMap,
@@ -68,28 +67,6 @@ pub(crate) fn emit(
         Dispatch::Rounds(order) => emitter.run_in_rounds(library, &names, order),
     }
     emitter.finish()
-}
-
-/// Emits a kernel of this texture alone and has naga check it, so that what `parse` accepts never fails later.
-pub(crate) fn try_out(texture: &TextureType) -> Result<(), Diagnostics> {
-    let library = Library::new(vec![texture.clone()]).map_err(Diagnostics::from)?;
-    let kernel = library.emit(1);
-    match parse::check(&format!("{}\n{HOST_STUB}", kernel.wgsl)) {
-        Ok(_) => Ok(()),
-        Err(problem) => {
-            let span = problem
-                .labels
-                .first()
-                .map_or(0..0, |(span, _)| span.clone());
-            let mut diagnostic = kernel.source_map.diagnostic(span, &problem.message);
-            if diagnostic.labels.is_empty() {
-                diagnostic = diagnostic.with_label(texture.file(), 0..0, "");
-            }
-            Err(diagnostic
-                .with_note("the texture is valid, but not as a part of the kernel: please report this together with the file")
-                .into())
-        }
-    }
 }
 
 /// A WGSL name for each texture's section: letters, digits and single underscores. A name is followed by two
@@ -388,6 +365,7 @@ impl Emitter {
         }
         self.line("            default: {}");
         self.line("        }");
+        self.line("        patina_check(result, args);");
         self.line("        patina_stack[head >> 16u] = result;");
         self.line("    }");
         self.line("}");
@@ -416,6 +394,7 @@ impl Emitter {
                 "                let result = patina_call_{name}(args, &at);"
             ));
             self.report_overrun(texture, number, "                ");
+            self.line("                patina_check(result, args);");
             self.line("                patina_stack[head >> 16u] = result;");
             self.line("                remaining -= 1u;");
             self.line("            }");

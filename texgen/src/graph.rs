@@ -182,7 +182,10 @@ impl Graph {
             name: name.to_owned(),
             texture,
             occlusion,
-            block: self.stack.push_block(args::block_words(texture_type)),
+            // Never empty, so that its place tells the node.
+            block: self
+                .stack
+                .push_block(args::block_words(texture_type).max(1)),
             inputs: vec![Input::default(); texture_type.parameters().len()],
         });
         self.by_name.insert(name.to_owned(), id);

@@ -82,10 +82,10 @@ pub enum GraphError {
         /// The swizzle.
         swizzle: Swizzle,
     },
-    /// Nodes that need each other.
-    #[error("these nodes need each other in a circle: {}; break one of the links", .nodes.join(" -> "))]
+    /// Nodes that need each other: a cyclic link.
+    #[error("cyclic link: {}; take one of these links away", .nodes.join(" -> "))]
     Cycle {
-        /// The names around the circle; the first is repeated at the end.
+        /// The names along it; the first is repeated at the end.
         nodes: Vec<String>,
     },
     /// A program that no kernel's stack can hold.

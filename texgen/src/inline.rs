@@ -67,6 +67,10 @@ pub fn emit_inlined(
                     "    if patina_loops > patina_loop_limit {{ patina_overrun = {number}u; }}"
                 ));
             }
+            emitter.line(&format!(
+                "    patina_check(n{place}, {}u);",
+                instruction.args
+            ));
             holder.insert(instruction.slot, place);
         }
         for (root, slot) in program.results.iter().enumerate() {

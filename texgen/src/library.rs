@@ -43,6 +43,11 @@ impl Library {
         Ok(Self { textures, by_name })
     }
 
+    /// The texture of a library that holds one; textures can hold megabytes of defaults.
+    pub(crate) fn into_only(mut self) -> TextureType {
+        self.textures.swap_remove(0)
+    }
+
     /// All textures; the index is the type number.
     pub fn textures(&self) -> &[TextureType] {
         &self.textures

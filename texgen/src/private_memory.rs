@@ -44,7 +44,7 @@ impl PrivateMemory {
         let outline = Outline::new(&text);
         let custom = custom_names(texture.attributes());
         // It was parsed before, so it can be parsed again.
-        let Ok(module) = parse::parse(texture.file(), &outline, &custom) else {
+        let Ok(module) = parse::parse(texture.file(), &outline, &custom, &[]) else {
             return Self::default();
         };
         let mut sizes: HashMap<Handle<Function>, u32> = HashMap::new();
@@ -75,7 +75,7 @@ impl PrivateMemory {
     }
 }
 
-fn bytes_of(module: &Module, function: &Function, is_entry: bool) -> u32 {
+pub(crate) fn bytes_of(module: &Module, function: &Function, is_entry: bool) -> u32 {
     let variables = function.local_variables.iter().map(|(_, local)| local.ty);
     let parameters = function
         .arguments
@@ -88,7 +88,7 @@ fn bytes_of(module: &Module, function: &Function, is_entry: bool) -> u32 {
         .fold(0u32, u32::saturating_add)
 }
 
-fn size_of(module: &Module, ty: Handle<naga::Type>) -> u32 {
+pub(crate) fn size_of(module: &Module, ty: Handle<naga::Type>) -> u32 {
     let size = module.types[ty].inner.try_size(module.to_ctx());
     size.unwrap_or(0)
 }
@@ -143,7 +143,10 @@ impl Chains {
 }
 
 /// Bytes and names of the heaviest chain of calls that begins at `userProc`.
-fn deepest(module: &Module, sizes: &HashMap<Handle<Function>, u32>) -> (u32, Vec<String>) {
+pub(crate) fn deepest(
+    module: &Module,
+    sizes: &HashMap<Handle<Function>, u32>,
+) -> (u32, Vec<String>) {
     let chains = Chains::new(module, sizes);
     let mut at = module
         .functions

@@ -204,6 +204,9 @@ fn module_variable(space: &str) -> Diagnostic {
 /// Error and remedy for the construct that begins with token `at`, if it is a refused one.
 fn refused_token(outline: &Outline<'_>, at: usize) -> Option<(String, String)> {
     let token = outline.tokens.tokens[at];
+    if token.kind == TokenKind::Number {
+        return half_number(token.text);
+    }
     if token.kind != TokenKind::Word {
         return None;
     }
@@ -252,6 +255,18 @@ fn refused_token(outline: &Outline<'_>, at: usize) -> Option<(String, String)> {
         );
     }
     refused_builtin(word, next == "(").map(|(message, note)| (message, note.to_owned()))
+}
+
+/// A number with the suffix of `f16`.
+fn half_number(text: &str) -> Option<(String, String)> {
+    let is_hexadecimal = text.starts_with("0x") || text.starts_with("0X");
+    let number = text.strip_suffix('h')?;
+    // Of hexadecimal numbers only those with an exponent have suffixes.
+    let is_half = !is_hexadecimal || number.contains(['p', 'P']);
+    is_half.then(|| {
+        let message = format!("`{text}` is a number of 16 bits, which textures don't have");
+        (message, format!("write `{number}f`"))
+    })
 }
 
 /// WGSL's own functions and types that a texture can't use.

@@ -12,6 +12,22 @@ var<private> patina_loops: u32;
 // Type number + 1 of the last texture that reached the limit in this invocation, else 0: for the host to report.
 var<private> patina_overrun: u32;
 
+// Place + 1 in the fake stack of the arguments of the first node whose result was not finite in this invocation, else 0:
+// for the host to report.
+var<private> patina_non_finite: u32;
+
+// By its bits: compilers may assume that there are no infinities and no NaN.
+fn patina_is_finite(v: vec4f) -> bool {
+    let exponents = bitcast<vec4u>(v) & vec4u(0x7f800000u);
+    return max(max(exponents.x, exponents.y), max(exponents.z, exponents.w)) < 0x7f800000u;
+}
+
+fn patina_check(result: vec4f, args: u32) {
+    if patina_non_finite == 0u && !patina_is_finite(result) {
+        patina_non_finite = args + 1u;
+    }
+}
+
 fn patina_loops_spent() -> bool {
     patina_loops += 1u;
     return patina_loops > patina_loop_limit;

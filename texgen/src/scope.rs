@@ -159,12 +159,52 @@ impl<'a> Outline<'a> {
             .collect()
     }
 
-    /// Whether a function with a result ends with a `loop`, behind which naga, unlike WGSL, wants a `return`.
+    /// Whether a function with a result ends with a loop that nothing but a `return` leaves: naga, unlike WGSL, wants a
+    /// `return` behind it.
     pub(crate) fn ends_with_endless_loop(&self, function: &FunctionDecl) -> bool {
-        let last = self.loops.iter().any(|the_loop| {
-            self.word(the_loop.keyword) == "loop" && the_loop.body.end + 1 == function.body.end
-        });
-        last && !function.result.is_empty()
+        if function.result.is_empty() {
+            return false;
+        }
+        let last = self
+            .loops
+            .iter()
+            .find(|the_loop| the_loop.body.end + 1 == function.body.end);
+        last.is_some_and(|last| self.has_no_condition(last) && !self.is_left_by_break(last))
+    }
+
+    /// `loop`, or `for` without a condition.
+    fn has_no_condition(&self, the_loop: &LoopDecl) -> bool {
+        match self.word(the_loop.keyword) {
+            "loop" => true,
+            "for" => {
+                let header = the_loop.keyword + 2..the_loop.body.start;
+                let mut semicolons = header.filter(|&at| self.word(at) == ";");
+                semicolons
+                    .next()
+                    .is_some_and(|first| semicolons.next() == Some(first + 1))
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether a `break` in the loop's body leaves this loop.
+    fn is_left_by_break(&self, the_loop: &LoopDecl) -> bool {
+        // Blocks inside from which a `break` leads no further than to their end.
+        let mut inner: Vec<Range<usize>> = self
+            .loops
+            .iter()
+            .map(|other| other.body.clone())
+            .filter(|body| the_loop.body.start < body.start && body.end < the_loop.body.end)
+            .collect();
+        for at in the_loop.body.clone() {
+            if self.word(at) == "switch" {
+                let open = (at..the_loop.body.end).find(|&at| self.word(at) == "{");
+                inner.extend(open.map(|open| open..self.closing(open) + 1));
+            }
+        }
+        // `break if` stands in the `continuing` block of an inner loop's body, or of this one.
+        let mut body = the_loop.body.clone();
+        body.any(|at| self.word(at) == "break" && !inner.iter().any(|range| range.contains(&at)))
     }
 
     /// Whether a parameter or local anywhere in the function has this name.
@@ -205,7 +245,7 @@ fn matching(tokens: &[Token<'_>], open: usize) -> usize {
 }
 
 /// Index behind the template list that may begin at `at` (`<...>`), else `at`.
-fn skip_template(tokens: &[Token<'_>], at: usize) -> usize {
+pub(crate) fn skip_template(tokens: &[Token<'_>], at: usize) -> usize {
     if tokens.get(at).map(|token| token.text) != Some("<") {
         return at;
     }

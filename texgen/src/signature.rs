@@ -1,7 +1,8 @@
-//! `userProc` as naga sees it: the types of its parameters and of its result, and the memory it needs.
+//! `userProc` as naga sees it: the types of its parameters and of its result.
 
 use naga::{ArraySize, Handle, Module, Scalar, ScalarKind, Type, TypeInner, VectorSize};
 
+use crate::args::words_of;
 use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
 use crate::interface::{Parameter, Widget};
 use crate::scope::Outline;
@@ -11,8 +12,8 @@ use crate::value::{ElementType, OutputType, ParameterType};
 /// Most elements of an array parameter.
 const MAX_ARRAY: u32 = 65_536;
 
-/// Most bytes of local variables in one function: beyond it drivers spill to memory or give up.
-const MAX_PRIVATE_BYTES: u32 = 64 * 1024;
+/// Most words of all parameters together, 4 MiB. A node's arguments lie in memory several times, here and on the device.
+const MAX_WORDS: u64 = 1 << 20;
 
 const TYPES_NOTE: &str = "parameters are f32, i32, u32, bool, vec2f, vec3f, vec4f, mat3x3f, mat4x4f, sam2D, ramp1D, or array<T, N> of the plain ones";
 
@@ -33,9 +34,23 @@ pub(crate) fn read(
     };
     let mut problems = Diagnostics::new();
     let mut parameters = Vec::new();
+    let mut words = 0u64;
     for (argument, decl) in function.arguments.iter().zip(&entry.params) {
         let name = outline.word(decl.name).to_owned();
-        match parameter_type(module, argument.ty) {
+        let ty = parameter_type(module, argument.ty);
+        words += ty.as_ref().map_or(0, |&ty| u64::from(words_of(ty)));
+        if words > MAX_WORDS {
+            let bytes = 4 * MAX_WORDS;
+            problems.push(
+                Diagnostic::error(format!(
+                    "the parameters up to `{name}` hold more than {bytes} bytes: at most these are possible"
+                ))
+                .with_label(file, outline.span_of(&decl.ty), "")
+                .with_note("put large tables into images"),
+            );
+            break;
+        }
+        match ty {
             Ok(ty) => parameters.push(Parameter {
                 label: name.replace('_', " "),
                 name,
@@ -174,53 +189,4 @@ fn output_type(module: &Module, handle: Handle<Type>) -> Option<OutputType> {
         ElementType::Vec4 => OutputType::Vec4,
         _ => return None,
     })
-}
-
-/// Bytes of local variables of all functions of the file together.
-pub(crate) fn private_bytes(
-    file: &SourceFile,
-    outline: &Outline<'_>,
-    module: &Module,
-) -> Result<u32, Diagnostics> {
-    let mut total = 0u32;
-    for (_, function) in module.functions.iter() {
-        let Some(decl) = function
-            .name
-            .as_deref()
-            .and_then(|name| outline.function(name))
-        else {
-            continue;
-        };
-        let locals = function.local_variables.iter().map(|(_, local)| local.ty);
-        // Array parameters of `userProc` stay in the fake stack.
-        let in_place = |ty: &Handle<Type>| {
-            outline.word(decl.name) == "userProc"
-                && matches!(module.types[*ty].inner, TypeInner::Array { .. })
-        };
-        let arguments = function
-            .arguments
-            .iter()
-            .map(|argument| argument.ty)
-            .filter(|ty| !in_place(ty));
-        let bytes = locals
-            .chain(arguments)
-            .map(|ty| {
-                module.types[ty]
-                    .inner
-                    .try_size(module.to_ctx())
-                    .unwrap_or(u32::MAX)
-            })
-            .fold(0u32, u32::saturating_add);
-        total = total.saturating_add(bytes);
-        if bytes > MAX_PRIVATE_BYTES {
-            return Err(Diagnostic::error(format!(
-                "`{}` has {bytes} bytes of parameters and variables: at most {MAX_PRIVATE_BYTES} are possible",
-                outline.word(decl.name)
-            ))
-            .with_label(file, outline.span(decl.name), "")
-            .with_note("put tables into images, or into `array<T, N>` parameters of `userProc`, which are read in place")
-            .into());
-        }
-    }
-    Ok(total)
 }

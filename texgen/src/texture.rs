@@ -9,8 +9,10 @@ use std::collections::BTreeSet;
 use crate::args;
 use crate::attribute::{Attribute, Global};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile};
-use crate::emit;
+use crate::guard::guarded;
+use crate::habits::habits;
 use crate::interface::Parameter;
+use crate::memory_limit::{self, Needs};
 use crate::metadata;
 use crate::parse;
 use crate::reads::{self, Source};
@@ -18,6 +20,7 @@ use crate::refuse::{self, MAX_FILE_BYTES};
 use crate::rewrite::{self, Rewrite};
 use crate::scope::Outline;
 use crate::signature;
+use crate::try_out::try_out;
 use crate::value::{OutputType, ParameterType};
 
 /// A valid user texture.
@@ -41,6 +44,17 @@ impl TextureType {
     /// # Errors
     /// Everything that is wrong with the file, each with its place and a remedy.
     pub fn parse(file: SourceFile) -> Result<Self, Diagnostics> {
+        let checked = guarded(|| Self::check(file.clone()));
+        checked.unwrap_or_else(|panic| {
+            let start = file.text().find("userProc").unwrap_or(0);
+            let error = Diagnostic::error(format!("the compiler ended unexpectedly: {panic}"))
+                .with_label(&file, start..start, "somewhere in this texture")
+                .with_note("this is a fault of Patina or of its parts: please report it together with the file");
+            Err(error.into())
+        })
+    }
+
+    fn check(file: SourceFile) -> Result<Self, Diagnostics> {
         if file.text().len() > MAX_FILE_BYTES {
             return Err(Diagnostic::error(format!(
                 "a texture of {} bytes is too long: at most {MAX_FILE_BYTES} are read",
@@ -61,7 +75,7 @@ impl TextureType {
         }
         let mut problems = refuse::refused(&file, &outline);
         let (reads, read_problems) = reads::find_reads(&file, &outline);
-        problems.extend(read_problems);
+        problems.append(read_problems);
         let attributes: BTreeSet<Attribute> = reads
             .iter()
             .filter_map(|read| match &read.source {
@@ -78,7 +92,9 @@ impl TextureType {
             .collect();
 
         let custom = custom_names(&attributes);
-        let module = match parse::parse(&file, &outline, &custom) {
+        let habits = habits(&file, &outline);
+        problems.extend(habits.iter().map(|habit| habit.diagnostic.clone()));
+        let module = match parse::parse(&file, &outline, &custom, &habits) {
             Ok(module) if problems.is_empty() => module,
             Ok(_) => return Err(problems),
             Err(found) => {
@@ -88,13 +104,15 @@ impl TextureType {
         };
         let (mut parameters, output) = signature::read(&file, &outline, &module)?;
         let docs = metadata::read_docs(&file, &outline, &mut parameters, &mut problems);
-        let (errors, warnings): (Vec<Diagnostic>, Vec<Diagnostic>) = problems
-            .into_iter()
-            .partition(|problem| problem.severity == Severity::Error);
-        if !errors.is_empty() {
-            return Err(errors.into_iter().chain(warnings).collect());
+        if problems.has_errors() {
+            problems.errors_first();
+            return Err(problems);
         }
-        let private_bytes = signature::private_bytes(&file, &outline, &module)?;
+        let Needs { total, problem } = memory_limit::needs(&file, &outline, &module);
+        match problem {
+            Some(problem) if problem.severity == Severity::Error => return Err(problem.into()),
+            problem => problems.extend(problem),
+        }
         let types: Vec<ParameterType> = parameters.iter().map(|parameter| parameter.ty).collect();
         let rewrite = rewrite::rewrite(&outline, &reads, &types);
         let texture = Self {
@@ -105,12 +123,11 @@ impl TextureType {
             attributes,
             globals,
             reads_levels: reads::reads_levels(&outline),
-            private_bytes,
-            warnings: warnings.into_iter().collect(),
+            private_bytes: total,
+            warnings: problems,
             rewrite,
         };
-        emit::try_out(&texture)?;
-        Ok(texture)
+        try_out(texture)
     }
 
     /// The texture's name: what a look file calls it.

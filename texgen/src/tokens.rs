@@ -48,6 +48,14 @@ pub(crate) struct Tokens<'a> {
     pub(crate) comments: Vec<Comment<'a>>,
 }
 
+impl<'a> Tokens<'a> {
+    /// The comment that the text ends in, where nothing closes it.
+    pub(crate) fn unclosed(&self) -> Option<&Comment<'a>> {
+        let last = self.comments.last()?;
+        (last.text.starts_with("/*") && !is_closed(last.text)).then_some(last)
+    }
+}
+
 /// Splits `text`. Never fails: what is no token is punctuation, an unterminated comment ends with the text.
 pub(crate) fn tokenize(text: &str) -> Tokens<'_> {
     let mut out = Tokens::default();
@@ -121,6 +129,15 @@ fn is_word_part(c: char) -> bool {
 
 /// Block comments nest.
 fn block_comment_length(text: &str) -> usize {
+    block_comment(text).0
+}
+
+fn is_closed(comment: &str) -> bool {
+    block_comment(comment).1
+}
+
+/// Bytes of the comment that a text begins with, and whether it is closed.
+fn block_comment(text: &str) -> (usize, bool) {
     let bytes = text.as_bytes();
     let (mut at, mut depth) = (2, 1);
     while depth > 0 && at < bytes.len() {
@@ -136,7 +153,7 @@ fn block_comment_length(text: &str) -> usize {
             _ => at += 1,
         }
     }
-    at.min(bytes.len())
+    (at.min(bytes.len()), depth == 0)
 }
 
 fn number_length(text: &str) -> usize {

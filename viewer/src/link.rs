@@ -140,6 +140,8 @@ pub struct Status {
     pub problems: String,
     /// What is odd about them.
     pub warnings: String,
+    /// What is wrong with the picture, a line each.
+    pub doubts: String,
     /// The look has edits that are not saved.
     pub has_unsaved_edits: bool,
     /// The device.

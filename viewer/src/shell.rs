@@ -4,9 +4,9 @@ use std::panic::AssertUnwindSafe;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use device::{Device, DeviceChoice};
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupExisting};
 use egui::{TextureId, Ui, ViewportBuilder, ViewportCommand};
-use engine::gpu::{DeviceChoice, Gpu};
 use patina_panels::Previews;
 
 use crate::blit::Blit;
@@ -51,6 +51,12 @@ pub enum WindowError {
     /// There is no window system, or none that can be used.
     #[error("cannot open a window: {0}")]
     System(#[from] eframe::Error),
+    /// The processor renders by itself, but a window needs a driver.
+    #[error(
+        "a window needs a graphics driver (Debian/Ubuntu: `apt install mesa-vulkan-drivers libvulkan1`); `render` and `watch` \
+         need none"
+    )]
+    NoDriver,
     /// The device is gone, and nothing can be drawn without it. The text says where edits are that were not saved.
     #[error("{0}")]
     Lost(String),
@@ -61,15 +67,16 @@ pub enum WindowError {
 /// # Errors
 /// There is no window system, or the device was lost.
 pub fn run(
-    gpu: &Gpu,
+    gpu: &Device,
     options: WindowOptions,
     host: Box<dyn Host>,
 ) -> Result<Option<WindowPicture>, WindowError> {
+    let driver = gpu.gpu().ok_or(WindowError::NoDriver)?;
     let setup = WgpuSetupExisting {
-        instance: gpu.instance().clone(),
-        adapter: gpu.adapter().clone(),
-        device: gpu.device().clone(),
-        queue: gpu.queue().clone(),
+        instance: driver.instance().clone(),
+        adapter: driver.adapter().clone(),
+        device: driver.device().clone(),
+        queue: driver.queue().clone(),
     };
     let taken = Taken::default();
     let is_screenshot = options.picture_at_spp.is_some();
@@ -87,7 +94,7 @@ pub fn run(
         // A screenshot looks the same whatever the last window was.
         persist_window: !is_screenshot,
         // Nobody sees it in flat panels, and a software driver pays for each pixel.
-        dithering: !gpu.is_cpu(),
+        dithering: !gpu.traits().shares_the_processor,
         ..eframe::NativeOptions::default()
     };
     let lost = Arc::new(Mutex::new(None));
@@ -146,7 +153,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 struct Shell {
-    gpu: Gpu,
+    gpu: Device,
     link: Link,
     viewer: Viewer,
     thread: Arc<Mutex<Option<RenderThread>>>,
@@ -164,7 +171,7 @@ struct Shell {
 impl Shell {
     fn new(
         context: &eframe::CreationContext<'_>,
-        gpu: Gpu,
+        gpu: Device,
         options: WindowOptions,
         host: Box<dyn Host>,
         taken: Taken,
@@ -184,7 +191,7 @@ impl Shell {
         let mut viewer = Viewer::new(thread.link.clone(), preferences);
         // A device of their own, so that they don't keep the render waiting.
         let device = options.preview_device;
-        let open = move || Gpu::new(&device);
+        let open = move || Device::open(&device);
         viewer.set_previews(Previews::start(&context.egui_ctx, open));
         Ok(Self {
             gpu,

@@ -10,8 +10,8 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use device::{Device, DeviceError};
 use engine::display::{DeviceFilm, Display, DisplaySettings};
-use engine::gpu::{Gpu, GpuError};
 use engine::live::{LiveError, LiveInputs, LiveRender};
 use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::Camera;
@@ -53,7 +53,7 @@ impl RenderThread {
     /// # Errors
     /// The system has no room for a thread.
     pub fn start(
-        gpu: Gpu,
+        gpu: Device,
         files: Option<Files>,
         options: RenderOptions,
         host: Box<dyn Host>,
@@ -69,7 +69,7 @@ impl RenderThread {
             .spawn(move || {
                 let full = options.size;
                 let size = Arc::new(Mutex::new(full));
-                let pace = Pace::of(gpu.is_cpu());
+                let pace = Pace::of(gpu.traits().shares_the_processor);
                 let mut render = Render {
                     gpu,
                     options,
@@ -111,7 +111,7 @@ impl RenderThread {
 
 /// Everything that the thread works on.
 struct Render {
-    gpu: Gpu,
+    gpu: Device,
     options: RenderOptions,
     host: Box<dyn Host>,
     wake: Box<dyn Fn() + Send>,
@@ -272,10 +272,12 @@ impl Render {
         // The window shows what lies on its own device: there can be no other one.
         let (gpu, is_first) = (self.gpu.clone(), Mutex::new(true));
         let open_device = move || {
-            let mut is_first = is_first.lock().map_err(|e| GpuError::Lost(e.to_string()))?;
+            let mut is_first = is_first
+                .lock()
+                .map_err(|e| DeviceError::Lost(e.to_string()))?;
             match std::mem::replace(&mut *is_first, false) {
                 true => Ok(gpu.clone()),
-                false => Err(GpuError::Lost(
+                false => Err(DeviceError::Lost(
                     "the window has to be opened again".to_owned(),
                 )),
             }

@@ -5,11 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use device::Device;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use engine::film::Film;
-use engine::gpu::{DeviceChoice, Gpu};
 use engine::live::Edit;
 use engine::scene::look::Value;
 use patina_viewer::host::{Changes, Host};
@@ -72,7 +72,7 @@ impl Host for TestHost {
 }
 
 struct Stage {
-    gpu: Gpu,
+    gpu: Device,
     folder: TempDir,
     harness: Harness<'static, Viewer>,
     thread: RenderThread,
@@ -81,7 +81,7 @@ struct Stage {
 
 impl Stage {
     fn new() -> Option<Self> {
-        let gpu = match Gpu::new(&DeviceChoice::Best) {
+        let gpu = match Device::best() {
             Ok(gpu) => gpu,
             Err(error) => {
                 assert!(
@@ -173,7 +173,7 @@ fn edits_are_seen_without_pipelines_and_saved_with_comments() {
     let Some(mut stage) = Stage::new() else {
         return;
     };
-    let pipelines = stage.gpu.pipelines_created();
+    let pipelines = stage.gpu.counts().pipelines;
     stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
     assert_eq!(
         stage.read("scene.look.toml"),
@@ -192,7 +192,7 @@ fn edits_are_seen_without_pipelines_and_saved_with_comments() {
         let status = stage.harness.state().status();
         status.spp >= 4.0 && status.latency.is_some() && status.error.is_some()
     });
-    assert_eq!(stage.gpu.pipelines_created(), pipelines);
+    assert_eq!(stage.gpu.counts().pipelines, pipelines);
     let status = stage.harness.state().status();
     assert_eq!(status.pipelines, pipelines);
     assert!(status.memory > 0);
@@ -276,6 +276,24 @@ fn textures_are_timed_where_that_is_asked_for() {
     assert_eq!(textures[0].name, "bands");
     assert_eq!(textures[0].texture.as_deref(), Some("stripes"));
     assert!(textures[0].runs_per_pixel > 0.0 && textures[0].runs_per_pixel < 1.0);
+
+    // What a texture does wrong is told, with its node.
+    let texture = "fn userProc() -> f32 { return 1.0 / floor(0.0 * readAttr(WorldPos).x); }\n";
+    fs::write(stage.path("stripes.wgsl"), texture).expect("written");
+    let textures = Changes {
+        textures: true,
+        ..Changes::default()
+    };
+    stage.changes.send(textures).expect("it listens");
+    stage.wait("doubts", |stage| {
+        let doubts = &stage.harness.state().status().doubts;
+        doubts.contains("node `bands` (texture `stripes`)")
+    });
+    assert!(stage.harness.query_by_label("warning").is_some());
+    let said = "node `bands` (texture `stripes`) gives values";
+    stage.wait("message", |stage| {
+        stage.harness.query_all_by_label_contains(said).count() == 1
+    });
     stage.thread.finish();
 }
 
@@ -307,7 +325,7 @@ fn a_lost_device_ends_the_render_and_keeps_the_edits() {
     // More than will be done before the device is gone.
     stage.thread.link.send(Command::Target(1 << 20));
     stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
-    stage.gpu.device().destroy();
+    stage.gpu.gpu().expect("a driver").device().destroy();
     stage.wait("message", |stage| {
         stage.harness.state().status().fatal.is_some()
     });

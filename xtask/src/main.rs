@@ -2,8 +2,9 @@
 //!
 //! Kept free of dependencies (but for errors and JSON), as it is built before anything else can happen. What a command
 //! does is written here from top to bottom; how to run a step is in `steps`, how to find or install a Vulkan driver in
-//! `vulkan`, the comparison with other renderers in `peers`.
+//! `vulkan`, how the program is built to be given away in `dist`, the comparison with other renderers in `peers`.
 
+mod dist;
 mod peers;
 mod steps;
 mod vulkan;
@@ -56,11 +57,12 @@ Commands:
   demo          Render the example scene to out/demo.png and out/demo.exr
   test          Check formatting, lints and documentation, and run all tests
   test --full   The same with the tests that take long
+  dist          Pack the program with its manual and all licences: out/patina-VERSION-PLATFORM.tar.gz
   pictures      Render the README's pictures to docs/images/
   contact-sheet Render Khronos' sample models, where they lie beside the checkout, to docs/images/khronos.jpg
   peers         Compare with other renderers that are installed; `cargo xtask peers --help` lists the options
 
-Each of them first finds a Vulkan driver, or installs Mesa's on Debian and Ubuntu.";
+Each of them, but for dist, first finds a Vulkan driver, or installs Mesa's on Debian and Ubuntu.";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -69,6 +71,7 @@ fn main() -> ExitCode {
         ["demo"] => demo(),
         ["test"] => test(false),
         ["test", "--full"] => test(true),
+        ["dist"] => dist::run(),
         ["pictures"] => pictures(),
         ["contact-sheet"] => contact_sheet(),
         ["peers", "--help" | "-h"] => {
@@ -99,13 +102,20 @@ fn demo() -> Result<()> {
     let mut steps = Steps::new();
     steps.run("Vulkan driver", vulkan::ensure)?;
     steps.run("Release build", || {
-        cargo(["build", "--release", "--package", "patina"]).run()
+        cargo(["build", "--locked", "--release", "--package", "patina"]).run()
     })?;
     steps.run("Devices", || {
         ensure_device(|| {
-            cargo(["run", "--quiet", "--package", "patina", "--release"])
-                .args(["--", "devices"])
-                .run()
+            cargo([
+                "run",
+                "--locked",
+                "--quiet",
+                "--package",
+                "patina",
+                "--release",
+            ])
+            .args(["--", "devices"])
+            .run()
         })
     })?;
     let out = root().join("out");
@@ -127,33 +137,47 @@ fn test(full: bool) -> Result<()> {
     steps.run("Vulkan driver", vulkan::ensure)?;
     steps.run("Toolchain", ensure_components)?;
     steps.run("Formatting", || cargo(["fmt", "--all", "--check"]).run())?;
+    steps.run("Dependencies", || dist::dependencies(full))?;
     steps.run("Lints", || {
-        cargo(["clippy", "--workspace", "--all-targets"])
+        cargo(["clippy", "--locked", "--workspace", "--all-targets"])
             .args(["--", "-D", "warnings"])
             .run()
     })?;
     steps.run("Documentation", || {
-        cargo(["doc", "--workspace", "--no-deps"])
+        cargo(["doc", "--locked", "--workspace", "--no-deps"])
             .env("RUSTDOCFLAGS", "-Dwarnings")
             .run()
     })?;
     steps.run("Test build", || {
-        cargo(["test", "--workspace", "--no-run"]).run()
+        cargo(["test", "--locked", "--workspace", "--no-run"]).run()
     })?;
     steps.run("Devices", || {
         ensure_device(|| tested_patina()?.args(["devices"]).run())
     })?;
     let name = if full { "All tests" } else { "Tests" };
     steps.run(name, || {
-        let tests = cargo(["test", "--workspace"]).env("PATINA_REQUIRE_DEVICE", "1");
+        let tests = cargo(["test", "--locked", "--workspace"]).env("PATINA_REQUIRE_DEVICE", "1");
         if full {
             tests.env("PATINA_FULL", "1").run()
         } else {
             tests.run()
         }
     })?;
+    if full {
+        steps.run("Fuzz targets", fuzz_targets)?;
+    }
     steps.finish();
     Ok(())
+}
+
+/// Whether libFuzzer's programs would compile. They are no part of the workspace, and what they try has been tried by the
+/// tests; libFuzzer itself, which takes a compiler of C++, is linked only where they are run.
+fn fuzz_targets() -> Result<()> {
+    cargo(["check", "--locked"])
+        .args(["--manifest-path", "engine/fuzz/Cargo.toml"])
+        .args(["--target-dir", "target/fuzz"])
+        .env("CUSTOM_LIBFUZZER_PATH", "none")
+        .run()
 }
 
 /// The README's pictures: the example scene, and Sponza where its test data lies beside the checkout.
@@ -161,7 +185,7 @@ fn pictures() -> Result<()> {
     let mut steps = Steps::new();
     steps.run("Vulkan driver", vulkan::ensure)?;
     steps.run("Release build", || {
-        cargo(["build", "--release", "--package", "patina"]).run()
+        cargo(["build", "--locked", "--release", "--package", "patina"]).run()
     })?;
     let images = root().join("docs/images");
     fs::create_dir_all(&images).with_context(|| format!("cannot create {}", images.display()))?;
@@ -189,10 +213,17 @@ fn contact_sheet() -> Result<()> {
     let mut steps = Steps::new();
     steps.run("Vulkan driver", vulkan::ensure)?;
     steps.run(MODELS_PICTURE, || {
-        cargo(["run", "--release", "--example", "contact_sheet", "--"])
-            .args([MODELS, MODELS_PICTURE, MODELS_LIGHT, MODELS_SPP])
-            .args(MODELS_HIDDEN)
-            .run()
+        cargo([
+            "run",
+            "--locked",
+            "--release",
+            "--example",
+            "contact_sheet",
+            "--",
+        ])
+        .args([MODELS, MODELS_PICTURE, MODELS_LIGHT, MODELS_SPP])
+        .args(MODELS_HIDDEN)
+        .run()
     })?;
     steps.finish();
     Ok(())
@@ -214,11 +245,19 @@ fn render_demo(size: &str, spp: &str, outputs: &[&str]) -> Result<()> {
 }
 
 fn render(scene: &str, look: &str, size: &str, spp: &str, outputs: &[&str]) -> Result<()> {
-    cargo(["run", "--release", "--quiet", "--package", "patina", "--"])
-        .args(["render", scene, "--look", look])
-        .args(["--size", size, "--spp", spp, "--stats"])
-        .args(outputs.iter().flat_map(|output| ["-o", output]))
-        .run()
+    cargo([
+        "run",
+        "--locked",
+        "--release",
+        "--quiet",
+        "--package",
+        "patina",
+        "--",
+    ])
+    .args(["render", scene, "--look", look])
+    .args(["--size", size, "--spp", spp, "--stats"])
+    .args(outputs.iter().flat_map(|output| ["-o", output]))
+    .run()
 }
 
 /// Lists the devices of the program just built. A driver may be installed and still find no device (a GPU's driver

@@ -15,6 +15,15 @@ use crate::steps::Step;
 
 const PACKAGES: [&str; 2] = ["mesa-vulkan-drivers", "libvulkan1"];
 
+/// What is there stays as it is, and nothing comes along that drivers don't need.
+const INSTALL: [&str; 5] = [
+    "install",
+    "-y",
+    "--no-install-recommends",
+    "--no-upgrade",
+    "--no-remove",
+];
+
 /// Variables that replace the search for drivers altogether.
 const OVERRIDES: [&str; 2] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
 
@@ -77,10 +86,7 @@ pub(crate) fn install() -> Result<()> {
     if let Err(error) = apt().args(["update"]).run() {
         println!("{error:#}; trying with the package lists there are");
     }
-    let installed = apt()
-        .args(["install", "-y", "--no-install-recommends"])
-        .args(PACKAGES)
-        .run();
+    let installed = apt().args(INSTALL).args(PACKAGES).run();
     if let Err(error) = installed {
         bail!("{error:#}.\n{BY_HAND}");
     }
@@ -327,5 +333,28 @@ mod tests {
             "no JSON in there"
         );
         assert!(json_files(Path::new("/no/such/place")).is_empty());
+    }
+
+    /// apt says what it would do; what it would upgrade it lists with the present version in brackets.
+    #[test]
+    fn installing_upgrades_nothing() {
+        let would = Step::new("apt-get")
+            .args(["--simulate"])
+            .args(INSTALL)
+            .args(PACKAGES)
+            .output();
+        if would.is_empty() {
+            eprintln!("skipped: there is no apt-get, or it knows no packages");
+            return;
+        }
+        let upgrades: Vec<_> = would
+            .lines()
+            .filter(|line| {
+                PACKAGES
+                    .iter()
+                    .any(|p| line.starts_with(&format!("Inst {p} [")))
+            })
+            .collect();
+        assert!(upgrades.is_empty(), "{upgrades:?}");
     }
 }

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use glam::Vec3;
 
+use device::Device;
+
 use crate::{
-    gpu::Gpu,
     procedural::{Procedural, TextureSources},
     renderer::{RenderSettings, Renderer},
     scene::{
@@ -26,7 +27,7 @@ const SPP: u32 = 4;
 /// # Errors
 /// The device.
 pub fn measure(
-    gpu: &Gpu,
+    gpu: &Device,
     scene: &Scene,
     material: &str,
     settings: &RenderSettings,

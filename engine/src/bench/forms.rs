@@ -2,9 +2,10 @@
 
 use texgen::{SourceFile, Value};
 
+use device::{Device, KernelText};
+
 use crate::{
     film::Film,
-    gpu::{Gpu, statistics::KernelText},
     passes::proctex::TextureForm,
     procedural::Procedural,
     renderer::{ReloadError, RenderEditError, RenderError, RenderSettings, Renderer},
@@ -53,7 +54,7 @@ impl FormRenderer {
     /// # Errors
     /// As [`Renderer::with_form`] and [`RayQueryRenderer::new`].
     pub fn new(
-        gpu: &Gpu,
+        gpu: &Device,
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
@@ -85,9 +86,15 @@ impl FormRenderer {
     }
 
     /// Forgets all samples.
-    pub fn restart(&mut self) {
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn restart(&mut self) -> Result<(), RenderError> {
         match self {
-            Self::Passes(renderer) => renderer.restart(),
+            Self::Passes(renderer) => {
+                renderer.restart();
+                Ok(())
+            }
             Self::RayQuery(renderer) => renderer.restart(),
         }
     }

@@ -7,9 +7,10 @@ use std::time::Instant;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
+use device::Device;
+
 use crate::{
     film::Film,
-    gpu::Gpu,
     procedural::{Procedural, TextureSources},
     renderer::{RenderError, RenderSettings},
     scene::{
@@ -42,7 +43,7 @@ impl Case {
     /// # Errors
     /// [`TextureBenchError::Render`] if the device can't run the form, anything else if the look is at fault.
     pub(super) fn new(
-        gpu: &Gpu,
+        gpu: &Device,
         scene: &Scene,
         look: &str,
         sources: &TextureSources,
@@ -113,7 +114,7 @@ pub(super) fn run(
     }
     for run in 0..=runs {
         for case in &mut *cases {
-            case.renderer.restart();
+            case.renderer.restart()?;
             let start = Instant::now();
             case.renderer.render(spp)?;
             if run > 0 {

@@ -1,9 +1,8 @@
 //! What a driver says about the kernels that are compared.
 
-use crate::gpu::{
-    Gpu,
-    statistics::{Inspector, KernelStatistics},
-};
+use device::Device;
+use device::gpu::statistics::Inspector;
+use device::gpu::statistics::KernelStatistics;
 
 use super::forms::FormRenderer;
 
@@ -16,7 +15,7 @@ pub struct Inspection {
 impl Inspection {
     /// For kernels of this device. `other`: of another Vulkan device, by a part of its name. Its driver compiles the same
     /// kernels; some drivers do so for hardware that isn't there.
-    pub fn new(gpu: &Gpu, other: Option<&str>) -> Self {
+    pub fn new(gpu: &Device, other: Option<&str>) -> Self {
         let own = gpu.description();
         let is_vulkan = own.backend.eq_ignore_ascii_case("vulkan");
         Self {

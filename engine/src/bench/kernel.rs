@@ -9,11 +9,11 @@ use glam::{Affine3A, Mat3A, Vec2, Vec3};
 use serde::Serialize;
 use texgen::{Diagnostics, SourceFile, TextureType};
 
-use crate::gpu::Gpu;
 use crate::procedural::{Procedural, SourcesError, TextureSources};
 use crate::renderer::{ReloadError, RenderError, RenderSettings, Renderer};
 use crate::scene::look::{Look, LookError};
 use crate::scene::{Camera, Environment, Instance, Material, Mesh, Projection, Scene};
+use device::Device;
 
 /// Unused textures, and nodes on other materials, in the second measurement.
 const OTHERS: usize = 100;
@@ -100,7 +100,7 @@ pub struct HitCost {
 /// # Errors
 /// The textures are wrong, or the device.
 pub fn rebuild(
-    gpu: &Gpu,
+    gpu: &Device,
     sources: &TextureSources,
     textures: usize,
 ) -> Result<Rebuild, KernelBenchError> {
@@ -119,7 +119,7 @@ pub fn rebuild(
     }
     let mut renderer = renderer(gpu, &look, &all, textures, 64)?;
     let lines = renderer.procedural().kernel().wgsl.lines().count();
-    let is_run = !gpu.is_cpu() || textures <= MOST_RUN_ON_CPU;
+    let is_run = !gpu.traits().compiles_slowly || textures <= MOST_RUN_ON_CPU;
     if is_run {
         wave(&mut renderer)?;
     }
@@ -158,11 +158,11 @@ pub fn rebuild(
 /// # Errors
 /// The textures of the measured material (`rust_color`, `rust_mask`, `mix_color`) are missing or wrong, or the device.
 pub fn hits(
-    gpu: &Gpu,
+    gpu: &Device,
     sources: &TextureSources,
     most_textures: usize,
 ) -> Result<Vec<HitCost>, KernelBenchError> {
-    let can_run = if gpu.is_cpu() {
+    let can_run = if gpu.traits().compiles_slowly {
         MOST_RUN_ON_CPU
     } else {
         OTHERS
@@ -324,7 +324,7 @@ pub(super) fn fresh_number() -> u64 {
 
 /// A square that fills the picture, and small ones behind the camera for the other materials.
 fn renderer(
-    gpu: &Gpu,
+    gpu: &Device,
     look: &str,
     sources: &TextureSources,
     others: usize,

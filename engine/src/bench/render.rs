@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
+use device::Device;
+
 use crate::{
-    gpu::Gpu,
     procedural::Procedural,
     renderer::{RenderError, RenderSettings, Renderer},
     scene::Scene,
@@ -147,7 +148,7 @@ impl Run {
 /// # Errors
 /// As [`Renderer::new`] and [`Renderer::render`].
 pub fn render(
-    gpu: &Gpu,
+    gpu: &Device,
     subjects: &[Subject<'_>],
     spp: u32,
     runs: u32,

@@ -1,4 +1,4 @@
-//! One thing is changed and everything else kept: how the cost of textures over plain gray grows with the length of a
+//! One thing is changed and everything else kept: how the cost of textures over plain grey grows with the length of a
 //! program, with the textures of a scene, with rays of ambient occlusion, with the share of the picture and with the
 //! length of paths. Each point is measured like a row of the main table: its gray, and a textured case in each form, in
 //! turn.
@@ -7,8 +7,9 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
+use device::Device;
+
 use crate::{
-    gpu::Gpu,
     procedural::TextureSources,
     renderer::RenderSettings,
     scene::{Material, Scene},
@@ -106,7 +107,7 @@ pub struct SweepPoint {
     /// Wall time of a sample of all pixels.
     #[serde(flatten, serialize_with = "in_turn::flat_ms_per_spp")]
     pub ms_per_spp: Spread,
-    /// That of plain gray beside it.
+    /// That of plain grey beside it.
     #[serde(flatten, serialize_with = "in_turn::flat_gray")]
     pub gray_ms_per_spp: Spread,
     /// Percent more than gray of the same form takes, run by run.
@@ -145,7 +146,7 @@ pub struct SweepReport {
 /// # Errors
 /// As [`super::textures::compare`].
 pub fn sweep(
-    gpu: &Gpu,
+    gpu: &Device,
     setup: &Setup<'_>,
     what: Sweep,
     mut progress: impl FnMut(),
@@ -221,7 +222,7 @@ struct Step {
 impl Step {
     /// The inner error is the reason why this value can't be measured here, though others can.
     fn new(
-        gpu: &Gpu,
+        gpu: &Device,
         setup: &Setup<'_>,
         what: Sweep,
         setting: f32,
@@ -244,7 +245,7 @@ impl Step {
         match what {
             Sweep::Nodes => step.look = chain(setup.material, number),
             Sweep::Textures => {
-                if gpu.is_cpu() && number as usize > MOST_RUN_ON_CPU {
+                if gpu.traits().compiles_slowly && number as usize > MOST_RUN_ON_CPU {
                     let reason = "a software driver compiles a kernel of so many textures for minutes or longer";
                     return left_out(step.value, reason);
                 }
@@ -271,7 +272,7 @@ impl Step {
         Ok(Ok(step))
     }
 
-    fn case(&self, gpu: &Gpu, form: Form) -> Result<Case, TextureBenchError> {
+    fn case(&self, gpu: &Device, form: Form) -> Result<Case, TextureBenchError> {
         Case::new(
             gpu,
             &self.scene,

@@ -1,14 +1,15 @@
-//! What procedural textures cost: the same picture with plain gray, rust and scratches on a model, with the texture kernel
+//! What procedural textures cost: the same picture with plain grey, rust and scratches on a model, with the texture kernel
 //! in its own form and in the inlined one, in turn. The comparison of the paper ("Restricted Extensions for GPU
-//! Photo-realistic Renderer", Sanzharov, Frolov et al., 2019, table 1): time over plain gray of the same form.
+//! Photo-realistic Renderer", Sanzharov, Frolov et al., 2019, table 1): time over plain grey of the same form.
 
 use std::time::Instant;
 
 use serde::Serialize;
 use texgen::{Diagnostics, TextureType, Value, did_you_mean};
 
+use device::Device;
+
 use crate::{
-    gpu::Gpu,
     procedural::{SourcesError, TextureSources},
     renderer::{ReloadError, RenderEditError, RenderError, RenderSettings},
     scene::{Scene, look::LookError},
@@ -242,7 +243,7 @@ impl Subject {
 /// # Errors
 /// The device; textures that don't fit; forms that show different pictures.
 pub fn compare(
-    gpu: &Gpu,
+    gpu: &Device,
     setup: &Setup<'_>,
     mut progress: impl FnMut(),
 ) -> Result<Comparison, TextureBenchError> {
@@ -315,13 +316,13 @@ impl Setup<'_> {
         Err(TextureBenchError::NoMaterial { name, remedy })
     }
 
-    fn case(&self, gpu: &Gpu, look: &str, form: Form) -> Result<Case, TextureBenchError> {
+    fn case(&self, gpu: &Device, look: &str, form: Form) -> Result<Case, TextureBenchError> {
         Case::new(gpu, self.scene, look, self.sources, &self.settings, form)
     }
 }
 
 fn result(
-    gpu: &Gpu,
+    gpu: &Device,
     setup: &Setup<'_>,
     subject: &mut Subject,
     gray: &[f64],
@@ -335,7 +336,7 @@ fn result(
     let usual = image(&mut case.renderer)?;
     let (mut edit_ms, mut pipelines_created, mut builds) = (0.0, 0, [0.0; 3]);
     if let Some((node, parameter, value)) = texture.edited() {
-        let before = gpu.pipelines_created();
+        let before = gpu.counts().pipelines;
         let start = Instant::now();
         // A number that no cache has seen, in case it is pasted into a kernel.
         let value = value + (kernel::fresh_number() % 0xffff) as f32 * 1e-6;
@@ -343,7 +344,7 @@ fn result(
             .set_argument(node, parameter, Value::F32(value))?;
         first_image(&mut case.renderer)?;
         edit_ms = start.elapsed().as_secs_f64() * 1e3;
-        pipelines_created = gpu.pipelines_created() - before;
+        pipelines_created = gpu.counts().pipelines - before;
         // A source that nobody has seen, another one, and the first again. Nodes are named after their textures.
         let library = std::sync::Arc::clone(case.renderer.procedural().graph().library());
         if let Some(texture) = library.textures().iter().find(|t| t.name() == node) {
@@ -375,7 +376,7 @@ fn result(
 
 /// Milliseconds of one sample of all pixels, once everything is compiled.
 fn image(renderer: &mut FormRenderer) -> Result<f64, RenderError> {
-    renderer.restart();
+    renderer.restart()?;
     let start = Instant::now();
     first_image(renderer)?;
     Ok(start.elapsed().as_secs_f64() * 1e3)

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use texgen::{GeneratedKernel, HOST_STUB};
 
-use crate::gpu::wgsl::Source;
+use crate::passes::wgsl::Source;
 
 use super::point::Layout;
 
@@ -126,11 +126,8 @@ mod tests {
         let source = source(&layout, Some(1), &library.emit(1));
         let module = naga::front::wgsl::parse_str(&source.text)
             .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source.text)));
-        naga::valid::Validator::new(
-            naga::valid::ValidationFlags::all(),
-            naga::valid::Capabilities::empty(),
-        )
-        .validate(&module)
-        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source.text)));
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), texgen::CAPABILITIES)
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source.text)));
     }
 }

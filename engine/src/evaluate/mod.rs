@@ -5,10 +5,10 @@
 //!
 //! ```no_run
 //! use engine::evaluate::{Evaluator, Point};
-//! use engine::gpu::{DeviceChoice, Gpu};
+//! use device::{DeviceChoice, Device};
 //!
 //! // As in a test of a texture with a parameter `scale`.
-//! let gpu = Gpu::new(&DeviceChoice::Best)?;
+//! let gpu = Device::best()?;
 //! let mut stripes = Evaluator::of_file(&gpu, "user_textures/stripes.wgsl".as_ref())?;
 //! stripes.set("scale", "3")?;
 //! let points = [0.0, 0.25, 0.5].map(|u| Point::new().with("TexCoord0", &[u, 0.0]));
@@ -24,11 +24,13 @@ use std::path::Path;
 
 use texgen::{Diagnostics, GraphError, LOOP_LIMIT, Value, did_you_mean};
 
-use crate::gpu::kernel::{Extent, Kernel, Resources, Trust};
-use crate::gpu::{Gpu, GpuError};
+use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Trust, Usage};
+
 use crate::gpu_scene::images::GpuImages;
 use crate::isolated::{Isolated, Subject};
+use crate::passes::wgsl::Source;
 use crate::procedural::{EditError, MAX_STACK_SLOTS, SourcesError, TextureSources};
+use crate::renderer::{compiling, culprit};
 
 pub use point::Point;
 
@@ -86,7 +88,7 @@ pub enum EvaluateError {
     },
     /// The device.
     #[error(transparent)]
-    Gpu(#[from] GpuError),
+    Device(#[from] DeviceError),
 }
 
 fn hint(suggestion: &Option<String>) -> String {
@@ -104,7 +106,7 @@ impl From<GraphError> for EvaluateError {
 /// Evaluates one texture or node.
 #[derive(Debug)]
 pub struct Evaluator {
-    gpu: Gpu,
+    gpu: Device,
     isolated: Isolated,
     layout: Layout,
     kernel: Option<Made>,
@@ -122,7 +124,7 @@ struct Made {
 
 impl Evaluator {
     /// Evaluates `isolated`.
-    pub fn new(gpu: &Gpu, isolated: Isolated) -> Self {
+    pub fn new(gpu: &Device, isolated: Isolated) -> Self {
         let library = isolated.procedural.graph().library();
         Self {
             gpu: gpu.clone(),
@@ -145,7 +147,7 @@ impl Evaluator {
     ///
     /// # Errors
     /// The file can't be read; every mistake in it.
-    pub fn of_file(gpu: &Gpu, path: &Path) -> Result<Self, EvaluateError> {
+    pub fn of_file(gpu: &Device, path: &Path) -> Result<Self, EvaluateError> {
         let mut sources = TextureSources::default();
         let name = sources.add_file(path)?;
         let isolated = Isolated::new(Subject::Texture(&name), &sources)?;
@@ -198,13 +200,15 @@ impl Evaluator {
         let images = GpuImages::new(&self.gpu, scene, &self.isolated.procedural.reads())?;
         let user_base = images.user_base;
         let mut resources = Resources::default();
-        resources.set_view("image_table", images.table);
-        resources.set_view("image_layers", images.layers);
-        resources.set_view("image_layers_srgb", images.layers_srgb);
+        resources.set_image("image_table", images.table);
+        resources.set_image("image_layers", images.layers);
+        resources.set_image("image_layers_srgb", images.layers_srgb);
         for (name, words) in [("programs", &program.words), ("args", &args)] {
-            let buffer = self
-                .gpu
-                .storage_buffer(name, bytemuck::cast_slice(words.as_slice()))?;
+            let buffer = self.gpu.filled_buffer(
+                name,
+                Usage::Storage,
+                bytemuck::cast_slice(words.as_slice()),
+            )?;
             resources.set_buffer(name, buffer);
         }
         let mut values = Vec::with_capacity(points.len());
@@ -246,7 +250,15 @@ impl Evaluator {
         let source = host::source(&self.layout, second_occlusion, &generated);
         let is_same = |made: &Made| made.text == source.text;
         if !self.kernel.as_ref().is_some_and(is_same) {
-            let kernel = Kernel::new(&self.gpu, &source, "evaluate", Trust::User, &[])?;
+            let kernel =
+                |source: &Source| source.compile(&self.gpu, "evaluate", Trust::Nothing, &[]);
+            let library = self.isolated.procedural.graph().library();
+            let kernel = kernel(&source).map_err(|error| {
+                culprit::named(error, library, |alone| {
+                    let source = host::source(&self.layout, second_occlusion, &alone.emit(1));
+                    kernel(&source).map(|_| ())
+                })
+            })?;
             self.kernel = Some(Made {
                 slots,
                 text: source.text,
@@ -266,23 +278,17 @@ impl Evaluator {
         let Made { kernel, .. } = self.kernel.as_ref().expect("it was made before");
         let gpu = &self.gpu;
         let bytes = 16 * count as u64;
-        let storage = wgpu::BufferUsages::STORAGE;
-        resources.set_buffer(
-            "points",
-            gpu.storage_buffer("points", bytemuck::cast_slice(points))?,
-        );
-        resources.set_buffer("values", gpu.empty_buffer("values", bytes, storage)?);
-        resources.set_buffer("overrun", gpu.empty_buffer("overrun", 4, storage)?);
+        let points = gpu.filled_buffer("points", Usage::Storage, bytemuck::cast_slice(points))?;
+        resources.set_buffer("points", points);
+        resources.set_buffer("values", gpu.buffer("values", Usage::Storage, bytes)?);
+        resources.set_buffer("overrun", gpu.buffer("overrun", Usage::Storage, 4)?);
+        let mut recording = Recording::new("evaluate");
         let bound = kernel.bind(gpu, resources);
-        let mut encoder = gpu
-            .device()
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
-                label: Some("evaluate"),
-            });
-        bound.record(&mut encoder, Extent::Threads(count as u32), None);
-        gpu.queue().submit([encoder.finish()]);
-        gpu.wait()?;
-        let overrun = gpu.read_buffer(resources.buffer("overrun"), 0, 4)?;
+        recording.dispatch(&bound, Extent::Threads(count as u32));
+        // Some drivers compile a kernel when it runs for the first time.
+        let _busy = (gpu.activity()).begin(|| compiling(&self.isolated.procedural));
+        gpu.play(&recording)?;
+        let overrun = gpu.read(resources.buffer("overrun"), 0, 4)?;
         let overrun: Vec<u32> = bytemuck::pod_collect_to_vec(&overrun);
         if overrun[0] != 0 {
             let textures = self.isolated.procedural.graph().library().textures();
@@ -291,7 +297,7 @@ impl Evaluator {
                 texture: texture.map_or_else(String::new, |texture| texture.name().to_owned()),
             });
         }
-        let values = gpu.read_buffer(resources.buffer("values"), 0, bytes)?;
+        let values = gpu.read(resources.buffer("values"), 0, bytes)?;
         Ok(bytemuck::pod_collect_to_vec(&values))
     }
 }

@@ -41,6 +41,8 @@ pub struct Part {
     pub origin: Origin,
     /// Which samples, ascending and apart from each other.
     ranges: Vec<Range<u32>>,
+    /// Most samples that a pixel lacks, because a render was ended within a sample.
+    missing: u32,
 }
 
 /// Why a part can't be read or merged.
@@ -58,7 +60,7 @@ pub enum PartError {
     #[error("the file is damaged: {0}; render this part again")]
     Damaged(&'static str),
     /// Both have these samples.
-    #[error("samples {}..{} are in two of the parts; each sample may be merged once", .0.start, .0.end)]
+    #[error("samples {}..{} are in two of the partial renders; each sample may be merged once", .0.start, .0.end)]
     Overlap(Range<u32>),
     /// Parts of different pictures.
     #[error("it is part of another picture: {what} is {here}, but in the parts before it {there}")]
@@ -77,16 +79,26 @@ struct Header {
     width: u32,
     height: u32,
     ranges: Vec<(u32, u32)>,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    missing: u32,
     origin: Origin,
 }
 
+fn is_zero(count: &u32) -> bool {
+    *count == 0
+}
+
 impl Part {
-    /// A film of the samples of one range; every pixel has all of them.
+    /// A film of the samples of one range. Pixels may lack some of them where a render was ended early: the picture is right,
+    /// but the parts of a whole no longer add up to exactly that.
     pub fn new(film: Film, samples: Range<u32>, origin: Origin) -> Self {
+        let (fewest, _) = film.sample_bounds();
+        let count = samples.end.saturating_sub(samples.start);
         Self {
             film,
             origin,
             ranges: vec![samples],
+            missing: count.saturating_sub(fewest),
         }
     }
 
@@ -124,6 +136,7 @@ impl Part {
         }
         self.ranges = joined(self.ranges.iter().chain(&other.ranges))?;
         self.film.add(&other.film);
+        self.missing = self.missing.saturating_add(other.missing);
         Ok(())
     }
 
@@ -140,6 +153,7 @@ impl Part {
             width: self.film.width,
             height: self.film.height,
             ranges: self.ranges.iter().map(|r| (r.start, r.end)).collect(),
+            missing: self.missing,
             origin: self.origin.clone(),
         };
         let header = serde_json::to_vec(&header)?;
@@ -209,15 +223,34 @@ impl Part {
         let ranges: Vec<_> = header.ranges.iter().map(|&(a, b)| a..b).collect();
         let ranges = joined(ranges.iter())?;
         let count: u32 = ranges.iter().map(|r| r.end - r.start).sum();
-        if ranges.is_empty() || film.sample_bounds() != (count, count) {
+        let (fewest, most) = film.sample_bounds();
+        let missing = header.missing.min(count);
+        if ranges.is_empty() || most > count || most == 0 || fewest < count - missing {
             return Err(PartError::Damaged("its samples are not those it claims"));
         }
         Ok(Self {
             film,
             origin: header.origin,
             ranges,
+            missing,
         })
     }
+}
+
+/// A file with the checksum that its bytes have: so that what a changed file is refused for otherwise can be tried.
+/// `None` where it is too short or has no planes of one size.
+pub fn sealed(file: &[u8]) -> Option<Vec<u8>> {
+    let (rest, _) = file.split_last_chunk::<8>()?;
+    let (length, data) = rest.get(MAGIC.len()..)?.split_first_chunk()?;
+    let (header, planes) = data.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+    if planes.is_empty() || !planes.len().is_multiple_of(PLANES.len()) {
+        return None;
+    }
+    let mut hash = Hash::new();
+    hash.bytes(header);
+    let planes = planes.chunks_exact(planes.len() / PLANES.len());
+    planes.for_each(|plane| hash.bytes(plane));
+    Some([rest, &hash.value().to_le_bytes()].concat())
 }
 
 /// The words as they lie in a file.
@@ -292,8 +325,29 @@ mod tests {
             let mut changed = whole.clone();
             changed[at] ^= 4;
             assert!(read(&changed).is_err(), "byte {at}");
+            // The checksum itself, and nothing else, can be mended.
+            let mended = sealed(&changed).is_some_and(|sealed| sealed == whole);
+            assert_eq!(mended, at >= whole.len() - 8, "byte {at}");
         }
         assert!(matches!(read(b"something else"), Err(PartError::Foreign)));
+    }
+
+    #[test]
+    fn a_render_that_was_ended_within_a_sample_can_be_kept_and_continued() {
+        let whole = part(0..6, "0");
+        let mut ended = part(0..3, "0");
+        ended.film.add_sample(0, [0.5; 3]);
+        let mut ended = Part::new(ended.film, 0..4, ended.origin);
+        assert_eq!(read(&bytes(&ended)).expect("whole"), ended);
+        ended.merge(&part(4..6, "0")).expect("they fit");
+        assert_eq!(ended.ranges(), whole.ranges());
+        assert_eq!(read(&bytes(&ended)).expect("whole"), ended);
+        // What doesn't say so has all samples.
+        let lying = Part {
+            missing: 0,
+            ..ended
+        };
+        assert!(read(&bytes(&lying)).is_err());
     }
 
     #[test]

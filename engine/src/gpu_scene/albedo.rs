@@ -7,9 +7,9 @@ use std::sync::OnceLock;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use crate::gpu::Gpu;
+use device::{Device, DeviceError, Format, Image};
 
-use super::images::filled_texture;
+use super::images::filled_image;
 
 /// Cells along each side of a block; as `ALBEDO_SIDE` in `microfacet.wgsl`.
 const SIDE: u32 = 32;
@@ -23,15 +23,17 @@ const POINTS: u32 = 512;
 const MIN_ALPHA: f32 = 0.001;
 
 /// Puts the table on the GPU.
-pub fn upload(gpu: &Gpu) -> wgpu::TextureView {
+///
+/// # Errors
+/// The device is out of memory.
+pub fn upload(gpu: &Device) -> Result<Image, DeviceError> {
     // The same for every scene.
     static TABLE: OnceLock<Vec<[f32; 4]>> = OnceLock::new();
-    filled_texture(
+    filled_image(
         gpu,
         "albedo table",
-        SIDE,
-        SIDE * (1 + GLASS_BLOCKS),
-        wgpu::TextureFormat::Rgba32Float,
+        [SIDE, SIDE * (1 + GLASS_BLOCKS)],
+        Format::Rgba32Float,
         bytemuck::cast_slice(TABLE.get_or_init(table)),
     )
 }

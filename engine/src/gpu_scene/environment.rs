@@ -1,12 +1,13 @@
 //! The environment on the GPU: its picture and the alias table by which directions are sampled.
 
+use device::{Device, DeviceError, Format, Image};
+
 use crate::{
     alias::alias_table,
-    gpu::{Gpu, GpuError},
     scene::{Environment, FloatImage},
 };
 
-use super::images::filled_texture;
+use super::images::filled_image;
 
 /// Largest sampling table; larger pictures are summed up into its cells.
 const MAX_TABLE: (u32, u32) = (1024, 512);
@@ -17,9 +18,9 @@ const CONSTANT_ROWS: u32 = 256;
 #[derive(Debug)]
 pub struct GpuEnvironment {
     /// `environment_image`.
-    pub image: wgpu::TextureView,
+    pub image: Image,
     /// `environment_table`.
-    pub table: wgpu::TextureView,
+    pub table: Image,
     /// Texels of the picture.
     pub size: [u32; 2],
     /// Cells of the table.
@@ -37,7 +38,7 @@ impl GpuEnvironment {
     ///
     /// # Errors
     /// If the picture is larger than the device allows.
-    pub fn new(gpu: &Gpu, environment: &Environment) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Device, environment: &Environment) -> Result<Self, DeviceError> {
         match environment {
             Environment::Constant(radiance) => {
                 let white = FloatImage {
@@ -64,9 +65,9 @@ impl GpuEnvironment {
                 rotation,
                 intensity,
             } => {
-                let limit = gpu.device().limits().max_texture_dimension_2d;
+                let limit = gpu.limits().image_side;
                 if image.width.max(image.height) > limit {
-                    return Err(GpuError::TooLarge {
+                    return Err(DeviceError::TooLarge {
                         what: "the environment picture's side".to_owned(),
                         needed: u64::from(image.width.max(image.height)),
                         limit: u64::from(limit),
@@ -110,14 +111,14 @@ impl GpuEnvironment {
     }
 
     fn upload(
-        gpu: &Gpu,
+        gpu: &Device,
         image: &FloatImage,
         table_size: [u32; 2],
         weights: &[f64],
         scale: [f32; 3],
         turn: f32,
         emits: bool,
-    ) -> Result<Self, GpuError> {
+    ) -> Result<Self, DeviceError> {
         let texels: Vec<[f32; 4]> = image.rgb.iter().map(|c| [c[0], c[1], c[2], 1.0]).collect();
         let cells: Vec<[u32; 4]> = alias_table(weights)
             .iter()
@@ -130,25 +131,21 @@ impl GpuEnvironment {
                 ]
             })
             .collect();
-        let float = wgpu::TextureFormat::Rgba32Float;
-        let uint = wgpu::TextureFormat::Rgba32Uint;
         Ok(Self {
-            image: filled_texture(
+            image: filled_image(
                 gpu,
                 "environment image",
-                image.width,
-                image.height,
-                float,
+                [image.width, image.height],
+                Format::Rgba32Float,
                 bytemuck::cast_slice(&texels),
-            ),
-            table: filled_texture(
+            )?,
+            table: filled_image(
                 gpu,
                 "environment table",
-                table_size[0],
-                table_size[1],
-                uint,
+                table_size,
+                Format::Rgba32Uint,
                 bytemuck::cast_slice(&cells),
-            ),
+            )?,
             size: [image.width, image.height],
             table_size,
             scale,

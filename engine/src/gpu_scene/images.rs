@@ -1,9 +1,10 @@
 //! All image textures in the layers of one array texture, placed by shelves, and the table of where each lies.
 
+use device::{Device, DeviceError, Format, Image, ImageUse};
+
 use crate::{
-    gpu::{Gpu, GpuError},
     procedural::TextureReads,
-    scene::{Image, Scene},
+    scene::{self, Scene},
 };
 
 use super::{levels, materials::sampler_bits};
@@ -15,11 +16,11 @@ const TABLE_WIDTH: u32 = 1024;
 #[derive(Debug)]
 pub struct GpuImages {
     /// `image_table`.
-    pub table: wgpu::TextureView,
+    pub table: Image,
     /// `image_layers`.
-    pub layers: wgpu::TextureView,
+    pub layers: Image,
     /// `image_layers_srgb`.
-    pub layers_srgb: wgpu::TextureView,
+    pub layers_srgb: Image,
     /// Row of the table where the images of texture arguments begin.
     pub user_base: u32,
     /// Bytes of all layers.
@@ -40,12 +41,12 @@ impl GpuImages {
     ///
     /// # Errors
     /// If the images need more layers than the device has, or the driver is out of memory.
-    pub fn new(gpu: &Gpu, scene: &Scene, reads: &TextureReads<'_>) -> Result<Self, GpuError> {
-        let limits = gpu.device().limits();
-        let fitted: Vec<std::borrow::Cow<'_, Image>> = scene
+    pub fn new(gpu: &Device, scene: &Scene, reads: &TextureReads<'_>) -> Result<Self, DeviceError> {
+        let limits = gpu.limits();
+        let fitted: Vec<std::borrow::Cow<'_, scene::Image>> = scene
             .images
             .iter()
-            .map(|image| fit(image, limits.max_texture_dimension_2d.min(32768)))
+            .map(|image| fit(image, limits.image_side.min(32768)))
             .collect();
         // The images, then the levels of each that has any.
         let mut sizes: Vec<(u32, u32)> = fitted.iter().map(|i| (i.width, i.height)).collect();
@@ -55,49 +56,23 @@ impl GpuImages {
             with_levels.push((image as usize, sizes.len()));
             sizes.extend((1..=levels::levels_below(full)).map(|l| levels::size_of_level(full, l)));
         }
-        let (side, layers, places) = place_all(
-            &sizes,
-            limits.max_texture_dimension_2d,
-            limits.max_texture_array_layers,
-        );
-        if layers > limits.max_texture_array_layers {
-            return Err(GpuError::TooLarge {
+        let (side, layers, places) = place_all(&sizes, limits.image_side, limits.image_layers);
+        if layers > limits.image_layers {
+            return Err(DeviceError::TooLarge {
                 what: "the image textures' array".to_owned(),
                 needed: u64::from(layers) * u64::from(side) * u64::from(side) * 4,
-                limit: u64::from(limits.max_texture_array_layers)
-                    * u64::from(side)
-                    * u64::from(side)
-                    * 4,
+                limit: u64::from(limits.image_layers) * u64::from(side) * u64::from(side) * 4,
                 remedy: "use fewer or smaller images",
             });
         }
-        let scope = gpu
-            .device()
-            .push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
-            label: Some("image layers"),
-            size: wgpu::Extent3d {
-                width: side,
-                height: side,
-                depth_or_array_layers: layers,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8Unorm,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[wgpu::TextureFormat::Rgba8UnormSrgb],
-        });
-        if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(GpuError::Driver(format!(
-                "{layers} layers of {side} x {side} texels for images: {error}"
-            )));
-        }
+        let (usage, size) = (ImageUse::ReadLayers, [side, side, layers]);
+        let layered = gpu.image("image layers", usage, size, Format::Rgba8Unorm)?;
         let send = |number: usize, bytes: &[u8]| {
             let (width, height) = sizes[number];
-            upload(gpu, &texture, &places[number], width, height, 4, bytes);
+            let Place { layer, x, y } = places[number];
+            layered.write(gpu, [x, y, layer], [width, height], bytes);
             // Lets the driver take over the staged texels instead of keeping all images twice.
-            gpu.queue().submit([]);
+            gpu.flush();
         };
         for (number, image) in fitted.iter().enumerate() {
             send(number, &image.rgba8);
@@ -128,18 +103,11 @@ impl GpuImages {
             let below = levels::levels_below(sizes[image]) as usize;
             rows.extend((first..first + below).map(|n| row(sizes[n], places[n], srgb)));
         }
-        let table = upload_table(gpu, &mut rows);
-        let view = |format| {
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                format: Some(format),
-                dimension: Some(wgpu::TextureViewDimension::D2Array),
-                ..Default::default()
-            })
-        };
+        let table = upload_table(gpu, &mut rows)?;
         Ok(Self {
             table,
-            layers: view(wgpu::TextureFormat::Rgba8Unorm),
-            layers_srgb: view(wgpu::TextureFormat::Rgba8UnormSrgb),
+            layers_srgb: layered.as_srgb(),
+            layers: layered,
             user_base,
             bytes: u64::from(side) * u64::from(side) * u64::from(layers) * 4,
         })
@@ -167,7 +135,7 @@ fn level_bits(below: u32, levels_base: u32, first: usize) -> u32 {
 }
 
 /// The image itself, or a smaller one where the device can't hold it.
-fn fit(image: &Image, limit: u32) -> std::borrow::Cow<'_, Image> {
+fn fit(image: &scene::Image, limit: u32) -> std::borrow::Cow<'_, scene::Image> {
     if image.width <= limit && image.height <= limit {
         return std::borrow::Cow::Borrowed(image);
     }
@@ -190,7 +158,7 @@ fn fit(image: &Image, limit: u32) -> std::borrow::Cow<'_, Image> {
         height,
         image::imageops::FilterType::Triangle,
     );
-    std::borrow::Cow::Owned(Image {
+    std::borrow::Cow::Owned(scene::Image {
         width,
         height,
         rgba8: small.into_raw(),
@@ -243,114 +211,30 @@ fn place_on(sizes: &[(u32, u32)], side: u32) -> (u32, Vec<Place>) {
     (layer + 1, places)
 }
 
-fn upload(
-    gpu: &Gpu,
-    texture: &wgpu::Texture,
-    place: &Place,
-    width: u32,
-    height: u32,
-    texel: u32,
-    bytes: &[u8],
-) {
-    gpu.queue().write_texture(
-        wgpu::TexelCopyTextureInfo {
-            texture,
-            mip_level: 0,
-            origin: wgpu::Origin3d {
-                x: place.x,
-                y: place.y,
-                z: place.layer,
-            },
-            aspect: wgpu::TextureAspect::All,
-        },
-        bytes,
-        wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(width * texel),
-            rows_per_image: Some(height),
-        },
-        wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
-    );
-}
-
-fn upload_table(gpu: &Gpu, rows: &mut Vec<[u32; 4]>) -> wgpu::TextureView {
+fn upload_table(gpu: &Device, rows: &mut Vec<[u32; 4]>) -> Result<Image, DeviceError> {
     let height = (rows.len() as u32).div_ceil(TABLE_WIDTH).max(1);
     rows.resize((height * TABLE_WIDTH) as usize, [0, 1 | 1 << 16, 0, 0]);
-    let texture = flat_texture(
+    filled_image(
         gpu,
         "image table",
-        TABLE_WIDTH,
-        height,
-        wgpu::TextureFormat::Rgba32Uint,
-    );
-    upload(
-        gpu,
-        &texture,
-        &Place {
-            layer: 0,
-            x: 0,
-            y: 0,
-        },
-        TABLE_WIDTH,
-        height,
-        16,
+        [TABLE_WIDTH, height],
+        Format::Rgba32Uint,
         bytemuck::cast_slice(rows),
-    );
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+    )
 }
 
-/// A texture that kernels read texel by texel.
-pub(super) fn flat_texture(
-    gpu: &Gpu,
+/// An image that kernels read texel by texel, with contents.
+pub(super) fn filled_image(
+    gpu: &Device,
     label: &str,
-    width: u32,
-    height: u32,
-    format: wgpu::TextureFormat,
-) -> wgpu::Texture {
-    gpu.device().create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    })
-}
-
-/// A texture of 16-byte texels with contents.
-pub(super) fn filled_texture(
-    gpu: &Gpu,
-    label: &str,
-    width: u32,
-    height: u32,
-    format: wgpu::TextureFormat,
+    size: [u32; 2],
+    format: Format,
     texels: &[u8],
-) -> wgpu::TextureView {
-    let texture = flat_texture(gpu, label, width, height, format);
-    upload(
-        gpu,
-        &texture,
-        &Place {
-            layer: 0,
-            x: 0,
-            y: 0,
-        },
-        width,
-        height,
-        16,
-        texels,
-    );
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
+) -> Result<Image, DeviceError> {
+    let [width, height] = size;
+    let image = gpu.image(label, ImageUse::Read, [width, height, 1], format)?;
+    image.write(gpu, [0; 3], size, texels);
+    Ok(image)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The table of lights: emissive triangles and punctual lights. Those with a place are chosen by the light tree, those
 //! infinitely far away by their irradiance.
 
-use std::f32::consts::PI;
+use std::{collections::HashMap, f32::consts::PI};
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Vec3};
@@ -75,12 +75,18 @@ impl LightTable {
     ) -> Self {
         let mut table = Self::default();
         let mut emitters = Vec::new();
+        // Many materials may have the same picture.
+        let mut means = HashMap::new();
+        let mut mean = |image: u32| {
+            let mean = means.entry(image);
+            *mean.or_insert_with(|| mean_color(&scene.images[image as usize]))
+        };
         for (i, (material, source)) in materials.iter_mut().zip(&scene.materials).enumerate() {
             let program = program(i as u32);
             material.light_radiance = match (source.unlit, program.decides_light) {
                 (true, _) => 0.0,
                 (false, true) => program.brightness,
-                (false, false) => average_emission(source, &scene.images),
+                (false, false) => average_emission(source, &mut mean),
             };
         }
         table.add_triangles(scene, bvh, materials, &mut emitters);
@@ -234,13 +240,13 @@ fn luminance(c: Vec3) -> f32 {
 }
 
 /// Mean luminance that a material emits: factor times its image's mean.
-fn average_emission(material: &Material, images: &[Image]) -> f32 {
+fn average_emission(material: &Material, mean: impl FnOnce(u32) -> Vec3) -> f32 {
     if material.emission.max_element() <= 0.0 {
         return 0.0;
     }
     let mean = material
         .emission_texture
-        .map_or(Vec3::ONE, |t| mean_color(&images[t.image as usize]));
+        .map_or(Vec3::ONE, |t| mean(t.image));
     // A picture that is black on average may still hold light that rounding lost.
     luminance(material.emission * mean).max(luminance(material.emission) * 1e-4)
 }

@@ -14,9 +14,10 @@ mod update;
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
 
+use device::{Device, DeviceError, Resources, Usage};
+
 use crate::{
     bvh::{BvhError, SceneBvh},
-    gpu::{Gpu, GpuError, kernel::Resources},
     procedural::{ProgramTraits, TextureReads},
     scene::{Mesh, Scene},
 };
@@ -42,7 +43,7 @@ pub enum GpuSceneError {
     Bvh(#[from] BvhError),
     /// Too large, or refused by the driver.
     #[error(transparent)]
-    Gpu(#[from] GpuError),
+    Device(#[from] DeviceError),
     /// More materials than fit.
     #[error("the scene has {0} materials, more than the {MAX_MATERIALS} that are supported")]
     TooManyMaterials(usize),
@@ -162,7 +163,7 @@ impl GpuScene {
     /// # Errors
     /// If the scene is empty or exceeds what the device can bind.
     pub fn new(
-        gpu: &Gpu,
+        gpu: &Device,
         scene: &Scene,
         reads: &TextureReads<'_>,
         program: impl Fn(u32) -> ProgramTraits,
@@ -173,8 +174,10 @@ impl GpuScene {
         }
         let mut bvh = SceneBvh::build(scene)?;
         let (lo, hi) = scene.bounds().ok_or(BvhError::Empty)?;
-        let center = (lo + hi) * 0.5;
-        let radius = (0.5 * (hi - lo).length()).max(1e-6);
+        // The sum, the difference and its square may be out of range where the corners are not.
+        let center = lo * 0.5 + hi * 0.5;
+        let radius = 0.5 * (hi.as_dvec3() - lo.as_dvec3()).length();
+        let radius = (radius as f32).clamp(1e-6, f32::MAX);
 
         let mut materials: Vec<GpuMaterial> = scene
             .materials
@@ -189,31 +192,50 @@ impl GpuScene {
 
         resources.set_buffer(
             "nodes",
-            gpu.storage_buffer("the geometry's hierarchy", bytemuck::cast_slice(&bvh.nodes))?,
+            gpu.filled_buffer(
+                "the geometry's hierarchy",
+                Usage::Storage,
+                bytemuck::cast_slice(&bvh.nodes),
+            )?,
         );
         resources.set_buffer(
             "triangles",
-            gpu.storage_buffer("triangles", bytemuck::cast_slice(&triangles))?,
+            gpu.filled_buffer(
+                "triangles",
+                Usage::Storage,
+                bytemuck::cast_slice(&triangles),
+            )?,
         );
         resources.set_buffer(
             "vertices",
-            gpu.storage_buffer("vertices", bytemuck::cast_slice(&vertices))?,
+            gpu.filled_buffer("vertices", Usage::Storage, bytemuck::cast_slice(&vertices))?,
         );
         resources.set_buffer(
             "instances",
-            gpu.storage_buffer("instances", bytemuck::cast_slice(&instances(scene, &bvh)))?,
+            gpu.filled_buffer(
+                "instances",
+                Usage::Storage,
+                bytemuck::cast_slice(&instances(scene, &bvh)),
+            )?,
         );
         resources.set_buffer(
             "materials",
-            gpu.storage_buffer("materials", bytemuck::cast_slice(&materials))?,
+            gpu.filled_buffer(
+                "materials",
+                Usage::Storage,
+                bytemuck::cast_slice(&materials),
+            )?,
         );
-        resources.set_buffer("lights", gpu.storage_buffer("lights", &lights.bytes())?);
-        resources.set_view("image_table", images.table.clone());
-        resources.set_view("image_layers", images.layers.clone());
-        resources.set_view("image_layers_srgb", images.layers_srgb.clone());
-        resources.set_view("albedo_table", albedo::upload(gpu));
-        resources.set_view("environment_image", environment.image.clone());
-        resources.set_view("environment_table", environment.table.clone());
+        resources.set_buffer(
+            "lights",
+            gpu.filled_buffer("lights", Usage::Storage, &lights.bytes())?,
+        );
+        resources.set_image("image_table", images.table.clone());
+        resources.set_image("image_layers", images.layers.clone());
+        resources.set_image("image_layers_srgb", images.layers_srgb.clone());
+        resources.set_image("albedo_table", albedo::upload(gpu)?);
+        resources.set_image("environment_image", environment.image.clone());
+        resources.set_image("environment_table", environment.table.clone());
         let shadows = Shadows::of(scene, &program);
         bvh.nodes = Vec::new();
         Ok(Self {

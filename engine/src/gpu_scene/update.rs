@@ -3,9 +3,10 @@
 
 use glam::Vec3;
 
+use device::{Device, Resources, Usage};
+
 use crate::{
     bvh::SceneBvh,
-    gpu::{Gpu, kernel::Resources},
     procedural::ProgramTraits,
     scene::{Material, Scene},
 };
@@ -89,7 +90,7 @@ impl GpuScene {
     /// The device has no room for the lights.
     pub(crate) fn update_materials(
         &mut self,
-        gpu: &Gpu,
+        gpu: &Device,
         scene: &Scene,
         program: impl Fn(u32) -> ProgramTraits,
         resources: &mut Resources,
@@ -119,10 +120,12 @@ impl GpuScene {
             }
             let bytes = &lights.bytes()[..];
             if resources.buffer("lights").size() >= bytes.len() as u64 {
-                gpu.queue()
-                    .write_buffer(resources.buffer("lights"), 0, bytes);
+                gpu.write(resources.buffer("lights"), 0, bytes);
             } else {
-                resources.set_buffer("lights", gpu.storage_buffer("lights", bytes)?);
+                resources.set_buffer(
+                    "lights",
+                    gpu.filled_buffer("lights", Usage::Storage, bytes)?,
+                );
                 is_moved = true;
             }
             self.light_count = lights.placed.len() as u32;
@@ -133,7 +136,7 @@ impl GpuScene {
             if bytemuck::bytes_of(record) != bytemuck::bytes_of(former) {
                 let buffer = resources.buffer("materials");
                 let bytes = bytemuck::bytes_of(record);
-                gpu.queue().write_buffer(buffer, (i * size) as u64, bytes);
+                gpu.write(buffer, (i * size) as u64, bytes);
             }
         }
         self.uploaded.materials = records;

@@ -54,7 +54,7 @@ impl LiveRender {
             self.again.sources = true;
             return;
         }
-        let changed = TextureSources::scan(&self.inputs.textures)
+        let changed = TextureSources::search(&self.inputs.textures)
             .and_then(|sources| self.renderer.procedural().changed_sources(&sources));
         match changed {
             Ok(files) if files.is_empty() => match self.shown {
@@ -88,7 +88,7 @@ impl LiveRender {
         wanted.sort_unstable();
         wanted.dedup();
         let files: Result<Option<Vec<_>>, SourcesError> =
-            TextureSources::scan(&self.inputs.textures).and_then(|sources| {
+            TextureSources::search(&self.inputs.textures).and_then(|sources| {
                 wanted
                     .iter()
                     .map(|name| sources.read(name).transpose())

@@ -25,11 +25,11 @@ use std::sync::Arc;
 use texgen::{Diagnostic, Diagnostics, SourceFile};
 
 use crate::film::Film;
-use crate::gpu::{Gpu, GpuError};
 use crate::load::{self, LoadError, Loaded};
 use crate::renderer::{Progress, RenderEditError, RenderError, RenderSettings, Renderer};
 use crate::scene::look::{Field, Look, LookDocument, LookError};
 use crate::scene::{Camera, Scene};
+use device::{Device, DeviceError};
 
 use background::Job;
 
@@ -49,7 +49,7 @@ pub struct LiveInputs {
 }
 
 /// Opens the device; called again when it is lost.
-pub type OpenDevice = dyn Fn() -> Result<Gpu, GpuError> + Send + Sync;
+pub type OpenDevice = dyn Fn() -> Result<Device, DeviceError> + Send + Sync;
 /// Size and depth of the picture seen by a camera.
 pub type MakeSettings = dyn Fn(Camera) -> RenderSettings + Send + Sync;
 
@@ -170,7 +170,7 @@ impl LiveRender {
         make_settings: Arc<MakeSettings>,
     ) -> Result<Self, LiveError> {
         let saved = match &inputs.look {
-            Some(path) => read_look(path).map_err(LoadError::from)?,
+            Some(path) => Look::read_text(path).map_err(LoadError::from)?,
             None => String::new(),
         };
         let loaded = background::load(&inputs, &saved)?;
@@ -320,7 +320,7 @@ impl LiveRender {
     pub fn save(&mut self, path: Option<&Path>) -> Result<(), LiveError> {
         let own = self.inputs.look.as_deref();
         if let (None, Some(own)) = (path, own)
-            && read_look(own).is_ok_and(|text| text != self.saved)
+            && Look::read_text(own).is_ok_and(|text| text != self.saved)
         {
             let path = own.to_owned();
             return Err(LiveError::Changed { path });
@@ -380,7 +380,7 @@ impl LiveRender {
         let Some(path) = self.inputs.look.clone() else {
             return;
         };
-        let text = match read_look(&path) {
+        let text = match Look::read_text(&path) {
             Ok(text) => text,
             Err(error) => {
                 self.problems.file = Diagnostic::error(error.to_string()).into();
@@ -431,13 +431,6 @@ impl LiveRender {
         self.generation += 1;
         Ok(())
     }
-}
-
-fn read_look(path: &Path) -> Result<String, LookError> {
-    std::fs::read_to_string(path).map_err(|source| LookError::Read {
-        path: path.to_owned(),
-        source,
-    })
 }
 
 fn parse_look(inputs: &LiveInputs, text: &str) -> Result<LookDocument, Diagnostics> {

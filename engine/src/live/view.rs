@@ -84,7 +84,7 @@ impl LiveRender {
         if guides {
             self.renderer.trace_guides()?;
         }
-        Ok(self.renderer.device_film())
+        Ok(self.renderer.device_film()?)
     }
 
     /// A copy of the film on the device, as far as it is.

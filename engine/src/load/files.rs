@@ -1,5 +1,6 @@
-//! Which files a picture is made of, for those who watch them.
+//! Which files a picture is made of, for those who watch them, or must not overwrite them.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::scene::import::referenced_files;
@@ -13,8 +14,11 @@ pub fn files(scene: &Path, look: Option<&Look>) -> Vec<PathBuf> {
     let Some(look) = look else {
         return found;
     };
-    for include in &look.includes {
-        let path = look.resolve(&include.file.value);
+    let included: BTreeSet<&str> = (look.includes.iter())
+        .map(|include| include.file.value.as_str())
+        .collect();
+    for file in included {
+        let path = look.resolve(file);
         found.extend(referenced_files(&path));
         found.push(path);
     }
@@ -28,9 +32,23 @@ pub fn files(scene: &Path, look: Option<&Look>) -> Vec<PathBuf> {
         image_names(&field.value.value, &mut names);
     }
     found.extend(names.iter().map(|name| look.resolve(name)));
+    found.extend(other_texts(look).filter(|path| path.is_file()));
     found.sort();
     found.dedup();
     found
+}
+
+/// What the values of nodes name, whatever its ending: an image is known by its contents.
+fn other_texts(look: &Look) -> impl Iterator<Item = PathBuf> {
+    let fields = look.nodes.iter().flat_map(|node| &node.params);
+    fields.filter_map(|field| match &field.value.value {
+        Value::Text(text) => Some(look.resolve(text)),
+        Value::Table(fields) => match &crate::scene::look::find(fields, "file")?.value {
+            Value::Text(text) => Some(look.resolve(text)),
+            _ => None,
+        },
+        _ => None,
+    })
 }
 
 /// Texts that end like a picture's name: which parameters are images is not known here.

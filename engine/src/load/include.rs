@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use texgen::{Diagnostic, did_you_mean};
 
-use crate::scene::import::{self, Appended};
+use crate::scene::import::{Appended, Importer};
 use crate::scene::look::{Include, Look, Spanned};
 use crate::scene::{PunctualLight, Scene};
 
@@ -13,16 +13,17 @@ use crate::scene::{PunctualLight, Scene};
 pub(super) fn include(
     look: &Look,
     table: &Include,
+    importer: &mut Importer,
     scene: &mut Scene,
 ) -> Result<Vec<String>, Diagnostic> {
     let path = look.resolve(&table.file.value);
     let (meshes, lights) = (scene.meshes.len(), scene.lights.len());
-    let added = import::append(scene, &path, table.transform).map_err(|error| {
+    let added = (importer.append(scene, &path, table.transform)).map_err(|error| {
         Diagnostic::error(error.to_string()).with_label(&look.file, table.file.span.clone(), "")
     })?;
     if let Some(only) = &table.only {
         keep_only(look, only, scene, &added, lights)?;
-        drop_unused_meshes(scene, meshes);
+        drop_unused_meshes(scene, meshes, added.instances.start);
     }
     let Appended {
         materials,
@@ -87,9 +88,10 @@ fn keep_only(
     Ok(())
 }
 
-/// Removes the meshes from `first` on that no instance uses.
-fn drop_unused_meshes(scene: &mut Scene, first: usize) {
-    let used: HashSet<u32> = scene.instances.iter().map(|i| i.mesh).collect();
+/// Removes the meshes from `first` on that no instance from `first_instance` on uses, as no earlier one can.
+fn drop_unused_meshes(scene: &mut Scene, first: usize, first_instance: usize) {
+    let instances = &mut scene.instances[first_instance..];
+    let used: HashSet<u32> = instances.iter().map(|i| i.mesh).collect();
     let mut new_index = HashMap::new();
     let added = scene.meshes.split_off(first);
     for (old, mesh) in (first as u32..).zip(added) {
@@ -98,7 +100,7 @@ fn drop_unused_meshes(scene: &mut Scene, first: usize) {
             scene.meshes.push(mesh);
         }
     }
-    for instance in &mut scene.instances {
+    for instance in instances {
         instance.mesh = *new_index.get(&instance.mesh).unwrap_or(&instance.mesh);
     }
 }

@@ -13,11 +13,14 @@ use glam::Vec3;
 use texgen::{Diagnostic, Diagnostics, SourceFile, did_you_mean};
 
 use crate::procedural::{Procedural, SourcesError, TextureSources};
-use crate::scene::import::{self, ImportError, Imported};
+use crate::scene::import::{self, ImportError, Imported, Importer};
 use crate::scene::look::{EnvironmentLook, Look, LookError, Spanned};
 use crate::scene::{Camera, Environment, Material, Scene};
 
 pub use files::files;
+
+/// After so many includes that can't be read the others aren't tried.
+const MAX_BAD_INCLUDES: usize = 10;
 
 /// A scene ready to be uploaded.
 #[derive(Debug)]
@@ -62,8 +65,8 @@ pub enum LoadError {
     },
 }
 
-/// Reads a glTF scene, the look beside it, and the user textures that the look uses from some directories (where two
-/// have one of the same name, the earlier one's).
+/// Reads a glTF scene, the look beside it, and the textures that the look uses from some directories (where two
+/// have one of the same name, the earlier one's) or of the standard ones.
 ///
 /// # Errors
 /// Whatever is wrong with the files, all mistakes of the look at once, and a scene without triangles.
@@ -84,17 +87,18 @@ pub fn load_with(
 ) -> Result<Loaded, LoadError> {
     let uses_textures = look.as_ref().is_some_and(|look| !look.nodes.is_empty());
     let sources = if uses_textures {
-        TextureSources::scan(textures)?
+        TextureSources::search(textures)?
     } else {
         TextureSources::default()
     };
+    let mut importer = Importer::new();
     let Imported {
         mut scene,
         mut warnings,
-    } = import::load(path)?;
+    } = importer.load(path)?;
 
     let camera = match &look {
-        Some(look) => apply(look, &mut scene, &mut warnings)?,
+        Some(look) => apply(look, &mut importer, &mut scene, &mut warnings)?,
         None => first_camera(&scene),
     };
     if scene.instances.is_empty() {
@@ -106,6 +110,9 @@ pub fn load_with(
     let procedural = Procedural::build(look.as_ref().unwrap_or(&nothing), &mut scene, &sources)
         .map_err(LookError::from)?;
     let mut warnings: Diagnostics = warnings.into_iter().map(Diagnostic::warning).collect();
+    if let Some(look) = &look {
+        warnings.extend(look.warnings.iter().cloned());
+    }
     warnings.extend(procedural.warnings().iter().cloned());
     let states_environment = look.as_ref().is_some_and(|look| look.environment.is_some());
     let emits = |material: u32| procedural.traits(material).glows;
@@ -125,6 +132,17 @@ pub fn load_with(
 }
 
 impl Loaded {
+    /// All files that it was made of: the scene, what it and the look name, the textures in use.
+    ///
+    /// `scene` and `look` are as they were given to [`load()`].
+    pub fn files(&self, scene: &Path, look: Option<&Path>) -> Vec<PathBuf> {
+        let mut found = files(scene, self.look.as_ref());
+        found.extend(look.map(Path::to_owned));
+        let textures = self.procedural.graph().library().textures();
+        found.extend(textures.iter().map(|texture| texture.file().path().into()));
+        found
+    }
+
     /// A camera of the glTF file by name, without the look's overrides.
     ///
     /// # Errors
@@ -139,12 +157,21 @@ impl Loaded {
 }
 
 /// Everything of the look that is not a material: includes, environment, lights, camera.
-fn apply(look: &Look, scene: &mut Scene, warnings: &mut Vec<String>) -> Result<Camera, LookError> {
+fn apply(
+    look: &Look,
+    importer: &mut Importer,
+    scene: &mut Scene,
+    warnings: &mut Vec<String>,
+) -> Result<Camera, LookError> {
     let mut problems = Diagnostics::new();
     for table in &look.includes {
-        match include::include(look, table, scene) {
+        match include::include(look, table, importer, scene) {
             Ok(more) => warnings.extend(more),
             Err(problem) => problems.push(problem),
+        }
+        // Further ones would fail for the same reason, each after a while.
+        if problems.len() >= MAX_BAD_INCLUDES {
+            break;
         }
     }
     if let Some(environment) = &look.environment {

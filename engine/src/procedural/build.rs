@@ -10,14 +10,17 @@ use texgen::{
 };
 
 use crate::scene::Scene;
-use crate::scene::look::{AoSettings, Field, Look, MAX_AO, NodeLook, Span, Spanned};
+use crate::scene::look::{
+    AoSettings, Field, Input, Look, MAX_AO, NodeLook, Span, Spanned, misplaced_key, unquoted,
+};
 
 use super::images::Images;
 use super::memory::{ProgramMemory, RangeSet};
+use super::remarks::remark;
 use super::sources::TextureSources;
 use super::values::{Argument, ImageArgument, argument};
 use super::wiring::CompileError;
-use super::{MIN_STACK_SLOTS, Procedural, materials};
+use super::{MIN_STACK_SLOTS, Output, Procedural, materials};
 
 impl Procedural {
     /// Brings a look to a scene: sets the constants of its materials, adds the materials and images that the look adds,
@@ -44,6 +47,7 @@ impl Procedural {
             builder.set_arguments(&mut graph, table, node, scene);
         }
         let resolved = materials::resolve(look, scene, &graph, &mut builder.problems);
+        builder.warn_of_radians(&graph);
         if builder.problems.has_errors() {
             return Err(builder.problems);
         }
@@ -174,7 +178,7 @@ impl<'a> Builder<'a> {
                         self.warnings.extend(texture.warnings().iter().cloned());
                         types.push(texture);
                     }
-                    Err(problems) => self.problems.extend(problems),
+                    Err(problems) => self.problems.append(problems),
                 },
                 Some(Err(error)) => {
                     self.problem(&first_use(look, name).span, error.to_string(), None)
@@ -257,6 +261,35 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// Links to an angle gave radians once. A texture whose description names its unit was written since.
+    fn warn_of_radians(&mut self, graph: &Graph) {
+        let key = Output::AnisotropyRotation.key();
+        for input in self.look.materials.iter().filter_map(|m| m.input(key)) {
+            let Input::Link(link) = &input.value else {
+                continue;
+            };
+            let Some(node) = graph.node(&link.node) else {
+                continue;
+            };
+            let texture = graph.texture(node);
+            if texture.docs().to_lowercase().contains("degree") {
+                continue;
+            }
+            let message =
+                format!("links to `{key}` give degrees; in version 0.1.0 they gave radians");
+            let note = format!(
+                "if texture `{0}` gives radians, let it return `degrees(...)`; say \"degrees\" in its description (`///`), \
+                 and this message is gone",
+                texture.name()
+            );
+            self.warnings.push(
+                Diagnostic::warning(message)
+                    .with_label(&self.look.file, input.span.clone(), "")
+                    .with_note(note),
+            );
+        }
+    }
+
     fn set_arguments(
         &mut self,
         graph: &mut Graph,
@@ -278,7 +311,10 @@ impl<'a> Builder<'a> {
                 continue;
             };
             match argument(&field.value, parameter.ty) {
-                Ok(argument) => self.set_argument(graph, node, field, parameter, argument, scene),
+                Ok(argument) => {
+                    self.warn_of(field, parameter, &argument);
+                    self.set_argument(graph, node, field, parameter, argument, scene);
+                }
                 Err(bad) => self.problem(
                     &bad.span,
                     format!("`{}`: {}", parameter.name, bad.message),
@@ -288,13 +324,26 @@ impl<'a> Builder<'a> {
         }
     }
 
+    fn warn_of(&mut self, field: &Field, parameter: &Parameter, argument: &Argument) {
+        if let Some((message, note)) = remark(&field.value.value, parameter, argument) {
+            let span = field.value.span.clone();
+            let warning = Diagnostic::warning(message).with_label(&self.look.file, span, "");
+            self.warnings.push(match note {
+                Some(note) => warning.with_note(note),
+                None => warning,
+            });
+        }
+    }
+
     fn unknown_parameter(&mut self, key: &Spanned<String>, texture: &TextureType) {
         let names = || texture.parameters().iter().map(|p| p.name.as_str());
         let reserved = ["texture", "occlusion", "occlusion1"];
-        let note = match did_you_mean(&key.value, names().chain(reserved)) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None if texture.parameters().is_empty() => "it has no parameters".to_owned(),
-            None => format!("it has: {}", names().collect::<Vec<_>>().join(", ")),
+        let near = did_you_mean(&key.value, names().chain(reserved));
+        let note = match (misplaced_key(&key.value), near) {
+            (Some(remedy), _) => remedy,
+            (None, Some(near)) => format!("did you mean `{near}`?"),
+            (None, None) if texture.parameters().is_empty() => "it has no parameters".to_owned(),
+            (None, None) => format!("it has: {}", names().collect::<Vec<_>>().join(", ")),
         };
         let message = format!(
             "texture `{}` has no parameter `{}`",
@@ -342,9 +391,12 @@ impl<'a> Builder<'a> {
         if names().any(|n| n == name) {
             return; // its texture has been reported
         }
-        let note = match did_you_mean(name, names()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => "declare it with [node.NAME], or write a colour as \"#rrggbb\"".to_owned(),
+        let note = match (unquoted(name), did_you_mean(name, names())) {
+            (Some(remedy), _) => remedy,
+            (None, Some(near)) => format!("did you mean `{near}`?"),
+            (None, None) => {
+                "declare it with [node.NAME], or write a colour as \"#rrggbb\"".to_owned()
+            }
         };
         self.problem(
             span,

@@ -1,17 +1,18 @@
 //! The images of `sam2D` parameters: loaded once each into the scene.
 
 use std::collections::{BTreeSet, HashMap};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::Vec3;
 
+use crate::input::FileId;
 use crate::scene::import::load_picture;
 use crate::scene::{Sampler, Scene, TextureRef};
 
 /// Loads images and hands out texture handles.
 #[derive(Debug, Default)]
 pub(super) struct Images {
-    by_path: HashMap<(PathBuf, bool), u32>,
+    by_file: HashMap<(FileId, bool), u32>,
     pub(super) textures: Vec<TextureRef>,
     /// Of the scene's images: those whose mip levels a texture reads.
     pub(super) with_levels: BTreeSet<u32>,
@@ -32,13 +33,14 @@ impl Images {
         srgb: bool,
         sampler: Sampler,
     ) -> Result<u32, String> {
-        let key = (path.to_owned(), srgb);
-        let image = match self.by_path.get(&key) {
+        let key = (FileId::of(path), srgb);
+        let image = match self.by_file.get(&key) {
             Some(&image) => image,
             None => {
                 let image = scene.images.len() as u32;
-                scene.images.push(load_picture(path, srgb)?);
-                self.by_path.insert(key, image);
+                let picture = load_picture(path, srgb, &scene.images)?;
+                scene.images.push(picture);
+                self.by_file.insert(key, image);
                 image
             }
         };

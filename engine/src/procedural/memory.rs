@@ -101,6 +101,8 @@ impl ProgramMemory {
 #[derive(Debug, Clone, Default)]
 pub(super) struct RangeSet {
     ranges: Vec<Range<u32>>,
+    /// How many were left when they were last merged.
+    merged: usize,
 }
 
 impl RangeSet {
@@ -109,14 +111,16 @@ impl RangeSet {
             return;
         }
         self.ranges.push(range);
-        // Edits without an upload between them must not pile up.
-        if self.ranges.len() >= 4096 {
+        // Edits without an upload between them must not pile up. Merging waits for as many again as can't be merged.
+        if self.ranges.len() >= (2 * self.merged).max(4096) {
             self.ranges = merged(std::mem::take(&mut self.ranges));
+            self.merged = self.ranges.len();
         }
     }
 
     /// Disjoint ranges in ascending order.
     pub(super) fn take(&mut self) -> Vec<Range<u32>> {
+        self.merged = 0;
         merged(std::mem::take(&mut self.ranges))
     }
 }
@@ -166,6 +170,21 @@ mod tests {
         memory.store(0, HEAD_PROGRAM, &[1, 2, 3]);
         memory.set_head(0, HEAD_FLAGS, 5);
         assert_eq!(memory.take_changes(), []);
+    }
+
+    #[test]
+    fn ranges_pile_up_only_while_they_are_apart() {
+        let mut set = RangeSet::default();
+        for i in 0..100_000 {
+            set.add(7 * (i % 10)..7 * (i % 10) + 1);
+        }
+        assert!(set.ranges.len() < 4096);
+        for i in 0..100_000 {
+            set.add(2 * i..2 * i + 1);
+        }
+        // Each of the five odd ones joins its two neighbours.
+        assert_eq!(set.take().len(), 100_000 - 5);
+        assert!(set.take().is_empty());
     }
 
     #[test]

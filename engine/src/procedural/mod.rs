@@ -46,9 +46,11 @@ mod output;
 mod probe;
 mod reads;
 mod reload;
+mod remarks;
 mod rounds;
 mod sketch;
 mod sources;
+mod standard;
 #[cfg(test)]
 mod tests;
 mod traits;

@@ -45,7 +45,7 @@ impl Procedural {
                         Err(at) => textures.insert(at, texture),
                     }
                 }
-                Err(found) => problems.extend(found),
+                Err(found) => problems.append(found),
             }
         }
         match problems.has_errors() {

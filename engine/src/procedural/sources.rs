@@ -1,9 +1,13 @@
-//! Where user textures come from: directories of `.wgsl` files, or texts in memory. Nothing is parsed here.
+//! Where textures come from: directories of `.wgsl` files, the program itself, or texts in memory. Nothing is parsed here.
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use texgen::SourceFile;
+
+use super::standard;
+use crate::input;
 
 /// A texture larger than this is not read.
 const MAX_BYTES: u64 = 4 << 20;
@@ -19,6 +23,7 @@ pub struct TextureSources {
 enum Source {
     File(PathBuf),
     Text(SourceFile),
+    BuiltIn(SourceFile),
 }
 
 /// Why user textures can't be read.
@@ -73,6 +78,19 @@ impl TextureSources {
         Ok(sources)
     }
 
+    /// As [`scan`](Self::scan), with the standard textures behind the directories: a file of the same name wins.
+    ///
+    /// # Errors
+    /// As [`scan`](Self::scan).
+    pub fn search<P: AsRef<Path>>(directories: &[P]) -> Result<Self, SourcesError> {
+        let mut sources = Self::scan(directories)?;
+        for file in standard::files() {
+            let known = sources.by_name.entry(file.name().to_owned());
+            known.or_insert(Source::BuiltIn(file));
+        }
+        Ok(sources)
+    }
+
     /// Adds a texture whose text is at hand, in place of a file of that name.
     pub fn insert(&mut self, name: &str, text: &str) {
         let file = SourceFile::new(name, format!("{name}.wgsl"), text);
@@ -106,16 +124,20 @@ impl TextureSources {
     /// The file can't be read, or is no text.
     pub fn read(&self, name: &str) -> Option<Result<SourceFile, SourcesError>> {
         Some(match self.by_name.get(name)? {
-            Source::Text(file) => Ok(file.clone()),
+            Source::Text(file) | Source::BuiltIn(file) => Ok(file.clone()),
             Source::File(path) => read_file(name, path),
         })
     }
 
-    /// Reads a texture from a file anywhere; its name is that of the file without the ending.
+    /// Reads a texture from a file anywhere; its name is that of the file without the ending. A standard texture's
+    /// path, as messages have it, gives that texture.
     ///
     /// # Errors
     /// The file can't be read, or is no text.
     pub fn open(path: &Path) -> Result<SourceFile, SourcesError> {
+        if let Some(file) = standard::at(path) {
+            return Ok(file);
+        }
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         read_file(&name, path)
     }
@@ -124,8 +146,13 @@ impl TextureSources {
     pub fn path(&self, name: &str) -> Option<&Path> {
         match self.by_name.get(name)? {
             Source::File(path) => Some(path),
-            Source::Text(_) => None,
+            Source::Text(_) | Source::BuiltIn(_) => None,
         }
+    }
+
+    /// Whether a texture is the program's own, of the standard ones.
+    pub fn is_built_in(&self, name: &str) -> bool {
+        matches!(self.by_name.get(name), Some(Source::BuiltIn(_)))
     }
 }
 
@@ -134,12 +161,12 @@ fn read_file(name: &str, path: &Path) -> Result<SourceFile, SourcesError> {
         path: path.to_owned(),
         source,
     };
-    if std::fs::metadata(path).map_err(error)?.len() > MAX_BYTES {
-        return Err(SourcesError::TooLarge {
+    let text = input::read_text(path, MAX_BYTES).map_err(|source| match source.kind() {
+        ErrorKind::FileTooLarge => SourcesError::TooLarge {
             path: path.to_owned(),
-        });
-    }
-    let text = std::fs::read_to_string(path).map_err(error)?;
+        },
+        _ => error(source),
+    })?;
     Ok(SourceFile::new(name, path.display().to_string(), text))
 }
 
@@ -161,5 +188,23 @@ mod tests {
         assert_eq!(sources.path("a"), Some(&*dirs[0].join("a.wgsl")));
         assert_eq!(sources.path("b"), Some(&*dirs[1].join("b.wgsl")));
         let _ = std::fs::remove_dir_all(&root);
+    }
+
+    #[test]
+    fn the_standard_textures_need_no_folder_and_give_way_to_files() {
+        let nowhere: [&Path; 0] = [];
+        let sources = TextureSources::search(&nowhere).expect("nothing to list");
+        assert!(sources.is_built_in("fbm") && sources.path("fbm").is_none());
+        let file = sources.read("fbm").expect("is there").expect("is text");
+        assert_eq!(file.path(), "<built-in>/fbm.wgsl");
+        let again = TextureSources::open(Path::new(file.path())).expect("the name leads back");
+        assert_eq!(again.text(), file.text());
+
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        std::fs::write(folder.path().join("fbm.wgsl"), "mine").expect("a file");
+        let sources = TextureSources::search(&[folder.path()]).expect("can be listed");
+        assert!(!sources.is_built_in("fbm") && sources.is_built_in("voronoi"));
+        let file = sources.read("fbm").expect("is there").expect("is text");
+        assert_eq!(file.text(), "mine");
     }
 }

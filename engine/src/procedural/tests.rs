@@ -10,7 +10,9 @@ use crate::scene::{Material, Scene};
 use super::*;
 
 const FLAT: &str = "/// One colour.\n/// @param tint colour [color] = (1, 1, 1)\n/// @param amount factor = 1.0\nfn userProc(tint: vec3f, amount: f32) -> vec3f { return tint * amount; }\n";
+const RANGED: &str = "/// A wall.\n/// @param joint width [0.001 .. 10] = 0.02\n/// @param count bricks [0 .. 5] = 1\nfn userProc(joint: f32, count: i32) -> f32 { return joint * f32(count); }\n";
 const VALUE: &str = "/// A number.\n/// @param level the number = 0.5\nfn userProc(level: f32) -> f32 { return level; }\n";
+const ANGLE: &str = "/// Where to, in degrees.\nfn userProc() -> f32 { return 30.0; }\n";
 const OPEN: &str =
     "/// Occlusion.\nfn userProc() -> f32 { return readAttr(AO).x * readAttr(AO1).x; }\n";
 const PICTURE: &str = "/// A picture through a ramp.\nfn userProc(image: sam2D, ramp: ramp1D, steps: i32) -> vec4f { return rampEval(ramp, tex2D(image, readAttr(TexCoord0).xy).x) * f32(steps); }\n";
@@ -22,6 +24,8 @@ fn textures() -> TextureSources {
         ("value", VALUE),
         ("open", OPEN),
         ("picture", PICTURE),
+        ("ranged", RANGED),
+        ("angle", ANGLE),
     ] {
         sources.insert(name, text);
     }
@@ -390,8 +394,67 @@ fn mistakes_name_their_place_and_remedy() {
     refused(
         "[node.a]\ntexture='value'\nlevel='b'\n[node.b]\ntexture='value'\nlevel='a'",
         "test.look.toml:6:7",
-        "circle",
+        "cyclic link",
     );
+}
+
+#[test]
+fn quotes_too_many_and_misplaced_keys_are_explained() {
+    refused(
+        "[node.n]\ntexture='flat'\namount='0.02'",
+        "test.look.toml:3:8",
+        "write 0.02 without quotes",
+    );
+    refused(
+        "[node.n]\ntexture='flat'\namount='5'",
+        "test.look.toml:3:8",
+        "write 5 without quotes",
+    );
+    refused(
+        "[node.n]\ntexture='flat'\ntint='[1, 2, 3]'",
+        "test.look.toml:3:6",
+        "\"[1, 2, 3]\" is a string, not a list",
+    );
+    refused(
+        "[node.n]\ntexture='flat'\nenvironment={color=[1, 1, 1]}",
+        "test.look.toml:3:1",
+        "before the first [table]",
+    );
+    // A node may be called like a number.
+    build("[node.5]\ntexture='value'\n[node.n]\ntexture='flat'\namount='5'");
+}
+
+#[test]
+fn arguments_that_make_no_sense_are_warnings_with_their_place() {
+    let warned = |text: &str, place: &str, says: &[&str]| {
+        let (procedural, _) = build(text);
+        let shown = procedural.warnings().to_string();
+        assert!(shown.contains(place), "{shown}");
+        for says in says {
+            assert!(shown.contains(says), "{says}: {shown}");
+        }
+    };
+    warned(
+        "[node.n]\ntexture='flat'\ntint=[255, 120, 0]",
+        "test.look.toml:3:6",
+        &[
+            "`tint` is a colour beyond 1",
+            "\"#ff7800\"",
+            "divide by 255",
+        ],
+    );
+    warned(
+        "[node.n]\ntexture='ranged'\njoint=50",
+        "test.look.toml:3:7",
+        &["`joint` is 50", "0.001 to 10"],
+    );
+    warned(
+        "[node.n]\ntexture='ranged'\ncount=-1",
+        "test.look.toml:3:7",
+        &["`count` is -1", "0 to 5"],
+    );
+    let fine = "[node.n]\ntexture='ranged'\njoint=10\ncount=5\n[node.m]\ntexture='flat'\ntint='#ff7800'\namount=9";
+    assert!(build(fine).0.warnings().is_empty());
 }
 
 #[test]
@@ -413,6 +476,23 @@ fn an_occlusion_that_nothing_reads_is_a_warning() {
         shown.contains("test.look.toml:5:11") && shown.contains("no effect"),
         "{shown}"
     );
+}
+
+#[test]
+fn a_link_to_an_angle_is_a_warning_unless_the_texture_names_degrees() {
+    let linked = |texture: &str| {
+        let look = format!("[node.n]\ntexture='{texture}'\n[material.A]\nanisotropy_rotation='n'");
+        let (procedural, _) = build(&look);
+        procedural.warnings().to_string()
+    };
+    let shown = linked("value");
+    assert!(
+        shown.contains("test.look.toml:4:21") && shown.contains("`degrees(...)`"),
+        "{shown}"
+    );
+    assert_eq!(linked("angle"), "");
+    let (procedural, _) = build("[material.A]\nanisotropy_rotation=30");
+    assert!(procedural.warnings().is_empty());
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use texgen::{Interpolation, ParameterType, Ramp, Value};
 
-use crate::scene::look::{self, Link, Span, Spanned, link_text};
+use crate::scene::look::{self, Link, Span, Spanned, link_text, unquoted};
 use crate::scene::{Filter, Sampler, Wrap};
 
 type Written = Spanned<look::Value>;
@@ -45,7 +45,7 @@ pub(super) fn argument(value: &Written, ty: ParameterType) -> Result<Argument, B
     match (&value.value, ty) {
         (_, ParameterType::Image) => image(value).map(Argument::Image),
         (look::Value::Text(text), _) if !text.starts_with('#') => {
-            if !ty.is_linkable() {
+            if !ty.is_linkable() && unquoted(text).is_none() {
                 return bad(
                     value,
                     format!(
@@ -55,6 +55,7 @@ pub(super) fn argument(value: &Written, ty: ParameterType) -> Result<Argument, B
                 );
             }
             match link_text(text) {
+                Ok(_) if !ty.is_linkable() => bad(value, unquoted(text).unwrap_or_default()),
                 Ok(link) => Ok(Argument::Link(link)),
                 Err(message) => bad(value, message),
             }

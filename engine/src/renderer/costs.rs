@@ -5,16 +5,22 @@
 //! are written, and in the end they are as they were.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::time::Instant;
 
 use serde::Serialize;
 use texgen::NodeId;
 
+use device::{Buffer, DeviceError, Timer};
+
 use crate::{
     frame::Frame,
-    gpu::{GpuError, kernel::Extent, timing::Timer},
-    passes::{advance::After, proctex::TextureForm},
+    passes::{
+        ao,
+        proctex::{self, TextureForm},
+    },
     procedural::Hits,
+    schedule::{self, Run},
     settings::RenderSettings,
     wave::{self, Queue},
 };
@@ -87,10 +93,12 @@ impl Renderer {
             None => self.survey()?,
         };
         if let Some(subject) = survey.left.pop() {
+            let totals = self.totals()?;
             let cost = match subject {
                 Subject::Node { node, runs } => self.node_cost(&survey.frame, node, runs)?,
                 Subject::Occlusion(table) => self.occlusion_cost(&survey.frame, table)?,
             };
+            self.restore_totals(&totals);
             let list = &mut survey.costs.list;
             list.push(cost);
             list.sort_by(|a, b| b.per_sample().total_cmp(&a.per_sample()));
@@ -105,10 +113,12 @@ impl Renderer {
         let mut left = Vec::new();
         if self.kernels.has_texture() && self.form == TextureForm::Stack {
             let procedural = self.procedural.clone();
+            let totals = self.totals()?;
             let resolved = self.materials_of_hits(&frame, procedural.programs())?;
             // Without blends, they are the materials of the surfaces.
             let own = self.materials_of_hits(&frame, &procedural.idle_programs())?;
             self.restore_programs();
+            self.restore_totals(&totals);
             let mut counts = BTreeMap::<(u32, u32), u64>::new();
             for pair in own.into_iter().zip(resolved) {
                 *counts.entry(pair).or_default() += 1;
@@ -134,7 +144,7 @@ impl Renderer {
 
     /// The whole picture in fewer pixels, whose textures are seen as finely as in the real one.
     fn small_frame(&self) -> Frame {
-        let most = match self.gpu.is_cpu() {
+        let most = match self.gpu.traits().shares_the_processor {
             true => PIXELS_ON_CPU,
             false => PIXELS_ON_GPU,
         };
@@ -175,16 +185,27 @@ impl Renderer {
         Ok(slots.iter().filter_map(material).collect())
     }
 
-    fn queue_length(&self, queue: Queue) -> Result<u32, GpuError> {
+    /// What the kernels have counted: a measurement is no part of the picture.
+    fn totals(&self) -> Result<Vec<u32>, DeviceError> {
+        let Range { start, end } = wave::TOTALS;
+        self.read_words(self.resources.buffer("queues"), 4 * start, end - start)
+    }
+
+    fn restore_totals(&self, totals: &[u32]) {
+        let (queues, at) = (self.resources.buffer("queues"), 4 * wave::TOTALS.start);
+        self.gpu.write(queues, at, bytemuck::cast_slice(totals));
+    }
+
+    fn queue_length(&self, queue: Queue) -> Result<u32, DeviceError> {
         let queues = self.resources.buffer("queues");
         Ok(self.read_words(queues, queue.length_offset(), 1)?[0])
     }
 
-    fn read_words(&self, from: &wgpu::Buffer, at: u64, count: u64) -> Result<Vec<u32>, GpuError> {
+    fn read_words(&self, from: &Buffer, at: u64, count: u64) -> Result<Vec<u32>, DeviceError> {
         if count == 0 {
             return Ok(Vec::new());
         }
-        let bytes = self.gpu.read_buffer(from, at, 4 * count)?;
+        let bytes = self.gpu.read(from, at, 4 * count)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 
@@ -205,11 +226,9 @@ impl Renderer {
             let mut spent = [0.0; 2];
             for (spent, words) in spent.iter_mut().zip([&alone, &idle]) {
                 self.write_programs(words);
-                *spent = self.nanoseconds("proctex", |wave| {
+                *spent = self.nanoseconds(proctex::PASS.name, frame.wave_size, |wave| {
                     for _ in 0..DISPATCHES {
-                        let texture = wave.bound.texture.as_ref();
-                        let proctex = &texture.expect("there are programs").proctex;
-                        wave.run_queue(proctex, Queue::Proctex);
+                        wave.run(&proctex::PASS);
                     }
                 })?;
             }
@@ -232,10 +251,8 @@ impl Renderer {
         let hits = self.queue_length(Queue::Ao)?;
         let mut times = Vec::new();
         for _ in 0..TIMINGS {
-            times.push(self.nanoseconds("ao", |wave| {
-                let texture = wave.bound.texture.as_ref();
-                let ao = &texture.expect("there are programs").ao;
-                wave.run_queue(ao, Queue::Ao);
+            times.push(self.nanoseconds(ao::PASS.name, frame.wave_size, |wave| {
+                wave.run(&ao::PASS);
             })?);
         }
         self.restore_programs();
@@ -254,24 +271,17 @@ impl Renderer {
     /// Runs a wave up to its first hits, by these programs.
     fn find_first_hits(&mut self, frame: &Frame, words: &[u32]) -> Result<(), RenderError> {
         self.write_programs(words);
-        let queue = self.gpu.queue();
-        let write = |name: &str, bytes: &[u8]| {
-            queue.write_buffer(self.resources.buffer(name), 0, bytes);
-        };
-        write("frame", bytemuck::bytes_of(frame));
-        write("queues", bytemuck::cast_slice(&wave::fresh_queues()));
-        let paths = Extent::Threads(frame.wave_size);
-        self.nanoseconds("", |wave| {
-            wave.run(&wave.bound.raygen, paths);
-            wave.run(wave.after(After::Raygen), Extent::One);
-            wave.find_hits();
+        self.begin_wave(frame);
+        self.nanoseconds("", frame.wave_size, |wave| {
+            schedule::start(wave);
+            schedule::find_hits(wave);
         })?;
         Ok(())
     }
 
     fn write_programs(&self, words: &[u32]) {
         let buffer = self.resources.buffer("programs");
-        (self.gpu.queue()).write_buffer(buffer, 0, bytemuck::cast_slice(words));
+        self.gpu.write(buffer, 0, bytemuck::cast_slice(words));
     }
 
     fn restore_programs(&self) {
@@ -282,19 +292,18 @@ impl Renderer {
     fn nanoseconds(
         &self,
         label: &str,
+        paths: u32,
         record: impl FnOnce(&mut Recorder<'_>),
-    ) -> Result<f64, GpuError> {
+    ) -> Result<f64, DeviceError> {
         // Its own timer: these passes are no part of the render.
-        let mut timer = Timer::new(&self.gpu, true)?;
+        let mut timer = Timer::timing(&self.gpu)?;
         let sizes = self.resources.buffer("dispatch_sizes");
-        let mut recorder = Recorder::new(&self.gpu, &self.bound, sizes, &mut timer);
+        let mut recorder = Recorder::new(&self.bound, sizes, paths);
         record(&mut recorder);
-        let commands = recorder.finish();
+        let recording = recorder.finish();
         let clock = Instant::now();
-        self.gpu.queue().submit([commands]);
-        self.gpu.wait()?;
+        self.gpu.play_timed(&recording, &mut timer)?;
         let took = clock.elapsed();
-        timer.collect(&self.gpu)?;
         Ok(match timer.is_timing() {
             true => timer.totals().get(label).map_or(0.0, |(ms, _)| ms * 1e6),
             false => took.as_secs_f64() * 1e9,

@@ -2,7 +2,7 @@
 
 use texgen::Library;
 
-use crate::gpu::GpuError;
+use device::DeviceError;
 
 /// A texture that can't be built even alone.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,12 +33,12 @@ pub fn culprits<E: std::fmt::Display>(
 }
 
 /// The error with the culprits' names, if a driver gave it: other errors show their place already.
-pub(super) fn named<E: std::fmt::Display>(
-    error: GpuError,
+pub(crate) fn named<E: std::fmt::Display>(
+    error: DeviceError,
     library: &Library,
     build: impl FnMut(&Library) -> Result<(), E>,
-) -> GpuError {
-    let GpuError::Refused { label, mut message } = error else {
+) -> DeviceError {
+    let DeviceError::Refused { label, mut message } = error else {
         return error;
     };
     let found = culprits(library, build);
@@ -53,7 +53,7 @@ pub(super) fn named<E: std::fmt::Display>(
             culprit.path, culprit.name, culprit.message
         ));
     }
-    GpuError::Refused { label, message }
+    DeviceError::Refused { label, message }
 }
 
 #[cfg(test)]
@@ -81,8 +81,8 @@ mod tests {
         }
     }
 
-    fn refused() -> GpuError {
-        GpuError::Refused {
+    fn refused() -> DeviceError {
+        DeviceError::Refused {
             label: "proctex".to_owned(),
             message: "internal error".to_owned(),
         }
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn errors_with_a_place_stay_as_they_are() {
-        let error = GpuError::Kernel {
+        let error = DeviceError::Kernel {
             label: "proctex".to_owned(),
             message: "a.wgsl:3:4".to_owned(),
         };

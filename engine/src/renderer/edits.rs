@@ -3,8 +3,9 @@
 
 use std::ops::Range;
 
+use device::{Device, DeviceError, Resources, Usage};
+
 use crate::{
-    gpu::{Gpu, GpuError, kernel::Resources},
     gpu_scene::materials,
     passes::proctex::TextureForm,
     procedural::{EditError, Output, Procedural},
@@ -35,15 +36,15 @@ pub enum RenderEditError {
     },
 }
 
-impl From<GpuError> for RenderEditError {
-    fn from(error: GpuError) -> Self {
+impl From<DeviceError> for RenderEditError {
+    fn from(error: DeviceError) -> Self {
         Self::Render(error.into())
     }
 }
 
 /// Creates the buffers of programs, arguments and AO tables, with room to grow.
 pub(crate) fn allocate(
-    gpu: &Gpu,
+    gpu: &Device,
     procedural: &Procedural,
     form: TextureForm,
     resources: &mut Resources,
@@ -53,23 +54,22 @@ pub(crate) fn allocate(
         ("args", procedural.args()),
     ] {
         let bytes = (words.len() as u64 * 4 * 3 / 2).max(1024);
-        let buffer = gpu.empty_buffer(name, bytes, wgpu::BufferUsages::STORAGE)?;
-        gpu.queue()
-            .write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+        let buffer = gpu.buffer(name, Usage::Storage, bytes)?;
+        gpu.write(&buffer, 0, bytemuck::cast_slice(words));
         resources.set_buffer(name, buffer);
     }
     write_ao(gpu, procedural, resources);
     Ok(())
 }
 
-fn write_ao(gpu: &Gpu, procedural: &Procedural, resources: &Resources) {
+fn write_ao(gpu: &Device, procedural: &Procedural, resources: &Resources) {
     let mut tables = [GpuAoTable::default(); 4];
     // A look without tables still has its default one, which nodes that read AO use.
     let used = procedural.ao_count().max(1);
     for (table, settings) in tables.iter_mut().zip(procedural.ao()).take(used) {
         *table = ao_table(settings);
     }
-    gpu.queue().write_buffer(
+    gpu.write(
         resources.buffer("ao_tables"),
         0,
         bytemuck::cast_slice(&tables),
@@ -177,12 +177,10 @@ impl Renderer {
                 let buffer = self.resources.buffer("materials");
                 let offset = u64::from(m) * size_of::<materials::GpuMaterial>() as u64
                     + materials::FLAGS_OFFSET;
-                let former = self.gpu.read_buffer(buffer, offset, 4)?;
+                let former = self.gpu.read(buffer, offset, 4)?;
                 let mut word: u32 = bytemuck::pod_read_unaligned(&former);
                 word = word & !materials::PROGRAM_FLAGS | flags(&self.procedural);
-                self.gpu
-                    .queue()
-                    .write_buffer(buffer, offset, bytemuck::bytes_of(&word));
+                self.gpu.write(buffer, offset, bytemuck::bytes_of(&word));
             }
         }
         self.write_changes()
@@ -258,7 +256,7 @@ impl Renderer {
     fn write_ranges(&self, name: &str, words: &[u32], ranges: &[Range<u32>]) {
         for range in ranges {
             let words = &words[range.start as usize..range.end as usize];
-            self.gpu.queue().write_buffer(
+            self.gpu.write(
                 self.resources.buffer(name),
                 u64::from(range.start) * 4,
                 bytemuck::cast_slice(words),

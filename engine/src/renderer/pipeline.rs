@@ -1,79 +1,69 @@
 //! The kernels of a renderer, compiled and bound.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
+use device::{BoundKernel, Device, DeviceError, Kernel, Resources};
 use texgen::GeneratedKernel;
 
-use super::culprit;
 use crate::{
-    gpu::{
-        Gpu,
-        kernel::{BoundKernel, Kernel, Resources},
-    },
     gpu_scene::SceneFeatures,
     passes::{
-        accumulate, advance, advance::After, ao, brdf, classify, proctex, proctex::TextureForm,
-        raygen, traverse, traverse::Rays,
+        brdf,
+        pass::Pass,
+        proctex::{self, TextureForm},
     },
     procedural::{CompileError, Procedural},
+    schedule,
 };
 
-use super::RenderError;
+use super::{RenderError, culprit};
 
-/// All kernels. Those of textures exist only where a material has a program.
+/// The kernel of each pass that the scene needs, by the pass's name.
 #[derive(Debug)]
 pub(super) struct Kernels {
-    raygen: Kernel,
-    advance: [Kernel; 3],
-    traverse: [Kernel; 2],
-    brdf: Kernel,
-    accumulate: Kernel,
-    texture: Option<TextureKernels>,
-}
-
-#[derive(Debug)]
-struct TextureKernels {
-    classify: Kernel,
-    ao: Kernel,
-    proctex: Kernel,
+    by_name: BTreeMap<&'static str, Kernel>,
 }
 
 impl Kernels {
     pub(super) fn new(
-        gpu: &Gpu,
+        gpu: &Device,
         features: &SceneFeatures,
         procedural: &Procedural,
         form: TextureForm,
     ) -> Result<Self, RenderError> {
-        Ok(Self {
-            raygen: raygen::kernel(gpu)?,
-            advance: [
-                advance::kernel(gpu, After::Raygen)?,
-                advance::kernel(gpu, After::Classify)?,
-                advance::kernel(gpu, After::Brdf)?,
-            ],
-            traverse: [
-                traverse::kernel(gpu, Rays::Closest, features)?,
-                traverse::kernel(gpu, Rays::Occlusion, features)?,
-            ],
-            brdf: brdf::kernel(gpu, features)?,
-            accumulate: accumulate::kernel(gpu, features)?,
-            texture: if procedural.is_empty() {
-                None
-            } else {
-                Some(TextureKernels {
-                    classify: classify::kernel(gpu, features)?,
-                    ao: ao::kernel(gpu, features)?,
-                    proctex: texture_kernel(gpu, features, procedural, form)?,
-                })
-            },
-        })
+        let mut kernels = Self {
+            by_name: BTreeMap::new(),
+        };
+        kernels.compile_missing(gpu, features)?;
+        if !procedural.is_empty() {
+            let proctex = texture_kernel(gpu, features, procedural, form)?;
+            kernels.by_name.insert(proctex::PASS.name, proctex);
+        }
+        Ok(kernels)
+    }
+
+    /// Compiles the passes that scenes with these features need and that aren't there, all but the generated one.
+    fn compile_missing(
+        &mut self,
+        gpu: &Device,
+        features: &SceneFeatures,
+    ) -> Result<(), DeviceError> {
+        for pass in schedule::WAVE {
+            let is_generated = pass.name == proctex::PASS.name;
+            let is_there = self.by_name.contains_key(pass.name);
+            if (pass.exists)(features) && !is_generated && !is_there {
+                let kernel = pass.kernel(gpu, features)?;
+                self.by_name.insert(pass.name, kernel);
+            }
+        }
+        Ok(())
     }
 
     /// Replaces the one generated kernel, or makes the texture kernels if a program is there for the first time.
     pub(super) fn rebuild_texture(
         &mut self,
-        gpu: &Gpu,
+        gpu: &Device,
         features: &SceneFeatures,
         procedural: &Procedural,
         form: TextureForm,
@@ -85,59 +75,41 @@ impl Kernels {
     /// Takes a generated kernel that has been built elsewhere, in place of the one that is there, if one is.
     pub(super) fn set_texture(
         &mut self,
-        gpu: &Gpu,
+        gpu: &Device,
         features: &SceneFeatures,
         proctex: Kernel,
     ) -> Result<(), RenderError> {
-        match &mut self.texture {
-            Some(texture) => texture.proctex = proctex,
-            None => {
-                self.brdf = brdf::kernel(gpu, features)?;
-                self.texture = Some(TextureKernels {
-                    classify: classify::kernel(gpu, features)?,
-                    ao: ao::kernel(gpu, features)?,
-                    proctex,
-                });
-            }
+        if !self.has_texture() {
+            // It was compiled without programs.
+            let brdf = brdf::PASS.kernel(gpu, features)?;
+            self.compile_missing(gpu, features)?;
+            self.by_name.insert(brdf::PASS.name, brdf);
         }
+        self.by_name.insert(proctex::PASS.name, proctex);
         Ok(())
     }
 
-    /// Bytes of private memory that a thread of the generated kernel asks for.
-    pub(super) fn texture_private_bytes(&self) -> Option<u32> {
-        let texture = self.texture.as_ref()?;
-        Some(texture.proctex.private_bytes())
-    }
-
     pub(super) fn has_texture(&self) -> bool {
-        self.texture.is_some()
+        self.by_name.contains_key(proctex::PASS.name)
     }
 
-    pub(super) fn bind(&self, gpu: &Gpu, resources: &Resources) -> Bound {
-        let bind = |kernel: &Kernel| kernel.bind(gpu, resources);
+    pub(super) fn bind(&self, gpu: &Device, resources: &Resources) -> Bound {
+        let bind = |(name, kernel): (&&'static str, &Kernel)| (*name, kernel.bind(gpu, resources));
         Bound {
-            raygen: bind(&self.raygen),
-            advance: self.advance.each_ref().map(bind),
-            traverse: self.traverse.each_ref().map(bind),
-            brdf: bind(&self.brdf),
-            accumulate: bind(&self.accumulate),
-            texture: self.texture.as_ref().map(|t| BoundTexture {
-                classify: bind(&t.classify),
-                ao: bind(&t.ao),
-                proctex: bind(&t.proctex),
-            }),
+            by_name: self.by_name.iter().map(bind).collect(),
         }
     }
 }
 
 /// Builds the generated kernel. Where the driver refuses it, the textures that it refuses alone are named.
 pub(super) fn texture_kernel(
-    gpu: &Gpu,
+    gpu: &Device,
     features: &SceneFeatures,
     procedural: &Procedural,
     form: TextureForm,
 ) -> Result<Kernel, RenderError> {
     let generated = generated_kernel(gpu, procedural, form)?;
+    let _busy = (gpu.activity()).begin(|| compiling(procedural));
     proctex::kernel(gpu, form, &generated, features).map_err(|error| {
         let library = procedural.graph().library();
         let build = |alone: &texgen::Library| {
@@ -147,14 +119,28 @@ pub(super) fn texture_kernel(
     })
 }
 
+/// What is said while the kernel with the textures is compiled.
+pub(crate) fn compiling(procedural: &Procedural) -> String {
+    const MOST: usize = 4;
+    let textures = procedural.graph().library().textures();
+    let names: Vec<&str> = textures.iter().map(texgen::TextureType::name).collect();
+    let shown = names[..names.len().min(MOST)].join("`, `");
+    match names.len() {
+        0 => "compiling the texture kernel".to_owned(),
+        1 => format!("compiling the texture `{shown}`"),
+        n if n <= MOST => format!("compiling the textures `{shown}`"),
+        n => format!("compiling the textures `{shown}` and {} more", n - MOST),
+    }
+}
+
 /// The generated part of the kernel.
 pub(super) fn generated_kernel(
-    gpu: &Gpu,
+    gpu: &Device,
     procedural: &Procedural,
     form: TextureForm,
 ) -> Result<GeneratedKernel, CompileError> {
     match form {
-        TextureForm::Stack if gpu.is_cpu() => procedural.kernel_in_rounds(),
+        TextureForm::Stack if gpu.traits().runs_all_cases => procedural.kernel_in_rounds(),
         TextureForm::Stack => Ok(procedural.kernel()),
         TextureForm::Inlined => Ok(procedural.inlined()?.kernel),
     }
@@ -174,42 +160,18 @@ pub(super) fn program_words(
 /// The kernels with their resources.
 #[derive(Debug)]
 pub(super) struct Bound {
-    pub(super) raygen: BoundKernel,
-    /// Indexed by [`After`].
-    pub(super) advance: [BoundKernel; 3],
-    /// Indexed by [`Rays`].
-    pub(super) traverse: [BoundKernel; 2],
-    pub(super) brdf: BoundKernel,
-    pub(super) accumulate: BoundKernel,
-    pub(super) texture: Option<BoundTexture>,
-}
-
-#[derive(Debug)]
-pub(super) struct BoundTexture {
-    pub(super) classify: BoundKernel,
-    pub(super) ao: BoundKernel,
-    pub(super) proctex: BoundKernel,
+    by_name: BTreeMap<&'static str, BoundKernel>,
 }
 
 impl Bound {
-    /// Labels in the order in which a wave runs them.
-    pub(super) fn labels(&self) -> impl Iterator<Item = &str> {
-        let texture = self
-            .texture
-            .iter()
-            .flat_map(|t| [&t.classify, &t.ao, &t.proctex]);
-        let [after_raygen, after_classify, after_brdf] = &self.advance;
-        let [closest, occlusion] = &self.traverse;
-        [&self.raygen, after_raygen, closest]
-            .into_iter()
-            .chain(texture)
-            .chain([
-                after_classify,
-                &self.brdf,
-                after_brdf,
-                occlusion,
-                &self.accumulate,
-            ])
-            .map(BoundKernel::label)
+    /// The kernel of a pass, if the scene needs it.
+    pub(super) fn get(&self, pass: &Pass) -> Option<&BoundKernel> {
+        self.by_name.get(pass.name)
+    }
+
+    /// Names in the order in which a wave runs them.
+    pub(super) fn labels(&self) -> impl Iterator<Item = &'static str> {
+        let names = schedule::WAVE.iter().map(|pass| pass.name);
+        names.filter(|name| self.by_name.contains_key(name))
     }
 }

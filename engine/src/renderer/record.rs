@@ -1,83 +1,52 @@
-//! Recording of a wave's passes: what a round is.
+//! Recording of a wave's passes: each is dispatched over its work.
+
+use device::{BoundKernel, Buffer, Extent, Recording};
 
 use crate::{
-    gpu::{
-        Gpu,
-        kernel::{BoundKernel, Extent},
-        timing::Timer,
-    },
-    passes::{advance::After, traverse::Rays},
-    wave::Queue,
+    passes::pass::{Pass, Work},
+    schedule::Run,
 };
 
 use super::pipeline::Bound;
 
-/// Records passes into one submission.
+/// Records passes into one list.
 pub(super) struct Recorder<'a> {
-    pub(super) bound: &'a Bound,
-    sizes: &'a wgpu::Buffer,
-    timer: &'a mut Timer,
-    encoder: wgpu::CommandEncoder,
+    bound: &'a Bound,
+    sizes: &'a Buffer,
+    paths: u32,
+    recording: Recording,
 }
 
 impl<'a> Recorder<'a> {
-    pub(super) fn new(
-        gpu: &Gpu,
-        bound: &'a Bound,
-        sizes: &'a wgpu::Buffer,
-        timer: &'a mut Timer,
-    ) -> Self {
-        let descriptor = wgpu::CommandEncoderDescriptor {
-            label: Some("wave"),
-        };
+    /// For waves of so many paths; the sizes of queues are written by the kernels.
+    pub(super) fn new(bound: &'a Bound, sizes: &'a Buffer, paths: u32) -> Self {
         Self {
             bound,
             sizes,
-            timer,
-            encoder: gpu.device().create_command_encoder(&descriptor),
+            paths,
+            recording: Recording::new("wave"),
         }
     }
 
-    pub(super) fn run(&mut self, kernel: &BoundKernel, extent: Extent<'_>) {
-        let timestamps = self.timer.pass(kernel.label());
-        kernel.record(&mut self.encoder, extent, timestamps);
+    /// Runs a kernel that is not among the renderer's own, over the work of a pass.
+    pub(super) fn run_kernel(&mut self, kernel: &BoundKernel, work: Work) {
+        let extent = match work {
+            Work::Paths => Extent::Threads(self.paths),
+            Work::Queue(queue) => Extent::Indirect(self.sizes.clone(), queue.dispatch_offset()),
+            Work::Single => Extent::One,
+        };
+        self.recording.dispatch(kernel, extent);
     }
 
-    /// Runs as many threads as the queue has entries.
-    pub(super) fn run_queue(&mut self, kernel: &BoundKernel, queue: Queue) {
-        self.run(
-            kernel,
-            Extent::Indirect(self.sizes, queue.dispatch_offset()),
-        );
+    pub(super) fn finish(self) -> Recording {
+        self.recording
     }
+}
 
-    pub(super) fn after(&self, pass: After) -> &'a BoundKernel {
-        &self.bound.advance[pass as usize]
-    }
-
-    /// Takes each path that is under way to its next surface.
-    pub(super) fn round(&mut self) {
-        self.find_hits();
-        let bound = self.bound;
-        self.run_queue(&bound.brdf, Queue::Active);
-        self.run(self.after(After::Brdf), Extent::One);
-        self.run_queue(&bound.traverse[Rays::Occlusion as usize], Queue::Shadow);
-    }
-
-    /// The first half of a round: what rays meet, and what the texture programs say about it.
-    pub(super) fn find_hits(&mut self) {
-        let bound = self.bound;
-        self.run_queue(&bound.traverse[Rays::Closest as usize], Queue::Active);
-        if let Some(texture) = &bound.texture {
-            self.run_queue(&texture.classify, Queue::Active);
-            self.run(self.after(After::Classify), Extent::One);
-            self.run_queue(&texture.ao, Queue::Ao);
-            self.run_queue(&texture.proctex, Queue::Proctex);
+impl Run for Recorder<'_> {
+    fn run(&mut self, pass: &'static Pass) {
+        if let Some(kernel) = self.bound.get(pass) {
+            self.run_kernel(kernel, pass.work);
         }
-    }
-
-    pub(super) fn finish(mut self) -> wgpu::CommandBuffer {
-        self.timer.resolve(&mut self.encoder);
-        self.encoder.finish()
     }
 }

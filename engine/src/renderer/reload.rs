@@ -6,13 +6,9 @@ use std::thread::JoinHandle;
 
 use texgen::{Diagnostics, Library, SourceFile};
 
-use crate::{
-    gpu::{Gpu, kernel::Kernel},
-    gpu_scene::SceneFeatures,
-    passes::proctex::TextureForm,
-    procedural::Procedural,
-    wave,
-};
+use device::{Device, Kernel};
+
+use crate::{gpu_scene::SceneFeatures, passes::proctex::TextureForm, procedural::Procedural, wave};
 
 use super::pipeline::texture_kernel;
 use super::{RenderError, Renderer, edits};
@@ -139,7 +135,7 @@ impl Renderer {
 
 /// What the thread does.
 fn build(
-    gpu: &Gpu,
+    gpu: &Device,
     procedural: &Procedural,
     features: &SceneFeatures,
     form: TextureForm,

@@ -101,7 +101,7 @@ impl Renderer {
     }
 
     /// The device.
-    pub fn gpu(&self) -> &crate::gpu::Gpu {
+    pub fn gpu(&self) -> &device::Device {
         &self.gpu
     }
 }

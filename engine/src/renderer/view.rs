@@ -3,17 +3,10 @@
 
 use std::time::Duration;
 
+use device::{Buffer, Device, DeviceError, Kernel, Resources, Usage};
+
 use crate::{
-    display::DeviceFilm,
-    film,
-    frame::Frame,
-    gpu::{
-        Gpu, GpuError,
-        kernel::{Extent, Kernel, Resources},
-    },
-    gpu_scene::SceneFeatures,
-    passes::{advance::After, guide},
-    wave,
+    display::DeviceFilm, film, frame::Frame, gpu_scene::SceneFeatures, passes::guide, schedule,
 };
 
 use super::{MAX_SIDE, RenderError, Renderer};
@@ -25,21 +18,20 @@ pub(super) struct Guides {
     /// What the kernel was made for.
     features: SceneFeatures,
     /// Made for a size; `None` where they show another view, another look or another scene.
-    buffer: Option<wgpu::Buffer>,
+    buffer: Option<Buffer>,
 }
 
 /// Makes the film's buffers.
 pub(super) fn allocate_film(
-    gpu: &Gpu,
+    gpu: &Device,
     width: u32,
     height: u32,
     resources: &mut Resources,
-) -> Result<(), GpuError> {
+) -> Result<(), DeviceError> {
     let bytes = u64::from(width) * u64::from(height) * 16;
-    let usage = wgpu::BufferUsages::STORAGE;
     let planes: Vec<_> = film::PLANES
         .iter()
-        .map(|_| gpu.empty_buffer("the picture", bytes, usage))
+        .map(|_| gpu.buffer("the picture", Usage::Storage, bytes))
         .collect::<Result<_, _>>()?;
     for (name, plane) in film::PLANES.into_iter().zip(planes) {
         resources.set_buffer(name, plane);
@@ -98,14 +90,17 @@ impl Renderer {
     }
 
     /// The film on the device, with the guides if they have been traced for it.
-    pub fn device_film(&mut self) -> DeviceFilm {
-        self.clear_stale_film();
-        DeviceFilm {
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn device_film(&mut self) -> Result<DeviceFilm, RenderError> {
+        self.clear_stale_film()?;
+        Ok(DeviceFilm {
             width: self.settings.width,
             height: self.settings.height,
             planes: film::PLANES.map(|name| self.resources.buffer(name).clone()),
             guides: self.guides.as_ref().and_then(|g| g.buffer.clone()),
-        }
+        })
     }
 
     /// Traces what the camera's rays hit first, pinhole-sharp, unless that is known, and runs its textures. The film stays as it
@@ -119,7 +114,7 @@ impl Renderer {
         let guides = match former.filter(|guides| guides.features == features) {
             Some(guides) => guides,
             None => Guides {
-                kernel: guide::kernel(&self.gpu, &features)?,
+                kernel: guide::PASS.kernel(&self.gpu, &features)?,
                 features,
                 buffer: None,
             },
@@ -129,33 +124,21 @@ impl Renderer {
             return Ok(());
         }
         let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
-        let buffer = self
-            .gpu
-            .empty_buffer("guides", pixels * 32, wgpu::BufferUsages::STORAGE)?;
+        let buffer = self.gpu.buffer("guides", Usage::Storage, pixels * 32)?;
         let mut resources = self.resources.clone();
         resources.set_buffer("guides", buffer.clone());
         let kernel = guides.kernel.bind(&self.gpu, &resources);
         let mut frame = Frame::new(&self.settings, self.capacity, &self.scene);
         frame.set_pinhole();
         frame.sample_limit = 1;
-        let queue = self.gpu.queue().clone();
         for first in (0..frame.padded_pixels).step_by(self.capacity as usize) {
             frame.first_pixel = first;
             frame.wave_size = self.capacity.min(frame.padded_pixels - first);
-            queue.write_buffer(
-                self.resources.buffer("frame"),
-                0,
-                bytemuck::bytes_of(&frame),
-            );
-            let fresh = wave::fresh_queues();
-            let queues = self.resources.buffer("queues");
-            queue.write_buffer(queues, 0, bytemuck::cast_slice(&fresh));
-            let paths = Extent::Threads(frame.wave_size);
-            self.submit(|wave| {
-                wave.run(&wave.bound.raygen, paths);
-                wave.run(wave.after(After::Raygen), Extent::One);
-                wave.find_hits();
-                wave.run(&kernel, paths);
+            self.begin_wave(&frame);
+            self.submit(frame.wave_size, |wave| {
+                schedule::start(wave);
+                schedule::find_hits(wave);
+                wave.run_kernel(&kernel, guide::PASS.work);
             })?;
         }
         self.guides = Some(Guides {

@@ -20,10 +20,12 @@ mod geometry;
 mod hierarchy;
 mod images;
 mod join;
+mod json_text;
 mod layers;
 mod lights_cameras;
 mod materials;
 mod nodes;
+mod panorama;
 mod referenced;
 mod split;
 mod tangents;
@@ -35,13 +37,15 @@ pub(crate) use images::load_picture;
 pub use lights_cameras::default_camera;
 pub use referenced::referenced_files;
 
-use super::{Environment, Material, Scene};
+use super::{Environment, Image, Material, Mesh, Scene};
+use budget::Budget;
 use document::Document;
 use error::Warnings;
 use glam::{Affine3A, DAffine3, DMat3};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A scene and what the user should know about it.
 #[derive(Debug)]
@@ -73,13 +77,10 @@ pub struct Appended {
 /// Where a file is missing, damaged, needs an extension that isn't supported, or is larger than memory allows. The
 /// text of the error names the file, the place in it and the remedy.
 pub fn load(path: &Path) -> Result<Imported, ImportError> {
-    assemble(&Document::open(path)?, DAffine3::IDENTITY, true)
+    Importer::new().load(path)
 }
 
-/// Adds the contents of a `.gltf` or `.glb` to a scene, as if its root nodes were children of a node with the
-/// transform `placement`. Its cameras and its environment are not taken; the scene keeps its own.
-///
-/// Names of materials stay unique: a second `Steel` becomes `Steel.001`.
+/// Adds the contents of a `.gltf` or `.glb` to a scene; see [`Importer::append`].
 ///
 /// # Errors
 /// As [`load`]; the scene is not changed then.
@@ -88,67 +89,197 @@ pub fn append(
     path: &Path,
     placement: Affine3A,
 ) -> Result<Appended, ImportError> {
-    let world = DAffine3 {
-        matrix3: DMat3::from_cols(
-            placement.matrix3.x_axis.as_dvec3(),
-            placement.matrix3.y_axis.as_dvec3(),
-            placement.matrix3.z_axis.as_dvec3(),
-        ),
-        translation: placement.translation.as_dvec3(),
-    };
-    let Imported {
-        scene: added,
-        warnings,
-    } = assemble(&Document::open(path)?, world, false)?;
-    Ok(merge(scene, added, warnings))
+    Importer::new().add(scene, path, placement)
 }
 
-fn assemble(
-    document: &Document,
-    placement: DAffine3,
-    with_environment: bool,
-) -> Result<Imported, ImportError> {
-    let mut warnings = Warnings::default();
-    document.warn_of_extensions(&mut warnings);
-    let nodes = hierarchy::resolve(document, placement, &mut warnings)?;
-    let (mut materials, requests) = materials::read(document, &mut warnings)?;
-    let (meshes, instances) = nodes::instances(document, &nodes, &materials, &mut warnings)?;
-    let (lights, cameras) = nodes::lights_and_cameras(document, &nodes, &mut warnings)?;
-    let images = images::load(document, &requests)?;
-    let environment = if with_environment {
-        environment::of_scene(document, nodes.scene, &mut warnings)?
-    } else {
-        Environment::default()
-    };
+/// Reads the files of one scene. What all of them together take is bounded, and a picture that several of them show is
+/// there once.
+#[derive(Debug)]
+pub struct Importer {
+    budget: Arc<Budget>,
+    /// Pictures that the scene has, and whether they are read as sRGB.
+    images: HashMap<(images::Key, bool), u32>,
+    held: Held,
+}
 
-    // The stand-in for missing materials is last; it stays only where something uses it.
-    let stand_in = materials.len() as u32 - 1;
-    if !meshes
-        .iter()
-        .any(|mesh| mesh.triangle_materials.contains(&stand_in))
-        && stand_in > 0
-    {
-        materials.pop();
+/// The meshes and instances of the scene that are counted, and what they take.
+#[derive(Debug, Default)]
+struct Held {
+    meshes: usize,
+    instances: usize,
+    bytes: u64,
+}
+
+impl Default for Importer {
+    fn default() -> Self {
+        Self::new()
     }
-    make_names_unique(&mut materials, &HashSet::new());
-    Ok(Imported {
-        scene: Scene {
-            meshes,
-            instances,
-            materials,
-            images,
-            lights,
-            cameras,
-            environment,
-        },
-        warnings: warnings.into_vec(),
-    })
+}
+
+impl Importer {
+    /// For a new scene.
+    pub fn new() -> Self {
+        Self {
+            budget: Arc::new(Budget::for_geometry()),
+            images: HashMap::new(),
+            held: Held::default(),
+        }
+    }
+
+    /// The first file of the scene; as the function [`load`].
+    ///
+    /// # Errors
+    /// As [`load`].
+    pub fn load(&mut self, path: &Path) -> Result<Imported, ImportError> {
+        let document = Document::open(path, &self.budget)?;
+        self.assemble(&document, DAffine3::IDENTITY, &Scene::default(), true)
+    }
+
+    /// Adds the contents of a `.gltf` or `.glb` to the scene, as if its root nodes were children of a node with the
+    /// transform `placement`. Its cameras and its environment are not taken; the scene keeps its own.
+    ///
+    /// Names of materials stay unique: a second `Steel` becomes `Steel.001`.
+    ///
+    /// # Errors
+    /// As [`load`], and where the scene becomes too large; it is not changed then.
+    pub fn append(
+        &mut self,
+        scene: &mut Scene,
+        path: &Path,
+        placement: Affine3A,
+    ) -> Result<Appended, ImportError> {
+        // What was taken while decoding, or by what was left out later, is free again.
+        self.held.count(scene);
+        self.budget.hold(self.held.bytes);
+        self.add(scene, path, placement)
+    }
+
+    fn add(
+        &mut self,
+        scene: &mut Scene,
+        path: &Path,
+        placement: Affine3A,
+    ) -> Result<Appended, ImportError> {
+        let world = DAffine3 {
+            matrix3: DMat3::from_cols(
+                placement.matrix3.x_axis.as_dvec3(),
+                placement.matrix3.y_axis.as_dvec3(),
+                placement.matrix3.z_axis.as_dvec3(),
+            ),
+            translation: placement.translation.as_dvec3(),
+        };
+        let document = Document::open(path, &self.budget)?;
+        let Imported {
+            scene: added,
+            warnings,
+        } = self.assemble(&document, world, scene, false)?;
+        Ok(merge(scene, added, warnings))
+    }
+
+    /// What a file adds to `scene`. Its materials refer to images by where they will stand in `Scene::images`.
+    fn assemble(
+        &mut self,
+        document: &Document,
+        placement: DAffine3,
+        scene: &Scene,
+        with_environment: bool,
+    ) -> Result<Imported, ImportError> {
+        let mut warnings = Warnings::default();
+        document.warn_of_extensions(&mut warnings);
+        let nodes = hierarchy::resolve(document, placement, &mut warnings)?;
+        let (mut materials, requests) = materials::read(document, &mut warnings)?;
+        let (meshes, instances) = nodes::instances(
+            document,
+            &nodes,
+            &materials,
+            scene.instances.len(),
+            &mut warnings,
+        )?;
+        let (lights, cameras) = nodes::lights_and_cameras(document, &nodes, &mut warnings)?;
+        let (images, slots) = self.images(document, &requests, scene)?;
+        for material in &mut materials {
+            for texture in material.textures_mut().into_iter().flatten() {
+                texture.image = slots[texture.image as usize];
+            }
+        }
+        let environment = if with_environment {
+            environment::of_scene(document, nodes.scene, &mut warnings)?
+        } else {
+            Environment::default()
+        };
+
+        // The stand-in for missing materials is last; it stays only where something uses it.
+        let stand_in = materials.len() as u32 - 1;
+        if !meshes
+            .iter()
+            .any(|mesh| mesh.triangle_materials.contains(&stand_in))
+            && stand_in > 0
+        {
+            materials.pop();
+        }
+        make_names_unique(&mut materials, &HashSet::new());
+        Ok(Imported {
+            scene: Scene {
+                meshes,
+                instances,
+                materials,
+                images,
+                lights,
+                cameras,
+                environment,
+            },
+            warnings: warnings.into_vec(),
+        })
+    }
+
+    /// The requested images that the scene doesn't have yet, and where each of the requested ones will stand.
+    fn images(
+        &mut self,
+        document: &Document,
+        requests: &[(usize, bool)],
+        scene: &Scene,
+    ) -> Result<(Vec<Image>, Vec<u32>), ImportError> {
+        let (mut missing, mut added, mut slots) = (Vec::new(), Vec::new(), Vec::new());
+        for &(index, srgb) in requests {
+            let key = (images::key(document, index), srgb);
+            let next = (scene.images.len() + missing.len()) as u32;
+            let slot = self.images.get(&key).copied().unwrap_or_else(|| {
+                missing.push((index, srgb));
+                added.push((key, next));
+                next
+            });
+            slots.push(slot);
+        }
+        let images = images::load(document, &missing, &scene.images)?;
+        self.images.extend(added);
+        Ok((images, slots))
+    }
+}
+
+impl Held {
+    /// Counts what the scene has in addition.
+    fn count(&mut self, scene: &Scene) {
+        let mesh = |mesh: &Mesh| {
+            let vertices = size_of_val(&*mesh.positions)
+                + size_of_val(&*mesh.normals)
+                + size_of_val(&*mesh.tangents)
+                + size_of_val(&*mesh.uv0)
+                + size_of_val(&*mesh.uv1)
+                + size_of_val(&*mesh.colors);
+            let custom = mesh.custom.iter().map(|c| size_of_val(&*c.values));
+            let triangles = size_of_val(&*mesh.triangles) + size_of_val(&*mesh.triangle_materials);
+            (size_of::<Mesh>() + vertices + custom.sum::<usize>() + triangles) as u64
+        };
+        let meshes = scene.meshes.iter().skip(self.meshes).map(mesh);
+        let instances = scene.instances.iter().skip(self.instances);
+        self.bytes += meshes.sum::<u64>() + instances.map(|i| i.name.len() as u64).sum::<u64>();
+        (self.meshes, self.instances) = (scene.meshes.len(), scene.instances.len());
+    }
 }
 
 fn merge(scene: &mut Scene, mut added: Scene, warnings: Vec<String>) -> Appended {
     let first_mesh = scene.meshes.len() as u32;
     let first_material = scene.materials.len() as u32;
-    let first_image = scene.images.len() as u32;
     for mesh in &mut added.meshes {
         mesh.triangle_materials
             .iter_mut()
@@ -156,11 +287,6 @@ fn merge(scene: &mut Scene, mut added: Scene, warnings: Vec<String>) -> Appended
     }
     for instance in &mut added.instances {
         instance.mesh += first_mesh;
-    }
-    for material in &mut added.materials {
-        for texture in material.textures_mut().into_iter().flatten() {
-            texture.image += first_image;
-        }
     }
     let taken = scene
         .materials

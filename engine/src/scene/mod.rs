@@ -245,7 +245,9 @@ impl Scene {
             let mesh = instance.mesh as usize;
             let points = corners.get(mesh).unwrap_or(&self.meshes[mesh].positions);
             for &p in points {
-                bounds = grow(bounds, instance.transform.transform_point3(p));
+                // What a transform moves out of the range of numbers stays at its end.
+                let p = instance.transform.transform_point3(p);
+                bounds = grow(bounds, p.clamp(Vec3::MIN, Vec3::MAX));
             }
         }
         bounds

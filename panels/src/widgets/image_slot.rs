@@ -59,7 +59,8 @@ impl ImageSlot {
             let slot = Thumbnail { modified, texture };
             self.thumbnails.insert(path.to_owned(), slot);
             let (sender, path, ctx) = (self.sender.clone(), path.to_owned(), ctx.clone());
-            std::thread::spawn(move || {
+            // Where the system starts no more threads there is no thumbnail.
+            let _ = std::thread::Builder::new().spawn(move || {
                 let image = read(&path);
                 // The panel may be gone by now.
                 let _ = sender.send((path, image));
@@ -70,8 +71,12 @@ impl ImageSlot {
     }
 }
 
+/// Larger files have no thumbnail.
+const MAX_FILE: u64 = 1 << 30;
+
 fn read(path: &Path) -> Option<ColorImage> {
-    let image = image::ImageReader::open(path).ok()?;
+    let file = engine::input::read(path, MAX_FILE).ok()?;
+    let image = image::ImageReader::new(std::io::Cursor::new(file));
     let image = image.with_guessed_format().ok()?.decode().ok()?;
     let small = image.thumbnail(THUMBNAIL, THUMBNAIL).to_rgba8();
     let size = [small.width() as usize, small.height() as usize];

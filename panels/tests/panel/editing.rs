@@ -194,7 +194,7 @@ fn sockets_are_connected_by_dragging() {
     drag(&mut harness, from, to - from);
     assert!(text(&harness).contains("amount   = 0.25"));
     let message = harness.state().panel.message().expect("it was refused");
-    assert!(message.contains("circle"), "{message}");
+    assert!(message.contains("cyclic link"), "{message}");
 
     // A colour is no number.
     let from = center(&harness, Role::Button, "Output paint");

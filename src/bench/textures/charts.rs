@@ -44,7 +44,7 @@ struct Group {
     bars: Vec<(&'static str, Spread)>,
 }
 
-/// Increases over gray by texture and number of AO rays, a bar for each form; beside them those of the paper.
+/// Increases over grey by texture and number of AO rays, a bar for each form; beside them those of the paper.
 pub(super) fn increases(figures: &Figures) -> Result<String, ChartError> {
     let groups = groups(figures);
     let spreads = groups.iter().flat_map(|group| &group.bars);
@@ -54,7 +54,7 @@ pub(super) fn increases(figures: &Figures) -> Result<String, ChartError> {
         let width = groups.len().max(1) as f64;
         let mut chart = chart(
             area,
-            "rendering time over plain gray",
+            "rendering time over plain grey",
             0.0..width,
             range.clone(),
         )?;

@@ -58,7 +58,7 @@ impl Figures {
                 text,
                 "  {} {}, {} AO rays: {} registers, {} bytes of stack, {} spills",
                 row.mode,
-                row.texture,
+                shown(row.texture),
                 row.ao_rays,
                 figure(row.registers),
                 figure(row.stack_bytes),
@@ -87,7 +87,7 @@ impl Figures {
                 "form",
                 "texture",
                 "ms/spp",
-                "over gray",
+                "over grey",
                 "bytes",
                 "edit, ms",
                 " pipelines",
@@ -105,6 +105,14 @@ impl Figures {
             write_sweep(&mut text, sweep);
         }
         text
+    }
+}
+
+/// A texture as people read it; its name in JSON stays.
+pub(super) fn shown(texture: &str) -> &str {
+    match texture {
+        "gray" => "grey",
+        other => other,
     }
 }
 
@@ -137,7 +145,7 @@ fn write_row(text: &mut String, row: &TextureResult) {
         text,
         "{:<9}{:<11}{:>10.1}  {increase:<28}{:>8}{:>10.1}{:>11}{:>12.0}{:>11.0}",
         row.mode,
-        row.texture,
+        shown(row.texture),
         row.ms_per_spp.median,
         row.private_bytes,
         row.edit_ms,
@@ -149,7 +157,7 @@ fn write_row(text: &mut String, row: &TextureResult) {
 
 fn write_sweep(text: &mut String, sweep: &SweepReport) {
     let _ = writeln!(text, "\n{}, {}", sweep.label, sweep.texture);
-    let _ = writeln!(text, "{:>8}  {:<9}{:>10}  over gray", "", "form", "ms/spp");
+    let _ = writeln!(text, "{:>8}  {:<9}{:>10}  over grey", "", "form", "ms/spp");
     for point in &sweep.points {
         let _ = writeln!(
             text,

@@ -10,7 +10,7 @@ use crate::console;
 use crate::output::{self, Picture};
 
 use super::charts;
-use super::figures::{Figures, milliseconds, percent, value};
+use super::figures::{self, Figures, milliseconds, percent, value};
 use super::paper;
 
 /// Widest picture of the page, pixels.
@@ -57,10 +57,10 @@ pub(super) fn html(figures: &Figures) -> Result<String, PageError> {
             body {
                 h1 { (title) }
                 (facts(figures))
-                h2 { "Over plain gray" }
+                h2 { "Over plain grey" }
                 div.scroll { (chart) }
                 p.note {
-                    "Rendering time over the same picture with plain gray, of the same form, run beside it: median, and "
+                    "Rendering time over the same picture with plain grey, of the same form, run beside it: median, and "
                     "whiskers from the lowest to the highest run. Pale bars are the paper’s."
                 }
                 @for ao_rays in figures.ao_rays() {
@@ -144,7 +144,7 @@ fn results(figures: &Figures, ao_rays: u32) -> Markup {
             table {
                 thead {
                     tr {
-                        th.name { "form" } th.name { "texture" } th { "ms per sample" } th { "over gray" }
+                        th.name { "form" } th.name { "texture" } th { "ms per sample" } th { "over grey" }
                         th { "private, bytes" }
                         @if is_told { th { "registers" } th { "stack, bytes" } th { "spills" } }
                         th { "build cold, ms" } th { "build warm, ms" }
@@ -154,7 +154,7 @@ fn results(figures: &Figures, ao_rays: u32) -> Markup {
                 tbody {
                     @for row in rows() {
                         tr {
-                            td.name { (row.mode) } td.name { (row.texture) }
+                            td.name { (row.mode) } td.name { (figures::shown(row.texture)) }
                             td { (milliseconds(&row.ms_per_spp)) }
                             @if row.texture == "gray" {
                                 @for _ in 0..(if is_told { 10 } else { 7 }) { td { "–" } }
@@ -207,7 +207,7 @@ fn published() -> Markup {
         table.quoted {
             thead {
                 tr {
-                    th.name { "texture" } th.name { "approach" } th.name { "form here" } th { "over gray" }
+                    th.name { "texture" } th.name { "approach" } th.name { "form here" } th { "over grey" }
                     th { "stack frame, bytes" }
                 }
             }
@@ -237,8 +237,8 @@ fn sweep(sweep: &SweepReport) -> Result<Markup, PageError> {
         table {
             thead {
                 tr {
-                    th { (sweep.label) } th.name { "form" } th { "gray, ms per sample" } th { "ms per sample" }
-                    th { "over gray" }
+                    th { (sweep.label) } th.name { "form" } th { "grey, ms per sample" } th { "ms per sample" }
+                    th { "over grey" }
                 }
             }
             tbody {
@@ -279,7 +279,7 @@ fn pictures(figures: &Figures) -> Result<Markup, PageError> {
             let uri = format!("data:image/jpeg;base64,{}", BASE64_STANDARD.encode(jpeg));
             let caption = match row.texture {
                 "rust" => format!("{}, rust, {} AO rays", row.mode, row.ao_rays),
-                texture => format!("{}, {texture}", row.mode),
+                texture => format!("{}, {}", row.mode, figures::shown(texture)),
             };
             shown.push((uri, caption));
         }

@@ -12,7 +12,7 @@ pub(super) struct Published {
     pub(super) approach: &'static str,
     /// The form here that works so.
     pub(super) mode: &'static str,
-    /// Rendering time over that of plain gray.
+    /// Rendering time over that of plain grey.
     pub(super) increase_percent: f64,
     /// Stack frame of a thread, where the paper has it.
     pub(super) stack_bytes: Option<u32>,

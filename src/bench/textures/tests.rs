@@ -5,7 +5,7 @@ use engine::bench::sweeps::{LeftOut, SweepPoint, SweepReport};
 use engine::bench::textures::{Absent, TextureResult};
 
 use crate::bench::report::Conditions;
-use crate::report::Device;
+use crate::report::DeviceFacts;
 
 use super::figures::Figures;
 use super::{charts, page, paper};
@@ -65,7 +65,7 @@ fn figures() -> Figures {
             patina: "0.0.0",
             commit: "0123456789ab",
             date: "2026-01-02T03:04Z".to_owned(),
-            device: Device {
+            device: DeviceFacts {
                 title: "Some <GPU>".to_owned(),
                 name: "Some <GPU> & \"more\"".to_owned(),
                 backend: "vulkan".to_owned(),

@@ -1,6 +1,6 @@
 //! What the tests share.
 
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::valid::{ValidationFlags, Validator};
 use std::sync::Arc;
 
 use texgen::{Diagnostics, HOST_STUB, Library, SourceFile, TextureType};
@@ -8,7 +8,7 @@ use texgen::{Diagnostics, HOST_STUB, Library, SourceFile, TextureType};
 /// Parses and validates a whole WGSL module; the error is rendered with source and caret.
 pub(crate) fn validate(text: &str) -> Result<naga::Module, String> {
     let module = naga::front::wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
-    Validator::new(ValidationFlags::all(), Capabilities::empty())
+    Validator::new(ValidationFlags::all(), texgen::CAPABILITIES)
         .validate(&module)
         .map_err(|error| error.emit_to_string(text))?;
     Ok(module)

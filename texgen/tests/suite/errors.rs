@@ -39,8 +39,8 @@ fn syntax_errors() {
         "fn userProc() -> f32 {\n    return 1.0\n}\n",
         &[
             "error: expected `;`, found \"}\"\n",
-            "t.wgsl:3:1",
-            "^ expected `;`",
+            "t.wgsl:2:15",
+            "^ `;` is missing here",
         ],
     );
     check(
@@ -53,7 +53,7 @@ fn syntax_errors() {
     );
     check(
         "fn userProc() -> f32 { return 1.0; } /* open",
-        &["unterminated block comment"],
+        &["this comment is not closed"],
     );
     check(
         "fn userProc() -> f32 { let \u{1F600} = 1.0; return 1.0; }",
@@ -65,7 +65,10 @@ fn syntax_errors() {
 fn type_errors() {
     check(
         "fn userProc() -> f32 { return vec3f(1.0); }",
-        &["the returned value is not of the type", "t.wgsl:1:31"],
+        &[
+            "the returned value is `vec3<f32>`, but the function declares `f32`",
+            "t.wgsl:1:31",
+        ],
     );
     check(
         "fn userProc() -> f32 { if readAttr(AO).x > 0.0 { return 1.0; } }",
@@ -80,7 +83,7 @@ fn type_errors() {
     );
     check(
         "fn userProc() -> f32 { if 1.0 { return 1.0; } return 2.0; }",
-        &["the `if` condition is not a boolean", "t.wgsl:1:27"],
+        &["the `if` condition is `f32`, not `bool`", "t.wgsl:1:27"],
     );
     check(
         "fn userProc() -> f32 { let x = 1.0; x = 2.0; return x; }",
@@ -331,7 +334,7 @@ fn what_textures_cannot_have() {
         ("fn patina_link() {}", &["begin with `patina_`"]),
         (
             "fn f() { var big: array<f32, 100000>; }",
-            &["`f` has 400000 bytes", "read in place"],
+            &["400000 bytes of variables in `f`", "read in place"],
         ),
     ] {
         check(&format!("{text}{entry}"), parts);
@@ -465,7 +468,7 @@ fn types_are_named_as_wgsl_names_them() {
     for (text, said) in [
         (
             "fn f(p: vec2f) -> f32 { return p.x; }\nfn userProc(a: vec3f) -> f32 { return f(a); }",
-            "argument 1 of the call is not of the type that the function declares",
+            "argument 1 of `f` is to be `vec2<f32>`, not `vec3<f32>`",
         ),
         (
             "fn userProc(a: vec3f, b: f32) -> vec3f { return select(a, b, true); }",

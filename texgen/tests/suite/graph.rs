@@ -274,7 +274,7 @@ fn circles_are_refused_and_named() {
         .expect_err("a circle");
     assert_eq!(
         error.to_string(),
-        "these nodes need each other in a circle: c -> a -> b -> c; break one of the links"
+        "cyclic link: c -> a -> b -> c; take one of these links away"
     );
     let error = graph
         .set_link(ids[0], "x", ids[0], None)

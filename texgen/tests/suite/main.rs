@@ -6,6 +6,6 @@ mod errors;
 mod graph;
 mod kernel;
 mod language;
-mod mutate;
+mod messages;
 mod robustness;
 mod shipped;

@@ -10,9 +10,10 @@ use engine::procedural::TextureSources;
 use engine::renderer::RenderError;
 use engine::scene::LightKind;
 use engine::scene::look::LookError;
+use engine::stats::Doubt;
 use patina_panels::Textures;
 
-use crate::link::{Files, LookFacts, SceneFacts, Shown, lock};
+use crate::link::{Files, LookFacts, Reply, SceneFacts, Shown, lock};
 
 use super::{Displays, Render};
 
@@ -26,6 +27,8 @@ pub(super) struct Published {
     number: u64,
     figures: Option<Figures>,
     problems: Option<String>,
+    /// Of the picture, that were told.
+    doubts: Vec<Doubt>,
     error: Option<f64>,
     is_unsaved: bool,
     textures_there: Option<Arc<Textures>>,
@@ -50,6 +53,7 @@ impl Published {
         self.forget_textures();
         self.figures = None;
         self.problems = None;
+        self.doubts.clear();
         self.error = None;
     }
 }
@@ -78,15 +82,19 @@ impl Render {
         };
         let size = [film.width, film.height];
         let now = displays.now.show(&film, &settings);
-        let now = now.map_err(RenderError::from)?.clone();
+        let now = now.map_err(RenderError::from)?.texture().cloned();
         let before = match &self.before {
             Some(before) => {
                 let shown = displays.before.show(before, &settings);
-                Some(shown.map_err(RenderError::from)?.clone())
+                shown.map_err(RenderError::from)?.texture().cloned()
             }
             None => None,
         };
         self.run.last_shown = Instant::now();
+        // The window draws with the device that renders.
+        let Some(now) = now else {
+            return Ok(());
+        };
         let textures = [Some(now.clone()), before.clone()];
         if textures != self.published.textures {
             self.published.textures = textures;
@@ -141,8 +149,17 @@ impl Render {
         let problems = live.problems();
         let text = problems.render();
         let is_unsaved = live.has_unsaved_edits();
+        let doubts = stats.doubts();
+        let lines: Vec<String> = doubts.iter().map(Doubt::to_string).collect();
+        let told = &mut self.published.doubts;
+        let is_new = |doubt: &Doubt| !told.iter().any(|other| other.is_same(doubt));
+        let new: Vec<Doubt> = doubts.into_iter().filter(is_new).collect();
         let mut board = lock(&self.board);
+        let tell = new.iter().map(|doubt| Reply::Failed(doubt.to_string()));
+        board.replies.extend(tell);
+        told.extend(new);
         let status = &mut board.status;
+        status.doubts = lines.join("\n");
         if let Some(last) = &self.published.figures {
             let seconds = figures.seconds - last.seconds;
             let is_same = figures.generation == last.generation && seconds > 0.0;
@@ -193,7 +210,7 @@ impl Render {
         let textures = match &self.published.textures_there {
             Some(textures) => Arc::clone(textures),
             None => {
-                let sources = TextureSources::scan(&live.inputs().textures);
+                let sources = TextureSources::search(&live.inputs().textures);
                 // A folder that can't be read is a problem of the render, which tells it.
                 Arc::new(sources.map_or_else(|_| Textures::default(), |s| Textures::load(&s)))
             }

@@ -63,7 +63,10 @@ impl Render {
     }
 
     fn longest_wave(&self) -> Duration {
-        match (self.gpu.is_cpu(), self.is_moving || self.is_touched()) {
+        match (
+            self.gpu.traits().shares_the_processor,
+            self.is_moving || self.is_touched(),
+        ) {
             (false, _) => GPU_WAVE,
             (true, true) => CPU_WAVE_TOUCHED,
             (true, false) => CPU_WAVE,

@@ -129,6 +129,13 @@ impl Viewer {
                 self.preferences.shows_times = shows_times;
                 self.link.send(Command::TimePasses(shows_times));
             }
+            if !status.doubts.is_empty() {
+                ui.separator();
+                // In a word, so that the bar keeps its height: another one would begin the picture anew.
+                let color = ui.visuals().warn_fg_color;
+                let label = ui.label(RichText::new("warning").color(color));
+                label.on_hover_text(&status.doubts);
+            }
             if let Some(material) = &self.material {
                 ui.separator();
                 ui.label(format!("material: {material}"));

@@ -280,7 +280,7 @@ impl TextureReport {
         let _ = write!(
             text,
             "\n## {scene}, {width}x{height}, {triangles} triangles\n\n\
-             | renderer | form | texture | AO rays | ms/spp | over gray | edit to first image, ms | without an edit, ms |\n\
+             | renderer | form | texture | AO rays | ms/spp | over grey | edit to first image, ms | without an edit, ms |\n\
              |---|---|---|---|---|---|---|---|\n"
         );
         for row in &self.rows {

@@ -11,15 +11,12 @@ use std::time::Instant;
 
 use texgen::{SourceFile, Value};
 
+use crate::passes::wgsl::{Source, private_bytes};
+use device::{BoundKernel, Device, Extent, Kernel, KernelText, Recording, Resources, Trust, Usage};
+
 use crate::{
     film::{self, Film},
     frame::Frame,
-    gpu::{
-        Gpu,
-        kernel::{BoundKernel, Extent, Kernel, Resources, Trust},
-        statistics::KernelText,
-        wgsl::Source,
-    },
     gpu_scene::GpuScene,
     passes::{proctex::TextureForm, rayquery},
     procedural::Procedural,
@@ -34,7 +31,7 @@ use crate::{
 /// Renders one scene progressively, a wave by a single dispatch.
 #[derive(Debug)]
 pub struct RayQueryRenderer {
-    gpu: Gpu,
+    gpu: Device,
     settings: RenderSettings,
     procedural: Procedural,
     scene: GpuScene,
@@ -52,10 +49,10 @@ impl RayQueryRenderer {
     /// Uploads the scene, builds its acceleration structures and compiles the kernel.
     ///
     /// # Errors
-    /// A device without ray queries (see [`Gpu::with_ray_queries`]), a scene that is empty or too large, a texture that
+    /// A device without ray queries (see [`device::DeviceOptions::ray_queries`]), a scene that is empty or too large, a texture that
     /// does not build.
     pub fn new(
-        gpu: &Gpu,
+        gpu: &Device,
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
@@ -71,7 +68,7 @@ impl RayQueryRenderer {
         let is_single_sided = structure::build(gpu, scene, traits, &gpu_scene, &mut resources)?;
         // Of the queues only the totals.
         let header = wave::QUEUE_HEADER * 4;
-        let queues = gpu.empty_buffer("totals", header, wgpu::BufferUsages::STORAGE)?;
+        let queues = gpu.buffer("totals", Usage::Storage, header)?;
         resources.set_buffer("queues", queues);
         wave::allocate_ao_tables(gpu, &mut resources)?;
         allocate_textures(gpu, procedural, TextureForm::Inlined, &mut resources)?;
@@ -111,16 +108,11 @@ impl RayQueryRenderer {
             let frame = &mut self.frame;
             frame.set_wave(self.position, wave as u32, first, target_spp);
             let frame = self.resources.buffer("frame");
-            let queue = self.gpu.queue();
-            queue.write_buffer(frame, 0, bytemuck::bytes_of(&self.frame));
-            let descriptor = wgpu::CommandEncoderDescriptor {
-                label: Some("wave"),
-            };
-            let mut encoder = self.gpu.device().create_command_encoder(&descriptor);
+            self.gpu.write(frame, 0, bytemuck::bytes_of(&self.frame));
+            let mut recording = Recording::new("wave");
             let threads = Extent::Threads(wave.min(padded) as u32);
-            self.bound.record(&mut encoder, threads, None);
-            queue.submit([encoder.finish()]);
-            self.gpu.wait()?;
+            recording.dispatch(&self.bound, threads);
+            self.gpu.play(&recording)?;
             self.position += wave;
             let took = start.elapsed();
             self.wave_size = next_wave(self.wave_size, self.capacity, took, LONGEST_WAVE);
@@ -129,9 +121,12 @@ impl RayQueryRenderer {
     }
 
     /// Forgets all samples.
-    pub fn restart(&mut self) {
-        clear_picture(&self.gpu, &self.resources);
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn restart(&mut self) -> Result<(), RenderError> {
         self.position = 0;
+        Ok(clear_picture(&self.gpu, &self.resources)?)
     }
 
     /// What has been gathered so far.
@@ -173,7 +168,8 @@ impl RayQueryRenderer {
 
     /// Bytes of private memory that a thread of the kernel asks for: see [`texgen::kernel_private_bytes`].
     pub fn private_bytes(&self) -> u32 {
-        self.kernel.private_bytes()
+        let text = self.kernel_text().ok();
+        text.and_then(|text| private_bytes(&text)).unwrap_or(0)
     }
 
     /// The kernel's text, for tools.
@@ -182,21 +178,21 @@ impl RayQueryRenderer {
     /// Programs that have no inlined form.
     pub fn kernel_text(&self) -> Result<KernelText, RenderError> {
         Ok(KernelText {
-            source: source(&self.procedural)?,
+            text: Arc::new(source(&self.procedural)?),
             entry: rayquery::ENTRY,
-            trust: Trust::Mixed,
+            trust: Trust::Loops,
             constants: rayquery::constants(&self.scene.features, self.is_single_sided),
         })
     }
 
     fn rebuild(&mut self) -> Result<(), RenderError> {
-        let text = self.kernel_text()?;
-        self.kernel = rayquery::kernel(&self.gpu, &text.source, &text.constants)?;
+        let source = source(&self.procedural)?;
+        let constants = rayquery::constants(&self.scene.features, self.is_single_sided);
+        self.kernel = rayquery::kernel(&self.gpu, &source, &constants)?;
         let form = TextureForm::Inlined;
         allocate_textures(&self.gpu, &self.procedural, form, &mut self.resources)?;
         self.bound = self.kernel.bind(&self.gpu, &self.resources);
-        self.restart();
-        Ok(())
+        self.restart()
     }
 }
 

@@ -21,6 +21,10 @@ const SQUARE_BITS = 36;
 const LARGEST = 2147483520.0;
 const LARGEST_SQUARE = 1099511562240.0;
 
+// Bits of 1e30 and of -0: samples beyond the one are no samples, nor are negative ones.
+const LARGEST_BITS = 0x7149f2cau;
+const MINUS_ZERO = 0x80000000u;
+
 // Sum of two numbers of 96 bits, modulo 2^96; the least significant word first.
 fn add_wide(a: vec3u, b: vec3u) -> vec3u {
     let low = a.x + b.x;
@@ -92,8 +96,10 @@ fn add_sample(sums: ptr<function, Sums>, slot: u32) {
         // The path ended where it sampled this light, before that vertex was counted.
         value += waiting_light(slot, path_depth(slot) + 1u);
     }
-    // A sample that isn't finite would spoil its pixel for good. Comparisons with NaN are false.
-    if (!(all(value >= vec3f(0.0)) && all(value <= vec3f(1e30)))) {
+    // A sample that isn't finite would spoil its pixel for good. Its bits tell, as whole numbers: compilers may assume that
+    // there is no NaN.
+    let bits = bitcast<vec3u>(value);
+    if (!all((bits <= vec3u(LARGEST_BITS)) | (bits == vec3u(MINUS_ZERO)))) {
         value = vec3f(0.0);
         atomicAdd(&queues[WORD_INVALID], 1u);
     }

@@ -1,22 +1,13 @@
 //! Adds the paths of a wave to the film. One thread per pixel.
 
-use crate::gpu::{
-    Gpu, GpuError,
-    kernel::{Kernel, Trust},
-    wgsl::Source,
-};
-use crate::gpu_scene::SceneFeatures;
+use super::pass::{Pass, Work};
 
-/// Compiles the kernel.
-///
-/// # Errors
-/// If the driver refuses it.
-pub fn kernel(gpu: &Gpu, features: &SceneFeatures) -> Result<Kernel, GpuError> {
-    Kernel::new(
-        gpu,
-        &Source::of("accumulate/entry.wgsl"),
-        "accumulate",
-        Trust::Engine,
-        &features.constants(),
-    )
-}
+/// The pass.
+pub const PASS: Pass = Pass {
+    name: "accumulate",
+    file: "accumulate/entry.wgsl",
+    work: Work::Paths,
+    reads: &["frame", "paths", "rays"],
+    writes: &["film0", "film1", "film2", "film3", "film4", "queues"],
+    ..Pass::COMMON
+};

@@ -1,39 +1,25 @@
 //! Hands queues from producers to consumers and sizes the dispatches that follow. One thread.
 
-use crate::gpu::{
-    Gpu, GpuError,
-    kernel::{Kernel, Trust},
-    wgsl::Source,
+use super::pass::Pass;
+
+/// Behind raygen.
+pub const AFTER_RAYGEN: Pass = Pass {
+    name: "advance_start",
+    file: "advance/advance.wgsl",
+    writes: &["dispatch_sizes", "queues"],
+    ..Pass::COMMON
 };
 
-use super::ao;
+/// Behind classify.
+pub const AFTER_CLASSIFY: Pass = Pass {
+    name: "advance_texture",
+    reads: &["ao_tables"],
+    exists: |features| features.programs,
+    ..AFTER_RAYGEN
+};
 
-/// Which kernel ran before.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum After {
-    /// `raygen`
-    Raygen,
-    /// `classify`
-    Classify,
-    /// `brdf`
-    Brdf,
-}
-
-/// Compiles the kernel.
-///
-/// # Errors
-/// If the driver refuses it.
-pub fn kernel(gpu: &Gpu, after: After) -> Result<Kernel, GpuError> {
-    let entry = match after {
-        After::Raygen => "advance_start",
-        After::Classify => "advance_texture",
-        After::Brdf => "advance_bounce",
-    };
-    Kernel::new(
-        gpu,
-        &Source::of("advance/advance.wgsl"),
-        entry,
-        Trust::Engine,
-        &[ao::thread_per_hit(gpu)],
-    )
-}
+/// Behind brdf.
+pub const AFTER_BRDF: Pass = Pass {
+    name: "advance_bounce",
+    ..AFTER_RAYGEN
+};

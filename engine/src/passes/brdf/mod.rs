@@ -1,22 +1,28 @@
 //! One vertex of every active path: emission, light sample, next direction. One thread per path.
 
-use crate::gpu::{
-    Gpu, GpuError,
-    kernel::{Kernel, Trust},
-    wgsl::Source,
-};
-use crate::gpu_scene::SceneFeatures;
+use crate::wave::Queue;
 
-/// Compiles the kernel for what the scene uses.
-///
-/// # Errors
-/// If the driver refuses it.
-pub fn kernel(gpu: &Gpu, features: &SceneFeatures) -> Result<Kernel, GpuError> {
-    Kernel::new(
-        gpu,
-        &Source::of("brdf/entry.wgsl"),
-        "brdf",
-        Trust::Engine,
-        &features.constants(),
-    )
-}
+use super::pass::{Pass, Work};
+
+/// The pass.
+pub const PASS: Pass = Pass {
+    name: "brdf",
+    file: "brdf/entry.wgsl",
+    work: Work::Queue(Queue::Active),
+    reads: &[
+        "albedo_table",
+        "environment_image",
+        "environment_table",
+        "frame",
+        "image_layers",
+        "image_layers_srgb",
+        "image_table",
+        "instances",
+        "lights",
+        "materials",
+        "triangles",
+        "vertices",
+    ],
+    writes: &["paths", "queues", "rays"],
+    ..Pass::COMMON
+};

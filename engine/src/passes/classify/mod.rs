@@ -1,22 +1,16 @@
 //! Queues the hits whose material has a texture program, and those whose program wants ambient occlusion. One thread per active path.
 
-use crate::gpu::{
-    Gpu, GpuError,
-    kernel::{Kernel, Trust},
-    wgsl::Source,
-};
-use crate::gpu_scene::SceneFeatures;
+use crate::wave::Queue;
 
-/// Compiles the kernel.
-///
-/// # Errors
-/// If the driver refuses it.
-pub fn kernel(gpu: &Gpu, features: &SceneFeatures) -> Result<Kernel, GpuError> {
-    Kernel::new(
-        gpu,
-        &Source::of("classify/entry.wgsl"),
-        "classify",
-        Trust::Engine,
-        &features.constants(),
-    )
-}
+use super::pass::{Pass, Work};
+
+/// The pass.
+pub const PASS: Pass = Pass {
+    name: "classify",
+    file: "classify/entry.wgsl",
+    work: Work::Queue(Queue::Active),
+    reads: &["frame", "materials", "programs", "triangles"],
+    writes: &["paths", "queues", "rays"],
+    exists: |features| features.programs,
+    ..Pass::COMMON
+};

@@ -1,21 +1,13 @@
 //! Writes what a window shows of a film to a texture. One thread per pixel.
 
-use crate::gpu::{
-    Gpu, GpuError,
-    kernel::{Kernel, Trust},
-    wgsl::Source,
-};
+use device::{Device, DeviceError, Kernel, Trust};
+
+use crate::passes::wgsl::Source;
 
 /// Compiles the kernel.
 ///
 /// # Errors
 /// If the driver refuses it.
-pub fn kernel(gpu: &Gpu) -> Result<Kernel, GpuError> {
-    Kernel::new(
-        gpu,
-        &Source::of("display/display.wgsl"),
-        "display_film",
-        Trust::Engine,
-        &[],
-    )
+pub fn kernel(device: &Device) -> Result<Kernel, DeviceError> {
+    Source::of("display/display.wgsl").compile(device, "display_film", Trust::All, &[])
 }

@@ -1,22 +1,24 @@
 //! Keeps what the camera's rays hit first: where it is, what it is and what it looks like. One thread per path.
 
-use crate::gpu::{
-    Gpu, GpuError,
-    kernel::{Kernel, Trust},
-    wgsl::Source,
-};
-use crate::gpu_scene::SceneFeatures;
+use super::pass::{Pass, Work};
 
-/// Compiles the kernel for what the scene uses.
-///
-/// # Errors
-/// If the driver refuses it.
-pub fn kernel(gpu: &Gpu, features: &SceneFeatures) -> Result<Kernel, GpuError> {
-    Kernel::new(
-        gpu,
-        &Source::of("guide/guide.wgsl"),
-        "guide",
-        Trust::Engine,
-        &features.constants(),
-    )
-}
+/// The pass.
+pub const PASS: Pass = Pass {
+    name: "guide",
+    file: "guide/guide.wgsl",
+    work: Work::Paths,
+    reads: &[
+        "frame",
+        "image_layers",
+        "image_layers_srgb",
+        "image_table",
+        "instances",
+        "materials",
+        "paths",
+        "rays",
+        "triangles",
+        "vertices",
+    ],
+    writes: &["guides"],
+    ..Pass::COMMON
+};

@@ -2,12 +2,14 @@
 
 use texgen::GeneratedKernel;
 
-use crate::gpu::{
-    Gpu, GpuError,
-    kernel::{Kernel, Trust},
+use device::{Device, DeviceError, Kernel, Trust};
+
+use crate::{gpu_scene::SceneFeatures, wave::Queue};
+
+use super::{
+    pass::{Pass, Work},
     wgsl::Source,
 };
-use crate::gpu_scene::SceneFeatures;
 
 /// The two forms of the generated kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -20,14 +22,35 @@ pub enum TextureForm {
     Inlined,
 }
 
-/// Name of the entry point.
-pub const ENTRY: &str = "proctex";
+/// The pass; its text is generated: see [`kernel`].
+pub const PASS: Pass = Pass {
+    name: "proctex",
+    file: "proctex/proctex.wgsl",
+    work: Work::Queue(Queue::Proctex),
+    reads: &[
+        "args",
+        "frame",
+        "image_layers",
+        "image_layers_srgb",
+        "image_table",
+        "instances",
+        "programs",
+        "triangles",
+        "vertices",
+    ],
+    writes: &["paths", "queues", "rays"],
+    exists: |features| features.programs,
+    ..Pass::COMMON
+};
+
+/// What the inlined form begins with.
+const INLINED: &str = "proctex/inlined.wgsl";
 
 /// The kernel's text with the users' functions in it.
 pub fn source(form: TextureForm, generated: &GeneratedKernel) -> Source {
     let mut source = Source::of(match form {
-        TextureForm::Stack => "proctex/proctex.wgsl",
-        TextureForm::Inlined => "proctex/inlined.wgsl",
+        TextureForm::Stack => PASS.file,
+        TextureForm::Inlined => INLINED,
     });
     source.append_generated(generated);
     source
@@ -38,11 +61,11 @@ pub fn source(form: TextureForm, generated: &GeneratedKernel) -> Source {
 /// # Errors
 /// In the user's own file and line, if the driver refuses it.
 pub fn kernel(
-    gpu: &Gpu,
+    device: &Device,
     form: TextureForm,
     generated: &GeneratedKernel,
     features: &SceneFeatures,
-) -> Result<Kernel, GpuError> {
+) -> Result<Kernel, DeviceError> {
     let source = source(form, generated);
-    Kernel::new(gpu, &source, ENTRY, Trust::User, &features.constants())
+    source.compile(device, PASS.name, Trust::Nothing, &features.constants())
 }

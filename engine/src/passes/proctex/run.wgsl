@@ -51,8 +51,33 @@ fn head_vector(material: u32, word: u32) -> vec3f {
     return bitcast<vec3f>(vec3u(head_word(material, word), head_word(material, word + 1u), head_word(material, word + 2u)));
 }
 
-fn output(material: u32, which: u32) -> vec4f {
-    return patina_link(head_word(material, HEAD_OUTPUTS + which));
+// Something that the program drives here is not finite: the sample is lost, see `spoil`.
+var<private> is_spoilt: bool;
+
+// What a link gives, in one component or three. What is not finite becomes 0: the path goes on, but never with a NaN.
+fn finite_link(word: u32, is_vector: bool) -> vec3f {
+    let given = patina_link(word).xyz;
+    let v = select(given.xxx, given, is_vector);
+    if (!patina_is_finite(v.xyzz)) {
+        is_spoilt = true;
+        return vec3f(0.0);
+    }
+    return v;
+}
+
+fn output(material: u32, which: u32) -> vec3f {
+    return finite_link(head_word(material, HEAD_OUTPUTS + which), ((OUTPUT_VECTORS >> which) & 1u) != 0u);
+}
+
+const INFINITY = 0x7f800000u; // bits
+
+// Makes a sample one that is not finite, which `accumulate` drops and counts: the path's, or if a shadow ray's hit is at
+// fault, that of the light which waits, should it arrive.
+fn spoil(slot: u32, is_shadow: bool) {
+    let field = select(PATH_RADIANCE, PATH_LIGHT, is_shadow);
+    path_set_words(field, slot, vec4u(vec3u(INFINITY), path_words(field, slot).w));
+    add_total(WORD_NON_FINITE, 1u);
+    atomicMax(&queues[WORD_NON_FINITE_NODE], patina_non_finite);
 }
 
 fn is_driven(flags: u32, which: u32) -> bool {
@@ -70,7 +95,7 @@ fn opacity_of(material: u32, flags: u32) -> f32 {
 fn emission_of(material: u32, flags: u32) -> vec3f {
     let factor = head_vector(material, HEAD_EMISSION);
     if (is_driven(flags, OUTPUT_EMISSION)) {
-        return factor * max(output(material, OUTPUT_EMISSION).xyz, vec3f(0.0));
+        return factor * max(output(material, OUTPUT_EMISSION), vec3f(0.0));
     }
     return factor;
 }
@@ -98,19 +123,18 @@ fn store_outputs(slot: u32, material: u32, flags: u32, wanted: u32) -> u32 {
     while (rest != 0u) {
         let which = firstTrailingBit(rest);
         rest &= rest - 1u;
+        var v: vec3f;
+        switch which {
+            case OUTPUT_EMISSION: { v = emission_of(material, flags); }
+            case OUTPUT_OPACITY: { v = vec3f(opacity_of(material, flags)); }
+            case OUTPUT_ANISOTROPY_ROTATION: { v = radians(output(material, which)); }
+            default: { v = output(material, which); }
+        }
         if (((OUTPUT_VECTORS >> which) & 1u) != 0u) {
-            var v = output(material, which).xyz;
-            if (which == OUTPUT_EMISSION) {
-                v = emission_of(material, flags);
-            }
             write_vector(slot, at, v);
             at += 3u;
         } else {
-            var v = output(material, which).x;
-            if (which == OUTPUT_OPACITY) {
-                v = opacity_of(material, flags);
-            }
-            result_write(slot, at, v);
+            result_write(slot, at, v.x);
             at += 1u;
         }
     }
@@ -119,6 +143,8 @@ fn store_outputs(slot: u32, material: u32, flags: u32, wanted: u32) -> u32 {
 
 // The hit of a path that `entry` of QUEUE_PROCTEX names.
 fn run_textures(entry: u32, slot: u32) {
+    is_spoilt = false;
+    patina_non_finite = 0u;
     let ray = entry & ENTRY_RAY;
     let is_light = (entry & ENTRY_LIGHT) != 0u;
     let is_shadow = is_shadow_ray(ray);
@@ -170,7 +196,7 @@ fn run_textures(entry: u32, slot: u32) {
                 // One side is chosen at random, so a blend costs one material and is right on average.
                 var mask = bitcast<f32>(head_word(material, HEAD_MASK_VALUE));
                 if ((flags & HEAD_CONSTANT_MASK) == 0u) {
-                    mask = patina_link(head_word(material, HEAD_MASK)).x;
+                    mask = finite_link(head_word(material, HEAD_MASK), false).x;
                 }
                 mask = saturate(mask);
                 if (choice < mask) {
@@ -197,7 +223,8 @@ fn run_textures(entry: u32, slot: u32) {
                 break;
             }
             program = head_word(material, HEAD_BUMP_PROGRAM);
-            bump = bump_frame(surface, hit.instance, hash2(hash2(path.pixel ^ frame.seed, path.sample), depth));
+            bump = bump_frame(surface, hit.instance,
+                hash2(hash2(path.key, vertex_dimension(depth, DIMENSION_BUMP)), path.sample));
             bumps = 1u;
             continue;
         }
@@ -211,6 +238,9 @@ fn run_textures(entry: u32, slot: u32) {
         }
         move_site(surface, bump, select(bump.across, bump.along, bumps == 1u) * bump.distance);
         bumps += 1u;
+    }
+    if (is_spoilt) {
+        spoil(slot, is_shadow);
     }
     if (patina_overrun != 0u) {
         atomicMax(&queues[WORD_OVERRUN], patina_overrun);

@@ -3,12 +3,10 @@
 
 use texgen::GeneratedKernel;
 
-use crate::gpu::{
-    Gpu, GpuError,
-    kernel::{Kernel, Trust},
-    wgsl::Source,
-};
+use device::{Device, DeviceError, Kernel, Trust};
+
 use crate::gpu_scene::SceneFeatures;
+use crate::passes::wgsl::Source;
 
 /// Name of the entry point.
 pub const ENTRY: &str = "trace_paths";
@@ -37,6 +35,10 @@ pub fn constants(features: &SceneFeatures, is_single_sided: bool) -> Vec<(&'stat
 ///
 /// # Errors
 /// In the user's own file and line, if the driver refuses it.
-pub fn kernel(gpu: &Gpu, source: &Source, constants: &[(&str, f64)]) -> Result<Kernel, GpuError> {
-    Kernel::new(gpu, source, ENTRY, Trust::Mixed, constants)
+pub fn kernel(
+    device: &Device,
+    source: &Source,
+    constants: &[(&'static str, f64)],
+) -> Result<Kernel, DeviceError> {
+    source.compile(device, ENTRY, Trust::Loops, constants)
 }

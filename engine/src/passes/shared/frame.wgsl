@@ -1,5 +1,6 @@
 // What is the same for every thread of a wave: camera, picture, and which paths the wave holds.
 // The Rust twin is `frame::Frame`; a test compares the layouts.
+//!include shared/hash.wgsl
 
 struct Frame {
     camera_right: vec3f,
@@ -57,11 +58,14 @@ struct Frame {
 struct PathId {
     pixel: u32, // padded pixel index, Morton order inside blocks of 8x8
     sample: u32,
+    key: u32, // of the pixel's random numbers under this seed
 }
 
 fn path_id(slot: u32) -> PathId {
     let linear = frame.first_pixel + slot;
-    return PathId(linear % frame.padded_pixels, frame.first_sample + linear / frame.padded_pixels);
+    let pixel = linear % frame.padded_pixels;
+    // Both are hashed: a plain `pixel ^ seed` would give another seed the same picture with its pixels swapped.
+    return PathId(pixel, frame.first_sample + linear / frame.padded_pixels, hash2(hash(pixel), frame.seed));
 }
 
 // Every other bit of x, packed.

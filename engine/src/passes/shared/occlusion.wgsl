@@ -21,7 +21,7 @@ fn occlusion_site(s: Surface, instance: u32, path: PathId, purpose: u32, index: 
     let tangent = any_perpendicular(s.shading_normal);
     return OcclusionSite(s.position, s.geometric_normal, s.shading_normal, tangent, cross(s.shading_normal, tangent), table,
         select(MISS, instance, table.same_object != 0u), path.sample * table.samples,
-        hash2(path.pixel ^ frame.seed, purpose + index));
+        hash2(path.key, purpose + index));
 }
 
 struct OcclusionRay {

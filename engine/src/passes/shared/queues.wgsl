@@ -22,6 +22,8 @@ const WORD_AO_RAYS = 13u; // 64-bit total of the rays that hits ask for
 const WORD_INVALID = 15u; // samples that were not finite and were dropped
 const WORD_SHADOW_RAYS = 16u; // 64-bit total of shadow rays alone
 const WORD_AO_FREE = 18u; // 64-bit total of AO rays that needn't be traced
+const WORD_NON_FINITE = 20u; // 64-bit total of hits whose texture program drove something by a value that was not finite
+const WORD_NON_FINITE_NODE = 22u; // place + 1 in the fake stack of the arguments of a node that gave one, or 0
 const QUEUE_HEADER = 32u;
 
 @group(0) @binding(3) var<storage, read_write> queues: array<atomic<u32>>;

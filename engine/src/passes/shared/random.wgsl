@@ -2,8 +2,10 @@
 // shuffled and scrambled copy per purpose (Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020). The camera, the
 // light sample and the BSDF sample of the first vertex share one copy of twelve dimensions, in this order: what a pixel
 // shows of a soft shadow depends on the first six together. Later vertices have copies of four dimensions, small decisions
-// of two; between copies there is no more order than between random numbers. All are hashed per pixel, so neighbours have
-// nothing in common.
+// of two; between copies there is no more order than between random numbers. All are hashed per pixel and seed, so neither
+// neighbours nor pictures of different seeds have anything in common.
+//!include shared/frame.wgsl
+//!include shared/hash.wgsl
 
 const SAMPLER_SOBOL = 0u;
 const SAMPLER_INDEPENDENT = 1u; // plain random numbers, to compare with
@@ -22,18 +24,7 @@ const DIMENSION_SHADOW_AO = 8u; // the same for what a shadow ray met
 const DIMENSION_OPACITY = 12u; // x: whether the path's ray passes, by opacity or through a clear wall
 const DIMENSION_SHADOW_BLEND = 13u; // x: which side of a material blend a shadow ray met
 const DIMENSION_HUE = 14u; // of a path that is dispersed
-
-fn hash(x: u32) -> u32 {
-    // "lowbias32" by C. Wellons.
-    var v = x;
-    v = (v ^ (v >> 16u)) * 0x7feb352du;
-    v = (v ^ (v >> 15u)) * 0x846ca68bu;
-    return v ^ (v >> 16u);
-}
-
-fn hash2(x: u32, y: u32) -> u32 {
-    return hash(x ^ (hash(y) + 0x9e3779b9u));
-}
+const DIMENSION_BUMP = 15u; // two bits: on which sides of a hit heights are compared
 
 // Owen scrambling of a bit-reversed number (Laine and Karras 2011, constants of N. Vegdahl 2021).
 fn owen_reversed(x: u32, seed: u32) -> u32 {
@@ -96,15 +87,14 @@ fn sobol4(index: u32, order: u32, group: u32, stream: u32) -> vec4f {
 
 // Four numbers in [0, 1) for a purpose of a path. `group` is the purpose's place in the points of the first vertex.
 fn random4(path: PathId, dimension: u32, group: u32) -> vec4f {
-    let pixel = path.pixel ^ frame.seed;
     let in_group = dimension < DIMENSION_VERTEX * 2u;
     let order = select(dimension, DIMENSION_CAMERA, in_group);
-    return sobol4(path.sample, hash2(pixel, order), select(0u, group, in_group), hash2(pixel, dimension));
+    return sobol4(path.sample, hash2(path.key, order), select(0u, group, in_group), hash2(path.key, dimension));
 }
 
 // Two numbers in [0, 1) for a purpose of a path.
 fn random2(path: PathId, dimension: u32) -> vec2f {
-    return sobol2(path.sample, hash2(path.pixel ^ frame.seed, dimension));
+    return sobol2(path.sample, hash2(path.key, dimension));
 }
 
 // The dimension for a purpose at the vertex behind `depth` that have scattered.
@@ -114,7 +104,7 @@ fn vertex_dimension(depth: u32, purpose: u32) -> u32 {
 
 // One number in [0, 1) for a purpose of a path and a triangle that one of its rays meets: a ray may meet many.
 fn random_at(path: PathId, dimension: u32, triangle: u32, instance: u32) -> f32 {
-    let stream = hash2(path.pixel ^ frame.seed, dimension);
+    let stream = hash2(path.key, dimension);
     return sobol2(path.sample, hash2(hash2(stream, triangle), instance)).x;
 }
 

@@ -7,7 +7,7 @@
 
 @group(0) @binding(10) var<storage, read> nodes: array<vec4u>;
 
-const STACK_SIZE = 32u; // `bvh` refuses deeper trees
+const STACK_SIZE = 32u; // as much as two hierarchies of `LEVELS` in `bvh` need
 const IN_TOP_LEVEL = 0xffffffffu;
 
 // A direction whose components are never so small that their reciprocal overflows.

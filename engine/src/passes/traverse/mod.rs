@@ -1,11 +1,8 @@
 //! Rays against the scene: the seam behind which other implementations may stand. One thread per ray.
 
-use crate::gpu::{
-    Gpu, GpuError,
-    kernel::{Kernel, Trust},
-    wgsl::Source,
-};
-use crate::gpu_scene::SceneFeatures;
+use crate::wave::Queue;
+
+use super::pass::{Pass, Work};
 
 /// Which rays are traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,20 +13,43 @@ pub enum Rays {
     Occlusion,
 }
 
-/// Compiles the kernel for what the scene uses.
-///
-/// # Errors
-/// If the driver refuses it.
-pub fn kernel(gpu: &Gpu, rays: Rays, features: &SceneFeatures) -> Result<Kernel, GpuError> {
-    let entry = match rays {
-        Rays::Closest => "traverse_closest",
-        Rays::Occlusion => "traverse_occlusion",
-    };
-    Kernel::new(
-        gpu,
-        &Source::of("traverse/entry.wgsl"),
-        entry,
-        Trust::Engine,
-        &features.constants(),
-    )
+/// The paths' rays.
+pub const CLOSEST: Pass = Pass {
+    name: "traverse_closest",
+    file: "traverse/entry.wgsl",
+    work: Work::Queue(Queue::Active),
+    reads: GEOMETRY,
+    writes: &["rays"],
+    ..Pass::COMMON
+};
+
+/// The shadow rays.
+pub const OCCLUSION: Pass = Pass {
+    name: "traverse_occlusion",
+    work: Work::Queue(Queue::Shadow),
+    writes: &["paths", "rays"],
+    ..CLOSEST
+};
+
+const GEOMETRY: &[&str] = &[
+    "frame",
+    "image_layers",
+    "image_layers_srgb",
+    "image_table",
+    "instances",
+    "materials",
+    "nodes",
+    "queues",
+    "triangles",
+    "vertices",
+];
+
+impl Rays {
+    /// The pass that traces them.
+    pub fn pass(self) -> &'static Pass {
+        match self {
+            Self::Closest => &CLOSEST,
+            Self::Occlusion => &OCCLUSION,
+        }
+    }
 }

@@ -1,28 +1,70 @@
-//! Bounds what a file can make the importer hold, relative to the file itself.
+//! Bounds what files can make the importer hold, relative to the files themselves.
 //!
 //! A kilobyte of JSON can refer to the same accessor or picture a million times. Ordinary files decode to a few times
-//! their size; what goes far beyond is refused before it is allocated.
+//! their size; what goes far beyond is refused before it is allocated. One budget is shared by all files of a scene.
 
 use super::error::Fault;
+use crate::input::FileId;
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// What geometry may take however small the files are.
+const FREE: u64 = 512 << 20;
+/// What a byte of a file may become.
+const FACTOR: u64 = 32;
+/// What files that are included again may take in addition, all together.
+const REPEATED: u64 = 4 << 30;
 
 /// Bytes that may still be allocated; shared by threads.
+#[derive(Debug)]
 pub(super) struct Budget {
     left: AtomicU64,
-    limit: u64,
+    limit: AtomicU64,
+    files: Mutex<Files>,
+}
+
+/// Files that have been counted.
+#[derive(Debug, Default)]
+struct Files {
+    known: HashSet<FileId>,
+    repeated: u64,
 }
 
 impl Budget {
     pub(super) fn new(limit: u64) -> Self {
         Self {
             left: AtomicU64::new(limit),
-            limit,
+            limit: AtomicU64::new(limit),
+            files: Mutex::default(),
         }
     }
 
-    /// For geometry decoded from a file of `file_bytes`: 32 times as much, and 512 MiB that are free.
-    pub(super) fn for_geometry(file_bytes: u64) -> Self {
-        Self::new((512 << 20) + file_bytes.saturating_mul(32))
+    /// For geometry decoded from files that [`allow`](Self::allow) names: 512 MiB are free.
+    pub(super) fn for_geometry() -> Self {
+        Self::new(FREE)
+    }
+
+    /// A file of `bytes` is read: 32 times as much may be taken, for the same file again only up to 4 GiB in all.
+    pub(super) fn allow(&self, file: FileId, bytes: u64) {
+        let mut more = bytes.saturating_mul(FACTOR);
+        let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
+        if !files.known.insert(file) {
+            more = more.min(REPEATED - files.repeated);
+            files.repeated += more;
+        }
+        for counter in [&self.left, &self.limit] {
+            let add = |old: u64| Some(old.saturating_add(more));
+            // The closure always gives a value, so this can't fail.
+            let _ = counter.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
+        }
+    }
+
+    /// Begins anew with `bytes` taken: what is held, of all that was taken.
+    pub(super) fn hold(&self, bytes: u64) {
+        let limit = self.limit.load(Ordering::Relaxed);
+        self.left
+            .store(limit.saturating_sub(bytes), Ordering::Relaxed);
     }
 
     /// Bytes that may still be taken.
@@ -40,8 +82,8 @@ impl Budget {
             .map(drop)
             .map_err(|_| {
                 format!(
-                    "would take more than {} MiB, far more than the size of the file explains",
-                    self.limit >> 20
+                    "the scene would take more than {} MiB, far more than the size of its files explains",
+                    self.limit.load(Ordering::Relaxed) >> 20
                 )
             })
     }
@@ -50,6 +92,7 @@ impl Budget {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
 
     #[test]
     fn takes_until_nothing_is_left_and_never_overflows() {
@@ -58,5 +101,20 @@ mod tests {
         budget.take(u64::MAX, u64::MAX).unwrap_err();
         budget.take(2, 9).unwrap_err();
         budget.take(1, 10).unwrap();
+    }
+
+    #[test]
+    fn a_file_that_comes_again_allows_less_and_less() {
+        let budget = Budget::new(0);
+        let file = |name: &str| FileId::of(Path::new(name));
+        budget.allow(file("missing-a"), 10);
+        budget.allow(file("missing-b"), 10);
+        assert_eq!(budget.left(), 640);
+        for _ in 0..100 {
+            budget.allow(file("missing-a"), 1 << 30);
+        }
+        assert_eq!(budget.left(), 640 + REPEATED);
+        budget.allow(file("missing-c"), u64::MAX);
+        assert_eq!(budget.left(), u64::MAX);
     }
 }

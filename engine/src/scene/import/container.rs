@@ -9,6 +9,16 @@ const MAGIC: &[u8] = b"glTF";
 const JSON: u32 = 0x4E4F_534A;
 const BIN: u32 = 0x004E_4942;
 
+/// Bytes of the header of a `.glb`.
+pub(super) const HEADER: u64 = 12;
+
+/// The length that a `.glb` says it has, from its header; `None` where the file is none.
+pub(super) fn length(header: &[u8]) -> Option<u64> {
+    let is_glb = header.starts_with(MAGIC);
+    // One that ends in its header is read to its end.
+    is_glb.then(|| word(header, 8).map_or(HEADER, u64::from).max(HEADER))
+}
+
 /// Where the parts of a file lie in its bytes.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Parts {

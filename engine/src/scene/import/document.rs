@@ -7,11 +7,16 @@ use super::budget::Budget;
 use super::container;
 use super::error::{At as _, Fault, ImportError, Warnings};
 use super::files::{self, Source};
+use super::json_text::{self, JsonError, Parsed};
+use crate::input::{self, FileId};
 use gltf::json;
 use json::validation::USize64;
 use serde_json::Value;
+use std::collections::HashMap;
+use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Extensions that are read. `KHR_mesh_quantization` needs nothing but an accessor reader that takes integers.
 const SUPPORTED_EXTENSIONS: &[&str] = &[
@@ -38,11 +43,8 @@ const SUPPORTED_EXTENSIONS: &[&str] = &[
 /// Extensions that never change a picture at rest.
 const INVISIBLE_EXTENSIONS: &[&str] = &["KHR_animation_pointer", "KHR_xmp", "KHR_xmp_json_ld"];
 
-/// JSON takes up to twenty times its length in memory.
-const MAX_JSON_BYTES: usize = 512 << 20;
-
-/// Longest name of anything.
-const MAX_NAME_CHARS: usize = 256;
+/// Longest JSON.
+const MAX_JSON_BYTES: u64 = 512 << 20;
 
 /// A parsed file.
 pub(super) struct Document {
@@ -51,55 +53,85 @@ pub(super) struct Document {
     /// `extras.environment` of each scene.
     pub(super) environments: Vec<Option<Value>>,
     /// What decoding may still take.
-    pub(super) budget: Budget,
+    pub(super) budget: Arc<Budget>,
+    id: FileId,
     file: Vec<u8>,
     buffers: Vec<Buffer>,
 }
 
 enum Buffer {
     Owned(Vec<u8>),
+    /// The start of a file, which other buffers may show as well.
+    Shared(Arc<Vec<u8>>, usize),
     /// Part of the GLB file itself.
     Glb(Range<usize>),
     /// Neither a URI nor a binary chunk: an error only where it is used.
     Absent,
 }
 
+enum BufferSource {
+    Data(Vec<u8>),
+    File(FileId, PathBuf),
+}
+
 impl Document {
-    /// Reads the file and all its buffers.
-    pub(super) fn open(path: &Path) -> Result<Self, ImportError> {
-        let file = files::read_file(path, u64::MAX).map_err(|source| ImportError::Read {
+    /// Reads the file and all its buffers. What decoding takes comes out of `budget`.
+    pub(super) fn open(path: &Path, budget: &Arc<Budget>) -> Result<Self, ImportError> {
+        let file = read(path).map_err(|source| ImportError::Read {
             path: path.to_owned(),
             source,
         })?;
-        Self::parse(path, file)
+        Self::parse(path, file, budget)
     }
 
     /// As [`open`](Self::open), for the bytes of a file that is already in memory.
-    pub(super) fn parse(path: &Path, file: Vec<u8>) -> Result<Self, ImportError> {
+    pub(super) fn parse(
+        path: &Path,
+        file: Vec<u8>,
+        budget: &Arc<Budget>,
+    ) -> Result<Self, ImportError> {
         let parts = container::split(&file).at(path, || "GLB container".into())?;
-        if parts.json.len() > MAX_JSON_BYTES {
+        if parts.json.len() as u64 > MAX_JSON_BYTES {
             return Err(ImportError::TooLarge {
                 path: path.to_owned(),
                 problem: "has more than 512 MiB of JSON; save it as .glb, or with its buffers in files of their own".into(),
             });
         }
-        let (root, environments) =
-            parse_json(&file[parts.json.clone()]).map_err(|source| ImportError::Json {
-                path: path.to_owned(),
-                source,
+        let is_read = |name: &str| SUPPORTED_EXTENSIONS.contains(&name);
+        let Parsed { root, environments } =
+            json_text::parse(&file[parts.json.clone()], is_read).map_err(|error| match error {
+                JsonError::Invalid(source) => ImportError::Json {
+                    path: path.to_owned(),
+                    source,
+                },
+                JsonError::TooLarge => ImportError::TooLarge {
+                    path: path.to_owned(),
+                    problem: "its JSON would take more than 512 MiB and 16 times its length in memory; split the scene, or place \
+                              repeated meshes by EXT_mesh_gpu_instancing"
+                        .into(),
+                },
             })?;
+        let length = file.len() as u64;
         check_version(&root).at(path, || "asset".into())?;
         let mut document = Self {
             path: path.to_owned(),
             root,
             environments,
-            budget: Budget::for_geometry(0),
-            file,
+            budget: Arc::clone(budget),
+            id: FileId::of(path),
+            // Without a binary chunk nothing in it is needed any more.
+            file: if parts.bin.is_some() {
+                file
+            } else {
+                Vec::new()
+            },
             buffers: Vec::new(),
         };
         document.check_extensions()?;
         document.load_buffers(parts.bin)?;
-        document.budget = Budget::for_geometry(document.size());
+        document
+            .budget
+            .allow(document.id.clone(), length + document.size());
         document.decompress()?;
         document.check_layout()?;
         Ok(document)
@@ -142,13 +174,24 @@ impl Document {
         self.path.parent().unwrap_or(Path::new(""))
     }
 
-    /// Bytes of the file and its buffers, which everything that is decoded is held against.
+    /// Bytes of the buffers that aren't in the file itself, each file once.
     fn size(&self) -> u64 {
-        let owned = self.buffers.iter().map(|buffer| match buffer {
+        let mut shared: Vec<&Arc<Vec<u8>>> = Vec::new();
+        let bytes = self.buffers.iter().map(|buffer| match buffer {
             Buffer::Owned(bytes) => bytes.len() as u64,
+            Buffer::Shared(file, _) if shared.iter().any(|known| Arc::ptr_eq(known, file)) => 0,
+            Buffer::Shared(file, _) => {
+                shared.push(file);
+                file.len() as u64
+            }
             Buffer::Glb(_) | Buffer::Absent => 0,
         });
-        self.file.len() as u64 + owned.sum::<u64>()
+        bytes.sum()
+    }
+
+    /// What tells this file from others.
+    pub(super) fn id(&self) -> &FileId {
+        &self.id
     }
 
     /// Bytes of a buffer view, and its stride.
@@ -181,6 +224,7 @@ impl Document {
                 "buffer {index} has no data, neither a uri nor a binary chunk"
             )),
             Some(Buffer::Owned(bytes)) => Ok(bytes),
+            Some(Buffer::Shared(bytes, length)) => Ok(&bytes[..*length]),
             Some(Buffer::Glb(range)) => Ok(&self.file[range.clone()]),
         }
     }
@@ -206,36 +250,71 @@ impl Document {
     }
 
     fn load_buffers(&mut self, mut bin: Option<Range<usize>>) -> Result<(), ImportError> {
-        for (index, buffer) in self.root.buffers.iter().enumerate() {
-            let place = || format!("buffer {index}");
+        let mut sources = self.buffer_sources()?;
+        // A file that several buffers name is read once, as far as any of them wants it.
+        let mut wanted: HashMap<FileId, u64> = HashMap::new();
+        for (source, buffer) in sources.iter().zip(&self.root.buffers) {
+            if let Some(BufferSource::File(id, _)) = source {
+                let longest = wanted.entry(id.clone()).or_default();
+                *longest = buffer.byte_length.0.max(*longest);
+            }
+        }
+        let mut read: HashMap<FileId, Arc<Vec<u8>>> = HashMap::new();
+        for (index, buffer) in self.root.buffers.iter_mut().enumerate() {
             let length = buffer.byte_length.0;
-            let too_short = |have: u64| Err(format!("says {length} bytes, only {have} are there"));
+            let at = usize::try_from(length).unwrap_or(usize::MAX);
             // Only the first buffer can be the binary chunk (section 4.4.3.3).
-            let loaded = match (&buffer.uri, bin.take()) {
-                (Some(uri), _) => {
-                    let bytes = match files::resolve(self.folder(), uri).at(&self.path, place)? {
-                        Source::Data(mut bytes) => {
-                            bytes.truncate(usize::try_from(length).unwrap_or(usize::MAX));
-                            bytes
+            let (loaded, have) = match (sources[index].take(), bin.take()) {
+                (Some(BufferSource::Data(mut bytes)), _) => {
+                    // A data URI is as long as the data, and has done its work.
+                    buffer.uri = None;
+                    bytes.truncate(at);
+                    let have = bytes.len();
+                    (Buffer::Owned(bytes), have)
+                }
+                (Some(BufferSource::File(id, path)), _) => {
+                    let file = match read.get(&id) {
+                        Some(file) => Arc::clone(file),
+                        None => {
+                            let file = input::read_start(&path, wanted[&id])
+                                .map_err(|source| ImportError::Read { path, source })?;
+                            Arc::clone(read.entry(id).or_insert(Arc::new(file)))
                         }
-                        Source::File(path) => files::read_file(&path, length)
-                            .map_err(|source| ImportError::Read { path, source })?,
                     };
-                    match bytes.len() as u64 {
-                        have if have < length => too_short(have),
-                        _ => Ok(Buffer::Owned(bytes)),
-                    }
+                    let have = file.len();
+                    (Buffer::Shared(file, at.min(have)), have)
                 }
                 // The chunk may be padded by up to three bytes.
-                (None, Some(chunk)) => match chunk.len() as u64 {
-                    have if have < length => too_short(have),
-                    _ => Ok(Buffer::Glb(chunk.start..chunk.start + length as usize)),
-                },
-                (None, None) => Ok(Buffer::Absent),
+                (None, Some(chunk)) => {
+                    let have = chunk.len();
+                    (Buffer::Glb(chunk.start..chunk.start + at.min(have)), have)
+                }
+                (None, None) => (Buffer::Absent, at),
             };
-            self.buffers.push(loaded.at(&self.path, place)?);
+            if (have as u64) < length {
+                return Err(format!("says {length} bytes, only {have} are there"))
+                    .at(&self.path, || format!("buffer {index}"));
+            }
+            self.buffers.push(loaded);
         }
         Ok(())
+    }
+
+    /// Where the bytes of each buffer come from; `None` where it names nothing.
+    fn buffer_sources(&self) -> Result<Vec<Option<BufferSource>>, ImportError> {
+        let source = |(index, buffer): (usize, &json::Buffer)| {
+            let Some(uri) = &buffer.uri else {
+                return Ok(None);
+            };
+            let place = || format!("buffer {index}");
+            Ok(Some(
+                match files::resolve(self.folder(), uri).at(&self.path, place)? {
+                    Source::Data(bytes) => BufferSource::Data(bytes),
+                    Source::File(path) => BufferSource::File(FileId::of(&path), path),
+                },
+            ))
+        };
+        self.root.buffers.iter().enumerate().map(source).collect()
     }
 
     fn check_extensions(&self) -> Result<(), ImportError> {
@@ -268,9 +347,14 @@ impl Document {
         names.sort_unstable();
         names.dedup();
         for name in names {
-            warnings.push(format!(
-                "the extension {name} is not supported and is ignored"
-            ));
+            warnings.push(match name {
+                "KHR_texture_basisu" => {
+                    format!(
+                        "{name} is not supported: the fallback pictures of its textures are used"
+                    )
+                }
+                _ => format!("the extension {name} is not supported and is ignored"),
+            });
         }
     }
 
@@ -291,6 +375,15 @@ impl Document {
     }
 }
 
+/// Reads a `.glb` as far as its header says, or a `.gltf`, which is all JSON.
+pub(super) fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let start = input::read_start(path, container::HEADER)?;
+    match container::length(&start) {
+        Some(length) => input::read_start(path, length),
+        None => input::read(path, MAX_JSON_BYTES),
+    }
+}
+
 /// An optional byte offset, absent meaning zero.
 pub(super) fn offset(offset: Option<USize64>) -> u64 {
     offset.map_or(0, |offset| offset.0)
@@ -300,61 +393,6 @@ pub(super) fn offset(offset: Option<USize64>) -> u64 {
 pub(super) fn slice(bytes: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
     let end = usize::try_from(offset.checked_add(length)?).ok()?;
     bytes.get(usize::try_from(offset).ok()?..end)
-}
-
-/// Parses the JSON by way of a tree, because the typed reader is stricter than glTF is: it wants an array of nodes in
-/// every scene, refuses integers written as `3.0`, and can't read `extras` inside of extensions.
-fn parse_json(text: &[u8]) -> Result<(json::Root, Vec<Option<Value>>), serde_json::Error> {
-    let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
-    let mut tree: Value = serde_json::from_slice(text)?;
-    let mut environments = Vec::new();
-    if let Some(scenes) = tree.get_mut("scenes").and_then(Value::as_array_mut) {
-        for scene in scenes {
-            environments.push(scene.pointer("/extras/environment").cloned());
-            if let Value::Object(scene) = scene {
-                scene.entry("nodes").or_insert_with(|| Value::Array(vec![]));
-            }
-        }
-    }
-    if let Value::Object(root) = &mut tree {
-        // Animations are not rendered, so they need not be valid.
-        root.remove("animations");
-    }
-    mend(&mut tree);
-    match serde_json::from_value(tree) {
-        Ok(root) => Ok((root, environments)),
-        // Reading the text directly gives the same error with line and column.
-        Err(error) => Err(serde_json::from_slice::<json::Root>(text)
-            .err()
-            .unwrap_or(error)),
-    }
-}
-
-/// Drops `extras`, writes whole numbers as integers and cuts absurd names, which would be copied for every instance.
-/// Depth is bounded: serde_json refuses more than 128 levels.
-fn mend(value: &mut Value) {
-    match value {
-        Value::Number(number) => {
-            let float = number.as_f64().filter(|_| number.is_f64());
-            if let Some(float) = float
-                && float.fract() == 0.0
-                && (0.0..9e15).contains(&float)
-            {
-                *number = (float as u64).into();
-            }
-        }
-        Value::Array(items) => items.iter_mut().for_each(mend),
-        Value::Object(members) => {
-            members.remove("extras");
-            if let Some(Value::String(name)) = members.get_mut("name")
-                && let Some((end, _)) = name.char_indices().nth(MAX_NAME_CHARS)
-            {
-                name.truncate(end);
-            }
-            members.values_mut().for_each(mend);
-        }
-        Value::Null | Value::Bool(_) | Value::String(_) => {}
-    }
 }
 
 /// glTF 2.x is read as 2.0 unless the file says that it needs more (section 3.2).

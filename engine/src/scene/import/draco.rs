@@ -200,12 +200,11 @@ fn values(attribute: &PointAttribute, points: u64) -> Option<Vec<u8>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Imported, assemble};
+    use super::super::Imported;
     use super::*;
     use base64::{Engine as _, engine::general_purpose::STANDARD};
-    use glam::{DAffine3, Vec2, Vec3};
+    use glam::{Vec2, Vec3};
     use serde_json::json;
-    use std::path::Path;
 
     /// A unit square of two triangles with normals (1) and texture coordinates (2), positions in 11 bits (0).
     const SQUARE: &str = "RFJBQ08CAgEBAAAABAICAgAAAR//ARH/ARH/ARED/wAAAAAAAQAAAQAJAwAAAgEBCQMAAQMBAwkCAAICAQEBAAMD\
@@ -218,7 +217,6 @@ mod tests {
 
     fn import(stream: &[u8], points: u32, ids: Value) -> Result<Imported, ImportError> {
         let file = json!({
-            "asset": { "version": "2.0" },
             "extensionsRequired": [EXTENSION],
             "buffers": [{
                 "byteLength": stream.len(),
@@ -238,9 +236,7 @@ mod tests {
             }] }],
             "nodes": [{ "mesh": 0 }],
         });
-        let bytes = serde_json::to_vec(&file).expect("JSON");
-        let document = Document::parse(Path::new("square.gltf"), bytes)?;
-        assemble(&document, DAffine3::IDENTITY, true)
+        super::super::tests::import(file)
     }
 
     fn ids() -> Value {

@@ -8,36 +8,32 @@
 use super::document::Document;
 use super::error::{At as _, Fault, ImportError, Warnings};
 use super::files::{self, Source};
+use super::panorama;
+use crate::input;
 use crate::scene::{Environment, FloatImage};
-use exr::prelude as exr;
 use glam::Vec3;
-use image::{DynamicImage, ImageDecoder as _, ImageReader, Limits};
 use serde_json::Value;
-use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-/// Longest side, texels.
-const MAX_SIDE: usize = 32768;
-/// Texels of an environment; 16384 x 8192, 1.5 GiB in memory.
-const MAX_TEXELS: u64 = 1 << 27;
 /// Largest file (4 GiB).
 const MAX_FILE: u64 = 4 << 30;
 
 /// Reads an equirectangular picture: OpenEXR or Radiance HDR, or PNG, JPEG and WebP, which are taken as sRGB.
-/// Returns it with warnings: values that are negative or not finite become 0.
+/// Returns it with warnings: values that are negative or not finite become 0, and of an OpenEXR file with several layers the
+/// first one with colours or luminance is taken, as it is seen in the display window.
 ///
 /// # Errors
 /// Where the file can't be read, is damaged, or is larger than 2^27 texels.
 pub fn load_environment_image(path: &Path) -> Result<(FloatImage, Vec<String>), ImportError> {
-    let bytes = files::read_file(path, MAX_FILE).map_err(|source| ImportError::Read {
+    let bytes = input::read(path, MAX_FILE).map_err(|source| ImportError::Read {
         path: path.to_owned(),
         source,
     })?;
     // The decoders are foreign code fed with foreign bytes: a panic in one must not end the program.
-    let decoded = catch_unwind(AssertUnwindSafe(|| decode(&bytes)))
+    let decoded = catch_unwind(AssertUnwindSafe(|| panorama::decode(bytes)))
         .unwrap_or_else(|_| Err("the decoder gave up on it".into()));
-    let mut image = decoded.map_err(|problem| ImportError::Environment {
+    let (mut image, notes) = decoded.map_err(|problem| ImportError::Environment {
         path: path.to_owned(),
         problem,
     })?;
@@ -48,13 +44,15 @@ pub fn load_environment_image(path: &Path) -> Result<(FloatImage, Vec<String>), 
             bad += 1;
         }
     }
-    let warnings = match bad {
-        0 => Vec::new(),
-        _ => vec![format!(
-            "{}: {bad} values are negative or not finite; 0 is used",
-            path.display()
-        )],
-    };
+    let mut warnings = notes;
+    if bad > 0 {
+        warnings.push(format!(
+            "{bad} values are negative or not finite; 0 is used"
+        ));
+    }
+    let warnings = (warnings.iter())
+        .map(|warning| format!("{}: {warning}", path.display()))
+        .collect();
     Ok((image, warnings))
 }
 
@@ -140,125 +138,6 @@ fn rotation(extras: &Value, warnings: &mut Warnings) -> Result<f32, Fault> {
     Ok(if degrees.is_finite() { degrees } else { 0.0 })
 }
 
-fn decode(bytes: &[u8]) -> Result<FloatImage, Fault> {
-    if bytes.starts_with(&[0x76, 0x2F, 0x31, 0x01]) {
-        return decode_exr(bytes);
-    }
-    let mut reader = ImageReader::new(Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(|error| error.to_string())?;
-    if reader.format().is_none() {
-        return Err("is not a picture that can be read".into());
-    }
-    let mut limits = Limits::no_limits();
-    limits.max_image_width = Some(MAX_SIDE as u32);
-    limits.max_image_height = Some(MAX_SIDE as u32);
-    reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(|error| error.to_string())?;
-    let (width, height) = decoder.dimensions();
-    check_size(width as usize, height as usize)?;
-    let picture = DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())?;
-    let is_float = matches!(
-        picture,
-        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_)
-    );
-    let mut rgb: Vec<[f32; 3]> = picture
-        .into_rgb32f()
-        .pixels()
-        .map(|pixel| pixel.0)
-        .collect();
-    if !is_float {
-        rgb.iter_mut()
-            .flatten()
-            .for_each(|value| *value = srgb_to_linear(*value));
-    }
-    Ok(FloatImage { width, height, rgb })
-}
-
-fn decode_exr(bytes: &[u8]) -> Result<FloatImage, Fault> {
-    use exr::{ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _};
-    let message = |error: exr::Error| error.to_string();
-    let meta = exr::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(message)?;
-    // Before any texel is allocated: all sizes the headers claim, against limits and against the bytes of the file.
-    for header in &meta.headers {
-        check_size(header.layer_size.0, header.layer_size.1)?;
-        if header.chunk_count > bytes.len() / 8 {
-            return Err("claims more blocks than the file has bytes for".into());
-        }
-    }
-    let header = meta.headers.first().ok_or("has no layer")?;
-    let has = |name: &str| {
-        header
-            .channels
-            .find_index_of_channel(&name.into())
-            .is_some()
-    };
-    if !has("R") && has("Y") {
-        let image = exr::read()
-            .no_deep_data()
-            .largest_resolution_level()
-            .specific_channels()
-            .required("Y")
-            .collect_pixels(
-                |size, _| blank(size),
-                |image: &mut FloatImage, at, (y,): (f32,)| set(image, at, [y; 3]),
-            )
-            .first_valid_layer()
-            .all_attributes()
-            .from_buffered(Cursor::new(bytes))
-            .map_err(message)?;
-        return Ok(image.layer_data.channel_data.pixels);
-    }
-    let image = exr::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgb_channels(
-            |size, _| blank(size),
-            |image: &mut FloatImage, at, (r, g, b): (f32, f32, f32)| {
-                set(image, at, [r, g, b]);
-            },
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(message)?;
-    Ok(image.layer_data.channel_data.pixels)
-}
-
-fn blank(size: exr::Vec2<usize>) -> FloatImage {
-    FloatImage {
-        width: size.0 as u32,
-        height: size.1 as u32,
-        rgb: vec![[0.0; 3]; size.0 * size.1],
-    }
-}
-
-fn set(image: &mut FloatImage, at: exr::Vec2<usize>, rgb: [f32; 3]) {
-    let width = image.width as usize;
-    image.rgb[at.1 * width + at.0] = rgb;
-}
-
-fn check_size(width: usize, height: usize) -> Result<(), Fault> {
-    let texels = (width as u64).saturating_mul(height as u64);
-    if width == 0 || height == 0 {
-        return Err("has no texels".into());
-    }
-    if width > MAX_SIDE || height > MAX_SIDE || texels > MAX_TEXELS {
-        return Err(format!(
-            "claims {width} x {height} texels, at most 16384 x 8192 are read"
-        ));
-    }
-    Ok(())
-}
-
-fn srgb_to_linear(value: f32) -> f32 {
-    if value <= 0.04045 {
-        value / 12.92
-    } else {
-        ((value + 0.055) / 1.055).powf(2.4)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -283,12 +162,5 @@ mod tests {
         let tipped = json!({ "mitsuba_toWorld_row_major": [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1] });
         rotation(&tipped, &mut warnings).unwrap();
         assert_eq!(warnings.into_vec().len(), 1);
-    }
-
-    #[test]
-    fn sizes_are_checked_before_texels_exist() {
-        check_size(0, 4).unwrap_err();
-        check_size(usize::MAX, usize::MAX).unwrap_err();
-        check_size(16384, 8192).unwrap();
     }
 }

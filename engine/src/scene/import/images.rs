@@ -1,9 +1,10 @@
 //! Decodes the pictures of a glTF file, in parallel and within limits.
 
 use super::budget::Budget;
-use super::document::Document;
+use super::document::{Document, offset};
 use super::error::{Fault, ImportError};
 use super::files::{self, Source};
+use crate::input::{self, FileId};
 use crate::scene::Image;
 use gltf::json;
 use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
@@ -15,20 +16,63 @@ use std::path::Path;
 
 /// Longest side of a picture, texels.
 pub(super) const MAX_SIDE: u32 = 16384;
-/// Bytes that all pictures of a file may take decoded (4 GiB).
+/// Bytes that all pictures of a scene may take decoded (4 GiB).
 const MAX_DECODED: u64 = 4 << 30;
 /// Largest picture file (1 GiB).
 const MAX_FILE: u64 = 1 << 30;
 
-/// Decodes the requested pictures. One that is wanted both as colour and as data is decoded once and copied.
+/// What tells a picture from all others, also from those of other files.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) enum Key {
+    /// A file of its own.
+    File(FileId),
+    /// Bytes of a buffer: glTF file, buffer, offset and length.
+    Bytes(FileId, usize, u64, u64),
+    /// Whatever else: glTF file and index in it.
+    Entry(FileId, usize),
+}
+
+/// The key of an image of a file.
+pub(super) fn key(document: &Document, index: usize) -> Key {
+    let entry = || Key::Entry(document.id().clone(), index);
+    let Some(image) = document.root.images.get(index) else {
+        return entry();
+    };
+    match (&image.uri, image.buffer_view) {
+        (Some(uri), _) => match files::resolve(document.folder(), uri) {
+            Ok(Source::File(path)) => Key::File(FileId::of(&path)),
+            _ => entry(),
+        },
+        (None, Some(view)) => match document.root.buffer_views.get(view.value()) {
+            Some(view) => Key::Bytes(
+                document.id().clone(),
+                view.buffer.value(),
+                offset(view.byte_offset),
+                view.byte_length.0,
+            ),
+            None => entry(),
+        },
+        (None, None) => entry(),
+    }
+}
+
+/// What pictures may still take in a scene that has some.
+fn budget(held: &[Image]) -> Budget {
+    let held = held.iter().map(|image| image.rgba8.len() as u64).sum();
+    Budget::new(MAX_DECODED.saturating_sub(held))
+}
+
+/// Decodes the requested pictures for a scene that has those of `held`. One that is wanted both as colour and as data is
+/// decoded once and copied.
 pub(super) fn load(
     document: &Document,
     requests: &[(usize, bool)],
+    held: &[Image],
 ) -> Result<Vec<Image>, ImportError> {
     let mut wanted: Vec<usize> = requests.iter().map(|&(index, _)| index).collect();
     wanted.sort_unstable();
     wanted.dedup();
-    let budget = Budget::new(MAX_DECODED);
+    let budget = budget(held);
     let decoded: Vec<Image> = wanted
         .par_iter()
         .map(|&index| load_one(document, index, &budget))
@@ -47,7 +91,19 @@ pub(super) fn load(
         uses_left[slot] -= 1;
         let image = match uses_left[slot] {
             0 => decoded[slot].take(),
-            _ => decoded[slot].clone(),
+            _ => {
+                let again = decoded[slot].as_ref();
+                if let Some(image) = again {
+                    take(&budget, image.rgba8.len() as u64).map_err(|problem| {
+                        ImportError::Image {
+                            path: document.path.clone(),
+                            image: image.name.clone(),
+                            problem,
+                        }
+                    })?;
+                }
+                again.cloned()
+            }
         };
         let image = image.expect("a picture is taken only at its last use");
         images.push(Image { srgb, ..image });
@@ -55,14 +111,13 @@ pub(super) fn load(
     Ok(images)
 }
 
-/// Reads one picture file by itself: PNG, JPEG or WebP.
+/// Reads one picture file by itself, for a scene that has those of `held`: PNG, JPEG or WebP.
 ///
 /// # Errors
 /// One sentence without the path.
-pub(crate) fn load_picture(path: &Path, srgb: bool) -> Result<Image, String> {
-    let bytes =
-        files::read_file(path, MAX_FILE).map_err(|error| format!("cannot read it: {error}"))?;
-    let decoded = decode_guarded(&bytes, &Budget::new(MAX_DECODED))?;
+pub(crate) fn load_picture(path: &Path, srgb: bool, held: &[Image]) -> Result<Image, String> {
+    let bytes = input::read(path, MAX_FILE).map_err(|error| format!("cannot read it: {error}"))?;
+    let decoded = decode_guarded(&bytes, &budget(held))?;
     Ok(Image {
         name: path.display().to_string(),
         width: decoded.width(),
@@ -106,7 +161,7 @@ fn bytes<'a>(document: &'a Document, source: &json::Image) -> Result<Cow<'a, [u8
     if let Some(uri) = &source.uri {
         return match files::resolve(document.folder(), uri)? {
             Source::Data(bytes) => Ok(Cow::Owned(bytes)),
-            Source::File(path) => files::read_file(&path, MAX_FILE)
+            Source::File(path) => input::read(&path, MAX_FILE)
                 .map(Cow::Owned)
                 .map_err(|error| format!("cannot read {}: {error}", path.display())),
         };
@@ -144,11 +199,15 @@ fn decode(bytes: &[u8], budget: &Budget) -> Result<DynamicImage, Fault> {
     if width == 0 || height == 0 {
         return Err("has no texels".into());
     }
-    let texels = u64::from(width) * u64::from(height);
-    budget
-        .take(texels, 4)
-        .map_err(|_| "all pictures together take more than 4 GiB; make them smaller".to_owned())?;
+    take(budget, u64::from(width) * u64::from(height) * 4)?;
     DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())
+}
+
+fn take(budget: &Budget, bytes: u64) -> Result<(), Fault> {
+    let taken = budget.take(bytes, 1);
+    taken.map_err(|_| {
+        "all pictures of the scene together take more than 4 GiB; make them smaller".to_owned()
+    })
 }
 
 #[cfg(test)]

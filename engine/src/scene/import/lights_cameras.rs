@@ -170,7 +170,7 @@ fn rigid(world: &DAffine3) -> Option<Affine3A> {
 pub fn default_camera(scene: &Scene) -> Camera {
     const Y_FOV: f32 = 0.7;
     let (low, high) = scene.bounds().unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
-    let center = (low + high) * 0.5;
+    let center = low * 0.5 + high * 0.5;
     let radius = ((high - low).length() * 0.5).clamp(1e-4, 1e15);
     let toward_eye = Vec3::new(0.55, 0.4, 1.0).normalize();
     // The bounding sphere fits into the cone of the vertical angle, with a little space around it.

@@ -2,6 +2,7 @@
 
 use super::document::Document;
 use super::error::{At as _, Fault, ImportError, Warnings};
+use super::images;
 use crate::scene::{AlphaMode, Filter, Material, Sampler, TextureRef, Wrap};
 use glam::{Vec3, Vec4};
 use gltf::json;
@@ -25,6 +26,7 @@ pub(super) fn read(
         root: &document.root,
         requests: Vec::new(),
         found: HashMap::new(),
+        first: first_uses(document),
         warnings,
         place: String::new(),
     };
@@ -46,10 +48,19 @@ pub(super) fn read(
     Ok((materials, reader.requests))
 }
 
+fn first_uses(document: &Document) -> Vec<usize> {
+    let mut firsts = HashMap::new();
+    (0..document.root.images.len())
+        .map(|index| *firsts.entry(images::key(document, index)).or_insert(index))
+        .collect()
+}
+
 pub(super) struct Reader<'a> {
     root: &'a json::Root,
     requests: ImageRequests,
     found: HashMap<(usize, bool), u32>,
+    /// For each image of the file the first one with the same bytes.
+    first: Vec<usize>,
     warnings: &'a mut Warnings,
     place: String,
 }
@@ -210,7 +221,7 @@ impl Reader<'_> {
         if image >= self.root.images.len() {
             return Err(format!("texture {index}: image {image} does not exist"));
         }
-        Ok(Some(image))
+        Ok(Some(self.first[image]))
     }
 
     fn sampler(&mut self, source: &json::texture::Sampler) -> Sampler {

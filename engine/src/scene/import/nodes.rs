@@ -12,7 +12,7 @@ use gltf::json;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Instances of a file at most.
+/// Instances of a scene at most.
 const MAX_INSTANCES: usize = 1 << 22;
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
@@ -27,14 +27,15 @@ struct Request {
     skin: Option<usize>,
 }
 
-/// Builds the meshes that visible nodes show, and their instances.
+/// Builds the meshes that visible nodes show, and their instances, for a scene that has `before` instances.
 pub(super) fn instances(
     document: &Document,
     nodes: &Nodes,
     materials: &[Material],
+    before: usize,
     warnings: &mut Warnings,
 ) -> Result<(Vec<Mesh>, Vec<Instance>), ImportError> {
-    let (requests, mut instances) = list(document, nodes, warnings)?;
+    let (requests, mut instances) = list(document, nodes, before, warnings)?;
     let builder = Builder {
         document,
         materials,
@@ -74,6 +75,7 @@ pub(super) fn instances(
 fn list(
     document: &Document,
     nodes: &Nodes,
+    before: usize,
     warnings: &mut Warnings,
 ) -> Result<(Vec<Request>, Vec<Instance>), ImportError> {
     let root = &document.root;
@@ -101,11 +103,11 @@ fn list(
         if usable.is_empty() {
             continue;
         }
-        if instances.len() + usable.len() > MAX_INSTANCES {
+        if before + instances.len() + usable.len() > MAX_INSTANCES {
             return Err(ImportError::TooLarge {
                 path: document.path.clone(),
                 problem: format!(
-                    "has more than {MAX_INSTANCES} instances; join meshes or split the scene"
+                    "the scene would have more than {MAX_INSTANCES} instances; join meshes or split the scene"
                 ),
             });
         }
@@ -374,7 +376,10 @@ fn warn_of_dropped(built: &[Built], warnings: &mut Warnings) {
             ));
         }
     };
-    warn(&|d| d.degenerate, "triangles without area were left out");
+    warn(
+        &|d| d.degenerate,
+        "degenerate triangles (without area) were left out",
+    );
     warn(
         &|d| d.non_finite,
         "triangles with infinite or NaN positions were left out",

@@ -1,7 +1,7 @@
 //! Whole files in miniature: JSON in, scene out.
 
 use super::document::Document;
-use super::{ImportError, Imported, assemble, make_names_unique, merge};
+use super::{ImportError, Imported, Importer, make_names_unique, merge};
 use crate::scene::{AlphaMode, Environment, LightKind, Material, Projection, Scene};
 use base64::Engine as _;
 use glam::{DAffine3, Vec3};
@@ -14,11 +14,9 @@ pub(super) fn import(tree: Value) -> Result<Imported, ImportError> {
     let mut tree = tree;
     tree["asset"] = json!({ "version": "2.0" });
     let text = serde_json::to_vec(&tree).unwrap();
-    assemble(
-        &Document::parse(Path::new("dir/test.gltf"), text)?,
-        DAffine3::IDENTITY,
-        true,
-    )
+    let mut importer = Importer::new();
+    let document = Document::parse(Path::new("dir/test.gltf"), text, &importer.budget)?;
+    importer.assemble(&document, DAffine3::IDENTITY, &Scene::default(), true)
 }
 
 fn scene(tree: Value) -> Scene {
@@ -201,7 +199,7 @@ fn useless_triangles_are_dropped_with_one_warning_each() {
     assert_eq!(scene.meshes[0].triangles.len(), 1);
     assert_eq!(scene.meshes[0].positions.len(), 3, "the NaN vertex is gone");
     assert_eq!(warnings.len(), 2, "{warnings:?}");
-    assert!(warnings[0].starts_with("2 triangles without area"));
+    assert!(warnings[0].starts_with("2 degenerate triangles"));
 }
 
 #[test]
@@ -359,6 +357,40 @@ fn a_picture_used_as_colour_and_as_data_is_there_twice() {
 }
 
 #[test]
+fn basisu_textures_fall_back_to_their_pictures_unless_they_are_required() {
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::RgbImage::new(2, 3)
+        .write_to(&mut png, image::ImageFormat::Png)
+        .unwrap();
+    let data = base64::engine::general_purpose::STANDARD.encode(png.into_inner());
+    let mut tree = square();
+    tree["extensionsUsed"] = json!(["KHR_texture_basisu"]);
+    tree["images"] = json!([
+        { "uri": "not-there.ktx2", "mimeType": "image/ktx2" },
+        { "uri": format!("data:image/png;base64,{data}") },
+    ]);
+    tree["textures"] = json!([
+        { "source": 1, "extensions": { "KHR_texture_basisu": { "source": 0 } } },
+        { "extensions": { "KHR_texture_basisu": { "source": 0 } } },
+    ]);
+    tree["materials"] = json!([{
+        "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },
+        "emissiveTexture": { "index": 1 },
+    }]);
+    let Imported { scene, warnings } = import(tree.clone()).unwrap();
+    assert_eq!((scene.images[0].width, scene.images[0].height), (2, 3));
+    assert!(scene.materials[0].base_color_texture.is_some());
+    assert!(scene.materials[0].emission_texture.is_none());
+    let warnings = warnings.join("\n");
+    assert!(warnings.contains("fallback"), "{warnings}");
+    assert!(warnings.contains("texture 1 has no picture"), "{warnings}");
+    tree["extensionsRequired"] = json!(["KHR_texture_basisu"]);
+    let message = error(tree);
+    assert!(message.contains("KHR_texture_basisu"), "{message}");
+    assert!(message.contains("PNG, JPEG or WebP"), "{message}");
+}
+
+#[test]
 fn cameras_and_lights_stand_in_the_world() {
     let mut tree = square();
     tree["cameras"] = json!([
@@ -497,7 +529,7 @@ fn whole_numbers_written_as_floats_are_read() {
 fn broken_json_says_where() {
     let text = b"{\n  \"asset\": { \"version\": \"2.0\" },\n  \"nodes\": [ { \"mesh\": true } ]\n}"
         .to_vec();
-    let Err(error) = Document::parse(Path::new("test.gltf"), text) else {
+    let Err(error) = Document::parse(Path::new("test.gltf"), text, &Importer::new().budget) else {
         panic!("must be refused");
     };
     assert!(error.to_string().contains("line 3"), "{error}");
@@ -580,5 +612,5 @@ fn primitives_that_each_have_another_attribute_cannot_buy_memory() {
     assert_eq!(few.meshes[0].custom.len(), 40);
     // Each of the joined mesh's vertices would have all of them: more than a gigabyte.
     tree["meshes"][0]["primitives"] = (0..4200).map(primitive).collect();
-    assert!(error(tree).contains("far more than the size of the file explains"));
+    assert!(error(tree).contains("far more than the size of its files explains"));
 }

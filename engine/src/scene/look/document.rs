@@ -9,6 +9,8 @@ use std::path::Path;
 use texgen::{Diagnostic, Diagnostics, SourceFile};
 use toml_edit::{DocumentMut, Item, Table, TableLike};
 
+use crate::aside;
+
 use super::value::{Field, Value, fields, to_toml, to_toml_like};
 
 /// One table of a look.
@@ -113,27 +115,12 @@ impl LookDocument {
         text
     }
 
-    /// Writes the text aside, then renames it to `path`: the file is the old one or the new one, never half of either.
+    /// Writes the text to `path`: the file is the old one or the new one, never half of either. A link stays one.
     ///
     /// # Errors
     /// The system refuses; the old file is untouched then.
     pub fn save(&self, path: &Path) -> io::Result<()> {
-        // A link stays one: what it points to is replaced.
-        let path = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let folder = match path.parent() {
-            Some(folder) if folder != Path::new("") => folder,
-            _ => Path::new("."),
-        };
-        let mut aside = tempfile::Builder::new()
-            .prefix(".patina-")
-            .tempfile_in(folder)?;
-        aside.write_all(self.text().as_bytes())?;
-        aside.as_file().sync_all()?;
-        if let Ok(old) = std::fs::metadata(&path) {
-            aside.as_file().set_permissions(old.permissions())?;
-        }
-        aside.persist(path).map_err(|error| error.error)?;
-        Ok(())
+        aside::replace(path, |file| file.write_all(self.text().as_bytes()))
     }
 
     /// Everything in it, without places.

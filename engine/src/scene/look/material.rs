@@ -49,6 +49,8 @@ pub struct MaterialLook {
 enum Takes {
     /// A colour that isn't negative.
     Color,
+    /// A colour that says how much of the light comes back: usually not beyond 1.
+    ShareColor,
     /// 0 to 1.
     Share,
     /// Not negative; what it is.
@@ -65,7 +67,7 @@ enum Takes {
 
 /// Everything that a node may drive, with the constants it takes instead.
 const INPUTS: [(&str, Takes); 23] = [
-    ("base_color", Takes::Color),
+    ("base_color", Takes::ShareColor),
     ("metallic", Takes::Share),
     ("roughness", Takes::Share),
     ("emission", Takes::Color),
@@ -82,10 +84,10 @@ const INPUTS: [(&str, Takes); 23] = [
     ("normal_scale", Takes::Number),
     ("transmission", Takes::Share),
     ("diffuse_transmission", Takes::Share),
-    ("diffuse_transmission_color", Takes::Color),
+    ("diffuse_transmission_color", Takes::ShareColor),
     ("coat", Takes::Share),
     ("coat_roughness", Takes::Share),
-    ("sheen_color", Takes::Color),
+    ("sheen_color", Takes::ShareColor),
     ("sheen_roughness", Takes::Share),
     ("anisotropy", Takes::Share),
     ("anisotropy_rotation", Takes::Angle),
@@ -191,6 +193,7 @@ fn input(
 ) -> Option<Spanned<Input>> {
     match takes {
         Takes::Color => reader.color_input(value),
+        Takes::ShareColor => reader.share_color_input(value),
         Takes::Share => reader.unit_input(value),
         Takes::Positive(what) => reader.number_input(value, what, |x| x >= 0.0),
         Takes::Ior => reader.number_input(value, "0, or a number of at least 1", |x| {
@@ -234,7 +237,7 @@ pub(super) fn material(
             "alpha_mode" => m.alpha_mode = choice(reader, value, &MODES),
             "alpha_cutoff" => m.alpha_cutoff = reader.number(value, POSITIVE, |x| x >= 0.0),
             "solid" => m.solid = reader.bool(value),
-            "attenuation_color" => m.attenuation_color = reader.color(value),
+            "attenuation_color" => m.attenuation_color = reader.share_color(value),
             "attenuation_distance" => {
                 m.attenuation_distance = reader.number(value, "metres greater than 0", |x| x > 0.0);
             }

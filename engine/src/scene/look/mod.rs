@@ -20,12 +20,14 @@ use std::path::{Path, PathBuf};
 use glam::{Affine3A, Vec3};
 use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle};
 
+use crate::input;
 use crate::scene::sky::Sky;
 
 pub use document::{LookDocument, Section};
 pub use material::MaterialLook;
 pub(crate) use parse::{Table, placed_fields, table};
 pub use reader::{color, link_text};
+pub(crate) use reader::{color_remedy, misplaced_key, unquoted};
 pub use value::{Field, Span, Spanned, Value, find, parse_value};
 
 /// The most AO tables a look may have: the hit of a path carries this many occlusion values.
@@ -52,6 +54,8 @@ pub struct Look {
     pub materials: Vec<MaterialLook>,
     /// `[[include]]` tables, in the order of the file.
     pub includes: Vec<Include>,
+    /// What can be read but is probably not meant so.
+    pub warnings: Diagnostics,
 }
 
 /// `environment = { ... }`.
@@ -251,11 +255,18 @@ impl Look {
     /// # Errors
     /// The file can't be read, or its mistakes, all of them.
     pub fn load(path: &Path) -> Result<Self, LookError> {
-        let text = std::fs::read_to_string(path).map_err(|source| LookError::Read {
+        Ok(Self::parse(path, &Self::read_text(path)?)?)
+    }
+
+    /// Reads the text of a look file.
+    ///
+    /// # Errors
+    /// It is no regular file, no text, too large, or can't be read.
+    pub(crate) fn read_text(path: &Path) -> Result<String, LookError> {
+        input::read_text(path, parse::MAX_BYTES as u64).map_err(|source| LookError::Read {
             path: path.to_owned(),
             source,
-        })?;
-        Ok(Self::parse(path, &text)?)
+        })
     }
 
     /// Parses the text of a look file that lies, or would lie, at `path`.
@@ -263,11 +274,13 @@ impl Look {
     /// # Errors
     /// All mistakes of the text, in its order.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Diagnostics> {
-        let (look, mut reader) = parse::parse(path, text);
+        let (mut look, mut reader) = parse::parse(path, text);
+        let start = |d: &Diagnostic| d.labels.first().map_or(0, |label| label.span.start);
         if reader.problems.is_empty() {
+            reader.warnings.sort_by_key(start);
+            look.warnings = reader.warnings.into_iter().collect();
             return Ok(look);
         }
-        let start = |d: &Diagnostic| d.labels.first().map_or(0, |label| label.span.start);
         reader.problems.sort_by_key(start);
         Err(reader.problems.into_iter().collect())
     }
@@ -284,6 +297,7 @@ impl Look {
             nodes: Vec::new(),
             materials: Vec::new(),
             includes: Vec::new(),
+            warnings: Diagnostics::new(),
         }
     }
 

@@ -12,7 +12,7 @@ use toml_edit::Document;
 use super::document::Section;
 use super::light::{environment, light};
 use super::material::{MaterialLook, material};
-use super::reader::{Reader, is_name};
+use super::reader::{Reader, is_name, unquoted};
 use super::value::{Field, Span, Spanned, Value, fields};
 use super::{
     AoDirection, AoLook, AoSettings, BlendLook, CameraLook, EnvironmentLook, Include, Input, Look,
@@ -20,7 +20,18 @@ use super::{
 };
 
 /// A look larger than this is not one.
-const MAX_BYTES: usize = 16 << 20;
+pub(super) const MAX_BYTES: usize = 16 << 20;
+
+/// Keys of a look.
+pub(super) const KEYS: [&str; 7] = [
+    "environment",
+    "camera",
+    "light",
+    "ao",
+    "node",
+    "material",
+    "include",
+];
 
 pub(super) fn parse(path: &Path, text: &str) -> (Look, Reader) {
     let file = SourceFile::new("look", path.display().to_string(), text);
@@ -48,15 +59,6 @@ pub(super) fn parse(path: &Path, text: &str) -> (Look, Reader) {
 }
 
 fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
-    const KEYS: [&str; 7] = [
-        "environment",
-        "camera",
-        "light",
-        "ao",
-        "node",
-        "material",
-        "include",
-    ];
     for Field { key, value } in root {
         match key.value.as_str() {
             "environment" => look.environment = environment(reader, value),
@@ -493,12 +495,10 @@ fn unknown_name<'n>(
         return;
     }
     let message = format!("there is no {what} called `{}`", wanted.value);
-    match did_you_mean(&wanted.value, names) {
-        Some(near) => {
-            reader.problem_with_note(&wanted.span, message, format!("did you mean `{near}`?"))
-        }
-        None => {
-            reader.problem_with_note(&wanted.span, message, format!("declare it with {header}"))
-        }
-    }
+    let note = match (unquoted(&wanted.value), did_you_mean(&wanted.value, names)) {
+        (Some(remedy), _) => remedy,
+        (None, Some(near)) => format!("did you mean `{near}`?"),
+        (None, None) => format!("declare it with {header}"),
+    };
+    reader.problem_with_note(&wanted.span, message, note);
 }

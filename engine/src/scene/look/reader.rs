@@ -14,6 +14,7 @@ use super::{Input, Link};
 pub(super) struct Reader {
     pub(super) file: SourceFile,
     pub(super) problems: Vec<Diagnostic>,
+    pub(super) warnings: Vec<Diagnostic>,
 }
 
 impl Reader {
@@ -21,6 +22,7 @@ impl Reader {
         Self {
             file,
             problems: Vec::new(),
+            warnings: Vec::new(),
         }
     }
 
@@ -40,6 +42,12 @@ impl Reader {
     }
 
     fn wrong_kind(&mut self, value: &Spanned<Value>, wanted: &str) {
+        if let Value::Text(text) = &value.value
+            && let Some(remedy) = unquoted(text)
+        {
+            self.problem(&value.span, format!("expected {wanted}: {remedy}"));
+            return;
+        }
         self.problem(
             &value.span,
             format!("expected {wanted}, found {}", value.value.kind()),
@@ -49,9 +57,11 @@ impl Reader {
     /// A key that `table` doesn't have.
     pub(super) fn unknown_key(&mut self, key: &Spanned<String>, table: &str, known: &[&str]) {
         let message = format!("{table} has no key `{}`", key.value);
-        let note = match did_you_mean(&key.value, known.iter().copied()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("it has: {}", known.join(", ")),
+        let near = did_you_mean(&key.value, known.iter().copied());
+        let note = match (misplaced_key(&key.value), near) {
+            (Some(remedy), _) => remedy,
+            (None, Some(near)) => format!("did you mean `{near}`?"),
+            (None, None) => format!("it has: {}", known.join(", ")),
         };
         self.problem_with_note(&key.span, message, note);
     }
@@ -154,6 +164,26 @@ impl Reader {
         }
     }
 
+    /// A colour of which no component is usually more than 1: a share of light.
+    pub(super) fn share_color(&mut self, value: &Spanned<Value>) -> Option<Spanned<Vec3>> {
+        let color = self.color(value)?;
+        if let Some(remedy) = color_remedy(&value.value) {
+            let warning = Diagnostic::warning("a surface would give back more light than it gets")
+                .with_label(&self.file, value.span.clone(), "a colour beyond 1")
+                .with_note(remedy);
+            self.warnings.push(warning);
+        }
+        Some(color)
+    }
+
+    /// As [`share_color`](Self::share_color), or a link to a node.
+    pub(super) fn share_color_input(&mut self, value: &Spanned<Value>) -> Option<Spanned<Input>> {
+        match &value.value {
+            Value::Text(text) if !text.starts_with('#') => self.link(value, text),
+            _ => (self.share_color(value)).map(|c| c.with(Input::Constant(c.value))),
+        }
+    }
+
     /// A colour, or a link to a node.
     pub(super) fn color_input(&mut self, value: &Spanned<Value>) -> Option<Spanned<Input>> {
         match &value.value {
@@ -229,8 +259,59 @@ pub fn color(value: &Value) -> Result<Vec3, String> {
     }
 }
 
+/// What to write in place of a text that is a number, or something else that needs no quotes; `None` for other texts.
+pub(crate) fn unquoted(text: &str) -> Option<String> {
+    let value = super::parse_value(text.trim())?;
+    let is_finite = value.value.as_number().is_none_or(f64::is_finite);
+    let kind = match value.value {
+        Value::Bool(_) | Value::Integer(_) | Value::Float(_) | Value::List(_) => value.value.kind(),
+        Value::Text(_) | Value::Table(_) | Value::Date => return None,
+    };
+    let text = text.trim();
+    is_finite.then(|| format!("\"{text}\" is a string, not {kind}; write {text} without quotes"))
+}
+
+/// What to do about a key of a whole look in one of its tables; `None` for other keys.
+pub(crate) fn misplaced_key(key: &str) -> Option<String> {
+    super::parse::KEYS.contains(&key).then(|| {
+        format!(
+            "in TOML a key belongs to the last [table] above it: move `{key}` to the top of the file, before the first [table]"
+        )
+    })
+}
+
+/// What to write in place of a colour beyond 1; `None` where no component is.
+pub(crate) fn color_remedy(value: &Value) -> Option<String> {
+    let Value::List(list) = value else {
+        return None;
+    };
+    let numbers: Vec<f64> = list.iter().filter_map(|n| n.value.as_number()).collect();
+    let most = numbers.iter().copied().fold(0.0, f64::max);
+    if most <= 1.0 || !(3..=4).contains(&numbers.len()) {
+        return None;
+    }
+    let is_byte = |n: &f64| n.fract() == 0.0 && (0.0..=255.0).contains(n);
+    Some(if numbers.iter().all(is_byte) {
+        let hex: String = (numbers.iter().take(3))
+            .map(|&n| format!("{:02x}", n as u8))
+            .collect();
+        format!(
+            "components of a colour are 0 to 1 and linear; for sRGB values of 0 to 255 write \"#{hex}\", for linear ones \
+             divide by 255"
+        )
+    } else {
+        "components of a colour are 0 to 1 and linear; \"#rrggbb\" is sRGB".to_owned()
+    })
+}
+
 /// Reads `"node"` or `"node.xyz"`. The error says what is wrong with it.
 pub fn link_text(text: &str) -> Result<Link, String> {
+    // A node may be called `5` or `true`, but neither `0.02` nor `[1]`.
+    if !is_name(text)
+        && let Some(remedy) = unquoted(text)
+    {
+        return Err(remedy);
+    }
     let (node, swizzle) = match text.split_once('.') {
         Some((node, swizzle)) => (node, Some(swizzle)),
         None => (text, None),

@@ -258,6 +258,64 @@ fn mistakes_of_value_are_explained() {
 }
 
 #[test]
+fn quotes_too_many_and_misplaced_keys_are_explained() {
+    one_problem(
+        "[material.A]\nroughness = '0.5'",
+        2,
+        13,
+        "write 0.5 without quotes",
+    );
+    one_problem(
+        "[material.A]\nroughness = '1'",
+        2,
+        13,
+        "write 1 without quotes",
+    );
+    one_problem(
+        "[camera]\ny_fov = '40'",
+        2,
+        9,
+        "\"40\" is a string, not a number; write 40 without quotes",
+    );
+    one_problem(
+        "[material.A]\nunlit = 'true'",
+        2,
+        9,
+        "write true without quotes",
+    );
+    one_problem(
+        "[material.A]\nroughness = 0.5\nenvironment = { color = [1, 1, 1] }",
+        3,
+        1,
+        "move `environment` to the top of the file",
+    );
+    one_problem(
+        "[camera]\ny_fov = 40\ncamera = {}",
+        3,
+        1,
+        "before the first [table]",
+    );
+    one_problem("[material.A]\nroughness = 'a.5'", 2, 13, "swizzle");
+}
+
+#[test]
+fn colours_beyond_one_are_warnings_where_light_would_come_from_nothing() {
+    let look = parse(
+        "[material.A]\nbase_color = [255, 120, 0]\nemission = [255, 120, 0]\nspecular_color = [2, 2, 2]\nsheen_color = [0.5, 1.5, 0]",
+    );
+    let shown = look.warnings.to_string();
+    assert_eq!(look.warnings.len(), 2, "{shown}");
+    for says in [":2:14", "\"#ff7800\"", "divide by 255", ":5:15", "linear"] {
+        assert!(shown.contains(says), "{says}: {shown}");
+    }
+    assert!(
+        parse("[material.A]\nbase_color = [1, 1, 0]")
+            .warnings
+            .is_empty()
+    );
+}
+
+#[test]
 fn a_fifth_ao_table_is_refused() {
     let text: String = (0..5)
         .map(|i| format!("[ao.t{i}]\ndistance = 1\n"))

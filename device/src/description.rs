@@ -1,0 +1,64 @@
+//! Which devices a machine has.
+
+/// One device of the machine.
+#[derive(Debug, Clone)]
+pub struct DeviceDescription {
+    /// Number to choose it by.
+    pub index: usize,
+    /// The driver's name for it.
+    pub name: String,
+    /// Vulkan, Metal, DX12 or native.
+    pub backend: String,
+    /// Driver and its version.
+    pub driver: String,
+    /// `discrete GPU`, `integrated GPU`, `virtual GPU`, `CPU` or `other`.
+    pub device_type: String,
+    /// Bytes of the largest storage binding.
+    pub max_storage_binding: u64,
+    /// Bytes of the largest buffer.
+    pub max_buffer: u64,
+    /// Storage buffers that one kernel can bind.
+    pub storage_buffers_per_stage: u32,
+    /// Threads of the largest workgroup.
+    pub workgroup_invocations: u32,
+    /// Whether passes can be timed on the device.
+    pub timestamps: bool,
+    /// Whether kernels can trace rays in acceleration structures of the driver's.
+    pub ray_queries: bool,
+    /// Why it can't be used, if it can't.
+    pub usable: Result<(), String>,
+}
+
+/// Which device to open.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum DeviceChoice {
+    /// Discrete before integrated before virtual before CPU.
+    #[default]
+    Best,
+    /// By [`DeviceDescription::index`].
+    Index(usize),
+    /// The best whose name contains this, letter case ignored.
+    Name(String),
+}
+
+impl DeviceChoice {
+    /// Whether a device is meant by it, if it is the best of those that are.
+    pub(crate) fn admits(&self, device: &DeviceDescription) -> bool {
+        let is_meant = match self {
+            Self::Best => true,
+            Self::Index(index) => device.index == *index,
+            Self::Name(name) => device.name.to_lowercase().contains(&name.to_lowercase()),
+        };
+        is_meant && device.usable.is_ok()
+    }
+}
+
+impl std::fmt::Display for DeviceChoice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Best => f.write_str("any"),
+            Self::Index(index) => write!(f, "{index}"),
+            Self::Name(name) => f.write_str(name),
+        }
+    }
+}

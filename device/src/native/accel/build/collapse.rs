@@ -1,0 +1,146 @@
+//! Joins the nodes of the binary tree to nodes of eight children, as its choices say.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::{
+    super::layout::{EMPTY, LEAF, Node},
+    Hierarchy,
+    binary::Tree,
+};
+
+/// Subtrees of up to this many nodes of the binary tree are joined by one thread.
+const TASK: usize = 1 << 16;
+
+/// A subtree whose root is to become a node; its place in the node above it; its level.
+type Waiting = (Range<usize>, Option<(usize, usize)>, usize);
+
+/// A part of the hierarchy: its nodes and leaves are numbered from 0.
+struct Part<L> {
+    nodes: Vec<Node>,
+    leaves: Vec<L>,
+    depth: usize,
+    /// What is left to others: subtree, the node and lane that it is for, and its level.
+    rest: Vec<(Range<usize>, (usize, usize), usize)>,
+}
+
+/// Joins the whole tree; `leaf` makes what a leaf holds.
+pub(super) fn collapse<L: Send>(tree: &Tree, leaf: &(impl Fn(&[u32]) -> L + Sync)) -> Hierarchy<L> {
+    let whole = 0..tree.nodes.len();
+    let Part {
+        mut nodes,
+        mut leaves,
+        mut depth,
+        rest,
+    } = part(tree, whole, TASK, leaf);
+    let parts: Vec<Part<L>> = rest
+        .par_iter()
+        .map(|(subtree, _, _)| part(tree, subtree.clone(), 0, leaf))
+        .collect();
+    nodes.reserve_exact(parts.iter().map(|part| part.nodes.len()).sum());
+    leaves.reserve_exact(parts.iter().map(|part| part.leaves.len()).sum());
+    for (part, (_, (parent, lane), level)) in parts.into_iter().zip(rest) {
+        let (first_node, first_leaf) = (nodes.len() as u32, leaves.len() as u32);
+        nodes[parent].children[lane] = first_node;
+        nodes.extend(part.nodes.into_iter().map(|mut node| {
+            for child in &mut node.children {
+                if *child != EMPTY {
+                    *child += if *child & LEAF == 0 {
+                        first_node
+                    } else {
+                        first_leaf
+                    };
+                }
+            }
+            node
+        }));
+        leaves.extend(part.leaves);
+        depth = depth.max(level + part.depth);
+    }
+    Hierarchy {
+        nodes,
+        leaves,
+        bounds: tree.nodes[0].bounds(),
+        depth,
+    }
+}
+
+/// Joins the subtree that lies in `subtree`, but leaves those of up to `task` nodes to others.
+fn part<L>(
+    tree: &Tree,
+    subtree: Range<usize>,
+    task: usize,
+    leaf: &impl Fn(&[u32]) -> L,
+) -> Part<L> {
+    let mut part = Part {
+        nodes: vec![],
+        leaves: vec![],
+        depth: 0,
+        rest: vec![],
+    };
+    let mut references = vec![];
+    let mut children: Vec<Range<usize>> = vec![];
+    // Depth first, so that a node's first inner child follows it.
+    let mut waiting: Vec<Waiting> = vec![(subtree, None, 1)];
+    while let Some((subtree, parent, level)) = waiting.pop() {
+        let index = part.nodes.len();
+        if let Some((parent, lane)) = parent {
+            part.nodes[parent].children[lane] = index as u32;
+        }
+        part.depth = part.depth.max(level);
+        children.clear();
+        open(tree, subtree, &mut children);
+        let mut node = Node::EMPTY;
+        for (lane, child) in children.iter().enumerate().rev() {
+            let root = &tree.nodes[child.start];
+            node.set(lane, root.bounds(), EMPTY);
+            if root.choice().is_leaf() {
+                references.clear();
+                let leaves = tree.nodes[child.clone()].iter().enumerate();
+                references.extend(
+                    leaves
+                        .filter(|(_, n)| n.choice().is_single())
+                        .map(|(_, n)| n.right),
+                );
+                node.children[lane] = LEAF | part.leaves.len() as u32;
+                part.leaves.push(leaf(&references));
+            } else if child.len() <= task {
+                part.rest.push((child.clone(), (index, lane), level));
+            } else {
+                waiting.push((child.clone(), Some((index, lane)), level + 1));
+            }
+        }
+        part.nodes.push(node);
+    }
+    part
+}
+
+/// The subtrees that become the children of a subtree's root: forests are opened until each is one root.
+fn open(tree: &Tree, subtree: Range<usize>, children: &mut Vec<Range<usize>>) {
+    let root = &tree.nodes[subtree.start];
+    if root.choice().is_leaf() {
+        children.push(subtree); // a tree of one leaf
+        return;
+    }
+    let halves = |subtree: &Range<usize>| {
+        let right = tree.nodes[subtree.start].right as usize;
+        (subtree.start + 1..right, right..subtree.end)
+    };
+    let (left, right) = halves(&subtree);
+    let to_left = root.choice().left(1);
+    let mut forests = vec![(right, 8 - to_left), (left, to_left)];
+    while let Some((subtree, mut roots)) = forests.pop() {
+        let choice = tree.nodes[subtree.start].choice();
+        while roots > 1 && choice.left(roots) == 0 {
+            roots -= 1;
+        }
+        if roots == 1 {
+            children.push(subtree);
+        } else {
+            let (left, right) = halves(&subtree);
+            let to_left = choice.left(roots);
+            forests.extend([(right, roots - to_left), (left, to_left)]);
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Builds a hierarchy: a binary tree by the surface area heuristic ([`binary`]), whose nodes are then joined to nodes of
+//! eight children ([`collapse`]).
+
+mod binary;
+mod collapse;
+mod progress;
+mod split;
+
+pub use progress::BuildError;
+pub(super) use progress::Progress;
+
+use super::{
+    bounds::{Bounds, Reference},
+    layout::Node,
+};
+
+/// Most levels of nodes that a hierarchy has: the binary tree has no more, and joining its nodes adds none.
+pub const MAX_DEPTH: usize = 64;
+
+/// A hierarchy whose leaves hold `L`.
+#[derive(Debug)]
+pub(super) struct Hierarchy<L> {
+    /// The root first; nothing where there is nothing to enclose.
+    pub(super) nodes: Vec<Node>,
+    pub(super) leaves: Vec<L>,
+    pub(super) bounds: Bounds,
+    /// Levels of nodes.
+    pub(super) depth: usize,
+}
+
+impl<L: Send> Hierarchy<L> {
+    /// Encloses what `references` refer to. A leaf holds at most `most` of them, and `leaf` makes it from their indices.
+    ///
+    /// # Errors
+    /// If `progress` says that it is to end.
+    pub(super) fn build(
+        mut references: Vec<Reference>,
+        most: usize,
+        progress: &Progress<'_>,
+        leaf: impl Fn(&[u32]) -> L + Sync,
+    ) -> Result<Self, BuildError> {
+        if references.is_empty() {
+            return Ok(Self {
+                nodes: vec![],
+                leaves: vec![],
+                bounds: Bounds::EMPTY,
+                depth: 0,
+            });
+        }
+        let tree = binary::Tree::build(&mut references, most, progress)?;
+        drop(references);
+        Ok(collapse::collapse(&tree, &leaf))
+    }
+}

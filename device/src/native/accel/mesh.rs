@@ -1,0 +1,108 @@
+//! The bottom level: the triangles of a mesh.
+
+use std::ops::{BitOr, ControlFlow};
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::{
+    bounds::Reference,
+    build::{BuildError, Hierarchy, Progress},
+    layout::{DEFERRED, FILTERED, INDEX, SINGLE_SIDED, TriangleBlock, WIDTH},
+};
+
+/// What rays have to know of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Flags(u32);
+
+impl Flags {
+    /// A triangle that stops every ray.
+    pub const NONE: Self = Self(0);
+    /// Rays that meet its back pass through. The back is where its corners turn clockwise.
+    pub const SINGLE_SIDED: Self = Self(SINGLE_SIDED);
+    /// The filter of the ray is asked whether a hit counts.
+    pub const FILTERED: Self = Self(FILTERED);
+    /// To an any-hit ray, a hit doesn't end the search and is reported only if it is the closest, so that the caller can
+    /// judge it and start again behind it, with `t_min` the hit's `t`.
+    pub const DEFERRED: Self = Self(DEFERRED);
+}
+
+impl BitOr for Flags {
+    type Output = Self;
+
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+/// The triangles of a mesh, ready for rays.
+#[derive(Debug)]
+pub struct Mesh {
+    pub(super) level: Hierarchy<TriangleBlock>,
+}
+
+impl Mesh {
+    /// Builds the hierarchy over `triangles`, each of three indices of `positions`; a hit names a triangle by its place in
+    /// `triangles`, and `flags` is asked by it. Runs on all threads of the current rayon pool.
+    ///
+    /// What no ray can hit is left out: triangles with a corner that isn't finite or isn't there, or with two corners in
+    /// one place. There may be nothing left.
+    ///
+    /// `progress` is called now and then, by any of the threads, with the share of the work that is done, in [0, 1]; what
+    /// it is given needn't be in order. It ends the build by [`ControlFlow::Break`].
+    ///
+    /// # Errors
+    /// If `progress` ends the build, or if there are more than 2^29 triangles.
+    pub fn build(
+        positions: &[Vec3],
+        triangles: &[[u32; 3]],
+        flags: impl Fn(usize) -> Flags + Sync,
+        progress: &(dyn Fn(f32) -> ControlFlow<()> + Sync),
+    ) -> Result<Self, BuildError> {
+        let most = INDEX as usize + 1;
+        if triangles.len() > most {
+            let count = triangles.len();
+            return Err(BuildError::TooMany { count, most });
+        }
+        let corners = |triangle: [u32; 3]| -> Option<[[f32; 3]; 3]> {
+            let [a, b, c] = triangle.map(|i| positions.get(i as usize).map(|p| p.to_array()));
+            Some([a?, b?, c?])
+        };
+        let references = triangles
+            .par_iter()
+            .enumerate()
+            .filter_map(|(index, &triangle)| {
+                let [a, b, c] = corners(triangle)?;
+                let has_area = a != b && b != c && c != a;
+                has_area.then(|| Reference::around(index as u32, &[a, b, c]))?
+            })
+            .collect::<Vec<_>>();
+        let progress = Progress::new(references.len(), progress);
+        let level = Hierarchy::build(references, WIDTH, &progress, |indices| {
+            let mut block = TriangleBlock::EMPTY;
+            for (lane, &index) in indices.iter().enumerate() {
+                if let Some(corners) = corners(triangles[index as usize]) {
+                    block.set(lane, corners, index | flags(index as usize).0);
+                }
+            }
+            block
+        })?;
+        Ok(Self { level })
+    }
+
+    /// Corners of the box around its triangles, or `None` if there are none.
+    pub fn bounds(&self) -> Option<[Vec3; 2]> {
+        let is_there = !self.level.nodes.is_empty();
+        is_there.then(|| self.level.bounds.corners().map(Vec3::from))
+    }
+
+    /// Levels of nodes, at most [`MAX_DEPTH`](super::MAX_DEPTH).
+    pub fn depth(&self) -> usize {
+        self.level.depth
+    }
+
+    /// Bytes of memory that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.level.nodes[..]) + size_of_val(&self.level.leaves[..])
+    }
+}

@@ -1,0 +1,62 @@
+//! Vectors of four and eight floats, as traversal uses them.
+
+use super::{
+    super::{build::Hierarchy, layout::TriangleBlock},
+    Candidate, Hit, Ray,
+    stack::Stack,
+};
+
+/// An instruction set. A value of this type is proof that the processor has it: vectors are made by it alone, so that all
+/// operations on vectors are safe.
+pub(super) trait Isa: Copy {
+    /// Eight floats, for the children of a node.
+    type F8: Lanes<8, Isa = Self>;
+    /// Four floats, for the triangles of a block.
+    type F4: Lanes<4, Isa = Self>;
+
+    /// [`levels::in_mesh`](super::levels::in_mesh), compiled for these instructions and not inlined.
+    #[expect(clippy::too_many_arguments, reason = "as there")]
+    fn in_mesh<const ANY: bool>(
+        self,
+        mesh: &Hierarchy<TriangleBlock>,
+        ray: &Ray,
+        t_max: f32,
+        stack: &mut Stack<'_>,
+        instance: u32,
+        hit: &mut Option<Hit>,
+        filter: &impl Fn(&Candidate) -> bool,
+    ) -> Option<f32>;
+}
+
+/// A vector of `N` floats.
+pub(super) trait Lanes<const N: usize>: Copy {
+    type Isa: Copy;
+    type Mask: Copy;
+
+    fn load(isa: Self::Isa, values: &[f32; N]) -> Self;
+    fn load_bits(isa: Self::Isa, values: &[u32; N]) -> Self;
+    fn splat(isa: Self::Isa, value: f32) -> Self;
+    fn to_array(self) -> [f32; N];
+
+    fn add(self, other: Self) -> Self;
+    fn sub(self, other: Self) -> Self;
+    fn mul(self, other: Self) -> Self;
+    /// `self * b + c`; whether it is rounded in between depends on the instruction set.
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    /// `other` where one of both is NaN.
+    fn min(self, other: Self) -> Self;
+    /// `other` where one of both is NaN.
+    fn max(self, other: Self) -> Self;
+
+    fn xor(self, other: Self) -> Self;
+    fn and(self, other: Self) -> Self;
+
+    /// False where one of both is NaN, as `lt`.
+    fn le(self, other: Self) -> Self::Mask;
+    fn lt(self, other: Self) -> Self::Mask;
+    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// A bit for each lane.
+    fn mask_bits(mask: Self::Mask) -> u32;
+    /// The highest bit of each lane.
+    fn sign_bits(self) -> u32;
+}

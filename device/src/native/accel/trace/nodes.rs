@@ -1,0 +1,111 @@
+//! A ray on its way through the nodes of one level.
+
+use super::{
+    super::layout::{EMPTY, LEAF, Node},
+    Ray,
+    lanes::{Isa, Lanes},
+    stack::Stack,
+};
+
+/// A ray as boxes want it.
+struct Slabs<F> {
+    origin: [F; 3],
+    inverse: [F; 3],
+    t_min: F,
+    /// Which of a box's two planes the ray meets first, per axis.
+    near: [usize; 3],
+    /// By how much the far plane is moved away.
+    widening: F,
+}
+
+impl<F: Lanes<8>> Slabs<F> {
+    #[inline(always)]
+    fn new(isa: F::Isa, ray: &Ray) -> Self {
+        let inverse = ray.direction.map(|d| 1.0 / bounded_away_from_zero(d));
+        Self {
+            origin: ray.origin.map(|o| F::splat(isa, o)),
+            inverse: inverse.map(|i| F::splat(isa, i)),
+            t_min: F::splat(isa, ray.t_min),
+            near: inverse.map(|i| usize::from(i < 0.0)),
+            // By the rounding of the operations below (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013).
+            widening: F::splat(isa, 1.000_000_5),
+        }
+    }
+
+    /// Where the ray enters each child's box, and the mask of those that it enters.
+    #[inline(always)]
+    fn intersect(&self, isa: F::Isa, node: &Node, t_max: F) -> (F, u32) {
+        // Subtracted before it is multiplied: rounded the other way round, near boxes far from the origin are missed.
+        let near = |axis: usize| {
+            let plane = F::load(isa, &node.bounds[axis][self.near[axis] & 1]);
+            plane.sub(self.origin[axis]).mul(self.inverse[axis])
+        };
+        let far = |axis: usize| {
+            let plane = F::load(isa, &node.bounds[axis][self.near[axis] & 1 ^ 1]);
+            plane.sub(self.origin[axis]).mul(self.inverse[axis])
+        };
+        let enter = near(0).max(near(1)).max(near(2).max(self.t_min));
+        let leave = far(0).min(far(1)).min(far(2).min(t_max));
+        (enter, F::mask_bits(enter.le(leave.mul(self.widening))))
+    }
+}
+
+/// A component of a direction whose reciprocal is finite.
+#[inline(always)]
+fn bounded_away_from_zero(d: f32) -> f32 {
+    if d.abs() < 1e-18 {
+        1e-18f32.copysign(d)
+    } else {
+        d
+    }
+}
+
+/// Calls `leaf` with the leaves that the ray meets, in about the order in which it meets them. That returns how far the ray
+/// goes from then on, or `None` to end the search, which then is what this returns, too. `nodes` are those of a level,
+/// `start` is its root or a leaf.
+///
+/// # Safety
+/// The children of `nodes` are in `nodes`, and no deeper than `MAX_DEPTH` below `start`; the stack has room for them.
+#[inline(always)]
+pub(super) unsafe fn descend<S: Isa>(
+    isa: S,
+    nodes: &[Node],
+    start: u32,
+    ray: &Ray,
+    t_max: f32,
+    stack: &mut Stack<'_>,
+    mut leaf: impl FnMut(u32, f32, &mut Stack<'_>) -> Option<f32>,
+) -> Option<f32> {
+    let slabs = Slabs::<S::F8>::new(isa, ray);
+    let floor = stack.height();
+    let mut t_max = t_max;
+    let mut limit = S::F8::splat(isa, t_max);
+    let mut current = start;
+    loop {
+        while current & LEAF == 0 {
+            debug_assert!((current as usize) < nodes.len());
+            // SAFETY: the caller has made sure.
+            let node = unsafe { nodes.get_unchecked(current as usize) };
+            let (enter, mask) = slabs.intersect(isa, node, limit);
+            if mask & mask.wrapping_sub(1) != 0 {
+                // SAFETY: the caller has made sure.
+                current = unsafe { stack.push_sorted(&node.children, &enter.to_array(), mask) };
+            } else if mask != 0 {
+                current = node.children[mask.trailing_zeros() as usize & 7];
+            } else {
+                current = EMPTY;
+            }
+        }
+        if current != EMPTY {
+            let reached = leaf(current & !LEAF, t_max, stack)?;
+            if reached != t_max {
+                t_max = reached;
+                limit = S::F8::splat(isa, t_max);
+            }
+        }
+        match stack.pop(floor, t_max) {
+            Some(child) => current = child,
+            None => return Some(t_max),
+        }
+    }
+}

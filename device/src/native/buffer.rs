@@ -1,0 +1,222 @@
+//! Memory of the native device: what kernels read and write.
+
+use std::{
+    alloc::{Layout, alloc_zeroed, dealloc},
+    fmt,
+    ptr::NonNull,
+    sync::{
+        Arc,
+        atomic::{AtomicU32, Ordering},
+    },
+};
+
+use bytemuck::Pod;
+
+/// The start of a buffer: a line of the cache, which vectors of any width may be read from.
+const ALIGNMENT: usize = 64;
+
+/// 32-bit words that kernels read and write; clones share them.
+///
+/// Nobody ever holds a reference to plain words: the program sees them as [`AtomicU32`], kernels see them as raw memory,
+/// a word at a time. So both may access a buffer at once, and what they then read is old or new, word by word, but
+/// nothing is undefined. Who wants the results of a dispatch waits for its end.
+#[derive(Clone)]
+pub struct Buffer {
+    memory: Arc<Memory>,
+}
+
+struct Memory {
+    start: NonNull<AtomicU32>,
+    words: usize,
+}
+
+// SAFETY: `Memory` owns what it points to, and hands it out as atomics alone.
+unsafe impl Send for Memory {}
+// SAFETY: as above; atomics may be shared.
+unsafe impl Sync for Memory {}
+
+impl Memory {
+    fn layout(words: usize) -> Option<Layout> {
+        // Never empty, so that there is always a word which an index can be restricted to.
+        Layout::from_size_align(words.max(4).checked_mul(4)?, ALIGNMENT).ok()
+    }
+}
+
+impl Drop for Memory {
+    fn drop(&mut self) {
+        let layout = Self::layout(self.words).expect("it was allocated with this layout");
+        // SAFETY: allocated in `Buffer::new` with the same layout; nobody else has it any more.
+        unsafe { dealloc(self.start.as_ptr().cast(), layout) };
+    }
+}
+
+/// There is not enough memory for a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("no memory is left for a buffer of {bytes} bytes")]
+pub struct OutOfMemory {
+    /// What was asked for.
+    pub bytes: u64,
+}
+
+impl Buffer {
+    /// A buffer of zeros; `bytes` is rounded up to whole words.
+    ///
+    /// # Errors
+    /// If there is no memory for it.
+    pub fn new(bytes: u64) -> Result<Self, OutOfMemory> {
+        let failed = OutOfMemory { bytes };
+        let words = usize::try_from(bytes.div_ceil(4)).map_err(|_| failed)?;
+        let layout = Memory::layout(words).ok_or(failed)?;
+        // SAFETY: the layout isn't empty.
+        let start = unsafe { alloc_zeroed(layout) };
+        let start = NonNull::new(start.cast::<AtomicU32>()).ok_or(failed)?;
+        Ok(Self {
+            memory: Arc::new(Memory { start, words }),
+        })
+    }
+
+    /// A buffer that holds `values`.
+    ///
+    /// # Errors
+    /// If there is no memory for it.
+    pub fn from_slice<T: Pod>(values: &[T]) -> Result<Self, OutOfMemory> {
+        let buffer = Self::new(size_of_val(values) as u64)?;
+        buffer.write(0, values);
+        Ok(buffer)
+    }
+
+    /// Bytes in it: a multiple of four.
+    pub fn size(&self) -> u64 {
+        self.memory.words as u64 * 4
+    }
+
+    /// All words of it.
+    pub fn words(&self) -> &[AtomicU32] {
+        // SAFETY: `start` points to this many words, zeroed when they were allocated, which live as long as `self`.
+        unsafe { std::slice::from_raw_parts(self.memory.start.as_ptr(), self.memory.words) }
+    }
+
+    /// Copies `values` to byte `offset`. Bytes that don't fill their last word leave zeros behind them in it.
+    ///
+    /// # Panics
+    /// If `offset` is no multiple of four, or the values don't fit.
+    pub fn write<T: Pod>(&self, offset: u64, values: &[T]) {
+        let bytes: &[u8] = bytemuck::cast_slice(values);
+        let words = self.range(offset, bytes.len().div_ceil(4));
+        if let Ok(values) = bytemuck::try_cast_slice::<u8, u32>(bytes) {
+            for (word, &value) in words.iter().zip(values) {
+                word.store(value, Ordering::Relaxed);
+            }
+            return;
+        }
+        let chunks = bytes.chunks_exact(4);
+        let rest = chunks.remainder();
+        for (word, chunk) in words.iter().zip(chunks) {
+            let value = u32::from_ne_bytes([chunk[0], chunk[1], chunk[2], chunk[3]]);
+            word.store(value, Ordering::Relaxed);
+        }
+        if let (Some(word), false) = (words.last(), rest.is_empty()) {
+            let mut last = [0; 4];
+            last[..rest.len()].copy_from_slice(rest);
+            word.store(u32::from_ne_bytes(last), Ordering::Relaxed);
+        }
+    }
+
+    /// `count` values from byte `offset` on.
+    ///
+    /// # Panics
+    /// If `offset` is no multiple of four, the size of `T` isn't, or the buffer ends before.
+    pub fn read<T: Pod>(&self, offset: u64, count: usize) -> Vec<T> {
+        assert!(size_of::<T>().is_multiple_of(4), "values of whole words");
+        let mut values = vec![T::zeroed(); count];
+        let words = self.range(offset, size_of::<T>() / 4 * count);
+        if let Ok(values) = bytemuck::try_cast_slice_mut::<T, u32>(&mut values) {
+            for (word, value) in words.iter().zip(values) {
+                *value = word.load(Ordering::Relaxed);
+            }
+        } else {
+            let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut values);
+            for (word, chunk) in words.iter().zip(bytes.chunks_exact_mut(4)) {
+                chunk.copy_from_slice(&word.load(Ordering::Relaxed).to_ne_bytes());
+            }
+        }
+        values
+    }
+
+    /// Zeros `bytes` from byte `offset` on; both are multiples of four.
+    ///
+    /// # Panics
+    /// If they aren't, or the buffer ends before.
+    pub fn clear(&self, offset: u64, bytes: u64) {
+        for word in self.range(offset, whole_words(bytes)) {
+            word.store(0, Ordering::Relaxed);
+        }
+    }
+
+    /// Copies `bytes` from byte `offset` on to another buffer.
+    ///
+    /// # Panics
+    /// If a place or the size is no multiple of four, or one of the buffers ends before.
+    pub fn copy_to(&self, offset: u64, target: &Buffer, target_offset: u64, bytes: u64) {
+        let words = whole_words(bytes);
+        let from = self.range(offset, words);
+        for (to, from) in target.range(target_offset, words).iter().zip(from) {
+            to.store(from.load(Ordering::Relaxed), Ordering::Relaxed);
+        }
+    }
+
+    fn range(&self, offset: u64, words: usize) -> &[AtomicU32] {
+        let first = whole_words(offset);
+        let all = self.words();
+        let fits = first.checked_add(words).is_some_and(|end| end <= all.len());
+        assert!(
+            fits,
+            "words {first} to {first} + {words} of a buffer of {}",
+            all.len()
+        );
+        &all[first..first + words]
+    }
+}
+
+fn whole_words(bytes: u64) -> usize {
+    assert!(bytes.is_multiple_of(4), "whole words");
+    usize::try_from(bytes / 4).expect("a place in memory")
+}
+
+impl fmt::Debug for Buffer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Buffer")
+            .field("size", &self.size())
+            .finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read() {
+        let buffer = Buffer::new(18).expect("memory");
+        assert_eq!(buffer.size(), 20);
+        buffer.write(4, &[1.5f32, -2.0]);
+        buffer.write(12, &[7u8, 8, 9, 10, 11]);
+        assert_eq!(buffer.read::<u32>(0, 1), [0]);
+        assert_eq!(buffer.read::<f32>(4, 2), [1.5, -2.0]);
+        assert_eq!(
+            buffer.read::<[u8; 4]>(12, 2),
+            [[7, 8, 9, 10], [11, 0, 0, 0]]
+        );
+        let other = Buffer::new(8).expect("memory");
+        buffer.copy_to(4, &other, 0, 8);
+        assert_eq!(other.read::<f32>(0, 2), [1.5, -2.0]);
+        buffer.clear(8, 4);
+        assert_eq!(buffer.read::<f32>(4, 2), [1.5, 0.0]);
+        assert_eq!(buffer.words().as_ptr() as usize % ALIGNMENT, 0);
+    }
+
+    #[test]
+    fn too_much_is_an_error() {
+        assert!(Buffer::new(u64::MAX - 8).is_err());
+    }
+}

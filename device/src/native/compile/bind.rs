@@ -1,0 +1,179 @@
+//! Resources of a kernel: what it declares, and what it is given.
+
+use naga::ScalarKind;
+
+use super::{BoundKernel, Kernel};
+use crate::native::{
+    buffer::Buffer,
+    image::{Format, Image},
+};
+
+/// A global of the text that has to be bound.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Binding {
+    /// Its name in the text.
+    pub name: String,
+    /// `@group`.
+    pub group: u32,
+    /// `@binding`.
+    pub binding: u32,
+    /// What it is.
+    pub kind: BindingKind,
+}
+
+/// What kernels do with a resource.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Access {
+    /// It is read only.
+    Read,
+    /// It may be written.
+    Write,
+}
+
+/// What a binding takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BindingKind {
+    /// Storage or uniform.
+    Buffer {
+        /// Whether the text may write it.
+        access: Access,
+        /// The fewest bytes that it must have; with a runtime-sized array that is one element of it.
+        least_bytes: u32,
+        /// Of a runtime-sized array: the byte at which it starts, and bytes from element to element.
+        array: Option<(u32, u32)>,
+    },
+    /// A two-dimensional texture, sampled or storage.
+    Image {
+        /// Whether the text may write it.
+        access: Access,
+        /// Whether it has layers.
+        arrayed: bool,
+        /// What a texel's numbers are.
+        scalar: ScalarKind,
+    },
+}
+
+/// What is bound.
+#[derive(Debug, Clone)]
+pub enum Resource {
+    /// Bytes of a buffer.
+    Buffer {
+        /// The buffer.
+        buffer: Buffer,
+        /// The byte at which the binding starts: a multiple of four.
+        offset: u64,
+        /// Bytes of the binding.
+        size: u64,
+    },
+    /// An image.
+    Image(Image),
+}
+
+impl From<Buffer> for Resource {
+    /// All of it.
+    fn from(buffer: Buffer) -> Self {
+        Self::Buffer {
+            size: buffer.size(),
+            offset: 0,
+            buffer,
+        }
+    }
+}
+
+impl From<Image> for Resource {
+    fn from(image: Image) -> Self {
+        Self::Image(image)
+    }
+}
+
+/// Why a resource can't be bound.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BindError {
+    /// Nothing was given.
+    #[error("nothing is bound to `{0}`")]
+    Missing(String),
+    /// An image where a buffer is declared, or the other way around; or numbers of another kind; or an array of layers
+    /// where one image is declared; or a place that isn't a multiple of four or lies behind the buffer's end.
+    #[error("what is bound to `{0}` is not what it declares")]
+    Mismatch(String),
+    /// A buffer smaller than what is declared.
+    #[error("`{name}` needs {least} bytes, and is bound to {bytes}")]
+    TooSmall {
+        /// The global.
+        name: String,
+        /// Bytes that it needs.
+        least: u32,
+        /// Bytes that are bound.
+        bytes: u64,
+    },
+}
+
+/// What machine code knows of an image; the offsets are those of `lower::image`.
+#[repr(C)]
+pub(super) struct ImageHeader {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) layers: u32,
+    pub(super) format: Format,
+    pub(super) texels: *mut u32,
+}
+
+impl Kernel {
+    /// Looks up a resource for each binding. The same memory may be bound more than once.
+    ///
+    /// # Errors
+    /// If one is missing, or isn't what the text declares.
+    pub fn bind(
+        &self,
+        mut resource: impl FnMut(&Binding) -> Option<Resource>,
+    ) -> Result<BoundKernel, BindError> {
+        let mut resources = Vec::new();
+        for binding in self.bindings() {
+            let found =
+                resource(binding).ok_or_else(|| BindError::Missing(binding.name.clone()))?;
+            check(binding, &found)?;
+            resources.push(found);
+        }
+        Ok(BoundKernel::new(self.clone(), resources))
+    }
+}
+
+fn check(binding: &Binding, resource: &Resource) -> Result<(), BindError> {
+    let mismatch = || BindError::Mismatch(binding.name.clone());
+    match (binding.kind, resource) {
+        (
+            BindingKind::Buffer { least_bytes, .. },
+            Resource::Buffer {
+                buffer,
+                offset,
+                size,
+            },
+        ) => {
+            let end = offset.checked_add(*size).ok_or_else(mismatch)?;
+            if !offset.is_multiple_of(4) || end > buffer.size() {
+                return Err(mismatch());
+            }
+            if *size < u64::from(least_bytes) {
+                return Err(BindError::TooSmall {
+                    name: binding.name.clone(),
+                    least: least_bytes,
+                    bytes: *size,
+                });
+            }
+        }
+        (
+            BindingKind::Image {
+                arrayed, scalar, ..
+            },
+            Resource::Image(image),
+        ) => {
+            let float = scalar == ScalarKind::Float;
+            if image.format().is_float() != float || (!arrayed && image.size()[2] > 1) {
+                return Err(mismatch());
+            }
+        }
+        _ => return Err(mismatch()),
+    }
+    Ok(())
+}

@@ -1,0 +1,211 @@
+//! Code over scalars to machine code, by Cranelift: each function on a thread of its own, then linked.
+
+mod function;
+mod link;
+
+use std::sync::Arc;
+
+use cranelift_codegen::{
+    Context, FinalizedRelocTarget,
+    binemit::Reloc,
+    control::ControlPlane,
+    ir::{ExternalName, LibCall},
+    isa::OwnedTargetIsa,
+    settings::{self, Configurable, SetError},
+};
+use rayon::prelude::*;
+
+use super::{
+    CompileError, ErrorKind, Options, Statistics,
+    ir::{Function, Program},
+};
+pub(super) use link::Code;
+
+/// Machine code of one function, wherever it will lie.
+#[derive(Debug)]
+pub(super) struct MachineCode {
+    bytes: Vec<u8>,
+    alignment: u64,
+    /// Where addresses have to be put.
+    places: Vec<Place>,
+    /// Bytes of stack that a call takes.
+    stack_bytes: u32,
+    /// Words that the code points to, kept as long as the code.
+    _words: Vec<Arc<[u32]>>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    offset: u32,
+    kind: Reloc,
+    target: Target,
+    addend: i64,
+}
+
+/// What an address in machine code is that of.
+#[derive(Debug, Clone, Copy)]
+enum Target {
+    /// By its place in the function's list of callees.
+    Callee(u32),
+    /// Something that this processor has no instruction for.
+    Library(LibCall),
+    /// The function's own code.
+    Own(u32),
+}
+
+/// Compiles a program, as far as the cache doesn't have it.
+pub(super) fn compile(
+    program: &Program,
+    options: &Options<'_>,
+) -> Result<(Code, Statistics), CompileError> {
+    for function in &program.functions {
+        check_stack(u64::from(function.stack_bytes), options)?;
+    }
+    let isa = target().map_err(|message| refused("the kernel", message))?;
+    let found: Vec<Option<Arc<MachineCode>>> = program
+        .functions
+        .iter()
+        .map(|function| options.cache.and_then(|cache| cache.find(function)))
+        .collect();
+    let compiled = found.iter().filter(|code| code.is_none()).count();
+    let codes = program
+        .functions
+        .par_iter()
+        .zip(found)
+        .map(|(function, found)| match found {
+            Some(code) => Ok(code),
+            None => {
+                let code = Arc::new(machine_code(program, function, &isa)?);
+                if let Some(cache) = options.cache {
+                    cache.keep(function, &code);
+                }
+                Ok(code)
+            }
+        })
+        .collect::<Result<Vec<_>, CompileError>>()?;
+    if let Some(cache) = options.cache {
+        cache.age();
+    }
+    let stack_bytes = deepest(program, &codes);
+    check_stack(stack_bytes, options)?;
+    let statistics = Statistics {
+        functions: codes.len(),
+        compiled,
+        code_bytes: codes.iter().map(|code| code.bytes.len()).sum(),
+        stack_bytes: u32::try_from(stack_bytes).unwrap_or(u32::MAX),
+        ..Statistics::default()
+    };
+    let code = link::link(program, codes, isa)?;
+    Ok((code, statistics))
+}
+
+fn check_stack(bytes: u64, options: &Options<'_>) -> Result<(), CompileError> {
+    let limit = options.stack_limit;
+    match bytes > u64::from(limit) {
+        true => Err(ErrorKind::Stack { bytes, limit }.into()),
+        false => Ok(()),
+    }
+}
+
+fn refused(function: &str, message: impl ToString) -> CompileError {
+    ErrorKind::Code {
+        function: function.to_owned(),
+        message: message.to_string(),
+    }
+    .into()
+}
+
+/// This processor, with all that it has.
+fn target() -> Result<OwnedTargetIsa, String> {
+    let mut flags = settings::builder();
+    let mut set = |name, value| flags.set(name, value);
+    let all: Result<(), SetError> = [
+        ("opt_level", "speed"),
+        ("regalloc_algorithm", "backtracking"),
+        ("is_pic", "false"),
+        // Code may lie far from what it calls.
+        ("use_colocated_libcalls", "false"),
+        // What is lowered is checked by tests; the check would cost a quarter of the time.
+        ("enable_verifier", if cfg!(test) { "true" } else { "false" }),
+        // Nothing unwinds through kernels: what they call doesn't panic.
+        ("unwind_info", "false"),
+        // Frames of more than a page touch each of their pages, so that the guard page behind a stack is met.
+        ("enable_probestack", "true"),
+        ("probestack_strategy", "inline"),
+    ]
+    .into_iter()
+    .try_for_each(|(name, value)| set(name, value));
+    all.map_err(|error| error.to_string())?;
+    cranelift_native::builder()
+        .map_err(str::to_owned)?
+        .finish(settings::Flags::new(flags))
+        .map_err(|error| error.to_string())
+}
+
+fn machine_code(
+    program: &Program,
+    function: &Function,
+    isa: &OwnedTargetIsa,
+) -> Result<MachineCode, CompileError> {
+    let mut context = Context::new();
+    let words = function::write(&mut context.func, program, function, &**isa);
+    context
+        .compile(&**isa, &mut ControlPlane::default())
+        .map_err(|error| refused(&function.name, format!("{:?}", error.inner)))?;
+    let failed = || refused(&function.name, "no code");
+    let code = context.compiled_code().ok_or_else(failed)?;
+    let frame = code.buffer.frame_layout();
+    let places = code
+        .buffer
+        .relocs()
+        .iter()
+        .map(|place| {
+            let target = match &place.target {
+                FinalizedRelocTarget::ExternalName(ExternalName::User(name)) => {
+                    Target::Callee(context.func.params.user_named_funcs()[*name].index)
+                }
+                FinalizedRelocTarget::ExternalName(ExternalName::LibCall(call)) => {
+                    Target::Library(*call)
+                }
+                FinalizedRelocTarget::Func(offset) => Target::Own(*offset),
+                other => return Err(refused(&function.name, format!("{other:?}"))),
+            };
+            Ok(Place {
+                offset: place.offset,
+                kind: place.kind,
+                target,
+                addend: place.addend,
+            })
+        })
+        .collect::<Result<_, _>>()?;
+    Ok(MachineCode {
+        bytes: code.code_buffer().to_vec(),
+        alignment: u64::from(code.buffer.alignment).max(32),
+        places,
+        // With what a call itself puts there.
+        stack_bytes: frame.map_or(function.stack_bytes, |frame| frame.frame_to_fp_offset) + 64,
+        _words: words,
+    })
+}
+
+/// Bytes of stack that the deepest chain of calls takes, from the kernel on.
+fn deepest(program: &Program, codes: &[Arc<MachineCode>]) -> u64 {
+    fn below(
+        index: usize,
+        program: &Program,
+        codes: &[Arc<MachineCode>],
+        known: &mut [Option<u64>],
+    ) -> u64 {
+        if let Some(known) = known[index] {
+            return known;
+        }
+        // No function of WGSL calls itself, so this ends.
+        let callees = program.functions[index].callees.iter();
+        let deepest = callees.map(|&callee| below(callee, program, codes, known));
+        let sum = u64::from(codes[index].stack_bytes) + deepest.max().unwrap_or(0);
+        known[index] = Some(sum);
+        sum
+    }
+    let mut known = vec![None; codes.len()];
+    below(0, program, codes, &mut known)
+}

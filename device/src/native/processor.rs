@@ -1,0 +1,222 @@
+//! The processor behind the interface of all devices.
+
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::Instant,
+};
+
+use crate::{
+    Activity, Command, Counts, DeviceDescription, DeviceError, Extent, Format, KernelSource,
+    Limits, Recording, Timer, Traits, Trust, WaveSizes,
+    kernel::{Bound, Parsed},
+    resources::Resource,
+};
+
+use super::{
+    buffer::{Buffer, OutOfMemory},
+    compile::{self, Cache, ErrorKind, Options},
+    image::{self, Image},
+};
+
+/// What `--device` calls it.
+pub(crate) const NAME: &str = "native";
+
+/// Times that a loop of text that isn't trusted runs, as wgpu bounds loops: never by chance, and not for ever.
+const LOOP_LIMIT: u32 = u32::MAX;
+
+/// The processor, opened. Clones share it.
+#[derive(Debug, Clone)]
+pub(crate) struct Processor {
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    description: DeviceDescription,
+    shader_modules: AtomicU64,
+    pipelines: AtomicU64,
+    activity: Activity,
+    /// Machine code by content, so that a changed texture compiles one function.
+    functions: Cache,
+}
+
+/// What it is, as the device of this number.
+pub(crate) fn describe(index: usize) -> DeviceDescription {
+    let vectors = match super::accel::Kernel::best() == super::accel::Kernel::portable() {
+        true => "portable vectors",
+        false => "AVX2",
+    };
+    DeviceDescription {
+        index,
+        name: format!("{NAME} ({} threads)", rayon::current_num_threads()),
+        backend: NAME.to_owned(),
+        driver: format!("none needed, {vectors}"),
+        device_type: "CPU".to_owned(),
+        max_storage_binding: u64::from(u32::MAX),
+        max_buffer: u64::from(u32::MAX),
+        storage_buffers_per_stage: 64,
+        workgroup_invocations: 1024,
+        timestamps: true,
+        ray_queries: false,
+        usable: Ok(()),
+    }
+}
+
+impl Processor {
+    pub(crate) fn open(description: DeviceDescription) -> Self {
+        Self {
+            shared: Arc::new(Shared {
+                description,
+                shader_modules: AtomicU64::new(0),
+                pipelines: AtomicU64::new(0),
+                activity: Activity::default(),
+                functions: Cache::new(),
+            }),
+        }
+    }
+
+    pub(crate) fn description(&self) -> &DeviceDescription {
+        &self.shared.description
+    }
+
+    pub(crate) fn activity(&self) -> &Activity {
+        &self.shared.activity
+    }
+
+    pub(crate) fn traits(&self) -> Traits {
+        Traits {
+            waves: WaveSizes {
+                first: 1 << 14,
+                most: 1 << 16,
+            },
+            traces_packets: false,
+            runs_all_cases: false,
+            specialises_uniforms: false,
+            compiles_slowly: false,
+            shares_the_processor: true,
+        }
+    }
+
+    pub(crate) fn limits(&self) -> Limits {
+        Limits {
+            image_side: 1 << 15,
+            image_layers: 2048,
+            storage_buffers: self.description().storage_buffers_per_stage,
+        }
+    }
+
+    pub(crate) fn counts(&self) -> Counts {
+        Counts {
+            shader_modules: self.shared.shader_modules.load(Ordering::Relaxed),
+            pipelines: self.shared.pipelines.load(Ordering::Relaxed),
+        }
+    }
+
+    pub(crate) fn buffer(&self, label: &str, bytes: u64) -> Result<Buffer, DeviceError> {
+        Buffer::new(bytes).map_err(|error| out_of_memory(label, error))
+    }
+
+    pub(crate) fn image(
+        &self,
+        label: &str,
+        size: [u32; 3],
+        format: Format,
+    ) -> Result<Image, DeviceError> {
+        let [width, height, layers] = size;
+        let format = match format {
+            Format::Rgba8Unorm => image::Format::Rgba8Unorm,
+            Format::Rgba32Float => image::Format::Rgba32Float,
+            Format::Rgba32Uint => image::Format::Rgba32Uint,
+        };
+        Image::new(format, width, height, layers).map_err(|error| out_of_memory(label, error))
+    }
+
+    /// Compiles an entry point.
+    pub(crate) fn compile(
+        &self,
+        source: &KernelSource<'_>,
+        parsed: &Parsed,
+    ) -> Result<compile::Kernel, DeviceError> {
+        let _busy = (self.activity()).begin(|| format!("compiling the kernel {}", source.entry));
+        let constants: Vec<(&str, f64)> = source.constants.to_vec();
+        let options = Options {
+            // A user's functions, so that what others contain needn't be compiled again.
+            separate: &|name| name.ends_with("userProc"),
+            loop_limit: (source.trust == Trust::Nothing).then_some(LOOP_LIMIT),
+            cache: Some(&self.shared.functions),
+            ..Options::default()
+        };
+        self.shared.shader_modules.fetch_add(1, Ordering::Relaxed);
+        let (module, info) = (&parsed.module, &parsed.info);
+        let kernel = compile::Kernel::new(module, info, source.entry, &constants, &options);
+        self.shared.pipelines.fetch_add(1, Ordering::Relaxed);
+        kernel.map_err(|error| {
+            let message = error.to_string();
+            let place = error.span.to_range();
+            let located = place.and_then(|range| source.text.locate(range, &message));
+            match error.kind {
+                // What a user's text may bring about is said of its place.
+                ErrorKind::Stack { .. } | ErrorKind::TooLarge { .. } => DeviceError::Refused {
+                    label: source.entry.to_owned(),
+                    message: located.unwrap_or(message),
+                },
+                _ => source.failed(located.unwrap_or(message)),
+            }
+        })
+    }
+
+    /// Does what is recorded, one after the other, and returns when it is done.
+    pub(crate) fn play(&self, recording: &Recording, mut timer: Option<&mut Timer>) {
+        for command in recording.commands() {
+            match command {
+                Command::Dispatch(kernel, extent) => {
+                    let Bound::Native(bound) = &kernel.bound else {
+                        unreachable!("kernels are bound to the device that plays them");
+                    };
+                    let start = Instant::now();
+                    bound.dispatch(workgroups(extent));
+                    if let Some(timer) = &mut timer {
+                        timer.add(kernel.label(), start.elapsed());
+                    }
+                }
+                Command::Clear(buffer) => {
+                    let buffer = buffer.native();
+                    buffer.clear(0, buffer.size());
+                }
+                Command::Copy { from, to, bytes } => {
+                    from.native().copy_to(0, to.native(), 0, *bytes);
+                }
+            }
+        }
+    }
+}
+
+fn workgroups(extent: &Extent) -> [u32; 3] {
+    match extent {
+        Extent::Threads(threads) => {
+            let [x, y] = Extent::groups(*threads);
+            [x, y, 1]
+        }
+        Extent::One => [1; 3],
+        Extent::Indirect(sizes, offset) => {
+            let words = sizes.native().read::<u32>(*offset, 3);
+            [words[0], words[1], words[2]]
+        }
+    }
+}
+
+/// A resource as machine code takes it.
+pub(crate) fn resource(resource: &Resource<'_>) -> Option<compile::Resource> {
+    match resource {
+        Resource::Buffer(buffer) => Some(buffer.native().clone().into()),
+        Resource::Image(image) => Some(image.native()?.clone().into()),
+        Resource::Structure(_) => None,
+    }
+}
+
+fn out_of_memory(label: &str, error: OutOfMemory) -> DeviceError {
+    DeviceError::Driver(format!("{label}: {error}"))
+}

@@ -1,0 +1,68 @@
+//! Named resources, which kernels find by the names in their texts.
+
+use std::collections::BTreeMap;
+
+use crate::{Buffer, Image, gpu::Structure};
+
+/// Named resources that kernels bind. Clones share them.
+#[derive(Debug, Clone, Default)]
+pub struct Resources {
+    buffers: BTreeMap<&'static str, Buffer>,
+    images: BTreeMap<&'static str, Image>,
+    structures: BTreeMap<&'static str, Structure>,
+}
+
+/// What a kernel binds.
+#[derive(Debug)]
+pub(crate) enum Resource<'a> {
+    Buffer(&'a Buffer),
+    Image(&'a Image),
+    Structure(&'a Structure),
+}
+
+impl Resources {
+    /// Adds or replaces a buffer.
+    pub fn set_buffer(&mut self, name: &'static str, buffer: Buffer) {
+        self.buffers.insert(name, buffer);
+    }
+
+    /// Adds or replaces an image.
+    pub fn set_image(&mut self, name: &'static str, image: Image) {
+        self.images.insert(name, image);
+    }
+
+    /// Adds or replaces an acceleration structure.
+    pub fn set_structure(&mut self, name: &'static str, structure: Structure) {
+        self.structures.insert(name, structure);
+    }
+
+    /// A buffer by name.
+    ///
+    /// # Panics
+    /// If there is none: names are fixed in the program and every kernel is bound in tests.
+    pub fn buffer(&self, name: &str) -> &Buffer {
+        self.buffers
+            .get(name)
+            .unwrap_or_else(|| panic!("no buffer is named `{name}`"))
+    }
+
+    /// Bytes of each buffer, by name.
+    pub fn buffer_sizes(&self) -> impl Iterator<Item = (&'static str, u64)> {
+        self.buffers
+            .iter()
+            .map(|(name, buffer)| (*name, buffer.size()))
+    }
+
+    pub(crate) fn get(&self, name: &str) -> Resource<'_> {
+        if let Some(buffer) = self.buffers.get(name) {
+            return Resource::Buffer(buffer);
+        }
+        if let Some(structure) = self.structures.get(name) {
+            return Resource::Structure(structure);
+        }
+        match self.images.get(name) {
+            Some(image) => Resource::Image(image),
+            None => panic!("no resource is named `{name}`, which a kernel declares"),
+        }
+    }
+}

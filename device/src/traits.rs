@@ -1,0 +1,38 @@
+//! What a schedule may want to know of a device.
+
+/// How a device likes its work. Schedules decide by these, never by what kind of device it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Traits {
+    /// Threads of a dispatch.
+    pub waves: WaveSizes,
+    /// A thread that has several rays to trace does so faster than as many threads with one ray each.
+    pub traces_packets: bool,
+    /// All sides of a branch are run, whatever its threads need: a `switch` costs the sum of its cases.
+    pub runs_all_cases: bool,
+    /// Kernels are compiled again for other values of small uniforms.
+    pub specialises_uniforms: bool,
+    /// A kernel is compiled when it runs for the first time, in seconds rather than moments.
+    pub compiles_slowly: bool,
+    /// It works with the processor's cores, which a window and everything else need, too.
+    pub shares_the_processor: bool,
+}
+
+/// Threads of a dispatch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WaveSizes {
+    /// Where nobody knows yet how fast the device is.
+    pub first: u32,
+    /// More gain nothing.
+    pub most: u32,
+}
+
+/// What fits a device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Texels of an image's longer side.
+    pub image_side: u32,
+    /// Layers of an image.
+    pub image_layers: u32,
+    /// Storage buffers of a kernel.
+    pub storage_buffers: u32,
+}

@@ -1,0 +1,6 @@
+//! Compiled kernels give what WGSL says, and what another device gives.
+
+mod operations;
+mod programs;
+mod random;
+mod support;

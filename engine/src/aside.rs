@@ -1,0 +1,305 @@
+//! Files that are the old one or the new one, never half of either: what is written goes to a temporary file in the same
+//! folder, which is renamed when it is complete and on the disk.
+//!
+//! Which such files there are is known at any time ([`discard_all`]), so that a program that is ended from outside
+//! leaves none behind.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use tempfile::NamedTempFile;
+
+/// Links that are followed one after the other: as many as Linux follows.
+const MOST_LINKS: u32 = 40;
+
+/// Files to be removed should the program end now.
+static LEFTOVERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn leftovers() -> MutexGuard<'static, Vec<PathBuf>> {
+    LEFTOVERS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A file or folder that is to be gone when the program ends, however that comes: [`discard_all`] removes it. Forgotten, not
+/// removed, when dropped.
+#[derive(Debug)]
+pub struct Leftover(PathBuf);
+
+impl Leftover {
+    /// From now on the file is one that must not stay.
+    pub fn new(path: PathBuf) -> Self {
+        leftovers().push(path.clone());
+        Self(path)
+    }
+}
+
+impl Drop for Leftover {
+    fn drop(&mut self) {
+        let mut all = leftovers();
+        if let Some(at) = all.iter().position(|path| *path == self.0) {
+            all.swap_remove(at);
+        }
+    }
+}
+
+/// Removes all files that are half done. To be called right before the program ends: nothing can be written aside any
+/// more after it.
+pub fn discard_all() {
+    let mut all = leftovers();
+    for path in all.drain(..) {
+        let is_folder = fs::symlink_metadata(&path).is_ok_and(|meta| meta.is_dir());
+        // It may have been renamed or removed a moment ago.
+        let _ = match is_folder {
+            true => fs::remove_dir_all(path),
+            false => fs::remove_file(path),
+        };
+    }
+    // A thread that wants to begin another file waits for the end.
+    std::mem::forget(all);
+}
+
+/// A file in the making, gone unless it is finished.
+#[derive(Debug)]
+pub struct Aside {
+    target: PathBuf,
+    file: Target,
+}
+
+#[derive(Debug)]
+enum Target {
+    /// Beside the target, to be renamed.
+    Renamed(NamedTempFile, Leftover),
+    /// A pipe or a device: what is written is gone at once, and nothing can take its place.
+    Stream(File),
+}
+
+impl Aside {
+    /// Begins a file that is to be at `path`. Where that is a link, the file that it points to is meant.
+    ///
+    /// # Errors
+    /// What the system says: the folder isn't there or takes no files, the name is too long.
+    pub fn begin(path: &Path) -> io::Result<Self> {
+        let is_stream = |meta: fs::Metadata| !meta.is_file() && !meta.is_dir();
+        if fs::metadata(path).is_ok_and(is_stream) {
+            let file = File::options().write(true).open(path)?;
+            return Ok(Self {
+                target: path.to_owned(),
+                file: Target::Stream(file),
+            });
+        }
+        let target = followed(path)?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".patina-");
+        #[cfg(unix)]
+        {
+            // Temporary files are private by default; a result should be as readable as any other new file.
+            use std::os::unix::fs::PermissionsExt;
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        // Under the lock, so that there is no moment in which the file isn't known.
+        let mut all = leftovers();
+        let file = builder.tempfile_in(folder_of(&target))?;
+        all.push(file.path().to_owned());
+        drop(all);
+        let leftover = Leftover(file.path().to_owned());
+        Ok(Self {
+            target,
+            file: Target::Renamed(file, leftover),
+        })
+    }
+
+    /// Where it is written to.
+    pub fn file(&self) -> &File {
+        match &self.file {
+            Target::Renamed(file, _) => file.as_file(),
+            Target::Stream(file) => file,
+        }
+    }
+
+    /// Puts it in its place, where it replaces what is there. When this returns, the disk has it.
+    ///
+    /// # Errors
+    /// What the system says; then the old file is as it was.
+    pub fn finish(self) -> io::Result<()> {
+        self.place(|file, target| file.persist(target).map(drop).map_err(|error| error.error))
+    }
+
+    /// As [`Self::finish`], but nothing is replaced.
+    ///
+    /// # Errors
+    /// As [`Self::finish`], and [`io::ErrorKind::AlreadyExists`].
+    pub fn finish_new(self) -> io::Result<()> {
+        self.place(|file, target| {
+            let placed = file.persist_noclobber(target);
+            placed.map(drop).map_err(|error| error.error)
+        })
+    }
+
+    fn place(self, rename: impl FnOnce(NamedTempFile, &Path) -> io::Result<()>) -> io::Result<()> {
+        let Target::Renamed(file, _leftover) = self.file else {
+            return Ok(());
+        };
+        if let Ok(old) = fs::metadata(&self.target) {
+            file.as_file().set_permissions(old.permissions())?;
+        }
+        file.as_file().sync_all()?;
+        rename(file, &self.target)?;
+        sync_folder(folder_of(&self.target))
+    }
+}
+
+/// Creates or replaces the file at `path` with what `fill` writes, all of it or nothing.
+///
+/// # Errors
+/// The system refuses, or `fill` fails.
+pub fn replace(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let aside = Aside::begin(path)?;
+    write(&aside, fill)?;
+    aside.finish()
+}
+
+/// As [`replace`], but a file that is there already is an error.
+///
+/// # Errors
+/// As [`replace`], and [`io::ErrorKind::AlreadyExists`].
+pub fn create(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let aside = Aside::begin(path)?;
+    write(&aside, fill)?;
+    aside.finish_new()
+}
+
+fn write(
+    aside: &Aside,
+    fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut writer = BufWriter::new(aside.file());
+    fill(&mut writer)?;
+    writer.flush()
+}
+
+/// Where a path leads: links are followed, also to what isn't there yet.
+///
+/// # Errors
+/// A circle of links, a name that is too long.
+pub fn followed(path: &Path) -> io::Result<PathBuf> {
+    let mut target = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        match fs::symlink_metadata(&target) {
+            Ok(meta) if meta.file_type().is_symlink() => {
+                let link = fs::read_link(&target)?;
+                target = target.parent().unwrap_or(Path::new("")).join(link);
+            }
+            Ok(_) => return Ok(target),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(target),
+            Err(error) => return Err(error),
+        }
+    }
+    Err(io::Error::other("it is a link that leads to itself"))
+}
+
+/// The folder that a file lies in.
+pub fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// The new name is on the disk as well.
+fn sync_folder(folder: &Path) -> io::Result<()> {
+    if !cfg!(unix) {
+        return Ok(());
+    }
+    let synced = File::open(folder).and_then(|folder| folder.sync_all());
+    match synced {
+        // Some file systems have nothing to sync there; some folders may be written but not read.
+        Err(error)
+            if matches!(
+                error.kind(),
+                io::ErrorKind::InvalidInput
+                    | io::ErrorKind::Unsupported
+                    | io::ErrorKind::PermissionDenied
+            ) =>
+        {
+            Ok(())
+        }
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let path = dir.path().join("x.png");
+        fs::write(&path, "old").expect("written");
+        let failed = replace(&path, |file| {
+            file.write_all(b"half of it")?;
+            Err(io::Error::other("disk full"))
+        });
+        assert!(failed.expect_err("it failed").to_string().contains("full"));
+        assert_eq!(fs::read_to_string(&path).expect("there"), "old");
+        let exists = create(&path, |_| Ok(())).expect_err("there is one");
+        assert_eq!(exists.kind(), io::ErrorKind::AlreadyExists);
+        assert_eq!(fs::read_dir(dir.path()).expect("a folder").count(), 1);
+        let known = |name: &PathBuf| name.starts_with(dir.path());
+        assert!(!leftovers().iter().any(known), "all are forgotten");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_and_what_it_points_to_is_replaced() {
+        use std::os::unix::fs::symlink;
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let path = |name: &str| dir.path().join(name);
+        fs::create_dir(path("below")).expect("a folder");
+        fs::write(path("below/real"), "old").expect("written");
+        symlink("below/real", path("link")).expect("a link");
+        symlink("below/not-yet", path("early")).expect("a link");
+        symlink("circle", path("circle")).expect("a link");
+        for (link, real) in [("link", "below/real"), ("early", "below/not-yet")] {
+            replace(&path(link), |file| file.write_all(b"new")).expect("written");
+            let meta = fs::symlink_metadata(path(link)).expect("there");
+            assert!(meta.file_type().is_symlink(), "{link}");
+            assert_eq!(fs::read_to_string(path(real)).expect("there"), "new");
+        }
+        assert!(replace(&path("circle"), |_| Ok(())).is_err());
+        let long = "x".repeat(300);
+        assert!(
+            Aside::begin(&path(&long)).is_err(),
+            "found before it is written"
+        );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn results_are_as_readable_as_other_new_files() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let (ours, plain) = (dir.path().join("ours"), dir.path().join("plain"));
+        replace(&ours, |_| Ok(())).expect("written");
+        fs::write(&plain, "").expect("written");
+        let mode = |path| fs::metadata(path).expect("there").permissions().mode();
+        assert_eq!(mode(&ours), mode(&plain));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_device_is_written_to_and_stays_one() {
+        let full = replace(Path::new("/dev/full"), |file| file.write_all(b"x"));
+        assert!(full.is_err());
+        replace(Path::new("/dev/null"), |file| file.write_all(b"x")).expect("it takes all");
+        let meta = fs::metadata("/dev/null").expect("there");
+        assert!(!meta.is_file());
+    }
+}

@@ -1,0 +1,71 @@
+//! What a pass is: one kernel of the renderer, declared once. Bindings, labels, timings and dispatches follow from it.
+
+use device::{Device, DeviceError, Kernel, Trust};
+
+use crate::{gpu_scene::SceneFeatures, wave::Queue};
+
+use super::{ao, wgsl::Source};
+
+/// How many threads of a pass run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Work {
+    /// One for each path of the wave.
+    Paths,
+    /// One for each entry of a queue.
+    Queue(Queue),
+    /// One alone.
+    Single,
+}
+
+/// A pass, as it is declared by the file beside its WGSL.
+#[derive(Debug)]
+pub struct Pass {
+    /// Its entry point, which is also its name in statistics.
+    pub name: &'static str,
+    /// The file below `passes/` that its text begins with.
+    pub file: &'static str,
+    /// Its threads.
+    pub work: Work,
+    /// Resources that it reads.
+    pub reads: &'static [&'static str],
+    /// Resources that it writes, and may read as well.
+    pub writes: &'static [&'static str],
+    /// Whether scenes with these features need it.
+    pub exists: fn(&SceneFeatures) -> bool,
+    /// Much of it depends on the frame's settings: see [`device::Traits::specialises_uniforms`].
+    pub branches_on_frame: bool,
+}
+
+impl Pass {
+    /// What most passes have in common.
+    pub(super) const COMMON: Self = Self {
+        name: "",
+        file: "",
+        work: Work::Single,
+        reads: &[],
+        writes: &[],
+        exists: |_| true,
+        branches_on_frame: false,
+    };
+
+    /// Its text for a device.
+    pub fn source(&self, device: &Device) -> Source {
+        let source = Source::of(self.file);
+        // Sampler, filter and lens are branches on uniforms: a driver that specialises kernels to their values compiles
+        // such a kernel again for each dispatch. It leaves storage buffers alone.
+        match self.branches_on_frame && device.traits().specialises_uniforms {
+            true => source.with_storage("frame"),
+            false => source,
+        }
+    }
+
+    /// Compiles it for what a scene uses.
+    ///
+    /// # Errors
+    /// If the driver refuses it.
+    pub fn kernel(&self, device: &Device, features: &SceneFeatures) -> Result<Kernel, DeviceError> {
+        let constants = [&features.constants()[..], &[ao::thread_per_hit(device)]].concat();
+        let source = self.source(device);
+        source.compile(device, self.name, Trust::All, &constants)
+    }
+}

@@ -1,0 +1,58 @@
+//! The standard textures, which are part of the program: `user_textures/` as it was when the program was built.
+
+use std::path::Path;
+
+use texgen::SourceFile;
+
+/// Where messages say that such a texture lies: no file is called so.
+const FOLDER: &str = "<built-in>";
+
+macro_rules! texts {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../../user_textures/", $name, ".wgsl")))),*]
+    };
+}
+
+/// Names and texts.
+const TEXTURES: &[(&str, &str)] = texts![
+    "checker",
+    "fbm",
+    "mix_color",
+    "rust_color",
+    "rust_mask",
+    "scratches",
+    "voronoi",
+];
+
+/// All of them, in the order of their names.
+pub(super) fn files() -> impl Iterator<Item = SourceFile> {
+    TEXTURES
+        .iter()
+        .map(|(name, text)| SourceFile::new(*name, format!("{FOLDER}/{name}.wgsl"), *text))
+}
+
+/// The one that messages call by this path.
+pub(super) fn at(path: &Path) -> Option<SourceFile> {
+    path.starts_with(FOLDER)
+        .then(|| files().find(|file| Path::new(file.path()) == path))
+        .flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_file_of_the_folder_is_part_of_the_program() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../user_textures");
+        let entries = std::fs::read_dir(folder).expect("part of the project");
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.expect("an entry").path())
+            .filter(|path| path.extension().is_some_and(|ending| ending == "wgsl"))
+            .map(|path| path.file_stem().expect("a name").display().to_string())
+            .collect();
+        names.sort();
+        let built_in: Vec<String> = files().map(|file| file.name().to_owned()).collect();
+        assert_eq!(built_in, names);
+    }
+}

@@ -1,0 +1,133 @@
+//! Files that must not be lost: what was read is never overwritten, and what was rendered is kept.
+
+use super::*;
+
+/// The triangle with an image that is beside it.
+fn painted() -> Bench {
+    let bench = Bench::new();
+    let images = "\"images\": [{ \"uri\": \"paint.png\" }],\n  \"textures\": [{ \"source\": 0 }],\n  \"materials\": [";
+    let scene = TRIANGLE.replace("\"materials\": [", images).replace(
+        "\"metallicFactor\": 0",
+        "\"baseColorTexture\": { \"index\": 0 }",
+    );
+    fs::write(bench.path("painted.gltf"), scene).expect("written");
+    let paint = image::RgbImage::from_pixel(2, 2, image::Rgb([200, 100, 50]));
+    paint.save(bench.path("paint.png")).expect("written");
+    fs::create_dir(bench.path("user_textures")).expect("a folder");
+    let texture = "fn userProc(photo: sam2D) -> vec3f { return tex2D(photo, vec2f(0.5)).rgb; }\n";
+    fs::write(bench.path("user_textures/t.wgsl"), texture).expect("written");
+    let look =
+        "[node.t]\ntexture = \"t\"\nphoto = \"photo.png\"\n[material.Glow]\nbase_color = \"t\"\n";
+    fs::write(bench.path("a.look.toml"), look).expect("written");
+    paint.save(bench.path("photo.png")).expect("written");
+    bench
+}
+
+#[test]
+fn what_a_scene_was_made_of_is_not_overwritten() {
+    let bench = painted();
+    fs::create_dir(bench.path("below")).expect("a folder");
+    fs::hard_link(bench.path("paint.png"), bench.path("hard.png")).expect("a hard link");
+    let mut outputs = vec!["paint.png", "below/../paint.png", "hard.png"];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("paint.png", bench.path("soft.png")).expect("a link");
+        outputs.push("soft.png");
+    }
+    let before = fs::read(bench.path("paint.png")).expect("there");
+    for output in outputs {
+        bench
+            .run(&format!(
+                "render painted.gltf --size 8x8 --spp 1 -o {output}"
+            ))
+            .expect_error(2, output);
+    }
+    let look = "render triangle.gltf --look a.look.toml --size 8x8 --spp 1";
+    for line in [
+        "-o photo.png",
+        "--stats-json user_textures/t.wgsl",
+        "--stats-json below/../a.look.toml",
+        "--stats-json ./triangle.gltf",
+    ] {
+        bench
+            .run(&format!("{look} {line}"))
+            .expect_error(2, "is an input");
+    }
+    for line in [
+        "texture preview t --look a.look.toml -o photo.png",
+        "bench render painted.gltf --json below/../paint.png",
+        "watch painted.gltf -o ./below/../paint.png",
+        "merge triangle.gltf -o below/../triangle.gltf.patina-film -o ./triangle.gltf.patina-film",
+    ] {
+        bench.run(line).expect_code(2);
+    }
+    assert_eq!(fs::read(bench.path("paint.png")).expect("there"), before);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_that_is_a_link_stays_one() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    fs::create_dir(bench.path("below")).expect("a folder");
+    std::os::unix::fs::symlink("below/real.png", bench.path("a.png")).expect("a link");
+    let line = "render triangle.gltf --size 8x8 --spp 1 -o a.png";
+    bench.run(line).expect_code(0);
+    let link = fs::symlink_metadata(bench.path("a.png")).expect("there");
+    assert!(link.file_type().is_symlink());
+    image::open(bench.path("below/real.png")).expect("a picture");
+    let long = "x".repeat(300);
+    bench
+        .run(&format!("render no/such.glb -o {long}.png"))
+        .expect_error(1, "cannot write");
+}
+
+#[cfg(unix)]
+#[test]
+fn samples_are_kept_where_the_picture_can_not_be_written() {
+    if !device() {
+        return;
+    }
+    for seconds in [3, 10, 40] {
+        let bench = Bench::new();
+        fs::create_dir(bench.path("out")).expect("a folder");
+        let line = "render triangle.gltf --size 64x64 --spp 1000000 -o out/a.png";
+        let child = bench
+            .command(line)
+            .env("TMPDIR", bench.dir.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("patina starts");
+        std::thread::sleep(std::time::Duration::from_secs(seconds));
+        // A file in its place, so that it isn't made anew.
+        fs::remove_dir_all(bench.path("out")).expect("removed");
+        let killed = Command::new("kill")
+            .args(["-INT", &child.id().to_string()])
+            .status();
+        assert!(killed.expect("kill starts").success(), "it still runs");
+        let ended = Outcome::of(child.wait_with_output().expect("it ends"), line);
+        if ended.code == Some(130) {
+            continue;
+        }
+        let ended = ended.expect_error(1, "patina merge ");
+        assert!(
+            bench.path("a.kept.patina-film").exists(),
+            "{}",
+            ended.stderr
+        );
+        let (_, command) = ended
+            .stderr
+            .split_once("patina merge ")
+            .expect("it is there");
+        fs::create_dir(bench.path("out")).expect("a folder");
+        bench
+            .run(&format!("merge {}", command.trim()))
+            .expect_code(0);
+        image::open(bench.path("out/a.png")).expect("a picture");
+        return;
+    }
+    panic!("40 s into a render there was no sample");
+}

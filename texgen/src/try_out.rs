@@ -1,0 +1,65 @@
+//! The last check of a texture: a kernel of it alone, as far as a compiler can go without a device. What it accepts never
+//! fails later in the kernel of a scene.
+
+use naga::back::spv;
+use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
+use naga::valid::{ValidationFlags, Validator};
+
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::emit::HOST_STUB;
+use crate::library::Library;
+use crate::parse::{self, CAPABILITIES};
+use crate::pointer_arguments::copy_pointer_arguments;
+use crate::texture::TextureType;
+
+/// Emits a kernel of this texture alone, has naga check it, and writes it as drivers get it.
+///
+/// # Errors
+/// Any that there are: they are faults of this crate or of naga, not of the texture.
+pub(crate) fn try_out(texture: TextureType) -> Result<TextureType, Diagnostics> {
+    let file = texture.file().clone();
+    let library = Library::new(vec![texture]).map_err(Diagnostics::from)?;
+    let kernel = library.emit(1);
+    let mut diagnostic = match parse::check(&format!("{}\n{HOST_STUB}", kernel.wgsl)) {
+        Ok(module) => match spirv(module) {
+            Ok(()) => return Ok(library.into_only()),
+            Err(message) => Diagnostic::error(message),
+        },
+        Err(problem) => {
+            let span = problem.labels.first();
+            let span = span.map_or(0..0, |(span, _)| span.clone());
+            kernel.source_map.diagnostic(span, &problem.message)
+        }
+    };
+    if diagnostic.labels.is_empty() {
+        let text = file.text();
+        let start = text.find("userProc").unwrap_or(0);
+        let end = text[start..]
+            .find('(')
+            .map_or(start, |length| start + length);
+        diagnostic = diagnostic.with_label(&file, start..end, "");
+    }
+    Err(diagnostic
+        .with_note("the texture is valid, but not as a part of the kernel: please report this together with the file")
+        .into())
+}
+
+/// Writes a kernel for drivers, with the checks that users' code is given.
+fn spirv(mut module: naga::Module) -> Result<(), String> {
+    copy_pointer_arguments(&mut module);
+    let info = Validator::new(ValidationFlags::all(), CAPABILITIES)
+        .validate(&module)
+        .map_err(|error| error.as_inner().to_string())?;
+    let options = spv::Options {
+        bounds_check_policies: BoundsCheckPolicies {
+            index: BoundsCheckPolicy::Restrict,
+            ..BoundsCheckPolicies::default()
+        },
+        force_loop_bounding: true,
+        ..spv::Options::default()
+    };
+    match spv::write_vec(&module, &info, &options, None) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(error.to_string()),
+    }
+}

@@ -1,0 +1,248 @@
+//! naga's words in the user's terms: its messages speak of its own structures, and know nothing of remedies.
+
+use std::ops::Range;
+
+use crate::habits::instead_of;
+use crate::refuse::prelude_names;
+use crate::scope::{Outline, Role};
+use crate::suggest::did_you_mean;
+
+/// naga's notes, with its lists of types in one line and without the types that textures don't have.
+pub(crate) fn plain_notes(notes: &[String]) -> Vec<String> {
+    let allowed = |note: &String| note.strip_prefix("allowed type: ").map(str::to_owned);
+    let types: Vec<String> = notes
+        .iter()
+        .filter_map(allowed)
+        .filter(|ty| {
+            !["f16", "f64", "i64", "u64", "Abstract"]
+                .iter()
+                .any(|absent| ty.contains(absent))
+        })
+        .collect();
+    let mut plain: Vec<String> = notes
+        .iter()
+        .filter(|note| allowed(note).is_none())
+        .cloned()
+        .collect();
+    if let Some(last) = plain.last_mut().filter(|_| !types.is_empty()) {
+        *last = format!("{} {}", last, types.join(", "));
+    }
+    plain
+}
+
+/// Messages of naga's that speak of its own structures, said so that an author of a texture understands them.
+pub(crate) fn in_user_terms(message: &str) -> String {
+    if let Some(rest) = message.strip_prefix("Argument ")
+        && let Some((number, _)) = rest.split_once(" value ")
+        && let Ok(number) = number.parse::<u32>()
+    {
+        return format!(
+            "argument {} of the call is not of the type that the function declares",
+            number + 1
+        );
+    }
+    if message.starts_with("The `return` expression None") {
+        return "not every way through the function ends with a `return` of its result".into();
+    }
+    if message.starts_with("The `return` expression Some") {
+        return "the returned value is not of the type that the function declares".into();
+    }
+    if let Some((from, to)) = refused_conversion(message) {
+        return format!("`{from}` doesn't become `{to}` by itself");
+    }
+    let mut plain = plain_message(message);
+    // One sentence style for all messages: they begin small, but for names.
+    if plain.starts_with(|c: char| c.is_ascii_uppercase())
+        && plain[1..].starts_with(|c: char| c.is_ascii_lowercase() || c == ' ')
+    {
+        plain[..1].make_ascii_lowercase();
+    }
+    plain
+}
+
+/// The types of a conversion that WGSL doesn't make.
+fn refused_conversion(message: &str) -> Option<(&str, &str)> {
+    let rest = message.strip_prefix("automatic conversions cannot convert")?;
+    let mut quoted = rest.split('`');
+    Some((quoted.nth(1)?, quoted.nth(1)?))
+}
+
+/// The conversion that WGSL doesn't make, to be written: of the value that naga shows, with its type.
+fn conversion(message: &str, labels: &[(Range<usize>, String)], text: &str) -> Option<String> {
+    let (_, to) = refused_conversion(message)?;
+    let (span, ty) = labels.iter().find_map(|(span, label)| {
+        let ty = label.strip_prefix("this expression has type ")?;
+        Some((span.clone(), ty))
+    })?;
+    let operand = text.get(span).filter(|operand| !operand.contains('\n'))?;
+    let to = match ty.strip_prefix("vec") {
+        Some(rest) => format!("vec{}{}", rest.get(..1)?, to.get(..1)?),
+        None => to.to_owned(),
+    };
+    let is_plain = matches!(ty, "f32" | "i32" | "u32" | "bool") || ty.starts_with("vec");
+    (is_plain && operand.len() <= 60).then(|| format!("convert: `{to}({operand})`"))
+}
+
+/// What the parser had expected where it found something else.
+pub(crate) fn expected(message: &str) -> Option<&str> {
+    Some(message.strip_prefix("expected ")?.split_once(", found ")?.0)
+}
+
+/// naga's message without what belongs to its own tables and structures: `Expression [7]`, `Array { base: [3], .. }`.
+pub(crate) fn plain_message(message: &str) -> String {
+    if message.starts_with("naga::") {
+        return String::new();
+    }
+    without_structures(&type_names(without_handles(message)))
+}
+
+/// Without numbers of tables: ` [7]`.
+fn without_handles(message: &str) -> String {
+    let mut out = String::new();
+    let mut rest = message;
+    while let Some(at) = rest.find(" [") {
+        let digits = rest[at + 2..]
+            .bytes()
+            .take_while(u8::is_ascii_digit)
+            .count();
+        if digits > 0 && rest[at + 2 + digits..].starts_with(']') {
+            out.push_str(&rest[..at]);
+            rest = &rest[at + 2 + digits + 1..];
+        } else {
+            out.push_str(&rest[..at + 2]);
+            rest = &rest[at + 2..];
+        }
+    }
+    out + rest
+}
+
+/// What naga shows of its structures, as one word: `Array { base: [3], size: Constant(4), stride: 4 }` is an array.
+fn without_structures(message: &str) -> String {
+    let mut out = String::new();
+    let mut rest = message;
+    while let Some(open) = rest.find(" { ") {
+        let name_at = rest[..open]
+            .rfind(|c: char| !c.is_ascii_alphanumeric())
+            .map_or(0, |before| before + 1);
+        let mut depth = 0usize;
+        let end = rest[open..].char_indices().find_map(|(at, c)| {
+            match c {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                _ => {}
+            }
+            (c == '}' && depth == 0).then_some(open + at + 1)
+        });
+        let (Some(end), true) = (
+            end,
+            rest[name_at..].starts_with(|c: char| c.is_ascii_uppercase()),
+        ) else {
+            out.push_str(&rest[..open + 3]);
+            rest = &rest[open + 3..];
+            continue;
+        };
+        out.push_str(&rest[..name_at]);
+        out.push_str(match &rest[name_at..open] {
+            "Array" => "an array",
+            "Struct" => "a structure",
+            "Pointer" | "ValuePointer" => "a pointer",
+            "Vector" => "a vector",
+            "Matrix" => "a matrix",
+            _ => "something else",
+        });
+        rest = &rest[end..];
+    }
+    out + rest
+}
+
+/// Types as WGSL writes them, where naga shows its own structures.
+fn type_names(mut message: String) -> String {
+    if !message.contains("Scalar {") {
+        return message;
+    }
+    let scalars = [("Float", "f32"), ("Sint", "i32"), ("Uint", "u32")];
+    for (kind, name) in scalars {
+        message = message.replace(&format!("Scalar {{ kind: {kind}, width: 4 }}"), name);
+    }
+    message = message.replace("Scalar { kind: Bool, width: 1 }", "bool");
+    const SIZES: [(&str, u32); 3] = [("Bi", 2), ("Tri", 3), ("Quad", 4)];
+    for scalar in ["f32", "i32", "u32", "bool"] {
+        for (size, n) in SIZES {
+            let vector = format!("Vector {{ size: {size}, scalar: {scalar} }}");
+            message = message.replace(&vector, &format!("vec{n}<{scalar}>"));
+            for (rows, m) in SIZES {
+                let matrix =
+                    format!("Matrix {{ columns: {size}, rows: {rows}, scalar: {scalar} }}");
+                message = message.replace(&matrix, &format!("mat{n}x{m}<{scalar}>"));
+            }
+        }
+        message = message.replace(&format!("Scalar({scalar})"), scalar);
+    }
+    // "(of type f32)" without the words around it that say the same again.
+    message.replace("value of value ", "value of type ")
+}
+
+/// What to do about an error of naga's at `place`.
+pub(crate) fn remedies(
+    message: &str,
+    labels: &[(Range<usize>, String)],
+    outline: &Outline<'_>,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    notes.extend(conversion(message, labels, outline.text));
+    let place = labels.first().map_or(0..0, |(span, _)| span.clone());
+    let message = message.to_lowercase();
+    let unknown = message.contains("no definition in scope") || message.contains("unknown type");
+    if let Some(word) = outline.text.get(place.clone()).filter(|_| unknown) {
+        if let Some(note) = instead_of(word) {
+            notes.push(note);
+        } else if let Some(near) = did_you_mean(word, names_in_scope(outline, place.start)) {
+            notes.push(format!("did you mean `{near}`?"));
+        }
+    }
+    if expected(&message).is_some_and(|what| what.contains("`{`")) {
+        notes.push("braces are never left out in WGSL: `if condition { ... }`".into());
+    }
+    if message.contains("is recursive") || message.contains("is cyclic") {
+        notes.push("WGSL has no recursion: use a loop, with a bounded number of iterations".into());
+    }
+    if message.contains("redefinition") {
+        notes.push("names of functions, structs, constants and aliases are unique within a file: rename one of them".into());
+    }
+    notes
+}
+
+/// WGSL's own names that a texture is likely to want.
+const BUILTINS: &str = "abs acos all any asin atan atan2 bool ceil clamp cos cosh cross degrees distance dot exp \
+    exp2 f32 faceForward floor fma fract i32 inverseSqrt ldexp length log log2 mat2x2f mat3x3f \
+    mat4x4f max min mix modf normalize pow radians reflect refract round saturate select sign \
+    sin sinh smoothstep sqrt step tan tanh transpose trunc u32 vec2f vec2i vec2u vec3f vec3i \
+    vec3u vec4f vec4i vec4u";
+
+/// Names that may be meant at a place: the file's, the prelude's, locals, and common built-ins.
+fn names_in_scope<'a>(outline: &Outline<'a>, place: usize) -> Vec<&'a str> {
+    let in_place = outline
+        .functions
+        .iter()
+        .find(|function| outline.span_of(&function.body).contains(&place));
+    let mut names: Vec<&'a str> = Vec::new();
+    for (at, role) in outline.roles.iter().enumerate() {
+        let declares_local = *role == Role::Local(at)
+            && in_place.is_some_and(|function| {
+                function.body.contains(&at) || function.params.iter().any(|param| param.name == at)
+            });
+        if declares_local && outline.span(at).start < place {
+            names.push(outline.word(at));
+        }
+    }
+    names.extend(
+        outline
+            .globals
+            .iter()
+            .filter_map(|global| global.name)
+            .map(|name| outline.word(name)),
+    );
+    names.extend(prelude_names().map(|name| -> &'a str { name }));
+    names.extend(BUILTINS.split_whitespace());
+    names
+}
