@@ -55,6 +55,38 @@ const TEXTURES: &[(&str, &str)] = &[
         "occluded",
         "fn userProc(x: f32) -> f32 { return 100.0 * x + 10.0 * readAttr(AO).x + readAttr(AO1).x; }",
     ),
+    (
+        "members",
+        "struct Inner { m: mat2x2f, list: array<f32, 3> }
+        struct Outer { x: f32, v: vec2f, inner: Inner }
+        fn add(a: ptr<function, f32>, b: f32) -> f32 { *a += b; return *a; }
+        fn turn(v: ptr<function, vec2f>) { *v = vec2f(-(*v).y, (*v).x); }
+        fn both(o: ptr<function, Outer>, i: i32) { turn(&(*o).v); _ = add(&o.inner.list[i], 10.0); }
+        fn userProc(x: f32, i: i32) -> vec4f {
+            var o = Outer(x, vec2f(1.0, 2.0), Inner(mat2x2f(1.0, 2.0, 3.0, 4.0), array<f32, 3>(5.0, 6.0, 7.0)));
+            let sum = add(&o.x, 1.0);
+            both(&o, i);
+            turn(&o.inner.m[1]);
+            return vec4f(o.x + sum, o.v.x * 10.0 + o.v.y, o.inner.m[1].x * 10.0 + o.inner.m[0].x,
+                o.inner.list[0] + o.inner.list[1] * 100.0 + o.inner.list[2] * 10000.0);
+        }",
+    ),
+    (
+        "elements",
+        "fn next(n: ptr<function, i32>) -> i32 { *n += 1; return *n; }
+        fn double(a: ptr<function, f32>) { *a *= 2.0; }
+        fn swap(a: ptr<function, f32>, b: ptr<function, f32>) { let t = *a; *a = *b; *b = t; }
+        fn userProc(x: f32) -> vec4f {
+            var n = 0;
+            var p = array<array<f32, 2>, 2>(array<f32, 2>(x, 2.0), array<f32, 2>(3.0, 4.0));
+            // The index is computed once.
+            double(&p[next(&n)][0]);
+            for (var i = 0; i < 3; i++) { double(&p[0][i % 2]); }
+            var q = array<f32, 2>(5.0, 8.0);
+            swap(&p[0][1], &q[1]);
+            return vec4f(p[0][0], p[0][1], p[1][0], q[1]) + f32(n) * 100.0;
+        }",
+    ),
 ];
 
 /// A graph, and what each of some nodes must give.
@@ -226,6 +258,21 @@ fn programs_compute_what_the_language_promises() {
     case.link(outer, "x", inner, "");
     case.expect(outer, [2310.0; 4]);
 
+    for form in [Form::Switch, Form::Rounds, Form::Inlined] {
+        check(&case, form);
+    }
+}
+
+#[test]
+fn pointers_to_parts_of_variables_change_those_parts() {
+    let mut case = Case::new();
+    for (i, list) in [(0, 70_615.0), (1, 71_605.0), (2, 170_605.0)] {
+        let values = [("x", Value::F32(2.0)), ("i", Value::I32(i))];
+        let node = case.node("members", [0, 0], &values);
+        case.expect(node, [6.0, -19.0, -39.0, list]);
+    }
+    let elements = case.node("elements", [0, 0], &[("x", Value::F32(1.0))]);
+    case.expect(elements, [104.0, 108.0, 106.0, 104.0]);
     for form in [Form::Switch, Form::Rounds, Form::Inlined] {
         check(&case, form);
     }

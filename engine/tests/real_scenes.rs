@@ -345,10 +345,7 @@ fn a_model_can_be_put_into_sponza() {
     let Some(scenes) = shared("scenes") else {
         return;
     };
-    let started = Instant::now();
     let mut scene = load(&scenes.join("Sponza/Sponza.gltf")).unwrap().scene;
-    eprintln!("Sponza takes {:?}", started.elapsed());
-    assert!(started.elapsed().as_secs() < 20);
     let before = (
         scene.materials.len(),
         scene.instances.len(),

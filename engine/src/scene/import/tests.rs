@@ -245,8 +245,8 @@ fn a_kilobyte_cannot_ask_for_gigabytes() {
 }
 
 #[test]
-fn small_files_cannot_buy_much_time() {
-    // Many primitives, targets and nodes over the same few large things.
+fn small_files_cannot_buy_much_work() {
+    // Many primitives, targets and nodes over the same few large things: hours, if they were all made.
     let mut tree = square();
     tree["accessors"][1] = json!({ "componentType": 5126, "count": 1 << 20, "type": "VEC3", "sparse": {
         "count": 4, "indices": { "bufferView": 0, "componentType": 5125 }, "values": { "bufferView": 1 },
@@ -262,10 +262,8 @@ fn small_files_cannot_buy_much_time() {
     tree["nodes"] = (0..2000)
         .map(|_| json!({ "mesh": 0, "name": long }))
         .collect();
-    let started = std::time::Instant::now();
     let message = error(tree);
     assert!(message.contains("MiB"), "{message}");
-    assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
 }
 
 #[test]
