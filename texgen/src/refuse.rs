@@ -3,9 +3,11 @@
 //! Works on tokens, so that a file full of them gets all its errors at once, and before naga, whose message would
 //! speak of shader stages.
 
+use std::collections::HashMap;
+
 use crate::attribute::{BUILTIN_ATTRIBUTES, BuiltinAttribute, GLOBALS, Global};
 use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
-use crate::scope::{GlobalKind, Outline, Role};
+use crate::scope::{GlobalDecl, GlobalKind, Outline, Role};
 use crate::tokens::TokenKind;
 
 /// Largest file accepted, bytes. Far beyond any texture; keeps compile time and memory bounded.
@@ -99,6 +101,19 @@ pub(crate) fn too_deep(file: &SourceFile, outline: &Outline<'_>) -> Option<Diagn
                 .with_note("split the texture up: nodes can be linked to each other"),
         );
     }
+    if let Some(name) = too_large_structure(outline) {
+        return Some(
+            Diagnostic::error(
+                "this structure is too large once the structures in it are written out",
+            )
+            .with_label(
+                file,
+                outline.span(name),
+                format!("more than {MAX_EXPANDED} names and operators"),
+            )
+            .with_note("hold less in it, or arrays in the place of many members"),
+        );
+    }
     let entry = outline.function("userProc")?;
     let size = expanded_size(outline);
     (size > MAX_EXPANDED).then(|| {
@@ -118,38 +133,71 @@ pub(crate) fn too_deep(file: &SourceFile, outline: &Outline<'_>) -> Option<Diagn
 
 /// Tokens of `userProc` with every call replaced by the function's body, again and again. Saturates.
 fn expanded_size(outline: &Outline<'_>) -> u64 {
-    let calls: Vec<Vec<usize>> = outline
-        .functions
-        .iter()
-        .map(|function| outline.calls(function.body.clone()))
-        .collect();
+    let functions = outline.functions.iter();
+    let (own, calls): (Vec<u64>, Vec<Vec<usize>>) = functions
+        .map(|function| {
+            let body = function.body.clone();
+            (body.len() as u64, outline.calls(body))
+        })
+        .unzip();
     let entry = outline
         .functions
         .iter()
         .position(|function| outline.word(function.name) == "userProc");
-    let mut sizes: Vec<Option<u64>> = vec![None; calls.len()];
-    let mut started = vec![false; calls.len()];
-    let mut open: Vec<usize> = entry.into_iter().collect();
-    while let Some(&function) = open.last() {
-        // A function that was started and is met again calls itself: naga will say so.
-        let missing = calls[function]
-            .iter()
-            .copied()
-            .find(|&callee| sizes[callee].is_none() && !started[callee]);
-        started[function] = true;
-        match missing {
-            Some(callee) => open.push(callee),
-            None => {
-                let own = outline.functions[function].body.len() as u64;
-                let called = calls[function]
-                    .iter()
-                    .map(|&callee| sizes[callee].unwrap_or(0));
-                sizes[function] = Some(called.fold(own, u64::saturating_add));
-                open.pop();
+    entry.map_or(0, |entry| expanded(&own, &calls)[entry])
+}
+
+/// The structure that is the largest once those in it are written out, if it is too large; naga walks through such a
+/// structure member by member.
+fn too_large_structure(outline: &Outline<'_>) -> Option<usize> {
+    let types: Vec<&GlobalDecl> = (outline.globals.iter())
+        .filter(|global| matches!(global.kind, GlobalKind::Struct | GlobalKind::Alias))
+        .collect();
+    let by_name: HashMap<&str, usize> = (types.iter().enumerate())
+        .filter_map(|(index, global)| Some((outline.word(global.name?), index)))
+        .collect();
+    let own: Vec<u64> = types.iter().map(|ty| ty.tokens.len() as u64).collect();
+    let uses: Vec<Vec<usize>> = (types.iter())
+        .map(|ty| {
+            let tokens = ty.tokens.clone();
+            // Not its own name, nor those of members.
+            let names = tokens.filter(|&at| Some(at) != ty.name && outline.word(at + 1) != ":");
+            names
+                .filter_map(|at| by_name.get(outline.word(at)).copied())
+                .collect()
+        })
+        .collect();
+    let sizes = expanded(&own, &uses);
+    let largest = (0..types.len()).max_by_key(|&index| (sizes[index], std::cmp::Reverse(index)))?;
+    (sizes[largest] > MAX_EXPANDED).then(|| types[largest].name.unwrap_or(types[largest].keyword))
+}
+
+/// The size of each of some things with everything that it uses written out in its place, again and again: its own size,
+/// and the things it uses, by number, each as often as it does. Saturates.
+fn expanded(own: &[u64], uses: &[Vec<usize>]) -> Vec<u64> {
+    let mut sizes: Vec<Option<u64>> = vec![None; own.len()];
+    let mut started = vec![false; own.len()];
+    let mut open = Vec::new();
+    for first in 0..own.len() {
+        open.push(first);
+        while let Some(&thing) = open.last() {
+            // One that was started and is met again uses itself: naga will say so.
+            let missing = uses[thing]
+                .iter()
+                .copied()
+                .find(|&used| sizes[used].is_none() && !started[used]);
+            started[thing] = true;
+            match missing {
+                Some(used) => open.push(used),
+                None => {
+                    let used = uses[thing].iter().map(|&used| sizes[used].unwrap_or(0));
+                    sizes[thing] = Some(used.fold(own[thing], u64::saturating_add));
+                    open.pop();
+                }
             }
         }
     }
-    entry.and_then(|entry| sizes[entry]).unwrap_or(0)
+    sizes.into_iter().map(|size| size.unwrap_or(0)).collect()
 }
 
 fn declarations(file: &SourceFile, outline: &Outline<'_>, found: &mut Diagnostics) {

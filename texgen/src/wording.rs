@@ -7,6 +7,9 @@ use crate::refuse::prelude_names;
 use crate::scope::{Outline, Role};
 use crate::suggest::did_you_mean;
 
+/// naga's note on an error of its own parser's that is the file's doing.
+const PARSER_DEPTH: &str = "Parser recursion limit exceeded";
+
 /// naga's notes, with its lists of types in one line and without the types that textures don't have.
 pub(crate) fn plain_notes(notes: &[String]) -> Vec<String> {
     let allowed = |note: &String| note.strip_prefix("allowed type: ").map(str::to_owned);
@@ -21,7 +24,7 @@ pub(crate) fn plain_notes(notes: &[String]) -> Vec<String> {
         .collect();
     let mut plain: Vec<String> = notes
         .iter()
-        .filter(|note| allowed(note).is_none())
+        .filter(|note| allowed(note).is_none() && *note != PARSER_DEPTH)
         .cloned()
         .collect();
     if let Some(last) = plain.last_mut().filter(|_| !types.is_empty()) {
@@ -46,6 +49,14 @@ pub(crate) fn in_user_terms(message: &str) -> String {
     }
     if message.starts_with("The `return` expression Some") {
         return "the returned value is not of the type that the function declares".into();
+    }
+    if [
+        "internal WGSL front end error",
+        "brace nesting limit reached",
+    ]
+    .contains(&message)
+    {
+        return "nested too deeply: split it up with `let` or functions".into();
     }
     if let Some((from, to)) = refused_conversion(message) {
         return format!("`{from}` doesn't become `{to}` by itself");

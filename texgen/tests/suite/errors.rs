@@ -169,6 +169,36 @@ fn calls_that_double_are_refused() {
 }
 
 #[test]
+fn structures_that_double_are_refused() {
+    let doubling: String = (1..40)
+        .map(|i| format!("struct S{i} {{ a: S{}, b: S{} }}\n", i - 1, i - 1))
+        .collect();
+    check(
+        &format!(
+            "struct S0 {{ x: f32, S1: f32 }}\n{doubling}fn userProc(x: f32) -> f32 {{ let s = S39(); return x; }}"
+        ),
+        &[
+            "too large once the structures in it are written out",
+            "t.wgsl:40:8",
+        ],
+    );
+}
+
+#[test]
+fn deep_nesting_is_refused_in_the_users_terms() {
+    let [open, close] = ["(", ")"].map(|bracket| bracket.repeat(500));
+    check(
+        &format!("fn userProc(x: f32) -> f32 {{ return {open}x{close}; }}"),
+        &["error: nested too deeply", "t.wgsl:1:"],
+    );
+    let [open, close] = ["{", "}"].map(|brace| brace.repeat(500));
+    check(
+        &format!("fn userProc(x: f32) -> f32 {{ {open}{close} return x; }}"),
+        &["error: nested too deeply", "t.wgsl:1:"],
+    );
+}
+
+#[test]
 fn the_entry() {
     check(
         "",

@@ -4,8 +4,6 @@
 //! The stream is foreign input to a foreign decoder: what it may allocate is bounded by the file's budget, what comes
 //! out is held against the accessors, and a panic in it is an error of the file.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use draco_core::{DataType, DecodeLimits, DecoderBuffer, MeshDecoder, PointAttribute, PointIndex};
 use gltf::json;
 use json::accessor::{ComponentType, GenericComponentType, Type};
@@ -75,12 +73,12 @@ impl Document {
         let limits = DecodeLimits::default()
             .with_max_faces(self.budget.left() / 12)
             .with_max_decoded_bytes(self.budget.left());
-        let mesh = catch_unwind(AssertUnwindSafe(|| {
+        let mesh = texgen::guarded(|| {
             let mut mesh = draco_core::Mesh::new();
             let mut buffer = DecoderBuffer::new(bytes).with_limits(limits);
             let outcome = MeshDecoder::new().decode(&mut buffer, &mut mesh);
             outcome.map(|()| mesh)
-        }))
+        })
         .map_err(|_| fault("the compressed data are damaged"))?
         .map_err(|error| fault(&format!("the compressed data can't be read: {error}")))?;
 

@@ -13,7 +13,6 @@ use crate::input;
 use crate::scene::{Environment, FloatImage};
 use glam::Vec3;
 use serde_json::Value;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 /// Largest file (4 GiB).
@@ -31,7 +30,7 @@ pub fn load_environment_image(path: &Path) -> Result<(FloatImage, Vec<String>), 
         source,
     })?;
     // The decoders are foreign code fed with foreign bytes: a panic in one must not end the program.
-    let decoded = catch_unwind(AssertUnwindSafe(|| panorama::decode(bytes)))
+    let decoded = texgen::guarded(|| panorama::decode(bytes))
         .unwrap_or_else(|_| Err("the decoder gave up on it".into()));
     let (mut image, notes) = decoded.map_err(|problem| ImportError::Environment {
         path: path.to_owned(),

@@ -11,7 +11,6 @@ use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::io::Cursor;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 /// Longest side of a picture, texels.
@@ -177,7 +176,7 @@ fn bytes<'a>(document: &'a Document, source: &json::Image) -> Result<Cow<'a, [u8
 /// Decodes, and turns a panic of the decoder into an error: the decoders are foreign code fed with foreign bytes, and
 /// a picture must not end the program.
 fn decode_guarded(bytes: &[u8], budget: &Budget) -> Result<DynamicImage, Fault> {
-    catch_unwind(AssertUnwindSafe(|| decode(bytes, budget)))
+    texgen::guarded(|| decode(bytes, budget))
         .unwrap_or_else(|_| Err("the decoder gave up on it".into()))
 }
 
