@@ -28,8 +28,8 @@ fn main() -> ExitCode {
                 let budget = Duration::from_secs(seconds.parse().ok()?);
                 let tried = run::run(target, first, u64::MAX, budget);
                 println!(
-                    "{name}: {} inputs, {} accepted, the slowest took {:?}",
-                    tried.inputs, tried.accepted, tried.slowest
+                    "{name}: {} inputs, {} accepted, the slowest ({}) took {:?}",
+                    tried.inputs, tried.accepted, tried.slowest.1, tried.slowest.0
                 );
             }
             ["--seeds", folder] => run::write_seeds(target, Path::new(folder)).ok()?,

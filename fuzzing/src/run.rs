@@ -20,8 +20,8 @@ pub struct Tried {
     pub inputs: u64,
     /// Of these, those that were accepted.
     pub accepted: u64,
-    /// What the slowest took.
-    pub slowest: Duration,
+    /// What the slowest took, and its number.
+    pub slowest: (Duration, u64),
 }
 
 /// The input of a number: the seeds themselves come first.
@@ -83,7 +83,7 @@ pub fn run(target: &Target, first: u64, most: u64, budget: Duration) -> Tried {
             Ok(Event::Done(accepted, took)) => {
                 tried.inputs += 1;
                 tried.accepted += u64::from(accepted);
-                tried.slowest = tried.slowest.max(took);
+                tried.slowest = tried.slowest.max((took, current.0));
             }
             Ok(Event::Fails) => fail("fails", &current),
             Err(RecvTimeoutError::Timeout) => fail("takes too long", &current),
