@@ -24,7 +24,7 @@ pub enum ImportError {
         /// Line, column and what was expected there.
         source: serde_json::Error,
     },
-    /// The file breaks a rule of glTF 2.0 that rendering depends on.
+    /// The file breaks a rule of its format that rendering depends on.
     #[error("{}: {place}: {problem}; repair the file or export it again", path.display())]
     Malformed {
         /// The file.

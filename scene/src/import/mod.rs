@@ -1,51 +1,84 @@
-//! glTF 2.0 to [`Scene`].
+//! Files to a [`Scene`].
 //!
-//! Files are foreign input. The JSON is read by the gltf crate; every index, offset and length in it is checked here
-//! before it is used, memory is bounded by the size of the file, and no path of a file leads to a panic. What can't
-//! be rendered is left out with a warning; what would change the picture beyond recognition is an error.
+//! Files are foreign input: every index, offset and length in them is checked before it is used, memory is bounded by the
+//! size of the files, and no path of a file leads to a panic. What can't be rendered is left out with a warning; what
+//! would change the picture beyond recognition is an error.
 //!
-//! `assemble` reads as a table of contents of this folder.
+//! A format is a folder that implements [`Format`], and an arm of [`format_of`]. What formats have in common stands beside
+//! the folders: pictures (each decoded once), meshes (triangles that can be rendered, tangents), budgets of memory,
+//! errors.
 
-mod accessor;
 mod budget;
-mod container;
-mod custom;
-mod deform;
-mod document;
-mod draco;
 mod environment;
 mod error;
-mod files;
-mod geometry;
-mod hierarchy;
-mod images;
-mod join;
-mod json_text;
-mod layers;
-mod lights_cameras;
-mod materials;
-mod nodes;
+mod gltf;
+mod merge;
+mod mesh;
 mod panorama;
-mod referenced;
-mod split;
-mod tangents;
-mod triangles;
+mod pictures;
 
 pub use environment::load_environment_image;
 pub use error::ImportError;
-pub(crate) use images::load_picture;
-pub use lights_cameras::default_camera;
-pub use referenced::referenced_files;
+pub use pictures::load_picture;
 
-use super::{Environment, Image, Material, Mesh, Scene};
+use crate::{Mesh, Scene};
 use budget::Budget;
-use document::Document;
-use error::Warnings;
 use glam::{Affine3A, DAffine3, DMat3};
-use std::collections::{HashMap, HashSet};
+use merge::merge;
+use pictures::Pictures;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// The format that a file's name stands for; `None` where it isn't known.
+fn format_of(path: &Path) -> Option<&'static dyn Format> {
+    let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+    match ending.as_str() {
+        "glb" | "gltf" => Some(&gltf::Gltf),
+        _ => None,
+    }
+}
+
+/// The format by which a file is read: what is called otherwise may still be glTF, and says so itself.
+fn reader_of(path: &Path) -> &'static dyn Format {
+    format_of(path).unwrap_or(&gltf::Gltf)
+}
+
+/// Whether a file is a scene by its name.
+pub fn is_scene(path: &Path) -> bool {
+    format_of(path).is_some()
+}
+
+/// The files beside a scene file that it names, for those who watch them; none where it can't be understood. Nothing of
+/// it is checked: importing does that.
+pub fn referenced_files(path: &Path) -> Vec<PathBuf> {
+    reader_of(path).referenced_files(path)
+}
+
+/// What a format of scene files has to bring.
+trait Format {
+    /// Reads a file, with all that it refers to: what it adds to a scene. Its materials refer to images by where they
+    /// will stand in `Scene::images`; all other indices begin at 0.
+    fn read(&self, request: Request<'_>) -> Result<Imported, ImportError>;
+
+    /// See the function [`referenced_files`].
+    fn referenced_files(&self, path: &Path) -> Vec<PathBuf>;
+}
+
+/// What is to be read, and for whom.
+struct Request<'a> {
+    path: &'a Path,
+    /// The file's world in that of the scene.
+    placement: DAffine3,
+    /// What is there already.
+    scene: &'a Scene,
+    /// Whether the file's environment is wanted.
+    with_environment: bool,
+    /// What decoding may still take.
+    budget: &'a Arc<Budget>,
+    /// The pictures that are there already.
+    pictures: &'a mut Pictures,
+}
 
 /// A scene and what the user should know about it.
 #[derive(Debug)]
@@ -69,7 +102,7 @@ pub struct Appended {
     pub warnings: Vec<String>,
 }
 
-/// Reads a `.gltf` or `.glb` with all its buffers and pictures: the default scene, at rest.
+/// Reads a scene file with all its buffers and pictures: the default scene, at rest.
 ///
 /// A file without triangles gives a scene without instances; that is not an error here.
 ///
@@ -80,7 +113,7 @@ pub fn load(path: &Path) -> Result<Imported, ImportError> {
     Importer::new().load(path)
 }
 
-/// Adds the contents of a `.gltf` or `.glb` to a scene; see [`Importer::append`].
+/// Adds the contents of a scene file to a scene; see [`Importer::append`].
 ///
 /// # Errors
 /// As [`load`]; the scene is not changed then.
@@ -97,8 +130,7 @@ pub fn append(
 #[derive(Debug)]
 pub struct Importer {
     budget: Arc<Budget>,
-    /// Pictures that the scene has, and whether they are read as sRGB.
-    images: HashMap<(images::Key, bool), u32>,
+    pictures: Pictures,
     held: Held,
 }
 
@@ -121,7 +153,7 @@ impl Importer {
     pub fn new() -> Self {
         Self {
             budget: Arc::new(Budget::for_geometry()),
-            images: HashMap::new(),
+            pictures: Pictures::default(),
             held: Held::default(),
         }
     }
@@ -131,12 +163,18 @@ impl Importer {
     /// # Errors
     /// As [`load`].
     pub fn load(&mut self, path: &Path) -> Result<Imported, ImportError> {
-        let document = Document::open(path, &self.budget)?;
-        self.assemble(&document, DAffine3::IDENTITY, &Scene::default(), true)
+        reader_of(path).read(Request {
+            path,
+            placement: DAffine3::IDENTITY,
+            scene: &Scene::default(),
+            with_environment: true,
+            budget: &self.budget,
+            pictures: &mut self.pictures,
+        })
     }
 
-    /// Adds the contents of a `.gltf` or `.glb` to the scene, as if its root nodes were children of a node with the
-    /// transform `placement`. Its cameras and its environment are not taken; the scene keeps its own.
+    /// Adds the contents of a file to the scene, as if its root nodes were children of a node with the transform
+    /// `placement`. Its cameras and its environment are not taken; the scene keeps its own.
     ///
     /// Names of materials stay unique: a second `Steel` becomes `Steel.001`.
     ///
@@ -168,91 +206,18 @@ impl Importer {
             ),
             translation: placement.translation.as_dvec3(),
         };
-        let document = Document::open(path, &self.budget)?;
         let Imported {
             scene: added,
             warnings,
-        } = self.assemble(&document, world, scene, false)?;
+        } = reader_of(path).read(Request {
+            path,
+            placement: world,
+            scene,
+            with_environment: false,
+            budget: &self.budget,
+            pictures: &mut self.pictures,
+        })?;
         Ok(merge(scene, added, warnings))
-    }
-
-    /// What a file adds to `scene`. Its materials refer to images by where they will stand in `Scene::images`.
-    fn assemble(
-        &mut self,
-        document: &Document,
-        placement: DAffine3,
-        scene: &Scene,
-        with_environment: bool,
-    ) -> Result<Imported, ImportError> {
-        let mut warnings = Warnings::default();
-        document.warn_of_extensions(&mut warnings);
-        let nodes = hierarchy::resolve(document, placement, &mut warnings)?;
-        let (mut materials, requests) = materials::read(document, &mut warnings)?;
-        let (meshes, instances) = nodes::instances(
-            document,
-            &nodes,
-            &materials,
-            scene.instances.len(),
-            &mut warnings,
-        )?;
-        let (lights, cameras) = nodes::lights_and_cameras(document, &nodes, &mut warnings)?;
-        let (images, slots) = self.images(document, &requests, scene)?;
-        for material in &mut materials {
-            for texture in material.textures_mut().into_iter().flatten() {
-                texture.image = slots[texture.image as usize];
-            }
-        }
-        let environment = if with_environment {
-            environment::of_scene(document, nodes.scene, &mut warnings)?
-        } else {
-            Environment::default()
-        };
-
-        // The stand-in for missing materials is last; it stays only where something uses it.
-        let stand_in = materials.len() as u32 - 1;
-        if !meshes
-            .iter()
-            .any(|mesh| mesh.triangle_materials.contains(&stand_in))
-            && stand_in > 0
-        {
-            materials.pop();
-        }
-        make_names_unique(&mut materials, &HashSet::new());
-        Ok(Imported {
-            scene: Scene {
-                meshes,
-                instances,
-                materials,
-                images,
-                lights,
-                cameras,
-                environment,
-            },
-            warnings: warnings.into_vec(),
-        })
-    }
-
-    /// The requested images that the scene doesn't have yet, and where each of the requested ones will stand.
-    fn images(
-        &mut self,
-        document: &Document,
-        requests: &[(usize, bool)],
-        scene: &Scene,
-    ) -> Result<(Vec<Image>, Vec<u32>), ImportError> {
-        let (mut missing, mut added, mut slots) = (Vec::new(), Vec::new(), Vec::new());
-        for &(index, srgb) in requests {
-            let key = (images::key(document, index), srgb);
-            let next = (scene.images.len() + missing.len()) as u32;
-            let slot = self.images.get(&key).copied().unwrap_or_else(|| {
-                missing.push((index, srgb));
-                added.push((key, next));
-                next
-            });
-            slots.push(slot);
-        }
-        let images = images::load(document, &missing, &scene.images)?;
-        self.images.extend(added);
-        Ok((images, slots))
     }
 }
 
@@ -276,66 +241,3 @@ impl Held {
         (self.meshes, self.instances) = (scene.meshes.len(), scene.instances.len());
     }
 }
-
-fn merge(scene: &mut Scene, mut added: Scene, warnings: Vec<String>) -> Appended {
-    let first_mesh = scene.meshes.len() as u32;
-    let first_material = scene.materials.len() as u32;
-    for mesh in &mut added.meshes {
-        mesh.triangle_materials
-            .iter_mut()
-            .for_each(|material| *material += first_material);
-    }
-    for instance in &mut added.instances {
-        instance.mesh += first_mesh;
-    }
-    let taken = scene
-        .materials
-        .iter()
-        .map(|material| material.name.clone())
-        .collect();
-    let renamed = make_names_unique(&mut added.materials, &taken);
-    let first_instance = scene.instances.len();
-    scene.meshes.append(&mut added.meshes);
-    scene.instances.append(&mut added.instances);
-    scene.materials.append(&mut added.materials);
-    scene.images.append(&mut added.images);
-    scene.lights.append(&mut added.lights);
-    Appended {
-        materials: first_material as usize..scene.materials.len(),
-        instances: first_instance..scene.instances.len(),
-        renamed,
-        warnings,
-    }
-}
-
-/// Keeps the first of equal names and numbers the others. Returns (old, new) of what was renamed.
-fn make_names_unique(materials: &mut [Material], taken: &HashSet<String>) -> Vec<(String, String)> {
-    let mut names = taken.clone();
-    // All names of the file come before made-up ones, so that a real `Steel.001` keeps its own.
-    let own: HashSet<String> = materials
-        .iter()
-        .map(|material| material.name.clone())
-        .collect();
-    let mut next: HashMap<String, u32> = HashMap::new();
-    let mut renamed = Vec::new();
-    for material in materials {
-        if names.insert(material.name.clone()) {
-            continue;
-        }
-        let counter = next.entry(material.name.clone()).or_insert(0);
-        let unique = loop {
-            *counter += 1;
-            let candidate = format!("{}.{counter:03}", material.name);
-            if !names.contains(&candidate) && !own.contains(&candidate) {
-                break candidate;
-            }
-        };
-        names.insert(unique.clone());
-        let old = std::mem::replace(&mut material.name, unique.clone());
-        renamed.push((old, unique));
-    }
-    renamed
-}
-
-#[cfg(test)]
-mod tests;

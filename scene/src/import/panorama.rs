@@ -3,7 +3,7 @@
 //! Sizes are checked before a texel is allocated: headers may claim anything.
 
 use super::error::Fault;
-use crate::scene::FloatImage;
+use crate::FloatImage;
 use ::exr::meta::header::Header;
 use exr::prelude as exr;
 use exr::{ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _};

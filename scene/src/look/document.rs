@@ -66,7 +66,7 @@ pub struct LookDocument {
 
 /// A table put aside.
 #[derive(Debug)]
-pub(crate) struct Kept(Option<Item>);
+pub struct Kept(Option<Item>);
 
 const BYTE_ORDER_MARK: &str = "\u{feff}";
 
@@ -198,7 +198,7 @@ impl LookDocument {
     }
 
     /// A copy of a table as it is written, to be [put back](Self::put_back).
-    pub(crate) fn keep(&self, section: &Section) -> Kept {
+    pub fn keep(&self, section: &Section) -> Kept {
         let (key, name) = section.place();
         let item = self.document.get(key);
         Kept(match name {
@@ -210,7 +210,7 @@ impl LookDocument {
     }
 
     /// Makes a table what it was, to the byte.
-    pub(crate) fn put_back(&mut self, section: &Section, kept: Kept) {
+    pub fn put_back(&mut self, section: &Section, kept: Kept) {
         let Some(item) = kept.0 else {
             return self.remove_table(section);
         };
@@ -285,7 +285,7 @@ impl LookDocument {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::look::{Look, find};
+    use crate::look::{Look, find};
 
     const TEXT: &str = "# Head.\nenvironment = { color = [1, 1, 1] } # white\n\n[node.a] # first\ntexture = 't'   # of mine\nscale   = 4     # odd spacing\n\n# Second.\n[node.b]\ntexture = 't'\n[material.\"A b\"]\n  roughness = 0.5 # rough\n# The end.\n";
 

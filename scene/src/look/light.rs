@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::scene::MAX_ANGULAR_DIAMETER;
-use crate::scene::sky::Sky;
+use crate::MAX_ANGULAR_DIAMETER;
+use crate::sky::Sky;
 
 use super::reader::{Reader, unit};
 use super::value::{Field, Span, Spanned, Value};

@@ -4,9 +4,8 @@
 
 use glam::Vec3;
 
-use super::parse::{blend, choice};
-use super::reader::{Reader, unit};
-use super::value::{Field, Span, Spanned};
+use super::reader::{Reader, choice, unit};
+use super::value::{Field, Span, Spanned, Value};
 use super::{AlphaLook, BlendLook, Input};
 
 /// `[material.NAME]`: overrides of a glTF material, or a new one. What is absent stays as it is.
@@ -186,11 +185,7 @@ impl MaterialLook {
     }
 }
 
-fn input(
-    reader: &mut Reader,
-    value: &Spanned<super::value::Value>,
-    takes: Takes,
-) -> Option<Spanned<Input>> {
+fn input(reader: &mut Reader, value: &Spanned<Value>, takes: Takes) -> Option<Spanned<Input>> {
     match takes {
         Takes::Color => reader.color_input(value),
         Takes::ShareColor => reader.share_color_input(value),
@@ -261,6 +256,36 @@ pub(super) fn material(
     }
     check(reader, &m);
     Some(m)
+}
+
+/// Reads `{ base, over, mask }`.
+fn blend(reader: &mut Reader, value: &Spanned<Value>) -> Option<Spanned<BlendLook>> {
+    const KEYS: [&str; 3] = ["base", "over", "mask"];
+    const SHAPE: &str = "{ base = \"MATERIAL\", over = \"MATERIAL\", mask = \"NODE\" }";
+    let table = reader.table(value, SHAPE)?;
+    let (mut base, mut over, mut mask) = (None, None, None);
+    for Field { key, value } in table {
+        match key.value.as_str() {
+            "base" => base = reader.text(value),
+            "over" => over = reader.text(value),
+            "mask" => mask = reader.unit_input(value),
+            _ => reader.unknown_key(key, "`blend`", &KEYS),
+        }
+    }
+    for required in KEYS {
+        if !table.iter().any(|f| f.key.value == required) {
+            reader.problem_with_note(
+                &value.span,
+                format!("`blend` needs `{required}`"),
+                format!("as in {SHAPE}"),
+            );
+        }
+    }
+    Some(value.with(BlendLook {
+        base: base?,
+        over: over?,
+        mask: mask?,
+    }))
 }
 
 /// Points out keys that contradict each other, or have no effect.

@@ -2,7 +2,7 @@
 //! environment, overrides of camera and material constants.
 //!
 //! This folder turns TOML text into a [`Look`], plain data in which every value remembers where it was written. It does
-//! not know which materials the scene has or which parameters a texture takes: `procedural` brings those together.
+//! not know which materials the scene has or which parameters a texture takes: the engine brings those together.
 //! `docs/look-file.md` is the reference for users.
 
 mod document;
@@ -21,17 +21,27 @@ use glam::{Affine3A, Vec3};
 use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle};
 
 use crate::input;
-use crate::scene::sky::Sky;
+use crate::sky::Sky;
 
-pub use document::{LookDocument, Section};
+pub use document::{Kept, LookDocument, Section};
 pub use material::MaterialLook;
-pub(crate) use parse::{Table, placed_fields, table};
-pub use reader::{color, link_text};
-pub(crate) use reader::{color_remedy, misplaced_key, unquoted};
+pub use parse::{Table, placed_fields, table};
+pub use reader::{color, color_remedy, link_text, misplaced_key, unquoted};
 pub use value::{Field, Span, Spanned, Value, find, parse_value};
 
 /// The most AO tables a look may have: the hit of a path carries this many occlusion values.
 pub const MAX_AO: usize = 4;
+
+/// Keys of a look.
+const KEYS: [&str; 7] = [
+    "environment",
+    "camera",
+    "light",
+    "ao",
+    "node",
+    "material",
+    "include",
+];
 
 /// A look file, parsed. Paths in it are relative to the file itself; see [`Look::resolve`].
 #[derive(Debug, Clone)]
@@ -262,7 +272,7 @@ impl Look {
     ///
     /// # Errors
     /// It is no regular file, no text, too large, or can't be read.
-    pub(crate) fn read_text(path: &Path) -> Result<String, LookError> {
+    pub fn read_text(path: &Path) -> Result<String, LookError> {
         input::read_text(path, parse::MAX_BYTES as u64).map_err(|source| LookError::Read {
             path: path.to_owned(),
             source,

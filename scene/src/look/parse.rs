@@ -12,26 +12,15 @@ use toml_edit::Document;
 use super::document::Section;
 use super::light::{environment, light};
 use super::material::{MaterialLook, material};
-use super::reader::{Reader, is_name, unquoted};
+use super::reader::{Reader, choice, is_name, unquoted};
 use super::value::{Field, Span, Spanned, Value, fields};
 use super::{
-    AoDirection, AoLook, AoSettings, BlendLook, CameraLook, EnvironmentLook, Include, Input, Look,
+    AoDirection, AoLook, AoSettings, CameraLook, EnvironmentLook, Include, Input, KEYS, Look,
     MAX_AO, NodeLook,
 };
 
 /// A look larger than this is not one.
 pub(super) const MAX_BYTES: usize = 16 << 20;
-
-/// Keys of a look.
-pub(super) const KEYS: [&str; 7] = [
-    "environment",
-    "camera",
-    "light",
-    "ao",
-    "node",
-    "material",
-    "include",
-];
 
 pub(super) fn parse(path: &Path, text: &str) -> (Look, Reader) {
     let file = SourceFile::new("look", path.display().to_string(), text);
@@ -83,7 +72,7 @@ fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
 }
 
 /// All tables of a text with their places; none where it is no TOML.
-pub(crate) fn placed_fields(text: &str) -> Vec<Field> {
+pub fn placed_fields(text: &str) -> Vec<Field> {
     Document::parse(text).map_or(Vec::new(), |document| {
         fields(document.as_table(), text.len())
     })
@@ -93,7 +82,7 @@ pub(crate) fn placed_fields(text: &str) -> Vec<Field> {
 ///
 /// # Errors
 /// All mistakes of the table.
-pub(crate) fn table(
+pub fn table(
     file: &SourceFile,
     section: &Section,
     fields: &[Field],
@@ -124,11 +113,17 @@ pub(crate) fn table(
 }
 
 /// What [`table`] read.
-pub(crate) enum Table {
+#[derive(Debug)]
+pub enum Table {
+    /// `environment`.
     Environment(EnvironmentLook),
+    /// `[camera]`.
     Camera(CameraLook),
+    /// `[ao.NAME]`.
     Ao(AoSettings),
+    /// `[node.NAME]`.
     Node(NodeLook),
+    /// `[material.NAME]`.
     Material(Box<MaterialLook>),
 }
 
@@ -307,35 +302,6 @@ fn node(
     })
 }
 
-pub(super) fn blend(reader: &mut Reader, value: &Spanned<Value>) -> Option<Spanned<BlendLook>> {
-    const KEYS: [&str; 3] = ["base", "over", "mask"];
-    const SHAPE: &str = "{ base = \"MATERIAL\", over = \"MATERIAL\", mask = \"NODE\" }";
-    let table = reader.table(value, SHAPE)?;
-    let (mut base, mut over, mut mask) = (None, None, None);
-    for Field { key, value } in table {
-        match key.value.as_str() {
-            "base" => base = reader.text(value),
-            "over" => over = reader.text(value),
-            "mask" => mask = reader.unit_input(value),
-            _ => reader.unknown_key(key, "`blend`", &KEYS),
-        }
-    }
-    for required in KEYS {
-        if !table.iter().any(|f| f.key.value == required) {
-            reader.problem_with_note(
-                &value.span,
-                format!("`blend` needs `{required}`"),
-                format!("as in {SHAPE}"),
-            );
-        }
-    }
-    Some(value.with(BlendLook {
-        base: base?,
-        over: over?,
-        mask: mask?,
-    }))
-}
-
 fn includes(reader: &mut Reader, value: &Spanned<Value>) -> Vec<Include> {
     let Value::List(tables) = &value.value else {
         reader.problem_with_note(
@@ -427,24 +393,6 @@ fn scale(reader: &mut Reader, value: &Spanned<Value>) -> Option<Vec3> {
         return None;
     }
     Some(scale)
-}
-
-/// One of a few words.
-pub(super) fn choice<T: Copy>(
-    reader: &mut Reader,
-    value: &Spanned<Value>,
-    words: &[(&str, T)],
-) -> Option<Spanned<T>> {
-    let text = reader.text(value)?;
-    let found = words.iter().find(|(word, _)| *word == text.value);
-    if found.is_none() {
-        let list: Vec<_> = words
-            .iter()
-            .map(|(word, _)| format!("\"{word}\""))
-            .collect();
-        reader.problem(&value.span, format!("expected {}", list.join(", ")));
-    }
-    found.map(|&(_, meaning)| value.with(meaning))
 }
 
 fn check_name(reader: &mut Reader, name: &Spanned<String>, what: &str) {

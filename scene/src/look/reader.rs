@@ -234,6 +234,24 @@ impl Reader {
     }
 }
 
+/// One of a few words.
+pub(super) fn choice<T: Copy>(
+    reader: &mut Reader,
+    value: &Spanned<Value>,
+    words: &[(&str, T)],
+) -> Option<Spanned<T>> {
+    let text = reader.text(value)?;
+    let found = words.iter().find(|(word, _)| *word == text.value);
+    if found.is_none() {
+        let list: Vec<_> = words
+            .iter()
+            .map(|(word, _)| format!("\"{word}\""))
+            .collect();
+        reader.problem(&value.span, format!("expected {}", list.join(", ")));
+    }
+    found.map(|&(_, meaning)| value.with(meaning))
+}
+
 /// Whether a number lies in 0 to 1.
 pub(super) fn unit(x: f32) -> bool {
     (0.0..=1.0).contains(&x)
@@ -260,7 +278,7 @@ pub fn color(value: &Value) -> Result<Vec3, String> {
 }
 
 /// What to write in place of a text that is a number, or something else that needs no quotes; `None` for other texts.
-pub(crate) fn unquoted(text: &str) -> Option<String> {
+pub fn unquoted(text: &str) -> Option<String> {
     let value = super::parse_value(text.trim())?;
     let is_finite = value.value.as_number().is_none_or(f64::is_finite);
     let kind = match value.value {
@@ -272,8 +290,8 @@ pub(crate) fn unquoted(text: &str) -> Option<String> {
 }
 
 /// What to do about a key of a whole look in one of its tables; `None` for other keys.
-pub(crate) fn misplaced_key(key: &str) -> Option<String> {
-    super::parse::KEYS.contains(&key).then(|| {
+pub fn misplaced_key(key: &str) -> Option<String> {
+    super::KEYS.contains(&key).then(|| {
         format!(
             "in TOML a key belongs to the last [table] above it: move `{key}` to the top of the file, before the first [table]"
         )
@@ -281,7 +299,7 @@ pub(crate) fn misplaced_key(key: &str) -> Option<String> {
 }
 
 /// What to write in place of a colour beyond 1; `None` where no component is.
-pub(crate) fn color_remedy(value: &Value) -> Option<String> {
+pub fn color_remedy(value: &Value) -> Option<String> {
     let Value::List(list) = value else {
         return None;
     };

@@ -68,7 +68,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::scene::look::Value;
+    use crate::look::Value;
 
     fn renamed_text(text: &str) -> String {
         let path = Path::new("a.look.toml");

@@ -4,7 +4,7 @@
 //! can't fail. Nothing is allocated from a count before the bytes behind it have been seen.
 
 use super::document::{Document, offset, slice};
-use super::error::Fault;
+use crate::import::error::{At as _, Fault, ImportError};
 use gltf::json;
 use json::accessor::{ComponentType, Type};
 use json::validation::Checked;
@@ -24,7 +24,7 @@ pub(super) struct Accessor<'a> {
 }
 
 /// Whether the type of an accessor is one that is read here. Others may come from extensions that are ignored.
-pub(super) fn is_readable(accessor: &json::Accessor) -> bool {
+fn is_readable(accessor: &json::Accessor) -> bool {
     let Checked::Valid(json::accessor::GenericComponentType(component)) = accessor.component_type
     else {
         return false;
@@ -59,6 +59,33 @@ impl Document {
             .ok_or_else(|| format!("accessor {index} does not exist"))?;
         self.check(accessor)
             .map_err(|fault| format!("accessor {index} {fault}"))
+    }
+
+    /// Checks all buffer views and accessors, also those that nothing shows: where one reaches beyond its data, the
+    /// file has been cut or its numbers are garbage, and what it shows can't be trusted either.
+    pub(super) fn check_layout(&self) -> Result<(), ImportError> {
+        let place = || "binary data".to_owned();
+        for (index, view) in self.root.buffer_views.iter().enumerate() {
+            if !self.is_absent(view) {
+                self.view(index).map(drop).at(&self.path, place)?;
+            }
+        }
+        for (index, accessor) in self.root.accessors.iter().enumerate() {
+            let sparse = accessor.sparse.as_ref();
+            let mut views = accessor
+                .buffer_view
+                .into_iter()
+                .chain(
+                    sparse
+                        .into_iter()
+                        .flat_map(|sparse| [sparse.indices.buffer_view, sparse.values.buffer_view]),
+                )
+                .filter_map(|view| self.root.buffer_views.get(view.value()));
+            if !views.any(|view| self.is_absent(view)) && is_readable(accessor) {
+                self.accessor(index).map(drop).at(&self.path, place)?;
+            }
+        }
+        Ok(())
     }
 
     fn check(&self, accessor: &json::Accessor) -> Result<Accessor<'_>, Fault> {

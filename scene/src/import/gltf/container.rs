@@ -2,7 +2,7 @@
 //!
 //! Lengths are checked against the bytes that are there before anything is sliced; nothing is copied.
 
-use super::error::Fault;
+use crate::import::error::Fault;
 use std::ops::Range;
 
 const MAGIC: &[u8] = b"glTF";

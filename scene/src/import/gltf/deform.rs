@@ -4,7 +4,7 @@
 
 use super::accessor::Accessor;
 use super::document::Document;
-use super::error::Fault;
+use crate::import::error::Fault;
 use glam::{Affine3A, Mat3A, Vec3, Vec4};
 use gltf::json;
 use json::mesh::{MorphTarget, Semantic};

@@ -2,12 +2,11 @@
 //!
 //! Everything else in this folder reads through [`Document`]; nothing else touches files, except the pictures.
 
-use super::accessor;
-use super::budget::Budget;
 use super::container;
-use super::error::{At as _, Fault, ImportError, Warnings};
 use super::files::{self, Source};
 use super::json_text::{self, JsonError, Parsed};
+use crate::import::budget::Budget;
+use crate::import::error::{At as _, Fault, ImportError, Warnings};
 use crate::input::{self, FileId};
 use gltf::json;
 use json::validation::USize64;
@@ -75,17 +74,8 @@ enum BufferSource {
 }
 
 impl Document {
-    /// Reads the file and all its buffers. What decoding takes comes out of `budget`.
-    pub(super) fn open(path: &Path, budget: &Arc<Budget>) -> Result<Self, ImportError> {
-        let file = read(path).map_err(|source| ImportError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        Self::parse(path, file, budget)
-    }
-
-    /// As [`open`](Self::open), for the bytes of a file that is already in memory.
-    pub(super) fn parse(
+    /// Understands the bytes of a file and reads all its buffers. What decoding takes comes out of `budget`.
+    pub(super) fn new(
         path: &Path,
         file: Vec<u8>,
         budget: &Arc<Budget>,
@@ -132,40 +122,11 @@ impl Document {
         document
             .budget
             .allow(document.id.clone(), length + document.size());
-        document.decompress()?;
-        document.check_layout()?;
         Ok(document)
     }
 
-    /// Checks all buffer views and accessors, also those that nothing shows: where one reaches beyond its data, the
-    /// file has been cut or its numbers are garbage, and what it shows can't be trusted either.
-    fn check_layout(&self) -> Result<(), ImportError> {
-        let place = || "binary data".to_owned();
-        for (index, view) in self.root.buffer_views.iter().enumerate() {
-            if !self.is_absent(view) {
-                self.view(index).map(drop).at(&self.path, place)?;
-            }
-        }
-        for (index, accessor) in self.root.accessors.iter().enumerate() {
-            let sparse = accessor.sparse.as_ref();
-            let mut views = accessor
-                .buffer_view
-                .into_iter()
-                .chain(
-                    sparse
-                        .into_iter()
-                        .flat_map(|sparse| [sparse.indices.buffer_view, sparse.values.buffer_view]),
-                )
-                .filter_map(|view| self.root.buffer_views.get(view.value()));
-            if !views.any(|view| self.is_absent(view)) && accessor::is_readable(accessor) {
-                self.accessor(index).map(drop).at(&self.path, place)?;
-            }
-        }
-        Ok(())
-    }
-
     /// A buffer without data is legal as long as nothing reads it: it stands for what an extension would decompress.
-    fn is_absent(&self, view: &json::buffer::View) -> bool {
+    pub(super) fn is_absent(&self, view: &json::buffer::View) -> bool {
         matches!(self.buffers.get(view.buffer.value()), Some(Buffer::Absent))
     }
 

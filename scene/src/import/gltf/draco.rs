@@ -14,7 +14,7 @@ use json::validation::Checked;
 use serde_json::Value;
 
 use super::document::Document;
-use super::error::{At as _, Fault, ImportError};
+use crate::import::error::{At as _, Fault, ImportError};
 
 /// The name in files.
 const EXTENSION: &str = "KHR_draco_mesh_compression";

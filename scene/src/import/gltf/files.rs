@@ -2,7 +2,7 @@
 //!
 //! Nothing is opened here: see [`crate::input`].
 
-use super::error::Fault;
+use crate::import::error::Fault;
 use base64::Engine as _;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use std::borrow::Cow;

@@ -3,16 +3,17 @@
 //! Only vertices that a kept triangle uses are decoded, so primitives that share one large accessor cost what they
 //! show. What the renderer cannot use (points, lines, degenerate triangles, NaN) ends here.
 
-use super::accessor::Accessor;
+use super::attributes::Attributes;
 use super::custom;
 use super::deform::{self, Pose};
 use super::document::Document;
-use super::error::{At as _, Fault, ImportError, Warnings};
-use super::join::{merge, reorder};
-use super::split::split_vertices;
-use super::tangents;
-use super::triangles;
-use crate::scene::{Material, Mesh};
+use super::indices::Indices;
+use crate::import::error::{At as _, Fault, ImportError, Warnings};
+use crate::import::mesh::Dropped;
+use crate::import::mesh::join::{merge, reorder};
+use crate::import::mesh::split::split_vertices;
+use crate::import::mesh::{tangents, triangles};
+use crate::{Material, Mesh};
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json;
 use json::mesh::{Mode, Semantic};
@@ -35,14 +36,6 @@ pub(super) struct Built {
     pub(super) mesh: Mesh,
     pub(super) dropped: Dropped,
     pub(super) warnings: Warnings,
-}
-
-/// Counts of triangles and values that could not be used.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Dropped {
-    pub(super) degenerate: u64,
-    pub(super) non_finite: u64,
-    pub(super) bad_values: u64,
 }
 
 impl Builder<'_> {
@@ -78,7 +71,7 @@ impl Builder<'_> {
             built.dropped.add(part.dropped);
             built.warnings.extend(part.warnings);
         }
-        self.take_joined(&meshes)
+        custom::take_joined(self.document, &meshes)
             .at(path, || format!("mesh {index} \"{name}\""))?;
         built.mesh = merge(meshes);
         built.mesh.name = name;
@@ -105,7 +98,11 @@ impl Builder<'_> {
             }
             Checked::Invalid => return Err("has an unknown mode".into()),
         };
-        let Some(positions) = self.attribute(primitive, Semantic::Positions, &[3])? else {
+        let attributes = Attributes {
+            document: self.document,
+            primitive,
+        };
+        let Some(positions) = attributes.get(Semantic::Positions, &[3])? else {
             built
                 .warnings
                 .push(format!("{}: has no POSITION and is not rendered", place()));
@@ -113,13 +110,13 @@ impl Builder<'_> {
         };
         let vertex_count = positions.count();
         let indices = match primitive.indices {
-            Some(accessor) => triangles::Indices::List(
+            Some(accessor) => Indices::List(
                 self.document
                     .accessor(accessor.value())?
                     .indices()
                     .map_err(|fault| format!("indices: accessor {} {fault}", accessor.value()))?,
             ),
-            None => triangles::Indices::Sequence(vertex_count),
+            None => Indices::Sequence(vertex_count),
         };
         self.document
             .budget
@@ -162,109 +159,27 @@ impl Builder<'_> {
         };
         mesh.triangle_materials = vec![material as u32; list.len()];
         mesh.triangles = list;
-        self.read_attributes(primitive, &used, &mut mesh, &mut built.dropped)?;
-        self.read_normals(primitive, &source, &used, &mut mesh, &mut built.dropped)?;
+        read_attributes(&attributes, &used, &mut mesh, &mut built.dropped)?;
+        self.read_normals(&attributes, &source, &used, &mut mesh, &mut built.dropped)?;
         self.make_tangents(material, &mut mesh, place, &mut built.warnings)?;
         Ok(Some(mesh))
-    }
-
-    /// An attribute with as many elements as the positions have, and one of the given numbers of components.
-    pub(super) fn attribute(
-        &self,
-        primitive: &json::mesh::Primitive,
-        semantic: Semantic,
-        components: &[usize],
-    ) -> Result<Option<Accessor<'_>>, Fault> {
-        let positions = primitive
-            .attributes
-            .get(&Checked::Valid(Semantic::Positions));
-        let name = semantic.to_string();
-        let Some(index) = primitive.attributes.get(&Checked::Valid(semantic)) else {
-            return Ok(None);
-        };
-        let accessor = self
-            .document
-            .accessor(index.value())
-            .map_err(|fault| format!("{name}: {fault}"))?;
-        if !components.contains(&accessor.components()) {
-            return Err(format!(
-                "{name}: accessor {} has {} components",
-                index.value(),
-                accessor.components()
-            ));
-        }
-        let vertices = match positions.and_then(|p| self.document.root.accessors.get(p.value())) {
-            Some(positions) => positions.count.0,
-            None => 0,
-        };
-        if u64::from(accessor.count()) < vertices {
-            return Err(format!(
-                "{name}: accessor {} has {} elements for {vertices} vertices",
-                index.value(),
-                accessor.count()
-            ));
-        }
-        Ok(Some(accessor))
-    }
-
-    fn read_attributes(
-        &self,
-        primitive: &json::mesh::Primitive,
-        used: &[u32],
-        mesh: &mut Mesh,
-        dropped: &mut Dropped,
-    ) -> Result<(), Fault> {
-        let vertices = || used.iter().copied();
-        for (set, target) in [(0, &mut mesh.uv0), (1, &mut mesh.uv1)] {
-            if let Some(accessor) = self.attribute(primitive, Semantic::TexCoords(set), &[2])? {
-                *target = accessor
-                    .gather::<2>(vertices())
-                    .into_iter()
-                    .map(Vec2::from)
-                    .collect();
-                for uv in target.iter_mut().filter(|uv| !uv.is_finite()) {
-                    *uv = Vec2::ZERO;
-                    dropped.bad_values += 1;
-                }
-            }
-        }
-        if let Some(accessor) = self.attribute(primitive, Semantic::Colors(0), &[3, 4])? {
-            let opaque = accessor.components() == 3;
-            mesh.colors = accessor
-                .gather::<4>(vertices())
-                .into_iter()
-                .map(Vec4::from)
-                .collect();
-            for color in &mut mesh.colors {
-                if opaque {
-                    color.w = 1.0;
-                }
-                if !color.is_finite() {
-                    *color = Vec4::ONE;
-                    dropped.bad_values += 1;
-                }
-                *color = color.max(Vec4::ZERO);
-            }
-        }
-        mesh.custom = self.custom_attributes(primitive, used, dropped)?;
-        Ok(())
     }
 
     /// Normals and tangents of the file, or flat normals where it has none.
     fn read_normals(
         &self,
-        primitive: &json::mesh::Primitive,
+        attributes: &Attributes<'_>,
         source: &deform::Source<'_>,
         used: &[u32],
         mesh: &mut Mesh,
         dropped: &mut Dropped,
     ) -> Result<(), Fault> {
-        let Some(normals) = self.attribute(primitive, Semantic::Normals, &[3])? else {
+        let Some(normals) = attributes.get(Semantic::Normals, &[3])? else {
             return self.flat_normals(mesh);
         };
         mesh.normals = source.normals(&normals, used)?;
         repair_normals(mesh, dropped);
-        if let Some(tangents) = self.attribute(primitive, Semantic::Tangents, &[4])? {
+        if let Some(tangents) = attributes.get(Semantic::Tangents, &[4])? {
             mesh.tangents = source
                 .tangents(&tangents, used)?
                 .into_iter()
@@ -331,12 +246,47 @@ impl Builder<'_> {
     }
 }
 
-impl Dropped {
-    fn add(&mut self, other: Self) {
-        self.degenerate += other.degenerate;
-        self.non_finite += other.non_finite;
-        self.bad_values += other.bad_values;
+/// Texture coordinates, colours and custom attributes of the vertices `used`.
+fn read_attributes(
+    attributes: &Attributes<'_>,
+    used: &[u32],
+    mesh: &mut Mesh,
+    dropped: &mut Dropped,
+) -> Result<(), Fault> {
+    let vertices = || used.iter().copied();
+    for (set, target) in [(0, &mut mesh.uv0), (1, &mut mesh.uv1)] {
+        if let Some(accessor) = attributes.get(Semantic::TexCoords(set), &[2])? {
+            *target = accessor
+                .gather::<2>(vertices())
+                .into_iter()
+                .map(Vec2::from)
+                .collect();
+            for uv in target.iter_mut().filter(|uv| !uv.is_finite()) {
+                *uv = Vec2::ZERO;
+                dropped.bad_values += 1;
+            }
+        }
     }
+    if let Some(accessor) = attributes.get(Semantic::Colors(0), &[3, 4])? {
+        let opaque = accessor.components() == 3;
+        mesh.colors = accessor
+            .gather::<4>(vertices())
+            .into_iter()
+            .map(Vec4::from)
+            .collect();
+        for color in &mut mesh.colors {
+            if opaque {
+                color.w = 1.0;
+            }
+            if !color.is_finite() {
+                *color = Vec4::ONE;
+                dropped.bad_values += 1;
+            }
+            *color = color.max(Vec4::ZERO);
+        }
+    }
+    mesh.custom = custom::read(attributes, used, dropped)?;
+    Ok(())
 }
 
 fn vertex_bytes(mesh: &Mesh) -> u64 {

@@ -1,9 +1,7 @@
 //! The node tree: world transforms and what is visible. Works without recursion, for trees of any depth.
 
 use super::document::Document;
-use super::error::{Fault, Warnings};
-use crate::scene::import::ImportError;
-use crate::scene::import::error::At as _;
+use crate::import::error::{At as _, Fault, ImportError, Warnings};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use gltf::json;
 

@@ -5,86 +5,85 @@ use glam::Vec3;
 use gltf::json;
 use serde_json::{Map, Value};
 
-use super::error::Fault;
-use super::materials::{Reader, other_transform};
-use crate::scene::{Material, TextureRef, absorption};
+use super::reader::{Reader, other_transform};
+use crate::import::error::Fault;
+use crate::{Material, TextureRef, absorption};
 
 type Extension<'e> = &'e Map<String, Value>;
 
-impl Reader<'_> {
-    /// Reads what a material's extensions say.
-    pub(super) fn layers(
-        &mut self,
-        extensions: Extension<'_>,
-        material: &mut Material,
-    ) -> Result<(), Fault> {
-        let find = |name: &str| extensions.get(name).and_then(Value::as_object);
-        if let Some(e) = find("KHR_materials_transmission") {
-            material.transmission = self.share(e, "transmissionFactor", 0.0);
-            material.transmission_texture = self.picture(e, "transmissionTexture", false)?;
-        }
-        if let Some(e) = find("KHR_materials_volume") {
-            material.is_solid = self.number(e, "thicknessFactor", 0.0) > 0.0;
-            let color = self.color(e, "attenuationColor", Vec3::ONE);
-            let distance = self.number(e, "attenuationDistance", f32::INFINITY);
-            if distance > 0.0 && distance.is_finite() {
-                material.absorption = absorption(color, distance);
-            }
-        }
-        if let Some(e) = find("KHR_materials_dispersion") {
-            let dispersion = self.number(e, "dispersion", 0.0);
-            material.dispersion = self.within("dispersion", dispersion, 0.0, 1e3, 0.0);
-        }
-        if let Some(e) = find("KHR_materials_diffuse_transmission") {
-            material.diffuse_transmission = self.share(e, "diffuseTransmissionFactor", 0.0);
-            material.diffuse_transmission_texture =
-                self.picture(e, "diffuseTransmissionTexture", false)?;
-            material.diffuse_transmission_color =
-                self.color(e, "diffuseTransmissionColorFactor", Vec3::ONE);
-            material.diffuse_transmission_color_texture =
-                self.picture(e, "diffuseTransmissionColorTexture", true)?;
-        }
-        if let Some(e) = find("KHR_materials_sheen") {
-            material.sheen_color = self.color(e, "sheenColorFactor", Vec3::ZERO);
-            material.sheen_color_texture = self.picture(e, "sheenColorTexture", true)?;
-            material.sheen_roughness = self.share(e, "sheenRoughnessFactor", 0.0);
-            material.sheen_roughness_texture = self.picture(e, "sheenRoughnessTexture", false)?;
-        }
-        if let Some(e) = find("KHR_materials_clearcoat") {
-            material.coat = self.share(e, "clearcoatFactor", 0.0);
-            material.coat_texture = self.picture(e, "clearcoatTexture", false)?;
-            material.coat_roughness = self.share(e, "clearcoatRoughnessFactor", 0.0);
-            material.coat_roughness_texture =
-                self.picture(e, "clearcoatRoughnessTexture", false)?;
-            material.coat_normal_texture = self.picture(e, "clearcoatNormalTexture", false)?;
-            if let Some(normal) = e.get("clearcoatNormalTexture").and_then(Value::as_object) {
-                material.coat_normal_scale = self.number(normal, "scale", 1.0);
-            }
-        }
-        if let Some(e) = find("KHR_materials_anisotropy") {
-            material.anisotropy = self.share(e, "anisotropyStrength", 0.0);
-            material.anisotropy_rotation = self.number(e, "anisotropyRotation", 0.0);
-            material.anisotropy_texture = self.picture(e, "anisotropyTexture", false)?;
-        }
-        if let Some(e) = find("KHR_materials_iridescence") {
-            material.iridescence = self.share(e, "iridescenceFactor", 0.0);
-            material.iridescence_texture = self.picture(e, "iridescenceTexture", false)?;
-            let ior = self.number(e, "iridescenceIor", 1.3);
-            material.iridescence_ior = self.within("iridescenceIor", ior, 1.0, 100.0, 1.3);
-            let mut thickness = |name: &str, default: f32| {
-                let given = self.number(e, name, default);
-                self.within(name, given, 0.0, 1e6, default)
-            };
-            material.iridescence_thickness = [
-                thickness("iridescenceThicknessMinimum", 100.0),
-                thickness("iridescenceThicknessMaximum", 400.0),
-            ];
-            material.iridescence_thickness_texture =
-                self.picture(e, "iridescenceThicknessTexture", false)?;
-        }
-        Ok(())
+/// Reads what a material's extensions say.
+pub(super) fn read(
+    reader: &mut Reader<'_>,
+    extensions: Extension<'_>,
+    material: &mut Material,
+) -> Result<(), Fault> {
+    let find = |name: &str| extensions.get(name).and_then(Value::as_object);
+    if let Some(e) = find("KHR_materials_transmission") {
+        material.transmission = reader.share(e, "transmissionFactor", 0.0);
+        material.transmission_texture = reader.picture(e, "transmissionTexture", false)?;
     }
+    if let Some(e) = find("KHR_materials_volume") {
+        material.is_solid = reader.number(e, "thicknessFactor", 0.0) > 0.0;
+        let color = reader.color(e, "attenuationColor", Vec3::ONE);
+        let distance = reader.number(e, "attenuationDistance", f32::INFINITY);
+        if distance > 0.0 && distance.is_finite() {
+            material.absorption = absorption(color, distance);
+        }
+    }
+    if let Some(e) = find("KHR_materials_dispersion") {
+        let dispersion = reader.number(e, "dispersion", 0.0);
+        material.dispersion = reader.within("dispersion", dispersion, 0.0, 1e3, 0.0);
+    }
+    if let Some(e) = find("KHR_materials_diffuse_transmission") {
+        material.diffuse_transmission = reader.share(e, "diffuseTransmissionFactor", 0.0);
+        material.diffuse_transmission_texture =
+            reader.picture(e, "diffuseTransmissionTexture", false)?;
+        material.diffuse_transmission_color =
+            reader.color(e, "diffuseTransmissionColorFactor", Vec3::ONE);
+        material.diffuse_transmission_color_texture =
+            reader.picture(e, "diffuseTransmissionColorTexture", true)?;
+    }
+    if let Some(e) = find("KHR_materials_sheen") {
+        material.sheen_color = reader.color(e, "sheenColorFactor", Vec3::ZERO);
+        material.sheen_color_texture = reader.picture(e, "sheenColorTexture", true)?;
+        material.sheen_roughness = reader.share(e, "sheenRoughnessFactor", 0.0);
+        material.sheen_roughness_texture = reader.picture(e, "sheenRoughnessTexture", false)?;
+    }
+    if let Some(e) = find("KHR_materials_clearcoat") {
+        material.coat = reader.share(e, "clearcoatFactor", 0.0);
+        material.coat_texture = reader.picture(e, "clearcoatTexture", false)?;
+        material.coat_roughness = reader.share(e, "clearcoatRoughnessFactor", 0.0);
+        material.coat_roughness_texture = reader.picture(e, "clearcoatRoughnessTexture", false)?;
+        material.coat_normal_texture = reader.picture(e, "clearcoatNormalTexture", false)?;
+        if let Some(normal) = e.get("clearcoatNormalTexture").and_then(Value::as_object) {
+            material.coat_normal_scale = reader.number(normal, "scale", 1.0);
+        }
+    }
+    if let Some(e) = find("KHR_materials_anisotropy") {
+        material.anisotropy = reader.share(e, "anisotropyStrength", 0.0);
+        material.anisotropy_rotation = reader.number(e, "anisotropyRotation", 0.0);
+        material.anisotropy_texture = reader.picture(e, "anisotropyTexture", false)?;
+    }
+    if let Some(e) = find("KHR_materials_iridescence") {
+        material.iridescence = reader.share(e, "iridescenceFactor", 0.0);
+        material.iridescence_texture = reader.picture(e, "iridescenceTexture", false)?;
+        let ior = reader.number(e, "iridescenceIor", 1.3);
+        material.iridescence_ior = reader.within("iridescenceIor", ior, 1.0, 100.0, 1.3);
+        let mut thickness = |name: &str, default: f32| {
+            let given = reader.number(e, name, default);
+            reader.within(name, given, 0.0, 1e6, default)
+        };
+        material.iridescence_thickness = [
+            thickness("iridescenceThicknessMinimum", 100.0),
+            thickness("iridescenceThicknessMaximum", 400.0),
+        ];
+        material.iridescence_thickness_texture =
+            reader.picture(e, "iridescenceThicknessTexture", false)?;
+    }
+    Ok(())
+}
 
+impl Reader<'_> {
     fn number(&mut self, e: Extension<'_>, name: &str, default: f32) -> f32 {
         let given = e.get(name).and_then(Value::as_f64);
         let value = given.map_or(default, |value| value as f32);
@@ -129,7 +128,7 @@ mod tests {
     use serde_json::json;
 
     use super::super::tests::{import, square};
-    use crate::scene::absorption;
+    use crate::absorption;
 
     #[test]
     fn layers_and_bodies_keep_their_numbers() {

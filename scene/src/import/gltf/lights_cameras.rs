@@ -1,8 +1,8 @@
-//! Cameras and punctual lights of a file, placed in the world, and a view for scenes that have no camera.
+//! Cameras and punctual lights of a file, placed in the world.
 
-use super::error::Warnings;
-use crate::scene::{Camera, LightKind, Projection, PunctualLight, Scene};
-use glam::{Affine3A, DAffine3, Mat3A, Vec3, Vec3A};
+use crate::import::error::Warnings;
+use crate::{Camera, LightKind, Projection, PunctualLight};
+use glam::{Affine3A, DAffine3, Mat3A, Vec3};
 use gltf::json;
 use json::extensions::scene::khr_lights_punctual::{Light, Type};
 use json::validation::Checked;
@@ -166,32 +166,6 @@ fn rigid(world: &DAffine3) -> Option<Affine3A> {
     rigid.is_finite().then_some(rigid)
 }
 
-/// A view of the whole scene from the front, somewhat above and to the right. Of an empty scene: the origin.
-pub fn default_camera(scene: &Scene) -> Camera {
-    const Y_FOV: f32 = 0.7;
-    let (low, high) = scene.bounds().unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
-    let center = low * 0.5 + high * 0.5;
-    let radius = ((high - low).length() * 0.5).clamp(1e-4, 1e15);
-    let toward_eye = Vec3::new(0.55, 0.4, 1.0).normalize();
-    // The bounding sphere fits into the cone of the vertical angle, with a little space around it.
-    let distance = radius * 1.05 / (Y_FOV * 0.5).sin();
-    let eye = center + toward_eye * distance;
-    let right = Vec3::Y.cross(toward_eye).normalize();
-    let up = toward_eye.cross(right);
-    Camera {
-        name: "default".into(),
-        transform: Affine3A {
-            matrix3: Mat3A::from_cols(right.into(), up.into(), toward_eye.into()),
-            translation: Vec3A::from(eye),
-        },
-        projection: Projection::Perspective { y_fov: Y_FOV },
-        aperture_radius: 0.0,
-        aperture_blades: 0,
-        aperture_rotation: 0.0,
-        focus_distance: distance,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -210,33 +184,5 @@ mod tests {
         let expected = DQuat::from_rotation_y(0.4).mul_vec3(DVec3::NEG_Z).as_vec3();
         assert!(looks.abs_diff_eq(expected, 1e-5));
         assert!(rigid(&DAffine3::from_scale(DVec3::ZERO)).is_none());
-    }
-
-    #[test]
-    fn the_default_camera_sees_all_corners() {
-        let mut scene = Scene::default();
-        let mesh = crate::scene::Mesh {
-            positions: vec![Vec3::new(-5.0, 2.0, 1.0), Vec3::new(9.0, 3.0, 4.0)],
-            ..Default::default()
-        };
-        scene.meshes.push(mesh);
-        scene.instances.push(crate::scene::Instance {
-            name: String::new(),
-            mesh: 0,
-            transform: Affine3A::IDENTITY,
-        });
-        let camera = default_camera(&scene);
-        let Projection::Perspective { y_fov } = camera.projection else {
-            panic!("must be perspective");
-        };
-        let to_camera = camera.transform.inverse();
-        for corner in 0..8 {
-            let pick = |bit: u32, a: f32, b: f32| if corner >> bit & 1 == 0 { a } else { b };
-            let corner = Vec3::new(pick(0, -5.0, 9.0), pick(1, 2.0, 3.0), pick(2, 1.0, 4.0));
-            let p = to_camera.transform_point3(corner);
-            assert!(p.z < 0.0 && (p.y / -p.z).abs() < (y_fov * 0.5).tan());
-            assert!((p.x / -p.z).abs() < (y_fov * 0.5).tan());
-        }
-        assert!(default_camera(&Scene::default()).transform.is_finite());
     }
 }

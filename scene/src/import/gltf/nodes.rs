@@ -2,11 +2,12 @@
 
 use super::deform::Pose;
 use super::document::Document;
-use super::error::{At as _, Fault, ImportError, Warnings};
-use super::geometry::{Builder, Built, Dropped};
+use super::geometry::{Builder, Built};
 use super::hierarchy::{Nodes, describe, unit_quaternion};
 use super::lights_cameras;
-use crate::scene::{Camera, Instance, Material, Mesh, PunctualLight};
+use crate::import::error::{At as _, Fault, ImportError, Warnings};
+use crate::import::mesh::Dropped;
+use crate::{Camera, Instance, Material, Mesh, PunctualLight};
 use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A};
 use gltf::json;
 use rayon::prelude::*;

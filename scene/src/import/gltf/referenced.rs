@@ -1,4 +1,4 @@
-//! Which files a glTF file refers to: for those who watch them. Nothing of it is checked; importing does that.
+//! Which files a glTF file refers to.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ impl<'de> Deserialize<'de> for Uris {
 }
 
 /// The buffers and images beside a glTF file that its JSON names; none where the file can't be understood.
-pub fn referenced_files(path: &Path) -> Vec<PathBuf> {
+pub(super) fn referenced_files(path: &Path) -> Vec<PathBuf> {
     let names = || -> Option<Vec<PathBuf>> {
         let bytes = read(path).ok()?;
         let parts = container::split(&bytes).ok()?;

@@ -1,22 +1,31 @@
 //! Whole files in miniature: JSON in, scene out.
 
-use super::document::Document;
-use super::{ImportError, Imported, Importer, make_names_unique, merge};
-use crate::scene::{AlphaMode, Environment, LightKind, Material, Projection, Scene};
+use super::{Budget, ImportError, Imported, Request, assemble, parse};
+use crate::import::merge::merge;
+use crate::import::pictures::Pictures;
+use crate::{AlphaMode, Environment, LightKind, Projection, Scene};
 use base64::Engine as _;
 use glam::{DAffine3, Vec3};
 use serde_json::{Value, json};
-use std::collections::HashSet;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Loads JSON as if it stood in `dir/test.gltf`.
 pub(super) fn import(tree: Value) -> Result<Imported, ImportError> {
     let mut tree = tree;
     tree["asset"] = json!({ "version": "2.0" });
     let text = serde_json::to_vec(&tree).unwrap();
-    let mut importer = Importer::new();
-    let document = Document::parse(Path::new("dir/test.gltf"), text, &importer.budget)?;
-    importer.assemble(&document, DAffine3::IDENTITY, &Scene::default(), true)
+    let path = Path::new("dir/test.gltf");
+    let budget = Arc::new(Budget::for_geometry());
+    let request = Request {
+        path,
+        placement: DAffine3::IDENTITY,
+        scene: &Scene::default(),
+        with_environment: true,
+        budget: &budget,
+        pictures: &mut Pictures::default(),
+    };
+    assemble(&parse(path, text, &budget)?, request)
 }
 
 fn scene(tree: Value) -> Scene {
@@ -529,7 +538,8 @@ fn whole_numbers_written_as_floats_are_read() {
 fn broken_json_says_where() {
     let text = b"{\n  \"asset\": { \"version\": \"2.0\" },\n  \"nodes\": [ { \"mesh\": true } ]\n}"
         .to_vec();
-    let Err(error) = Document::parse(Path::new("test.gltf"), text, &Importer::new().budget) else {
+    let budget = Arc::new(Budget::for_geometry());
+    let Err(error) = parse(Path::new("test.gltf"), text, &budget) else {
         panic!("must be refused");
     };
     assert!(error.to_string().contains("line 3"), "{error}");
@@ -582,21 +592,6 @@ fn merging_shifts_all_references_and_keeps_names_unique() {
     assert_eq!(added.renamed, [("a".to_owned(), "a.001".to_owned())]);
     assert_eq!(all.instances[1].mesh, 1);
     assert_eq!(all.meshes[1].triangle_materials, [1, 1]);
-}
-
-#[test]
-fn made_up_names_avoid_those_of_the_file() {
-    let named = |name: &str| Material {
-        name: name.into(),
-        ..Material::default()
-    };
-    let mut materials = [named("a"), named("a"), named("a.001"), named("a")];
-    make_names_unique(&mut materials, &HashSet::new());
-    let names: Vec<&str> = materials
-        .iter()
-        .map(|material| material.name.as_str())
-        .collect();
-    assert_eq!(names, ["a", "a.002", "a.001", "a.003"]);
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! Vertex attributes of a mesh as one: renumbered together, and joined with those of another.
 
 use super::tangents;
-use crate::scene::{CustomAttribute, Mesh};
+use crate::{CustomAttribute, Mesh};
 use glam::{Vec2, Vec3, Vec4};
 use std::collections::BTreeSet;
 
 /// Makes vertex `i` of all attributes a copy of the old vertex `sources[i]`.
-pub(super) fn reorder(mesh: &mut Mesh, sources: &[u32]) {
+pub(in crate::import) fn reorder(mesh: &mut Mesh, sources: &[u32]) {
     fn pick<T: Copy>(values: &mut Vec<T>, sources: &[u32]) {
         if !values.is_empty() {
             *values = sources
@@ -27,7 +27,7 @@ pub(super) fn reorder(mesh: &mut Mesh, sources: &[u32]) {
 }
 
 /// Joins the primitives of a mesh. An attribute that only some of them have gets its neutral value in the others.
-pub(super) fn merge(mut parts: Vec<Mesh>) -> Mesh {
+pub(in crate::import) fn merge(mut parts: Vec<Mesh>) -> Mesh {
     if parts.len() == 1 {
         return parts.remove(0);
     }

@@ -10,7 +10,7 @@ const NONE: u32 = u32::MAX;
 
 /// Rewrites `triangles` so that each vertex has one value. Returns, for each new vertex, the old vertex that it is a
 /// copy of and its value.
-pub(super) fn split_vertices<T: Copy + PartialEq>(
+pub(in crate::import) fn split_vertices<T: Copy + PartialEq>(
     vertex_count: usize,
     triangles: &mut [[u32; 3]],
     corner: impl Fn(usize, usize) -> T,

@@ -63,7 +63,7 @@ impl Geometry for Corners<'_> {
 
 /// Computes tangents and splits vertices where corners disagree. Returns, for each new vertex, the old vertex that it
 /// is a copy of, and its tangent. `triangles` is rewritten to the new vertices.
-pub(super) fn generate(
+pub(in crate::import) fn generate(
     positions: &[Vec3],
     normals: &[Vec3],
     uv: &[Vec2],
@@ -88,7 +88,7 @@ pub(super) fn generate(
 }
 
 /// A unit tangent with a handedness of ±1; where the given one is useless, some direction perpendicular to the normal.
-pub(super) fn sanitize(tangent: Vec4, normal: Vec3) -> Vec4 {
+pub(in crate::import) fn sanitize(tangent: Vec4, normal: Vec3) -> Vec4 {
     let sign = if tangent.w < 0.0 { -1.0 } else { 1.0 };
     let direction = tangent.truncate().normalize_or_zero();
     if direction == Vec3::ZERO {

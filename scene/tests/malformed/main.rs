@@ -4,23 +4,17 @@
 //! is, and once more with everything in it made visible, because most cases show nothing by themselves.
 //! Skipped with a notice where the data is absent. Changes of valid files are tried by the crate `fuzzing`.
 
-#[path = "malformed/hostile.rs"]
+mod bounded;
 mod hostile;
-#[path = "../../fuzzing/src/memory.rs"]
+#[path = "../../../fuzzing/src/memory.rs"]
 #[expect(dead_code, unreachable_pub, reason = "it is a part of another crate")]
 mod memory;
 
-use engine::scene::import::{Imported, load, load_environment_image};
+use bounded::bounded;
+use scene::import::{Imported, load, load_environment_image};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc;
-use std::time::Duration;
-
-/// No case may take longer; all of them together take a second or two.
-const TIME_LIMIT: Duration = Duration::from_secs(20);
-/// No case may hold more. The largest file of them has 120 kB.
-const MEMORY_LIMIT: usize = 256 << 20;
 
 /// Findings of the validator after which a file must not be accepted.
 const FATAL: &[&str] = &[
@@ -51,30 +45,6 @@ const TOLERATED: &[&str] = &["base/glb/bom.glb", "base/json/bom.gltf"];
 
 #[global_allocator]
 static ALLOCATOR: memory::Counting = memory::Counting;
-
-/// Runs `work` on a thread of its own and fails where it panics, hangs or holds too much.
-fn bounded<T: Send + 'static>(what: &Path, work: impl FnOnce() -> T + Send + 'static) -> T {
-    let before = memory::restart();
-    let (sender, receiver) = mpsc::channel();
-    let thread = std::thread::spawn(move || {
-        // The receiver is gone only after a time-out, which has failed the test already.
-        let _ = sender.send(work());
-    });
-    let result = match receiver.recv_timeout(TIME_LIMIT) {
-        Ok(result) => result,
-        Err(mpsc::RecvTimeoutError::Timeout) => panic!("{} hangs", what.display()),
-        Err(mpsc::RecvTimeoutError::Disconnected) => panic!("{} panics", what.display()),
-    };
-    thread.join().expect("the thread has sent its result");
-    let held = memory::peak().saturating_sub(before);
-    assert!(
-        held < MEMORY_LIMIT,
-        "{} takes {} MiB",
-        what.display(),
-        held >> 20
-    );
-    result
-}
 
 fn cases() -> Option<PathBuf> {
     let path = Path::new(concat!(
