@@ -14,6 +14,7 @@ pub mod gpu_scene;
 pub mod isolated;
 pub mod live;
 pub mod load;
+pub mod material_record;
 pub mod passes;
 pub mod pick;
 pub mod preview;

@@ -11,6 +11,8 @@
 //! - [`import`] makes a scene from files. Each format is a folder of its own below it.
 //! - [`look`] is the second file of a scene, which says what its format can't: textures and what they drive, blends,
 //!   overrides. [`look::Look`] is what it means, [`look::LookDocument`] its text as something to edit.
+//! - [`material_parameters`] is the one table of what a material has: the look's reader, panels, kernels and
+//!   documentation all read it.
 //! - [`sky`] computes the environment and the sun of a clear day.
 //! - [`input`] opens every file that is read, [`aside`] writes every file that is saved.
 //!
@@ -56,6 +58,7 @@ pub mod input;
 mod light;
 pub mod look;
 mod material;
+pub mod material_parameters;
 mod mesh;
 mod scene;
 pub mod sky;
@@ -64,6 +67,8 @@ pub use self::image::{FloatImage, Image};
 pub use camera::{Camera, Projection, default_camera};
 pub use environment::Environment;
 pub use light::{LightKind, MAX_ANGULAR_DIAMETER, PunctualLight};
-pub use material::{AlphaMode, Filter, Material, Sampler, TextureRef, Wrap, absorption};
+pub use material::{
+    AlphaMode, Filter, Material, SURFACE_TEXTURES, Sampler, TEXTURES, TextureRef, Wrap, absorption,
+};
 pub use mesh::{CustomAttribute, Instance, Mesh};
 pub use scene::Scene;

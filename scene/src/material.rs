@@ -101,9 +101,33 @@ pub struct Material {
     pub unlit: bool,
 }
 
+/// What the textures of a material are called, in the order in which the kernels number them.
+pub const TEXTURES: [&str; 17] = [
+    "base_color",
+    "metallic_roughness",
+    "normal",
+    "emission",
+    "specular",
+    "specular_color",
+    "transmission",
+    "diffuse_transmission",
+    "diffuse_transmission_color",
+    "sheen_color",
+    "sheen_roughness",
+    "coat",
+    "coat_roughness",
+    "coat_normal",
+    "anisotropy",
+    "iridescence",
+    "iridescence_thickness",
+];
+
+/// So many of them, the first ones, are those of a metallic-roughness surface; the others belong to layers.
+pub const SURFACE_TEXTURES: usize = 6;
+
 impl Material {
-    /// All textures, in the order in which the kernels number them.
-    pub fn textures(&self) -> [&Option<TextureRef>; 17] {
+    /// All textures, in the order of [`TEXTURES`].
+    pub fn textures(&self) -> [&Option<TextureRef>; TEXTURES.len()] {
         [
             &self.base_color_texture,
             &self.metallic_roughness_texture,
@@ -126,7 +150,7 @@ impl Material {
     }
 
     /// The same, to be changed.
-    pub fn textures_mut(&mut self) -> [&mut Option<TextureRef>; 17] {
+    pub fn textures_mut(&mut self) -> [&mut Option<TextureRef>; TEXTURES.len()] {
         [
             &mut self.base_color_texture,
             &mut self.metallic_roughness_texture,

@@ -1,12 +1,16 @@
 //! The page on the look file is right: its examples are looks, and it has every key.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use scene::look::Look;
+use scene::material_parameters::PARAMETERS;
+
+fn page() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/look-file.md")
+}
 
 fn documentation() -> String {
-    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/look-file.md"))
-        .expect("the documentation is part of the project")
+    std::fs::read_to_string(page()).expect("the documentation is part of the project")
 }
 
 #[test]
@@ -56,4 +60,29 @@ fn every_key_is_documented() {
             );
         }
     }
+}
+
+/// The rows of `[material.NAME]`, as the table of parameters has them.
+fn parameters() -> String {
+    let rows = PARAMETERS.iter().map(|parameter| {
+        let (key, takes, help) = (parameter.key, parameter.takes_text(), parameter.help);
+        format!("| `{key}` | {takes} | {help} |\n")
+    });
+    rows.chain(["| `blend` | table | see below |\n".to_owned()])
+        .collect()
+}
+
+/// `UPDATE_SNAPSHOTS=1` writes what is wrong.
+#[test]
+fn the_table_of_materials_is_that_of_the_reader() {
+    let text = documentation();
+    let start = text.find("| `base_color` |").expect("its first row");
+    let length = text[start..].find("\n\n").expect("its end") + 1;
+    let table = &text[start..start + length];
+    let expected = parameters();
+    if table != expected && std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        std::fs::write(page(), text.replacen(table, &expected, 1)).expect("written");
+        return;
+    }
+    assert_eq!(table, expected, "UPDATE_SNAPSHOTS=1 writes the table anew");
 }

@@ -1,7 +1,8 @@
 //! The importer on real files: every model of the shared test data that needs only supported extensions loads with
 //! the number of triangles that the data's table states. Skipped with a notice where the data is absent.
 
-use scene::import::{ImportError, append, default_camera, load};
+use scene::default_camera;
+use scene::import::{ImportError, append, load};
 use scene::{Environment, Scene};
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -1,118 +1,31 @@
-//! `[material.NAME]`: what a look says about a material.
-//!
-//! Values that a node may drive are listed in one table, [`INPUTS`]; the rest are keys of their own.
+//! `[material.NAME]`: what a look says about a material. Which keys there are, and what each takes, says
+//! [`PARAMETERS`]; only `blend` is not a parameter.
 
 use glam::Vec3;
 
-use super::reader::{Reader, choice, unit};
+use crate::material_parameters::{Field as Kept, PARAMETERS, Parameter, Takes, Unit};
+use crate::{AlphaMode, Material, absorption};
+
+use super::reader::{Reader, choice};
 use super::value::{Field, Span, Spanned, Value};
-use super::{AlphaLook, BlendLook, Input};
+use super::{BlendLook, Input};
 
 /// `[material.NAME]`: overrides of a glTF material, or a new one. What is absent stays as it is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MaterialLook {
     /// The glTF material's name, or a new one.
     pub name: Spanned<String>,
-    /// Values that a node may drive, by their keys; see [`Self::input`].
+    /// Numbers, colours and links, by their keys; see [`Self::input`].
     inputs: Vec<(&'static str, Spanned<Input>)>,
-    /// Metres per unit of `bump`.
-    pub bump_scale: Option<Spanned<f32>>,
-    /// Alpha of the base colour's factor.
-    pub alpha: Option<Spanned<f32>>,
-    /// `alpha_mode = "opaque" | "mask" | "blend"`.
-    pub alpha_mode: Option<Spanned<AlphaLook>>,
-    /// Threshold of `alpha_mode = "mask"`.
-    pub alpha_cutoff: Option<Spanned<f32>>,
-    /// The surface bounds a body and is no thin wall.
-    pub solid: Option<Spanned<bool>>,
-    /// Colour that white light has after `attenuation_distance` in the body.
-    pub attenuation_color: Option<Spanned<Vec3>>,
-    /// Metres.
-    pub attenuation_distance: Option<Spanned<f32>>,
-    /// 20 divided by the Abbe number of the body.
-    pub dispersion: Option<Spanned<f32>>,
-    /// Whose inside it is where bodies overlap: a whole number.
-    pub priority: Option<Spanned<f32>>,
-    /// Index of refraction of a thin film.
-    pub iridescence_ior: Option<Spanned<f32>>,
-    /// Both sides reflect and emit.
-    pub double_sided: Option<Spanned<bool>>,
-    /// The base colour is shown as it is.
-    pub unlit: Option<Spanned<bool>>,
+    flags: Vec<(&'static str, Spanned<bool>)>,
+    words: Vec<(&'static str, Spanned<&'static str>)>,
     /// This material is a blend of two others.
     pub blend: Option<Spanned<BlendLook>>,
 }
 
-/// What a constant of an input may be.
-#[derive(Clone, Copy)]
-enum Takes {
-    /// A colour that isn't negative.
-    Color,
-    /// A colour that says how much of the light comes back: usually not beyond 1.
-    ShareColor,
-    /// 0 to 1.
-    Share,
-    /// Not negative; what it is.
-    Positive(&'static str),
-    /// An index of refraction.
-    Ior,
-    /// Any number.
-    Number,
-    /// Degrees; kept as radians.
-    Angle,
-    /// No constant: it must be driven.
-    Nothing,
+fn find<'l, T>(list: &'l [(&'static str, T)], key: &str) -> Option<&'l T> {
+    list.iter().find(|(k, _)| *k == key).map(|(_, value)| value)
 }
-
-/// Everything that a node may drive, with the constants it takes instead.
-const INPUTS: [(&str, Takes); 23] = [
-    ("base_color", Takes::ShareColor),
-    ("metallic", Takes::Share),
-    ("roughness", Takes::Share),
-    ("emission", Takes::Color),
-    (
-        "emission_strength",
-        Takes::Positive("a number that isn't negative"),
-    ),
-    ("opacity", Takes::Share),
-    ("normal", Takes::Nothing),
-    ("bump", Takes::Nothing),
-    ("specular", Takes::Share),
-    ("specular_color", Takes::Color),
-    ("ior", Takes::Ior),
-    ("normal_scale", Takes::Number),
-    ("transmission", Takes::Share),
-    ("diffuse_transmission", Takes::Share),
-    ("diffuse_transmission_color", Takes::ShareColor),
-    ("coat", Takes::Share),
-    ("coat_roughness", Takes::Share),
-    ("sheen_color", Takes::ShareColor),
-    ("sheen_roughness", Takes::Share),
-    ("anisotropy", Takes::Share),
-    ("anisotropy_rotation", Takes::Angle),
-    ("iridescence", Takes::Share),
-    (
-        "iridescence_thickness",
-        Takes::Positive("nanometres, not negative"),
-    ),
-];
-
-/// The other keys.
-const OTHERS: [&str; 13] = [
-    "bump_scale",
-    "alpha",
-    "alpha_mode",
-    "alpha_cutoff",
-    "solid",
-    "attenuation_color",
-    "attenuation_distance",
-    "dispersion",
-    "priority",
-    "iridescence_ior",
-    "double_sided",
-    "unlit",
-    "blend",
-];
 
 impl MaterialLook {
     /// A table that overrides nothing yet.
@@ -120,33 +33,33 @@ impl MaterialLook {
         Self {
             name,
             inputs: Vec::new(),
-            bump_scale: None,
-            alpha: None,
-            alpha_mode: None,
-            alpha_cutoff: None,
-            solid: None,
-            attenuation_color: None,
-            attenuation_distance: None,
-            dispersion: None,
-            priority: None,
-            iridescence_ior: None,
-            double_sided: None,
-            unlit: None,
+            flags: Vec::new(),
+            words: Vec::new(),
             blend: None,
         }
     }
 
-    /// What the look gives for a key such as `roughness`.
+    /// What the look gives for a key that takes a number, a colour or a link, such as `roughness`.
     pub fn input(&self, key: &str) -> Option<&Spanned<Input>> {
-        self.inputs.iter().find(|(k, _)| *k == key).map(|(_, i)| i)
+        find(&self.inputs, key)
     }
 
-    /// A constant for a key: linear colour, or a scalar in all three components.
+    /// A constant for such a key: linear colour, or a scalar in all three components; angles are radians.
     pub fn constant(&self, key: &str) -> Option<Vec3> {
         match self.input(key)?.value {
             Input::Constant(value) => Some(value),
             Input::Link(_) => None,
         }
+    }
+
+    /// What the look gives for a key that is on or off.
+    pub fn flag(&self, key: &str) -> Option<&Spanned<bool>> {
+        find(&self.flags, key)
+    }
+
+    /// What the look gives for a key that takes one of some words.
+    pub fn word(&self, key: &str) -> Option<&Spanned<&'static str>> {
+        find(&self.words, key)
     }
 
     /// Whether a node drives what the key means.
@@ -155,55 +68,122 @@ impl MaterialLook {
             .is_some_and(|input| matches!(input.value, Input::Link(_)))
     }
 
-    /// All inputs that are given.
+    /// All numbers, colours and links that are given.
     pub fn inputs(&self) -> impl Iterator<Item = &Spanned<Input>> {
         self.inputs.iter().map(|(_, input)| input)
     }
 
+    /// Gives a material the constants of the table.
+    pub fn apply(&self, material: &mut Material) {
+        for parameter in &PARAMETERS {
+            let key = parameter.key;
+            match parameter.field {
+                Kept::Number(_, set) => {
+                    if let Some(value) = self.constant(key) {
+                        set(material, value.x);
+                    }
+                }
+                Kept::Color(_, set) => {
+                    if let Some(value) = self.constant(key) {
+                        set(material, value);
+                    }
+                }
+                Kept::Flag(_, set) => {
+                    if let Some(flag) = self.flag(key) {
+                        set(material, flag.value);
+                    }
+                }
+                Kept::None | Kept::Shown(_) => {}
+            }
+        }
+        if let Some(distance) = self.constant("attenuation_distance") {
+            let color = self.constant("attenuation_color").unwrap_or(Vec3::ONE);
+            material.absorption = absorption(color, distance.x);
+        }
+        let cutoff = match (self.constant("alpha_cutoff"), material.alpha_mode) {
+            (Some(cutoff), _) => cutoff.x,
+            (None, AlphaMode::Mask { cutoff }) => cutoff,
+            (None, _) => 0.5,
+        };
+        material.alpha_mode = match (
+            self.word("alpha_mode").map(|w| w.value),
+            material.alpha_mode,
+        ) {
+            (Some("opaque"), _) => AlphaMode::Opaque,
+            (Some("blend"), _) => AlphaMode::Blend,
+            (Some("mask"), _) | (None, AlphaMode::Mask { .. }) => AlphaMode::Mask { cutoff },
+            (_, mode) => mode,
+        };
+    }
+
     /// Where the first key that describes a surface is written, if there is one.
     fn first_surface_key(&self) -> Option<&Span> {
-        fn at<T>(key: &Option<Spanned<T>>) -> Option<&Span> {
-            key.as_ref().map(|k| &k.span)
-        }
-        let others = [
-            at(&self.bump_scale),
-            at(&self.alpha),
-            at(&self.alpha_mode),
-            at(&self.alpha_cutoff),
-            at(&self.solid),
-            at(&self.attenuation_color),
-            at(&self.attenuation_distance),
-            at(&self.dispersion),
-            at(&self.priority),
-            at(&self.iridescence_ior),
-            at(&self.double_sided),
-            at(&self.unlit),
-        ];
-        (others.into_iter().flatten())
-            .chain(self.inputs().map(|input| &input.span))
+        let inputs = self.inputs.iter().map(|(_, value)| &value.span);
+        let flags = self.flags.iter().map(|(_, value)| &value.span);
+        let words = self.words.iter().map(|(_, value)| &value.span);
+        inputs
+            .chain(flags)
+            .chain(words)
             .min_by_key(|span| span.start)
+    }
+
+    /// Reads the key of a parameter.
+    fn read(&mut self, reader: &mut Reader, parameter: &'static Parameter, value: &Spanned<Value>) {
+        let key = parameter.key;
+        match parameter.takes {
+            Takes::Flag => self
+                .flags
+                .extend(reader.bool(value).map(|flag| (key, flag))),
+            Takes::Choice(words) => {
+                let words: Vec<_> = words.iter().map(|&word| (word, word)).collect();
+                let word = choice(reader, value, &words);
+                self.words.extend(word.map(|word| (key, word)));
+            }
+            _ => self
+                .inputs
+                .extend(input(reader, parameter, value).map(|input| (key, input))),
+        }
     }
 }
 
-fn input(reader: &mut Reader, value: &Spanned<Value>, takes: Takes) -> Option<Spanned<Input>> {
-    match takes {
-        Takes::Color => reader.color_input(value),
-        Takes::ShareColor => reader.share_color_input(value),
-        Takes::Share => reader.unit_input(value),
-        Takes::Positive(what) => reader.number_input(value, what, |x| x >= 0.0),
-        Takes::Ior => reader.number_input(value, "0, or a number of at least 1", |x| {
-            x == 0.0 || x >= 1.0
-        }),
-        Takes::Number => reader.number_input(value, "a number", |_| true),
-        Takes::Angle => {
-            let mut angle = reader.number_input(value, "degrees", |_| true)?;
-            if let Input::Constant(degrees) = &mut angle.value {
-                *degrees = degrees.map(f32::to_radians);
-            }
-            Some(angle)
-        }
-        Takes::Nothing => reader.link_input(value),
+/// A number, a colour or a link.
+fn input(
+    reader: &mut Reader,
+    parameter: &Parameter,
+    value: &Spanned<Value>,
+) -> Option<Spanned<Input>> {
+    if let (Some(_), Value::Text(text)) = (parameter.driven, &value.value)
+        && !(matches!(parameter.takes, Takes::Color { .. }) && text.starts_with('#'))
+    {
+        return reader.link(value, text);
     }
+    let constant = match parameter.takes {
+        Takes::Color { is_share: true } => reader.share_color(value)?,
+        Takes::Color { is_share: false } => reader.color(value)?,
+        Takes::Number(number) => {
+            let wanted = match parameter.driven {
+                Some(_) => &format!("{}, or the name of a node", number.wanted()),
+                None => number.wanted(),
+            };
+            let given = reader.number(value, wanted, |x| number.is_valid(x))?;
+            let kept = match number.unit {
+                Unit::Degrees => given.value.to_radians(),
+                _ => given.value,
+            };
+            value.with(Vec3::splat(kept))
+        }
+        Takes::Whole { most, .. } => {
+            let wanted = format!("a whole number from {} to {most}", -most);
+            let is_valid = |x: f32| x.fract() == 0.0 && x.abs() <= most as f32;
+            let given = reader.number(value, &wanted, is_valid)?;
+            value.with(Vec3::splat(given.value))
+        }
+        Takes::Flag | Takes::Choice(_) | Takes::Link => {
+            reader.wrong_kind(value, "the name of a node");
+            return None;
+        }
+    };
+    Some(value.with(Input::Constant(constant.value)))
 }
 
 /// Reads a table.
@@ -213,43 +193,14 @@ pub(super) fn material(
     table: &[Field],
     _: &Span,
 ) -> Option<MaterialLook> {
-    const MODES: [(&str, AlphaLook); 3] = [
-        ("opaque", AlphaLook::Opaque),
-        ("mask", AlphaLook::Mask),
-        ("blend", AlphaLook::Blend),
-    ];
-    const POSITIVE: &str = "a number that isn't negative";
     let mut m = MaterialLook::new(name.clone());
     for Field { key, value } in table {
-        if let Some(&(known, takes)) = INPUTS.iter().find(|(known, _)| *known == key.value) {
-            m.inputs
-                .extend(input(reader, value, takes).map(|i| (known, i)));
-            continue;
-        }
-        match key.value.as_str() {
-            "bump_scale" => m.bump_scale = reader.number(value, "metres per unit", |_| true),
-            "alpha" => m.alpha = reader.number(value, "a number from 0 to 1", unit),
-            "alpha_mode" => m.alpha_mode = choice(reader, value, &MODES),
-            "alpha_cutoff" => m.alpha_cutoff = reader.number(value, POSITIVE, |x| x >= 0.0),
-            "solid" => m.solid = reader.bool(value),
-            "attenuation_color" => m.attenuation_color = reader.share_color(value),
-            "attenuation_distance" => {
-                m.attenuation_distance = reader.number(value, "metres greater than 0", |x| x > 0.0);
-            }
-            "dispersion" => m.dispersion = reader.number(value, POSITIVE, |x| x >= 0.0),
-            "priority" => {
-                m.priority = reader.number(value, "a whole number from -1000 to 1000", |x| {
-                    x.fract() == 0.0 && x.abs() <= 1000.0
-                });
-            }
-            "iridescence_ior" => {
-                m.iridescence_ior = reader.number(value, "a number of at least 1", |x| x >= 1.0);
-            }
-            "double_sided" => m.double_sided = reader.bool(value),
-            "unlit" => m.unlit = reader.bool(value),
-            "blend" => m.blend = blend(reader, value),
-            _ => {
-                let keys: Vec<&str> = INPUTS.iter().map(|(k, _)| *k).chain(OTHERS).collect();
+        match (Parameter::of(&key.value), key.value.as_str()) {
+            (Some(parameter), _) => m.read(reader, parameter, value),
+            (None, "blend") => m.blend = blend(reader, value),
+            (None, _) => {
+                let parameters = PARAMETERS.iter().map(|parameter| parameter.key);
+                let keys: Vec<&str> = parameters.chain(["blend"]).collect();
                 reader.unknown_key(key, "[material.NAME]", &keys);
             }
         }
@@ -290,21 +241,27 @@ fn blend(reader: &mut Reader, value: &Spanned<Value>) -> Option<Spanned<BlendLoo
 
 /// Points out keys that contradict each other, or have no effect.
 fn check(reader: &mut Reader, m: &MaterialLook) {
-    if let (Some(scale), None) = (&m.bump_scale, m.input("bump")) {
+    if let (Some(scale), None) = (m.input("bump_scale"), m.input("bump")) {
         reader.problem_with_note(
             &scale.span,
             "`bump_scale` has no effect without `bump`",
             "name the node that gives the height, as in bump = \"dents\"",
         );
     }
-    if let (Some(color), None) = (&m.attenuation_color, &m.attenuation_distance) {
+    if let (Some(color), None) = (
+        m.input("attenuation_color"),
+        m.input("attenuation_distance"),
+    ) {
         reader.problem_with_note(
             &color.span,
             "`attenuation_color` needs `attenuation_distance`",
             "after how many metres light has that colour, as in attenuation_distance = 0.1",
         );
     }
-    let has_alpha = m.alpha.is_some() || m.alpha_mode.is_some() || m.alpha_cutoff.is_some();
+    let has_alpha = ["alpha", "alpha_cutoff"]
+        .iter()
+        .any(|key| m.input(key).is_some())
+        || m.word("alpha_mode").is_some();
     if let (Some(opacity), true) = (m.input("opacity"), has_alpha) {
         reader.problem_with_note(
             &opacity.span,

@@ -208,17 +208,6 @@ pub enum Input {
     Link(Link),
 }
 
-/// How alpha is used, without the threshold.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AlphaLook {
-    /// Ignored.
-    Opaque,
-    /// A threshold.
-    Mask,
-    /// Coverage.
-    Blend,
-}
-
 /// `blend = { base, over, mask }`: `over` where the mask is 1, `base` where it is 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BlendLook {

@@ -41,7 +41,7 @@ impl Reader {
         self.problems.push(problem.with_note(note));
     }
 
-    fn wrong_kind(&mut self, value: &Spanned<Value>, wanted: &str) {
+    pub(super) fn wrong_kind(&mut self, value: &Spanned<Value>, wanted: &str) {
         if let Value::Text(text) = &value.value
             && let Some(remedy) = unquoted(text)
         {
@@ -176,22 +176,6 @@ impl Reader {
         Some(color)
     }
 
-    /// As [`share_color`](Self::share_color), or a link to a node.
-    pub(super) fn share_color_input(&mut self, value: &Spanned<Value>) -> Option<Spanned<Input>> {
-        match &value.value {
-            Value::Text(text) if !text.starts_with('#') => self.link(value, text),
-            _ => (self.share_color(value)).map(|c| c.with(Input::Constant(c.value))),
-        }
-    }
-
-    /// A colour, or a link to a node.
-    pub(super) fn color_input(&mut self, value: &Spanned<Value>) -> Option<Spanned<Input>> {
-        match &value.value {
-            Value::Text(text) if !text.starts_with('#') => self.link(value, text),
-            _ => self.color(value).map(|c| c.with(Input::Constant(c.value))),
-        }
-    }
-
     /// A number of 0 to 1, or a link to a node.
     pub(super) fn unit_input(&mut self, value: &Spanned<Value>) -> Option<Spanned<Input>> {
         self.number_input(value, "a number from 0 to 1", unit)
@@ -213,17 +197,7 @@ impl Reader {
     }
 
     /// A link to a node.
-    pub(super) fn link_input(&mut self, value: &Spanned<Value>) -> Option<Spanned<Input>> {
-        match &value.value {
-            Value::Text(text) => self.link(value, text),
-            _ => {
-                self.wrong_kind(value, "the name of a node");
-                None
-            }
-        }
-    }
-
-    fn link(&mut self, value: &Spanned<Value>, text: &str) -> Option<Spanned<Input>> {
+    pub(super) fn link(&mut self, value: &Spanned<Value>, text: &str) -> Option<Spanned<Input>> {
         match link_text(text) {
             Ok(link) => Some(value.with(Input::Link(link))),
             Err(message) => {
