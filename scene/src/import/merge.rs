@@ -1,8 +1,21 @@
 //! Puts what a file adds into a scene: indices are shifted, names of materials stay unique.
 
-use super::Appended;
 use crate::{Material, Scene};
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
+
+/// What [`append`](super::append) added to a scene.
+#[derive(Debug)]
+pub struct Appended {
+    /// The new materials in `Scene::materials`.
+    pub materials: Range<usize>,
+    /// The new instances in `Scene::instances`.
+    pub instances: Range<usize>,
+    /// Materials that got another name, because theirs was taken: (name in the file, name in the scene).
+    pub renamed: Vec<(String, String)>,
+    /// Sentences about what is shown differently from what the file says.
+    pub warnings: Vec<String>,
+}
 
 pub(super) fn merge(scene: &mut Scene, mut added: Scene, warnings: Vec<String>) -> Appended {
     let first_mesh = scene.meshes.len() as u32;

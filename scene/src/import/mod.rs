@@ -4,13 +4,14 @@
 //! size of the files, and no path of a file leads to a panic. What can't be rendered is left out with a warning; what
 //! would change the picture beyond recognition is an error.
 //!
-//! A format is a folder that implements [`Format`], and an arm of [`format_of`]. What formats have in common stands beside
+//! A format is a folder that implements `Format`, and an arm of `format_of`. What formats have in common stands beside
 //! the folders: pictures (each decoded once), meshes (triangles that can be rendered, tangents), budgets of memory,
 //! errors.
 
 mod budget;
 mod environment;
 mod error;
+mod format;
 mod gltf;
 mod merge;
 mod mesh;
@@ -19,14 +20,16 @@ mod pictures;
 
 pub use environment::load_environment_image;
 pub use error::ImportError;
+pub use format::Imported;
+pub use merge::Appended;
 pub use pictures::load_picture;
 
 use crate::{Mesh, Scene};
 use budget::Budget;
+use format::{Format, Request};
 use glam::{Affine3A, DAffine3, DMat3};
 use merge::merge;
 use pictures::Pictures;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -53,53 +56,6 @@ pub fn is_scene(path: &Path) -> bool {
 /// it is checked: importing does that.
 pub fn referenced_files(path: &Path) -> Vec<PathBuf> {
     reader_of(path).referenced_files(path)
-}
-
-/// What a format of scene files has to bring.
-trait Format {
-    /// Reads a file, with all that it refers to: what it adds to a scene. Its materials refer to images by where they
-    /// will stand in `Scene::images`; all other indices begin at 0.
-    fn read(&self, request: Request<'_>) -> Result<Imported, ImportError>;
-
-    /// See the function [`referenced_files`].
-    fn referenced_files(&self, path: &Path) -> Vec<PathBuf>;
-}
-
-/// What is to be read, and for whom.
-struct Request<'a> {
-    path: &'a Path,
-    /// The file's world in that of the scene.
-    placement: DAffine3,
-    /// What is there already.
-    scene: &'a Scene,
-    /// Whether the file's environment is wanted.
-    with_environment: bool,
-    /// What decoding may still take.
-    budget: &'a Arc<Budget>,
-    /// The pictures that are there already.
-    pictures: &'a mut Pictures,
-}
-
-/// A scene and what the user should know about it.
-#[derive(Debug)]
-pub struct Imported {
-    /// What was read.
-    pub scene: Scene,
-    /// Sentences about what is shown differently from what the file says.
-    pub warnings: Vec<String>,
-}
-
-/// What [`append`] added to a scene.
-#[derive(Debug)]
-pub struct Appended {
-    /// The new materials in `Scene::materials`.
-    pub materials: Range<usize>,
-    /// The new instances in `Scene::instances`.
-    pub instances: Range<usize>,
-    /// Materials that got another name, because theirs was taken: (name in the file, name in the scene).
-    pub renamed: Vec<(String, String)>,
-    /// Sentences about what is shown differently from what the file says.
-    pub warnings: Vec<String>,
 }
 
 /// Reads a scene file with all its buffers and pictures: the default scene, at rest.

@@ -291,7 +291,7 @@ pub const PARAMETERS: [Parameter; 35] = [
         "Attenuation distance",
         log(Valid::Positive, 0.0001, 10.0, Unit::Metres),
         Field::Shown(|_| Constant::Number(1.0)),
-        "way through the body, metres",
+        "way through the body",
     ),
     row(
         "dispersion",

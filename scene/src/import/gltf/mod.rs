@@ -27,8 +27,8 @@ mod tests;
 
 use super::budget::Budget;
 use super::error::{ImportError, Warnings};
+use super::format::{Format, Imported, Request};
 use super::merge::make_names_unique;
-use super::{Format, Imported, Request};
 use crate::{Environment, Scene};
 use document::Document;
 use std::collections::HashSet;
