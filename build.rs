@@ -29,6 +29,7 @@ fn commit() -> String {
         "Cargo.lock",
         "src",
         "engine/src",
+        "scene/src",
         "texgen/src",
     ];
     for source in sources {

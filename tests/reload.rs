@@ -234,7 +234,7 @@ fn an_added_texture_can_be_wired_while_rendering() {
     let before = gpu.counts().pipelines;
     renderer
         .add_node("new", "extra")
-        .and_then(|()| renderer.set_output_link("material 1", Output::Metallic, Some("new")))
+        .and_then(|()| renderer.set_output_link("material 1", Output::METALLIC, Some("new")))
         .unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(gpu.counts().pipelines, before);
     let look = LOOK.replace(
@@ -284,7 +284,7 @@ fn a_renderer_without_programs_takes_new_textures_too() {
         .unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(gpu.counts().pipelines, before, "there is nothing to build");
     renderer
-        .set_output_link("material 0", Output::Roughness, Some("rings"))
+        .set_output_link("material 0", Output::ROUGHNESS, Some("rings"))
         .unwrap_or_else(|error| panic!("{error}"));
     let look = format!("{look}\n[material.\"material 0\"]\nroughness = \"rings\"");
     let expected = fresh(&gpu, &look, &[("rings", SQUARES)]);

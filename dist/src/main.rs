@@ -2,6 +2,7 @@
 //! `cargo xtask test` call it; it is no part of `xtask`, which has to be built before anything else can happen.
 
 mod archive;
+mod arrows;
 mod licences;
 mod metadata;
 mod paths;
@@ -16,7 +17,7 @@ use metadata::Metadata;
 use policy::Policy;
 
 const USAGE: &str = "\
-Usage: dist check                  Hold all dependencies to deny.toml
+Usage: dist check                  Hold all dependencies to deny.toml, and crates to their arrows
        dist pack PROGRAM FOLDER    Pack a program that has been built into FOLDER/patina-VERSION-PLATFORM.tar.gz
        dist paths PROGRAM PATH...  Fail where a program holds one of these paths of this machine";
 
@@ -43,11 +44,15 @@ fn main() -> ExitCode {
 
 /// The tests do so as well.
 fn check() -> Result<()> {
-    let policy = Policy::read()?;
-    let violations = policy.violations(&Metadata::read(root(), None)?);
-    match violations.is_empty() {
+    let metadata = Metadata::read(root(), None)?;
+    let violations = Policy::read()?.violations(&metadata);
+    if !violations.is_empty() {
+        bail!("deny.toml forbids:\n  {}", violations.join("\n  "));
+    }
+    let wrong = arrows::wrong_arrows(&metadata);
+    match wrong.is_empty() {
         true => Ok(()),
-        false => bail!("deny.toml forbids:\n  {}", violations.join("\n  ")),
+        false => bail!("crates know what they must not:\n  {}", wrong.join("\n  ")),
     }
 }
 

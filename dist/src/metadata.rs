@@ -38,6 +38,8 @@ pub(crate) struct Dependency {
     pub(crate) name: String,
     pub(crate) req: String,
     pub(crate) path: Option<PathBuf>,
+    /// Nothing for what the code needs, else `build` or `dev`.
+    pub(crate) kind: Option<String>,
 }
 
 #[derive(Debug, Clone, Deserialize)]

@@ -94,7 +94,7 @@ impl Preview {
     /// An image parameter is not set, or the device refuses.
     pub fn renderer(&self, gpu: &Device, width: u32) -> Result<Renderer, PreviewError> {
         let mut procedural = self.isolated.procedural.clone();
-        procedural.set_output_link(SHOWN, Output::BaseColor, Some(&self.display))?;
+        procedural.set_output_link(SHOWN, Output::BASE_COLOR, Some(&self.display))?;
         let settings = RenderSettings {
             // Light from one object to another would cost time and show nothing of the texture.
             max_depth: 1,

@@ -44,7 +44,7 @@ pub(crate) fn disconnect(document: &Document, target: &Target) -> Vec<Edit> {
         // A blend needs a mask: nothing of `over` is shown.
         Target::Mask { .. } => vec![Edit::set(section, key, Value::number(0.0))],
         Target::Input {
-            output: Output::Bump,
+            output: Output::BUMP,
             ..
         } => {
             let has_scale = document.value(&section, "bump_scale").is_some();

@@ -3,12 +3,13 @@
 use egui::{CollapsingHeader, Response, RichText, Ui};
 use engine::live::{Edit, written};
 use engine::scene::look::{Section, Value};
+use engine::scene::material_parameters::{Unit, Valid};
 use texgen::{BuiltinAttribute, Parameter, Widget};
 
 use crate::context::Context;
 use crate::edits;
 use crate::links::driven;
-use crate::material::{KEYS, Key, Takes};
+use crate::material::{InLook as _, Key, PARAMETERS, Takes};
 use crate::model::Target;
 use crate::widgets::{Bounds, Edited, Spec, choice, draft, edit, image_slot, menu, name, row};
 
@@ -34,17 +35,19 @@ pub(crate) fn material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
             return;
         }
         let section = Section::Material(material.to_owned());
-        let is_set = |cx: &Context<'_>, key: &Key| cx.document.value(&section, key.name).is_some();
-        for key in KEYS.iter().filter(|key| key.is_common) {
+        let is_set = |cx: &Context<'_>, key: &Key| cx.document.value(&section, key.key).is_some();
+        for key in PARAMETERS.iter().filter(|key| key.is_common) {
             material_key(ui, cx, material, key);
         }
         // They stay there when they are set, so that a slider isn't lost while it is dragged.
-        let is_any = KEYS.iter().any(|key| !key.is_common && is_set(cx, key));
+        let is_any = PARAMETERS
+            .iter()
+            .any(|key| !key.is_common && is_set(cx, key));
         let more = CollapsingHeader::new("More")
             .id_salt((material, "more"))
             .default_open(is_any);
         more.show(ui, |ui| {
-            for key in KEYS.iter().filter(|key| !key.is_common) {
+            for key in PARAMETERS.iter().filter(|key| !key.is_common) {
                 material_key(ui, cx, material, key);
             }
         });
@@ -155,14 +158,14 @@ fn share(label: &str) -> Spec<'static> {
 
 fn material_key(ui: &mut Ui, cx: &mut Context<'_>, material: &str, key: &Key) {
     let section = Section::Material(material.to_owned());
-    let written_value = cx.document.value(&section, key.name);
+    let written_value = cx.document.value(&section, key.key);
     let is_set = written_value.is_some();
     let label = format!("{} of {material}", key.label);
     let constant = match &written_value {
         Some(value) if !matches!(value, Value::Text(text) if !text.starts_with('#') && key.output().is_some()) => {
             Some(value.clone())
         }
-        _ => key.constant(cx.scene_material(material)),
+        _ => key.written(cx.scene_material(material)),
     };
     let widget = |ui: &mut Ui, cx: &mut Context<'_>| {
         let set = |cx: &mut Context<'_>, value: Value, response: Option<&Response>| {
@@ -201,7 +204,7 @@ fn material_key(ui: &mut Ui, cx: &mut Context<'_>, material: &str, key: &Key) {
         }
         None => {
             let (whole, _) = row(ui, key.label, key.help, is_set, |ui| widget(ui, cx));
-            let clear = Edit::reset_material(material, key.name);
+            let clear = Edit::reset_material(material, key.key);
             cx.reset_menu(&whole, is_set, &label, vec![clear]);
         }
     }
@@ -211,8 +214,8 @@ fn material_key(ui: &mut Ui, cx: &mut Context<'_>, material: &str, key: &Key) {
 fn material_edits(cx: &Context<'_>, material: &str, key: &Key, value: Value) -> Vec<Edit> {
     let section = Section::Material(material.to_owned());
     let is_missing = |key: &str| cx.document.value(&section, key).is_none();
-    let mut edits = vec![Edit::material(material, key.name, value)];
-    if key.name == "attenuation_color" && is_missing("attenuation_distance") {
+    let mut edits = vec![Edit::material(material, key.key, value)];
+    if key.key == "attenuation_color" && is_missing("attenuation_distance") {
         let distance = Value::number(1.0);
         edits.push(Edit::material(material, "attenuation_distance", distance));
     }
@@ -221,44 +224,43 @@ fn material_edits(cx: &Context<'_>, material: &str, key: &Key, value: Value) -> 
 
 fn spec_of(key: &Key, label: &str) -> Spec<'static> {
     let (range, bounds, widget, unit) = match key.takes {
-        Takes::Number {
-            range: (low, high),
-            is_log,
-            unit,
-        } => {
-            let widget = match is_log {
+        Takes::Number(number) => {
+            let (low, high) = number.slider;
+            let widget = match number.is_log {
                 true => Widget::Log,
                 false => Widget::Plain,
             };
-            let bounds = match unit {
-                "°" => Bounds::ANY,
+            let bounds = match number.unit {
+                Unit::Degrees => Bounds::ANY,
                 _ => Bounds {
                     min: low.into(),
                     // Shares end at 1, everything else goes on.
-                    max: if high == 1.0 && !is_log {
-                        1.0
-                    } else {
-                        Bounds::ANY.max
+                    max: match number.valid {
+                        Valid::Share => 1.0,
+                        _ => Bounds::ANY.max,
                     },
                 },
             };
-            (Some((low, high)), bounds, widget, unit)
+            (Some((low, high)), bounds, widget, number.unit.symbol())
         }
-        Takes::Whole { range: (low, high) } => {
+        Takes::Whole {
+            most,
+            slider: (low, high),
+        } => {
             let bounds = Bounds {
-                min: -1000.0,
-                max: 1000.0,
+                min: -f64::from(most),
+                max: most.into(),
             };
             (Some((low as f32, high as f32)), bounds, Widget::Plain, "")
         }
-        Takes::Color => {
+        Takes::Color { .. } => {
             let bounds = Bounds {
                 min: 0.0,
                 ..Bounds::ANY
             };
             (None, bounds, Widget::Color, "")
         }
-        Takes::Bool | Takes::Choice(_) | Takes::Link => (None, Bounds::ANY, Widget::Plain, ""),
+        Takes::Flag | Takes::Choice(_) | Takes::Link => (None, Bounds::ANY, Widget::Plain, ""),
     };
     Spec {
         name: label.to_owned(),

@@ -297,7 +297,7 @@ impl Model {
                 output.check(&self.graph, link)
             }
             // A mask is a number, like roughness.
-            Target::Mask { .. } => Output::Roughness.check(&self.graph, link),
+            Target::Mask { .. } => Output::ROUGHNESS.check(&self.graph, link),
         }
     }
 }

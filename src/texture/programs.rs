@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use engine::procedural::{
     FLAG_BLEND, FLAG_CONSTANT_MASK, HEAD_BASE, HEAD_BUMP_PROGRAM, HEAD_FLAGS, HEAD_LINKS,
-    HEAD_MASK, HEAD_MASK_VALUE, HEAD_OVER, HEAD_PROGRAM, HEAD_WORDS, Output, Procedural,
+    HEAD_MASK, HEAD_MASK_VALUE, HEAD_OVER, HEAD_PROGRAM, HEAD_WORDS, Procedural,
 };
 use engine::scene::Scene;
 use texgen::{Graph, Instruction, NodeId, ParameterType, Program, Widget};
@@ -37,11 +37,9 @@ pub(super) fn of_materials(procedural: &Procedural, scene: &Scene) -> String {
                 text += &instructions(procedural.graph(), &program, title);
             }
         }
-        for output in Output::ALL {
-            if flags & output.bit() != 0 {
-                let from = link(head(HEAD_LINKS + output as u32));
-                let _ = writeln!(text, "    {} = {from}", output.key());
-            }
+        for output in procedural.outputs(index).iter() {
+            let from = link(head(HEAD_LINKS + output.number()));
+            let _ = writeln!(text, "    {} = {from}", output.key());
         }
         if flags & FLAG_BLEND != 0 {
             let mask = match flags & FLAG_CONSTANT_MASK {

@@ -249,7 +249,14 @@ fn block(name: &str, place: Vec3, size: Vec3, turn: f32) -> Mesh {
     mesh
 }
 
-impl Mesh {
+/// What these meshes are made of.
+trait Build: Sized {
+    fn named(name: &str) -> Self;
+    fn add_surface(&mut self, cells: [u32; 2], point: impl Fn(f32, f32) -> Vec3);
+    fn add_quad(&mut self, corner: Vec3, u: Vec3, v: Vec3);
+}
+
+impl Build for Mesh {
     fn named(name: &str) -> Self {
         Self {
             name: name.to_owned(),

@@ -83,11 +83,11 @@ impl LightTable {
         };
         for (i, (material, source)) in materials.iter_mut().zip(&scene.materials).enumerate() {
             let program = program(i as u32);
-            material.light_radiance = match (source.unlit, program.decides_light) {
+            material.set_light_radiance(match (source.unlit, program.decides_light) {
                 (true, _) => 0.0,
                 (false, true) => program.brightness,
                 (false, false) => average_emission(source, &mut mean),
-            };
+            });
         }
         table.add_triangles(scene, bvh, materials, &mut emitters);
         table.add_punctual(&scene.lights, &mut emitters);
@@ -110,7 +110,7 @@ impl LightTable {
         materials: &[GpuMaterial],
         emitters: &mut Vec<Emitter>,
     ) {
-        let radiance = |material: u32| materials[material as usize].light_radiance;
+        let radiance = |material: u32| materials[material as usize].light_radiance();
         for (place, &source) in (0..).zip(&bvh.instance_order) {
             let instance = &scene.instances[source as usize];
             let mesh = &scene.meshes[instance.mesh as usize];

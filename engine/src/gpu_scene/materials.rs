@@ -3,26 +3,16 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
+use crate::material_record::{self, PLACES, ROWS, flag, place_of};
 use crate::procedural::ProgramTraits;
-use crate::scene::{AlphaMode, Filter, Material, Sampler, TextureRef, Wrap};
+use crate::scene::material_parameters::{Feature, Field, PARAMETERS};
+use crate::scene::{AlphaMode, Filter, Material, Sampler, TEXTURES, TextureRef, Wrap};
 
 /// No texture.
 const IMAGE_NONE: u32 = u32::MAX;
 
-const DOUBLE_SIDED: u32 = 1;
-const UNLIT: u32 = 2;
-const MASK: u32 = 4;
-const BLEND: u32 = 8;
-const PROGRAM: u32 = 16;
-const PROGRAM_LAST: u32 = 32;
-const PROGRAM_LIGHT: u32 = 64;
-const SOLID: u32 = 128;
-const CLEAR: u32 = 256;
 /// As `MIN_ALPHA` in `microfacet.wgsl`: surfaces below it are mirrors.
 const SMOOTH_ALPHA: f32 = 0.001;
-/// Textures of a material.
-const TEXTURES: usize = 17;
-
 /// `TextureSlot` in `materials.wgsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -52,149 +42,109 @@ impl GpuTextureSlot {
     }
 }
 
-/// `Material` in `materials.wgsl`.
+/// `Material` in WGSL: [`MEMBERS`](material_record::MEMBERS), then the textures.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct GpuMaterial {
-    base_color: [f32; 4],
-    emission: Vec3,
-    /// Set by the lights: mean radiance by which triangles are in their table, W/(m² sr); 0 where they are not.
-    pub light_radiance: f32,
-    specular_color: Vec3,
-    specular: f32,
-    metallic: f32,
-    roughness: f32,
-    dielectric_f0: f32,
-    alpha_cutoff: f32,
-    normal_scale: f32,
-    flags: u32,
-    texture_mask: u32,
-    ior: f32,
-    absorption: Vec3,
-    transmission: f32,
-    diffuse_transmission_color: Vec3,
-    diffuse_transmission: f32,
-    sheen_color: Vec3,
-    sheen_roughness: f32,
-    coat: f32,
-    coat_roughness: f32,
-    coat_normal_scale: f32,
-    iridescence: f32,
-    anisotropy: f32,
-    anisotropy_rotation: f32,
-    iridescence_ior: f32,
-    dispersion: f32,
-    iridescence_thickness: [f32; 2],
-    priority: f32,
-    spare: f32,
-    textures: [GpuTextureSlot; TEXTURES],
+    words: [[u32; 4]; ROWS],
+    textures: [GpuTextureSlot; TEXTURES.len()],
 }
 
 impl GpuMaterial {
     /// Byte offset of each member, for comparison with its WGSL twin.
     pub fn offsets() -> Vec<(&'static str, usize)> {
-        macro_rules! offsets {
-            ($($member:ident),* $(,)?) => { vec![$((stringify!($member), std::mem::offset_of!(GpuMaterial, $member))),*] };
-        }
-        offsets![
-            base_color,
-            emission,
-            light_radiance,
-            specular_color,
-            specular,
-            metallic,
-            roughness,
-            dielectric_f0,
-            alpha_cutoff,
-            normal_scale,
-            flags,
-            ior,
-            absorption,
-            transmission,
-            diffuse_transmission_color,
-            sheen_color,
-            coat,
-            anisotropy,
-            dispersion,
-            iridescence_thickness,
-            priority,
-            textures
-        ]
+        let members = material_record::MEMBERS.iter();
+        members
+            .map(|member| (member.name, 4 * member.offset))
+            .chain([("textures", std::mem::offset_of!(Self, textures))])
+            .collect()
     }
-}
 
-impl GpuMaterial {
     /// `program` is what is known of its texture program.
     pub fn new(material: &Material, program: &ProgramTraits) -> Self {
-        let ratio = (material.ior - 1.0) / (material.ior + 1.0);
-        let mut flags = 0;
-        if material.double_sided {
-            flags |= DOUBLE_SIDED;
-        }
-        if material.unlit {
-            flags |= UNLIT;
-        }
-        let alpha_cutoff = match material.alpha_mode {
-            AlphaMode::Opaque => 0.0,
-            AlphaMode::Mask { cutoff } => {
-                flags |= MASK;
-                cutoff
-            }
-            AlphaMode::Blend => {
-                flags |= BLEND;
-                0.0
-            }
-        };
-        if material.is_solid && (transmits(material) || program.transmits) {
-            flags |= SOLID;
-        }
-        if is_clear(material, program) {
-            flags |= CLEAR;
-        }
-        flags |= program_flags(program);
         let textures = material.textures();
+        let mut record = Self {
+            words: [[0; 4]; ROWS],
+            textures: textures.map(|texture| GpuTextureSlot::new(texture.as_ref())),
+        };
+        for (parameter, place) in PARAMETERS.iter().zip(PLACES) {
+            match (place, parameter.field) {
+                (Some(at), Field::Number(get, _)) => record.set(at, [get(material)]),
+                (Some(at), Field::Color(get, _)) => record.set(at, get(material).to_array()),
+                _ => {}
+            }
+        }
+        let ratio = (material.ior - 1.0) / (material.ior + 1.0);
+        let cutoff = match material.alpha_mode {
+            AlphaMode::Mask { cutoff } => cutoff,
+            AlphaMode::Opaque | AlphaMode::Blend => 0.0,
+        };
+        record.set(
+            const { place_of("base_color") },
+            material.base_color.to_array(),
+        );
+        record.set(const { place_of("dielectric_f0") }, [ratio * ratio]);
+        record.set(const { place_of("alpha_cutoff") }, [cutoff]);
+        record.set(
+            const { place_of("absorption") },
+            material.absorption.to_array(),
+        );
+        record.set(
+            const { place_of("coat_normal_scale") },
+            [material.coat_normal_scale],
+        );
+        record.set(
+            const { place_of("iridescence_thickness") },
+            material.iridescence_thickness,
+        );
+        record.set_word(const { place_of("flags") }, flags(material, program));
         let texture_mask = (0..textures.len())
             .filter(|&i| textures[i].is_some())
             .fold(0, |mask, i| mask | 1 << i);
-        Self {
-            base_color: material.base_color.to_array(),
-            emission: material.emission,
-            light_radiance: 0.0,
-            specular_color: material.specular_color,
-            specular: material.specular,
-            metallic: material.metallic,
-            roughness: material.roughness,
-            dielectric_f0: ratio * ratio,
-            alpha_cutoff,
-            normal_scale: material.normal_scale,
-            flags,
-            texture_mask,
-            ior: material.ior,
-            absorption: material.absorption,
-            transmission: material.transmission,
-            diffuse_transmission_color: material.diffuse_transmission_color,
-            diffuse_transmission: material.diffuse_transmission,
-            sheen_color: material.sheen_color,
-            sheen_roughness: material.sheen_roughness,
-            coat: material.coat,
-            coat_roughness: material.coat_roughness,
-            coat_normal_scale: material.coat_normal_scale,
-            iridescence: material.iridescence,
-            anisotropy: material.anisotropy,
-            anisotropy_rotation: material.anisotropy_rotation,
-            iridescence_ior: material.iridescence_ior,
-            dispersion: material.dispersion,
-            iridescence_thickness: material.iridescence_thickness,
-            priority: material.priority as f32,
-            spare: 0.0,
-            textures: textures.map(|texture| GpuTextureSlot::new(texture.as_ref())),
+        record.set_word(const { place_of("texture_mask") }, texture_mask);
+        record
+    }
+
+    /// Mean radiance by which triangles are in the table of lights, W/(m² sr); 0 where they are not. The lights set it.
+    pub fn light_radiance(&self) -> f32 {
+        let at = const { place_of("light_radiance") };
+        f32::from_bits(self.words[at / 4][at % 4])
+    }
+
+    /// See [`Self::light_radiance`].
+    pub fn set_light_radiance(&mut self, radiance: f32) {
+        self.set(const { place_of("light_radiance") }, [radiance]);
+    }
+
+    fn set<const N: usize>(&mut self, at: usize, values: [f32; N]) {
+        for (at, value) in (at..).zip(values) {
+            self.set_word(at, value.to_bits());
         }
     }
+
+    fn set_word(&mut self, at: usize, word: u32) {
+        self.words[at / 4][at % 4] = word;
+    }
+}
+
+fn flags(material: &Material, program: &ProgramTraits) -> u32 {
+    let set = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
+    let is_body = material.is_solid && (transmits(material) || program.transmits);
+    set(material.double_sided, flag::DOUBLE_SIDED)
+        | set(material.unlit, flag::UNLIT)
+        | set(
+            matches!(material.alpha_mode, AlphaMode::Mask { .. }),
+            flag::MASK,
+        )
+        | set(material.alpha_mode == AlphaMode::Blend, flag::BLEND)
+        | set(is_body, flag::SOLID)
+        | set(is_clear(material, program), flag::CLEAR)
+        | program_flags(program)
 }
 
 /// Whether light may go through the surface.
 pub fn transmits(material: &Material) -> bool {
-    material.transmission > 0.0 || material.diffuse_transmission > 0.0
+    needs(material, Feature::Transmission)
 }
 
 /// Whether the surface is a thin wall that light goes through straight on, and nothing else happens to it that a shadow ray
@@ -214,27 +164,27 @@ pub fn is_clear(material: &Material, program: &ProgramTraits) -> bool {
 
 /// Whether the surface has more than a metallic-roughness layer.
 pub fn has_layers(material: &Material) -> bool {
-    material.coat > 0.0
-        || material.sheen_color.max_element() > 0.0
-        || material.iridescence > 0.0
-        || material.anisotropy > 0.0
+    needs(material, Feature::Layers)
+}
+
+fn needs(material: &Material, feature: Feature) -> bool {
+    let mut parameters = PARAMETERS.iter().filter(|p| p.needs == Some(feature));
+    parameters.any(|parameter| parameter.is_there(material))
 }
 
 /// Byte offset of the flags in a [`GpuMaterial`].
-pub const FLAGS_OFFSET: u64 = std::mem::offset_of!(GpuMaterial, flags) as u64;
+pub const FLAGS_OFFSET: u64 = 4 * place_of("flags") as u64;
 
 /// All flags of a material that follow from its texture program.
-pub const PROGRAM_FLAGS: u32 = PROGRAM | PROGRAM_LAST | PROGRAM_LIGHT;
+pub const PROGRAM_FLAGS: u32 = flag::PROGRAM | flag::PROGRAM_LAST | flag::PROGRAM_LIGHT;
 
 /// The flags of a material that follow from its texture program.
 pub fn program_flags(program: &ProgramTraits) -> u32 {
-    let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
-    flag(program.runs, PROGRAM)
-        | flag(program.decides_light, PROGRAM_LAST)
-        | flag(
-            program.decides_light && program.brightness > 0.0,
-            PROGRAM_LIGHT,
-        )
+    let set = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
+    let is_light = program.decides_light && program.brightness > 0.0;
+    set(program.runs, flag::PROGRAM)
+        | set(program.decides_light, flag::PROGRAM_LAST)
+        | set(is_light, flag::PROGRAM_LIGHT)
 }
 
 /// Whether a hit may be transparent, so that its alpha must be looked up during traversal.

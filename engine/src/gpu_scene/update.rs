@@ -110,7 +110,7 @@ impl GpuScene {
         let emission = emission(scene, &program);
         if emission == self.uploaded.emission {
             for (record, former) in records.iter_mut().zip(&self.uploaded.materials) {
-                record.light_radiance = former.light_radiance;
+                record.set_light_radiance(former.light_radiance());
             }
         } else {
             let lights = LightTable::gather(scene, &self.uploaded.bvh, &program, &mut records);

@@ -15,7 +15,7 @@ use texgen::{Diagnostic, Diagnostics, SourceFile, did_you_mean};
 use crate::procedural::{Procedural, SourcesError, TextureSources};
 use crate::scene::import::{self, ImportError, Imported, Importer};
 use crate::scene::look::{EnvironmentLook, Look, LookError, Spanned};
-use crate::scene::{Camera, Environment, Material, Scene};
+use crate::scene::{Camera, Environment, Material, Scene, default_camera};
 
 pub use files::files;
 
@@ -252,7 +252,7 @@ pub(crate) fn has_no_lamp(scene: &Scene, glows: impl Fn(u32) -> bool) -> bool {
 /// What is seen without a look: the file's first camera, or all of the scene.
 fn first_camera(scene: &Scene) -> Camera {
     let first = scene.cameras.first().cloned();
-    first.unwrap_or_else(|| import::default_camera(scene))
+    first.unwrap_or_else(|| default_camera(scene))
 }
 
 /// What to write instead of the name of a camera that isn't there.

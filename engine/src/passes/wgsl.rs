@@ -1,4 +1,5 @@
 //! Composes kernels from the engine's WGSL files: `//!include FILE` lines are replaced by the file, each file once.
+//! Files below `generated/` are made from tables.
 //!
 //! A source map remembers where each line came from, so that an error points at the file that was written.
 
@@ -6,6 +7,8 @@ use std::{collections::HashSet, ops::Range};
 
 use device::{Device, DeviceError, Kernel, KernelSource, KernelText, Text, Trust};
 use texgen::{GeneratedKernel, SourceMap};
+
+use crate::material_record;
 
 /// The text of a kernel and where its lines came from.
 #[derive(Debug, Clone, Default)]
@@ -92,8 +95,16 @@ impl Source {
         if !seen.insert(file.to_owned()) {
             return;
         }
-        let Some((_, text)) = FILES.iter().find(|(name, _)| *name == file) else {
-            panic!("`{file}` is not among the engine's WGSL files");
+        let generated = generated(file);
+        let text = match &generated {
+            Some(text) => text,
+            None => {
+                let found = FILES.iter().find(|(name, _)| *name == file);
+                found.map_or_else(
+                    || panic!("`{file}` is not among the engine's WGSL files"),
+                    |(_, text)| *text,
+                )
+            }
         };
         for (number, line) in text.lines().enumerate() {
             if let Some(included) = line.strip_prefix("//!include ") {
@@ -150,6 +161,15 @@ pub fn private_bytes(kernel: &KernelText) -> Option<u32> {
     let uses = info.get_entry_point(index);
     let entry = &module.entry_points[index];
     Some(texgen::kernel_private_bytes(&module, uses, entry))
+}
+
+/// What is made from the tables of materials.
+fn generated(file: &str) -> Option<String> {
+    match file {
+        "generated/material.wgsl" => Some(material_record::material_wgsl()),
+        "generated/outputs.wgsl" => Some(material_record::output_wgsl(None)),
+        _ => None,
+    }
 }
 
 macro_rules! files {

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use texgen::NodeId;
 
-use super::memory::{HEAD_AO, HEAD_OPACITY, HEAD_PROGRAM, HEAD_WORDS};
+use super::memory::{HEAD_AO, HEAD_OPACITY, HEAD_PROGRAM};
 use super::wiring::CompileError;
-use super::{Output, Procedural};
+use super::{HEAD_WORDS, Output, Procedural};
 
 /// The height of a bump map is evaluated at the hit and at two points beside it.
 const BUMP_POINTS: u64 = 3;
@@ -29,7 +29,7 @@ impl Procedural {
         for hits in hits {
             for material in self.chain(hits.material, hits.resolved) {
                 let wiring = &self.wiring[material as usize];
-                let bump = wiring.output(Output::Bump).map(|source| source.node);
+                let bump = wiring.output(Output::BUMP).map(|source| source.node);
                 let programs = [
                     (wiring.roots(), 1),
                     (bump.into_iter().collect(), BUMP_POINTS),

@@ -263,7 +263,7 @@ impl<'a> Builder<'a> {
 
     /// Links to an angle gave radians once. A texture whose description names its unit was written since.
     fn warn_of_radians(&mut self, graph: &Graph) {
-        let key = Output::AnisotropyRotation.key();
+        let key = Output::ANISOTROPY_ROTATION.key();
         for input in self.look.materials.iter().filter_map(|m| m.input(key)) {
             let Input::Link(link) = &input.value else {
                 continue;

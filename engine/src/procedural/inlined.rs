@@ -40,10 +40,10 @@ impl Procedural {
             for output in Output::ALL {
                 if let Some(source) = wiring.output(output) {
                     let word = match output {
-                        Output::Bump => link_word(0, source.swizzle),
+                        Output::BUMP => link_word(0, source.swizzle),
                         _ => link(&source),
                     };
-                    head[(HEAD_LINKS + output as u32) as usize] = word;
+                    head[(HEAD_LINKS + output.number()) as usize] = word;
                 }
             }
             if head[HEAD_FLAGS as usize] & (FLAG_BLEND | FLAG_CONSTANT_MASK) == FLAG_BLEND
@@ -51,7 +51,7 @@ impl Procedural {
             {
                 head[HEAD_MASK as usize] = link(mask);
             }
-            let bump: Vec<NodeId> = (wiring.output(Output::Bump).iter().map(|s| s.node)).collect();
+            let bump: Vec<NodeId> = (wiring.output(Output::BUMP).iter().map(|s| s.node)).collect();
             for (word, roots) in [(HEAD_PROGRAM, roots.clone()), (HEAD_BUMP_PROGRAM, bump)] {
                 head[word as usize] = match roots.is_empty() {
                     true => 0,

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use glam::Vec3;
 use texgen::{Diagnostic, Diagnostics, Graph, SourceFile, did_you_mean};
 
-use crate::scene::look::{AlphaLook, Input, Look, MaterialLook, Span, Spanned};
-use crate::scene::{AlphaMode, Material, Scene, absorption};
+use crate::scene::look::{Input, Look, MaterialLook, Span, Spanned};
+use crate::scene::{AlphaMode, Material, Scene};
 
 use super::traits::Surface;
 use super::wiring::{Blend, Mask, Wiring, check_driver};
@@ -172,9 +172,9 @@ impl Resolver<'_> {
         let name = &table.name.value;
         let index = *self.out.surfaces.get(name).unwrap_or(&self.out.names[name]);
         let material = &mut scene.materials[index as usize];
-        set_constants(table, material);
+        table.apply(material);
         if let (Some(cutoff), false) = (
-            &table.alpha_cutoff,
+            table.input("alpha_cutoff"),
             matches!(material.alpha_mode, AlphaMode::Mask { .. }),
         ) {
             self.problem(
@@ -206,7 +206,7 @@ impl Resolver<'_> {
             material.emission_texture = None;
             surface.emission = table.constant("emission_strength").unwrap_or(Vec3::ONE);
         }
-        surface.bump_scale = table.bump_scale.as_ref().map_or(1.0, |scale| scale.value);
+        surface.bump_scale = table.constant("bump_scale").map_or(1.0, |scale| scale.x);
         if material.unlit {
             surface.emission = Vec3::ZERO;
         }
@@ -363,109 +363,6 @@ fn surface_of(material: &Material) -> Surface {
         },
         ..Surface::default()
     }
-}
-
-fn set_constants(table: &MaterialLook, material: &mut Material) {
-    fn set<T: Copy>(target: &mut T, value: &Option<Spanned<T>>) {
-        if let Some(value) = value {
-            *target = value.value;
-        }
-    }
-    if let Some(color) = table.constant("base_color") {
-        material.base_color = color.extend(material.base_color.w);
-    }
-    if let Some(alpha) = &table.alpha {
-        material.base_color.w = alpha.value;
-    }
-    if let Some(emission) = table.constant("emission") {
-        material.emission = emission;
-    }
-    if let Some(strength) = table.constant("emission_strength") {
-        material.emission *= strength;
-    }
-    if let Some(opacity) = table.constant("opacity") {
-        material.base_color.w = opacity.x;
-        material.alpha_mode = AlphaMode::Blend;
-    }
-    let scalars = [
-        ("metallic", &mut material.metallic),
-        ("roughness", &mut material.roughness),
-        ("specular", &mut material.specular),
-        ("ior", &mut material.ior),
-        ("normal_scale", &mut material.normal_scale),
-        ("transmission", &mut material.transmission),
-        ("diffuse_transmission", &mut material.diffuse_transmission),
-        ("coat", &mut material.coat),
-        ("coat_roughness", &mut material.coat_roughness),
-        ("sheen_roughness", &mut material.sheen_roughness),
-        ("anisotropy", &mut material.anisotropy),
-        ("anisotropy_rotation", &mut material.anisotropy_rotation),
-        ("iridescence", &mut material.iridescence),
-    ];
-    for (key, target) in scalars {
-        if let Some(value) = table.constant(key) {
-            *target = value.x;
-        }
-    }
-    let colors = [
-        ("specular_color", &mut material.specular_color),
-        ("sheen_color", &mut material.sheen_color),
-        (
-            "diffuse_transmission_color",
-            &mut material.diffuse_transmission_color,
-        ),
-    ];
-    for (key, target) in colors {
-        if let Some(value) = table.constant(key) {
-            *target = value;
-        }
-    }
-    if let Some(thickness) = table.constant("iridescence_thickness") {
-        material.iridescence_thickness = [thickness.x; 2];
-    }
-    set(&mut material.iridescence_ior, &table.iridescence_ior);
-    set(&mut material.dispersion, &table.dispersion);
-    if let Some(priority) = &table.priority {
-        material.priority = priority.value as i32;
-    }
-    set(&mut material.is_solid, &table.solid);
-    if let Some(distance) = &table.attenuation_distance {
-        let color = table.attenuation_color.as_ref();
-        material.absorption =
-            absorption(color.map_or(Vec3::ONE, |color| color.value), distance.value);
-    }
-    set(&mut material.double_sided, &table.double_sided);
-    set(&mut material.unlit, &table.unlit);
-    let cutoff = match (&table.alpha_cutoff, material.alpha_mode) {
-        (Some(cutoff), _) => cutoff.value,
-        (None, AlphaMode::Mask { cutoff }) => cutoff,
-        (None, _) => 0.5,
-    };
-    material.alpha_mode = match (&table.alpha_mode, material.alpha_mode) {
-        (
-            Some(Spanned {
-                value: AlphaLook::Opaque,
-                ..
-            }),
-            _,
-        ) => AlphaMode::Opaque,
-        (
-            Some(Spanned {
-                value: AlphaLook::Blend,
-                ..
-            }),
-            _,
-        ) => AlphaMode::Blend,
-        (
-            Some(Spanned {
-                value: AlphaLook::Mask,
-                ..
-            }),
-            _,
-        )
-        | (None, AlphaMode::Mask { .. }) => AlphaMode::Mask { cutoff },
-        (None, mode) => mode,
-    };
 }
 
 fn unique_name(wanted: &str, scene: &Scene) -> String {

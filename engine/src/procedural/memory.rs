@@ -3,11 +3,11 @@
 
 use std::ops::Range;
 
-/// Words of a material's head. See [`super::Procedural::programs`].
-pub const HEAD_WORDS: u32 = 40;
+use super::HEAD_WORDS;
+
 /// Head word: where the program begins, in words from the start; 0 is no program.
 pub const HEAD_PROGRAM: u32 = 0;
-/// Head word: which outputs are driven, and the `FLAG_*` bits.
+/// Head word: the first word of [`super::Outputs`], or the `FLAG_*` bits of a blend.
 pub const HEAD_FLAGS: u32 = 1;
 /// Head word: the link that is the mask of a blend.
 pub const HEAD_MASK: u32 = 2;
@@ -27,11 +27,11 @@ pub const HEAD_BUMP_SCALE: u32 = 8;
 pub const HEAD_OPACITY: u32 = 9;
 /// Three head words: the emission where no node drives it, else the factor on what does, as f32 bits.
 pub const HEAD_EMISSION: u32 = 10;
-/// Head words from here on: the link of each output.
-pub const HEAD_LINKS: u32 = 16;
+/// Head word: the second word of [`super::Outputs`].
+pub const HEAD_MORE: u32 = 13;
 /// In [`HEAD_FLAGS`]: the material is a blend of two others.
 pub const FLAG_BLEND: u32 = 1 << 31;
-/// In [`HEAD_FLAGS`]: the mask is a constant and not a link.
+/// In [`HEAD_FLAGS`] of a blend: the mask is a constant and not a link.
 pub const FLAG_CONSTANT_MASK: u32 = 1 << 30;
 
 /// A program's room is at least this many words, so that a small one can grow.

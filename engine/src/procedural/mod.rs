@@ -12,7 +12,7 @@
 //! | word | content |
 //! |---|---|
 //! | 0 | where the program begins, in words from the start of the buffer; 0 is none |
-//! | 1 | bit i: output i is driven (see [`Output`]); bit 30: the mask is a constant; bit 31: the material is a blend |
+//! | 1 | bit 31: the material is a blend, and then bit 30: the mask is a constant; else the first word of [`Outputs`] |
 //! | 2 | link of the blend's mask |
 //! | 3 | material index of the blend's base |
 //! | 4 | material index of the blend's over |
@@ -22,7 +22,8 @@
 //! | 8 | metres per unit of that height, as f32 bits |
 //! | 9 | the opacity where it is a constant, as f32 bits |
 //! | 10 to 12 | the emission where it is a constant, else the factor on a driven one, as f32 bits |
-//! | 13 to 15 | 0 |
+//! | 13 | the second word of [`Outputs`] |
+//! | 14, 15 | 0 |
 //! | 16 + i | link of output i |
 //!
 //! A link is texgen's link word: a slot of the program's results, with a swizzle. A driven output replaces the
@@ -42,7 +43,6 @@ mod images;
 mod inlined;
 mod materials;
 mod memory;
-mod output;
 mod probe;
 mod reads;
 mod reload;
@@ -68,15 +68,15 @@ use texgen::{Diagnostics, GeneratedKernel, Graph, NodeId, Swizzle};
 use crate::scene::look::{AoSettings, MAX_AO};
 use crate::scene::{Material, TextureRef};
 
+pub use crate::material_record::{HEAD_LINKS, HEAD_WORDS, Kind, Output, Outputs};
 pub(crate) use alone::Hits;
 pub use edit::EditError;
 pub use inlined::Inlined;
 pub use memory::{
     FLAG_BLEND, FLAG_CONSTANT_MASK, HEAD_AO, HEAD_BASE, HEAD_BUMP_PROGRAM, HEAD_BUMP_SCALE,
-    HEAD_EMISSION, HEAD_FLAGS, HEAD_LINKS, HEAD_MASK, HEAD_MASK_VALUE, HEAD_OPACITY, HEAD_OVER,
-    HEAD_PROGRAM, HEAD_WORDS,
+    HEAD_EMISSION, HEAD_FLAGS, HEAD_MASK, HEAD_MASK_VALUE, HEAD_MORE, HEAD_OPACITY, HEAD_OVER,
+    HEAD_PROGRAM,
 };
-pub use output::{Kind, Output};
 pub use reads::TextureReads;
 pub use sketch::{resketch, sketch};
 pub use sources::{SourcesError, TextureSources};
@@ -218,6 +218,14 @@ impl Procedural {
         (material as usize) < self.wiring.len() && self.memory.head(material, HEAD_FLAGS) != 0
     }
 
+    /// What of a material is driven; nothing of a blend.
+    pub fn outputs(&self, material: u32) -> Outputs {
+        match self.memory.head(material, HEAD_FLAGS) {
+            flags if flags & FLAG_BLEND != 0 => Outputs::default(),
+            flags => Outputs::of_words(flags, self.memory.head(material, HEAD_MORE)),
+        }
+    }
+
     /// Whether no material is procedural, so that the generated kernel need not run.
     pub fn is_empty(&self) -> bool {
         (0..self.wiring.len() as u32).all(|m| !self.is_procedural(m))
@@ -225,7 +233,7 @@ impl Procedural {
 
     /// Words that the results of a hit take in the state of a path, for the hungriest material.
     pub fn result_words(&self) -> u32 {
-        let of = |m: u32| output::result_words(self.memory.head(m, HEAD_FLAGS));
+        let of = |m: u32| self.outputs(m).result_words();
         let driven = (0..self.wiring.len() as u32).map(of).max().unwrap_or(0);
         // Where anything decides about opacity, all sides of a blend have one.
         driven + u32::from(self.traits.iter().any(|t| t.decides_opacity))

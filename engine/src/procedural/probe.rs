@@ -53,7 +53,7 @@ impl Procedural {
                 }
             }
         }
-        let driven = procedural.set_output_link("probe", Output::Roughness, Some("probe.x"));
+        let driven = procedural.set_output_link("probe", Output::ROUGHNESS, Some("probe.x"));
         debug_assert!(driven.is_ok(), "every texture has a first component");
         procedural.take_changes();
         Ok((scene, procedural))

@@ -317,7 +317,7 @@ mod tests {
         assert_eq!((old.ao_count(), new.ao_count()), (0, 1));
         new.add_node("c", "a new one").expect("known");
         assert!(new.add_node("d", "a newer one").is_err());
-        new.set_output_link("A", Output::Metallic, Some("c"))
+        new.set_output_link("A", Output::METALLIC, Some("c"))
             .expect("one number");
         let changes = new.take_changes();
         assert!(!changes.args.is_empty() && !changes.kernel);

@@ -13,7 +13,7 @@ pub(super) fn order<'a>(
     // Sum of the places, 0 to 1, and their number.
     let mut places = vec![(0.0, 0_u32); graph.library().textures().len()];
     for wiring in materials {
-        let bump: Vec<NodeId> = wiring.output(Output::Bump).iter().map(|s| s.node).collect();
+        let bump: Vec<NodeId> = wiring.output(Output::BUMP).iter().map(|s| s.node).collect();
         for roots in [wiring.roots(), bump] {
             let program = graph.compile(&roots)?;
             // The words were just made from this library.

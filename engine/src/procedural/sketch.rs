@@ -129,9 +129,9 @@ mod tests {
             source: a,
             swizzle: swizzle.map(|s| s.parse().expect("a swizzle")),
         };
-        assert!(Output::BaseColor.check(&graph, link(None)).is_ok());
-        assert!(Output::Roughness.check(&graph, link(Some("x"))).is_ok());
-        let refused = Output::Roughness.check(&graph, link(None));
+        assert!(Output::BASE_COLOR.check(&graph, link(None)).is_ok());
+        assert!(Output::ROUGHNESS.check(&graph, link(Some("x"))).is_ok());
+        let refused = Output::ROUGHNESS.check(&graph, link(None));
         assert!(refused.is_err_and(|why| why.contains("a.x")));
     }
 

@@ -98,7 +98,7 @@ fn driven_outputs_have_links_and_the_rest_is_untouched() {
     assert!(head[HEAD_PROGRAM as usize] >= 3 * HEAD_WORDS);
     assert_eq!(
         head[HEAD_FLAGS as usize],
-        1 << Output::BaseColor as u32 | 1 << Output::Roughness as u32
+        1 << Output::BASE_COLOR.number() | 1 << Output::ROUGHNESS.number()
     );
     let links = &head[HEAD_LINKS as usize..];
     assert_ne!(links[0], links[2], "one is swizzled");
@@ -165,7 +165,7 @@ fn a_bump_has_a_program_of_its_own() {
     assert_eq!(program(HEAD_BUMP_PROGRAM)[0], 1, "the height alone");
     assert_eq!(f32::from_bits(of_a[HEAD_BUMP_SCALE as usize]), 0.25);
     assert_eq!(procedural.result_words(), 6);
-    procedural.set_output_link("A", Output::Bump, None).unwrap();
+    procedural.set_output_link("A", Output::BUMP, None).unwrap();
     assert_eq!(head(&procedural, 0)[HEAD_BUMP_PROGRAM as usize], 0);
     assert_eq!(procedural.result_words(), 3);
 }
@@ -592,19 +592,19 @@ fn a_refused_edit_changes_nothing() {
         .set_link("paint", "amount", "empty.x")
         .unwrap_err();
     assert!(
-        message(procedural.set_output_link("A", Output::Roughness, Some("paint"))).contains(".x")
+        message(procedural.set_output_link("A", Output::ROUGHNESS, Some("paint"))).contains(".x")
     );
     assert!(
-        message(procedural.set_output_link("D", Output::Roughness, None)).contains("no material")
+        message(procedural.set_output_link("D", Output::ROUGHNESS, None)).contains("no material")
     );
     assert!(message(procedural.set_mask_link("A", "level")).contains("not a blend"));
     procedural.set_mask_link("B", "paint.z").unwrap();
     procedural.set_mask_link("B", "level").unwrap();
     procedural
-        .set_output_link("B", Output::Metallic, Some("level"))
+        .set_output_link("B", Output::METALLIC, Some("level"))
         .unwrap();
     procedural
-        .set_output_link("B", Output::Metallic, None)
+        .set_output_link("B", Output::METALLIC, None)
         .unwrap();
     let heads = 4 * HEAD_WORDS as usize;
     assert_eq!(procedural.programs()[..heads], before[..heads]);
@@ -644,7 +644,7 @@ fn a_program_that_needs_more_slots_asks_for_a_kernel() {
         Procedural::build(&look, &mut scene, &sources).unwrap_or_else(|p| panic!("{p}"));
     assert_eq!(procedural.stack_slots(), 8);
     procedural
-        .set_output_link("A", Output::Roughness, Some("l9_0"))
+        .set_output_link("A", Output::ROUGHNESS, Some("l9_0"))
         .unwrap();
     assert!(procedural.take_changes().kernel);
     assert!(
@@ -653,10 +653,10 @@ fn a_program_that_needs_more_slots_asks_for_a_kernel() {
         procedural.stack_slots()
     );
     procedural
-        .set_output_link("A", Output::Roughness, Some("leaf"))
+        .set_output_link("A", Output::ROUGHNESS, Some("leaf"))
         .unwrap();
     procedural
-        .set_output_link("A", Output::Roughness, Some("l9_0"))
+        .set_output_link("A", Output::ROUGHNESS, Some("l9_0"))
         .unwrap();
     assert!(!procedural.take_changes().kernel);
 }

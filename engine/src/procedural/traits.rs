@@ -2,7 +2,9 @@
 
 use glam::Vec3;
 
-use super::{FLAG_BLEND, HEAD_FLAGS, Output, Procedural, output};
+use crate::scene::material_parameters::Feature;
+
+use super::{Output, Outputs, Procedural};
 
 /// What is known of a material's texture program without running it. The material may be a blend; then this holds for
 /// whatever it may turn out to be.
@@ -63,32 +65,31 @@ impl Procedural {
         self.traits
             .resize(self.wiring.len(), ProgramTraits::default());
         for &material in &self.order {
-            let flags = self.memory.head(material, HEAD_FLAGS);
             let wiring = &self.wiring[material as usize];
             self.traits[material as usize] = match &wiring.blend {
                 Some(blend) => {
                     let of = |m: u32| self.traits[m as usize];
                     of_blend(of(blend.base), of(blend.over))
                 }
-                None => of_surface(flags & !FLAG_BLEND, &wiring.surface),
+                None => of_surface(self.outputs(material), &wiring.surface),
             };
         }
     }
 }
 
-fn of_surface(flags: u32, surface: &Surface) -> ProgramTraits {
-    let drives = |output: Output| flags & output.bit() != 0;
-    let is_constant = !drives(Output::Emission);
+fn of_surface(outputs: Outputs, surface: &Surface) -> ProgramTraits {
+    let drives = |output: Output| outputs.contains(output);
+    let is_constant = !drives(Output::EMISSION);
     let glows = surface.emission.max_element() > 0.0;
     let is_sampled = glows && !(is_constant && surface.has_emission_image);
     ProgramTraits {
-        runs: flags != 0,
-        decides_light: drives(Output::Emission)
-            || drives(Output::EmissionStrength)
-            || drives(Output::Opacity),
-        decides_opacity: drives(Output::Opacity),
-        transmits: output::transmits(flags),
-        has_layers: output::has_layers(flags),
+        runs: !outputs.is_empty(),
+        decides_light: drives(Output::EMISSION)
+            || drives(Output::EMISSION_STRENGTH)
+            || drives(Output::OPACITY),
+        decides_opacity: drives(Output::OPACITY),
+        transmits: outputs.need(Feature::Transmission),
+        has_layers: outputs.need(Feature::Layers),
         glows,
         brightness: if is_sampled {
             luminance(surface.emission)

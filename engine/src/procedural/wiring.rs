@@ -6,16 +6,18 @@ use texgen::{Graph, GraphError, NodeId, Program, link_word};
 
 use super::memory::{
     FLAG_BLEND, FLAG_CONSTANT_MASK, HEAD_AO, HEAD_BASE, HEAD_BUMP_PROGRAM, HEAD_BUMP_SCALE,
-    HEAD_EMISSION, HEAD_FLAGS, HEAD_LINKS, HEAD_MASK, HEAD_MASK_VALUE, HEAD_OPACITY, HEAD_OVER,
+    HEAD_EMISSION, HEAD_FLAGS, HEAD_MASK, HEAD_MASK_VALUE, HEAD_MORE, HEAD_OPACITY, HEAD_OVER,
     HEAD_PROGRAM,
 };
 use super::traits::Surface;
-use super::{Kind, MAX_STACK_SLOTS, MIN_STACK_SLOTS, Output, Procedural, Source};
+use super::{
+    HEAD_LINKS, Kind, MAX_STACK_SLOTS, MIN_STACK_SLOTS, Output, Outputs, Procedural, Source,
+};
 
 /// What drives one material: see [`Self::output`] for a surface, `blend` for a blend of others.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Wiring {
-    /// By place in [`Output::ALL`].
+    /// By number.
     outputs: [Option<Source>; Output::ALL.len()],
     pub(super) blend: Option<Blend>,
     /// What the material is without its nodes.
@@ -57,8 +59,7 @@ impl Wiring {
 
     /// Drives an output, or no longer.
     pub(super) fn set_output(&mut self, output: Output, source: Option<Source>) {
-        let place = Output::ALL.iter().position(|&o| o == output);
-        self.outputs[place.expect("all outputs are listed")] = source;
+        self.outputs[output.number() as usize] = source;
     }
 
     /// What drives the mask, where a node does.
@@ -80,7 +81,7 @@ impl Wiring {
     pub(super) fn roots(&self) -> Vec<NodeId> {
         let mask = self.mask();
         let mut roots: Vec<NodeId> = Vec::new();
-        let driven = self.driven().filter(|(output, _)| *output != Output::Bump);
+        let driven = self.driven().filter(|(output, _)| *output != Output::BUMP);
         for source in driven.map(|(_, source)| source).chain(mask.copied()) {
             if !roots.contains(&source.node) {
                 roots.push(source.node);
@@ -152,7 +153,7 @@ impl Procedural {
     pub(super) fn compile(&self, material: u32) -> Result<Compiled, CompileError> {
         let wiring = &self.wiring[material as usize];
         let roots = wiring.roots();
-        let bump: Vec<NodeId> = (wiring.output(Output::Bump).iter().map(|s| s.node)).collect();
+        let bump: Vec<NodeId> = (wiring.output(Output::BUMP).iter().map(|s| s.node)).collect();
         Ok(Compiled {
             material,
             program: self.program(material, &roots)?,
@@ -185,7 +186,7 @@ impl Procedural {
         } = compiled;
         let wiring = &self.wiring[material as usize];
         let mut nodes = roots.clone();
-        nodes.extend(wiring.output(Output::Bump).map(|source| source.node));
+        nodes.extend(wiring.output(Output::BUMP).map(|source| source.node));
         let nodes = self.reachable(&nodes);
         let programs = || program.iter().chain(&bump);
         let own_ao = programs().fold(0, |mask, p| mask | p.occlusion_mask);
@@ -204,18 +205,21 @@ impl Procedural {
         };
 
         let mut set = |word: u32, value: u32| self.memory.set_head(material, word, value);
-        let mut flags = 0;
+        let mut outputs = Outputs::default();
         for (output, source) in Output::ALL.into_iter().zip(&wiring.outputs) {
             let word = match (source, output) {
                 (None, _) => 0,
-                (Some(source), Output::Bump) => bump_link(source),
+                (Some(source), Output::BUMP) => bump_link(source),
                 (Some(source), _) => link(source),
             };
-            flags |= if source.is_some() { output.bit() } else { 0 };
-            set(HEAD_LINKS + output as u32, word);
+            if source.is_some() {
+                outputs.insert(output);
+            }
+            set(HEAD_LINKS + output.number(), word);
         }
+        let [mut flags, more] = outputs.words();
         if let Some(blend) = &wiring.blend {
-            flags |= FLAG_BLEND;
+            flags = FLAG_BLEND;
             let (mask_link, mask_value) = match &blend.mask {
                 Mask::Driven(source) => (link(source), 0.0),
                 Mask::Constant(value) => {
@@ -235,6 +239,7 @@ impl Procedural {
             set(word, value.to_bits());
         }
         set(HEAD_FLAGS, flags);
+        set(HEAD_MORE, more);
         for (word, program) in [(HEAD_PROGRAM, &program), (HEAD_BUMP_PROGRAM, &bump)] {
             match program {
                 Some(program) => {

@@ -9,7 +9,7 @@ use texgen::ParameterType;
 use super::{GraphView, Sockets, Source, Subject};
 use crate::context::Context;
 use crate::list;
-use crate::material::KEYS;
+use crate::material::{InLook as _, PARAMETERS};
 use crate::model::Target;
 
 pub(super) const WIDTH: f32 = 190.0;
@@ -175,14 +175,14 @@ fn inputs(cx: &Context<'_>, subject: Subject<'_>) -> Vec<Input> {
                 };
                 Input::new(target, "Mask".to_owned(), 1)
             });
-            let keys = KEYS.iter().filter_map(|key| {
+            let keys = PARAMETERS.iter().filter_map(|key| {
                 let output = key.output()?;
                 let target = Target::Input {
                     material: material.to_owned(),
                     output,
                 };
                 let is_driven = cx.model.source(&target).is_some();
-                let is_usual = key.is_common && output != Output::EmissionStrength;
+                let is_usual = key.is_common && output != Output::EMISSION_STRENGTH;
                 let is_shown = is_driven || (is_usual && !cx.model.is_pure_blend(material));
                 let count = match output.kind() {
                     Kind::Scalar => 1,

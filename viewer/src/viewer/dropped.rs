@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui::Ui;
 use engine::live::Edit;
+use engine::scene::import::is_scene;
 use engine::scene::look::{Section, Value};
 
 use crate::link::{Command, Files};
@@ -23,9 +24,11 @@ enum Dropped {
 }
 
 fn kind(path: &Path) -> Dropped {
+    if is_scene(path) {
+        return Dropped::Scene;
+    }
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     match ending.to_lowercase().as_str() {
-        "glb" | "gltf" => Dropped::Scene,
         "toml" => Dropped::Look,
         "wgsl" => Dropped::Texture,
         "hdr" | "exr" => Dropped::Environment,

@@ -39,7 +39,7 @@ fn stretched_tangent(s: Surface, material: u32, instance: u32, normal: vec3f, an
 
 // The layers above and the inside below a metallic-roughness surface.
 fn add_layers(b: ptr<function, Bsdf>, slot: u32, driven: u32, material: u32, roughness: f32, eta: f32, is_inside: bool,
-              cosine: f32, coat_normal: vec3f, layers: array<vec4f, 11>) {
+              cosine: f32, coat_normal: vec3f, layers: array<vec4f, LAYER_TEXTURES>) {
     if (has_layers && !is_inside) {
         (*b).coat = saturate(scalar_or(slot, driven, OUTPUT_COAT, materials[material].coat * layers[LAYER_COAT].x));
         let coat_roughness = saturate(scalar_or(slot, driven, OUTPUT_COAT_ROUGHNESS,
@@ -211,7 +211,7 @@ fn shade_vertex(slot: u32) {
         throughput *= medium_transmittance(medium, hit.t_max - hit.t_min);
     }
 
-    if (gives(driven, OUTPUT_OPACITY)) {
+    if (gives(slot, driven, OUTPUT_OPACITY)) {
         let coin = random_at(path, vertex_dimension(depth, DIMENSION_OPACITY), hit.triangle, hit.instance);
         if (coin >= scalar_or(slot, driven, OUTPUT_OPACITY, 1.0)) {
             pass_on(slot, vec4f(throughput, bsdf_pdf), vec4f(radiance, gathered.w), hit.t_max);
@@ -273,7 +273,7 @@ fn shade_vertex(slot: u32) {
         materials[material].specular_color * texels[TEXTURE_SPECULAR_COLOR].xyz);
     var f0 = materials[material].dielectric_f0;
     let ior = max(scalar_or(slot, driven, OUTPUT_IOR, materials[material].ior), 0.0);
-    if (gives(driven, OUTPUT_IOR)) {
+    if (gives(slot, driven, OUTPUT_IOR)) {
         let ratio = (ior - 1.0) / (ior + 1.0);
         f0 = ratio * ratio;
     }

@@ -66,7 +66,7 @@ fn finite_link(word: u32, is_vector: bool) -> vec3f {
 }
 
 fn output(material: u32, which: u32) -> vec3f {
-    return finite_link(head_word(material, HEAD_OUTPUTS + which), ((OUTPUT_VECTORS >> which) & 1u) != 0u);
+    return finite_link(head_word(material, HEAD_OUTPUTS + which), is_vector(which));
 }
 
 const INFINITY = 0x7f800000u; // bits
@@ -80,12 +80,15 @@ fn spoil(slot: u32, is_shadow: bool) {
     atomicMax(&queues[WORD_NON_FINITE_NODE], patina_non_finite);
 }
 
-fn is_driven(flags: u32, which: u32) -> bool {
-    return (flags & (1u << which)) != 0u;
+fn is_driven(material: u32, flags: u32, which: u32) -> bool {
+    if (HAS_MORE_OUTPUTS && which >= OUTPUTS_LOW) {
+        return has_bit(head_word(material, HEAD_MORE), which - OUTPUTS_LOW);
+    }
+    return has_bit(flags, which);
 }
 
 fn opacity_of(material: u32, flags: u32) -> f32 {
-    if (is_driven(flags, OUTPUT_OPACITY)) {
+    if (is_driven(material, flags, OUTPUT_OPACITY)) {
         return saturate(output(material, OUTPUT_OPACITY).x);
     }
     return bitcast<f32>(head_word(material, HEAD_OPACITY));
@@ -94,7 +97,7 @@ fn opacity_of(material: u32, flags: u32) -> f32 {
 // A driven emission with the constant factor, or the constant one.
 fn emission_of(material: u32, flags: u32) -> vec3f {
     let factor = head_vector(material, HEAD_EMISSION);
-    if (is_driven(flags, OUTPUT_EMISSION)) {
+    if (is_driven(material, flags, OUTPUT_EMISSION)) {
         return factor * max(output(material, OUTPUT_EMISSION), vec3f(0.0));
     }
     return factor;
@@ -107,7 +110,7 @@ fn shade_shadow(slot: u32, material: u32, flags: u32, is_light: bool) {
     var factor = vec3f(1.0 - opacity);
     if (is_light) {
         factor = emission_of(material, flags) * opacity;
-        if (is_driven(flags, OUTPUT_EMISSION_STRENGTH)) {
+        if (is_driven(material, flags, OUTPUT_EMISSION_STRENGTH)) {
             factor *= max(output(material, OUTPUT_EMISSION_STRENGTH).x, 0.0);
         }
         rays[shadow_ray(slot)].triangle = MISS; // as the shadow ray's own result: nothing is in the way
@@ -119,9 +122,21 @@ fn shade_shadow(slot: u32, material: u32, flags: u32, is_light: bool) {
 // Stores `wanted` outputs of a path's hit, but for the bump, and returns the words they take.
 fn store_outputs(slot: u32, material: u32, flags: u32, wanted: u32) -> u32 {
     var at = 0u;
-    var rest = wanted & ~(1u << OUTPUT_BUMP);
-    while (rest != 0u) {
-        let which = firstTrailingBit(rest);
+    var first = 0u; // the number of the word's first output
+    var rest = wanted & OUTPUTS_STORED;
+    loop {
+        if (rest == 0u) {
+            if (!HAS_MORE_OUTPUTS || first != 0u || (wanted & OUTPUTS_MORE) == 0u) {
+                break;
+            }
+            let more = head_word(material, HEAD_MORE);
+            result_write(slot, at, bitcast<f32>(more));
+            at += 1u;
+            first = OUTPUTS_LOW;
+            rest = more & OUTPUTS_STORED_MORE;
+            continue;
+        }
+        let which = first + firstTrailingBit(rest);
         rest &= rest - 1u;
         var v: vec3f;
         switch which {
@@ -130,7 +145,7 @@ fn store_outputs(slot: u32, material: u32, flags: u32, wanted: u32) -> u32 {
             case OUTPUT_ANISOTROPY_ROTATION: { v = radians(output(material, which)); }
             default: { v = output(material, which); }
         }
-        if (((OUTPUT_VECTORS >> which) & 1u) != 0u) {
+        if (is_vector(which)) {
             write_vector(slot, at, v);
             at += 3u;
         } else {
@@ -219,7 +234,7 @@ fn run_textures(entry: u32, slot: u32) {
             let outputs = (flags & OUTPUTS) | select(0u, 1u << OUTPUT_OPACITY, may_pass);
             words = store_outputs(slot, material, flags, outputs);
             path_set_words(PATH_STATE, slot, vec4u(material, outputs, depth, path_words(PATH_STATE, slot).w));
-            if ((flags & (1u << OUTPUT_BUMP)) == 0u) {
+            if (!is_driven(material, flags, OUTPUT_BUMP)) {
                 break;
             }
             program = head_word(material, HEAD_BUMP_PROGRAM);

@@ -8,31 +8,25 @@
 //!include shared/surface.wgsl
 
 // Whether the texture program gave this output.
-fn gives(outputs: u32, which: u32) -> bool {
-    return has_programs && (outputs & (1u << which)) != 0u;
-}
-
-// Its word among the path's results: those of outputs with lower numbers come first.
-fn result_place(outputs: u32, which: u32) -> u32 {
-    let before = outputs & ((1u << which) - 1u);
-    return countOneBits(before) + 2u * countOneBits(before & OUTPUT_VECTORS);
+fn gives(slot: u32, outputs: u32, which: u32) -> bool {
+    return has_programs && has_output(slot, outputs, which);
 }
 
 fn driven_vector(slot: u32, outputs: u32, which: u32) -> vec3f {
-    let at = result_place(outputs, which);
+    let at = result_place(slot, outputs, which);
     return vec3f(result_read(slot, at), result_read(slot, at + 1u), result_read(slot, at + 2u));
 }
 
 // What the texture program gave, or else the material's own value.
 fn scalar_or(slot: u32, outputs: u32, which: u32, otherwise: f32) -> f32 {
-    if (gives(outputs, which)) {
-        return result_read(slot, result_place(outputs, which));
+    if (gives(slot, outputs, which)) {
+        return result_read(slot, result_place(slot, outputs, which));
     }
     return otherwise;
 }
 
 fn color_or(slot: u32, outputs: u32, which: u32, otherwise: vec3f) -> vec3f {
-    if (gives(outputs, which)) {
+    if (gives(slot, outputs, which)) {
         return max(driven_vector(slot, outputs, which), vec3f(0.0));
     }
     return otherwise;
@@ -71,7 +65,7 @@ fn is_direction(v: vec3f) -> bool {
 }
 
 fn base_color_at(slot: u32, driven: u32, material: u32, s: Surface, texel: vec4f) -> vec3f {
-    if (gives(driven, OUTPUT_BASE_COLOR)) {
+    if (gives(slot, driven, OUTPUT_BASE_COLOR)) {
         return driven_vector(slot, driven, OUTPUT_BASE_COLOR);
     }
     return materials[material].base_color.xyz * texel.xyz * interpolate_color(s.triangle, s.weights).xyz;
@@ -88,7 +82,7 @@ fn roughness_at(slot: u32, driven: u32, material: u32, texel: vec4f) -> f32 {
 // Radiance on the sides that emit.
 fn emission_at(slot: u32, driven: u32, material: u32, texel: vec4f) -> vec3f {
     var emission = materials[material].emission;
-    if (gives(driven, OUTPUT_EMISSION)) {
+    if (gives(slot, driven, OUTPUT_EMISSION)) {
         emission = driven_vector(slot, driven, OUTPUT_EMISSION);
     } else if (max_component(emission) > 0.0) {
         emission *= texel.xyz;
@@ -100,13 +94,13 @@ fn emission_at(slot: u32, driven: u32, material: u32, texel: vec4f) -> vec3f {
 fn shading_normal_at(slot: u32, driven: u32, material: u32, s: Surface, instance: u32, texel: vec4f) -> vec3f {
     let scale = scalar_or(slot, driven, OUTPUT_NORMAL_SCALE, materials[material].normal_scale);
     var normal = mapped_normal(s, material, instance, TEXTURE_NORMAL, texel.xyz, scale);
-    if (gives(driven, OUTPUT_NORMAL)) {
+    if (gives(slot, driven, OUTPUT_NORMAL)) {
         let given = driven_vector(slot, driven, OUTPUT_NORMAL);
         if (is_direction(given)) {
             normal = visible_normal(normalize(given), s);
         }
     }
-    if (gives(driven, OUTPUT_BUMP)) {
+    if (gives(slot, driven, OUTPUT_BUMP)) {
         // Mikkelsen, "Bump Mapping Unparametrized Surfaces on the GPU", 2010: the normal leans against the slope.
         let rise = driven_vector(slot, driven, OUTPUT_BUMP);
         let leaning = normal - (rise - normal * dot(rise, normal));

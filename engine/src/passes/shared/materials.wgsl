@@ -1,4 +1,6 @@
-// Materials in memory. The Rust twin is `gpu_scene::materials::GpuMaterial`; a test compares the layouts.
+// Materials in memory. The struct `Material`, its flags (MATERIAL_...) and the numbers of its textures (TEXTURE_...,
+// LAYER_...) are made from the table of parameters: `material_record`.
+//!include generated/material.wgsl
 
 struct TextureSlot {
     row_u: vec3f, // u' = dot(row_u, (u, v, 1))
@@ -6,70 +8,6 @@ struct TextureSlot {
     row_v: vec3f,
     sampler: u32,
 }
-
-struct Material {
-    base_color: vec4f,
-    emission: vec3f,
-    light_radiance: f32, // mean radiance by which triangles are in the table of lights; 0: they are not
-    specular_color: vec3f,
-    specular: f32,
-    metallic: f32,
-    roughness: f32,
-    dielectric_f0: f32,
-    alpha_cutoff: f32,
-    normal_scale: f32,
-    flags: u32,
-    texture_mask: u32, // bit per texture that is there
-    ior: f32,
-    absorption: vec3f, // 1/metres
-    transmission: f32,
-    diffuse_transmission_color: vec3f,
-    diffuse_transmission: f32,
-    sheen_color: vec3f,
-    sheen_roughness: f32,
-    coat: f32,
-    coat_roughness: f32,
-    coat_normal_scale: f32,
-    iridescence: f32,
-    anisotropy: f32,
-    anisotropy_rotation: f32, // radians
-    iridescence_ior: f32,
-    dispersion: f32, // 20 / Abbe number
-    iridescence_thickness: vec2f, // nanometres
-    priority: f32, // of a body among bodies that overlap
-    spare: f32,
-    textures: array<TextureSlot, 17>,
-}
-
-const TEXTURE_BASE_COLOR = 0u;
-const TEXTURE_METALLIC_ROUGHNESS = 1u;
-const TEXTURE_NORMAL = 2u;
-const TEXTURE_EMISSION = 3u;
-const TEXTURE_SPECULAR = 4u;
-const TEXTURE_SPECULAR_COLOR = 5u;
-// The textures of layers begin here; their numbers are relative to it.
-const FIRST_LAYER_TEXTURE = 6u;
-const LAYER_TRANSMISSION = 0u;
-const LAYER_DIFFUSE_TRANSMISSION = 1u;
-const LAYER_DIFFUSE_TRANSMISSION_COLOR = 2u;
-const LAYER_SHEEN_COLOR = 3u;
-const LAYER_SHEEN_ROUGHNESS = 4u;
-const LAYER_COAT = 5u;
-const LAYER_COAT_ROUGHNESS = 6u;
-const LAYER_COAT_NORMAL = 7u;
-const LAYER_ANISOTROPY = 8u;
-const LAYER_IRIDESCENCE = 9u;
-const LAYER_IRIDESCENCE_THICKNESS = 10u;
-
-const MATERIAL_DOUBLE_SIDED = 1u;
-const MATERIAL_UNLIT = 2u;
-const MATERIAL_MASK = 4u;
-const MATERIAL_BLEND = 8u;
-const MATERIAL_PROGRAM = 16u; // has a head in the texture programs
-const MATERIAL_PROGRAM_LAST = 32u; // and needs it to know how much light comes out of it: emission, opacity
-const MATERIAL_SOLID = 128u; // bounds a body
-const MATERIAL_CLEAR = 256u; // a thin wall that light goes through straight on, so that shadow rays can follow it
-const MATERIAL_PROGRAM_LIGHT = 64u; // and is sampled as a light, whose emission the program tells
 
 @group(0) @binding(14) var<storage, read> materials: array<Material>;
 
@@ -99,9 +37,9 @@ fn material_texture(material: u32, texture: u32, triangle: vec4u, weights: vec3f
 
 // The texels of all textures of a material at once; white where it has none. One loop over those that are there, so
 // that the code of a look-up stands in the kernel once and a material pays for its own textures only.
-fn material_textures(material: u32, wanted: u32, triangle: vec4u, weights: vec3f) -> array<vec4f, 6> {
-    var texels: array<vec4f, 6>;
-    for (var i = 0u; i < 6u; i++) {
+fn material_textures(material: u32, wanted: u32, triangle: vec4u, weights: vec3f) -> array<vec4f, FIRST_LAYER_TEXTURE> {
+    var texels: array<vec4f, FIRST_LAYER_TEXTURE>;
+    for (var i = 0u; i < FIRST_LAYER_TEXTURE; i++) {
         texels[i] = vec4f(1.0);
     }
     if (has_textures) {
@@ -116,9 +54,9 @@ fn material_textures(material: u32, wanted: u32, triangle: vec4u, weights: vec3f
 }
 
 // The same for the textures of layers.
-fn layer_textures(material: u32, triangle: vec4u, weights: vec3f) -> array<vec4f, 11> {
-    var texels: array<vec4f, 11>;
-    for (var i = 0u; i < 11u; i++) {
+fn layer_textures(material: u32, triangle: vec4u, weights: vec3f) -> array<vec4f, LAYER_TEXTURES> {
+    var texels: array<vec4f, LAYER_TEXTURES>;
+    for (var i = 0u; i < LAYER_TEXTURES; i++) {
         texels[i] = vec4f(1.0);
     }
     if (has_textures) {

@@ -1,31 +1,51 @@
-// What of a material a texture program can drive: bits of a head's flags and of PATH_STATE's second word. The Rust twin
-// is `procedural::Output`.
+// What of a material a texture program can drive. Numbers (OUTPUT_...) and masks are made from the table of parameters:
+// `material_record`. Which outputs are driven is one word, a head's flags and PATH_STATE's second word. Where there are
+// more than fit, OUTPUTS_MORE says that a second word lies before the results of those it is about. As long as all fit,
+// HAS_MORE_OUTPUTS leaves nothing of it in a kernel.
+//!include generated/outputs.wgsl
 
-const OUTPUT_BASE_COLOR = 0u;
-const OUTPUT_METALLIC = 1u;
-const OUTPUT_ROUGHNESS = 2u;
-const OUTPUT_EMISSION = 3u;
-const OUTPUT_OPACITY = 4u;
-const OUTPUT_NORMAL = 5u;
-const OUTPUT_SPECULAR = 6u;
-const OUTPUT_SPECULAR_COLOR = 7u;
-const OUTPUT_IOR = 8u;
-const OUTPUT_EMISSION_STRENGTH = 9u;
-const OUTPUT_NORMAL_SCALE = 10u;
-const OUTPUT_TRANSMISSION = 11u;
-const OUTPUT_DIFFUSE_TRANSMISSION = 12u;
-const OUTPUT_DIFFUSE_TRANSMISSION_COLOR = 13u;
-const OUTPUT_COAT = 14u;
-const OUTPUT_COAT_ROUGHNESS = 15u;
-const OUTPUT_SHEEN_COLOR = 16u;
-const OUTPUT_SHEEN_ROUGHNESS = 17u;
-const OUTPUT_ANISOTROPY = 18u;
-const OUTPUT_ANISOTROPY_ROTATION = 19u;
-const OUTPUT_IRIDESCENCE = 20u;
-const OUTPUT_IRIDESCENCE_THICKNESS = 21u;
-const OUTPUT_BUMP = 23u;
-const OUTPUTS = 0x00ffffffu; // bits of all outputs
-// Outputs of three components; those of the others have one.
-const OUTPUT_VECTORS = (1u << OUTPUT_BASE_COLOR) | (1u << OUTPUT_EMISSION) | (1u << OUTPUT_NORMAL)
-    | (1u << OUTPUT_SPECULAR_COLOR) | (1u << OUTPUT_DIFFUSE_TRANSMISSION_COLOR) | (1u << OUTPUT_SHEEN_COLOR)
-    | (1u << OUTPUT_BUMP);
+fn has_bit(bits: u32, which: u32) -> bool {
+    return (bits & (1u << which)) != 0u;
+}
+
+// Whether an output has three components; one otherwise.
+fn is_vector(which: u32) -> bool {
+    if (HAS_MORE_OUTPUTS && which >= OUTPUTS_LOW) {
+        return has_bit(OUTPUT_VECTORS_MORE, which - OUTPUTS_LOW);
+    }
+    return has_bit(OUTPUT_VECTORS, which);
+}
+
+// Words of the results whose bits are in `outputs`.
+fn result_words(outputs: u32, vectors: u32) -> u32 {
+    return countOneBits(outputs) + 2u * countOneBits(outputs & vectors);
+}
+
+// Where the second word lies among the path's results.
+fn more_place(outputs: u32) -> u32 {
+    return result_words(outputs & (OUTPUTS_MORE - 1u), OUTPUT_VECTORS);
+}
+
+fn more_outputs(slot: u32, outputs: u32) -> u32 {
+    return bitcast<u32>(result_read(slot, more_place(outputs)));
+}
+
+// Whether an output is among those of a path.
+fn has_output(slot: u32, outputs: u32, which: u32) -> bool {
+    if (HAS_MORE_OUTPUTS && which >= OUTPUTS_LOW) {
+        if ((outputs & OUTPUTS_MORE) == 0u) {
+            return false;
+        }
+        return has_bit(more_outputs(slot, outputs), which - OUTPUTS_LOW);
+    }
+    return has_bit(outputs, which);
+}
+
+// Its word among the path's results: those of outputs with lower numbers come first.
+fn result_place(slot: u32, outputs: u32, which: u32) -> u32 {
+    if (HAS_MORE_OUTPUTS && which >= OUTPUTS_LOW) {
+        let before = more_outputs(slot, outputs) & ((1u << (which - OUTPUTS_LOW)) - 1u);
+        return more_place(outputs) + 1u + result_words(before, OUTPUT_VECTORS_MORE);
+    }
+    return result_words(outputs & ((1u << which) - 1u), OUTPUT_VECTORS);
+}

@@ -1,0 +1,27 @@
+//! Decoded pictures.
+
+/// A decoded picture, row 0 on top.
+#[derive(Debug, Clone)]
+pub struct Image {
+    /// Where it came from, for messages.
+    pub name: String,
+    /// Texels along u.
+    pub width: u32,
+    /// Texels along v.
+    pub height: u32,
+    /// 8-bit RGBA, `width * height * 4` bytes, as stored in the file.
+    pub rgba8: Vec<u8>,
+    /// RGB is sRGB-encoded (colour), not linear (data). An image used as both appears twice.
+    pub srgb: bool,
+}
+
+/// A linear floating-point picture, row 0 on top.
+#[derive(Debug, Clone)]
+pub struct FloatImage {
+    /// Texels along u.
+    pub width: u32,
+    /// Texels along v.
+    pub height: u32,
+    /// Linear Rec.709 per texel, `width * height` of them; finite and not negative.
+    pub rgb: Vec<[f32; 3]>,
+}

@@ -1,0 +1,47 @@
+//! Environment pictures, each a file of its own.
+
+use super::error::ImportError;
+use super::panorama;
+use crate::FloatImage;
+use crate::input;
+use std::path::Path;
+
+/// Largest file (4 GiB).
+const MAX_FILE: u64 = 4 << 30;
+
+/// Reads an equirectangular picture: OpenEXR or Radiance HDR, or PNG, JPEG and WebP, which are taken as sRGB.
+/// Returns it with warnings: values that are negative or not finite become 0, and of an OpenEXR file with several layers the
+/// first one with colours or luminance is taken, as it is seen in the display window.
+///
+/// # Errors
+/// Where the file can't be read, is damaged, or is larger than 2^27 texels.
+pub fn load_environment_image(path: &Path) -> Result<(FloatImage, Vec<String>), ImportError> {
+    let bytes = input::read(path, MAX_FILE).map_err(|source| ImportError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    // The decoders are foreign code fed with foreign bytes: a panic in one must not end the program.
+    let decoded = texgen::guarded(|| panorama::decode(bytes))
+        .unwrap_or_else(|_| Err("the decoder gave up on it".into()));
+    let (mut image, notes) = decoded.map_err(|problem| ImportError::Environment {
+        path: path.to_owned(),
+        problem,
+    })?;
+    let mut bad = 0u64;
+    for value in image.rgb.iter_mut().flatten() {
+        if !(value.is_finite() && *value >= 0.0) {
+            *value = 0.0;
+            bad += 1;
+        }
+    }
+    let mut warnings = notes;
+    if bad > 0 {
+        warnings.push(format!(
+            "{bad} values are negative or not finite; 0 is used"
+        ));
+    }
+    let warnings = (warnings.iter())
+        .map(|warning| format!("{}: {warning}", path.display()))
+        .collect();
+    Ok((image, warnings))
+}

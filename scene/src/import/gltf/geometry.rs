@@ -1,0 +1,319 @@
+//! glTF meshes to [`Mesh`]: all triangle primitives of a mesh become one, with a material per triangle.
+//!
+//! Only vertices that a kept triangle uses are decoded, so primitives that share one large accessor cost what they
+//! show. What the renderer cannot use (points, lines, degenerate triangles, NaN) ends here.
+
+use super::attributes::Attributes;
+use super::custom;
+use super::deform::{self, Pose};
+use super::document::Document;
+use super::indices::Indices;
+use crate::import::error::{At as _, Fault, ImportError, Warnings};
+use crate::import::mesh::Dropped;
+use crate::import::mesh::join::{merge, reorder};
+use crate::import::mesh::split::split_vertices;
+use crate::import::mesh::{tangents, triangles};
+use crate::{Material, Mesh};
+use glam::{Vec2, Vec3, Vec4};
+use gltf::json;
+use json::mesh::{Mode, Semantic};
+use json::validation::Checked;
+use rayon::prelude::*;
+
+/// What a vertex costs with all its attributes but the custom ones.
+const VERTEX_BYTES: u64 = 72;
+
+/// What all meshes are built from.
+pub(super) struct Builder<'a> {
+    pub(super) document: &'a Document,
+    /// Materials of the file in its order; the last one stands in for primitives without one.
+    pub(super) materials: &'a [Material],
+}
+
+/// A mesh and what was left out of it.
+#[derive(Default)]
+pub(super) struct Built {
+    pub(super) mesh: Mesh,
+    pub(super) dropped: Dropped,
+    pub(super) warnings: Warnings,
+}
+
+impl Builder<'_> {
+    /// Builds mesh `index` in the given pose.
+    pub(super) fn build(&self, index: usize, pose: &Pose) -> Result<Built, ImportError> {
+        let path = &self.document.path;
+        let source = self
+            .document
+            .root
+            .meshes
+            .get(index)
+            .ok_or_else(|| "does not exist".to_owned())
+            .at(path, || format!("mesh {index}"))?;
+        let name = source.name.clone();
+        let name = name.unwrap_or_else(|| format!("mesh {index}"));
+        let parts = source
+            .primitives
+            .par_iter()
+            .enumerate()
+            .map(|(number, primitive)| {
+                let place = || format!("mesh {index} \"{name}\", primitive {number}");
+                let mut part = Built::default();
+                let mesh = self
+                    .part(primitive, pose, &place, &mut part)
+                    .at(path, place)?;
+                Ok((mesh, part))
+            })
+            .collect::<Result<Vec<_>, ImportError>>()?;
+        let mut built = Built::default();
+        let mut meshes = Vec::with_capacity(parts.len());
+        for (mesh, part) in parts {
+            meshes.extend(mesh);
+            built.dropped.add(part.dropped);
+            built.warnings.extend(part.warnings);
+        }
+        custom::take_joined(self.document, &meshes)
+            .at(path, || format!("mesh {index} \"{name}\""))?;
+        built.mesh = merge(meshes);
+        built.mesh.name = name;
+        Ok(built)
+    }
+
+    /// One primitive, or `None` where there is nothing to show.
+    fn part(
+        &self,
+        primitive: &json::mesh::Primitive,
+        pose: &Pose,
+        place: &dyn Fn() -> String,
+        built: &mut Built,
+    ) -> Result<Option<Mesh>, Fault> {
+        let mode = match primitive.mode {
+            Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => {
+                mode
+            }
+            Checked::Valid(_) => {
+                built
+                    .warnings
+                    .push(format!("{}: points and lines are not rendered", place()));
+                return Ok(None);
+            }
+            Checked::Invalid => return Err("has an unknown mode".into()),
+        };
+        let attributes = Attributes {
+            document: self.document,
+            primitive,
+        };
+        let Some(positions) = attributes.get(Semantic::Positions, &[3])? else {
+            built
+                .warnings
+                .push(format!("{}: has no POSITION and is not rendered", place()));
+            return Ok(None);
+        };
+        let vertex_count = positions.count();
+        let indices = match primitive.indices {
+            Some(accessor) => Indices::List(
+                self.document
+                    .accessor(accessor.value())?
+                    .indices()
+                    .map_err(|fault| format!("indices: accessor {} {fault}", accessor.value()))?,
+            ),
+            None => Indices::Sequence(vertex_count),
+        };
+        self.document
+            .budget
+            .take(indices.triangle_count(mode), 16)?;
+        let mut list = indices.triangles(mode, vertex_count)?;
+        if indices.left_over(mode) {
+            built
+                .warnings
+                .push(format!("{}: its last triangle is incomplete", place()));
+        }
+
+        let mut used = triangles::compact(&mut list, vertex_count);
+        self.document.budget.take(used.len() as u64, VERTEX_BYTES)?;
+        let source = deform::Source {
+            document: self.document,
+            primitive,
+            pose,
+        };
+        let mut mesh = Mesh {
+            positions: source.positions(&positions, &used)?,
+            ..Mesh::default()
+        };
+
+        let kept = triangles::keep_usable(&mut list, &mesh.positions, &mut built.dropped);
+        if list.is_empty() {
+            return Ok(None);
+        }
+        if !kept {
+            let still = triangles::compact(&mut list, used.len() as u32);
+            used = still.iter().map(|&v| used[v as usize]).collect();
+            mesh.positions = still.iter().map(|&v| mesh.positions[v as usize]).collect();
+        }
+
+        let material = match primitive.material {
+            Some(material) if material.value() < self.document.root.materials.len() => {
+                material.value()
+            }
+            Some(material) => return Err(format!("material {} does not exist", material.value())),
+            None => self.materials.len() - 1,
+        };
+        mesh.triangle_materials = vec![material as u32; list.len()];
+        mesh.triangles = list;
+        read_attributes(&attributes, &used, &mut mesh, &mut built.dropped)?;
+        self.read_normals(&attributes, &source, &used, &mut mesh, &mut built.dropped)?;
+        self.make_tangents(material, &mut mesh, place, &mut built.warnings)?;
+        Ok(Some(mesh))
+    }
+
+    /// Normals and tangents of the file, or flat normals where it has none.
+    fn read_normals(
+        &self,
+        attributes: &Attributes<'_>,
+        source: &deform::Source<'_>,
+        used: &[u32],
+        mesh: &mut Mesh,
+        dropped: &mut Dropped,
+    ) -> Result<(), Fault> {
+        let Some(normals) = attributes.get(Semantic::Normals, &[3])? else {
+            return self.flat_normals(mesh);
+        };
+        mesh.normals = source.normals(&normals, used)?;
+        repair_normals(mesh, dropped);
+        if let Some(tangents) = attributes.get(Semantic::Tangents, &[4])? {
+            mesh.tangents = source
+                .tangents(&tangents, used)?
+                .into_iter()
+                .zip(&mesh.normals)
+                .map(|(tangent, &normal)| tangents::sanitize(tangent, normal))
+                .collect();
+        }
+        Ok(())
+    }
+
+    /// glTF 2.0, section 3.7.2.1: without normals, shading is flat.
+    fn flat_normals(&self, mesh: &mut Mesh) -> Result<(), Fault> {
+        let normals: Vec<Vec3> = mesh
+            .triangles
+            .iter()
+            .map(|&triangle| triangles::cross(triangle, &mesh.positions).normalize_or(Vec3::Z))
+            .collect();
+        self.document
+            .budget
+            .take(3 * normals.len() as u64, vertex_bytes(mesh))?;
+        let mut list = std::mem::take(&mut mesh.triangles);
+        let (sources, normals) = split_vertices(mesh.positions.len(), &mut list, |t, _| normals[t]);
+        reorder(mesh, &sources);
+        mesh.normals = normals;
+        mesh.triangles = list;
+        Ok(())
+    }
+
+    fn make_tangents(
+        &self,
+        material: usize,
+        mesh: &mut Mesh,
+        place: &dyn Fn() -> String,
+        warnings: &mut Warnings,
+    ) -> Result<(), Fault> {
+        let normal_map = self.materials.get(material).and_then(|m| m.normal_texture);
+        let Some(texture) = normal_map.filter(|_| mesh.tangents.is_empty()) else {
+            return Ok(());
+        };
+        let uv = if texture.uv_set == 0 {
+            &mesh.uv0
+        } else {
+            &mesh.uv1
+        };
+        if uv.is_empty() {
+            warnings.push(format!(
+                "{}: has a normal map but no TEXCOORD_{} to place it",
+                place(),
+                texture.uv_set
+            ));
+            let along = |&normal: &Vec3| tangents::sanitize(Vec4::ZERO, normal);
+            mesh.tangents = mesh.normals.iter().map(along).collect();
+            return Ok(());
+        }
+        self.document
+            .budget
+            .take(3 * mesh.triangles.len() as u64, vertex_bytes(mesh))?;
+        let mut list = std::mem::take(&mut mesh.triangles);
+        let (sources, tangents) = tangents::generate(&mesh.positions, &mesh.normals, uv, &mut list);
+        reorder(mesh, &sources);
+        mesh.tangents = tangents;
+        mesh.triangles = list;
+        Ok(())
+    }
+}
+
+/// Texture coordinates, colours and custom attributes of the vertices `used`.
+fn read_attributes(
+    attributes: &Attributes<'_>,
+    used: &[u32],
+    mesh: &mut Mesh,
+    dropped: &mut Dropped,
+) -> Result<(), Fault> {
+    let vertices = || used.iter().copied();
+    for (set, target) in [(0, &mut mesh.uv0), (1, &mut mesh.uv1)] {
+        if let Some(accessor) = attributes.get(Semantic::TexCoords(set), &[2])? {
+            *target = accessor
+                .gather::<2>(vertices())
+                .into_iter()
+                .map(Vec2::from)
+                .collect();
+            for uv in target.iter_mut().filter(|uv| !uv.is_finite()) {
+                *uv = Vec2::ZERO;
+                dropped.bad_values += 1;
+            }
+        }
+    }
+    if let Some(accessor) = attributes.get(Semantic::Colors(0), &[3, 4])? {
+        let opaque = accessor.components() == 3;
+        mesh.colors = accessor
+            .gather::<4>(vertices())
+            .into_iter()
+            .map(Vec4::from)
+            .collect();
+        for color in &mut mesh.colors {
+            if opaque {
+                color.w = 1.0;
+            }
+            if !color.is_finite() {
+                *color = Vec4::ONE;
+                dropped.bad_values += 1;
+            }
+            *color = color.max(Vec4::ZERO);
+        }
+    }
+    mesh.custom = custom::read(attributes, used, dropped)?;
+    Ok(())
+}
+
+fn vertex_bytes(mesh: &Mesh) -> u64 {
+    VERTEX_BYTES + custom::VALUE_BYTES * mesh.custom.len() as u64
+}
+
+/// Makes normals unit length; one that has no direction becomes that of the triangles around it.
+fn repair_normals(mesh: &mut Mesh, dropped: &mut Dropped) {
+    let mut bad = Vec::new();
+    for (vertex, normal) in mesh.normals.iter_mut().enumerate() {
+        *normal = normal.normalize_or_zero();
+        if *normal == Vec3::ZERO {
+            bad.push(vertex);
+        }
+    }
+    if bad.is_empty() {
+        return;
+    }
+    dropped.bad_values += bad.len() as u64;
+    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
+    for &triangle in &mesh.triangles {
+        let normal = triangles::cross(triangle, &mesh.positions).normalize_or_zero();
+        for vertex in triangle {
+            sums[vertex as usize] += normal;
+        }
+    }
+    for vertex in bad {
+        mesh.normals[vertex] = sums[vertex].normalize_or(Vec3::Z);
+    }
+}

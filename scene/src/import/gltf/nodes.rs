@@ -1,0 +1,392 @@
+//! What hangs on the visible nodes: instances of meshes, lights and cameras.
+
+use super::deform::Pose;
+use super::document::Document;
+use super::geometry::{Builder, Built};
+use super::hierarchy::{Nodes, describe, unit_quaternion};
+use super::lights_cameras;
+use crate::import::error::{At as _, Fault, ImportError, Warnings};
+use crate::import::mesh::Dropped;
+use crate::{Camera, Instance, Material, Mesh, PunctualLight};
+use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A};
+use gltf::json;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Instances of a scene at most.
+const MAX_INSTANCES: usize = 1 << 22;
+
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// A mesh to build. Nodes that show the same mesh in the same pose share it.
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct Request {
+    mesh: usize,
+    /// Weights of the morph targets, as bits, where the node has its own.
+    weights: Option<Vec<u32>>,
+    /// A skinned mesh takes its place from its joints, not from its node.
+    skin: Option<usize>,
+}
+
+/// Builds the meshes that visible nodes show, and their instances, for a scene that has `before` instances.
+pub(super) fn instances(
+    document: &Document,
+    nodes: &Nodes,
+    materials: &[Material],
+    before: usize,
+    warnings: &mut Warnings,
+) -> Result<(Vec<Mesh>, Vec<Instance>), ImportError> {
+    let (requests, mut instances) = list(document, nodes, before, warnings)?;
+    let builder = Builder {
+        document,
+        materials,
+    };
+    let built = requests
+        .par_iter()
+        .map(|request| {
+            let pose = pose(document, nodes, request)?;
+            builder.build(request.mesh, &pose)
+        })
+        .collect::<Result<Vec<Built>, _>>()?;
+    warn_of_poses(&requests, &document.root, warnings);
+    warn_of_dropped(&built, warnings);
+
+    // Meshes of which nothing is left go, and their instances with them.
+    let mut renumbered = Vec::with_capacity(built.len());
+    let mut meshes = Vec::with_capacity(built.len());
+    for built in built {
+        warnings.extend(built.warnings);
+        let empty = built.mesh.triangles.is_empty();
+        renumbered.push((!empty).then_some(meshes.len() as u32));
+        if !empty {
+            meshes.push(built.mesh);
+        }
+    }
+    instances.retain_mut(|instance| match renumbered[instance.mesh as usize] {
+        Some(number) => {
+            instance.mesh = number;
+            true
+        }
+        None => false,
+    });
+    Ok((meshes, instances))
+}
+
+/// The meshes to build, and instances that refer to that list.
+fn list(
+    document: &Document,
+    nodes: &Nodes,
+    before: usize,
+    warnings: &mut Warnings,
+) -> Result<(Vec<Request>, Vec<Instance>), ImportError> {
+    let root = &document.root;
+    let mut requests = Vec::new();
+    let mut numbers: HashMap<Request, u32> = HashMap::new();
+    let mut instances = Vec::new();
+    for &index in &nodes.visible {
+        let node = &root.nodes[index];
+        let Some(mesh) = node.mesh else {
+            continue;
+        };
+        let place = || describe(root, index);
+        let places = match node.skin {
+            Some(_) => vec![DAffine3::IDENTITY],
+            None => placements(document, node, &nodes.world[index])
+                .at(&document.path, || format!("{}, {INSTANCING}", place()))?,
+        };
+        let usable: Vec<Affine3A> = places.iter().filter_map(invertible).collect();
+        if usable.len() < places.len() {
+            warnings.push(format!(
+                "{}: its transform flattens it or is not finite; it is left out",
+                place()
+            ));
+        }
+        if usable.is_empty() {
+            continue;
+        }
+        if before + instances.len() + usable.len() > MAX_INSTANCES {
+            return Err(ImportError::TooLarge {
+                path: document.path.clone(),
+                problem: format!(
+                    "the scene would have more than {MAX_INSTANCES} instances; join meshes or split the scene"
+                ),
+            });
+        }
+        let name = node.name.clone().unwrap_or_else(|| format!("node {index}"));
+        document
+            .budget
+            .take(usable.len() as u64, name.len() as u64)
+            .at(&document.path, place)?;
+        let request = Request {
+            mesh: mesh.value(),
+            weights: own_weights(root, node, mesh.value()),
+            skin: node.skin.map(|skin| skin.value()),
+        };
+        let next = requests.len() as u32;
+        let number = *numbers.entry(request).or_insert_with_key(|request| {
+            requests.push(request.clone());
+            next
+        });
+        instances.extend(usable.into_iter().map(|transform| Instance {
+            name: name.clone(),
+            mesh: number,
+            transform,
+        }));
+    }
+    Ok((requests, instances))
+}
+
+/// Lights and cameras of the visible nodes. Names of cameras are unique.
+pub(super) fn lights_and_cameras(
+    document: &Document,
+    nodes: &Nodes,
+    warnings: &mut Warnings,
+) -> Result<(Vec<PunctualLight>, Vec<Camera>), ImportError> {
+    let root = &document.root;
+    let all_lights = root
+        .extensions
+        .as_ref()
+        .and_then(|extensions| extensions.khr_lights_punctual.as_ref())
+        .map_or(&[][..], |extension| &extension.lights);
+    let mut lights = Vec::new();
+    let mut cameras: Vec<Camera> = Vec::new();
+    // How many cameras were named after each name.
+    let mut names: HashMap<String, u32> = HashMap::new();
+    for &index in &nodes.visible {
+        let node = &root.nodes[index];
+        let world = &nodes.world[index];
+        let node_name = || node.name.clone().unwrap_or_else(|| format!("node {index}"));
+        let missing = |what: &str, number: usize| ImportError::Malformed {
+            path: document.path.clone(),
+            place: describe(root, index),
+            problem: format!("{what} {number} does not exist"),
+        };
+        if let Some(camera) = node.camera {
+            let Some(source) = root.cameras.get(camera.value()) else {
+                return Err(missing("camera", camera.value()));
+            };
+            let candidates = source.name.iter().cloned().chain([node_name()]);
+            let mut free = candidates.filter(|name| !names.contains_key(name));
+            let name = free
+                .next()
+                .unwrap_or_else(|| numbered(&mut names, &node_name()));
+            if let Some(camera) = lights_cameras::camera(source, name.clone(), world, warnings) {
+                names.insert(name, 0);
+                cameras.push(camera);
+            }
+        }
+        let light = node
+            .extensions
+            .as_ref()
+            .and_then(|e| e.khr_lights_punctual.as_ref());
+        if let Some(light) = light {
+            let Some(source) = all_lights.get(light.light.value()) else {
+                return Err(missing("light", light.light.value()));
+            };
+            let name = source.name.clone().unwrap_or_else(node_name);
+            lights.extend(lights_cameras::light(source, name, world, warnings));
+        }
+    }
+    Ok((lights, cameras))
+}
+
+/// `base` with the first number that makes it new. `names` remembers the last number of each name.
+fn numbered(names: &mut HashMap<String, u32>, base: &str) -> String {
+    loop {
+        let number = names.entry(base.to_owned()).or_insert(0);
+        *number += 1;
+        let name = format!("{base}.{number:03}");
+        if !names.contains_key(&name) {
+            return name;
+        }
+    }
+}
+
+/// Where the mesh of a node stands: at the node, or at the places EXT_mesh_gpu_instancing lists.
+fn placements(
+    document: &Document,
+    node: &json::Node,
+    world: &DAffine3,
+) -> Result<Vec<DAffine3>, Fault> {
+    let extension = node
+        .extensions
+        .as_ref()
+        .and_then(|e| e.others.get(INSTANCING));
+    let Some(extension) = extension else {
+        return Ok(vec![*world]);
+    };
+    let attribute = |name: &str, components: usize| {
+        let Some(index) = extension.pointer(&format!("/attributes/{name}")) else {
+            return Ok(None);
+        };
+        let index = index
+            .as_u64()
+            .and_then(|index| usize::try_from(index).ok())
+            .ok_or_else(|| format!("{name} is not the number of an accessor"))?;
+        let accessor = document
+            .accessor(index)
+            .map_err(|fault| format!("{name}: {fault}"))?;
+        if accessor.components() != components || accessor.count() as usize > MAX_INSTANCES {
+            return Err(format!("{name} has the wrong type or too many elements"));
+        }
+        Ok(Some(accessor))
+    };
+    let translations = attribute("TRANSLATION", 3)?.map(|a| a.all::<3>());
+    let rotations = attribute("ROTATION", 4)?.map(|a| a.all::<4>());
+    let scales = attribute("SCALE", 3)?.map(|a| a.all::<3>());
+    let counts = [
+        translations.as_ref().map(Vec::len),
+        rotations.as_ref().map(Vec::len),
+        scales.as_ref().map(Vec::len),
+    ];
+    let Some(count) = counts.into_iter().flatten().next() else {
+        return Ok(vec![*world]);
+    };
+    if counts.into_iter().flatten().any(|other| other != count) {
+        return Err("its attributes have different lengths".into());
+    }
+    let vector = |list: &Option<Vec<[f32; 3]>>, i: usize, default| match list {
+        Some(list) => DVec3::from(list[i].map(f64::from)),
+        None => default,
+    };
+    Ok((0..count)
+        .map(|i| {
+            let rotation = rotations.as_ref().and_then(|list| unit_quaternion(list[i]));
+            *world
+                * DAffine3::from_scale_rotation_translation(
+                    vector(&scales, i, DVec3::ONE),
+                    rotation.unwrap_or_default(),
+                    vector(&translations, i, DVec3::ZERO),
+                )
+        })
+        .collect())
+}
+
+/// The transform in single precision, where it has an inverse there.
+fn invertible(world: &DAffine3) -> Option<Affine3A> {
+    let transform = Affine3A {
+        matrix3: Mat3A::from_cols(
+            world.matrix3.x_axis.as_vec3().into(),
+            world.matrix3.y_axis.as_vec3().into(),
+            world.matrix3.z_axis.as_vec3().into(),
+        ),
+        translation: world.translation.as_vec3().into(),
+    };
+    let usable = transform.is_finite()
+        && transform.matrix3.determinant() != 0.0
+        && transform.inverse().is_finite();
+    usable.then_some(transform)
+}
+
+/// Bits of the morph weights of a node, where they differ from those of its mesh.
+fn own_weights(root: &json::Root, node: &json::Node, mesh: usize) -> Option<Vec<u32>> {
+    let own = node.weights.as_ref()?;
+    let default = root.meshes.get(mesh).and_then(|mesh| mesh.weights.as_ref());
+    if default == Some(own) || (default.is_none() && own.iter().all(|&weight| weight == 0.0)) {
+        return None;
+    }
+    Some(own.iter().map(|weight| weight.to_bits()).collect())
+}
+
+fn pose(document: &Document, nodes: &Nodes, request: &Request) -> Result<Pose, ImportError> {
+    let weights = match &request.weights {
+        Some(own) => own.iter().map(|&bits| f32::from_bits(bits)).collect(),
+        None => {
+            let mesh = document.root.meshes.get(request.mesh);
+            mesh.and_then(|mesh| mesh.weights.clone())
+                .unwrap_or_default()
+        }
+    };
+    let joints = match request.skin {
+        None => Vec::new(),
+        Some(skin) => {
+            joints(document, nodes, skin).at(&document.path, || format!("skin {skin}"))?
+        }
+    };
+    document
+        .budget
+        .take((joints.len() + weights.len()) as u64, 64)
+        .at(&document.path, || format!("mesh {}", request.mesh))?;
+    Ok(Pose { weights, joints })
+}
+
+/// Bind pose to world for each joint of a skin (glTF 2.0, section 3.7.3.3).
+fn joints(document: &Document, nodes: &Nodes, skin: usize) -> Result<Vec<Affine3A>, Fault> {
+    let skin = document.root.skins.get(skin).ok_or("does not exist")?;
+    let inverse_bind = match skin.inverse_bind_matrices {
+        None => Vec::new(),
+        Some(accessor) => {
+            let accessor = document.accessor(accessor.value())?;
+            if accessor.components() != 16 || (accessor.count() as usize) < skin.joints.len() {
+                return Err("its inverse bind matrices are of the wrong type or too few".into());
+            }
+            accessor.gather::<16>(0..skin.joints.len() as u32)
+        }
+    };
+    if skin.joints.is_empty() {
+        return Err("has no joints".into());
+    }
+    skin.joints
+        .iter()
+        .enumerate()
+        .map(|(number, joint)| {
+            let world = nodes
+                .world
+                .get(joint.value())
+                .ok_or_else(|| format!("joint {} does not exist", joint.value()))?;
+            let bind = inverse_bind
+                .get(number)
+                .map_or(DAffine3::IDENTITY, |matrix| {
+                    DAffine3::from_mat4(DMat4::from_cols_array(&matrix.map(f64::from)))
+                });
+            let matrix = *world * bind;
+            Ok(Affine3A {
+                matrix3: Mat3A::from_cols(
+                    matrix.matrix3.x_axis.as_vec3().into(),
+                    matrix.matrix3.y_axis.as_vec3().into(),
+                    matrix.matrix3.z_axis.as_vec3().into(),
+                ),
+                translation: matrix.translation.as_vec3().into(),
+            })
+        })
+        .collect()
+}
+
+fn warn_of_poses(requests: &[Request], root: &json::Root, warnings: &mut Warnings) {
+    if requests.iter().any(|request| request.skin.is_some()) {
+        warnings.push("skinned meshes are shown with their joints at rest");
+    }
+    let morphs = |request: &Request| {
+        let mesh = root.meshes.get(request.mesh);
+        mesh.is_some_and(|mesh| mesh.primitives.iter().any(|p| p.targets.is_some()))
+    };
+    if requests.iter().any(morphs) {
+        warnings.push("morph targets are shown at their default weights");
+    }
+}
+
+/// One warning for each kind of what was left out, with the number and the first mesh concerned.
+fn warn_of_dropped(built: &[Built], warnings: &mut Warnings) {
+    let mut warn = |count: &dyn Fn(&Dropped) -> u64, what: &str| {
+        let total: u64 = built.iter().map(|built| count(&built.dropped)).sum();
+        let first = built.iter().find(|built| count(&built.dropped) > 0);
+        if let Some(first) = first {
+            warnings.push(format!(
+                "{total} {what} (first in mesh \"{}\")",
+                first.mesh.name
+            ));
+        }
+    };
+    warn(
+        &|d| d.degenerate,
+        "degenerate triangles (without area) were left out",
+    );
+    warn(
+        &|d| d.non_finite,
+        "triangles with infinite or NaN positions were left out",
+    );
+    warn(
+        &|d| d.bad_values,
+        "normals, colours or texture coordinates could not be used and were replaced",
+    );
+}

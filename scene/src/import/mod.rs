@@ -1,0 +1,199 @@
+//! Files to a [`Scene`].
+//!
+//! Files are foreign input: every index, offset and length in them is checked before it is used, memory is bounded by the
+//! size of the files, and no path of a file leads to a panic. What can't be rendered is left out with a warning; what
+//! would change the picture beyond recognition is an error.
+//!
+//! A format is a folder that implements `Format`, and an arm of `format_of`. What formats have in common stands beside
+//! the folders: pictures (each decoded once), meshes (triangles that can be rendered, tangents), budgets of memory,
+//! errors.
+
+mod budget;
+mod environment;
+mod error;
+mod format;
+mod gltf;
+mod merge;
+mod mesh;
+mod panorama;
+mod pictures;
+
+pub use environment::load_environment_image;
+pub use error::ImportError;
+pub use format::Imported;
+pub use merge::Appended;
+pub use pictures::load_picture;
+
+use crate::{Mesh, Scene};
+use budget::Budget;
+use format::{Format, Request};
+use glam::{Affine3A, DAffine3, DMat3};
+use merge::merge;
+use pictures::Pictures;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The format that a file's name stands for; `None` where it isn't known.
+fn format_of(path: &Path) -> Option<&'static dyn Format> {
+    let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+    match ending.as_str() {
+        "glb" | "gltf" => Some(&gltf::Gltf),
+        _ => None,
+    }
+}
+
+/// The format by which a file is read: what is called otherwise may still be glTF, and says so itself.
+fn reader_of(path: &Path) -> &'static dyn Format {
+    format_of(path).unwrap_or(&gltf::Gltf)
+}
+
+/// Whether a file is a scene by its name.
+pub fn is_scene(path: &Path) -> bool {
+    format_of(path).is_some()
+}
+
+/// The files beside a scene file that it names, for those who watch them; none where it can't be understood. Nothing of
+/// it is checked: importing does that.
+pub fn referenced_files(path: &Path) -> Vec<PathBuf> {
+    reader_of(path).referenced_files(path)
+}
+
+/// Reads a scene file with all its buffers and pictures: the default scene, at rest.
+///
+/// A file without triangles gives a scene without instances; that is not an error here.
+///
+/// # Errors
+/// Where a file is missing, damaged, needs an extension that isn't supported, or is larger than memory allows. The
+/// text of the error names the file, the place in it and the remedy.
+pub fn load(path: &Path) -> Result<Imported, ImportError> {
+    Importer::new().load(path)
+}
+
+/// Adds the contents of a scene file to a scene; see [`Importer::append`].
+///
+/// # Errors
+/// As [`load`]; the scene is not changed then.
+pub fn append(
+    scene: &mut Scene,
+    path: &Path,
+    placement: Affine3A,
+) -> Result<Appended, ImportError> {
+    Importer::new().add(scene, path, placement)
+}
+
+/// Reads the files of one scene. What all of them together take is bounded, and a picture that several of them show is
+/// there once.
+#[derive(Debug)]
+pub struct Importer {
+    budget: Arc<Budget>,
+    pictures: Pictures,
+    held: Held,
+}
+
+/// The meshes and instances of the scene that are counted, and what they take.
+#[derive(Debug, Default)]
+struct Held {
+    meshes: usize,
+    instances: usize,
+    bytes: u64,
+}
+
+impl Default for Importer {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Importer {
+    /// For a new scene.
+    pub fn new() -> Self {
+        Self {
+            budget: Arc::new(Budget::for_geometry()),
+            pictures: Pictures::default(),
+            held: Held::default(),
+        }
+    }
+
+    /// The first file of the scene; as the function [`load`].
+    ///
+    /// # Errors
+    /// As [`load`].
+    pub fn load(&mut self, path: &Path) -> Result<Imported, ImportError> {
+        reader_of(path).read(Request {
+            path,
+            placement: DAffine3::IDENTITY,
+            scene: &Scene::default(),
+            with_environment: true,
+            budget: &self.budget,
+            pictures: &mut self.pictures,
+        })
+    }
+
+    /// Adds the contents of a file to the scene, as if its root nodes were children of a node with the transform
+    /// `placement`. Its cameras and its environment are not taken; the scene keeps its own.
+    ///
+    /// Names of materials stay unique: a second `Steel` becomes `Steel.001`.
+    ///
+    /// # Errors
+    /// As [`load`], and where the scene becomes too large; it is not changed then.
+    pub fn append(
+        &mut self,
+        scene: &mut Scene,
+        path: &Path,
+        placement: Affine3A,
+    ) -> Result<Appended, ImportError> {
+        // What was taken while decoding, or by what was left out later, is free again.
+        self.held.count(scene);
+        self.budget.hold(self.held.bytes);
+        self.add(scene, path, placement)
+    }
+
+    fn add(
+        &mut self,
+        scene: &mut Scene,
+        path: &Path,
+        placement: Affine3A,
+    ) -> Result<Appended, ImportError> {
+        let world = DAffine3 {
+            matrix3: DMat3::from_cols(
+                placement.matrix3.x_axis.as_dvec3(),
+                placement.matrix3.y_axis.as_dvec3(),
+                placement.matrix3.z_axis.as_dvec3(),
+            ),
+            translation: placement.translation.as_dvec3(),
+        };
+        let Imported {
+            scene: added,
+            warnings,
+        } = reader_of(path).read(Request {
+            path,
+            placement: world,
+            scene,
+            with_environment: false,
+            budget: &self.budget,
+            pictures: &mut self.pictures,
+        })?;
+        Ok(merge(scene, added, warnings))
+    }
+}
+
+impl Held {
+    /// Counts what the scene has in addition.
+    fn count(&mut self, scene: &Scene) {
+        let mesh = |mesh: &Mesh| {
+            let vertices = size_of_val(&*mesh.positions)
+                + size_of_val(&*mesh.normals)
+                + size_of_val(&*mesh.tangents)
+                + size_of_val(&*mesh.uv0)
+                + size_of_val(&*mesh.uv1)
+                + size_of_val(&*mesh.colors);
+            let custom = mesh.custom.iter().map(|c| size_of_val(&*c.values));
+            let triangles = size_of_val(&*mesh.triangles) + size_of_val(&*mesh.triangle_materials);
+            (size_of::<Mesh>() + vertices + custom.sum::<usize>() + triangles) as u64
+        };
+        let meshes = scene.meshes.iter().skip(self.meshes).map(mesh);
+        let instances = scene.instances.iter().skip(self.instances);
+        self.bytes += meshes.sum::<u64>() + instances.map(|i| i.name.len() as u64).sum::<u64>();
+        (self.meshes, self.instances) = (scene.meshes.len(), scene.instances.len());
+    }
+}

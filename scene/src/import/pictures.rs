@@ -1,0 +1,242 @@
+//! The pictures of a scene: decoded in parallel and within limits, each of them once whatever shows it.
+
+use super::budget::Budget;
+use super::error::{Fault, ImportError};
+use crate::Image;
+use crate::input::{self, FileId};
+use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::io::Cursor;
+use std::path::Path;
+
+/// Longest side of a picture, texels.
+const MAX_SIDE: u32 = 16384;
+/// Bytes that all pictures of a scene may take decoded (4 GiB).
+const MAX_DECODED: u64 = 4 << 30;
+/// Largest picture file (1 GiB).
+pub(super) const MAX_FILE: u64 = 1 << 30;
+
+/// What tells a picture from all others, also from those of other files.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) enum Key {
+    /// A file of its own.
+    File(FileId),
+    /// Bytes of a buffer: scene file, buffer, offset and length.
+    Bytes(FileId, usize, u64, u64),
+    /// Whatever else: scene file and index in it.
+    Entry(FileId, usize),
+}
+
+/// A file whose materials show pictures, by their numbers in it.
+pub(super) trait Album: Sync {
+    /// The file.
+    fn path(&self) -> &Path;
+
+    /// What tells a picture from all others.
+    fn key(&self, index: usize) -> Key;
+
+    /// What messages call it.
+    fn name(&self, index: usize) -> String;
+
+    /// Its file's bytes: PNG, JPEG or WebP.
+    fn bytes(&self, index: usize) -> Result<Cow<'_, [u8]>, Fault>;
+}
+
+/// Where the pictures of a scene stand in `Scene::images`, and whether they are read as sRGB.
+#[derive(Debug, Default)]
+pub(super) struct Pictures(HashMap<(Key, bool), u32>);
+
+impl Pictures {
+    /// The requested pictures that the scene, which has those of `held`, doesn't have yet, and where each of the
+    /// requested ones will stand. A request is a number in the album, and whether RGB is sRGB-encoded.
+    pub(super) fn load(
+        &mut self,
+        album: &impl Album,
+        requests: &[(usize, bool)],
+        held: &[Image],
+    ) -> Result<(Vec<Image>, Vec<u32>), ImportError> {
+        let (mut missing, mut added, mut slots) = (Vec::new(), Vec::new(), Vec::new());
+        for &(index, srgb) in requests {
+            let key = (album.key(index), srgb);
+            let next = (held.len() + missing.len()) as u32;
+            let slot = self.0.get(&key).copied().unwrap_or_else(|| {
+                missing.push((index, srgb));
+                added.push((key, next));
+                next
+            });
+            slots.push(slot);
+        }
+        let images = load(album, &missing, held)?;
+        self.0.extend(added);
+        Ok((images, slots))
+    }
+}
+
+/// What pictures may still take in a scene that has some.
+fn budget(held: &[Image]) -> Budget {
+    let held = held.iter().map(|image| image.rgba8.len() as u64).sum();
+    Budget::new(MAX_DECODED.saturating_sub(held))
+}
+
+/// Decodes the requested pictures for a scene that has those of `held`. One that is wanted both as colour and as data is
+/// decoded once and copied.
+fn load(
+    album: &impl Album,
+    requests: &[(usize, bool)],
+    held: &[Image],
+) -> Result<Vec<Image>, ImportError> {
+    let mut wanted: Vec<usize> = requests.iter().map(|&(index, _)| index).collect();
+    wanted.sort_unstable();
+    wanted.dedup();
+    let budget = budget(held);
+    let decoded: Vec<Image> = wanted
+        .par_iter()
+        .map(|&index| load_one(album, index, &budget))
+        .collect::<Result<_, _>>()?;
+    let mut decoded: Vec<Option<Image>> = decoded.into_iter().map(Some).collect();
+
+    // A picture has at most two uses; the first one of two gets a copy.
+    let mut uses_left = vec![0u32; wanted.len()];
+    let slot = |index: usize| wanted.partition_point(|&w| w < index);
+    requests
+        .iter()
+        .for_each(|&(index, _)| uses_left[slot(index)] += 1);
+    let mut images = Vec::with_capacity(requests.len());
+    for &(index, srgb) in requests {
+        let slot = slot(index);
+        uses_left[slot] -= 1;
+        let image = match uses_left[slot] {
+            0 => decoded[slot].take(),
+            _ => {
+                let again = decoded[slot].as_ref();
+                if let Some(image) = again {
+                    take(&budget, image.rgba8.len() as u64).map_err(|problem| {
+                        ImportError::Image {
+                            path: album.path().to_owned(),
+                            image: image.name.clone(),
+                            problem,
+                        }
+                    })?;
+                }
+                again.cloned()
+            }
+        };
+        let image = image.expect("a picture is taken only at its last use");
+        images.push(Image { srgb, ..image });
+    }
+    Ok(images)
+}
+
+/// Reads one picture file by itself, for a scene that has those of `held`: PNG, JPEG or WebP.
+///
+/// # Errors
+/// One sentence without the path.
+pub fn load_picture(path: &Path, srgb: bool, held: &[Image]) -> Result<Image, String> {
+    let bytes = input::read(path, MAX_FILE).map_err(|error| format!("cannot read it: {error}"))?;
+    let decoded = decode_guarded(&bytes, &budget(held))?;
+    Ok(Image {
+        name: path.display().to_string(),
+        width: decoded.width(),
+        height: decoded.height(),
+        rgba8: decoded.into_rgba8().into_raw(),
+        srgb,
+    })
+}
+
+fn load_one(album: &impl Album, index: usize, budget: &Budget) -> Result<Image, ImportError> {
+    let name = album.name(index);
+    let failed = |problem: Fault| ImportError::Image {
+        path: album.path().to_owned(),
+        image: name.clone(),
+        problem,
+    };
+    let bytes = album.bytes(index).map_err(failed)?;
+    let decoded = decode_guarded(&bytes, budget).map_err(failed)?;
+    Ok(Image {
+        name,
+        width: decoded.width(),
+        height: decoded.height(),
+        rgba8: decoded.into_rgba8().into_raw(),
+        srgb: false,
+    })
+}
+
+/// Decodes, and turns a panic of the decoder into an error: the decoders are foreign code fed with foreign bytes, and
+/// a picture must not end the program.
+fn decode_guarded(bytes: &[u8], budget: &Budget) -> Result<DynamicImage, Fault> {
+    texgen::guarded(|| decode(bytes, budget))
+        .unwrap_or_else(|_| Err("the decoder gave up on it".into()))
+}
+
+fn decode(bytes: &[u8], budget: &Budget) -> Result<DynamicImage, Fault> {
+    // By content, because names and MIME types are often wrong.
+    let format = image::guess_format(bytes).ok();
+    let format = match format {
+        Some(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) => format,
+        _ => return Err("is not a PNG, JPEG or WebP picture".into()),
+    };
+    let mut limits = Limits::no_limits();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(MAX_DECODED);
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    reader.limits(limits);
+    let decoder = reader.into_decoder().map_err(|error| error.to_string())?;
+    let (width, height) = decoder.dimensions();
+    if width == 0 || height == 0 {
+        return Err("has no texels".into());
+    }
+    take(budget, u64::from(width) * u64::from(height) * 4)?;
+    DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())
+}
+
+fn take(budget: &Budget, bytes: u64) -> Result<(), Fault> {
+    let taken = budget.take(bytes, 1);
+    taken.map_err(|_| {
+        "all pictures of the scene together take more than 4 GiB; make them smaller".to_owned()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn png(image: DynamicImage) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        image
+            .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
+            .unwrap();
+        bytes
+    }
+
+    #[test]
+    fn sixteen_bits_and_grey_become_eight_bit_rgba() {
+        let grey = image::ImageBuffer::from_pixel(2, 1, image::Luma([0x8080u16]));
+        let decoded = decode(&png(DynamicImage::ImageLuma16(grey)), &Budget::new(100)).unwrap();
+        assert_eq!(
+            decoded.into_rgba8().into_raw(),
+            [128, 128, 128, 255].repeat(2)
+        );
+    }
+
+    #[test]
+    fn the_budget_and_damage_are_errors() {
+        let bytes = png(DynamicImage::new_rgb8(8, 8));
+        let message = decode(&bytes, &Budget::new(255)).unwrap_err();
+        assert!(message.contains("4 GiB"), "{message}");
+        for end in [0, 4, 8, 20, 40, bytes.len() - 20] {
+            decode(&bytes[..end], &Budget::new(1 << 20)).unwrap_err();
+        }
+    }
+
+    #[test]
+    fn a_bomb_is_refused_by_its_header() {
+        // A PNG header that claims 60000 x 60000 texels.
+        let mut bytes = png(DynamicImage::new_rgb8(1, 1));
+        bytes[16..20].copy_from_slice(&60_000u32.to_be_bytes());
+        bytes[20..24].copy_from_slice(&60_000u32.to_be_bytes());
+        decode(&bytes, &Budget::new(u64::MAX)).unwrap_err();
+    }
+}

@@ -1,0 +1,307 @@
+//! The look file: what glTF cannot say. Texture nodes and what they drive, blends, ambient occlusion, includes,
+//! environment, overrides of camera and material constants.
+//!
+//! This folder turns TOML text into a [`Look`], plain data in which every value remembers where it was written. It does
+//! not know which materials the scene has or which parameters a texture takes: the engine brings those together.
+//! `docs/look-file.md` is the reference for users.
+
+mod document;
+mod light;
+mod material;
+mod parse;
+mod reader;
+mod rename;
+#[cfg(test)]
+mod tests;
+mod value;
+
+use std::path::{Path, PathBuf};
+
+use glam::{Affine3A, Vec3};
+use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle};
+
+use crate::input;
+use crate::sky::Sky;
+
+pub use document::{Kept, LookDocument, Section};
+pub use material::MaterialLook;
+pub use parse::{Table, placed_fields, table};
+pub use reader::{color, color_remedy, link_text, misplaced_key, unquoted};
+pub use value::{Field, Span, Spanned, Value, find, parse_value};
+
+/// The most AO tables a look may have: the hit of a path carries this many occlusion values.
+pub const MAX_AO: usize = 4;
+
+/// Keys of a look.
+const KEYS: [&str; 7] = [
+    "environment",
+    "camera",
+    "light",
+    "ao",
+    "node",
+    "material",
+    "include",
+];
+
+/// A look file, parsed. Paths in it are relative to the file itself; see [`Look::resolve`].
+#[derive(Debug, Clone)]
+pub struct Look {
+    /// Where the text came from.
+    pub path: PathBuf,
+    /// The whole text; every [`Span`] points into it.
+    pub file: SourceFile,
+    /// Replaces the scene's environment.
+    pub environment: Option<Spanned<EnvironmentLook>>,
+    /// Overrides of a glTF camera, or a camera of its own.
+    pub camera: CameraLook,
+    /// `[light.NAME]` tables, in the order of the file.
+    pub lights: Vec<LightLook>,
+    /// `[ao.NAME]` tables, in the order of the file; at most [`MAX_AO`].
+    pub ao: Vec<AoLook>,
+    /// `[node.NAME]` tables, in the order of the file.
+    pub nodes: Vec<NodeLook>,
+    /// `[material.NAME]` tables, in the order of the file.
+    pub materials: Vec<MaterialLook>,
+    /// `[[include]]` tables, in the order of the file.
+    pub includes: Vec<Include>,
+    /// What can be read but is probably not meant so.
+    pub warnings: Diagnostics,
+}
+
+/// `environment = { ... }`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum EnvironmentLook {
+    /// The same linear radiance from everywhere (`color` times `intensity`).
+    Constant(Vec3),
+    /// An equirectangular picture.
+    Image {
+        /// As written, relative to the look file.
+        image: Spanned<String>,
+        /// Degrees about +Y.
+        rotation: f32,
+        /// Factor on the radiance.
+        intensity: f32,
+    },
+    /// A clear sky with its sun.
+    Sky(Sky),
+}
+
+/// `[camera]`: whatever is `None` is left as it is in the glTF file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CameraLook {
+    /// The glTF camera that the overrides start from; the first one where absent.
+    pub name: Option<Spanned<String>>,
+    /// World position, metres.
+    pub position: Option<Spanned<Vec3>>,
+    /// World point that the camera looks at, metres.
+    pub look_at: Option<Spanned<Vec3>>,
+    /// World direction that is up in the picture.
+    pub up: Option<Spanned<Vec3>>,
+    /// Vertical field of view, degrees.
+    pub y_fov: Option<Spanned<f32>>,
+    /// Lens radius, metres.
+    pub aperture_radius: Option<Spanned<f32>>,
+    /// Focal length over the diameter of the lens: in place of the radius.
+    pub f_number: Option<Spanned<f32>>,
+    /// Height of the picture in the camera, metres: with the field of view it gives the focal length.
+    pub sensor_height: Option<Spanned<f32>>,
+    /// Sides of the aperture, 3 to 32; 0 is a disk.
+    pub blades: Option<u32>,
+    /// Turn of the aperture, degrees.
+    pub blade_rotation: Option<Spanned<f32>>,
+    /// Distance of the plane in focus, metres.
+    pub focus_distance: Option<Spanned<f32>>,
+}
+
+impl CameraLook {
+    /// Whether nothing is overridden.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// `[light.NAME]`: overrides of the lights of that name; whatever is `None` is left as it is in the glTF file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LightLook {
+    /// A directional light of the glTF file.
+    pub name: Spanned<String>,
+    /// Degrees; 0 for light from a single direction.
+    pub angular_diameter: Option<Spanned<f32>>,
+}
+
+/// `[ao.NAME]`: one kind of ambient occlusion, traced for every hit whose textures read it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AoLook {
+    /// The name that nodes refer to.
+    pub name: Spanned<String>,
+    /// How its rays are traced.
+    pub settings: AoSettings,
+}
+
+/// How ambient occlusion is traced.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AoSettings {
+    /// Length of the rays, metres; greater than 0.
+    pub distance: f32,
+    /// Which side of the surface the rays are sent to.
+    pub direction: AoDirection,
+    /// Rays per hit, 1 to 255.
+    pub samples: u32,
+    /// Only the instance that was hit occludes.
+    pub same_object: bool,
+}
+
+impl Default for AoSettings {
+    /// What a texture that reads AO gets in a look without any `[ao.NAME]`.
+    fn default() -> Self {
+        Self {
+            distance: 0.1,
+            direction: AoDirection::Outside,
+            samples: 16,
+            same_object: false,
+        }
+    }
+}
+
+/// Which side of the surface occlusion is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum AoDirection {
+    /// The side that was hit: crevices and contacts are dark.
+    #[default]
+    Outside,
+    /// Below the surface: thin parts and convex edges are dark.
+    Inside,
+    /// Both sides, half of the rays each.
+    Both,
+}
+
+/// `[node.NAME]`: one use of a texture with its arguments.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodeLook {
+    /// The name that links refer to.
+    pub name: Spanned<String>,
+    /// The texture, a file of the textures directory without `.wgsl`.
+    pub texture: Spanned<String>,
+    /// `occlusion`: the AO table that `readAttr(AO)` reads.
+    pub occlusion: Option<Spanned<String>>,
+    /// `occlusion1`: the AO table that `readAttr(AO1)` reads.
+    pub occlusion1: Option<Spanned<String>>,
+    /// Everything else, without meaning until the texture's parameters are known.
+    pub params: Vec<Field>,
+}
+
+/// What drives an input: an output of a node.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Link {
+    /// Name of the node.
+    pub node: String,
+    /// Components picked from its result (`x`, `rgb`, ...); `None` takes it whole.
+    pub swizzle: Option<Swizzle>,
+}
+
+/// A constant or a link.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Input {
+    /// Linear colour; a scalar is in all three components.
+    Constant(Vec3),
+    /// Driven by a node.
+    Link(Link),
+}
+
+/// `blend = { base, over, mask }`: `over` where the mask is 1, `base` where it is 0.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BlendLook {
+    /// A material; the material itself means what glTF (and the other keys of the table) made of it.
+    pub base: Spanned<String>,
+    /// A material.
+    pub over: Spanned<String>,
+    /// Share of `over`, 0 to 1; a scalar.
+    pub mask: Spanned<Input>,
+}
+
+/// `[[include]]`: another glTF file, placed in the scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Include {
+    /// As written, relative to the look file.
+    pub file: Spanned<String>,
+    /// Goes before the names of what is included, as in `car/Paint`.
+    pub name: Option<Spanned<String>>,
+    /// Only these nodes of the file, by name; all where absent.
+    pub only: Option<Vec<Spanned<String>>>,
+    /// From the file's world to this one.
+    pub transform: Affine3A,
+}
+
+/// Why there is no look.
+#[derive(Debug, thiserror::Error)]
+pub enum LookError {
+    /// The file can't be read.
+    #[error("cannot read the look {}: {source}; check the path and the permissions", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The file has mistakes.
+    #[error(transparent)]
+    Invalid(#[from] Diagnostics),
+}
+
+impl Look {
+    /// Reads and parses a look file.
+    ///
+    /// # Errors
+    /// The file can't be read, or its mistakes, all of them.
+    pub fn load(path: &Path) -> Result<Self, LookError> {
+        Ok(Self::parse(path, &Self::read_text(path)?)?)
+    }
+
+    /// Reads the text of a look file.
+    ///
+    /// # Errors
+    /// It is no regular file, no text, too large, or can't be read.
+    pub fn read_text(path: &Path) -> Result<String, LookError> {
+        input::read_text(path, parse::MAX_BYTES as u64).map_err(|source| LookError::Read {
+            path: path.to_owned(),
+            source,
+        })
+    }
+
+    /// Parses the text of a look file that lies, or would lie, at `path`.
+    ///
+    /// # Errors
+    /// All mistakes of the text, in its order.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, Diagnostics> {
+        let (mut look, mut reader) = parse::parse(path, text);
+        let start = |d: &Diagnostic| d.labels.first().map_or(0, |label| label.span.start);
+        if reader.problems.is_empty() {
+            reader.warnings.sort_by_key(start);
+            look.warnings = reader.warnings.into_iter().collect();
+            return Ok(look);
+        }
+        reader.problems.sort_by_key(start);
+        Err(reader.problems.into_iter().collect())
+    }
+
+    /// A look that says nothing, as if read from `path`.
+    pub fn empty(path: &Path, file: SourceFile) -> Self {
+        Self {
+            path: path.to_owned(),
+            file,
+            environment: None,
+            lights: Vec::new(),
+            camera: CameraLook::default(),
+            ao: Vec::new(),
+            nodes: Vec::new(),
+            materials: Vec::new(),
+            includes: Vec::new(),
+            warnings: Diagnostics::new(),
+        }
+    }
+
+    /// A path written in the look, made relative to where the look lies.
+    pub fn resolve(&self, written: &str) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(written)
+    }
+}
