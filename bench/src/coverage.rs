@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use device::Device;
 
-use crate::{
+use engine::{
     procedural::{Procedural, TextureSources},
     renderer::{RenderSettings, Renderer},
     scene::{
@@ -16,7 +16,7 @@ use crate::{
     },
 };
 
-use super::{scenes, textures::TextureBenchError};
+use crate::{error::TextureBenchError, scenes};
 
 /// Camera paths of a pixel by which the share is measured.
 const SPP: u32 = 4;
@@ -118,7 +118,7 @@ pub fn bounds(scene: &Scene, material: &str) -> Option<(Vec3, Vec3)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::textures::MODEL;
+    use crate::scenes::MODEL;
 
     #[test]
     fn the_model_is_framed_as_large_as_wanted() {

@@ -1,22 +1,17 @@
-//! `patina bench edit`: how long an edit of a large look takes, from the call to the command submitted, and until there
-//! is a picture.
+//! How long an edit of a large look takes: from the call to the command submitted, and until there is a picture.
 
 use std::fmt::Write;
-use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
+use std::{fs, io};
 
 use device::{Device, DeviceChoice};
 use engine::aside::Leftover;
-use engine::live::{Edit, LiveInputs, LiveRender};
+use engine::live::{Edit, LiveError, LiveInputs, LiveRender};
 use engine::renderer::RenderSettings;
 use engine::scene::look::{AoSettings, Value};
 use texgen::{Interpolation, Ramp};
-
-use crate::exit::Failure;
-use crate::progress::Bar;
-use crate::{console, devices};
 
 /// Nodes of a material, each linked to the one before.
 const CHAIN: u32 = 10;
@@ -33,16 +28,83 @@ fn userProc(scale: f32, amount: f32, color: vec3f, ramp: ramp1D) -> f32 {
 }
 ";
 
-/// Measures and prints.
+/// Why nothing was measured.
+#[derive(Debug, thiserror::Error)]
+pub enum EditBenchError {
+    /// There is no room for scene and look among the temporary files.
+    #[error(transparent)]
+    Files(#[from] io::Error),
+    /// The render, or an edit of it.
+    #[error(transparent)]
+    Live(#[from] LiveError),
+}
+
+/// Milliseconds of edits of one kind.
+#[derive(Debug, Clone)]
+pub struct EditTimes {
+    /// What was edited.
+    pub what: &'static str,
+    /// From the call to the command submitted, of each edit.
+    pub milliseconds: Vec<f64>,
+}
+
+/// What was measured.
+#[derive(Debug, Clone)]
+pub struct EditReport {
+    /// Of the device, for people.
+    pub device: String,
+    /// Nodes of the look.
+    pub nodes: u32,
+    /// Materials that they drive.
+    pub materials: u32,
+    /// To the command submitted, by kind of edit.
+    pub edits: Vec<EditTimes>,
+    /// To a picture of a sample per pixel, after edits of arguments.
+    pub pictures: EditTimes,
+    /// Pipelines that the edits created.
+    pub pipelines: u64,
+    /// Shader modules that they created.
+    pub shader_modules: u64,
+}
+
+impl EditReport {
+    /// The figures as a table for people.
+    pub fn table(&self) -> String {
+        let mut rows = String::new();
+        for times in self.edits.iter().chain([&self.pictures]) {
+            // Writing to a string can't fail.
+            let shown = percentiles(times.milliseconds.clone());
+            let _ = writeln!(rows, "{:<36}{shown}", times.what);
+        }
+        format!(
+            "{} nodes, {} materials, {} x {} pixels\n{}\n\n\
+             milliseconds to the command submitted   median     99 %  longest\n{rows}\n\
+             {} pipelines and {} shader modules were created by the edits",
+            self.nodes,
+            self.materials,
+            SIZE.0,
+            SIZE.1,
+            self.device,
+            self.pipelines,
+            self.shader_modules
+        )
+    }
+}
+
+/// Measures `edits` edits of each kind on a look of so many nodes. `prepared` is called when the measuring begins.
 ///
 /// # Errors
 /// There is no device, or no room for the scene among the temporary files.
-pub(crate) fn run(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), Failure> {
-    let bar = Bar::new("preparing the look");
-    let folder = tempfile::tempdir().map_err(Failure::because)?;
+pub fn measure(
+    nodes: u32,
+    edits: u32,
+    device: &DeviceChoice,
+    prepared: impl FnOnce(),
+) -> Result<EditReport, EditBenchError> {
+    let folder = tempfile::tempdir()?;
     let _leftover = Leftover::new(folder.path().to_owned());
     let materials = nodes.div_ceil(CHAIN);
-    write_files(folder.path(), nodes, materials).map_err(Failure::because)?;
+    write_files(folder.path(), nodes, materials)?;
     let device = device.clone();
     let inputs = LiveInputs {
         scene: folder.path().join("scene.gltf"),
@@ -59,29 +121,27 @@ pub(crate) fn run(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), F
         Arc::new(move || Device::open(&device)),
         Arc::new(settings),
     )?;
-    bar.stage("measuring");
+    prepared();
     live.step(1)?;
     let gpu = live.renderer().gpu().clone();
-    let made = || (gpu.counts().pipelines, gpu.counts().shader_modules);
-    let before = made();
-    let mut table =
-        String::from("milliseconds to the command submitted   median     99 %  longest\n");
+    let before = gpu.counts();
+    let mut kinds = Vec::new();
     for (what, make) in KINDS {
-        let mut times = Vec::new();
+        let mut milliseconds = Vec::new();
         for i in 0..edits {
             for edit in make(i, nodes, materials) {
                 let clock = Instant::now();
                 live.edit(&edit)?;
-                times.push(clock.elapsed().as_secs_f64() * 1e3);
+                milliseconds.push(clock.elapsed().as_secs_f64() * 1e3);
             }
             // A wave in between now and then, as when one drags a slider.
             if i % 100 == 99 {
                 live.step(1)?;
             }
         }
-        let _ = writeln!(table, "{what:<36}{}", percentiles(times));
+        kinds.push(EditTimes { what, milliseconds });
     }
-    let mut times = Vec::new();
+    let mut milliseconds = Vec::new();
     for i in 0..PICTURES {
         let clock = Instant::now();
         for edit in argument(i, nodes, materials) {
@@ -89,25 +149,21 @@ pub(crate) fn run(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), F
         }
         while !live.step(1)?.is_done() {}
         live.snapshot()?;
-        times.push(clock.elapsed().as_secs_f64() * 1e3);
+        milliseconds.push(clock.elapsed().as_secs_f64() * 1e3);
     }
-    let _ = writeln!(
-        table,
-        "{:<36}{}",
-        "to a picture of 1 spp",
-        percentiles(times)
-    );
-    let after = made();
-    bar.finish();
-    console::print(&format!(
-        "{nodes} nodes, {materials} materials, {} x {} pixels\n{}\n\n{table}\n{} pipelines and {} shader modules were created by the edits",
-        SIZE.0,
-        SIZE.1,
-        devices::title(gpu.description()),
-        after.0 - before.0,
-        after.1 - before.1,
-    ));
-    Ok(())
+    let after = gpu.counts();
+    Ok(EditReport {
+        device: gpu.description().title(),
+        nodes,
+        materials,
+        edits: kinds,
+        pictures: EditTimes {
+            what: "to a picture of 1 spp",
+            milliseconds,
+        },
+        pipelines: after.pipelines - before.pipelines,
+        shader_modules: after.shader_modules - before.shader_modules,
+    })
 }
 
 fn percentiles(mut times: Vec<f64>) -> String {

@@ -1,27 +1,24 @@
-//! The forms in which textures are compared, and one renderer for all of them.
+//! The forms in which textures are compared: each is a schedule of the same renderer.
 
-use texgen::{SourceFile, Value};
-
-use device::{Device, KernelText};
-
-use crate::{
-    film::Film,
-    passes::proctex::TextureForm,
+use device::Device;
+use engine::{
+    passes::wgsl::{ComposedWgsl, File},
     procedural::Procedural,
-    renderer::{ReloadError, RenderEditError, RenderError, RenderSettings, Renderer},
+    renderer::{RenderError, RenderSettings, Renderer},
     scene::Scene,
+    schedule::{Schedule, Wavefront},
 };
 
-use super::rayquery::RayQueryRenderer;
+use crate::{inlined::Inlined, rayquery::RayQueries};
 
 /// How textures get into a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// [`TextureForm::Stack`]: what this project does.
+    /// [`Wavefront`]: what this project does.
     Stack,
-    /// [`TextureForm::Inlined`].
+    /// [`Inlined`].
     Inlined,
-    /// A path tracer in one kernel on ray queries: [`RayQueryRenderer`].
+    /// [`RayQueries`].
     RayQuery,
 }
 
@@ -37,135 +34,49 @@ impl Form {
             Self::RayQuery => "rayquery",
         }
     }
-}
 
-/// Renders a scene with its textures in one of the forms.
-#[derive(Debug)]
-pub enum FormRenderer {
-    /// Pass by pass.
-    Passes(Box<Renderer>),
-    /// In one kernel.
-    RayQuery(Box<RayQueryRenderer>),
-}
+    /// The schedule of this form.
+    pub fn schedule(self) -> Box<dyn Schedule> {
+        match self {
+            Self::Stack => Box::new(Wavefront),
+            Self::Inlined => Box::new(Inlined),
+            Self::RayQuery => Box::new(RayQueries::default()),
+        }
+    }
 
-impl FormRenderer {
-    /// Uploads the scene and compiles the kernels.
+    /// Uploads a scene and compiles the kernels of this form.
     ///
     /// # Errors
-    /// As [`Renderer::with_form`] and [`RayQueryRenderer::new`].
-    pub fn new(
+    /// As [`Renderer::with_schedule`].
+    pub fn renderer(
+        self,
         gpu: &Device,
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
-        form: Form,
-    ) -> Result<Self, RenderError> {
-        let passes = |form| -> Result<Self, RenderError> {
-            let renderer = Renderer::with_form(gpu, scene, procedural, settings, form)?;
-            Ok(Self::Passes(Box::new(renderer)))
-        };
-        match form {
-            Form::Stack => passes(TextureForm::Stack),
-            Form::Inlined => passes(TextureForm::Inlined),
-            Form::RayQuery => {
-                let renderer = RayQueryRenderer::new(gpu, scene, procedural, settings)?;
-                Ok(Self::RayQuery(Box::new(renderer)))
-            }
-        }
+    ) -> Result<Renderer, RenderError> {
+        Renderer::with_schedule(gpu, scene, procedural, settings, self.schedule())
     }
+}
 
-    /// Renders up to so many samples per pixel.
-    ///
-    /// # Errors
-    /// What the driver reports.
-    pub fn render(&mut self, target_spp: u32) -> Result<(), RenderError> {
-        match self {
-            Self::Passes(renderer) => renderer.render(target_spp),
-            Self::RayQuery(renderer) => renderer.render(target_spp),
-        }
-    }
+macro_rules! files {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!($name))),*]
+    };
+}
 
-    /// Forgets all samples.
-    ///
-    /// # Errors
-    /// What the driver reports.
-    pub fn restart(&mut self) -> Result<(), RenderError> {
-        match self {
-            Self::Passes(renderer) => {
-                renderer.restart();
-                Ok(())
-            }
-            Self::RayQuery(renderer) => renderer.restart(),
-        }
-    }
+/// The WGSL files of this crate, by their paths here; they include the engine's.
+const FILES: &[File] = files![
+    "inlined/inlined.wgsl",
+    "inlined/traced_ao.wgsl",
+    "rayquery/kernel.wgsl",
+    "rayquery/path_memory.wgsl",
+    "rayquery/plain.wgsl",
+    "rayquery/queries.wgsl",
+    "rayquery/textured.wgsl",
+];
 
-    /// What has been gathered so far.
-    ///
-    /// # Errors
-    /// What the driver reports.
-    pub fn film(&self) -> Result<Film, RenderError> {
-        match self {
-            Self::Passes(renderer) => renderer.film(),
-            Self::RayQuery(renderer) => renderer.film(),
-        }
-    }
-
-    /// Sets a parameter of a node to a constant: a buffer write in the stack form, a kernel in the others.
-    ///
-    /// # Errors
-    /// Unknown names, a value of another type, or the device.
-    pub fn set_argument(
-        &mut self,
-        node: &str,
-        parameter: &str,
-        value: Value,
-    ) -> Result<(), RenderEditError> {
-        match self {
-            Self::Passes(renderer) => renderer.set_argument(node, parameter, value),
-            Self::RayQuery(renderer) => renderer.set_argument(node, parameter, value),
-        }
-    }
-
-    /// Puts these textures in the place of those of their names: a kernel in all forms.
-    ///
-    /// # Errors
-    /// Wrong textures, with file and line; a kernel that the driver refuses.
-    pub fn reload(&mut self, files: Vec<SourceFile>) -> Result<(), ReloadError> {
-        match self {
-            Self::Passes(renderer) => {
-                let reload = renderer.begin_reload(files);
-                renderer.finish_reload(reload).map(|_| ())
-            }
-            Self::RayQuery(renderer) => renderer.reload(files),
-        }
-    }
-
-    /// The texture graph as it is now.
-    pub fn procedural(&self) -> &Procedural {
-        match self {
-            Self::Passes(renderer) => renderer.procedural(),
-            Self::RayQuery(renderer) => renderer.procedural(),
-        }
-    }
-
-    /// Bytes of private memory that a thread of the kernel with the textures asks for, by the kernel's types: see
-    /// [`texgen::kernel_private_bytes`]. 0 where no kernel has textures in it, as for gray in the first two forms; in the
-    /// third the path tracer itself is there.
-    pub fn private_bytes(&self) -> u32 {
-        match self {
-            Self::Passes(renderer) => renderer.texture_private_bytes().unwrap_or(0),
-            Self::RayQuery(renderer) => renderer.private_bytes(),
-        }
-    }
-
-    /// The text of that kernel, for tools; none where no kernel has textures in it.
-    ///
-    /// # Errors
-    /// Programs that have no inlined form.
-    pub fn kernel_text(&self) -> Result<Option<KernelText>, RenderError> {
-        match self {
-            Self::Passes(renderer) => renderer.texture_kernel_text(),
-            Self::RayQuery(renderer) => renderer.kernel_text().map(Some),
-        }
-    }
+/// Composes a kernel whose root is one of this crate's files.
+pub(crate) fn compose(file: &str) -> ComposedWgsl {
+    ComposedWgsl::with_files(file, FILES)
 }

@@ -4,37 +4,32 @@
 use std::path::Path;
 use std::time::Instant;
 
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use device::Device;
 
-use crate::{
+use engine::{
     film::Film,
     procedural::{Procedural, TextureSources},
-    renderer::{RenderError, RenderSettings},
+    renderer::{RenderError, RenderSettings, Renderer},
     scene::{
         Scene,
         look::{Look, LookError},
     },
 };
 
-use super::{
-    forms::{Form, FormRenderer},
-    render::Spread,
-    textures::TextureBenchError,
-};
+use crate::{error::TextureBenchError, forms::Form, spread::Spread};
 
 /// Standard errors that two pictures of one pixel may differ by, and the share of the pixels that may differ by more.
-pub(super) const SIGMAS: f32 = 3.5;
+const SIGMAS: f32 = 3.5;
 const OUTLIERS: f64 = 0.005;
 
 /// A look in one form of the texture kernel, and how long its renders took.
-pub(super) struct Case {
-    pub(super) form: Form,
-    pub(super) renderer: FormRenderer,
+pub(crate) struct Case {
+    pub(crate) form: Form,
+    pub(crate) renderer: Renderer,
     /// Seconds of each timed run.
-    pub(super) times: Vec<f64>,
+    pub(crate) times: Vec<f64>,
 }
 
 impl Case {
@@ -42,7 +37,7 @@ impl Case {
     ///
     /// # Errors
     /// [`TextureBenchError::Render`] if the device can't run the form, anything else if the look is at fault.
-    pub(super) fn new(
+    pub(crate) fn new(
         gpu: &Device,
         scene: &Scene,
         look: &str,
@@ -55,7 +50,7 @@ impl Case {
         let procedural = Procedural::build(&look, &mut scene, sources).map_err(LookError::from)?;
         Ok(Self {
             form,
-            renderer: FormRenderer::new(gpu, &scene, &procedural, settings, form)?,
+            renderer: form.renderer(gpu, &scene, &procedural, settings)?,
             times: Vec::new(),
         })
     }
@@ -74,7 +69,7 @@ pub struct Absent {
 ///
 /// # Errors
 /// The first reason if no form is left, and whatever isn't about the device.
-pub(super) fn of_each_form<T>(
+pub(crate) fn of_each_form<T>(
     forms: &[Form],
     mut cases: impl FnMut(Form) -> Result<Vec<T>, TextureBenchError>,
 ) -> Result<(Vec<T>, Vec<Absent>), TextureBenchError> {
@@ -103,7 +98,7 @@ pub(super) fn of_each_form<T>(
 ///
 /// # Errors
 /// The device.
-pub(super) fn run(
+pub(crate) fn run(
     cases: &mut [&mut Case],
     spp: u32,
     runs: u32,
@@ -114,7 +109,7 @@ pub(super) fn run(
     }
     for run in 0..=runs {
         for case in &mut *cases {
-            case.renderer.restart()?;
+            case.renderer.restart();
             let start = Instant::now();
             case.renderer.render(spp)?;
             if run > 0 {
@@ -127,12 +122,12 @@ pub(super) fn run(
 }
 
 /// Milliseconds of a sample of all pixels, from seconds of runs.
-pub(super) fn ms_per_spp(times: &[f64], spp: u32) -> Spread {
+pub(crate) fn ms_per_spp(times: &[f64], spp: u32) -> Spread {
     Spread::of(times.iter().map(|s| s * 1e3 / f64::from(spp)))
 }
 
 /// How much longer runs took than those of gray beside them, percent.
-pub(super) fn increase(times: &[f64], gray: &[f64]) -> Spread {
+pub(crate) fn increase(times: &[f64], gray: &[f64]) -> Spread {
     Spread::of(times.iter().zip(gray).map(|(t, g)| (t / g - 1.0) * 100.0))
 }
 
@@ -140,7 +135,7 @@ pub(super) fn increase(times: &[f64], gray: &[f64]) -> Spread {
 ///
 /// # Errors
 /// [`TextureBenchError::Differs`], or the device.
-pub(super) fn same_picture(
+pub(crate) fn same_picture(
     first: &Film,
     case: &Case,
     texture: &'static str,
@@ -151,6 +146,7 @@ pub(super) fn same_picture(
             form: case.form.name(),
             texture,
             percent: share * 100.0,
+            sigmas: SIGMAS,
         }),
         false => Ok(()),
     }
@@ -171,44 +167,6 @@ fn outliers(a: &Film, b: &Film) -> f64 {
     outside as f64 / all.max(1) as f64
 }
 
-/// Writes a figure as plain numbers beside its neighbours, easy to read for other programs: `ms_per_spp` is the median,
-/// `ms_per_spp_low` and `ms_per_spp_high` are the bounds.
-pub(super) fn flat_ms_per_spp<S: Serializer>(value: &Spread, to: S) -> Result<S::Ok, S::Error> {
-    flat(
-        value,
-        ["ms_per_spp", "ms_per_spp_low", "ms_per_spp_high"],
-        to,
-    )
-}
-
-/// As [`flat_ms_per_spp`], of plain gray.
-pub(super) fn flat_gray<S: Serializer>(value: &Spread, to: S) -> Result<S::Ok, S::Error> {
-    let names = [
-        "gray_ms_per_spp",
-        "gray_ms_per_spp_low",
-        "gray_ms_per_spp_high",
-    ];
-    flat(value, names, to)
-}
-
-/// As [`flat_ms_per_spp`], with how far the bounds are apart.
-pub(super) fn flat_increase<S: Serializer>(value: &Spread, to: S) -> Result<S::Ok, S::Error> {
-    let mut map = to.serialize_map(Some(4))?;
-    map.serialize_entry("increase_percent", &value.median)?;
-    map.serialize_entry("increase_low", &value.low)?;
-    map.serialize_entry("increase_high", &value.high)?;
-    map.serialize_entry("increase_spread", &(value.high - value.low))?;
-    map.end()
-}
-
-fn flat<S: Serializer>(value: &Spread, names: [&str; 3], to: S) -> Result<S::Ok, S::Error> {
-    let mut map = to.serialize_map(Some(3))?;
-    for (name, value) in names.into_iter().zip([value.median, value.low, value.high]) {
-        map.serialize_entry(name, &value)?;
-    }
-    map.end()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -219,30 +177,6 @@ mod tests {
         let Spread { median, low, high } = increase(&[1.5, 3.0, 3.2], &[1.0, 2.0, 2.0]);
         assert_eq!((low, median), (50.0, 50.0));
         assert!((high - 60.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn figures_are_plain_numbers_in_json() {
-        #[derive(Serialize)]
-        struct Row {
-            mode: &'static str,
-            #[serde(flatten, serialize_with = "flat_ms_per_spp")]
-            ms: Spread,
-            #[serde(flatten, serialize_with = "flat_increase")]
-            increase: Spread,
-        }
-        let row = Row {
-            mode: "stack",
-            ms: Spread::of([2.0, 1.0, 4.0]),
-            increase: Spread::of([10.0, 12.0, 20.0]),
-        };
-        let value = serde_json::to_value(&row).expect("it is JSON");
-        let expected = serde_json::json!({
-            "mode": "stack",
-            "ms_per_spp": 2.0, "ms_per_spp_low": 1.0, "ms_per_spp_high": 4.0,
-            "increase_percent": 12.0, "increase_low": 10.0, "increase_high": 20.0, "increase_spread": 10.0,
-        });
-        assert_eq!(value, expected);
     }
 
     #[test]

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use glam::{Affine3A, Mat3, Vec3};
 
-use crate::scene::{
+use engine::scene::{
     Camera, Material, Projection, Scene,
     import::{self, ImportError},
 };
 
-use super::{scenes, textures::MODEL};
+use crate::scenes::{self, MODEL};
 
 /// Diameter of the model over the height of the picture.
 const FILL: f32 = 0.8;
@@ -182,7 +182,7 @@ fn distance(scene: &Scene, instances: usize, origin: Vec3, direction: Vec3) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::coverage;
+    use crate::coverage;
 
     /// One triangle in the plane of x and y, far from the origin and large.
     const MODEL_FILE: &str = r#"{

@@ -9,11 +9,11 @@ use glam::{Affine3A, Mat3A, Vec2, Vec3};
 use serde::Serialize;
 use texgen::{Diagnostics, SourceFile, TextureType};
 
-use crate::procedural::{Procedural, SourcesError, TextureSources};
-use crate::renderer::{ReloadError, RenderError, RenderSettings, Renderer};
-use crate::scene::look::{Look, LookError};
-use crate::scene::{Camera, Environment, Instance, Material, Mesh, Projection, Scene};
 use device::Device;
+use engine::procedural::{Procedural, SourcesError, TextureSources};
+use engine::renderer::{ReloadError, RenderError, RenderSettings, Renderer};
+use engine::scene::look::{Look, LookError};
+use engine::scene::{Camera, Environment, Instance, Material, Mesh, Projection, Scene};
 
 /// Unused textures, and nodes on other materials, in the second measurement.
 const OTHERS: usize = 100;

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use device::Device;
 
-use crate::{
+use engine::{
     procedural::Procedural,
     renderer::{RenderError, RenderSettings, Renderer},
     scene::Scene,
@@ -12,9 +12,11 @@ use crate::{
     wave::PathBytes,
 };
 
+use crate::spread::Spread;
+
 /// One of the things that are timed in turn.
 #[derive(Debug)]
-pub struct Subject<'a> {
+pub struct Workload<'a> {
     /// What it is called in the report.
     pub name: String,
     /// What is rendered.
@@ -23,38 +25,6 @@ pub struct Subject<'a> {
     pub procedural: &'a Procedural,
     /// How it is rendered.
     pub settings: RenderSettings,
-}
-
-/// A figure over several runs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
-    /// The one in the middle; the mean of two where their number is even.
-    pub median: f64,
-    /// The smallest.
-    pub low: f64,
-    /// The largest.
-    pub high: f64,
-}
-
-impl Spread {
-    /// Of at least one value; zeros where there is none.
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
-        let mut values: Vec<f64> = values.into_iter().collect();
-        values.sort_by(f64::total_cmp);
-        let [Some(&low), Some(&high)] = [values.first(), values.last()] else {
-            return Self {
-                median: 0.0,
-                low: 0.0,
-                high: 0.0,
-            };
-        };
-        let middle = values.len() / 2;
-        let median = match values.len().is_multiple_of(2) {
-            true => 0.5 * (values[middle - 1] + values[middle]),
-            false => values[middle],
-        };
-        Self { median, low, high }
-    }
 }
 
 /// Rays of one kind.
@@ -79,7 +49,7 @@ pub struct Pass {
     pub dispatches: u64,
 }
 
-/// What was measured of a subject.
+/// What was measured of a workload.
 #[derive(Debug, Clone, Serialize)]
 pub struct RenderReport {
     /// What it is called.
@@ -106,7 +76,7 @@ pub struct RenderReport {
     pub timestamps: bool,
 }
 
-/// One timed render of a subject: the difference of the renderer's totals before and after it.
+/// One timed render of a workload: the difference of the renderer's totals before and after it.
 struct Run {
     seconds: f64,
     closest: u64,
@@ -124,7 +94,7 @@ impl Run {
             let pass = before.passes.iter().find(|pass| pass.name == name);
             pass.map_or((0.0, 0), |pass| (pass.milliseconds, pass.dispatches))
         };
-        let pass = |pass: &crate::stats::PassStats| {
+        let pass = |pass: &engine::stats::PassStats| {
             let (milliseconds, dispatches) = earlier(&pass.name);
             (
                 pass.milliseconds - milliseconds,
@@ -142,26 +112,26 @@ impl Run {
     }
 }
 
-/// Renders every subject `runs` times at `spp` samples per pixel, in turn (A B C A B C), after one run of each that is
+/// Renders every workload `runs` times at `spp` samples per pixel, in turn (A B C A B C), after one run of each that is
 /// not counted: drivers compile kernels when they run for the first time. `progress` hears the number of renders done.
 ///
 /// # Errors
 /// As [`Renderer::new`] and [`Renderer::render`].
 pub fn render(
     gpu: &Device,
-    subjects: &[Subject<'_>],
+    workloads: &[Workload<'_>],
     spp: u32,
     runs: u32,
     mut progress: impl FnMut(u32),
 ) -> Result<Vec<RenderReport>, RenderError> {
     let mut renderers = Vec::new();
-    for subject in subjects {
+    for workload in workloads {
         let mut renderer =
-            Renderer::new(gpu, subject.scene, subject.procedural, &subject.settings)?;
+            Renderer::new(gpu, workload.scene, workload.procedural, &workload.settings)?;
         renderer.time_passes()?;
         renderers.push(renderer);
     }
-    let mut timed: Vec<Vec<Run>> = subjects.iter().map(|_| Vec::new()).collect();
+    let mut timed: Vec<Vec<Run>> = workloads.iter().map(|_| Vec::new()).collect();
     let mut done = 0;
     for round in 0..=runs {
         for (renderer, timed) in renderers.iter_mut().zip(&mut timed) {
@@ -175,20 +145,20 @@ pub fn render(
             progress(done);
         }
     }
-    let reports = subjects.iter().zip(&renderers).zip(&timed);
+    let reports = workloads.iter().zip(&renderers).zip(&timed);
     reports
-        .map(|((subject, renderer), runs)| report(subject, renderer, spp, runs))
+        .map(|((workload, renderer), runs)| report(workload, renderer, spp, runs))
         .collect()
 }
 
 fn report(
-    subject: &Subject<'_>,
+    workload: &Workload<'_>,
     renderer: &Renderer,
     spp: u32,
     runs: &[Run],
 ) -> Result<RenderReport, RenderError> {
     let stats = renderer.stats()?;
-    let RenderSettings { width, height, .. } = subject.settings;
+    let RenderSettings { width, height, .. } = workload.settings;
     let samples = u64::from(width) * u64::from(height) * u64::from(spp);
     let place = |name: &str| stats.passes.iter().position(|pass| pass.name == name);
     let rays = |count: fn(&Run) -> u64, pass: &str| {
@@ -220,8 +190,8 @@ fn report(
         dispatches: runs.first().map_or(0, |run| run.passes[place].1),
     });
     Ok(RenderReport {
-        name: subject.name.clone(),
-        triangles: subject.scene.instanced_triangles(),
+        name: workload.name.clone(),
+        triangles: workload.scene.instanced_triangles(),
         samples,
         samples_per_second: Spread::of(runs.iter().map(|run| rate(samples, run.seconds))),
         closest: rays(|run| run.closest, "traverse_closest"),
@@ -239,21 +209,5 @@ fn rate(count: u64, seconds: f64) -> f64 {
         count as f64 / seconds
     } else {
         0.0
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_median_is_in_the_middle() {
-        let spread = |values: &[f64]| {
-            let Spread { median, low, high } = Spread::of(values.iter().copied());
-            (low, median, high)
-        };
-        assert_eq!(spread(&[3.0, 1.0, 7.0]), (1.0, 3.0, 7.0));
-        assert_eq!(spread(&[4.0, 1.0]), (1.0, 2.5, 4.0));
-        assert_eq!(spread(&[]), (0.0, 0.0, 0.0));
     }
 }

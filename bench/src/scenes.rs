@@ -4,9 +4,12 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Affine3A, Mat3A, Quat, Vec2, Vec3};
 
-use crate::scene::{
+use engine::scene::{
     Camera, Environment, Instance, LightKind, Material, Mesh, Projection, PunctualLight, Scene,
 };
+
+/// Name of the material that is textured in the [`arcade`].
+pub const MODEL: &str = "model";
 
 /// The inside of a ring-shaped tunnel with bumpy walls, 262,144 triangles: every ray hits something, as in a room, and
 /// the triangles are small and all over the place. The sky around it lights nothing, but shadow rays look for it.
@@ -94,8 +97,8 @@ pub fn cornell_box() -> Scene {
         ("left", z, -z, y, Vec3::new(0.63, 0.06, 0.05)),
         ("right", x, z, y, Vec3::new(0.14, 0.45, 0.09)),
     ] {
-        let mut wall = Mesh::named(name);
-        wall.add_quad(corner, u, v);
+        let mut wall = named(name);
+        add_quad(&mut wall, corner, u, v);
         add(&mut scene, wall, lambert(name, color));
     }
     for (name, place, height, turn) in [
@@ -105,10 +108,10 @@ pub fn cornell_box() -> Scene {
         let block = block(name, place, Vec3::new(0.165, height, 0.165), turn);
         add(&mut scene, block, lambert(name, white));
     }
-    let mut lamp = Mesh::named("lamp");
+    let mut lamp = named("lamp");
     let size = 0.24 * SIDE;
     let corner = Vec3::new(0.5 * (SIDE - size), 0.999 * SIDE, 0.5 * (SIDE - size));
-    lamp.add_quad(corner, Vec3::X * size, Vec3::Z * size);
+    add_quad(&mut lamp, corner, Vec3::X * size, Vec3::Z * size);
     let shining = Material {
         emission: Vec3::new(17.0, 12.0, 5.0),
         ..lambert("lamp", Vec3::ZERO)
@@ -141,14 +144,15 @@ pub fn arcade() -> Scene {
         ..Scene::default()
     };
     let width = SPACING * COLUMNS as f32;
-    let mut floor = Mesh::named("floor");
-    floor.add_quad(
+    let mut floor = named("floor");
+    add_quad(
+        &mut floor,
         Vec3::new(-width, 0.0, 8.0),
         Vec3::X * 2.0 * width,
         Vec3::NEG_Z * 16.0,
     );
     add(&mut scene, floor, lambert("floor", stone * 0.8));
-    let mut wall = Mesh::named("wall");
+    let mut wall = named("wall");
     // Niches are bumps of the wall.
     let niche = |u: f32, v: f32| {
         let depth = 0.35
@@ -156,12 +160,12 @@ pub fn arcade() -> Scene {
             * (1.0 - (2.0 * v - 0.9).powi(4)).max(0.0);
         Vec3::new((u - 0.5) * width, v * 5.0, -4.0 - depth)
     };
-    wall.add_surface([256, 96], niche);
+    add_surface(&mut wall, [256, 96], niche);
     add(&mut scene, wall, lambert("wall", stone));
     for (row, z) in [-2.2, -3.2].into_iter().enumerate() {
         for i in 0..COLUMNS {
             let x = (i as f32 - 0.5 * (COLUMNS - 1) as f32) * SPACING;
-            let mut column = Mesh::named(&format!("column {row} {i}"));
+            let mut column = named(&format!("column {row} {i}"));
             // A shaft with a base and a capital, by its radius over the height.
             let shaft = |u: f32, v: f32| {
                 let swelling = 0.02 * (PI * v).sin()
@@ -171,13 +175,13 @@ pub fn arcade() -> Scene {
                 let angle = -TAU * u;
                 Vec3::new(x + radius * angle.cos(), 2.6 * v, z + radius * angle.sin())
             };
-            column.add_surface([96, 24], shaft);
+            add_surface(&mut column, [96, 24], shaft);
             add(
                 &mut scene,
                 column,
                 lambert(&format!("column {row} {i}"), stone),
             );
-            let mut arch = Mesh::named(&format!("arch {row} {i}"));
+            let mut arch = named(&format!("arch {row} {i}"));
             let half = 0.5 * SPACING;
             let bow = |u: f32, v: f32| {
                 let (along, around) = (PI * u, -TAU * v);
@@ -188,11 +192,11 @@ pub fn arcade() -> Scene {
                     z + 0.16 * around.sin(),
                 )
             };
-            arch.add_surface([48, 16], bow);
+            add_surface(&mut arch, [48, 16], bow);
             add(&mut scene, arch, lambert(&format!("arch {row} {i}"), stone));
         }
     }
-    let mut knot = Mesh::named("knot");
+    let mut knot = named("knot");
     let axis = |u: f32| {
         let a = TAU * u;
         let radius = 0.62 + 0.25 * (3.0 * a).cos();
@@ -202,22 +206,18 @@ pub fn arcade() -> Scene {
             0.3 * (3.0 * a).sin(),
         )
     };
-    knot.add_surface([640, 64], |u, v| {
+    add_surface(&mut knot, [640, 64], |u, v| {
         let along = (axis(u + 1e-3) - axis(u - 1e-3)).normalize();
         let side = along.cross(Vec3::Z).normalize();
         let (sin, cos) = (-TAU * v).sin_cos();
         Vec3::Y * 1.35 + axis(u) + 0.24 * (side * cos + along.cross(side) * sin)
     });
-    add(
-        &mut scene,
-        knot,
-        lambert(super::textures::MODEL, Vec3::splat(0.5)),
-    );
+    add(&mut scene, knot, lambert(MODEL, Vec3::splat(0.5)));
     scene
 }
 
 /// A camera at `eye` that looks at `target`.
-pub(super) fn looking(eye: Vec3, target: Vec3, y_fov: f32) -> Camera {
+pub(crate) fn looking(eye: Vec3, target: Vec3, y_fov: f32) -> Camera {
     let back = (eye - target).normalize();
     let right = Vec3::Y.cross(back).normalize();
     Camera {
@@ -236,60 +236,63 @@ pub(super) fn looking(eye: Vec3, target: Vec3, y_fov: f32) -> Camera {
 
 /// A box on the floor without its bottom, turned about the vertical by `turn` radians.
 fn block(name: &str, place: Vec3, size: Vec3, turn: f32) -> Mesh {
-    let mut mesh = Mesh::named(name);
+    let mut mesh = named(name);
     let [w, h, d] = [size.x, size.y, size.z];
     let turn = Quat::from_rotation_y(turn);
     for quarter in 0..4 {
         let turn = turn * Quat::from_rotation_y(0.5 * PI * quarter as f32);
         let corner = place + turn * Vec3::new(-0.5 * w, 0.0, 0.5 * d);
-        mesh.add_quad(corner, turn * (Vec3::X * w), Vec3::Y * h);
+        add_quad(&mut mesh, corner, turn * (Vec3::X * w), Vec3::Y * h);
     }
     let corner = place + turn * Vec3::new(-0.5 * w, h, 0.5 * d);
-    mesh.add_quad(corner, turn * (Vec3::X * w), turn * (Vec3::NEG_Z * d));
+    add_quad(
+        &mut mesh,
+        corner,
+        turn * (Vec3::X * w),
+        turn * (Vec3::NEG_Z * d),
+    );
     mesh
 }
 
-impl Mesh {
-    fn named(name: &str) -> Self {
-        Self {
-            name: name.to_owned(),
-            ..Self::default()
-        }
+fn named(name: &str) -> Mesh {
+    Mesh {
+        name: name.to_owned(),
+        ..Mesh::default()
     }
+}
 
-    /// A surface by its points over u and v from 0 to 1, in so many cells; its front is on the side of du x dv.
-    fn add_surface(&mut self, [across, up]: [u32; 2], point: impl Fn(f32, f32) -> Vec3) {
-        let first = self.positions.len() as u32;
-        let step = 1e-3;
-        for j in 0..=up {
-            for i in 0..=across {
-                let (u, v) = (i as f32 / across as f32, j as f32 / up as f32);
-                let du = point(u + step, v) - point(u - step, v);
-                let dv = point(u, v + step) - point(u, v - step);
-                self.positions.push(point(u, v));
-                self.normals.push(du.cross(dv).normalize_or(Vec3::Y));
-                self.uv0.push(Vec2::new(u, v));
-            }
-        }
-        let at = |i: u32, j: u32| first + j * (across + 1) + i;
-        for j in 0..up {
-            for i in 0..across {
-                let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
-                self.triangles.extend([[a, b, c], [a, c, d]]);
-            }
+/// Adds a surface by its points over u and v from 0 to 1, in so many cells; its front is on the side of du x dv.
+fn add_surface(mesh: &mut Mesh, [across, up]: [u32; 2], point: impl Fn(f32, f32) -> Vec3) {
+    let first = mesh.positions.len() as u32;
+    let step = 1e-3;
+    for j in 0..=up {
+        for i in 0..=across {
+            let (u, v) = (i as f32 / across as f32, j as f32 / up as f32);
+            let du = point(u + step, v) - point(u - step, v);
+            let dv = point(u, v + step) - point(u, v - step);
+            mesh.positions.push(point(u, v));
+            mesh.normals.push(du.cross(dv).normalize_or(Vec3::Y));
+            mesh.uv0.push(Vec2::new(u, v));
         }
     }
+    let at = |i: u32, j: u32| first + j * (across + 1) + i;
+    for j in 0..up {
+        for i in 0..across {
+            let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+            mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+}
 
-    /// A parallelogram with its front on the side of `u` x `v`.
-    fn add_quad(&mut self, corner: Vec3, u: Vec3, v: Vec3) {
-        let first = self.positions.len() as u32;
-        self.positions
-            .extend([corner, corner + u, corner + u + v, corner + v]);
-        self.normals.extend([u.cross(v).normalize_or_zero(); 4]);
-        self.uv0.extend([Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y]);
-        self.triangles.push([first, first + 1, first + 2]);
-        self.triangles.push([first, first + 2, first + 3]);
-    }
+/// Adds a parallelogram with its front on the side of `u` x `v`.
+fn add_quad(mesh: &mut Mesh, corner: Vec3, u: Vec3, v: Vec3) {
+    let first = mesh.positions.len() as u32;
+    mesh.positions
+        .extend([corner, corner + u, corner + u + v, corner + v]);
+    mesh.normals.extend([u.cross(v).normalize_or_zero(); 4]);
+    mesh.uv0.extend([Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y]);
+    mesh.triangles.push([first, first + 1, first + 2]);
+    mesh.triangles.push([first, first + 2, first + 3]);
 }
 
 /// A surface that reflects `color` equally in all directions and has no gloss.

@@ -9,19 +9,21 @@ use serde::Serialize;
 
 use device::Device;
 
-use crate::{
+use engine::{
     procedural::TextureSources,
     renderer::RenderSettings,
     scene::{Material, Scene},
 };
 
-use super::{
+use crate::{
     coverage,
+    error::TextureBenchError,
     forms::Form,
+    graphs::Texture,
     in_turn::{self, Absent, Case},
     kernel::{self, MOST_RUN_ON_CPU},
-    render::Spread,
-    textures::{Setup, Texture, TextureBenchError},
+    spread::{self, Spread},
+    textures::Setup,
 };
 
 /// What is changed.
@@ -105,13 +107,13 @@ pub struct SweepPoint {
     /// Name of the form.
     pub mode: &'static str,
     /// Wall time of a sample of all pixels.
-    #[serde(flatten, serialize_with = "in_turn::flat_ms_per_spp")]
+    #[serde(flatten, serialize_with = "spread::flat_ms_per_spp")]
     pub ms_per_spp: Spread,
     /// That of plain grey beside it.
-    #[serde(flatten, serialize_with = "in_turn::flat_gray")]
+    #[serde(flatten, serialize_with = "spread::flat_gray")]
     pub gray_ms_per_spp: Spread,
     /// Percent more than gray of the same form takes, run by run.
-    #[serde(flatten, serialize_with = "in_turn::flat_increase")]
+    #[serde(flatten, serialize_with = "spread::flat_increase")]
     pub increase: Spread,
 }
 
@@ -144,7 +146,7 @@ pub struct SweepReport {
 /// Measures one sweep; rust has the first number of AO rays of the setup. `progress` hears of each render.
 ///
 /// # Errors
-/// As [`super::textures::compare`].
+/// As [`crate::textures::compare`].
 pub fn sweep(
     gpu: &Device,
     setup: &Setup<'_>,
@@ -356,9 +358,9 @@ mod tests {
     use texgen::{Attribute, BuiltinAttribute, TextureType};
 
     use super::*;
-    use crate::bench::{scenes, textures::MODEL};
-    use crate::procedural::Procedural;
-    use crate::scene::look::Look;
+    use crate::scenes::{self, MODEL};
+    use engine::procedural::Procedural;
+    use engine::scene::look::Look;
 
     fn sources() -> TextureSources {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../user_textures");

@@ -5,137 +5,27 @@
 use std::time::Instant;
 
 use serde::Serialize;
-use texgen::{Diagnostics, TextureType, Value, did_you_mean};
+use texgen::{TextureType, Value, did_you_mean};
 
 use device::Device;
 
+use engine::{
+    procedural::TextureSources,
+    renderer::{RenderError, RenderSettings, Renderer},
+    scene::Scene,
+};
+
 use crate::{
-    procedural::{SourcesError, TextureSources},
-    renderer::{ReloadError, RenderEditError, RenderError, RenderSettings},
-    scene::{Scene, look::LookError},
-};
-
-pub use super::in_turn::Absent;
-use super::in_turn::{self, Case, SIGMAS};
-use super::{
-    forms::{Form, FormRenderer},
-    inspect::Inspection,
+    error::TextureBenchError,
+    forms::Form,
+    graphs::Texture,
+    in_turn::{self, Case},
+    inspect::{self, Inspection},
     kernel,
-    render::Spread,
+    spread::{self, Spread},
 };
 
-/// Name of the material that is textured in the built-in scene.
-pub const MODEL: &str = "model";
-
-/// Why nothing was measured.
-#[derive(Debug, thiserror::Error)]
-pub enum TextureBenchError {
-    /// The device.
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    /// An edit was refused.
-    #[error(transparent)]
-    Edit(#[from] RenderEditError),
-    /// A source edit was refused.
-    #[error(transparent)]
-    Reload(#[from] ReloadError),
-    /// The standard textures are missing or changed so that they don't fit.
-    #[error("{0}")]
-    Textures(Box<Diagnostics>),
-    /// They can't be read.
-    #[error(transparent)]
-    Sources(#[from] SourcesError),
-    /// There are none to fill a kernel with.
-    #[error(transparent)]
-    Kernel(#[from] kernel::KernelBenchError),
-    /// The look that is made of them.
-    #[error(transparent)]
-    Look(#[from] LookError),
-    /// There is no material of that name to be textured.
-    #[error("the scene has no material `{name}`: {remedy}")]
-    NoMaterial {
-        /// As asked for.
-        name: String,
-        /// What there is.
-        remedy: String,
-    },
-    /// The forms don't give the same picture, so their times mean nothing.
-    #[error(
-        "the {form} form shows another picture of {texture} than the stack form: {percent:.2} % of the pixels differ by \
-         more than {SIGMAS} standard errors"
-    )]
-    Differs {
-        /// Name of the form.
-        form: &'static str,
-        /// Name of the texture.
-        texture: &'static str,
-        /// Of the pixels.
-        percent: f64,
-    },
-}
-
-impl From<Diagnostics> for TextureBenchError {
-    fn from(problems: Diagnostics) -> Self {
-        Self::Textures(Box::new(problems))
-    }
-}
-
-/// What is put on the model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Texture {
-    Gray,
-    Rust,
-    Scratches,
-}
-
-impl Texture {
-    const ALL: [Self; 3] = [Self::Gray, Self::Rust, Self::Scratches];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Gray => "gray",
-            Self::Rust => "rust",
-            Self::Scratches => "scratches",
-        }
-    }
-
-    /// A node and its parameter that an edit changes.
-    fn edited(self) -> Option<(&'static str, &'static str, f32)> {
-        match self {
-            Self::Gray => None,
-            Self::Rust => Some(("rust_mask", "amount", 0.3)),
-            Self::Scratches => Some(("scratches", "amount", 0.6)),
-        }
-    }
-
-    /// Whether it reads ambient occlusion, so that the number of rays matters.
-    fn reads_ao(self) -> bool {
-        self == Self::Rust
-    }
-
-    /// The look that puts it on a material: the paper's graphs. Rust is gray blended with rust by a mask of noise and
-    /// ambient occlusion; scratches brighten gray.
-    pub(super) fn look(self, material: &str, ao_rays: u32) -> String {
-        let head = format!("[ao.crevices]\ndistance = 0.25\nsamples = {ao_rays}\n");
-        // Quoted as a TOML string.
-        let table = format!("[material.{material:?}]\n");
-        let surface = "metallic = 0.0\nroughness = 0.8\n";
-        match self {
-            Self::Gray => format!("{table}base_color = [0.5, 0.5, 0.5]\n{surface}"),
-            Self::Rust => format!(
-                "{head}[node.rust]\ntexture = \"rust_color\"\nscale = 7.0\n\
-                 [node.rust_mask]\ntexture = \"rust_mask\"\nscale = 2.2\namount = 0.42\nocclusion = \"crevices\"\n\
-                 [node.rusty]\ntexture = \"mix_color\"\na = [0.5, 0.5, 0.5, 1.0]\nb = \"rust\"\nfactor = \"rust_mask\"\n\
-                 {table}base_color = \"rusty\"\n{surface}"
-            ),
-            Self::Scratches => format!(
-                "[node.scratches]\ntexture = \"scratches\"\nscale = 6.0\namount = 0.8\n\
-                 [node.scratched]\ntexture = \"mix_color\"\na = [0.5, 0.5, 0.5, 1.0]\nb = [0.8, 0.8, 0.8, 1.0]\n\
-                 factor = \"scratches\"\n{table}base_color = \"scratched\"\n{surface}"
-            ),
-        }
-    }
-}
+pub use crate::in_turn::Absent;
 
 /// What is rendered, and how often.
 #[derive(Debug)]
@@ -170,12 +60,13 @@ pub struct TextureResult {
     /// Rays of ambient occlusion at a hit.
     pub ao_rays: u32,
     /// Wall time of a sample of all pixels.
-    #[serde(flatten, serialize_with = "in_turn::flat_ms_per_spp")]
+    #[serde(flatten, serialize_with = "spread::flat_ms_per_spp")]
     pub ms_per_spp: Spread,
     /// Percent more than gray of the same form takes, run by run.
-    #[serde(flatten, serialize_with = "in_turn::flat_increase")]
+    #[serde(flatten, serialize_with = "spread::flat_increase")]
     pub increase: Spread,
-    /// Private memory of a thread of the kernel that has the textures in it: see [`FormRenderer::private_bytes`].
+    /// Private memory of a thread of the kernel that has the textures in it: see
+    /// [`inspect::private_bytes`].
     pub private_bytes: u32,
     /// Registers of a thread of that kernel, where the driver tells.
     pub registers: Option<f64>,
@@ -212,13 +103,13 @@ pub struct Comparison {
 }
 
 /// A texture that is measured in one form.
-struct Subject {
+struct TexturedCase {
     texture: Texture,
     ao_rays: u32,
     case: Case,
 }
 
-impl Subject {
+impl TexturedCase {
     /// Of gray and of textures without AO there is one for all numbers of rays.
     fn all(ao_rays: &[u32]) -> impl Iterator<Item = (Texture, u32)> {
         let each = move |texture: Texture| {
@@ -248,37 +139,37 @@ pub fn compare(
     mut progress: impl FnMut(),
 ) -> Result<Comparison, TextureBenchError> {
     setup.check()?;
-    let (mut subjects, absent) = in_turn::of_each_form(setup.forms, |form| {
-        let subject = |(texture, ao_rays): (Texture, u32)| {
+    let (mut all, absent) = in_turn::of_each_form(setup.forms, |form| {
+        let textured = |(texture, ao_rays): (Texture, u32)| {
             let look = texture.look(setup.material, ao_rays);
-            Ok(Subject {
+            Ok(TexturedCase {
                 texture,
                 ao_rays,
                 case: setup.case(gpu, &look, form)?,
             })
         };
-        Subject::all(setup.ao_rays).map(subject).collect()
+        TexturedCase::all(setup.ao_rays).map(textured).collect()
     })?;
-    let mut cases: Vec<&mut Case> = subjects.iter_mut().map(|s| &mut s.case).collect();
+    let mut cases: Vec<&mut Case> = all.iter_mut().map(|s| &mut s.case).collect();
     in_turn::run(&mut cases, setup.spp, setup.runs, &mut progress)?;
-    same_pictures(&subjects)?;
+    same_pictures(&all)?;
     let inspection = Inspection::new(gpu, setup.statistics_device);
     let mut measured = Vec::new();
     let mut gray = Vec::new();
-    for subject in &mut subjects {
+    for textured in &mut all {
         // The first one of each form.
-        if subject.texture == Texture::Gray {
-            gray.clone_from(&subject.case.times);
+        if textured.texture == Texture::Gray {
+            gray.clone_from(&textured.case.times);
         }
-        measured.push(result(gpu, setup, subject, &gray, &inspection)?);
+        measured.push(result(gpu, setup, textured, &gray, &inspection)?);
         progress();
     }
     let mut results = Vec::new();
     for &ao_rays in setup.ao_rays {
         for &form in setup.forms {
             for texture in Texture::ALL {
-                let rows = subjects.iter().zip(&measured);
-                let mut rows = rows.filter(|(subject, _)| subject.shows(form, texture, ao_rays));
+                let rows = all.iter().zip(&measured);
+                let mut rows = rows.filter(|(textured, _)| textured.shows(form, texture, ao_rays));
                 results.extend(rows.next().map(|(_, row)| TextureResult {
                     ao_rays,
                     ..row.clone()
@@ -296,14 +187,14 @@ pub fn compare(
 
 /// Renders of [`compare`] and edits, for a progress bar.
 pub fn steps(setup: &Setup<'_>) -> u64 {
-    let subjects = setup.forms.len() * Subject::all(setup.ao_rays).count();
-    subjects as u64 * (u64::from(setup.runs) + 2)
+    let all = setup.forms.len() * TexturedCase::all(setup.ao_rays).count();
+    all as u64 * (u64::from(setup.runs) + 2)
 }
 
 impl Setup<'_> {
     /// # Errors
     /// The material is missing.
-    pub(super) fn check(&self) -> Result<(), TextureBenchError> {
+    pub(crate) fn check(&self) -> Result<(), TextureBenchError> {
         let names = || self.scene.materials.iter().map(|m| m.name.as_str());
         if names().any(|name| name == self.material) {
             return Ok(());
@@ -324,14 +215,14 @@ impl Setup<'_> {
 fn result(
     gpu: &Device,
     setup: &Setup<'_>,
-    subject: &mut Subject,
+    textured: &mut TexturedCase,
     gray: &[f64],
     inspection: &Inspection,
 ) -> Result<TextureResult, TextureBenchError> {
-    let texture = subject.texture;
-    let case = &mut subject.case;
+    let texture = textured.texture;
+    let case = &mut textured.case;
     let picture = case.renderer.film()?.mean();
-    let private_bytes = case.renderer.private_bytes();
+    let private_bytes = inspect::private_bytes(&case.renderer);
     let said = inspection.of(&case.renderer);
     let usual = image(&mut case.renderer)?;
     let (mut edit_ms, mut pipelines_created, mut builds) = (0.0, 0, [0.0; 3]);
@@ -358,7 +249,7 @@ fn result(
     Ok(TextureResult {
         mode: case.form.name(),
         texture: texture.name(),
-        ao_rays: subject.ao_rays,
+        ao_rays: textured.ao_rays,
         ms_per_spp: in_turn::ms_per_spp(&case.times, setup.spp),
         increase: in_turn::increase(&case.times, gray),
         private_bytes,
@@ -375,41 +266,42 @@ fn result(
 }
 
 /// Milliseconds of one sample of all pixels, once everything is compiled.
-fn image(renderer: &mut FormRenderer) -> Result<f64, RenderError> {
-    renderer.restart()?;
+fn image(renderer: &mut Renderer) -> Result<f64, RenderError> {
+    renderer.restart();
     let start = Instant::now();
     first_image(renderer)?;
     Ok(start.elapsed().as_secs_f64() * 1e3)
 }
 
-fn first_image(renderer: &mut FormRenderer) -> Result<(), RenderError> {
+fn first_image(renderer: &mut Renderer) -> Result<(), RenderError> {
     renderer.render(1)
 }
 
 /// Milliseconds from a changed source of the texture to the first image.
 fn rebuild(
-    renderer: &mut FormRenderer,
+    renderer: &mut Renderer,
     texture: &TextureType,
     number: u64,
 ) -> Result<f64, TextureBenchError> {
     let file = kernel::variant(texture, texture.name(), number);
     let start = Instant::now();
-    renderer.reload(vec![file])?;
+    let reload = renderer.begin_reload(vec![file]);
+    renderer.finish_reload(reload)?;
     first_image(renderer)?;
     Ok(start.elapsed().as_secs_f64() * 1e3)
 }
 
 /// All forms must show what the first one shows.
-fn same_pictures(subjects: &[Subject]) -> Result<(), TextureBenchError> {
-    let Some(first_form) = subjects.first().map(|first| first.case.form) else {
+fn same_pictures(all: &[TexturedCase]) -> Result<(), TextureBenchError> {
+    let Some(first_form) = all.first().map(|first| first.case.form) else {
         return Ok(());
     };
-    for subject in subjects.iter().filter(|s| s.case.form != first_form) {
-        let mut firsts = subjects.iter();
-        let first = firsts.find(|s| s.shows(first_form, subject.texture, subject.ao_rays));
+    for textured in all.iter().filter(|s| s.case.form != first_form) {
+        let mut firsts = all.iter();
+        let first = firsts.find(|s| s.shows(first_form, textured.texture, textured.ao_rays));
         if let Some(first) = first {
             let film = first.case.renderer.film()?;
-            in_turn::same_picture(&film, &subject.case, subject.texture.name())?;
+            in_turn::same_picture(&film, &textured.case, textured.texture.name())?;
         }
     }
     Ok(())

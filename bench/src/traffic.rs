@@ -5,7 +5,7 @@
 use std::fmt::Write as _;
 use std::mem::{offset_of, size_of};
 
-use crate::wave::{PathBytes, RayHit};
+use engine::wave::{PathBytes, RayHit};
 
 /// Bytes of a `vec4u` field of `paths.wgsl`, and of an entry of a queue.
 const FIELD: u64 = 16;
@@ -150,7 +150,14 @@ pub fn tables() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use engine::passes::wgsl::FILES;
     use std::collections::BTreeSet;
+
+    /// The text of a file of the engine's, or of all in a folder.
+    fn text_of(place: &str) -> String {
+        let files = FILES.iter().filter(|(name, _)| name.starts_with(place));
+        files.map(|(_, text)| *text).collect()
+    }
 
     /// Fields that a kernel's own text reads or writes, without what only texture programs need.
     fn fields(text: &str, calls: &[&str]) -> BTreeSet<String> {
@@ -171,14 +178,14 @@ mod tests {
 
     #[test]
     fn the_table_has_the_fields_that_the_kernels_use() {
-        let both = include_str!("../passes/traverse/traverse.wgsl");
+        let both = text_of("traverse/traverse.wgsl");
         let (closest, occlusion) = both.split_once("fn find_occluder").expect("both are there");
         for (pass, text) in TRAFFIC.iter().zip([
-            include_str!("../passes/raygen/raygen.wgsl"),
+            text_of("raygen/").as_str(),
             closest,
-            include_str!("../passes/brdf/brdf.wgsl"),
+            text_of("brdf/").as_str(),
             occlusion,
-            include_str!("../passes/accumulate/accumulate.wgsl"),
+            text_of("accumulate/").as_str(),
         ]) {
             let mut read = fields(text, &["path_read", "path_words"]);
             for (call, field) in [("path_depth(", "STATE"), ("waiting_light(", "LIGHT")] {
@@ -204,7 +211,7 @@ mod tests {
 
     #[test]
     fn a_path_has_room_for_the_fields_of_the_kernels() {
-        let text = include_str!("../passes/shared/paths.wgsl");
+        let text = text_of("shared/paths.wgsl");
         let (_, rest) = text
             .split_once("const PATH_RESULTS = ")
             .expect("it is declared");
@@ -216,7 +223,7 @@ mod tests {
 
     #[test]
     fn the_documented_tables_are_these() {
-        let text = include_str!("../../../docs/performance.md");
+        let text = include_str!("../../docs/performance.md");
         let tables = tables();
         assert!(
             text.contains(&tables),

@@ -1,20 +1,5 @@
 //! Traversal on its own: traces given rays through the renderer's kernel, for tests of agreement and for
-//! `patina bench traverse`. [`kernel`] measures the texture kernel, [`textures`] what textures cost in whole renders
-//! in each of the [`forms`], one of which is [`rayquery`]; [`inspect`] asks the driver about their kernels;
-//! [`render`] whole renders, [`scenes`] are there to be rendered, and [`traffic`] says what the passes read and write.
-
-pub mod coverage;
-pub mod forms;
-mod in_turn;
-pub mod insert;
-pub mod inspect;
-pub mod kernel;
-pub mod rayquery;
-pub mod render;
-pub mod scenes;
-pub mod sweeps;
-pub mod textures;
-pub mod traffic;
+//! `patina bench traverse`.
 
 use std::time::Instant;
 
@@ -23,15 +8,15 @@ use serde::Serialize;
 
 use device::{BoundKernel, Device, Extent, Recording, Resources, Usage};
 
-use crate::{
+use engine::{
     bvh::SceneBvh,
     frame::Frame,
     gpu_scene::GpuScene,
     passes::traverse::{self, Rays},
-    procedural::TextureReads,
     renderer::RenderError,
     scene::{Camera, Projection, Scene},
     settings::RenderSettings,
+    texturing::TextureReads,
     wave::{self, RayHit},
 };
 
@@ -64,7 +49,7 @@ impl Tracer {
             &mut resources,
         )?;
         wave::allocate(gpu, BATCH, 0, &mut resources)?;
-        let camera = crate::scene::default_camera(scene);
+        let camera = engine::scene::default_camera(scene);
         let frame = Frame::new(&RenderSettings::new(1, 1, &camera), BATCH, &gpu_scene);
         resources.set_buffer(
             "frame",
@@ -155,7 +140,7 @@ pub fn traverse(gpu: &Device, scene: &Scene) -> Result<TraverseReport, RenderErr
         .cameras
         .first()
         .cloned()
-        .unwrap_or_else(|| crate::scene::default_camera(scene));
+        .unwrap_or_else(|| engine::scene::default_camera(scene));
     let primary = camera_rays(&camera, SIDE);
     // The first run also compiles the kernel.
     let (hits, _) = tracer.trace(&primary, Rays::Closest)?;
@@ -215,7 +200,7 @@ pub fn camera_rays(camera: &Camera, side: u32) -> Vec<RayHit> {
 
 /// One cosine-distributed ray from each hit, on the side from which it was hit.
 pub fn bounce_rays(scene: &Scene, hits: &[RayHit]) -> Result<Vec<RayHit>, RenderError> {
-    let bvh = SceneBvh::build(scene).map_err(crate::gpu_scene::GpuSceneError::from)?;
+    let bvh = SceneBvh::build(scene).map_err(engine::gpu_scene::GpuSceneError::from)?;
     let mut state = 0x9e37_79b9_7f4a_7c15u64;
     let mut random = move || {
         // SplitMix64 (Steele et al. 2014).

@@ -2,20 +2,20 @@
 //! queries. They give the picture of the usual form, with ambient occlusion, blends, bumps and opacity. Skipped with a
 //! notice where there is no adapter, or none with ray queries.
 
-#[path = "support/mod.rs"]
+#[path = "../../tests/support/mod.rs"]
 #[expect(dead_code, reason = "other tests use the rest")]
 mod support;
 
 use std::path::Path;
 
 use ::device::{Device, DeviceChoice, DeviceOptions};
-use engine::bench::forms::{Form, FormRenderer};
-use engine::bench::inspect::Inspection;
 use engine::film::Film;
 use engine::procedural::{Procedural, TextureSources};
-use engine::renderer::RenderSettings;
+use engine::renderer::{RenderSettings, Renderer};
 use engine::scene::{AlphaMode, Instance, Material, Projection, Scene};
 use glam::{Affine3A, Quat, Vec3, Vec4};
+use patina_bench::forms::Form;
+use patina_bench::inspect::{Inspection, private_bytes};
 use texgen::Value;
 
 use support::device;
@@ -93,7 +93,7 @@ fn room() -> (Scene, Procedural) {
         ],
         Vec3::ONE,
     );
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("user_textures");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../user_textures");
     let sources = TextureSources::scan(&[folder]).expect("the shipped textures");
     let procedural = textured(&mut scene, LOOK, &sources);
     (scene, procedural)
@@ -114,12 +114,12 @@ fn view() -> RenderSettings {
     settings(&camera, shot)
 }
 
-fn renderer(gpu: &Device, (scene, procedural): &(Scene, Procedural), form: Form) -> FormRenderer {
-    FormRenderer::new(gpu, scene, procedural, &view(), form)
+fn renderer(gpu: &Device, (scene, procedural): &(Scene, Procedural), form: Form) -> Renderer {
+    form.renderer(gpu, scene, procedural, &view())
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn film(renderer: &mut FormRenderer) -> Film {
+fn film(renderer: &mut Renderer) -> Film {
     renderer
         .render(32)
         .and_then(|()| renderer.film())
@@ -154,10 +154,7 @@ fn the_inlined_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
     assert_same("inlined form", &film(&mut inlined), &film(&mut stack));
 
     let pipelines = gpu.counts().pipelines;
-    let edit = |renderer: &mut FormRenderer| {
-        let FormRenderer::Passes(renderer) = renderer else {
-            panic!("it renders by passes");
-        };
+    let edit = |renderer: &mut Renderer| {
         renderer
             .set_argument("mask", "amount", Value::F32(0.7))
             .unwrap_or_else(|error| panic!("{error}"));
@@ -211,11 +208,11 @@ fn the_ray_query_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
     let mut queries = renderer(&gpu, &room(), Form::RayQuery);
     assert_same_picture("ray queries", &film(&mut queries), &film(&mut stack));
     // The stack of our own traversal is not in it; the state of a path is.
-    let inlined = renderer(&gpu, &room(), Form::Inlined).private_bytes();
-    assert!(stack.private_bytes() < inlined);
-    assert!(queries.private_bytes() > 256);
+    let inlined = private_bytes(&renderer(&gpu, &room(), Form::Inlined));
+    assert!(private_bytes(&stack) < inlined);
+    assert!(private_bytes(&queries) > 256);
 
-    let edit = |renderer: &mut FormRenderer| {
+    let edit = |renderer: &mut Renderer| {
         let before = gpu.counts().pipelines;
         renderer
             .set_argument("mask", "amount", Value::F32(0.9))

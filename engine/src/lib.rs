@@ -4,7 +4,6 @@
 
 pub mod alias;
 pub mod aside;
-pub mod bench;
 pub mod bvh;
 pub mod display;
 pub mod evaluate;
@@ -26,4 +25,5 @@ pub mod schedule;
 pub mod settings;
 mod sobol;
 pub mod stats;
+pub mod texturing;
 pub mod wave;

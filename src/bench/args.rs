@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Subcommand};
-use engine::bench::forms::Form;
-use engine::bench::sweeps::Sweep;
+use patina_bench::forms::Form;
+use patina_bench::sweeps::Sweep;
 
 use crate::args::words;
 

@@ -2,15 +2,12 @@
 //! with triangles and instances in the order in which they lie on the GPU anyway.
 
 use device::gpu::{MeshTriangles, Placed, Structure};
-use device::{Device, DeviceError, Resources, Usage};
+use device::{DeviceError, Resources, Usage};
 
-use crate::{
-    gpu_scene::{
-        GpuScene, TRIANGLE_ALPHA, TRIANGLE_PROGRAM_ALPHA, TRIANGLE_SINGLE_SIDED, material_flags,
-        rows,
-    },
-    procedural::ProgramTraits,
-    scene::{Mesh, Scene},
+use engine::{
+    gpu_scene::{RayRules, ray_rules, rows},
+    scene::Mesh,
+    schedule::Upload,
 };
 
 /// Builds the structures and names them: `scene_structure`, and in `first_triangles` where each instance's triangles begin
@@ -19,24 +16,17 @@ use crate::{
 ///
 /// # Errors
 /// More geometry than the driver's structures hold; what the driver reports.
-pub(super) fn build(
-    gpu: &Device,
-    scene: &Scene,
-    program: impl Fn(u32) -> ProgramTraits,
-    gpu_scene: &GpuScene,
-    resources: &mut Resources,
-) -> Result<bool, DeviceError> {
-    let hierarchy = gpu_scene.hierarchy();
-    let flags = material_flags(scene, program);
+pub(super) fn build(upload: &Upload<'_>, resources: &mut Resources) -> Result<bool, DeviceError> {
+    let (device, scene) = (upload.device, upload.scene);
+    let hierarchy = upload.gpu_scene.hierarchy();
+    let rules = ray_rules(scene, |material| upload.procedural.traits(material));
     let is_single_sided = scene
         .meshes
         .iter()
-        .all(|mesh| flags_of(mesh, &flags).all(|flags| flags & TRIANGLE_SINGLE_SIDED != 0));
+        .all(|mesh| rules_of(mesh, &rules).all(|rules| rules.is_single_sided));
     // A triangle that may let a ray pass has to be judged by the kernel.
-    let judged = match is_single_sided {
-        true => TRIANGLE_ALPHA | TRIANGLE_PROGRAM_ALPHA,
-        false => TRIANGLE_ALPHA | TRIANGLE_PROGRAM_ALPHA | TRIANGLE_SINGLE_SIDED,
-    };
+    let is_judged =
+        |rules: RayRules| rules.may_let_pass || !is_single_sided && rules.is_single_sided;
     let triangles: Vec<Vec<[u32; 3]>> = (scene.meshes.iter().zip(&hierarchy.triangle_order))
         .map(|(mesh, order)| order.iter().map(|&t| mesh.triangles[t as usize]).collect())
         .collect();
@@ -44,7 +34,7 @@ pub(super) fn build(
         .map(|(mesh, triangles)| MeshTriangles {
             positions: &mesh.positions,
             triangles,
-            is_opaque: flags_of(mesh, &flags).all(|flags| flags & judged == 0),
+            is_opaque: !rules_of(mesh, &rules).any(is_judged),
         })
         .collect();
     let placed = hierarchy.instance_order.iter().map(|&source| {
@@ -59,18 +49,18 @@ pub(super) fn build(
         .iter()
         .map(|placed| hierarchy.mesh_first_triangle[placed.mesh])
         .collect();
-    let driver = gpu.gpu().ok_or(DeviceError::NoAdapter)?;
+    let driver = device.gpu().ok_or(DeviceError::NoAdapter)?;
     let structure = Structure::new(driver, &meshes, &placed)?;
     resources.set_structure("scene_structure", structure);
     let words = bytemuck::cast_slice(&first_triangles);
-    let buffer = gpu.filled_buffer("first triangles", Usage::Storage, words)?;
+    let buffer = device.filled_buffer("first triangles", Usage::Storage, words)?;
     resources.set_buffer("first_triangles", buffer);
     Ok(is_single_sided)
 }
 
-/// What the triangles of a mesh say of their materials.
-fn flags_of<'a>(mesh: &'a Mesh, flags: &'a [[u32; 2]]) -> impl Iterator<Item = u32> + 'a {
+/// The rules of a mesh's triangles.
+fn rules_of<'a>(mesh: &'a Mesh, rules: &'a [[RayRules; 2]]) -> impl Iterator<Item = RayRules> + 'a {
     let has_colors = usize::from(!mesh.colors.is_empty());
     let materials = mesh.triangle_materials.iter();
-    materials.map(move |&material| flags[material as usize][has_colors])
+    materials.map(move |&material| rules[material as usize][has_colors])
 }

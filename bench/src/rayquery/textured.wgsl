@@ -4,7 +4,7 @@ enable wgpu_ray_query;
 //!include rayquery/kernel.wgsl
 //!include classify/classify.wgsl
 //!include proctex/site.wgsl
-//!include proctex/traced_ao.wgsl
+//!include inlined/traced_ao.wgsl
 //!include proctex/run.wgsl
 
 // One loop, so that the users' functions stand in the kernel once.

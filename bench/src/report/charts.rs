@@ -3,15 +3,15 @@
 use std::collections::BTreeSet;
 use std::io;
 
-use engine::bench::render::Spread;
-use engine::bench::sweeps::SweepReport;
+use crate::spread::Spread;
+use crate::sweeps::SweepReport;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::figures::{self, Figures};
 
 /// Why there is no chart.
-pub(super) type ChartError = DrawingAreaErrorKind<io::Error>;
+pub type ChartError = DrawingAreaErrorKind<io::Error>;
 
 type Chart<'a, 'b> = ChartContext<
     'a,
@@ -45,7 +45,10 @@ struct Group {
 }
 
 /// Increases over grey by texture and number of AO rays, a bar for each form; beside them those of the paper.
-pub(super) fn increases(figures: &Figures) -> Result<String, ChartError> {
+///
+/// # Errors
+/// The chart can't be drawn.
+pub fn increases(figures: &Figures) -> Result<String, ChartError> {
     let groups = groups(figures);
     let spreads = groups.iter().flat_map(|group| &group.bars);
     let range = y_range(spreads.map(|(_, spread)| spread));

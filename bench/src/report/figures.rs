@@ -2,41 +2,49 @@
 
 use std::fmt::Write as _;
 
-use engine::bench::render::Spread;
-use engine::bench::sweeps::SweepReport;
-use engine::bench::textures::{Absent, TextureResult};
+use crate::spread::Spread;
+use crate::sweeps::SweepReport;
+use crate::textures::{Absent, TextureResult};
+use engine::stats::grouped;
 use serde::Serialize;
 
-use crate::bench::report::Conditions;
-use crate::console;
-
+use super::conditions::Conditions;
 use super::paper::Published;
 
 /// The JSON form is read by other programs: fields are added, never renamed. `docs/benchmarks.md` says what they are.
 #[derive(Debug, Serialize)]
-pub(super) struct Figures {
+pub struct Figures {
+    /// How they were measured.
     #[serde(flatten)]
-    pub(super) conditions: Conditions,
-    pub(super) scene: String,
+    pub conditions: Conditions,
+    /// What was rendered.
+    pub scene: String,
     /// What was textured.
-    pub(super) material: String,
-    pub(super) triangles: u64,
+    pub material: String,
+    /// Those of each instance counted.
+    pub triangles: u64,
     /// Share of the camera's rays that meet the material first, 0 to 1.
-    pub(super) coverage: f64,
-    pub(super) results: Vec<TextureResult>,
+    pub coverage: f64,
+    /// The rows of all tables.
+    pub results: Vec<TextureResult>,
     /// Forms without results.
-    pub(super) absent: Vec<Absent>,
+    pub absent: Vec<Absent>,
     /// Whose driver told registers and stack.
-    pub(super) statistics_device: Option<String>,
+    pub statistics_device: Option<String>,
     /// Why nothing is known of them, if that is so.
-    pub(super) statistics_absent: Option<String>,
-    pub(super) sweeps: Vec<SweepReport>,
+    pub statistics_absent: Option<String>,
+    /// What changes the cost.
+    pub sweeps: Vec<SweepReport>,
     /// Figures of the paper, not of this machine.
-    pub(super) paper: &'static [Published],
+    pub paper: &'static [Published],
 }
 
 impl Figures {
-    pub(super) fn json(&self) -> serde_json::Result<String> {
+    /// As JSON, with a line end behind it.
+    ///
+    /// # Errors
+    /// None is known.
+    pub fn json(&self) -> serde_json::Result<String> {
         serde_json::to_string_pretty(self).map(|text| text + "\n")
     }
 
@@ -68,14 +76,14 @@ impl Figures {
     }
 
     /// For people, on a terminal.
-    pub(super) fn table(&self) -> String {
+    pub fn table(&self) -> String {
         let mut text = self.conditions.text();
         // Writing to a string can't fail.
         let _ = writeln!(
             text,
             "{}: {} triangles, {} covers {:.1} % of the picture",
             self.scene,
-            console::grouped(self.triangles),
+            grouped(self.triangles),
             self.material,
             self.coverage * 100.0
         );

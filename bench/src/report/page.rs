@@ -1,13 +1,11 @@
 //! The report as a page for people: one file that needs no other, with tables, charts and pictures in it.
 
+use crate::sweeps::SweepReport;
+use crate::textures::Absent;
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
-use engine::bench::sweeps::SweepReport;
-use engine::bench::textures::Absent;
+use engine::stats::grouped;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-
-use crate::console;
-use crate::output::{self, Picture};
 
 use super::charts;
 use super::figures::{self, Figures, milliseconds, percent, value};
@@ -29,7 +27,7 @@ figure img { display: block; max-width: 320px; } figcaption, .note { color: #555
 
 /// Why there is no page.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum PageError {
+pub enum PageError {
     /// A chart can't be drawn.
     #[error("the chart can't be drawn: {0}")]
     Chart(#[from] charts::ChartError),
@@ -38,10 +36,27 @@ pub(super) enum PageError {
     Picture(#[from] std::io::Error),
 }
 
+/// A picture of the page, linear Rec.709.
+#[derive(Debug)]
+pub struct Thumbnail {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Row 0 on top; `width * height` pixels.
+    pub rgb: Vec<[f32; 3]>,
+}
+
+/// Encodes a picture as a JPEG, so many stops brighter.
+pub type EncodeJpeg<'a> = &'a dyn Fn(Thumbnail, f32) -> std::io::Result<Vec<u8>>;
+
 /// The whole page.
-pub(super) fn html(figures: &Figures) -> Result<String, PageError> {
+///
+/// # Errors
+/// A chart can't be drawn, a picture not encoded.
+pub fn html(figures: &Figures, jpeg: EncodeJpeg<'_>) -> Result<String, PageError> {
     let chart = PreEscaped(charts::increases(figures)?);
-    let pictures = pictures(figures)?;
+    let pictures = pictures(figures, jpeg)?;
     let sweeps = figures.sweeps.iter().map(sweep);
     let sweeps = sweeps.collect::<Result<Vec<Markup>, _>>()?;
     let title = "What procedural textures cost";
@@ -108,7 +123,7 @@ fn facts(figures: &Figures) -> Markup {
             format!(
                 "{}, {} triangles; {} is textured and covers {:.1} % of the picture",
                 figures.scene,
-                console::grouped(figures.triangles),
+                grouped(figures.triangles),
                 figures.material,
                 figures.coverage * 100.0
             ),
@@ -263,7 +278,7 @@ fn sweep(sweep: &SweepReport) -> Result<Markup, PageError> {
 }
 
 /// The picture of each form and texture, once.
-fn pictures(figures: &Figures) -> Result<Markup, PageError> {
+fn pictures(figures: &Figures, jpeg: EncodeJpeg<'_>) -> Result<Markup, PageError> {
     let size = (figures.conditions.width, figures.conditions.height);
     let first = figures.results.first();
     let stops = first.map_or(0.0, |row| missing_stops(&row.picture));
@@ -275,7 +290,7 @@ fn pictures(figures: &Figures) -> Result<Markup, PageError> {
                 && earlier.picture == row.picture
         });
         if is_new && !row.picture.is_empty() {
-            let jpeg = output::jpeg(&shrunk(&row.picture, size), stops)?;
+            let jpeg = jpeg(shrunk(&row.picture, size), stops)?;
             let uri = format!("data:image/jpeg;base64,{}", BASE64_STANDARD.encode(jpeg));
             let caption = match row.texture {
                 "rust" => format!("{}, rust, {} AO rays", row.mode, row.ao_rays),
@@ -307,7 +322,7 @@ fn missing_stops(rgb: &[[f32; 3]]) -> f32 {
 }
 
 /// A picture at most [`THUMBNAIL`] pixels wide: each pixel is the mean of a block, what doesn't fill a block is cut off.
-fn shrunk(rgb: &[[f32; 3]], (width, height): (u32, u32)) -> Picture {
+fn shrunk(rgb: &[[f32; 3]], (width, height): (u32, u32)) -> Thumbnail {
     let block = width.div_ceil(THUMBNAIL).max(1).min(height.max(1));
     let (columns, rows) = (width / block, height / block);
     let mean = |column: u32, row: u32| {
@@ -320,13 +335,12 @@ fn shrunk(rgb: &[[f32; 3]], (width, height): (u32, u32)) -> Picture {
         }
         sum.map(|sum| sum / (block * block) as f32)
     };
-    Picture {
+    Thumbnail {
         width: columns,
         height: rows,
         rgb: (0..rows)
             .flat_map(|row| (0..columns).map(move |column| (column, row)))
             .map(|(column, row)| mean(column, row))
             .collect(),
-        facts: Vec::new(),
     }
 }

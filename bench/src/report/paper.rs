@@ -5,17 +5,17 @@ use serde::Serialize;
 
 /// A figure of the paper.
 #[derive(Debug, Serialize)]
-pub(super) struct Published {
+pub struct Published {
     /// `rust` or `scratches`.
-    pub(super) texture: &'static str,
+    pub texture: &'static str,
     /// What the paper calls it.
-    pub(super) approach: &'static str,
+    pub approach: &'static str,
     /// The form here that works so.
-    pub(super) mode: &'static str,
+    pub mode: &'static str,
     /// Rendering time over that of plain grey.
-    pub(super) increase_percent: f64,
+    pub increase_percent: f64,
     /// Stack frame of a thread, where the paper has it.
-    pub(super) stack_bytes: Option<u32>,
+    pub stack_bytes: Option<u32>,
 }
 
 /// Where the figures are from, for people.
@@ -23,7 +23,7 @@ pub(super) const SOURCE: &str = "V. Sanzharov, V. Frolov et al., “Restricted E
     Renderer”, 2019, table 1: Sponza with a model inserted, on the authors’ GPU";
 
 /// All of them.
-pub(super) static TABLE: [Published; 6] = [
+pub static TABLE: [Published; 6] = [
     figure("rust", CYCLES, 46.0, Some(604)),
     figure("rust", RTX, 33.0, None),
     figure("rust", PROPOSED, 21.0, Some(464)),

@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use crate::procedural::ProgramTraits;
 use crate::scene::{AlphaMode, Filter, Material, Sampler, TextureRef, Wrap};
+use crate::texturing::ProgramTraits;
 
 /// No texture.
 const IMAGE_NONE: u32 = u32::MAX;

@@ -67,6 +67,7 @@ use texgen::{Diagnostics, GeneratedKernel, Graph, NodeId, Swizzle};
 
 use crate::scene::look::{AoSettings, MAX_AO};
 use crate::scene::{Material, TextureRef};
+use crate::texturing::ProgramTraits;
 
 pub(crate) use alone::Hits;
 pub use edit::EditError;
@@ -77,10 +78,8 @@ pub use memory::{
     HEAD_PROGRAM, HEAD_WORDS,
 };
 pub use output::{Kind, Output};
-pub use reads::TextureReads;
 pub use sketch::{resketch, sketch};
 pub use sources::{SourcesError, TextureSources};
-pub use traits::ProgramTraits;
 pub(crate) use update::UpdateError;
 pub use wiring::CompileError;
 

@@ -15,10 +15,7 @@ use device::{Buffer, DeviceError, Timer};
 
 use crate::{
     frame::Frame,
-    passes::{
-        ao,
-        proctex::{self, TextureForm},
-    },
+    passes::{ao, proctex},
     procedural::Hits,
     schedule::{self, Run},
     settings::RenderSettings,
@@ -111,7 +108,7 @@ impl Renderer {
     fn survey(&mut self) -> Result<Survey, RenderError> {
         let frame = self.small_frame();
         let mut left = Vec::new();
-        if self.kernels.has_texture() && self.form == TextureForm::Stack {
+        if self.kernels.has_texture() && !self.schedule.edits_are_code() {
             let procedural = self.procedural.clone();
             let totals = self.totals()?;
             let resolved = self.materials_of_hits(&frame, procedural.programs())?;

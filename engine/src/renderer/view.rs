@@ -109,6 +109,10 @@ impl Renderer {
     /// # Errors
     /// What the driver reports.
     pub fn trace_guides(&mut self) -> Result<(), RenderError> {
+        if !self.schedule.goes_in_rounds() {
+            let reason = "a schedule without rounds keeps no first hits that could be looked at";
+            return Err(RenderError::Unsupported(reason));
+        }
         let features = self.scene.features;
         let former = self.guides.take();
         let guides = match former.filter(|guides| guides.features == features) {
