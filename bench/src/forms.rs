@@ -2,7 +2,6 @@
 
 use device::Device;
 use engine::{
-    passes::wgsl::{ComposedWgsl, File},
     procedural::Procedural,
     renderer::{RenderError, RenderSettings, Renderer},
     scene::Scene,
@@ -57,26 +56,4 @@ impl Form {
     ) -> Result<Renderer, RenderError> {
         Renderer::with_schedule(gpu, scene, procedural, settings, self.schedule())
     }
-}
-
-macro_rules! files {
-    ($($name:literal),* $(,)?) => {
-        &[$(($name, include_str!($name))),*]
-    };
-}
-
-/// The WGSL files of this crate, by their paths here; they include the engine's.
-const FILES: &[File] = files![
-    "inlined/inlined.wgsl",
-    "inlined/traced_ao.wgsl",
-    "rayquery/kernel.wgsl",
-    "rayquery/path_memory.wgsl",
-    "rayquery/plain.wgsl",
-    "rayquery/queries.wgsl",
-    "rayquery/textured.wgsl",
-];
-
-/// Composes a kernel whose root is one of this crate's files.
-pub(crate) fn compose(file: &str) -> ComposedWgsl {
-    ComposedWgsl::with_files(file, FILES)
 }

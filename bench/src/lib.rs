@@ -41,3 +41,4 @@ pub mod sweeps;
 pub mod textures;
 pub mod traffic;
 pub mod traverse;
+mod wgsl;

@@ -23,7 +23,7 @@ use crate::{
     gpu_scene::{GpuScene, GpuSceneError},
     procedural::{CompileError, Procedural},
     scene::Scene,
-    schedule::{Schedule, Upload, Wavefront},
+    schedule::{Schedule, ScheduleError, Upload, Wavefront},
     stats::{NodeName, PassStats, Stats},
     wave::{self, PathBytes, Queue},
 };
@@ -68,9 +68,9 @@ pub enum RenderError {
     /// The device.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// A schedule whose kernels the device can't run: why.
-    #[error("{0}")]
-    Unsupported(&'static str),
+    /// The device can't play the schedule, or the schedule can't do this.
+    #[error(transparent)]
+    Schedule(#[from] ScheduleError),
     /// The texture programs have no inlined form.
     #[error(transparent)]
     Programs(#[from] CompileError),

@@ -15,7 +15,6 @@ use crate::passes::{
     accumulate, advance, ao, brdf, classify, pass::Pass, proctex, raygen, traverse,
 };
 use crate::procedural::{CompileError, Procedural};
-use crate::renderer::RenderError;
 use crate::scene::Scene;
 use crate::wave;
 
@@ -66,6 +65,17 @@ pub fn round(wave: &mut dyn Run) {
 /// What the paths have gathered goes to the film.
 pub fn end(wave: &mut dyn Run) {
     wave.run(&accumulate::PASS);
+}
+
+/// Why a schedule can't be played on a device.
+#[derive(Debug, thiserror::Error)]
+pub enum ScheduleError {
+    /// It has no room for the buffers.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// It lacks what the kernels need.
+    #[error("{0}")]
+    Unsupported(&'static str),
 }
 
 /// What a schedule makes its buffers for.
@@ -123,7 +133,7 @@ pub trait Schedule: fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// The device has no room for them, or can't run these kernels.
-    fn allocate(&mut self, upload: Upload<'_>, to: &mut Resources) -> Result<(), RenderError> {
+    fn allocate(&mut self, upload: Upload<'_>, to: &mut Resources) -> Result<(), ScheduleError> {
         let words = upload.procedural.result_words();
         Ok(wave::allocate(upload.device, upload.capacity, words, to)?)
     }

@@ -20,10 +20,12 @@ mod preview;
 #[cfg(test)]
 mod random_tests;
 mod rename;
+mod scene_view;
 mod textures;
 mod widgets;
 
 pub use document::{Change, Document};
-pub use panel::{Form, SceneView, TexturesPanel};
+pub use panel::{Form, TexturesPanel};
 pub use preview::Previews;
+pub use scene_view::SceneView;
 pub use textures::Textures;

@@ -63,6 +63,7 @@ mod metadata;
 mod parse;
 mod pointer_arguments;
 mod private_memory;
+mod problem;
 mod program;
 mod reads;
 mod recover;

@@ -15,7 +15,7 @@ use engine::{
 };
 use texgen::GeneratedKernel;
 
-use crate::forms;
+use crate::wgsl;
 
 /// The usual passes, but for the one with the textures.
 #[derive(Debug, Clone, Copy, Default)]
@@ -23,7 +23,7 @@ pub struct Inlined;
 
 /// The texture kernel's text with texgen's inlined form in it.
 pub fn text(generated: &GeneratedKernel) -> ComposedWgsl {
-    let mut text = forms::compose("inlined/inlined.wgsl");
+    let mut text = wgsl::compose("inlined/inlined.wgsl");
     text.append_generated(generated);
     text
 }

@@ -18,13 +18,12 @@ use engine::{
         wgsl::ComposedWgsl,
     },
     procedural::{CompileError, Procedural},
-    renderer::RenderError,
-    schedule::{Run, Schedule, Upload},
+    schedule::{Run, Schedule, ScheduleError, Upload},
     wave,
 };
 use texgen::GeneratedKernel;
 
-use crate::forms;
+use crate::wgsl;
 
 /// All passes in one: a thread takes a path from the camera to the film. Its text is composed by [`text`].
 pub static PASS: Pass = Pass {
@@ -66,7 +65,7 @@ pub struct RayQueries {
 
 /// The kernel's text: with texgen's inlined form and room for `result_words` of its results, or without textures.
 pub fn text(generated: Option<&GeneratedKernel>, result_words: u32) -> ComposedWgsl {
-    let mut text = forms::compose(match generated {
+    let mut text = wgsl::compose(match generated {
         Some(_) => PASS.file,
         None => "rayquery/plain.wgsl",
     });
@@ -120,11 +119,11 @@ impl Schedule for RayQueries {
     }
 
     /// The scene's acceleration structures; of queues only the totals, of paths nothing.
-    fn allocate(&mut self, upload: Upload<'_>, to: &mut Resources) -> Result<(), RenderError> {
+    fn allocate(&mut self, upload: Upload<'_>, to: &mut Resources) -> Result<(), ScheduleError> {
         let device = upload.device;
         if !device.has_ray_queries() {
             let reason = "this device has no ray queries, or was opened without them";
-            return Err(RenderError::Unsupported(reason));
+            return Err(ScheduleError::Unsupported(reason));
         }
         self.is_single_sided = structure::build(&upload, to)?;
         let totals = device.buffer("totals", Usage::Storage, wave::QUEUE_HEADER * 4)?;

@@ -124,7 +124,7 @@ pub struct Procedural {
 
 /// A node's result, or some of its components.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Source {
+struct NodeOutput {
     node: NodeId,
     swizzle: Option<Swizzle>,
 }

@@ -10,13 +10,13 @@ use super::memory::{
     HEAD_PROGRAM,
 };
 use super::traits::Surface;
-use super::{Kind, MAX_STACK_SLOTS, MIN_STACK_SLOTS, Output, Procedural, Source};
+use super::{Kind, MAX_STACK_SLOTS, MIN_STACK_SLOTS, NodeOutput, Output, Procedural};
 
 /// What drives one material: see [`Self::output`] for a surface, `blend` for a blend of others.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Wiring {
     /// By place in [`Output::ALL`].
-    outputs: [Option<Source>; Output::ALL.len()],
+    outputs: [Option<NodeOutput>; Output::ALL.len()],
     pub(super) blend: Option<Blend>,
     /// What the material is without its nodes.
     pub(super) surface: Surface,
@@ -38,7 +38,7 @@ pub(super) struct Blend {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Mask {
     Constant(f32),
-    Driven(Source),
+    Driven(NodeOutput),
 }
 
 impl Wiring {
@@ -51,18 +51,18 @@ impl Wiring {
     }
 
     /// What drives an output.
-    pub(super) fn output(&self, output: Output) -> Option<Source> {
+    pub(super) fn output(&self, output: Output) -> Option<NodeOutput> {
         self.driven().find(|(o, _)| *o == output).map(|(_, s)| s)
     }
 
     /// Drives an output, or no longer.
-    pub(super) fn set_output(&mut self, output: Output, source: Option<Source>) {
+    pub(super) fn set_output(&mut self, output: Output, source: Option<NodeOutput>) {
         let place = Output::ALL.iter().position(|&o| o == output);
         self.outputs[place.expect("all outputs are listed")] = source;
     }
 
     /// What drives the mask, where a node does.
-    pub(super) fn mask(&self) -> Option<&Source> {
+    pub(super) fn mask(&self) -> Option<&NodeOutput> {
         match &self.blend.as_ref()?.mask {
             Mask::Driven(source) => Some(source),
             Mask::Constant(_) => None,
@@ -70,7 +70,7 @@ impl Wiring {
     }
 
     /// The driven outputs, in the order of their numbers.
-    fn driven(&self) -> impl Iterator<Item = (Output, Source)> {
+    fn driven(&self) -> impl Iterator<Item = (Output, NodeOutput)> {
         (Output::ALL.into_iter())
             .zip(self.outputs)
             .filter_map(|(output, source)| Some((output, source?)))
@@ -124,7 +124,7 @@ impl From<GraphError> for CompileError {
 }
 
 /// Checks that an output can take a node's result through a swizzle; says what to do otherwise.
-pub(super) fn check_driver(graph: &Graph, source: Source, kind: Kind) -> Result<(), String> {
+pub(super) fn check_driver(graph: &Graph, source: NodeOutput, kind: Kind) -> Result<(), String> {
     let given = graph
         .link_output(source.node, source.swizzle)
         .map_err(|error| error.to_string())?;
@@ -192,13 +192,13 @@ impl Procedural {
         let wiring = &mut self.wiring[material as usize];
         wiring.nodes = nodes;
         wiring.own_ao = own_ao;
-        let link = |source: &Source| {
+        let link = |source: &NodeOutput| {
             let root = roots.iter().position(|&root| root == source.node);
             let slots = program.as_ref().map_or(&[][..], |p| &p.results);
             root.and_then(|root| slots.get(root))
                 .map_or(0, |&slot| link_word(slot, source.swizzle))
         };
-        let bump_link = |source: &Source| {
+        let bump_link = |source: &NodeOutput| {
             let slot = bump.as_ref().and_then(|p| p.results.first());
             slot.map_or(0, |&slot| link_word(slot, source.swizzle))
         };

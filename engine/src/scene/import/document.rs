@@ -6,7 +6,7 @@ use super::accessor;
 use super::budget::Budget;
 use super::container;
 use super::error::{At as _, Fault, ImportError, Warnings};
-use super::files::{self, Source};
+use super::files::{self, UriTarget};
 use super::json_text::{self, JsonError, Parsed};
 use crate::input::{self, FileId};
 use gltf::json;
@@ -309,8 +309,8 @@ impl Document {
             let place = || format!("buffer {index}");
             Ok(Some(
                 match files::resolve(self.folder(), uri).at(&self.path, place)? {
-                    Source::Data(bytes) => BufferSource::Data(bytes),
-                    Source::File(path) => BufferSource::File(FileId::of(&path), path),
+                    UriTarget::Data(bytes) => BufferSource::Data(bytes),
+                    UriTarget::File(path) => BufferSource::File(FileId::of(&path), path),
                 },
             ))
         };

@@ -7,7 +7,7 @@
 
 use super::document::Document;
 use super::error::{At as _, Fault, ImportError, Warnings};
-use super::files::{self, Source};
+use super::files::{self, UriTarget};
 use super::panorama;
 use crate::input;
 use crate::scene::{Environment, FloatImage};
@@ -90,7 +90,7 @@ pub(super) fn of_scene(
     let Some(uri) = uri else {
         return Err("has neither \"constant\" nor \"uri\"".to_owned()).at(&document.path, place);
     };
-    let Source::File(path) = files::resolve(document.folder(), uri).at(&document.path, place)?
+    let UriTarget::File(path) = files::resolve(document.folder(), uri).at(&document.path, place)?
     else {
         return Err("must be a file".to_owned()).at(&document.path, place);
     };

@@ -133,7 +133,7 @@ impl Builder<'_> {
 
         let mut used = triangles::compact(&mut list, vertex_count);
         self.document.budget.take(used.len() as u64, VERTEX_BYTES)?;
-        let source = deform::Source {
+        let source = deform::PosedPrimitive {
             document: self.document,
             primitive,
             pose,
@@ -254,7 +254,7 @@ impl Builder<'_> {
     fn read_normals(
         &self,
         primitive: &json::mesh::Primitive,
-        source: &deform::Source<'_>,
+        source: &deform::PosedPrimitive<'_>,
         used: &[u32],
         mesh: &mut Mesh,
         dropped: &mut Dropped,

@@ -3,7 +3,7 @@
 use super::budget::Budget;
 use super::document::{Document, offset};
 use super::error::{Fault, ImportError};
-use super::files::{self, Source};
+use super::files::{self, UriTarget};
 use crate::input::{self, FileId};
 use crate::scene::Image;
 use gltf::json;
@@ -40,7 +40,7 @@ pub(super) fn key(document: &Document, index: usize) -> Key {
     };
     match (&image.uri, image.buffer_view) {
         (Some(uri), _) => match files::resolve(document.folder(), uri) {
-            Ok(Source::File(path)) => Key::File(FileId::of(&path)),
+            Ok(UriTarget::File(path)) => Key::File(FileId::of(&path)),
             _ => entry(),
         },
         (None, Some(view)) => match document.root.buffer_views.get(view.value()) {
@@ -160,8 +160,8 @@ fn describe(source: &json::Image, index: usize) -> String {
 fn bytes<'a>(document: &'a Document, source: &json::Image) -> Result<Cow<'a, [u8]>, Fault> {
     if let Some(uri) = &source.uri {
         return match files::resolve(document.folder(), uri)? {
-            Source::Data(bytes) => Ok(Cow::Owned(bytes)),
-            Source::File(path) => input::read(&path, MAX_FILE)
+            UriTarget::Data(bytes) => Ok(Cow::Owned(bytes)),
+            UriTarget::File(path) => input::read(&path, MAX_FILE)
                 .map(Cow::Owned)
                 .map_err(|error| format!("cannot read {}: {error}", path.display())),
         };
