@@ -76,6 +76,7 @@ mod source_map;
 mod suggest;
 mod swizzle;
 mod texture;
+mod texture_memory;
 mod tokens;
 mod try_out;
 mod validation;
@@ -93,12 +94,13 @@ pub use interface::{Parameter, Widget};
 pub use library::Library;
 pub use parse::{CAPABILITIES, PRELUDE};
 pub use pointer_arguments::copy_pointer_arguments;
-pub use private_memory::{FunctionMemory, PrivateMemory, kernel_private_bytes};
+pub use private_memory::kernel_private_bytes;
 pub use program::{Instruction, Program, link_word};
 pub use source_map::SourceMap;
 pub use suggest::did_you_mean;
 pub use swizzle::{Swizzle, SwizzleError};
 pub use texture::TextureType;
+pub use texture_memory::{FunctionMemory, PrivateMemory};
 pub use value::{
     ElementType, Interpolation, OutputType, ParameterType, Ramp, Value, color_from_hex,
 };
