@@ -10,7 +10,7 @@
 //! 2. [`renderer::Renderer`] uploads them ([`gpu_scene`]), compiles the kernels ([`passes`]) and renders wave by wave, in the order
 //!    that a [`schedule`] says. Another order, with other kernels, is another [`schedule::Schedule`].
 //! 3. What it gathers is a [`film::Film`]: sums that are exact in any order, so that parts of a picture can be merged
-//!    ([`film::part`]). [`stats`] says where the time went.
+//!    ([`film::Part`]). [`stats`] says where the time went.
 //!
 //! ```no_run
 //! use std::path::Path;
