@@ -28,6 +28,7 @@ fn commit() -> String {
         "Cargo.toml",
         "Cargo.lock",
         "src",
+        "bench/src",
         "engine/src",
         "scene/src",
         "texgen/src",

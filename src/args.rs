@@ -2,10 +2,11 @@
 //!
 //! Whether the values make sense together, and what they mean, is [`crate::job`]'s business.
 
+pub(crate) mod common;
+
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::builder::PossibleValuesParser;
 use clap::{ArgAction, Parser, Subcommand};
 use engine::filter::PixelFilter;
 use engine::settings::{Estimator, Sampler};
@@ -15,6 +16,8 @@ use crate::console::MessageFormat;
 use crate::texture::args::TextureCommand;
 use crate::view::args::ViewArgs;
 use crate::watch::args::WatchArgs;
+
+use self::common::{CommonArgs, words};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -126,28 +129,6 @@ pub(crate) enum Command {
     },
 }
 
-/// Flags that `render`, `watch` and `view` share.
-#[derive(Debug, clap::Args)]
-pub(crate) struct CommonArgs {
-    /// Largest path depth: at most N surface points scatter light along a path; 1 is direct light only.
-    #[arg(long, value_name = "N", default_value = "9")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) max_depth: String,
-
-    /// Seed of the random numbers; the same seed gives the same noise.
-    #[arg(long, value_name = "N", default_value = "0")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) seed: String,
-
-    /// Device by number or by part of its name, as `patina devices` lists them.
-    #[arg(long, value_name = "NAME|N")]
-    pub(crate) device: Option<String>,
-
-    /// Folder with textures (.wgsl), searched before all others. May be given several times.
-    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
-    pub(crate) texture_dirs: Vec<PathBuf>,
-}
-
 /// Flags of `patina render`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RenderArgs {
@@ -253,11 +234,6 @@ pub(crate) struct MergeArgs {
     #[arg(long, value_name = "STOPS", default_value = "0")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) exposure: String,
-}
-
-/// The words that a flag takes: its help shows them.
-pub(crate) fn words(all: impl IntoIterator<Item = &'static str>) -> PossibleValuesParser {
-    PossibleValuesParser::new(all)
 }
 
 /// The message format asked for by a command line that can't be understood otherwise.

@@ -1,21 +1,21 @@
 //! `patina bench`: how fast parts of the renderer are on this machine.
 
 pub(crate) mod args;
-mod edit;
 pub(crate) mod job;
 mod kernel;
 mod render;
 mod report;
 mod textures;
 
-use device::Device;
-use engine::bench::scenes;
+use device::{Device, DeviceChoice};
+use engine::load;
 use engine::scene::{self, Scene};
-use engine::{bench, load};
+use patina_bench::edit::{self, EditBenchError};
+use patina_bench::{scenes, traverse as rays};
 
+use crate::console;
 use crate::exit::Failure;
 use crate::progress::Bar;
-use crate::{console, devices};
 
 use self::job::{BenchJob, TraverseJob};
 
@@ -34,11 +34,27 @@ pub(crate) fn run(job: &BenchJob) -> Result<(), Failure> {
             nodes,
             edits,
             device,
-        } => edit::run(*nodes, *edits, device),
+        } => edits_of_a_look(*nodes, *edits, device),
         BenchJob::Render(job) => render::run(job),
         BenchJob::Textures(job) => textures::run(job),
         BenchJob::Traverse(job) => traverse(job),
     }
+}
+
+/// Measures live edits and prints their times.
+///
+/// # Errors
+/// There is no device, or no room for the scene among the temporary files.
+fn edits_of_a_look(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), Failure> {
+    let bar = Bar::new("preparing the look");
+    let report = edit::measure(nodes, edits, device, || bar.stage("measuring"));
+    let report = report.map_err(|error| match error {
+        EditBenchError::Files(error) => Failure::because(error),
+        EditBenchError::Live(error) => error.into(),
+    })?;
+    bar.finish();
+    console::print(&report.table());
+    Ok(())
 }
 
 /// Measures the traversal kernel and prints millions of rays per second.
@@ -57,7 +73,7 @@ fn traverse(job: &TraverseJob) -> Result<(), Failure> {
     bar.stage("measuring");
     let gpu = Device::open(&job.device).map_err(Failure::because)?;
     bar.follow(&gpu);
-    let report = bench::traverse(&gpu, &scene).map_err(Failure::because)?;
+    let report = rays::traverse(&gpu, &scene).map_err(Failure::because)?;
     bar.finish();
 
     console::print(&format!(
@@ -66,7 +82,7 @@ fn traverse(job: &TraverseJob) -> Result<(), Failure> {
          bounce rays    {:8.2} Mrays/s\n\
          shadow rays    {:8.2} Mrays/s",
         console::grouped(scene.instanced_triangles()),
-        devices::title(gpu.description()),
+        gpu.description().title(),
         report.primary,
         report.bounce,
         report.shadow

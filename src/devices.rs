@@ -31,12 +31,6 @@ pub(crate) fn run() -> Result<(), Failure> {
     Ok(())
 }
 
-/// A device with its interface and driver, in one line.
-pub(crate) fn title(adapter: &DeviceDescription) -> String {
-    let about = known(&[&adapter.backend, &adapter.driver]);
-    format!("{} ({about})", adapter.name)
-}
-
 /// The parts that are not empty; drivers don't tell everything.
 fn known(parts: &[&str]) -> String {
     let known: Vec<_> = parts

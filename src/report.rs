@@ -7,12 +7,12 @@ use std::path::Path;
 use device::DeviceDescription;
 use engine::film::Film;
 use engine::renderer::TextureCosts;
-use engine::stats::Stats;
+use engine::stats::{DeviceFacts, Stats};
 use serde::Serialize;
 
+use crate::console;
 use crate::job::RenderJob;
 use crate::output::{self, OutputError};
-use crate::{console, devices};
 
 /// Textures that the table lists.
 const EXPENSIVE: usize = 12;
@@ -52,29 +52,6 @@ pub(crate) struct Seconds {
     pub(crate) prepare: f64,
     /// Rendering and reading the film back.
     pub(crate) render: f64,
-}
-
-/// What it was rendered on.
-#[derive(Debug, Serialize)]
-pub(crate) struct DeviceFacts {
-    /// In one line.
-    #[serde(skip)]
-    pub(crate) title: String,
-    pub(crate) name: String,
-    pub(crate) backend: String,
-    pub(crate) driver: String,
-}
-
-impl DeviceFacts {
-    /// What the adapter says of itself.
-    pub(crate) fn new(device: &DeviceDescription) -> Self {
-        Self {
-            title: devices::title(device),
-            name: device.name.clone(),
-            backend: device.backend.clone(),
-            driver: device.driver.clone(),
-        }
-    }
 }
 
 impl Report {

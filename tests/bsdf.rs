@@ -10,7 +10,7 @@ use ::device::Device;
 use ::device::{DeviceError, Extent, Image, Kernel, Recording, Resources, Trust, Usage};
 use bytemuck::{Pod, Zeroable};
 use engine::gpu_scene::albedo;
-use engine::passes::wgsl::Source;
+use engine::passes::wgsl::ComposedWgsl;
 use glam::Vec3;
 
 use support::device;
@@ -104,7 +104,7 @@ struct Harness {
 impl Harness {
     fn open(energy_compensation: bool) -> Option<Self> {
         let gpu = device::open()?;
-        let mut source = Source::of("shared/bsdf.wgsl");
+        let mut source = ComposedWgsl::of("shared/bsdf.wgsl");
         source.text.push_str(HARNESS);
         let constants = [(
             "energy_compensation",

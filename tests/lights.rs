@@ -14,12 +14,12 @@ use bytemuck::{Pod, Zeroable};
 use engine::film::Film;
 use engine::frame::Frame;
 use engine::gpu_scene::GpuScene;
-use engine::passes::wgsl::Source;
-use engine::procedural::TextureReads;
+use engine::passes::wgsl::ComposedWgsl;
 use engine::renderer::RenderSettings;
 use engine::scene::{
     Environment, FloatImage, Instance, LightKind, Material, Mesh, PunctualLight, Scene,
 };
+use engine::texturing::TextureReads;
 use glam::{Affine3A, DVec3, Vec3};
 
 use support::device;
@@ -110,7 +110,7 @@ fn distant(@builtin(global_invocation_id) id: vec3u) {
 
 struct Harness {
     gpu: Device,
-    source: Source,
+    source: ComposedWgsl,
     resources: Resources,
     scene: GpuScene,
 }
@@ -118,7 +118,7 @@ struct Harness {
 impl Harness {
     fn new(scene: &Scene) -> Option<Self> {
         let gpu = device::open()?;
-        let mut source = Source::of("brdf/entry.wgsl");
+        let mut source = ComposedWgsl::of("brdf/entry.wgsl");
         source.text.push_str(HARNESS);
         let mut resources = Resources::default();
         let reads = TextureReads::default();

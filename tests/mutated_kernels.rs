@@ -7,7 +7,7 @@ mod support;
 use std::time::{Duration, Instant};
 
 use engine::gpu_scene::SceneFeatures;
-use engine::passes::proctex::{self, TextureForm};
+use engine::passes::proctex;
 use fuzzing::{WGSL, mutate::Random};
 use texgen::{Library, SourceFile, TextureType};
 
@@ -44,7 +44,7 @@ fn what_texgen_accepts_the_device_accepts() {
         let textures = std::mem::take(&mut together);
         let library = Library::new(textures).unwrap_or_else(|problem| panic!("{problem}"));
         let kernel = library.emit(4);
-        if let Err(error) = proctex::kernel(&gpu, TextureForm::Stack, &kernel, &features) {
+        if let Err(error) = proctex::kernel(&gpu, &kernel, &features) {
             let texts = library.textures().iter().map(|t| t.file().text());
             panic!("{error}\n{}", texts.collect::<Vec<_>>().join("\n// ----\n"));
         }

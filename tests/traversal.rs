@@ -8,7 +8,6 @@ mod support;
 use std::time::Duration;
 
 use ::device::Device;
-use engine::bench::{Tracer, camera_rays, world_triangle};
 use engine::bvh::SceneBvh;
 use engine::passes::traverse::Rays;
 use engine::scene::{Instance, Material, Mesh, Scene, default_camera, import};
@@ -18,6 +17,7 @@ use obvhs::BvhBuildParams;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
+use patina_bench::traverse::{Tracer, camera_rays, world_triangle};
 use rayon::prelude::*;
 
 use support::normal::Normal;

@@ -29,6 +29,15 @@ pub struct DeviceDescription {
     pub usable: Result<(), String>,
 }
 
+impl DeviceDescription {
+    /// Its name and what drives it, for people. Drivers don't tell everything.
+    pub fn title(&self) -> String {
+        let known = [&*self.backend, &*self.driver].into_iter();
+        let known: Vec<&str> = known.filter(|part| !part.is_empty()).collect();
+        format!("{} ({})", self.name, known.join(", "))
+    }
+}
+
 /// Which device to open.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum DeviceChoice {

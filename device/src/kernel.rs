@@ -154,11 +154,6 @@ impl Kernel {
         &self.shared.label
     }
 
-    /// Names of the resources that it uses.
-    pub fn resource_names(&self) -> impl Iterator<Item = &str> {
-        self.shared.bindings.iter().map(|(_, name)| name.as_str())
-    }
-
     /// Looks up its resources.
     ///
     /// # Panics

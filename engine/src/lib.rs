@@ -1,9 +1,43 @@
-//! Patina's renderer as a library: a [`scene::Scene`] in, a film out.
+//! Patina's renderer as a library: a scene and a look in, a film out.
 //!
-//! It knows `texgen`, never prints, and reports every failure as a value.
+//! The picture is computed by kernels in WGSL that a [`device`] runs, one after the other, over thousands of paths at a time.
+//! Users program one of them: the value of a texture at a hit.
+//!
+//! The way through the crate:
+//!
+//! 1. [`load::load`] reads a scene ([`scene::Scene`]: meshes, materials, lights, cameras, as plain data) and the look beside it
+//!    ([`scene::look::Look`]), and builds the texture graph, [`procedural::Procedural`], from the textures in some folders.
+//! 2. [`renderer::Renderer`] uploads them ([`gpu_scene`]), compiles the kernels ([`passes`]) and renders wave by wave, in the order
+//!    that a [`schedule`] says. Another order, with other kernels, is another [`schedule::Schedule`].
+//! 3. What it gathers is a [`film::Film`]: sums that are exact in any order, so that parts of a picture can be merged
+//!    ([`film::Part`]). [`stats`] says where the time went.
+//!
+//! ```no_run
+//! use std::path::Path;
+//!
+//! use device::Device;
+//! use engine::{load, renderer::Renderer, settings::RenderSettings};
+//!
+//! let loaded = load::load(Path::new("scene.glb"), None, &[])?;
+//! let settings = RenderSettings::new(640, 360, &loaded.camera);
+//! let device = Device::best()?;
+//! let mut renderer = Renderer::new(&device, &loaded.scene, &loaded.procedural, &settings)?;
+//! renderer.render(64)?;
+//! let rgb = renderer.film()?.mean();
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Around that:
+//!
+//! - [`live`] renders a look while it is edited, and follows files that change; [`display`] and [`pick`] are what a window wants
+//!   besides.
+//! - [`evaluate`], [`preview`] and [`isolated`] are about one texture, or one node of a look, without its scene.
+//! - [`wave`], [`frame`] and [`texturing`] are what passes, uploads and texture programs hand each other.
+//!
+//! The crate never prints: every failure is a value that names file, place and remedy, and what is odd but not wrong is a
+//! warning in the result. `docs/architecture.md` has the whole picture.
 
 pub mod alias;
-pub mod bench;
 pub mod bvh;
 pub mod display;
 pub mod evaluate;
@@ -24,6 +58,7 @@ pub mod schedule;
 pub mod settings;
 mod sobol;
 pub mod stats;
+pub mod texturing;
 pub mod wave;
 
 pub use ::scene;

@@ -14,20 +14,16 @@ use std::{
     time::{Duration, Instant},
 };
 
-use device::{Device, DeviceError, KernelText, Recording, Resources, Timer, Trust, Usage};
+use device::{Device, DeviceError, KernelText, Recording, Resources, Timer, Usage};
 
 use crate::{
     film::{self, Film},
     filter::FilterTable,
     frame::Frame,
     gpu_scene::{GpuScene, GpuSceneError},
-    passes::{
-        proctex::{self, TextureForm},
-        wgsl::private_bytes,
-    },
     procedural::{CompileError, Procedural},
     scene::Scene,
-    schedule,
+    schedule::{Schedule, ScheduleError, Upload, Wavefront},
     stats::{NodeName, PassStats, Stats},
     wave::{self, PathBytes, Queue},
 };
@@ -37,7 +33,6 @@ use self::record::Recorder;
 
 pub use crate::settings::RenderSettings;
 
-pub(crate) use self::edits::allocate as allocate_textures;
 pub(crate) use self::pipeline::compiling;
 pub(crate) use self::update::Touched;
 pub use self::{
@@ -48,7 +43,7 @@ pub use self::{
 };
 
 /// Waves are kept shorter than this, so that no dispatch comes near a desktop's watchdog and Ctrl-C is heard.
-pub(crate) const LONGEST_WAVE: Duration = Duration::from_millis(1500);
+const LONGEST_WAVE: Duration = Duration::from_millis(1500);
 /// Rounds that are added at once for rays that texture programs let pass, and the most of them: a path that meets more
 /// such surfaces ends there.
 const PASSAGES: u32 = 4;
@@ -73,9 +68,9 @@ pub enum RenderError {
     /// The device.
     #[error(transparent)]
     Device(#[from] DeviceError),
-    /// The comparison with ray queries on a device without them.
-    #[error("this device has no ray queries, or was opened without them")]
-    NoRayQueries,
+    /// The device can't play the schedule, or the schedule can't do this.
+    #[error(transparent)]
+    Schedule(#[from] ScheduleError),
     /// The texture programs have no inlined form.
     #[error(transparent)]
     Programs(#[from] CompileError),
@@ -98,7 +93,7 @@ impl Progress {
 }
 
 /// Most paths of a wave.
-pub(crate) fn default_capacity(gpu: &Device) -> u32 {
+fn default_capacity(gpu: &Device) -> u32 {
     gpu.traits().waves.most
 }
 
@@ -106,12 +101,12 @@ pub(crate) fn default_capacity(gpu: &Device) -> u32 {
 const SMALLEST_WAVE: u32 = 256;
 
 /// Paths of the first wave, whose speed nobody knows.
-pub(crate) fn first_wave(gpu: &Device, capacity: u32) -> u32 {
+fn first_wave(gpu: &Device, capacity: u32) -> u32 {
     capacity.min(gpu.traits().waves.first)
 }
 
 /// Paths of the wave after one that took so long: longer waves keep the device busy, shorter ones keep each dispatch short.
-pub(crate) fn next_wave(wave_size: u32, capacity: u32, took: Duration, longest: Duration) -> u32 {
+fn next_wave(wave_size: u32, capacity: u32, took: Duration, longest: Duration) -> u32 {
     // What a wave takes whatever its size, so that twice the paths take less than twice as long, is no reason to stay small.
     let room = longest.as_secs_f64() / took.as_secs_f64().max(1e-6);
     let factor = match room {
@@ -124,7 +119,7 @@ pub(crate) fn next_wave(wave_size: u32, capacity: u32, took: Duration, longest: 
 }
 
 /// Creates the film, the table of the pixel filter and the frame's uniform.
-pub(crate) fn allocate_picture(
+fn allocate_picture(
     gpu: &Device,
     settings: &RenderSettings,
     resources: &mut Resources,
@@ -149,7 +144,7 @@ pub(crate) fn allocate_picture(
 }
 
 /// The film as it is now.
-pub(crate) fn read_picture(
+fn read_picture(
     gpu: &Device,
     settings: &RenderSettings,
     resources: &Resources,
@@ -165,7 +160,7 @@ pub(crate) fn read_picture(
 }
 
 /// Starts the film anew.
-pub(crate) fn clear_picture(gpu: &Device, resources: &Resources) -> Result<(), DeviceError> {
+fn clear_picture(gpu: &Device, resources: &Resources) -> Result<(), DeviceError> {
     let mut recording = Recording::new("restart");
     for name in film::PLANES {
         recording.clear(resources.buffer(name));
@@ -179,7 +174,7 @@ pub struct Renderer {
     gpu: Device,
     settings: RenderSettings,
     procedural: Procedural,
-    form: TextureForm,
+    schedule: Arc<dyn Schedule>,
     scene: GpuScene,
     resources: Resources,
     kernels: Kernels,
@@ -215,36 +210,22 @@ impl Renderer {
         procedural: &Procedural,
         settings: &RenderSettings,
     ) -> Result<Self, RenderError> {
-        let capacity = default_capacity(gpu);
-        Self::build(
-            gpu,
-            scene,
-            procedural,
-            settings,
-            capacity,
-            TextureForm::Stack,
-        )
+        Self::with_schedule(gpu, scene, procedural, settings, Box::new(Wavefront))
     }
 
-    /// As [`Self::new`] with the texture kernel in a form of one's choice. The picture does not depend on it.
+    /// As [`Self::new`] by another schedule than the usual one. The picture does not depend on it.
     ///
     /// # Errors
-    /// As [`Self::new`]; the inlined form needs a device with ten storage buffers per stage.
-    pub fn with_form(
+    /// As [`Self::new`]; a device that can't run its kernels.
+    pub fn with_schedule(
         gpu: &Device,
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
-        form: TextureForm,
+        schedule: Box<dyn Schedule>,
     ) -> Result<Self, RenderError> {
-        Self::build(
-            gpu,
-            scene,
-            procedural,
-            settings,
-            default_capacity(gpu),
-            form,
-        )
+        let capacity = default_capacity(gpu);
+        Self::build(gpu, scene, procedural, settings, capacity, schedule)
     }
 
     /// As [`Self::new`] with waves of at most `capacity` paths. The picture does not depend on it.
@@ -258,14 +239,8 @@ impl Renderer {
         settings: &RenderSettings,
         capacity: u32,
     ) -> Result<Self, RenderError> {
-        Self::build(
-            gpu,
-            scene,
-            procedural,
-            settings,
-            capacity,
-            TextureForm::Stack,
-        )
+        let schedule = Box::new(Wavefront);
+        Self::build(gpu, scene, procedural, settings, capacity, schedule)
     }
 
     fn build(
@@ -274,7 +249,7 @@ impl Renderer {
         procedural: &Procedural,
         settings: &RenderSettings,
         capacity: u32,
-        form: TextureForm,
+        mut schedule: Box<dyn Schedule>,
     ) -> Result<Self, RenderError> {
         let capacity = capacity.next_multiple_of(64).max(64);
         let mut resources = Resources::default();
@@ -287,16 +262,23 @@ impl Renderer {
             &mut resources,
         )?;
         gpu_scene.features.energy_compensation = settings.energy_compensation;
-        wave::allocate(gpu, capacity, procedural.result_words(), &mut resources)?;
-        edits::allocate(gpu, procedural, form, &mut resources)?;
-        let kernels = Kernels::new(gpu, &gpu_scene.features, procedural, form)?;
+        let upload = Upload {
+            device: gpu,
+            scene,
+            gpu_scene: &gpu_scene,
+            procedural,
+            capacity,
+        };
+        schedule.allocate(upload, &mut resources)?;
+        edits::allocate(gpu, procedural, &*schedule, &mut resources)?;
+        let kernels = Kernels::new(gpu, &gpu_scene.features, procedural, &*schedule)?;
         let bound = kernels.bind(gpu, &resources);
         gpu.check()?;
         Ok(Self {
             gpu: gpu.clone(),
             settings: settings.clone(),
             procedural: procedural.clone(),
-            form,
+            schedule: schedule.into(),
             frame: Frame::new(settings, capacity, &gpu_scene),
             scene: gpu_scene,
             resources,
@@ -381,20 +363,24 @@ impl Renderer {
         self.begin_wave(&self.frame);
         let paths = self.frame.wave_size;
         let max_depth = self.settings.max_depth;
+        let schedule = Arc::clone(&self.schedule);
+        if !schedule.goes_in_rounds() {
+            return self.submit(paths, |wave| schedule.end(wave));
+        }
         let may_take_longer = self.scene.features.passages;
         self.submit(paths, |wave| {
-            schedule::start(wave);
+            schedule.start(wave);
             // One round more than vertices that scatter: the last one finds emission only.
             for _ in 0..=max_depth {
-                schedule::round(wave);
+                schedule.round(wave);
             }
             if !may_take_longer {
-                schedule::end(wave);
+                schedule.end(wave);
             }
         })?;
         if may_take_longer {
             self.finish_paths()?;
-            self.submit(paths, |wave| schedule::end(wave))?;
+            self.submit(paths, |wave| schedule.end(wave))?;
         }
         Ok(())
     }
@@ -403,6 +389,7 @@ impl Renderer {
     /// rounds in which nothing scatters: as many follow as there is work for.
     fn finish_paths(&mut self) -> Result<(), DeviceError> {
         let paths = self.frame.wave_size;
+        let schedule = Arc::clone(&self.schedule);
         for _ in 0..MOST_PASSAGES / PASSAGES {
             let queues = self.resources.buffer("queues");
             let active = self.gpu.read(queues, Queue::Active.length_offset(), 4)?;
@@ -411,7 +398,7 @@ impl Renderer {
             }
             self.submit(paths, |wave| {
                 for _ in 0..PASSAGES {
-                    schedule::round(wave);
+                    schedule.round(wave);
                 }
             })?;
         }
@@ -432,7 +419,8 @@ impl Renderer {
             return self.gpu.play_timed(&recording, &mut self.timer);
         }
         let procedural = &self.procedural;
-        let say = |label: &str| match label == proctex::PASS.name {
+        let textures = self.schedule.texture_pass().name;
+        let say = |label: &str| match label == textures {
             true => pipeline::compiling(procedural),
             false => format!("compiling the kernel {label}"),
         };
@@ -477,28 +465,17 @@ impl Renderer {
         Ok(read_picture(&self.gpu, &self.settings, &self.resources)?)
     }
 
-    /// Bytes of private memory that a thread of the texture kernel asks for: see [`texgen::kernel_private_bytes`]. None
-    /// where there is no such kernel.
-    pub fn texture_private_bytes(&self) -> Option<u32> {
-        let text = self.texture_kernel_text().ok()??;
-        private_bytes(&text)
-    }
-
     /// The text of the texture kernel, for tools. None where there is no such kernel.
     ///
     /// # Errors
-    /// Programs that have no inlined form.
+    /// Programs that can't be in the schedule's form.
     pub fn texture_kernel_text(&self) -> Result<Option<KernelText>, RenderError> {
         if !self.kernels.has_texture() {
             return Ok(None);
         }
-        let generated = pipeline::generated_kernel(&self.gpu, &self.procedural, self.form)?;
-        Ok(Some(KernelText {
-            text: Arc::new(proctex::source(self.form, &generated)),
-            entry: proctex::PASS.name,
-            trust: Trust::Nothing,
-            constants: self.scene.features.constants().to_vec(),
-        }))
+        let features = &self.scene.features;
+        let schedule = &self.schedule;
+        Ok(schedule.texture_kernel(&self.gpu, features, &self.procedural)?)
     }
 
     /// GPU memory of one path.

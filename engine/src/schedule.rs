@@ -1,9 +1,22 @@
 //! The order of the passes. A wave takes paths from the camera to the film; a round takes each path that is under way to its
 //! next surface, and its shadow ray to the light.
+//!
+//! A renderer plays a [`Schedule`]: [`Wavefront`] is the one that pictures are made with. Others cut the same work into other
+//! kernels, to be compared with it; they stand outside of this crate.
 
+use std::borrow::Cow;
+use std::fmt;
+use std::sync::Arc;
+
+use device::{Device, DeviceError, KernelText, Resources};
+
+use crate::gpu_scene::{GpuScene, SceneFeatures};
 use crate::passes::{
     accumulate, advance, ao, brdf, classify, pass::Pass, proctex, raygen, traverse,
 };
+use crate::procedural::{CompileError, Procedural};
+use crate::scene::Scene;
+use crate::wave;
 
 /// The passes of a wave, in the order in which they first run. Those of textures exist only where a material has a program.
 pub static WAVE: [&Pass; 11] = [
@@ -27,13 +40,13 @@ pub trait Run {
 }
 
 /// Paths start at the camera.
-pub fn start(wave: &mut impl Run) {
+pub fn start(wave: &mut dyn Run) {
     wave.run(&raygen::PASS);
     wave.run(&advance::AFTER_RAYGEN);
 }
 
 /// What rays meet, and what the texture programs say about it.
-pub fn find_hits(wave: &mut impl Run) {
+pub fn find_hits(wave: &mut dyn Run) {
     wave.run(&traverse::CLOSEST);
     wave.run(&classify::PASS);
     wave.run(&advance::AFTER_CLASSIFY);
@@ -42,7 +55,7 @@ pub fn find_hits(wave: &mut impl Run) {
 }
 
 /// Each path goes on to its next surface.
-pub fn round(wave: &mut impl Run) {
+pub fn round(wave: &mut dyn Run) {
     find_hits(wave);
     wave.run(&brdf::PASS);
     wave.run(&advance::AFTER_BRDF);
@@ -50,6 +63,147 @@ pub fn round(wave: &mut impl Run) {
 }
 
 /// What the paths have gathered goes to the film.
-pub fn end(wave: &mut impl Run) {
+pub fn end(wave: &mut dyn Run) {
     wave.run(&accumulate::PASS);
+}
+
+/// Why a schedule can't be played on a device.
+#[derive(Debug, thiserror::Error)]
+pub enum ScheduleError {
+    /// It has no room for the buffers.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// It lacks what the kernels need.
+    #[error("{0}")]
+    Unsupported(&'static str),
+}
+
+/// What a schedule makes its buffers for.
+#[derive(Debug, Clone, Copy)]
+pub struct Upload<'a> {
+    /// Where they are made.
+    pub device: &'a Device,
+    /// What is rendered.
+    pub scene: &'a Scene,
+    /// The same on the device.
+    pub gpu_scene: &'a GpuScene,
+    /// Its texture programs.
+    pub procedural: &'a Procedural,
+    /// Most paths of a wave.
+    pub capacity: u32,
+}
+
+/// How the work of a wave is cut into kernels. The picture doesn't depend on it. What isn't said otherwise is as in
+/// [`Wavefront`].
+pub trait Schedule: fmt::Debug + Send + Sync {
+    /// Its passes, in the order in which they first run.
+    fn passes(&self) -> &'static [&'static Pass] {
+        &WAVE
+    }
+
+    /// The one of them that the users' functions are in.
+    fn texture_pass(&self) -> &'static Pass {
+        &proctex::PASS
+    }
+
+    /// The kernel of that pass; `None` where it isn't needed.
+    ///
+    /// # Errors
+    /// Programs that can't be in this form.
+    fn texture_kernel(
+        &self,
+        device: &Device,
+        features: &SceneFeatures,
+        procedural: &Procedural,
+    ) -> Result<Option<KernelText>, CompileError>;
+
+    /// The words of the buffer `programs`.
+    ///
+    /// # Errors
+    /// Programs that can't be in this form.
+    fn program_words<'a>(&self, procedural: &'a Procedural)
+    -> Result<Cow<'a, [u32]>, CompileError>;
+
+    /// Whether the texture kernel holds the programs themselves, so that any edit of them builds it again.
+    fn edits_are_code(&self) -> bool {
+        false
+    }
+
+    /// Makes the buffers that the passes share, besides those of scene and film.
+    ///
+    /// # Errors
+    /// The device has no room for them, or can't run these kernels.
+    fn allocate(&mut self, upload: Upload<'_>, to: &mut Resources) -> Result<(), ScheduleError> {
+        let words = upload.procedural.result_words();
+        Ok(wave::allocate(upload.device, upload.capacity, words, to)?)
+    }
+
+    /// Makes room for results of so many words where there is too little; true if there was.
+    ///
+    /// # Errors
+    /// The device has none.
+    fn grow_results(
+        &self,
+        device: &Device,
+        capacity: u32,
+        words: u32,
+        resources: &mut Resources,
+    ) -> Result<bool, DeviceError> {
+        wave::grow_results(device, capacity, words, resources)
+    }
+
+    /// Whether paths go on in rounds, between whose passes others may look at the wave: what the camera sees first, which
+    /// textures take how long. Else [`Self::end`] is the whole wave.
+    fn goes_in_rounds(&self) -> bool {
+        true
+    }
+
+    /// [`start`].
+    fn start(&self, wave: &mut dyn Run) {
+        start(wave);
+    }
+
+    /// [`round`].
+    fn round(&self, wave: &mut dyn Run) {
+        round(wave);
+    }
+
+    /// [`end`].
+    fn end(&self, wave: &mut dyn Run) {
+        end(wave);
+    }
+}
+
+/// A kernel for each pass; texture programs are data.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Wavefront;
+
+impl Schedule for Wavefront {
+    fn texture_kernel(
+        &self,
+        device: &Device,
+        features: &SceneFeatures,
+        procedural: &Procedural,
+    ) -> Result<Option<KernelText>, CompileError> {
+        if procedural.is_empty() {
+            return Ok(None);
+        }
+        let generated = match device.traits().runs_all_cases {
+            true => procedural.kernel_in_rounds()?,
+            false => procedural.kernel(),
+        };
+        Ok(Some(KernelText {
+            text: Arc::new(proctex::text(&generated)),
+            entry: proctex::PASS.name,
+            trust: proctex::TRUST,
+            constants: features.constants().to_vec(),
+        }))
+    }
+
+    fn program_words<'a>(
+        &self,
+        procedural: &'a Procedural,
+    ) -> Result<Cow<'a, [u32]>, CompileError> {
+        Ok(Cow::Borrowed(procedural.programs()))
+    }
 }

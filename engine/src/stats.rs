@@ -2,8 +2,35 @@
 
 use std::fmt;
 
+use device::DeviceDescription;
 use serde::Serialize;
 use texgen::LOOP_LIMIT;
+
+/// What figures were measured on.
+#[derive(Debug, Clone, Serialize)]
+pub struct DeviceFacts {
+    /// In one line, for people.
+    #[serde(skip)]
+    pub title: String,
+    /// The driver's name for it.
+    pub name: String,
+    /// Vulkan, Metal, DX12 or native.
+    pub backend: String,
+    /// Driver and its version.
+    pub driver: String,
+}
+
+impl DeviceFacts {
+    /// What the device says of itself.
+    pub fn new(device: &DeviceDescription) -> Self {
+        Self {
+            title: device.title(),
+            name: device.name.clone(),
+            backend: device.backend.clone(),
+            driver: device.driver.clone(),
+        }
+    }
+}
 
 /// One kernel's share of the time.
 #[derive(Debug, Clone, Serialize)]

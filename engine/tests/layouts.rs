@@ -1,6 +1,7 @@
 //! Structs that Rust and WGSL share have the same size and offsets, and every kernel composes, validates and stays
 //! within eight storage buffers.
 
+use std::collections::BTreeSet;
 use std::mem::{offset_of, size_of};
 
 use engine::{
@@ -8,26 +9,12 @@ use engine::{
     frame::Frame,
     gpu_scene::{GpuInstance, light_tree::GpuLightNode, lights::GpuLight, materials::GpuMaterial},
     passes::{
-        guide,
-        proctex::{self, TextureForm},
-        rayquery,
-        wgsl::Source,
+        guide, proctex,
+        wgsl::{ComposedWgsl, FILES},
     },
     schedule,
     wave::{GpuAoTable, RayHit},
 };
-
-const KERNELS: [&str; 9] = [
-    "raygen/entry.wgsl",
-    "traverse/entry.wgsl",
-    "classify/entry.wgsl",
-    "ao/ao.wgsl",
-    "brdf/entry.wgsl",
-    "accumulate/entry.wgsl",
-    "advance/advance.wgsl",
-    "display/display.wgsl",
-    "guide/guide.wgsl",
-];
 
 fn module(text: &str) -> (naga::Module, naga::valid::ModuleInfo) {
     let module =
@@ -39,16 +26,6 @@ fn module(text: &str) -> (naga::Module, naga::valid::ModuleInfo) {
     .validate(&module)
     .unwrap_or_else(|e| panic!("{}", e.emit_to_string(text)));
     (module, info)
-}
-
-fn private_bytes(module: &naga::Module, info: &naga::valid::ModuleInfo, entry: &str) -> u32 {
-    let index = module.entry_points.iter().position(|e| e.name == entry);
-    let index = index.expect("it is there");
-    texgen::kernel_private_bytes(
-        module,
-        info.get_entry_point(index),
-        &module.entry_points[index],
-    )
 }
 
 /// Size and member offsets of a WGSL struct as naga lays it out.
@@ -82,10 +59,10 @@ fn assert_layout(module: &naga::Module, name: &str, size: usize, offsets: &[(&st
 
 #[test]
 fn shared_structs_agree() {
-    let (brdf, _) = module(&Source::of("brdf/entry.wgsl").text);
-    let (advance, _) = module(&Source::of("advance/advance.wgsl").text);
+    let (brdf, _) = module(&ComposedWgsl::of("brdf/entry.wgsl").text);
+    let (advance, _) = module(&ComposedWgsl::of("advance/advance.wgsl").text);
     assert_layout(&brdf, "Frame", size_of::<Frame>(), &Frame::offsets());
-    let (display, _) = module(&Source::of("display/display.wgsl").text);
+    let (display, _) = module(&ComposedWgsl::of("display/display.wgsl").text);
     assert_layout(
         &display,
         "Display",
@@ -140,12 +117,16 @@ fn shared_structs_agree() {
 
 #[test]
 fn kernels_are_valid_and_bind_at_most_eight_storage_buffers() {
-    let mut proctex = Source::of("proctex/proctex.wgsl");
+    let mut proctex = ComposedWgsl::of("proctex/proctex.wgsl");
     proctex.append_generated(&texgen::Library::default().emit(1));
-    let texts = KERNELS
-        .iter()
-        .map(|k| ((*k).to_owned(), Source::of(k).text))
-        .chain([("proctex".to_owned(), proctex.text)]);
+    let passes = schedule::WAVE.iter().chain([&&guide::PASS]);
+    let files = passes
+        .filter(|pass| pass.name != proctex::PASS.name)
+        .map(|pass| pass.file)
+        .chain(["display/display.wgsl"]);
+    let texts = files
+        .map(|file| (file, ComposedWgsl::of(file).text))
+        .chain([("proctex", proctex.text)]);
     for (name, text) in texts {
         let (module, info) = module(&text);
         for (index, entry) in module.entry_points.iter().enumerate() {
@@ -178,7 +159,7 @@ fn passes_read_and_write_what_they_declare() {
     let library = texgen::Library::new(vec![texture]).unwrap_or_else(|e| panic!("{e}"));
     let mut wrong = String::new();
     for pass in schedule::WAVE.into_iter().chain([&guide::PASS]) {
-        let mut source = Source::of(pass.file);
+        let mut source = ComposedWgsl::of(pass.file);
         if pass.name == proctex::PASS.name {
             source.append_generated(&library.emit(1));
         }
@@ -207,36 +188,29 @@ fn passes_read_and_write_what_they_declare() {
 }
 
 #[test]
-fn the_kernel_on_ray_queries_is_valid_with_and_without_textures() {
-    let inlined = texgen::emit_inlined(&texgen::Graph::new(Default::default()), &[Vec::new()])
-        .unwrap_or_else(|error| panic!("{error}"));
-    for generated in [None, Some(&inlined)] {
-        let source = rayquery::source(generated, 9);
-        let (module, info) = module(&source.text);
-        let bytes = private_bytes(&module, &info, rayquery::ENTRY);
-        // Two rays, six fields, nine words, and what functions need.
-        assert!(bytes > 2 * 48 + 6 * 16 + 9 * 4, "{bytes}");
-    }
+fn private_memory_counts_the_stack_of_programs() {
+    let library = texgen::Library::default();
+    let stack = |slots| {
+        let (module, info) = module(&proctex::text(&library.emit(slots)).text);
+        let mut entries = module.entry_points.iter();
+        let index = entries.position(|entry| entry.name == proctex::PASS.name);
+        let index = index.expect("it is there");
+        let entry = &module.entry_points[index];
+        texgen::kernel_private_bytes(&module, info.get_entry_point(index), entry)
+    };
+    assert_eq!(stack(24) - stack(8), 16 * 16);
 }
 
+/// Nothing lies in the passes' folders that no kernel is made of.
 #[test]
-fn private_memory_counts_the_stack_of_programs_and_that_of_traversal() {
-    let library = texgen::Library::default();
-    let of = |source: Source| {
-        let (module, info) = module(&source.text);
-        private_bytes(&module, &info, proctex::PASS.name)
-    };
-    let stack = |slots| of(proctex::source(TextureForm::Stack, &library.emit(slots)));
-    assert_eq!(stack(24) - stack(8), 16 * 16);
-    // Ambient occlusion in the kernel brings the traversal's stack of 32 groups of two words.
-    let reads_ao = texgen::SourceFile::new(
-        "dirt",
-        "dirt.wgsl",
-        "fn userProc() -> f32 { return readAttr(AO).x; }",
-    );
-    let texture = texgen::TextureType::parse(reads_ao).unwrap_or_else(|e| panic!("{e}"));
-    let library = texgen::Library::new(vec![texture]).unwrap_or_else(|e| panic!("{e}"));
-    let counted = of(proctex::source(TextureForm::Stack, &library.emit(1)));
-    let traced = of(proctex::source(TextureForm::Inlined, &library.emit(1)));
-    assert!(traced > counted + 256, "{counted} and {traced} bytes");
+fn every_wgsl_file_is_part_of_a_kernel() {
+    let mut roots: Vec<&str> = schedule::WAVE.iter().map(|pass| pass.file).collect();
+    roots.extend([guide::PASS.file, "display/display.wgsl"]);
+    let used: BTreeSet<String> = roots
+        .into_iter()
+        .flat_map(|root| ComposedWgsl::of(root).origins)
+        .map(|(file, _)| file)
+        .collect();
+    let all: BTreeSet<String> = FILES.iter().map(|(name, _)| (*name).to_owned()).collect();
+    assert_eq!(used, all);
 }

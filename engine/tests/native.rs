@@ -8,20 +8,20 @@ use device::{
     native::compile::{Cache, Kernel as NativeKernel, Options},
 };
 use engine::{
-    bench::scenes,
     frame::Frame,
     gpu_scene::{GpuScene, SceneFeatures},
     passes::{
         pass::{Pass, Work},
         proctex,
-        wgsl::Source,
+        wgsl::ComposedWgsl,
     },
-    procedural::TextureReads,
-    scene::Scene,
+    scene::{Camera, Instance, Material, Mesh, Projection, Scene},
     schedule::{self, Run},
     settings::RenderSettings,
+    texturing::TextureReads,
     wave,
 };
+use glam::{Affine3A, Vec3};
 use texgen::{Library, SourceFile, TextureType};
 
 /// The override constants of all kernels.
@@ -52,7 +52,7 @@ fn parse(text: &str) -> (naga::Module, naga::valid::ModuleInfo) {
 
 /// Compiles an entry point, and says what that took.
 fn compile(
-    source: &Source,
+    source: &ComposedWgsl,
     entry: &str,
     constants: &[(&str, f64)],
     options: &Options<'_>,
@@ -81,7 +81,7 @@ fn every_kernel_compiles() {
         "guide/guide.wgsl",
         "display/display.wgsl",
     ] {
-        let source = Source::of(file);
+        let source = ComposedWgsl::of(file);
         let (module, _) = parse(&source.text);
         for entry in &module.entry_points {
             for value in [0.0, 1.0] {
@@ -124,16 +124,15 @@ fn generated_kernels_compile() {
     let types = standard_textures();
     let count = types.len();
     let library = Library::new(types).unwrap_or_else(|e| panic!("{e}"));
-    let stack = proctex::TextureForm::Stack;
     for generated in [library.emit(8), library.emit_in_rounds(8, &[])] {
-        let source = proctex::source(stack, &generated);
+        let source = proctex::text(&generated);
         for value in [0.0, 1.0] {
             let constants = FEATURES.map(|name| (name, value));
             let kernel = compile(&source, proctex::PASS.name, &constants, &options);
             assert!(kernel.statistics().functions > count);
         }
     }
-    let source = proctex::source(stack, &library.emit(8));
+    let source = proctex::text(&library.emit(8));
     let constants = FEATURES.map(|name| (name, 0.0));
     let again = compile(&source, proctex::PASS.name, &constants, &options);
     assert_eq!(again.statistics().compiled, 0);
@@ -254,7 +253,69 @@ fn sorted(name: &str, words: &[u32]) -> Vec<u32> {
     words
 }
 
-/// A wave of the Cornell box, pass by pass: both devices begin each with what the GPU device left.
+/// A grey room with a green wall, a slab across its middle and a lamp below its ceiling; open where the camera is.
+fn room() -> Scene {
+    let mut scene = Scene {
+        cameras: vec![Camera {
+            name: String::new(),
+            transform: Affine3A::from_translation(Vec3::new(0.5, 0.5, 2.5)),
+            projection: Projection::Perspective { y_fov: 0.68 },
+            aperture_radius: 0.0,
+            aperture_blades: 0,
+            aperture_rotation: 0.0,
+            focus_distance: 1.0,
+        }],
+        ..Scene::default()
+    };
+    let grey = Vec3::splat(0.73);
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    // Corner, two sides whose cross product points to where the front is, colour and emission.
+    for (corner, u, v, color, light) in [
+        (z, x, -z, grey, 0.0),
+        (y, x, z, grey, 0.0),
+        (Vec3::ZERO, x, y, grey, 0.0),
+        (z, -z, y, grey, 0.0),
+        (x, z, y, Vec3::new(0.14, 0.45, 0.09), 0.0),
+        (
+            Vec3::new(0.2, 0.3, 0.7),
+            x * 0.5,
+            Vec3::new(0.1, 0.2, -0.4),
+            grey,
+            0.0,
+        ),
+        (
+            Vec3::new(0.38, 0.999, 0.38),
+            x * 0.24,
+            z * 0.24,
+            Vec3::ZERO,
+            15.0,
+        ),
+    ] {
+        let number = scene.meshes.len() as u32;
+        scene.meshes.push(Mesh {
+            positions: vec![corner, corner + u, corner + u + v, corner + v],
+            normals: vec![u.cross(v).normalize(); 4],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            triangle_materials: vec![number; 2],
+            ..Mesh::default()
+        });
+        scene.instances.push(Instance {
+            name: String::new(),
+            mesh: number,
+            transform: Affine3A::IDENTITY,
+        });
+        scene.materials.push(Material {
+            base_color: color.extend(1.0),
+            emission: Vec3::splat(light),
+            metallic: 0.0,
+            specular: 0.0,
+            ..Material::default()
+        });
+    }
+    scene
+}
+
+/// A wave of a room, pass by pass: both devices begin each with what the GPU device left.
 #[test]
 fn passes_leave_what_a_gpu_leaves() {
     let is_driver = |device: &DeviceDescription| device.backend != "native";
@@ -266,7 +327,7 @@ fn passes_leave_what_a_gpu_leaves() {
         return;
     };
     let open = |choice| Device::open(&choice).unwrap_or_else(|error| panic!("{error}"));
-    let scene = scenes::cornell_box();
+    let scene = room();
     let gpu = Side::new(open(DeviceChoice::Index(driver.index)), &scene);
     let native = Side::new(open(DeviceChoice::Name("native".to_owned())), &scene);
     let mut passes = Listed(gpu.features, Vec::new());

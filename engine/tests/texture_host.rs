@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use engine::passes::wgsl::Source;
+use engine::passes::wgsl::ComposedWgsl;
 use texgen::{BUILTIN_ATTRIBUTES, GLOBALS, HOST_STUB, Library, SourceFile, TextureType};
 
 /// A library that reads every attribute and global, and calls every function, with every type of parameter.
@@ -72,7 +72,7 @@ fn signatures(module: &naga::Module) -> BTreeMap<String, (Vec<String>, String)> 
 
 #[test]
 fn the_whole_language_compiles_into_the_kernel_that_runs() {
-    let mut source = Source::of("proctex/proctex.wgsl");
+    let mut source = ComposedWgsl::of("proctex/proctex.wgsl");
     source.append_generated(&whole_language().emit(8));
     let module = validated(&source.text);
     assert!(module.entry_points.iter().any(|e| e.name == "proctex"));
@@ -80,7 +80,7 @@ fn the_whole_language_compiles_into_the_kernel_that_runs() {
 
 #[test]
 fn the_kernel_has_every_host_function_as_texgen_expects_it() {
-    let mut source = Source::of("proctex/proctex.wgsl");
+    let mut source = ComposedWgsl::of("proctex/proctex.wgsl");
     source.append_generated(&Library::default().emit(1));
     let ours = signatures(&validated(&source.text));
     let expected = signatures(&validated(HOST_STUB));

@@ -7,9 +7,9 @@ use engine::live::Edit;
 use engine::scene::Material;
 
 use crate::model::Model;
-use crate::panel::SceneView;
 use crate::preview::Previews;
 use crate::rename::Renaming;
+use crate::scene_view::SceneView;
 use crate::widgets::{ImageSlot, row_menu};
 use crate::{Document, Textures};
 

@@ -1,8 +1,15 @@
 //! The panels of Patina's window that edit a look: as lists of widgets and as node graphs.
 //!
-//! [`Document`] is the look that is edited, as text with a history. [`TexturesPanel`] shows it and edits it. Whoever
-//! owns the window shows the panel each frame and then brings [`Document::take_changes`] to the renderer with
-//! [`Change::send`]. Nothing here opens windows, files (but looks and images) or event loops.
+//! The way through the crate, once a frame:
+//!
+//! 1. [`Document`] is the look that is edited, as text with a history.
+//! 2. [`TexturesPanel::show`] shows one material of it in one of its [`Form`]s, beside what the scene says ([`SceneView`]) and what the
+//!    texture files are ([`Textures`]). Nothing is changed while it is shown: edits are collected, and made in the document when all
+//!    has been shown.
+//! 3. Whoever owns the window brings [`Document::take_changes`] to the renderer with [`Change::send`].
+//!
+//! [`Previews`] paints small pictures of nodes in the background. Nothing here opens windows, files (but looks and images) or event
+//! loops, and nothing renders the scene.
 
 mod context;
 mod document;
@@ -20,10 +27,12 @@ mod preview;
 #[cfg(test)]
 mod random_tests;
 mod rename;
+mod scene_view;
 mod textures;
 mod widgets;
 
 pub use document::{Change, Document};
-pub use panel::{Form, SceneView, TexturesPanel};
+pub use panel::{Form, TexturesPanel};
 pub use preview::Previews;
+pub use scene_view::SceneView;
 pub use textures::Textures;

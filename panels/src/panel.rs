@@ -6,32 +6,20 @@
 use std::rc::Rc;
 
 use egui::{Key, Modifiers, ScrollArea, Ui};
-use engine::scene::Material;
 use engine::scene::look::Section;
 
 use crate::context::{Action, Context, material_names};
-use crate::graph::{GraphView, Subject};
+use crate::graph::{GraphItem, GraphView};
 use crate::library::add_menu;
 use crate::model::Model;
 use crate::preview::Previews;
 use crate::rename::Renaming;
+use crate::scene_view::SceneView;
 use crate::widgets::{self, ImageSlot};
 use crate::{Document, Textures, light, list};
 
 /// Of more nodes than this only the names are shown at first.
 const MAX_OPEN: usize = 12;
-
-/// What the panel needs to know about the scene that is shown.
-#[derive(Debug, Clone, Copy)]
-pub struct SceneView<'a> {
-    /// Materials as they are shown, constants of the look included: those of the scene's files, then those that the
-    /// look has added.
-    pub materials: &'a [Material],
-    /// So many of them are those of the scene's files.
-    pub own: usize,
-    /// Names of the scene's directional lights.
-    pub suns: &'a [String],
-}
 
 /// How a material is shown.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -183,8 +171,10 @@ impl TexturesPanel {
         }
         let (old, new) = (renaming.old_name(), renaming.name.as_str());
         match renaming.section {
-            Section::Node(_) => self.graph.rename(Subject::Node(old), Subject::Node(new)),
-            _ => (self.graph).rename(Subject::Material(old), Subject::Material(new)),
+            Section::Node(_) => self
+                .graph
+                .rename(GraphItem::Node(old), GraphItem::Node(new)),
+            _ => (self.graph).rename(GraphItem::Material(old), GraphItem::Material(new)),
         }
         if matches!(renaming.section, Section::Material(_)) && self.material() == Some(old) {
             self.pick(new);

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Subcommand};
-use engine::bench::forms::Form;
-use engine::bench::sweeps::Sweep;
+use patina_bench::forms::Form;
+use patina_bench::sweeps::Sweep;
 
-use crate::args::words;
+use crate::args::common::words;
 
 /// All sweeps.
 pub(super) const ALL: &str = "all";

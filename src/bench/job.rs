@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use device::DeviceChoice;
-use engine::bench::forms::Form;
-use engine::bench::sweeps::Sweep;
+use patina_bench::forms::Form;
+use patina_bench::sweeps::Sweep;
 
 use crate::job::{
     MAX_DEPTH, MAX_SPP, UsageError, parse_device, parse_number, parse_size, parse_word,

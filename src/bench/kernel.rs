@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use device::{Device, DeviceChoice};
-use engine::bench::kernel;
 use engine::procedural::TextureSources;
+use patina_bench::kernel;
 
 use crate::exit::Failure;
 use crate::progress::Bar;
-use crate::{console, devices, library};
+use crate::{console, library};
 
 /// Textures in the kernels that are built.
 const COUNTS: [usize; 4] = [1, 10, 30, 100];
@@ -27,7 +27,7 @@ pub(crate) fn run(
     let sources = TextureSources::search(&folders).map_err(Failure::because)?;
     let gpu = Device::open(device).map_err(Failure::because)?;
     bar.follow(&gpu);
-    bar.suspend(|| console::print(&devices::title(gpu.description())));
+    bar.suspend(|| console::print(&gpu.description().title()));
 
     let head =
         "textures   lines   cold: build, s   + first wave, s   warm: build, s   + first wave, s";

@@ -1,24 +1,23 @@
 //! `patina bench render`: whole renders of several scenes in turn, as a table and as JSON.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use device::Device;
-use engine::bench::render::{self as bench, RenderReport, Spread, Subject};
-use engine::bench::scenes;
 use engine::load;
 use engine::procedural::{Procedural, TextureSources};
 use engine::renderer::RenderSettings;
 use engine::scene::look::{Look, LookError};
 use engine::scene::{Camera, Scene, default_camera};
-use serde::Serialize;
+use patina_bench::render::{self as bench, Workload};
+use patina_bench::report::renders::RenderFigures;
+use patina_bench::scenes;
 
 use crate::exit::Failure;
 use crate::progress::Bar;
 use crate::{console, library};
 
 use super::job::{Amount, RenderJob};
-use super::report::{self, Conditions};
+use super::report;
 
 /// What is rendered if the user says nothing.
 const USUAL: Amount = Amount {
@@ -27,14 +26,6 @@ const USUAL: Amount = Amount {
     spp: 16,
     runs: 3,
 };
-
-/// Figures of all scenes. The JSON form is read by other programs: fields are added, never renamed.
-#[derive(Debug, Serialize)]
-struct Report {
-    #[serde(flatten)]
-    conditions: Conditions,
-    scenes: Vec<RenderReport>,
-}
 
 /// Something to be rendered.
 struct Prepared {
@@ -75,9 +66,9 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
     let gpu = Device::open(&job.effort.device).map_err(Failure::because)?;
     bar.follow(&gpu);
     let amount = job.effort.amount(USUAL);
-    let subjects: Vec<Subject<'_>> = prepared
+    let workloads: Vec<Workload<'_>> = prepared
         .iter()
-        .map(|prepared| Subject {
+        .map(|prepared| Workload {
             name: prepared.name.clone(),
             scene: &prepared.scene,
             procedural: &prepared.procedural,
@@ -87,13 +78,13 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
             },
         })
         .collect();
-    bar.count(subjects.len() as u64 * (u64::from(amount.runs) + 1));
-    let scenes = bench::render(&gpu, &subjects, amount.spp, amount.runs, |_| bar.step())
+    bar.count(workloads.len() as u64 * (u64::from(amount.runs) + 1));
+    let scenes = bench::render(&gpu, &workloads, amount.spp, amount.runs, |_| bar.step())
         .map_err(Failure::because)?;
     bar.finish();
 
-    let report = Report {
-        conditions: Conditions::new(&job.effort, amount, &gpu),
+    let report = RenderFigures {
+        conditions: report::conditions(&job.effort, amount, &gpu),
         scenes,
     };
     console::print(&report.table());
@@ -120,65 +111,4 @@ fn prepare(job: &RenderJob, bar: &Bar) -> Result<Vec<Prepared>, Failure> {
         });
     }
     Ok(prepared)
-}
-
-impl Report {
-    fn table(&self) -> String {
-        let mut text = self.conditions.text();
-        for scene in &self.scenes {
-            write_scene(&mut text, scene);
-        }
-        text
-    }
-}
-
-fn write_scene(text: &mut String, scene: &RenderReport) {
-    let _ = writeln!(
-        text,
-        "\n{}: {} triangles, {} bytes per path, {} samples not finite\n",
-        scene.name,
-        console::grouped(scene.triangles),
-        scene.path_bytes.total(),
-        console::grouped(scene.invalid_samples)
-    );
-    let _ = writeln!(
-        text,
-        "{:<20}{:>12.0}  ({:.0} to {:.0})",
-        "samples/s",
-        scene.samples_per_second.median,
-        scene.samples_per_second.low,
-        scene.samples_per_second.high
-    );
-    for (name, rays) in [
-        ("closest, Mrays/s", &scene.closest),
-        ("occlusion, Mrays/s", &scene.occlusion),
-        ("AO, Mrays/s", &scene.ao),
-    ] {
-        let Spread { median, low, high } = rays.mrays_per_second;
-        if rays.rays > 0 {
-            let _ = writeln!(
-                text,
-                "{name:<20}{median:>12.2}  ({low:.2} to {high:.2}; {} rays)",
-                console::grouped(rays.rays)
-            );
-        }
-    }
-    if !scene.timestamps {
-        let _ = writeln!(
-            text,
-            "This device has no timestamps: rays are counted per second of everything."
-        );
-        return;
-    }
-    let _ = writeln!(text, "\n{:<20}{:>12}{:>9}", "pass", "ms", "share");
-    for pass in &scene.passes {
-        let Spread { median, low, high } = pass.milliseconds;
-        let _ = writeln!(
-            text,
-            "{:<20}{median:>12.1}{:>8.1}%  ({low:.1} to {high:.1}; {} dispatches)",
-            pass.name,
-            pass.share * 100.0,
-            console::grouped(pass.dispatches)
-        );
-    }
 }

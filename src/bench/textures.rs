@@ -1,29 +1,28 @@
 //! `patina bench textures`: what rust and scratches cost over plain grey, for each form of the texture kernel, and what
 //! changes that cost. From a job to measurements to a table and to report files.
 
-mod charts;
-mod figures;
-mod page;
-mod paper;
-
 use std::io::Write as _;
 
 use device::{Device, DeviceOptions};
-use engine::bench::forms::Form;
-use engine::bench::textures::{self as bench, Absent, MODEL, Setup};
-use engine::bench::{coverage, insert, scenes, sweeps};
 use engine::load;
 use engine::procedural::TextureSources;
 use engine::renderer::RenderSettings;
 use engine::scene::{Camera, Scene, default_camera};
+use patina_bench::forms::Form;
+use patina_bench::report::figures::Figures;
+use patina_bench::report::page::Thumbnail;
+use patina_bench::report::{charts, page, paper};
+use patina_bench::scenes::{self, MODEL};
+use patina_bench::textures::{self as bench, Absent, Setup};
+use patina_bench::{coverage, insert, sweeps};
 
 use crate::exit::Failure;
+use crate::output::{self, Picture};
 use crate::progress::Bar;
-use crate::{console, library, output};
+use crate::{console, library};
 
-use self::figures::Figures;
 use super::job::{Amount, Model, ReportFormat, TexturesJob};
-use super::report::{self, Conditions};
+use super::report;
 
 /// What is rendered if the user says nothing: some minutes on two cores of a server.
 const USUAL_ON_CPU: Amount = Amount {
@@ -41,7 +40,7 @@ const USUAL_ON_GPU: Amount = Amount {
 };
 
 /// What is rendered.
-struct Subject {
+struct Prepared {
     name: String,
     scene: Scene,
     material: String,
@@ -65,7 +64,7 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     let bar = Bar::new("loading the scene");
     let folders = library::texture_dirs(&job.effort.texture_dirs, None)?;
     let sources = TextureSources::search(&folders).map_err(Failure::because)?;
-    let subject = prepare(job, &folders, &bar)?;
+    let prepared = prepare(job, &folders, &bar)?;
     let (gpu, forms, left_out) = open(job)?;
     bar.follow(&gpu);
     let usual = match gpu.traits().compiles_slowly {
@@ -74,12 +73,12 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     };
     let amount = job.effort.amount(usual);
     let setup = Setup {
-        scene: &subject.scene,
-        material: &subject.material,
+        scene: &prepared.scene,
+        material: &prepared.material,
         sources: &sources,
         settings: RenderSettings {
             max_depth: job.effort.max_depth,
-            ..RenderSettings::new(amount.width, amount.height, &subject.camera)
+            ..RenderSettings::new(amount.width, amount.height, &prepared.camera)
         },
         spp: amount.spp,
         runs: amount.runs,
@@ -101,10 +100,10 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     bar.finish();
 
     let figures = Figures {
-        conditions: Conditions::new(&job.effort, amount, &gpu),
-        triangles: subject.scene.instanced_triangles(),
-        scene: subject.name,
-        material: subject.material,
+        conditions: report::conditions(&job.effort, amount, &gpu),
+        triangles: prepared.scene.instanced_triangles(),
+        scene: prepared.name,
+        material: prepared.material,
         coverage,
         results: compared.results,
         absent: compared.absent.into_iter().chain(left_out).collect(),
@@ -117,7 +116,7 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     report::write(&job.effort, &figures)?;
     for report in &job.reports {
         let text = match report.format {
-            ReportFormat::Html => page::html(&figures).map_err(Failure::because)?,
+            ReportFormat::Html => page::html(&figures, &jpeg).map_err(Failure::because)?,
             ReportFormat::Json => figures.json().map_err(Failure::because)?,
             ReportFormat::Svg => charts::increases(&figures).map_err(Failure::because)?,
         };
@@ -162,11 +161,11 @@ fn prepare(
     job: &TexturesJob,
     folders: &[std::path::PathBuf],
     bar: &Bar,
-) -> Result<Subject, Failure> {
+) -> Result<Prepared, Failure> {
     let Some((path, model)) = &job.scene else {
         let scene = scenes::arcade();
         let camera = scene.cameras.first().cloned();
-        return Ok(Subject {
+        return Ok(Prepared {
             name: "arcade".to_owned(),
             camera: camera.unwrap_or_else(|| default_camera(&scene)),
             material: MODEL.to_owned(),
@@ -177,7 +176,7 @@ fn prepare(
     bar.suspend(|| console::diagnostics(&loaded.warnings));
     let name = path.display().to_string();
     Ok(match model {
-        Model::Material(material) => Subject {
+        Model::Material(material) => Prepared {
             name,
             material: material.clone(),
             scene: loaded.scene,
@@ -193,7 +192,7 @@ fn prepare(
                     console::warning(warning);
                 }
             });
-            Subject {
+            Prepared {
                 name: format!("{name} with {}", model.display()),
                 material: inserted.material,
                 scene: loaded.scene,
@@ -203,5 +202,13 @@ fn prepare(
     })
 }
 
-#[cfg(test)]
-mod tests;
+/// A picture of the page as a JPEG, so many stops brighter.
+fn jpeg(picture: Thumbnail, stops: f32) -> std::io::Result<Vec<u8>> {
+    let picture = Picture {
+        width: picture.width,
+        height: picture.height,
+        rgb: picture.rgb,
+        facts: Vec::new(),
+    };
+    output::jpeg(&picture, stops)
+}

@@ -16,7 +16,7 @@ use crate::console;
 use crate::exit::Failure;
 
 use super::args::Part;
-use super::job::{InspectJob, Subject as Inspected};
+use super::job::{InspectJob, Inspected};
 use super::programs;
 
 /// Bytes of a slot of the kernel's stack.

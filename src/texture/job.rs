@@ -45,7 +45,7 @@ pub(crate) struct CheckJob {
 #[derive(Debug, PartialEq)]
 pub(crate) struct InspectJob {
     /// What.
-    pub(crate) subject: Subject,
+    pub(crate) subject: Inspected,
     /// Only this part of it.
     pub(crate) part: Option<Part>,
     /// Folders the user named, searched first.
@@ -54,7 +54,7 @@ pub(crate) struct InspectJob {
 
 /// What is inspected.
 #[derive(Debug, PartialEq)]
-pub(crate) enum Subject {
+pub(crate) enum Inspected {
     /// A texture by name.
     Texture(String),
     /// A look file.
@@ -150,9 +150,9 @@ impl InspectJob {
     fn from_args(args: InspectArgs) -> Self {
         Self {
             subject: match (args.name, args.look) {
-                (_, Some(look)) => Subject::Look(look),
+                (_, Some(look)) => Inspected::Look(look),
                 // clap demands one of the two.
-                (name, None) => Subject::Texture(name.unwrap_or_default()),
+                (name, None) => Inspected::Texture(name.unwrap_or_default()),
             },
             part: args.part,
             texture_dirs: args.folders.texture_dirs,

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::args::CommonArgs;
+use crate::args::common::CommonArgs;
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::ArgAction;
 
-use crate::args::CommonArgs;
+use crate::args::common::CommonArgs;
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:

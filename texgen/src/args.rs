@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use crate::texture::TextureType;
+use crate::interface::Parameter;
 use crate::value::{Interpolation, ParameterType, Ramp, Value};
 
 /// Words that a parameter takes in its node's block.
@@ -24,10 +24,9 @@ pub(crate) fn words_of(ty: ParameterType) -> u32 {
 }
 
 /// Word offset of each parameter in its node's block.
-pub(crate) fn offsets(texture: &TextureType) -> Vec<u32> {
+pub(crate) fn offsets(parameters: &[Parameter]) -> Vec<u32> {
     let mut next = 0;
-    texture
-        .parameters()
+    parameters
         .iter()
         .map(|parameter| {
             let offset = next;
@@ -38,9 +37,8 @@ pub(crate) fn offsets(texture: &TextureType) -> Vec<u32> {
 }
 
 /// Words of a node's whole block.
-pub(crate) fn block_words(texture: &TextureType) -> u32 {
-    texture
-        .parameters()
+pub(crate) fn block_words(parameters: &[Parameter]) -> u32 {
+    parameters
         .iter()
         .map(|parameter| words_of(parameter.ty))
         .sum()

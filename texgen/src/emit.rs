@@ -37,18 +37,36 @@ const RUNTIME: &str = include_str!("runtime.wgsl");
 pub const LOOP_LIMIT: u32 = 16_384;
 
 /// How the loop over a program's instructions comes to the textures' calls.
-pub(crate) enum Dispatch<'a> {
+enum Dispatch<'a> {
     /// A switch for each instruction.
     Switch,
     /// All textures in this order, each for the instructions whose turn it is.
     Rounds(&'a [usize]),
 }
 
-pub(crate) fn emit(
-    library: &Library,
-    stack_slots: u32,
-    dispatch: &Dispatch<'_>,
-) -> GeneratedKernel {
+impl Library {
+    /// The kernel's text for programs that need at most `stack_slots` slots (at least one is made).
+    pub fn emit(&self, stack_slots: u32) -> GeneratedKernel {
+        emit(self, stack_slots, &Dispatch::Switch)
+    }
+
+    /// The same for drivers that run all sides of a branch: instead of a switch for each instruction the kernel goes
+    /// through all textures in `order` again and again, and each one takes the instructions whose turn it is. Any order
+    /// gives the same results; the one in which programs use the textures takes the fewest rounds. Textures that
+    /// `order` leaves out come last.
+    pub fn emit_in_rounds(&self, stack_slots: u32, order: &[usize]) -> GeneratedKernel {
+        let all = 0..self.textures().len();
+        let mut whole: Vec<usize> = Vec::with_capacity(all.len());
+        for number in order.iter().copied().chain(all.clone()) {
+            if all.contains(&number) && !whole.contains(&number) {
+                whole.push(number);
+            }
+        }
+        emit(self, stack_slots, &Dispatch::Rounds(&whole))
+    }
+}
+
+fn emit(library: &Library, stack_slots: u32, dispatch: &Dispatch<'_>) -> GeneratedKernel {
     let mut emitter = Emitter::new(library, stack_slots);
     emitter.in_rounds = matches!(dispatch, Dispatch::Rounds(_));
     let names = section_names(library);
@@ -265,7 +283,7 @@ impl Emitter {
 
     /// The function that loads a node's arguments and calls `userProc`.
     fn call(&mut self, texture: &TextureType, name: &str) {
-        let offsets = args::offsets(texture);
+        let offsets = args::offsets(texture.parameters());
         let linkable: Vec<usize> = (0..offsets.len())
             .filter(|&i| texture.parameters()[i].ty.is_linkable())
             .collect();

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use crate::args::{self, FakeStack};
 use crate::graph_error::GraphError;
 use crate::library::Library;
-use crate::program::{self, Program};
 use crate::suggest::did_you_mean;
 use crate::swizzle::Swizzle;
 use crate::texture::TextureType;
@@ -185,7 +184,7 @@ impl Graph {
             // Never empty, so that its place tells the node.
             block: self
                 .stack
-                .push_block(args::block_words(texture_type).max(1)),
+                .push_block(args::block_words(texture_type.parameters()).max(1)),
             inputs: vec![Input::default(); texture_type.parameters().len()],
         });
         self.by_name.insert(name.to_owned(), id);
@@ -219,7 +218,7 @@ impl Graph {
     /// its ramps lie elsewhere.
     pub fn block(&self, node: NodeId) -> Range<u32> {
         let start = self.nodes[node.index()].block;
-        start..start + args::block_words(self.texture(node))
+        start..start + args::block_words(self.texture(node).parameters())
     }
 
     /// What a node gives.
@@ -396,14 +395,6 @@ impl Graph {
         self.stack.words()
     }
 
-    /// Compiles the part of the graph below `roots`.
-    ///
-    /// # Errors
-    /// An image parameter below the roots without an image; more than 65,535 results at once.
-    pub fn compile(&self, roots: &[NodeId]) -> Result<Program, GraphError> {
-        program::compile(self, roots)
-    }
-
     pub(crate) fn nodes(&self) -> &[Node] {
         &self.nodes
     }
@@ -432,7 +423,8 @@ impl Graph {
 
     /// Writes a value into the fake stack; returns the words that changed.
     fn store(&mut self, node: NodeId, place: usize, value: Option<&Value>) -> Vec<Range<usize>> {
-        let offset = self.nodes[node.index()].block + args::offsets(self.texture(node))[place];
+        let offset =
+            self.nodes[node.index()].block + args::offsets(self.texture(node).parameters())[place];
         let mut changed = Vec::new();
         match value {
             Some(Value::Ramp(ramp)) => {

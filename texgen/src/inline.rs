@@ -103,7 +103,7 @@ fn arguments(
         return String::new();
     };
     let texture = graph.texture(node);
-    let offsets = args::offsets(texture);
+    let offsets = args::offsets(texture.parameters());
     let arguments: Vec<String> = texture
         .parameters()
         .iter()

@@ -4,7 +4,6 @@ use std::collections::{BTreeSet, HashMap};
 
 use crate::attribute::Attribute;
 use crate::diagnostic::Diagnostic;
-use crate::emit::{self, Dispatch, GeneratedKernel};
 use crate::suggest::did_you_mean;
 use crate::texture::{TextureType, custom_names};
 
@@ -81,25 +80,5 @@ impl Library {
     /// `patina_attr_custom(index)` gets the index into this list.
     pub fn custom_attributes(&self) -> Vec<String> {
         custom_names(&self.attributes())
-    }
-
-    /// The kernel's text for programs that need at most `stack_slots` slots (at least one is made).
-    pub fn emit(&self, stack_slots: u32) -> GeneratedKernel {
-        emit::emit(self, stack_slots, &Dispatch::Switch)
-    }
-
-    /// The same for drivers that run all sides of a branch: instead of a switch for each instruction the kernel goes
-    /// through all textures in `order` again and again, and each one takes the instructions whose turn it is. Any order
-    /// gives the same results; the one in which programs use the textures takes the fewest rounds. Textures that
-    /// `order` leaves out come last.
-    pub fn emit_in_rounds(&self, stack_slots: u32, order: &[usize]) -> GeneratedKernel {
-        let all = 0..self.textures().len();
-        let mut whole: Vec<usize> = Vec::with_capacity(all.len());
-        for number in order.iter().copied().chain(all.clone()) {
-            if all.contains(&number) && !whole.contains(&number) {
-                whole.push(number);
-            }
-        }
-        emit::emit(self, stack_slots, &Dispatch::Rounds(&whole))
     }
 }

@@ -1,5 +1,4 @@
-//! How much memory per thread the variables of a texture or of a whole kernel take, for tools: by function, and along the
-//! deepest chain of calls.
+//! How much memory per thread the variables of functions and of a whole kernel take, along the deepest chain of calls.
 //!
 //! naga's layout of the types is what counts. Drivers keep what they can in registers and merge what is not alive at
 //! the same time, so this is what a texture asks for, not what a device gives it.
@@ -8,72 +7,6 @@ use std::collections::HashMap;
 
 use naga::valid::FunctionInfo;
 use naga::{AddressSpace, Block, EntryPoint, Function, Handle, Module, Statement, TypeInner};
-
-use crate::parse;
-use crate::scope::Outline;
-use crate::texture::{TextureType, custom_names};
-
-/// Bytes of parameters and variables of a texture's functions.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct PrivateMemory {
-    /// Every function of the file in its order.
-    pub functions: Vec<FunctionMemory>,
-    /// The chain of calls from `userProc` on whose functions need most together, by name.
-    pub deepest: Vec<String>,
-    /// Bytes of the functions of that chain together.
-    pub bytes: u32,
-}
-
-/// Bytes of one function.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FunctionMemory {
-    /// As the file calls it.
-    pub name: String,
-    /// Its parameters (but not the arrays of `userProc`, which are read in place) and its variables.
-    pub bytes: u32,
-}
-
-impl PrivateMemory {
-    /// Works it out from the texture's source.
-    pub fn of(texture: &TextureType) -> Self {
-        let text = texture.file().text();
-        let text = match text.strip_prefix('\u{feff}') {
-            Some(rest) => format!("   {rest}"),
-            None => text.to_owned(),
-        };
-        let outline = Outline::new(&text);
-        let custom = custom_names(texture.attributes());
-        // It was parsed before, so it can be parsed again.
-        let Ok(module) = parse::parse(texture.file(), &outline, &custom, &[]) else {
-            return Self::default();
-        };
-        let mut sizes: HashMap<Handle<Function>, u32> = HashMap::new();
-        let mut functions = Vec::new();
-        for (handle, function) in module.functions.iter() {
-            let name = function.name.clone().unwrap_or_default();
-            let Some(place) = outline
-                .functions
-                .iter()
-                .position(|decl| outline.word(decl.name) == name)
-            else {
-                continue; // of the prelude
-            };
-            let bytes = bytes_of(&module, function, name == "userProc");
-            sizes.insert(handle, bytes);
-            functions.push((place, FunctionMemory { name, bytes }));
-        }
-        functions.sort_by_key(|(place, _)| *place);
-        let (bytes, deepest) = deepest(&module, &sizes);
-        Self {
-            functions: functions
-                .into_iter()
-                .map(|(_, function)| function)
-                .collect(),
-            deepest,
-            bytes,
-        }
-    }
-}
 
 pub(crate) fn bytes_of(module: &Module, function: &Function, is_entry: bool) -> u32 {
     let variables = function.local_variables.iter().map(|(_, local)| local.ty);
@@ -192,28 +125,6 @@ fn calls(block: &Block, found: &mut Vec<Handle<Function>>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::SourceFile;
-
-    #[test]
-    fn the_heaviest_chain_of_calls_counts() {
-        let text = "
-            fn light(x: f32) -> f32 { return x; }
-            fn heavy(x: f32) -> f32 { var table: array<vec4f, 8>; table[i32(x)] = vec4f(x); return light(table[1].x); }
-            fn userProc(a: array<f32, 100>, k: vec3f) -> f32 {
-                if k.x > 0.0 { return heavy(k.x); }
-                return light(a[2]);
-            }
-            fn unused(m: mat4x4f) -> f32 { return m[0][0]; }";
-        let texture = TextureType::parse(SourceFile::new("t", "t.wgsl", text))
-            .unwrap_or_else(|problems| panic!("{problems}"));
-        let memory = PrivateMemory::of(&texture);
-        assert_eq!(memory.deepest, ["userProc", "heavy", "light"]);
-        // A vec3f; a number and a table of eight vec4f; a number.
-        assert_eq!(memory.bytes, 12 + 4 + 128 + 4);
-        let names: Vec<&str> = memory.functions.iter().map(|f| f.name.as_str()).collect();
-        assert_eq!(names, ["light", "heavy", "userProc", "unused"]);
-        assert_eq!(memory.functions[3].bytes, 64);
-    }
 
     #[test]
     fn a_kernel_asks_for_private_variables_and_its_heaviest_chain() {

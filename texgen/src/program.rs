@@ -123,6 +123,16 @@ pub fn link_word(slot: u32, swizzle: Option<Swizzle>) -> u32 {
     }
 }
 
+impl Graph {
+    /// Compiles the part of the graph below `roots`.
+    ///
+    /// # Errors
+    /// An image parameter below the roots without an image; more than 65,535 results at once.
+    pub fn compile(&self, roots: &[NodeId]) -> Result<Program, GraphError> {
+        compile(self, roots)
+    }
+}
+
 /// See [`Graph::compile`].
 pub(crate) fn compile(graph: &Graph, roots: &[NodeId]) -> Result<Program, GraphError> {
     let (nodes, dag) = reachable(graph, roots);

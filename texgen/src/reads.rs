@@ -8,7 +8,7 @@ use crate::tokens::TokenKind;
 
 /// What one call reads.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Source {
+pub(crate) enum ReadSource {
     Attribute(Attribute),
     Global(Global),
 }
@@ -20,7 +20,7 @@ pub(crate) struct Read {
     pub(crate) name: usize,
     /// A comma behind the name, which WGSL allows.
     pub(crate) comma: Option<usize>,
-    pub(crate) source: Source,
+    pub(crate) source: ReadSource,
 }
 
 /// All calls of a file, and what is wrong with them.
@@ -120,11 +120,11 @@ fn read(
         .with_note("rename the declaration if the attribute was meant"));
     }
     let source = if reader == "readGlobal" {
-        Global::from_name(word).map(Source::Global)
+        Global::from_name(word).map(ReadSource::Global)
     } else if custom {
-        Some(Source::Attribute(Attribute::Custom(word.to_owned())))
+        Some(ReadSource::Attribute(Attribute::Custom(word.to_owned())))
     } else {
-        BuiltinAttribute::from_name(word).map(|builtin| Source::Attribute(builtin.into()))
+        BuiltinAttribute::from_name(word).map(|builtin| ReadSource::Attribute(builtin.into()))
     };
     match source {
         Some(source) => Ok(Read {

@@ -8,7 +8,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use crate::parse::Problem;
+use crate::problem::{Conversion, Problem};
 use crate::scope::{GlobalDecl, Outline};
 use crate::tokens::TokenKind;
 
@@ -358,6 +358,24 @@ struct Statement {
 pub(crate) struct Edits(Vec<(Range<usize>, Range<usize>)>);
 
 impl Edits {
+    /// Moves places in an edited text to where they are in the file.
+    pub(crate) fn undo(&self, problem: &mut Problem) {
+        let original = |span: &Range<usize>| {
+            let start = self.original(span.start);
+            start..self.original(span.end).max(start)
+        };
+        for (span, _) in &mut problem.labels {
+            *span = original(span);
+        }
+        if let Some(Conversion {
+            operand: Some(span),
+            ..
+        }) = problem.conversion.as_deref_mut()
+        {
+            *span = original(span);
+        }
+    }
+
     /// The byte of the file that a byte of naga's text stands for.
     pub(crate) fn original(&self, offset: usize) -> usize {
         let at = self.0.partition_point(|(text, _)| text.end <= offset);

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use crate::attribute::{Attribute, BuiltinAttribute};
-use crate::reads::{Read, Source};
+use crate::reads::{Read, ReadSource};
 use crate::scope::{FunctionDecl, LoopDecl, Outline, Role};
 use crate::value::{ElementType, ParameterType};
 
@@ -100,23 +100,23 @@ impl Rewriter<'_, '_> {
     fn reads(&mut self, reads: &[Read]) {
         for read in reads {
             let (callee, argument) = match &read.source {
-                Source::Attribute(Attribute::Builtin(BuiltinAttribute::AO)) => (
+                ReadSource::Attribute(Attribute::Builtin(BuiltinAttribute::AO)) => (
                     "patina_attr_AO".into(),
                     Piece::Text("patina_occlusion.x".into()),
                 ),
-                Source::Attribute(Attribute::Builtin(BuiltinAttribute::AO1)) => (
+                ReadSource::Attribute(Attribute::Builtin(BuiltinAttribute::AO1)) => (
                     "patina_attr_AO".into(),
                     Piece::Text("patina_occlusion.y".into()),
                 ),
-                Source::Attribute(Attribute::Builtin(builtin)) => (
+                ReadSource::Attribute(Attribute::Builtin(builtin)) => (
                     format!("patina_attr_{}", builtin.name()),
                     Piece::Text(String::new()),
                 ),
-                Source::Attribute(Attribute::Custom(name)) => (
+                ReadSource::Attribute(Attribute::Custom(name)) => (
                     "patina_attr_custom".into(),
                     Piece::CustomIndex(name.clone()),
                 ),
-                Source::Global(global) => (
+                ReadSource::Global(global) => (
                     format!("patina_global_{}", global.name()),
                     Piece::Text(String::new()),
                 ),

@@ -9,18 +9,16 @@ use std::collections::BTreeSet;
 use crate::args;
 use crate::attribute::{Attribute, Global};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile};
-use crate::guard::guarded;
 use crate::habits::habits;
 use crate::interface::Parameter;
 use crate::memory_limit::{self, Needs};
 use crate::metadata;
 use crate::parse;
-use crate::reads::{self, Source};
+use crate::reads::{self, ReadSource};
 use crate::refuse::{self, MAX_FILE_BYTES};
 use crate::rewrite::{self, Rewrite};
 use crate::scope::Outline;
 use crate::signature;
-use crate::try_out::try_out;
 use crate::value::{OutputType, ParameterType};
 
 /// A valid user texture.
@@ -39,22 +37,8 @@ pub struct TextureType {
 }
 
 impl TextureType {
-    /// Parses and checks a user texture. The file's name is the texture's name.
-    ///
-    /// # Errors
-    /// Everything that is wrong with the file, each with its place and a remedy.
-    pub fn parse(file: SourceFile) -> Result<Self, Diagnostics> {
-        let checked = guarded(|| Self::check(file.clone()));
-        checked.unwrap_or_else(|panic| {
-            let start = file.text().find("userProc").unwrap_or(0);
-            let error = Diagnostic::error(format!("the compiler ended unexpectedly: {panic}"))
-                .with_label(&file, start..start, "somewhere in this texture")
-                .with_note("this is a fault of Patina or of its parts: please report it together with the file");
-            Err(error.into())
-        })
-    }
-
-    fn check(file: SourceFile) -> Result<Self, Diagnostics> {
+    /// Checks all but whether the generated kernel compiles: see [`Self::parse`].
+    pub(crate) fn check(file: SourceFile) -> Result<Self, Diagnostics> {
         if file.text().len() > MAX_FILE_BYTES {
             return Err(Diagnostic::error(format!(
                 "a texture of {} bytes is too long: at most {MAX_FILE_BYTES} are read",
@@ -79,15 +63,15 @@ impl TextureType {
         let attributes: BTreeSet<Attribute> = reads
             .iter()
             .filter_map(|read| match &read.source {
-                Source::Attribute(attribute) => Some(attribute.clone()),
-                Source::Global(_) => None,
+                ReadSource::Attribute(attribute) => Some(attribute.clone()),
+                ReadSource::Global(_) => None,
             })
             .collect();
         let globals: BTreeSet<Global> = reads
             .iter()
             .filter_map(|read| match read.source {
-                Source::Global(global) => Some(global),
-                Source::Attribute(_) => None,
+                ReadSource::Global(global) => Some(global),
+                ReadSource::Attribute(_) => None,
             })
             .collect();
 
@@ -115,8 +99,8 @@ impl TextureType {
         }
         let types: Vec<ParameterType> = parameters.iter().map(|parameter| parameter.ty).collect();
         let rewrite = rewrite::rewrite(&outline, &reads, &types);
-        let texture = Self {
-            file: file.clone(),
+        Ok(Self {
+            file,
             docs,
             parameters,
             output,
@@ -126,8 +110,7 @@ impl TextureType {
             private_bytes: total,
             warnings: problems,
             rewrite,
-        };
-        try_out(texture)
+        })
     }
 
     /// The texture's name: what a look file calls it.
@@ -161,7 +144,7 @@ impl TextureType {
     /// Words of the fake stack that each parameter takes, as offsets from the beginning of a node's block. A ramp has
     /// one word there, the offset of its stops.
     pub fn argument_layout(&self) -> Vec<std::ops::Range<u32>> {
-        let ends = self.parameters.iter().zip(args::offsets(self));
+        let ends = self.parameters.iter().zip(args::offsets(&self.parameters));
         ends.map(|(parameter, offset)| offset..offset + args::words_of(parameter.ty))
             .collect()
     }

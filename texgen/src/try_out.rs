@@ -5,18 +5,36 @@ use naga::back::spv;
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::valid::{ValidationFlags, Validator};
 
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
 use crate::emit::HOST_STUB;
+use crate::guard::guarded;
 use crate::library::Library;
 use crate::parse::{self, CAPABILITIES};
 use crate::pointer_arguments::copy_pointer_arguments;
 use crate::texture::TextureType;
 
+impl TextureType {
+    /// Parses and checks a user texture. The file's name is the texture's name.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the file, each with its place and a remedy.
+    pub fn parse(file: SourceFile) -> Result<Self, Diagnostics> {
+        let checked = guarded(|| Self::check(file.clone()).and_then(try_out));
+        checked.unwrap_or_else(|panic| {
+            let start = file.text().find("userProc").unwrap_or(0);
+            let error = Diagnostic::error(format!("the compiler ended unexpectedly: {panic}"))
+                .with_label(&file, start..start, "somewhere in this texture")
+                .with_note("this is a fault of Patina or of its parts: please report it together with the file");
+            Err(error.into())
+        })
+    }
+}
+
 /// Emits a kernel of this texture alone, has naga check it, and writes it as drivers get it.
 ///
 /// # Errors
 /// Any that there are: they are faults of this crate or of naga, not of the texture.
-pub(crate) fn try_out(texture: TextureType) -> Result<TextureType, Diagnostics> {
+fn try_out(texture: TextureType) -> Result<TextureType, Diagnostics> {
     let file = texture.file().clone();
     let library = Library::new(vec![texture]).map_err(Diagnostics::from)?;
     let kernel = library.emit(1);

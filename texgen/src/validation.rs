@@ -12,17 +12,7 @@ use naga::{
     WithSpan,
 };
 
-use crate::parse::Problem;
-
-/// An operand of the wrong type, and the conversion that makes it fit.
-#[derive(Clone, Debug)]
-pub(crate) struct Conversion {
-    /// Its place, or its name where naga knows no more than that.
-    pub(crate) operand: Option<Range<usize>>,
-    pub(crate) name: Option<String>,
-    /// As `f32`.
-    pub(crate) to: String,
-}
+use crate::problem::{Conversion, Problem};
 
 /// The error in terms of the text.
 pub(crate) fn problem(error: &WithSpan<ValidationError>, module: &Module) -> Problem {

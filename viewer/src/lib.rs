@@ -1,9 +1,17 @@
 //! Patina's window: a live render that is looked at, walked through and edited.
 //!
-//! [`shell::run`] opens it. Inside, [`viewer::Viewer`] is everything that a user sees and does, free of GPU and window
-//! system, and [`thread::RenderThread`] renders; they talk over a [`link::Link`], and neither waits for the other. What
-//! the window needs of the program around it (file events, formats of pictures) is a [`host::Host`]. Nothing here
-//! prints.
+//! The way through the crate:
+//!
+//! 1. [`shell::run`] opens the window and runs until it is closed. What it needs of the program around it (file events, formats of
+//!    pictures) is a [`host::Host`].
+//! 2. [`viewer::Viewer`] is everything that a user sees and does, free of GPU and window system, so that tests use it without
+//!    either; [`navigate`] moves the camera.
+//! 3. [`thread::RenderThread`] renders. Both talk over a [`link::Link`]: commands go one way, what is shown lies on a
+//!    [`link::Board`], and neither waits for the other. [`pace`] decides how long waves may take, so that the window stays at
+//!    hand.
+//! 4. [`blit`] paints the picture by a pipeline of its own.
+//!
+//! Panels that edit the look are `patina_panels`. Nothing here prints.
 
 pub mod blit;
 pub mod host;

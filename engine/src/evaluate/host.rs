@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use texgen::{GeneratedKernel, HOST_STUB};
 
-use crate::passes::wgsl::Source;
+use crate::passes::wgsl::ComposedWgsl;
 
 use super::point::Layout;
 
@@ -42,9 +42,9 @@ pub(super) fn source(
     layout: &Layout,
     second_occlusion: Option<u32>,
     generated: &GeneratedKernel,
-) -> Source {
+) -> ComposedWgsl {
     // Images are sampled by the code that renders.
-    let mut source = Source::of("shared/images.wgsl");
+    let mut source = ComposedWgsl::of("shared/images.wgsl");
     source.text.push_str(FRAME);
     let _ = writeln!(source.text, "const POINT_STRIDE = {}u;", layout.stride());
     for line in HOST_STUB.lines() {

@@ -28,7 +28,7 @@ use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Trust, U
 
 use crate::gpu_scene::images::GpuImages;
 use crate::isolated::{Isolated, Subject};
-use crate::passes::wgsl::Source;
+use crate::passes::wgsl::ComposedWgsl;
 use crate::procedural::{EditError, MAX_STACK_SLOTS, SourcesError, TextureSources};
 use crate::renderer::{compiling, culprit};
 
@@ -251,7 +251,7 @@ impl Evaluator {
         let is_same = |made: &Made| made.text == source.text;
         if !self.kernel.as_ref().is_some_and(is_same) {
             let kernel =
-                |source: &Source| source.compile(&self.gpu, "evaluate", Trust::Nothing, &[]);
+                |source: &ComposedWgsl| source.compile(&self.gpu, "evaluate", Trust::Nothing, &[]);
             let library = self.isolated.procedural.graph().library();
             let kernel = kernel(&source).map_err(|error| {
                 culprit::named(error, library, |alone| {

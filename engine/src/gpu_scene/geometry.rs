@@ -6,19 +6,19 @@ use glam::{Vec2, Vec3, Vec4};
 
 use crate::{
     bvh::SceneBvh,
-    procedural::ProgramTraits,
     scene::{Material, Mesh, Scene},
+    texturing::ProgramTraits,
 };
 
 use super::materials;
 
-pub(crate) const TRIANGLE_ALPHA: u32 = 1 << 31;
+pub(super) const TRIANGLE_ALPHA: u32 = 1 << 31;
 const TRIANGLE_HAS_UV: u32 = 1 << 30;
 const TRIANGLE_HAS_EXTRA: u32 = 1 << 29;
 const TRIANGLE_HAS_TANGENT: u32 = 1 << 28;
 const TRIANGLE_HAS_COLOR: u32 = 1 << 27;
-pub(crate) const TRIANGLE_SINGLE_SIDED: u32 = 1 << 26;
-pub(crate) const TRIANGLE_PROGRAM_ALPHA: u32 = 1 << 25;
+const TRIANGLE_SINGLE_SIDED: u32 = 1 << 26;
+const TRIANGLE_PROGRAM_ALPHA: u32 = 1 << 25;
 const TRIANGLE_HAS_CUSTOM: u32 = 1 << 24;
 
 /// Triangles in hierarchy order, and the heap of vertices: each mesh has records of one to three `vec4u`, and one more
@@ -52,8 +52,28 @@ pub(super) fn geometry(
     (triangles, vertices)
 }
 
+/// What a material means for the rays that meet its triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RayRules {
+    /// Rays pass its back.
+    pub is_single_sided: bool,
+    /// Its opacity, or what it lets through, decides whether a ray ends at its front.
+    pub may_let_pass: bool,
+}
+
+/// The rules of each material, for meshes without and with vertex colours. `program` says what is known of a material's
+/// texture program.
+pub fn ray_rules(scene: &Scene, program: impl Fn(u32) -> ProgramTraits) -> Vec<[RayRules; 2]> {
+    let rules = |flags: u32| RayRules {
+        is_single_sided: flags & TRIANGLE_SINGLE_SIDED != 0,
+        may_let_pass: flags & (TRIANGLE_ALPHA | TRIANGLE_PROGRAM_ALPHA) != 0,
+    };
+    let flags = material_flags(scene, program).into_iter();
+    flags.map(|flags| flags.map(rules)).collect()
+}
+
 /// What each material means for its triangles, without and with vertex colours.
-pub(crate) fn material_flags(
+pub(super) fn material_flags(
     scene: &Scene,
     program: impl Fn(u32) -> ProgramTraits,
 ) -> Vec<[u32; 2]> {

@@ -3,8 +3,8 @@
 use device::{Device, DeviceError, Format, Image, ImageUse};
 
 use crate::{
-    procedural::TextureReads,
     scene::{self, Scene},
+    texturing::TextureReads,
 };
 
 use super::{levels, materials::sampler_bits};

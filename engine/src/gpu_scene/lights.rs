@@ -9,8 +9,8 @@ use glam::{Mat3, Vec3};
 use crate::{
     alias::alias_table,
     bvh::SceneBvh,
-    procedural::ProgramTraits,
     scene::{Image, LightKind, MAX_ANGULAR_DIAMETER, Material, PunctualLight, Scene},
+    texturing::ProgramTraits,
 };
 
 use super::{

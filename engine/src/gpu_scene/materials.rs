@@ -4,9 +4,9 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::material_record::{self, PLACES, ROWS, flag, place_of};
-use crate::procedural::ProgramTraits;
 use crate::scene::material_parameters::{Feature, Field, PARAMETERS};
 use crate::scene::{AlphaMode, Filter, Material, Sampler, TEXTURES, TextureRef, Wrap};
+use crate::texturing::ProgramTraits;
 
 /// No texture.
 const IMAGE_NONE: u32 = u32::MAX;

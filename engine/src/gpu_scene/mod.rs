@@ -18,8 +18,8 @@ use device::{Device, DeviceError, Resources, Usage};
 
 use crate::{
     bvh::{BvhError, SceneBvh},
-    procedural::{ProgramTraits, TextureReads},
     scene::{Mesh, Scene},
+    texturing::{ProgramTraits, TextureReads},
 };
 
 use self::{
@@ -27,9 +27,8 @@ use self::{
     materials::GpuMaterial, update::Uploaded,
 };
 
-pub(crate) use self::geometry::{
-    TRIANGLE_ALPHA, TRIANGLE_PROGRAM_ALPHA, TRIANGLE_SINGLE_SIDED, material_flags,
-};
+use self::geometry::TRIANGLE_ALPHA;
+pub use self::geometry::{RayRules, ray_rules};
 pub(crate) use self::update::Update;
 
 /// Materials that a triangle's word can name.
@@ -153,7 +152,7 @@ pub struct GpuScene {
 
 impl GpuScene {
     /// The order of triangles and instances on the GPU. Its nodes are not kept.
-    pub(crate) fn hierarchy(&self) -> &SceneBvh {
+    pub fn hierarchy(&self) -> &SceneBvh {
         self.uploaded.hierarchy()
     }
 
@@ -341,7 +340,8 @@ fn inverse(transform: &Affine3A) -> Affine3A {
     Affine3A::from_mat3_translation(wide.matrix3.as_mat3(), wide.translation.as_vec3())
 }
 
-pub(crate) fn rows(a: &Affine3A) -> [[f32; 4]; 3] {
+/// The rows of a transform, as `Instance` of `geometry.wgsl` has them.
+pub fn rows(a: &Affine3A) -> [[f32; 4]; 3] {
     let m = a.matrix3;
     let t = a.translation;
     std::array::from_fn(|i| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]])

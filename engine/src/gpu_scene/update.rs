@@ -7,8 +7,8 @@ use device::{Device, Resources, Usage};
 
 use crate::{
     bvh::SceneBvh,
-    procedural::ProgramTraits,
     scene::{Material, Scene},
+    texturing::ProgramTraits,
 };
 
 use super::{

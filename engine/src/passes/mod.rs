@@ -1,6 +1,6 @@
 //! The kernels of the renderer, one folder each with its WGSL beside its Rust. No pass knows another: they share
-//! buffers, whose layouts are in `passes/shared`. What a pass does for one path stands apart from its entry point, because
-//! [`rayquery`], which is no pass but a renderer in one kernel to compare with, is made of the same functions.
+//! buffers, whose layouts are in `passes/shared`. What a pass does for one path stands apart from its entry point, so that
+//! other schedules than this crate's can put the same functions into other kernels.
 
 pub mod accumulate;
 pub mod advance;
@@ -12,6 +12,5 @@ pub mod guide;
 pub mod pass;
 pub mod proctex;
 pub mod raygen;
-pub mod rayquery;
 pub mod traverse;
 pub mod wgsl;

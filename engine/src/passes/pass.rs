@@ -4,7 +4,7 @@ use device::{Device, DeviceError, Kernel, Trust};
 
 use crate::{gpu_scene::SceneFeatures, wave::Queue};
 
-use super::{ao, wgsl::Source};
+use super::wgsl::ComposedWgsl;
 
 /// How many threads of a pass run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub struct Pass {
 
 impl Pass {
     /// What most passes have in common.
-    pub(super) const COMMON: Self = Self {
+    pub const COMMON: Self = Self {
         name: "",
         file: "",
         work: Work::Single,
@@ -49,8 +49,8 @@ impl Pass {
     };
 
     /// Its text for a device.
-    pub fn source(&self, device: &Device) -> Source {
-        let source = Source::of(self.file);
+    pub fn source(&self, device: &Device) -> ComposedWgsl {
+        let source = ComposedWgsl::of(self.file);
         // Sampler, filter and lens are branches on uniforms: a driver that specialises kernels to their values compiles
         // such a kernel again for each dispatch. It leaves storage buffers alone.
         match self.branches_on_frame && device.traits().specialises_uniforms {
@@ -64,8 +64,16 @@ impl Pass {
     /// # Errors
     /// If the driver refuses it.
     pub fn kernel(&self, device: &Device, features: &SceneFeatures) -> Result<Kernel, DeviceError> {
-        let constants = [&features.constants()[..], &[ao::thread_per_hit(device)]].concat();
+        let constants = [&features.constants()[..], &[ao_thread_per_hit(device)]].concat();
         let source = self.source(device);
         source.compile(device, self.name, Trust::All, &constants)
     }
+}
+
+/// The override constant that says whether a thread traces all rays of ambient occlusion of a hit, for the kernel that does it
+/// and the one that sizes its dispatch. A graphics card needs many threads, one for each ray. A processor has enough of them in
+/// the hits alone: there one thread traces all rays of a hit, in packets of four (`ao/packet.wgsl`).
+fn ao_thread_per_hit(device: &Device) -> (&'static str, f64) {
+    let is_packet = device.traits().traces_packets;
+    ("ao_thread_per_hit", f64::from(u8::from(is_packet)))
 }

@@ -1,18 +1,25 @@
 //! Composes kernels from the engine's WGSL files: `//!include FILE` lines are replaced by the file, each file once.
 //! Files below `generated/` are made from tables.
 //!
-//! A source map remembers where each line came from, so that an error points at the file that was written.
+//! A source map remembers where each line came from, so that an error points at the file that was written. Every file below
+//! `passes/` is there to be included: the build puts them into the program, there is no list to keep.
 
 use std::{collections::HashSet, ops::Range};
 
-use device::{Device, DeviceError, Kernel, KernelSource, KernelText, Text, Trust};
+use device::{Device, DeviceError, Kernel, KernelSource, Text, Trust};
 use texgen::{GeneratedKernel, SourceMap};
 
 use crate::material_record;
 
+/// A WGSL file: its path below `passes/`, by which others include it, and its text.
+pub type File = (&'static str, &'static str);
+
+/// Every WGSL file of this crate.
+pub const FILES: &[File] = include!(concat!(env!("OUT_DIR"), "/wgsl_files.rs"));
+
 /// The text of a kernel and where its lines came from.
 #[derive(Debug, Clone, Default)]
-pub struct Source {
+pub struct ComposedWgsl {
     /// The composed WGSL.
     pub text: String,
     /// File and 1-based line of each line of `text`.
@@ -21,14 +28,22 @@ pub struct Source {
     generated: Option<(usize, SourceMap)>,
 }
 
-impl Source {
+impl ComposedWgsl {
     /// Composes the kernel whose root is `file`, a path below `passes/`.
     ///
     /// # Panics
     /// If a file does not exist: the files are part of the program, and a test composes each kernel.
     pub fn of(file: &str) -> Self {
+        Self::with_files(file, &[])
+    }
+
+    /// As [`Self::of`], from these files (name and text) as well, which come before those of their names here.
+    ///
+    /// # Panics
+    /// If a file does not exist.
+    pub fn with_files(file: &str, files: &[File]) -> Self {
         let mut source = Self::default();
-        source.include(file, &mut HashSet::new());
+        source.include(file, files, &mut HashSet::new());
         source
     }
 
@@ -74,24 +89,10 @@ impl Source {
             trust,
             constants,
         };
-        let build = || Kernel::new(device, &source);
-        match trust {
-            Trust::All => build(),
-            // naga has panicked on users' code that is valid: that must not end the program, and whose texture it is can be
-            // found out like with a driver that refuses it. wgpu's locks are free again after a panic, and what was begun
-            // is dropped.
-            Trust::Nothing | Trust::Loops => texgen::guarded(build).unwrap_or_else(|panic| {
-                Err(DeviceError::Refused {
-                    label: entry.to_owned(),
-                    message: format!(
-                        "the compiler ended unexpectedly ({panic}); this is a fault of Patina or of its parts, please report it"
-                    ),
-                })
-            }),
-        }
+        compile(device, &source)
     }
 
-    fn include(&mut self, file: &str, seen: &mut HashSet<String>) {
+    fn include(&mut self, file: &str, files: &[File], seen: &mut HashSet<String>) {
         if !seen.insert(file.to_owned()) {
             return;
         }
@@ -99,7 +100,8 @@ impl Source {
         let text = match &generated {
             Some(text) => text,
             None => {
-                let found = FILES.iter().find(|(name, _)| *name == file);
+                let mut all = files.iter().chain(FILES);
+                let found = all.find(|(name, _)| *name == file);
                 found.map_or_else(
                     || panic!("`{file}` is not among the engine's WGSL files"),
                     |(_, text)| *text,
@@ -108,7 +110,7 @@ impl Source {
         };
         for (number, line) in text.lines().enumerate() {
             if let Some(included) = line.strip_prefix("//!include ") {
-                self.include(included.trim(), seen);
+                self.include(included.trim(), files, seen);
             } else {
                 self.text.push_str(line);
                 self.text.push('\n');
@@ -118,7 +120,7 @@ impl Source {
     }
 }
 
-impl Text for Source {
+impl Text for ComposedWgsl {
     fn capabilities(&self) -> naga::valid::Capabilities {
         texgen::CAPABILITIES
     }
@@ -147,20 +149,26 @@ impl Text for Source {
     }
 }
 
-/// Bytes of private memory that a thread of a kernel asks for: see [`texgen::kernel_private_bytes`]. None for a text that
-/// is not valid.
-pub fn private_bytes(kernel: &KernelText) -> Option<u32> {
-    let mut module = naga::front::wgsl::parse_str(kernel.text.wgsl()).ok()?;
-    kernel.text.adapt(&mut module);
-    let flags = naga::valid::ValidationFlags::all();
-    let capabilities = kernel.text.capabilities() | naga::valid::Capabilities::RAY_QUERY;
-    let validated = naga::valid::Validator::new(flags, capabilities).validate(&module);
-    let mut entries = module.entry_points.iter();
-    let index = entries.position(|entry| entry.name == kernel.entry)?;
-    let info = validated.ok()?;
-    let uses = info.get_entry_point(index);
-    let entry = &module.entry_points[index];
-    Some(texgen::kernel_private_bytes(&module, uses, entry))
+/// Compiles a kernel that may hold users' code.
+///
+/// # Errors
+/// With file and line, if the text is not valid or the driver refuses it.
+pub fn compile(device: &Device, source: &KernelSource<'_>) -> Result<Kernel, DeviceError> {
+    let build = || Kernel::new(device, source);
+    match source.trust {
+        Trust::All => build(),
+        // naga has panicked on users' code that is valid: that must not end the program, and whose texture it is can be
+        // found out like with a driver that refuses it. wgpu's locks are free again after a panic, and what was begun
+        // is dropped.
+        Trust::Nothing | Trust::Loops => texgen::guarded(build).unwrap_or_else(|panic| {
+            Err(DeviceError::Refused {
+                label: source.entry.to_owned(),
+                message: format!(
+                    "the compiler ended unexpectedly ({panic}); this is a fault of Patina or of its parts, please report it"
+                ),
+            })
+        }),
+    }
 }
 
 /// What is made from the tables of materials.
@@ -171,69 +179,3 @@ fn generated(file: &str) -> Option<String> {
         _ => None,
     }
 }
-
-macro_rules! files {
-    ($($name:literal),* $(,)?) => {
-        &[$(($name, include_str!($name))),*]
-    };
-}
-
-/// Every WGSL file of the engine, by its path below `passes/`.
-const FILES: &[(&str, &str)] = files![
-    "shared/ao_tables.wgsl",
-    "shared/appearance.wgsl",
-    "shared/bsdf.wgsl",
-    "shared/environment.wgsl",
-    "shared/estimator.wgsl",
-    "shared/filter.wgsl",
-    "shared/frame.wgsl",
-    "shared/geometry.wgsl",
-    "shared/hash.wgsl",
-    "shared/hit.wgsl",
-    "shared/images.wgsl",
-    "shared/light_tree.wgsl",
-    "shared/lights.wgsl",
-    "shared/materials.wgsl",
-    "shared/media.wgsl",
-    "shared/microfacet.wgsl",
-    "shared/occlusion.wgsl",
-    "shared/outputs.wgsl",
-    "shared/paths.wgsl",
-    "shared/programs.wgsl",
-    "shared/queue_lists.wgsl",
-    "shared/queues.wgsl",
-    "shared/random.wgsl",
-    "shared/rays.wgsl",
-    "shared/surface.wgsl",
-    "shared/thin_film.wgsl",
-    "shared/traversal.wgsl",
-    "shared/vectors.wgsl",
-    "shared/wave_memory.wgsl",
-    "accumulate/accumulate.wgsl",
-    "accumulate/entry.wgsl",
-    "advance/advance.wgsl",
-    "ao/ao.wgsl",
-    "ao/packet.wgsl",
-    "brdf/brdf.wgsl",
-    "brdf/entry.wgsl",
-    "classify/classify.wgsl",
-    "classify/entry.wgsl",
-    "display/display.wgsl",
-    "guide/guide.wgsl",
-    "proctex/counted_ao.wgsl",
-    "proctex/entry.wgsl",
-    "proctex/inlined.wgsl",
-    "proctex/proctex.wgsl",
-    "proctex/run.wgsl",
-    "proctex/site.wgsl",
-    "proctex/traced_ao.wgsl",
-    "raygen/raygen.wgsl",
-    "raygen/entry.wgsl",
-    "rayquery/kernel.wgsl",
-    "rayquery/path_memory.wgsl",
-    "rayquery/plain.wgsl",
-    "rayquery/queries.wgsl",
-    "rayquery/textured.wgsl",
-    "traverse/traverse.wgsl",
-    "traverse/entry.wgsl",
-];

@@ -6,7 +6,7 @@ use texgen::{Edit, GraphError, NodeId, Value, did_you_mean};
 use crate::scene::look::{AoSettings, Link, link_text};
 
 use super::wiring::{CompileError, Compiled, Mask, Wiring, check_driver};
-use super::{Kind, Output, Procedural, Source};
+use super::{Kind, NodeOutput, Output, Procedural};
 
 /// Why an edit was refused. Nothing has changed then.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -212,13 +212,13 @@ impl Procedural {
         })
     }
 
-    fn source(&self, link: &str) -> Result<Source, EditError> {
+    fn source(&self, link: &str) -> Result<NodeOutput, EditError> {
         let Link { node, swizzle } = link_text(link).map_err(EditError::Link)?;
         let node = self.node(&node)?;
-        Ok(Source { node, swizzle })
+        Ok(NodeOutput { node, swizzle })
     }
 
-    fn driver(&self, link: &str, kind: Kind) -> Result<Source, EditError> {
+    fn driver(&self, link: &str, kind: Kind) -> Result<NodeOutput, EditError> {
         let source = self.source(link)?;
         check_driver(&self.graph, source, kind).map_err(EditError::Link)?;
         Ok(source)

@@ -6,7 +6,7 @@ use texgen::{GeneratedKernel, NodeId, emit_inlined, link_word};
 use super::wiring::CompileError;
 use super::{
     FLAG_BLEND, FLAG_CONSTANT_MASK, HEAD_AO, HEAD_BUMP_PROGRAM, HEAD_FLAGS, HEAD_LINKS, HEAD_MASK,
-    HEAD_PROGRAM, HEAD_WORDS, Output, Procedural, Source,
+    HEAD_PROGRAM, HEAD_WORDS, NodeOutput, Output, Procedural,
 };
 
 /// Everything that the inlined form has in place of programs and kernel.
@@ -33,7 +33,7 @@ impl Procedural {
             .zip(heads.chunks_exact_mut(HEAD_WORDS as usize))
         {
             let roots = wiring.roots();
-            let link = |source: &Source| {
+            let link = |source: &NodeOutput| {
                 let place = roots.iter().position(|&root| root == source.node);
                 link_word(place.unwrap_or(0) as u32, source.swizzle)
             };

@@ -12,7 +12,7 @@ use crate::scene::{AlphaMode, Material, Scene};
 
 use super::traits::Surface;
 use super::wiring::{Blend, Mask, Wiring, check_driver};
-use super::{Kind, Output, Procedural, Source};
+use super::{Kind, NodeOutput, Output, Procedural};
 
 /// The materials of a scene with the look applied.
 #[derive(Debug, Default)]
@@ -213,13 +213,13 @@ impl Resolver<'_> {
         self.out.wiring[index as usize].surface = surface;
     }
 
-    fn source(&mut self, input: &Spanned<Input>, kind: Kind) -> Option<Source> {
+    fn source(&mut self, input: &Spanned<Input>, kind: Kind) -> Option<NodeOutput> {
         let Input::Link(link) = &input.value else {
             return None;
         };
         // A node that isn't there had a mistake of its own, which has been reported.
         let node = self.graph.node(&link.node)?;
-        let source = Source {
+        let source = NodeOutput {
             node,
             swizzle: link.swizzle,
         };

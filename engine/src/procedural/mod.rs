@@ -67,6 +67,7 @@ use texgen::{Diagnostics, GeneratedKernel, Graph, NodeId, Swizzle};
 
 use crate::scene::look::{AoSettings, MAX_AO};
 use crate::scene::{Material, TextureRef};
+use crate::texturing::ProgramTraits;
 
 pub use crate::material_record::{HEAD_LINKS, HEAD_WORDS, Kind, Output, Outputs};
 pub(crate) use alone::Hits;
@@ -80,7 +81,6 @@ pub use memory::{
 pub use reads::TextureReads;
 pub use sketch::{resketch, sketch};
 pub use sources::{SourcesError, TextureSources};
-pub use traits::ProgramTraits;
 pub(crate) use update::UpdateError;
 pub use wiring::CompileError;
 
@@ -125,7 +125,7 @@ pub struct Procedural {
 
 /// A node's result, or some of its components.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Source {
+struct NodeOutput {
     node: NodeId,
     swizzle: Option<Swizzle>,
 }

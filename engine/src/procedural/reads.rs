@@ -5,18 +5,8 @@ use std::collections::{BTreeSet, HashSet};
 use texgen::{Attribute, Diagnostic};
 
 use super::Procedural;
-use crate::scene::{Scene, TextureRef};
-
-/// What has to be on the GPU for the textures.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct TextureReads<'a> {
-    /// The images of `sam2D` parameters; a texture's image handle is an index into this list.
-    pub images: &'a [TextureRef],
-    /// Of [`Scene::images`], ascending: those whose mip levels some texture reads.
-    pub with_levels: &'a [u32],
-    /// Names of the custom mesh attributes; the kernel asks for them by their index in this list.
-    pub attributes: &'a [String],
-}
+use crate::scene::Scene;
+use crate::texturing::TextureReads;
 
 impl Procedural {
     /// What of the scene the textures read.

@@ -8,7 +8,7 @@ use crate::scene::look::{Look, NodeLook, find};
 
 use super::values::{Argument, argument};
 use super::wiring::check_driver;
-use super::{Output, Source};
+use super::{NodeOutput, Output};
 
 /// The nodes of a look with their constants and links. What doesn't fit is left out, as if it weren't written: nodes of
 /// textures that the library lacks, values of another type. Images have no value in it.
@@ -91,7 +91,7 @@ impl Output {
     /// Says what to do instead.
     pub fn check(self, graph: &Graph, link: texgen::Link) -> Result<(), String> {
         let texgen::Link { source, swizzle } = link;
-        let source = Source {
+        let source = NodeOutput {
             node: source,
             swizzle,
         };

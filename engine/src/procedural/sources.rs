@@ -15,12 +15,12 @@ const MAX_BYTES: u64 = 4 << 20;
 /// User textures by name. Where two directories hold a texture of one name, the directory named first wins.
 #[derive(Debug, Clone, Default)]
 pub struct TextureSources {
-    by_name: BTreeMap<String, Source>,
+    by_name: BTreeMap<String, TextureOrigin>,
     directories: Vec<PathBuf>,
 }
 
 #[derive(Debug, Clone)]
-enum Source {
+enum TextureOrigin {
     File(PathBuf),
     Text(SourceFile),
     BuiltIn(SourceFile),
@@ -71,7 +71,7 @@ impl TextureSources {
                 let is_wgsl = path.extension().is_some_and(|e| e == "wgsl") && path.is_file();
                 if let (true, Some(name)) = (is_wgsl, path.file_stem().and_then(|s| s.to_str())) {
                     let known = sources.by_name.entry(name.to_owned());
-                    known.or_insert(Source::File(path));
+                    known.or_insert(TextureOrigin::File(path));
                 }
             }
         }
@@ -86,7 +86,7 @@ impl TextureSources {
         let mut sources = Self::scan(directories)?;
         for file in standard::files() {
             let known = sources.by_name.entry(file.name().to_owned());
-            known.or_insert(Source::BuiltIn(file));
+            known.or_insert(TextureOrigin::BuiltIn(file));
         }
         Ok(sources)
     }
@@ -94,7 +94,8 @@ impl TextureSources {
     /// Adds a texture whose text is at hand, in place of a file of that name.
     pub fn insert(&mut self, name: &str, text: &str) {
         let file = SourceFile::new(name, format!("{name}.wgsl"), text);
-        self.by_name.insert(name.to_owned(), Source::Text(file));
+        self.by_name
+            .insert(name.to_owned(), TextureOrigin::Text(file));
     }
 
     /// Adds a texture from a file anywhere, in place of one of that name, and returns its name. It is read now.
@@ -104,7 +105,7 @@ impl TextureSources {
     pub fn add_file(&mut self, path: &Path) -> Result<String, SourcesError> {
         let file = Self::open(path)?;
         let name = file.name().to_owned();
-        self.by_name.insert(name.clone(), Source::Text(file));
+        self.by_name.insert(name.clone(), TextureOrigin::Text(file));
         Ok(name)
     }
 
@@ -124,8 +125,8 @@ impl TextureSources {
     /// The file can't be read, or is no text.
     pub fn read(&self, name: &str) -> Option<Result<SourceFile, SourcesError>> {
         Some(match self.by_name.get(name)? {
-            Source::Text(file) | Source::BuiltIn(file) => Ok(file.clone()),
-            Source::File(path) => read_file(name, path),
+            TextureOrigin::Text(file) | TextureOrigin::BuiltIn(file) => Ok(file.clone()),
+            TextureOrigin::File(path) => read_file(name, path),
         })
     }
 
@@ -145,14 +146,14 @@ impl TextureSources {
     /// The file of a texture, where it comes from one.
     pub fn path(&self, name: &str) -> Option<&Path> {
         match self.by_name.get(name)? {
-            Source::File(path) => Some(path),
-            Source::Text(_) | Source::BuiltIn(_) => None,
+            TextureOrigin::File(path) => Some(path),
+            TextureOrigin::Text(_) | TextureOrigin::BuiltIn(_) => None,
         }
     }
 
     /// Whether a texture is the program's own, of the standard ones.
     pub fn is_built_in(&self, name: &str) -> bool {
-        matches!(self.by_name.get(name), Some(Source::BuiltIn(_)))
+        matches!(self.by_name.get(name), Some(TextureOrigin::BuiltIn(_)))
     }
 }
 

@@ -3,29 +3,9 @@
 use glam::Vec3;
 
 use crate::scene::material_parameters::Feature;
+use crate::texturing::ProgramTraits;
 
-use super::{Output, Outputs, Procedural};
-
-/// What is known of a material's texture program without running it. The material may be a blend; then this holds for
-/// whatever it may turn out to be.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct ProgramTraits {
-    /// There is a program, or a blend: the kernel runs at a hit.
-    pub runs: bool,
-    /// It decides how much light comes out of the surface, by emission or by opacity.
-    pub decides_light: bool,
-    /// It decides whether the surface is there.
-    pub decides_opacity: bool,
-    /// It decides whether light goes through.
-    pub transmits: bool,
-    /// It decides about a coat, sheen, a thin film or anisotropy.
-    pub has_layers: bool,
-    /// The surface may emit light at all.
-    pub glows: bool,
-    /// Luminance by which the surface is chosen as a light, W/m²/sr: a guess, since nobody knows what a program gives.
-    /// 0 where light samples can't evaluate it: then scattered rays alone find it.
-    pub brightness: f32,
-}
+use super::{FLAG_BLEND, HEAD_FLAGS, Output, Procedural, output};
 
 /// Of a surface that is no blend: what its program needs to know about it.
 #[derive(Debug, Clone, Copy)]

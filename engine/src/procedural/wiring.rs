@@ -11,14 +11,14 @@ use super::memory::{
 };
 use super::traits::Surface;
 use super::{
-    HEAD_LINKS, Kind, MAX_STACK_SLOTS, MIN_STACK_SLOTS, Output, Outputs, Procedural, Source,
+    HEAD_LINKS, Kind, MAX_STACK_SLOTS, MIN_STACK_SLOTS, NodeOutput, Output, Outputs, Procedural,
 };
 
 /// What drives one material: see [`Self::output`] for a surface, `blend` for a blend of others.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Wiring {
     /// By number.
-    outputs: [Option<Source>; Output::ALL.len()],
+    outputs: [Option<NodeOutput>; Output::ALL.len()],
     pub(super) blend: Option<Blend>,
     /// What the material is without its nodes.
     pub(super) surface: Surface,
@@ -40,7 +40,7 @@ pub(super) struct Blend {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Mask {
     Constant(f32),
-    Driven(Source),
+    Driven(NodeOutput),
 }
 
 impl Wiring {
@@ -53,17 +53,17 @@ impl Wiring {
     }
 
     /// What drives an output.
-    pub(super) fn output(&self, output: Output) -> Option<Source> {
+    pub(super) fn output(&self, output: Output) -> Option<NodeOutput> {
         self.driven().find(|(o, _)| *o == output).map(|(_, s)| s)
     }
 
     /// Drives an output, or no longer.
-    pub(super) fn set_output(&mut self, output: Output, source: Option<Source>) {
+    pub(super) fn set_output(&mut self, output: Output, source: Option<NodeOutput>) {
         self.outputs[output.number() as usize] = source;
     }
 
     /// What drives the mask, where a node does.
-    pub(super) fn mask(&self) -> Option<&Source> {
+    pub(super) fn mask(&self) -> Option<&NodeOutput> {
         match &self.blend.as_ref()?.mask {
             Mask::Driven(source) => Some(source),
             Mask::Constant(_) => None,
@@ -71,7 +71,7 @@ impl Wiring {
     }
 
     /// The driven outputs, in the order of their numbers.
-    fn driven(&self) -> impl Iterator<Item = (Output, Source)> {
+    fn driven(&self) -> impl Iterator<Item = (Output, NodeOutput)> {
         (Output::ALL.into_iter())
             .zip(self.outputs)
             .filter_map(|(output, source)| Some((output, source?)))
@@ -125,7 +125,7 @@ impl From<GraphError> for CompileError {
 }
 
 /// Checks that an output can take a node's result through a swizzle; says what to do otherwise.
-pub(super) fn check_driver(graph: &Graph, source: Source, kind: Kind) -> Result<(), String> {
+pub(super) fn check_driver(graph: &Graph, source: NodeOutput, kind: Kind) -> Result<(), String> {
     let given = graph
         .link_output(source.node, source.swizzle)
         .map_err(|error| error.to_string())?;
@@ -193,13 +193,13 @@ impl Procedural {
         let wiring = &mut self.wiring[material as usize];
         wiring.nodes = nodes;
         wiring.own_ao = own_ao;
-        let link = |source: &Source| {
+        let link = |source: &NodeOutput| {
             let root = roots.iter().position(|&root| root == source.node);
             let slots = program.as_ref().map_or(&[][..], |p| &p.results);
             root.and_then(|root| slots.get(root))
                 .map_or(0, |&slot| link_word(slot, source.swizzle))
         };
-        let bump_link = |source: &Source| {
+        let bump_link = |source: &NodeOutput| {
             let slot = bump.as_ref().and_then(|p| p.results.first());
             slot.map_or(0, |&slot| link_word(slot, source.swizzle))
         };

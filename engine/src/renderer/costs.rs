@@ -15,10 +15,7 @@ use device::{Buffer, DeviceError, Timer};
 
 use crate::{
     frame::Frame,
-    passes::{
-        ao,
-        proctex::{self, TextureForm},
-    },
+    passes::{ao, proctex},
     procedural::Hits,
     schedule::{self, Run},
     settings::RenderSettings,
@@ -69,12 +66,12 @@ pub struct TextureCosts {
 pub(super) struct Survey {
     frame: Frame,
     /// Still to be measured, the last one first.
-    left: Vec<Subject>,
+    left: Vec<Measurand>,
     costs: TextureCosts,
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Subject {
+enum Measurand {
     Node { node: NodeId, runs: u64 },
     Occlusion(u32),
 }
@@ -95,8 +92,8 @@ impl Renderer {
         if let Some(subject) = survey.left.pop() {
             let totals = self.totals()?;
             let cost = match subject {
-                Subject::Node { node, runs } => self.node_cost(&survey.frame, node, runs)?,
-                Subject::Occlusion(table) => self.occlusion_cost(&survey.frame, table)?,
+                Measurand::Node { node, runs } => self.node_cost(&survey.frame, node, runs)?,
+                Measurand::Occlusion(table) => self.occlusion_cost(&survey.frame, table)?,
             };
             self.restore_totals(&totals);
             let list = &mut survey.costs.list;
@@ -111,7 +108,7 @@ impl Renderer {
     fn survey(&mut self) -> Result<Survey, RenderError> {
         let frame = self.small_frame();
         let mut left = Vec::new();
-        if self.kernels.has_texture() && self.form == TextureForm::Stack {
+        if self.kernels.has_texture() && !self.schedule.edits_are_code() {
             let procedural = self.procedural.clone();
             let totals = self.totals()?;
             let resolved = self.materials_of_hits(&frame, procedural.programs())?;
@@ -131,9 +128,9 @@ impl Renderer {
                     count,
                 })
                 .collect();
-            left.extend((0..procedural.ao_count() as u32).map(Subject::Occlusion));
+            left.extend((0..procedural.ao_count() as u32).map(Measurand::Occlusion));
             let nodes = procedural.count_runs(&hits).into_iter();
-            left.extend(nodes.map(|(node, runs)| Subject::Node { node, runs }));
+            left.extend(nodes.map(|(node, runs)| Measurand::Node { node, runs }));
         }
         Ok(Survey {
             frame,

@@ -7,13 +7,12 @@ use device::{Device, DeviceError, Resources, Usage};
 
 use crate::{
     gpu_scene::materials,
-    passes::proctex::TextureForm,
     procedural::{EditError, Output, Procedural},
     scene::look::{AoDirection, AoSettings},
-    wave::{self, GpuAoTable},
+    schedule::Schedule,
+    wave::GpuAoTable,
 };
 
-use super::pipeline::program_words;
 use super::{RenderError, Renderer};
 
 /// Why an edit did not happen. The picture and the graph are as before.
@@ -43,14 +42,14 @@ impl From<DeviceError> for RenderEditError {
 }
 
 /// Creates the buffers of programs, arguments and AO tables, with room to grow.
-pub(crate) fn allocate(
+pub(super) fn allocate(
     gpu: &Device,
     procedural: &Procedural,
-    form: TextureForm,
+    schedule: &dyn Schedule,
     resources: &mut Resources,
 ) -> Result<(), RenderError> {
     for (name, words) in [
-        ("programs", &*program_words(procedural, form)?),
+        ("programs", &*schedule.program_words(procedural)?),
         ("args", procedural.args()),
     ] {
         let bytes = (words.len() as u64 * 4 * 3 / 2).max(1024);
@@ -211,19 +210,18 @@ impl Renderer {
             return Ok(());
         }
         let needs_kernels = !self.kernels.has_texture() && !self.procedural.is_empty();
-        // In the inlined form every edit changes the kernel's text.
-        let is_inlined = self.form == TextureForm::Inlined;
-        let needs_kernels = needs_kernels || changes.kernel || is_inlined;
+        let are_code = self.schedule.edits_are_code();
+        let needs_kernels = needs_kernels || changes.kernel || are_code;
         if needs_kernels {
             self.scene.features.programs = true;
             self.kernels.rebuild_texture(
                 &self.gpu,
                 &self.scene.features,
                 &self.procedural,
-                self.form,
+                &*self.schedule,
             )?;
         }
-        let grown = wave::grow_results(
+        let grown = self.schedule.grow_results(
             &self.gpu,
             self.capacity,
             self.procedural.result_words(),
@@ -233,11 +231,16 @@ impl Renderer {
             self.resources.buffer(name).size() >= words.len() as u64 * 4
         };
         if grown
-            || is_inlined
+            || are_code
             || !fits("programs", self.procedural.programs())
             || !fits("args", self.procedural.args())
         {
-            allocate(&self.gpu, &self.procedural, self.form, &mut self.resources)?;
+            allocate(
+                &self.gpu,
+                &self.procedural,
+                &*self.schedule,
+                &mut self.resources,
+            )?;
             self.bound = self.kernels.bind(&self.gpu, &self.resources);
         } else {
             self.write_ranges("programs", self.procedural.programs(), &changes.programs);

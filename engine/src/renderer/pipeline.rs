@@ -1,20 +1,14 @@
 //! The kernels of a renderer, compiled and bound.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use device::{BoundKernel, Device, DeviceError, Kernel, Resources};
-use texgen::GeneratedKernel;
 
 use crate::{
     gpu_scene::SceneFeatures,
-    passes::{
-        brdf,
-        pass::Pass,
-        proctex::{self, TextureForm},
-    },
-    procedural::{CompileError, Procedural},
-    schedule,
+    passes::{brdf, pass::Pass, proctex, wgsl},
+    procedural::Procedural,
+    schedule::Schedule,
 };
 
 use super::{RenderError, culprit};
@@ -23,6 +17,9 @@ use super::{RenderError, culprit};
 #[derive(Debug)]
 pub(super) struct Kernels {
     by_name: BTreeMap<&'static str, Kernel>,
+    passes: &'static [&'static Pass],
+    /// The pass that the users' functions are in.
+    texture: &'static str,
 }
 
 impl Kernels {
@@ -30,15 +27,16 @@ impl Kernels {
         gpu: &Device,
         features: &SceneFeatures,
         procedural: &Procedural,
-        form: TextureForm,
+        schedule: &dyn Schedule,
     ) -> Result<Self, RenderError> {
         let mut kernels = Self {
             by_name: BTreeMap::new(),
+            passes: schedule.passes(),
+            texture: schedule.texture_pass().name,
         };
         kernels.compile_missing(gpu, features)?;
-        if !procedural.is_empty() {
-            let proctex = texture_kernel(gpu, features, procedural, form)?;
-            kernels.by_name.insert(proctex::PASS.name, proctex);
+        if let Some(kernel) = texture_kernel(gpu, features, procedural, schedule)? {
+            kernels.by_name.insert(kernels.texture, kernel);
         }
         Ok(kernels)
     }
@@ -49,8 +47,8 @@ impl Kernels {
         gpu: &Device,
         features: &SceneFeatures,
     ) -> Result<(), DeviceError> {
-        for pass in schedule::WAVE {
-            let is_generated = pass.name == proctex::PASS.name;
+        for pass in self.passes {
+            let is_generated = pass.name == self.texture;
             let is_there = self.by_name.contains_key(pass.name);
             if (pass.exists)(features) && !is_generated && !is_there {
                 let kernel = pass.kernel(gpu, features)?;
@@ -66,10 +64,12 @@ impl Kernels {
         gpu: &Device,
         features: &SceneFeatures,
         procedural: &Procedural,
-        form: TextureForm,
+        schedule: &dyn Schedule,
     ) -> Result<(), RenderError> {
-        let proctex = texture_kernel(gpu, features, procedural, form)?;
-        self.set_texture(gpu, features, proctex)
+        match texture_kernel(gpu, features, procedural, schedule)? {
+            Some(kernel) => self.set_texture(gpu, features, kernel),
+            None => Ok(()),
+        }
     }
 
     /// Takes a generated kernel that has been built elsewhere, in place of the one that is there, if one is.
@@ -77,7 +77,7 @@ impl Kernels {
         &mut self,
         gpu: &Device,
         features: &SceneFeatures,
-        proctex: Kernel,
+        kernel: Kernel,
     ) -> Result<(), RenderError> {
         if !self.has_texture() {
             // It was compiled without programs.
@@ -85,38 +85,41 @@ impl Kernels {
             self.compile_missing(gpu, features)?;
             self.by_name.insert(brdf::PASS.name, brdf);
         }
-        self.by_name.insert(proctex::PASS.name, proctex);
+        self.by_name.insert(self.texture, kernel);
         Ok(())
     }
 
     pub(super) fn has_texture(&self) -> bool {
-        self.by_name.contains_key(proctex::PASS.name)
+        self.by_name.contains_key(self.texture)
     }
 
     pub(super) fn bind(&self, gpu: &Device, resources: &Resources) -> Bound {
         let bind = |(name, kernel): (&&'static str, &Kernel)| (*name, kernel.bind(gpu, resources));
         Bound {
             by_name: self.by_name.iter().map(bind).collect(),
+            passes: self.passes,
         }
     }
 }
 
-/// Builds the generated kernel. Where the driver refuses it, the textures that it refuses alone are named.
+/// Builds the generated kernel, if it is needed. Where the driver refuses it, the textures that it refuses alone are named.
 pub(super) fn texture_kernel(
     gpu: &Device,
     features: &SceneFeatures,
     procedural: &Procedural,
-    form: TextureForm,
-) -> Result<Kernel, RenderError> {
-    let generated = generated_kernel(gpu, procedural, form)?;
+    schedule: &dyn Schedule,
+) -> Result<Option<Kernel>, RenderError> {
+    let Some(text) = schedule.texture_kernel(gpu, features, procedural)? else {
+        return Ok(None);
+    };
     let _busy = (gpu.activity()).begin(|| compiling(procedural));
-    proctex::kernel(gpu, form, &generated, features).map_err(|error| {
+    let kernel = wgsl::compile(gpu, &text.source()).map_err(|error| {
         let library = procedural.graph().library();
-        let build = |alone: &texgen::Library| {
-            proctex::kernel(gpu, TextureForm::Stack, &alone.emit(1), features).map(|_| ())
-        };
-        culprit::named(error, library, build).into()
-    })
+        let build =
+            |alone: &texgen::Library| proctex::kernel(gpu, &alone.emit(1), features).map(|_| ());
+        culprit::named(error, library, build)
+    })?;
+    Ok(Some(kernel))
 }
 
 /// What is said while the kernel with the textures is compiled.
@@ -133,34 +136,11 @@ pub(crate) fn compiling(procedural: &Procedural) -> String {
     }
 }
 
-/// The generated part of the kernel.
-pub(super) fn generated_kernel(
-    gpu: &Device,
-    procedural: &Procedural,
-    form: TextureForm,
-) -> Result<GeneratedKernel, CompileError> {
-    match form {
-        TextureForm::Stack if gpu.traits().runs_all_cases => procedural.kernel_in_rounds(),
-        TextureForm::Stack => Ok(procedural.kernel()),
-        TextureForm::Inlined => Ok(procedural.inlined()?.kernel),
-    }
-}
-
-/// The words that the kernel reads its heads, and its programs if it has any, from.
-pub(super) fn program_words(
-    procedural: &Procedural,
-    form: TextureForm,
-) -> Result<Cow<'_, [u32]>, RenderError> {
-    Ok(match form {
-        TextureForm::Stack => Cow::Borrowed(procedural.programs()),
-        TextureForm::Inlined => Cow::Owned(procedural.inlined()?.heads),
-    })
-}
-
 /// The kernels with their resources.
 #[derive(Debug)]
 pub(super) struct Bound {
     by_name: BTreeMap<&'static str, BoundKernel>,
+    passes: &'static [&'static Pass],
 }
 
 impl Bound {
@@ -171,7 +151,7 @@ impl Bound {
 
     /// Names in the order in which a wave runs them.
     pub(super) fn labels(&self) -> impl Iterator<Item = &'static str> {
-        let names = schedule::WAVE.iter().map(|pass| pass.name);
+        let names = self.passes.iter().map(|pass| pass.name);
         names.filter(|name| self.by_name.contains_key(name))
     }
 }

@@ -8,7 +8,7 @@ use texgen::{Diagnostics, Library, SourceFile};
 
 use device::{Device, Kernel};
 
-use crate::{gpu_scene::SceneFeatures, passes::proctex::TextureForm, procedural::Procedural, wave};
+use crate::{gpu_scene::SceneFeatures, procedural::Procedural, schedule::Schedule};
 
 use super::pipeline::texture_kernel;
 use super::{RenderError, Renderer, edits};
@@ -50,7 +50,7 @@ pub struct Reload {
 #[derive(Debug)]
 struct Built {
     library: Arc<Library>,
-    /// None where no material has a program, and for the inlined form, which edits made meanwhile change.
+    /// None where no material has a program, and where edits made meanwhile change it.
     kernel: Option<Kernel>,
     stack_slots: u32,
 }
@@ -78,13 +78,13 @@ impl Renderer {
     /// [is finished](Reload::is_finished).
     pub fn begin_reload(&self, files: Vec<SourceFile>) -> Reload {
         let (gpu, procedural) = (self.gpu.clone(), self.procedural.clone());
-        let (features, form) = (self.scene.features, self.form);
+        let (features, schedule) = (self.scene.features, Arc::clone(&self.schedule));
         Reload {
             base: Arc::clone(procedural.graph().library()),
             thread: std::thread::Builder::new()
                 .name("texture kernel".to_owned())
                 .stack_size(STACK_BYTES)
-                .spawn(move || build(&gpu, &procedural, &features, form, files))
+                .spawn(move || build(&gpu, &procedural, &features, &*schedule, files))
                 .map_err(|error| ReloadError::Thread(error.to_string())),
         }
     }
@@ -105,21 +105,21 @@ impl Renderer {
         // Edits made meanwhile may have brought the first program, or one that needs a larger stack.
         let fits = |_: &Kernel| built.stack_slots >= procedural.stack_slots();
         let kernel = match built.kernel.filter(fits) {
-            _ if procedural.is_empty() => None,
-            Some(kernel) => Some(kernel),
-            None => Some(texture_kernel(
+            Some(kernel) if !procedural.is_empty() => Some(kernel),
+            _ => texture_kernel(
                 &self.gpu,
                 &self.scene.features,
                 &procedural,
-                self.form,
-            )?),
+                &*self.schedule,
+            )?,
         };
         // On copies of the handles, so that a device without memory leaves all as it is.
         let mut resources = self.resources.clone();
         let words = procedural.result_words();
-        wave::grow_results(&self.gpu, self.capacity, words, &mut resources)
+        self.schedule
+            .grow_results(&self.gpu, self.capacity, words, &mut resources)
             .map_err(RenderError::from)?;
-        edits::allocate(&self.gpu, &procedural, self.form, &mut resources)?;
+        edits::allocate(&self.gpu, &procedural, &*self.schedule, &mut resources)?;
         if let Some(kernel) = kernel {
             self.kernels
                 .set_texture(&self.gpu, &self.scene.features, kernel)?;
@@ -138,15 +138,14 @@ fn build(
     gpu: &Device,
     procedural: &Procedural,
     features: &SceneFeatures,
-    form: TextureForm,
+    schedule: &dyn Schedule,
     files: Vec<SourceFile>,
 ) -> Result<Built, ReloadError> {
     let library = Arc::new(procedural.library_with(files)?);
     let procedural = procedural.with_library(Arc::clone(&library))?;
-    let is_needed = !procedural.is_empty() && form == TextureForm::Stack;
-    let kernel = match is_needed {
-        true => Some(texture_kernel(gpu, features, &procedural, form)?),
-        false => None,
+    let kernel = match schedule.edits_are_code() {
+        true => None,
+        false => texture_kernel(gpu, features, &procedural, schedule)?,
     };
     Ok(Built {
         library,

@@ -6,7 +6,12 @@ use std::time::Duration;
 use device::{Buffer, Device, DeviceError, Kernel, Resources, Usage};
 
 use crate::{
-    display::DeviceFilm, film, frame::Frame, gpu_scene::SceneFeatures, passes::guide, schedule,
+    display::DeviceFilm,
+    film,
+    frame::Frame,
+    gpu_scene::SceneFeatures,
+    passes::guide,
+    schedule::{self, ScheduleError},
 };
 
 use super::{MAX_SIDE, RenderError, Renderer};
@@ -109,6 +114,10 @@ impl Renderer {
     /// # Errors
     /// What the driver reports.
     pub fn trace_guides(&mut self) -> Result<(), RenderError> {
+        if !self.schedule.goes_in_rounds() {
+            let reason = "a schedule without rounds keeps no first hits that could be looked at";
+            return Err(ScheduleError::Unsupported(reason).into());
+        }
         let features = self.scene.features;
         let former = self.guides.take();
         let guides = match former.filter(|guides| guides.features == features) {

@@ -7,7 +7,7 @@ use egui::{
 };
 
 use super::rows::{Input, MARGIN, PREVIEW, ROW, Rows, TITLE, WIDTH};
-use super::{GraphView, Loose, Sockets, Source, Subject};
+use super::{GraphItem, GraphView, Loose, OutputSocket, Sockets};
 use crate::context::Context;
 use crate::widgets::{context_menu, describe, menu};
 use crate::{links, list};
@@ -23,7 +23,7 @@ impl GraphView {
         &mut self,
         ui: &mut Ui,
         cx: &mut Context<'_>,
-        subject: Subject<'_>,
+        subject: GraphItem<'_>,
         sockets: &mut Sockets,
     ) {
         let id = subject.id();
@@ -40,8 +40,8 @@ impl GraphView {
         describe(&body, Role::Button, &id);
         self.handle(ui, cx, subject, &body);
         let (name, is_selected) = match subject {
-            Subject::Node(name) => (name, self.selected.contains(name)),
-            Subject::Material(name) => (name, false),
+            GraphItem::Node(name) => (name, self.selected.contains(name)),
+            GraphItem::Material(name) => (name, false),
         };
         paint_body(ui, card, subject, is_selected);
         if zoom(ui) < READABLE {
@@ -52,13 +52,13 @@ impl GraphView {
         let room = WIDTH - 4.0 * MARGIN;
         write(ui, title, Align2::LEFT_CENTER, name, room, color);
         match subject {
-            Subject::Node(node) => {
+            GraphItem::Node(node) => {
                 self.outputs(ui, &rows, card, sockets);
                 let corner = pos2(card.left() + 2.0 * MARGIN, card.top() + TITLE);
                 let place = Rect::from_min_size(corner, vec2(PREVIEW, PREVIEW));
                 cx.paint_preview(ui, node, place);
             }
-            Subject::Material(material) => sides(ui, cx, material, card),
+            GraphItem::Material(material) => sides(ui, cx, material, card),
         }
         for (i, row) in rows.inputs.iter().enumerate() {
             self.input(ui, cx, rows.input_place(card, i), row, sockets);
@@ -66,8 +66,8 @@ impl GraphView {
     }
 
     /// Moves and selects.
-    fn handle(&mut self, ui: &Ui, cx: &mut Context<'_>, subject: Subject<'_>, body: &Response) {
-        if let Subject::Node(node) = subject {
+    fn handle(&mut self, ui: &Ui, cx: &mut Context<'_>, subject: GraphItem<'_>, body: &Response) {
+        if let GraphItem::Node(node) = subject {
             if body.clicked() || body.drag_started() {
                 let is_added = ui.input(|input| input.modifiers.shift || input.modifiers.command);
                 let is_in = self.selected.contains(node);
@@ -106,12 +106,12 @@ impl GraphView {
         if body.dragged() {
             let moved = body.drag_delta();
             let ids: Vec<String> = match subject {
-                Subject::Node(_) => self
+                GraphItem::Node(_) => self
                     .selected
                     .iter()
-                    .map(|n| Subject::Node(n).id())
+                    .map(|n| GraphItem::Node(n).id())
                     .collect(),
-                Subject::Material(_) => vec![subject.id()],
+                GraphItem::Material(_) => vec![subject.id()],
             };
             for id in ids {
                 *self.places.entry(id).or_default() += moved;
@@ -167,7 +167,7 @@ impl GraphView {
         let wire = cx.model.source(target).cloned();
         if let (true, Some(wire)) = (socket.drag_started(), &wire) {
             self.loose = Some(Loose {
-                source: Source {
+                source: OutputSocket {
                     node: wire.source.clone(),
                     swizzle: wire.swizzle,
                 },
@@ -187,7 +187,7 @@ fn zoom(ui: &Ui) -> f32 {
     to_screen.map_or(1.0, |to_screen| to_screen.scaling)
 }
 
-fn paint_body(ui: &Ui, card: Rect, subject: Subject<'_>, is_selected: bool) {
+fn paint_body(ui: &Ui, card: Rect, subject: GraphItem<'_>, is_selected: bool) {
     let visuals = ui.visuals();
     let stroke = match is_selected {
         true => Stroke::new(2.0, visuals.selection.bg_fill),
@@ -195,8 +195,8 @@ fn paint_body(ui: &Ui, card: Rect, subject: Subject<'_>, is_selected: bool) {
     };
     let title = card.with_max_y(card.top() + TITLE);
     let head = match subject {
-        Subject::Node(_) => visuals.widgets.inactive.bg_fill,
-        Subject::Material(_) => visuals.selection.bg_fill.gamma_multiply(0.6),
+        GraphItem::Node(_) => visuals.widgets.inactive.bg_fill,
+        GraphItem::Material(_) => visuals.selection.bg_fill.gamma_multiply(0.6),
     };
     let painter = ui.painter();
     painter.rect_filled(card, 4.0, visuals.window_fill);

@@ -27,7 +27,7 @@ const BEND: f32 = 160.0;
 
 /// What a link comes from.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub(crate) struct Source {
+pub(crate) struct OutputSocket {
     node: String,
     swizzle: Option<Swizzle>,
 }
@@ -35,7 +35,7 @@ pub(crate) struct Source {
 /// A link that hangs on the pointer.
 #[derive(Debug)]
 struct Loose {
-    source: Source,
+    source: OutputSocket,
     /// Where it was taken off.
     former: Option<Target>,
 }
@@ -76,7 +76,7 @@ impl Default for GraphView {
 /// What was drawn where in this frame.
 #[derive(Debug, Default)]
 struct Sockets {
-    outputs: HashMap<Rc<Source>, Pos2>,
+    outputs: HashMap<Rc<OutputSocket>, Pos2>,
     inputs: HashMap<Rc<Target>, Pos2>,
     /// Right edges of materials, for the sides of blends, and where those go.
     surfaces: HashMap<String, Pos2>,
@@ -87,8 +87,8 @@ struct Sockets {
 
 impl Sockets {
     /// Where a link comes out. Several components at once come from the socket of the whole.
-    fn output(&self, source: &Source) -> Option<&Pos2> {
-        let whole = || Source {
+    fn output(&self, source: &OutputSocket) -> Option<&Pos2> {
+        let whole = || OutputSocket {
             swizzle: None,
             ..source.clone()
         };
@@ -99,12 +99,12 @@ impl Sockets {
 
 /// What a card is of.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Subject<'a> {
+pub(crate) enum GraphItem<'a> {
     Node(&'a str),
     Material(&'a str),
 }
 
-impl Subject<'_> {
+impl GraphItem<'_> {
     fn id(self) -> String {
         match self {
             Self::Node(name) => format!("node {name}"),
@@ -128,11 +128,11 @@ impl GraphView {
     }
 
     /// A card goes by another name. The place of the former one is kept, for when that is undone.
-    pub(crate) fn rename(&mut self, old: Subject<'_>, new: Subject<'_>) {
+    pub(crate) fn rename(&mut self, old: GraphItem<'_>, new: GraphItem<'_>) {
         if let Some(&place) = self.places.get(&old.id()) {
             self.places.insert(new.id(), place);
         }
-        if let (Subject::Node(old), Subject::Node(new)) = (old, new)
+        if let (GraphItem::Node(old), GraphItem::Node(new)) = (old, new)
             && self.selected.remove(old)
         {
             self.selected.insert(new.to_owned());
@@ -163,11 +163,11 @@ impl GraphView {
         nodes.extend(model.loose_nodes(cx.document.look()));
         self.selected.retain(|node| nodes.contains(node));
         ui.horizontal(|ui| self.tools(ui, cx));
-        let mut subjects: Vec<Subject<'_>> = materials
+        let mut subjects: Vec<GraphItem<'_>> = materials
             .iter()
-            .map(|name| Subject::Material(name))
+            .map(|name| GraphItem::Material(name))
             .collect();
-        subjects.extend(nodes.iter().map(|name| Subject::Node(name)));
+        subjects.extend(nodes.iter().map(|name| GraphItem::Node(name)));
         self.place(cx, &subjects);
 
         let area = ui.available_rect_before_wrap();
@@ -221,18 +221,18 @@ impl GraphView {
 
     fn add(&mut self, ui: &mut Ui, cx: &mut Context<'_>, at: Pos2) {
         if let Some(name) = add_menu(ui, cx, &mut self.search) {
-            self.places.insert(Subject::Node(&name).id(), at);
+            self.places.insert(GraphItem::Node(&name).id(), at);
             self.selected = BTreeSet::from([name]);
         }
     }
 
     /// Gives places to cards that have none.
-    fn place(&mut self, cx: &Context<'_>, subjects: &[Subject<'_>]) {
+    fn place(&mut self, cx: &Context<'_>, subjects: &[GraphItem<'_>]) {
         let ids: Vec<String> = subjects.iter().map(|subject| subject.id()).collect();
         if ids.iter().all(|id| self.places.contains_key(id)) {
             return;
         }
-        let index = |subject: Subject<'_>| subjects.iter().position(|other| *other == subject);
+        let index = |subject: GraphItem<'_>| subjects.iter().position(|other| *other == subject);
         let mut cards: Vec<layout::Card<'_>> = subjects
             .iter()
             .zip(&ids)
@@ -244,23 +244,23 @@ impl GraphView {
             .collect();
         for wire in &cx.model.wires {
             let reader = match &wire.target {
-                Target::Parameter { node, .. } => Subject::Node(node),
+                Target::Parameter { node, .. } => GraphItem::Node(node),
                 Target::Input { material, .. } | Target::Mask { material } => {
-                    Subject::Material(material)
+                    GraphItem::Material(material)
                 }
             };
             if let (Some(source), Some(reader)) =
-                (index(Subject::Node(&wire.source)), index(reader))
+                (index(GraphItem::Node(&wire.source)), index(reader))
             {
                 cards[source].readers.push(reader);
             }
         }
         for (reader, subject) in subjects.iter().enumerate() {
-            let Subject::Material(material) = *subject else {
+            let GraphItem::Material(material) = *subject else {
                 continue;
             };
             for side in cx.model.sides(material).into_iter().flatten() {
-                let side = index(Subject::Material(side));
+                let side = index(GraphItem::Material(side));
                 if let Some(side) = side.filter(|&side| side != reader) {
                     cards[side].readers.push(reader);
                 }
@@ -286,7 +286,7 @@ impl GraphView {
             }
         }
         for wire in &model.wires {
-            let source = Source {
+            let source = OutputSocket {
                 node: wire.source.clone(),
                 swizzle: wire.swizzle,
             };
@@ -325,7 +325,7 @@ impl GraphView {
             let near = inputs.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))?;
             (distance(near.1) < REACH).then(|| near.0.as_ref().clone())
         });
-        let Source { node, swizzle } = &loose.source;
+        let OutputSocket { node, swizzle } = &loose.source;
         // The socket that it hangs on may be out of sight by now, and not tell that it was let go.
         let is_dropped = sockets.is_dropped || ui.input(|input| !input.pointer.any_down());
         if !is_dropped {
@@ -400,9 +400,9 @@ impl GraphView {
         }
         let (copies, edits) = edits::duplicate(cx.document, cx.model, &nodes);
         for (node, copy) in nodes.iter().zip(&copies) {
-            if let Some(&place) = self.places.get(&Subject::Node(node).id()) {
+            if let Some(&place) = self.places.get(&GraphItem::Node(node).id()) {
                 let place = place + vec2(30.0, 30.0);
-                self.places.insert(Subject::Node(copy).id(), place);
+                self.places.insert(GraphItem::Node(copy).id(), place);
             }
         }
         self.selected = copies.into_iter().collect();

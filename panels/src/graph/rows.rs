@@ -6,7 +6,7 @@ use egui::{Color32, Pos2, Rect, pos2, vec2};
 use engine::procedural::{Kind, Output};
 use texgen::ParameterType;
 
-use super::{GraphView, Sockets, Source, Subject};
+use super::{GraphItem, GraphView, OutputSocket, Sockets};
 use crate::context::Context;
 use crate::list;
 use crate::material::{InLook as _, PARAMETERS};
@@ -39,7 +39,7 @@ impl Input {
 /// A node's result, or one of its components.
 #[derive(Debug)]
 pub(super) struct Out {
-    pub(super) source: Rc<Source>,
+    pub(super) source: Rc<OutputSocket>,
     pub(super) color: Color32,
 }
 
@@ -58,12 +58,12 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    fn new(cx: &Context<'_>, subject: Subject<'_>) -> Self {
+    fn new(cx: &Context<'_>, subject: GraphItem<'_>) -> Self {
         let inputs = inputs(cx, subject);
         let mut sides = Vec::new();
         let (outputs, head) = match subject {
-            Subject::Node(node) => (outputs(cx, node), PREVIEW + MARGIN),
-            Subject::Material(material) => {
+            GraphItem::Node(node) => (outputs(cx, node), PREVIEW + MARGIN),
+            GraphItem::Material(material) => {
                 let names = cx.model.sides(material);
                 let others = names.into_iter().flatten().enumerate();
                 let others = others.filter(|(_, name)| *name != material);
@@ -99,7 +99,7 @@ impl Rows {
     }
 
     /// Notes where links begin and end on a card.
-    pub(super) fn put_sockets(&self, card: Rect, subject: Subject<'_>, sockets: &mut Sockets) {
+    pub(super) fn put_sockets(&self, card: Rect, subject: GraphItem<'_>, sockets: &mut Sockets) {
         for (i, input) in self.inputs.iter().enumerate() {
             let place = self.input_place(card, i);
             sockets.inputs.insert(Rc::clone(&input.target), place);
@@ -108,7 +108,7 @@ impl Rows {
             let place = Self::output_place(card, i);
             sockets.outputs.insert(Rc::clone(&output.source), place);
         }
-        if let Subject::Material(material) = subject {
+        if let GraphItem::Material(material) = subject {
             let surface = card.right_top() + vec2(0.0, 0.5 * TITLE);
             sockets.surfaces.insert(material.to_owned(), surface);
         }
@@ -121,7 +121,7 @@ impl Rows {
 
 impl GraphView {
     /// What stands on a card.
-    pub(super) fn rows(&mut self, cx: &Context<'_>, subject: Subject<'_>) -> Rc<Rows> {
+    pub(super) fn rows(&mut self, cx: &Context<'_>, subject: GraphItem<'_>) -> Rc<Rows> {
         if self.rows_of != cx.model.id() {
             self.rows.clear();
             self.rows_of = cx.model.id();
@@ -143,7 +143,7 @@ fn outputs(cx: &Context<'_>, node: &str) -> Vec<Out> {
     let parts = parts.map(|part| (part.parse().ok(), 1));
     let all = whole.into_iter().chain(parts);
     let out = all.map(|(swizzle, components)| Out {
-        source: Rc::new(Source {
+        source: Rc::new(OutputSocket {
             node: node.to_owned(),
             swizzle,
         }),
@@ -153,9 +153,9 @@ fn outputs(cx: &Context<'_>, node: &str) -> Vec<Out> {
 }
 
 /// What of a node or material can be driven, with its label and colour.
-fn inputs(cx: &Context<'_>, subject: Subject<'_>) -> Vec<Input> {
+fn inputs(cx: &Context<'_>, subject: GraphItem<'_>) -> Vec<Input> {
     match subject {
-        Subject::Node(node) => {
+        GraphItem::Node(node) => {
             let parameters = cx.model.texture(node).map_or(&[][..], |t| t.parameters());
             let linkable = parameters.iter().filter(|p| p.ty.is_linkable());
             let input = linkable.map(|parameter| {
@@ -168,7 +168,7 @@ fn inputs(cx: &Context<'_>, subject: Subject<'_>) -> Vec<Input> {
             });
             input.collect()
         }
-        Subject::Material(material) => {
+        GraphItem::Material(material) => {
             let mask = cx.model.sides(material).map(|_| {
                 let target = Target::Mask {
                     material: material.to_owned(),

@@ -1,7 +1,5 @@
 //! Traces ambient-occlusion rays.
 
-use device::Device;
-
 use crate::wave::Queue;
 
 use super::pass::{Pass, Work};
@@ -29,11 +27,3 @@ pub const PASS: Pass = Pass {
     exists: |features| features.programs,
     ..Pass::COMMON
 };
-
-/// The override constant that says whether a thread traces all rays of a hit, for this kernel and the one that sizes its
-/// dispatch. A graphics card needs many threads, one for each ray. A processor has enough of them in the hits alone: there
-/// one thread traces all rays of a hit, in packets of four (`packet.wgsl`).
-pub(super) fn thread_per_hit(device: &Device) -> (&'static str, f64) {
-    let is_packet = device.traits().traces_packets;
-    ("ao_thread_per_hit", f64::from(u8::from(is_packet)))
-}

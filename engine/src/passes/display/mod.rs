@@ -2,12 +2,12 @@
 
 use device::{Device, DeviceError, Kernel, Trust};
 
-use crate::passes::wgsl::Source;
+use crate::passes::wgsl::ComposedWgsl;
 
 /// Compiles the kernel.
 ///
 /// # Errors
 /// If the driver refuses it.
 pub fn kernel(device: &Device) -> Result<Kernel, DeviceError> {
-    Source::of("display/display.wgsl").compile(device, "display_film", Trust::All, &[])
+    ComposedWgsl::of("display/display.wgsl").compile(device, "display_film", Trust::All, &[])
 }

@@ -8,21 +8,10 @@ use crate::{gpu_scene::SceneFeatures, wave::Queue};
 
 use super::{
     pass::{Pass, Work},
-    wgsl::Source,
+    wgsl::ComposedWgsl,
 };
 
-/// The two forms of the generated kernel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum TextureForm {
-    /// It interprets programs with a small stack; ambient occlusion was traced before it runs. Edits are data.
-    #[default]
-    Stack,
-    /// Constants and links are pasted into it, and it traces ambient occlusion itself. Any edit builds it again: this is
-    /// for comparison with renderers that work so. Needs ten storage buffers per stage.
-    Inlined,
-}
-
-/// The pass; its text is generated: see [`kernel`].
+/// The pass; its text is generated: see [`text`].
 pub const PASS: Pass = Pass {
     name: "proctex",
     file: "proctex/proctex.wgsl",
@@ -43,17 +32,14 @@ pub const PASS: Pass = Pass {
     ..Pass::COMMON
 };
 
-/// What the inlined form begins with.
-const INLINED: &str = "proctex/inlined.wgsl";
+/// There is the users' code in it.
+pub const TRUST: Trust = Trust::Nothing;
 
 /// The kernel's text with the users' functions in it.
-pub fn source(form: TextureForm, generated: &GeneratedKernel) -> Source {
-    let mut source = Source::of(match form {
-        TextureForm::Stack => PASS.file,
-        TextureForm::Inlined => INLINED,
-    });
-    source.append_generated(generated);
-    source
+pub fn text(generated: &GeneratedKernel) -> ComposedWgsl {
+    let mut text = ComposedWgsl::of(PASS.file);
+    text.append_generated(generated);
+    text
 }
 
 /// Compiles the kernel with the users' functions in it, for what the scene uses.
@@ -62,10 +48,8 @@ pub fn source(form: TextureForm, generated: &GeneratedKernel) -> Source {
 /// In the user's own file and line, if the driver refuses it.
 pub fn kernel(
     device: &Device,
-    form: TextureForm,
     generated: &GeneratedKernel,
     features: &SceneFeatures,
 ) -> Result<Kernel, DeviceError> {
-    let source = source(form, generated);
-    source.compile(device, PASS.name, Trust::Nothing, &features.constants())
+    text(generated).compile(device, PASS.name, TRUST, &features.constants())
 }

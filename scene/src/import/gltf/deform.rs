@@ -20,7 +20,7 @@ pub(super) struct Pose {
 }
 
 /// Reads positions, normals and tangents of a primitive in a pose.
-pub(super) struct Source<'a> {
+pub(super) struct PosedPrimitive<'a> {
     pub(super) document: &'a Document,
     pub(super) primitive: &'a json::mesh::Primitive,
     pub(super) pose: &'a Pose,
@@ -28,7 +28,7 @@ pub(super) struct Source<'a> {
 
 type Target = json::Index<json::Accessor>;
 
-impl Source<'_> {
+impl PosedPrimitive<'_> {
     /// Positions of the vertices `used`, possibly not finite.
     pub(super) fn positions(
         &self,

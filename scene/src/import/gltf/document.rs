@@ -3,7 +3,7 @@
 //! Everything else in this folder reads through [`Document`]; nothing else touches files, except the pictures.
 
 use super::container;
-use super::files::{self, Source};
+use super::files::{self, UriTarget};
 use super::json_text::{self, JsonError, Parsed};
 use crate::import::budget::Budget;
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
@@ -270,8 +270,8 @@ impl Document {
             let place = || format!("buffer {index}");
             Ok(Some(
                 match files::resolve(self.folder(), uri).at(&self.path, place)? {
-                    Source::Data(bytes) => BufferSource::Data(bytes),
-                    Source::File(path) => BufferSource::File(FileId::of(&path), path),
+                    UriTarget::Data(bytes) => BufferSource::Data(bytes),
+                    UriTarget::File(path) => BufferSource::File(FileId::of(&path), path),
                 },
             ))
         };

@@ -6,7 +6,7 @@
 //! a factor (`"scale"` or `"intensity"`).
 
 use super::document::Document;
-use super::files::{self, Source};
+use super::files::{self, UriTarget};
 use crate::Environment;
 use crate::import::environment::load_environment_image;
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
@@ -47,7 +47,7 @@ pub(super) fn of_scene(
     let Some(uri) = uri else {
         return Err("has neither \"constant\" nor \"uri\"".to_owned()).at(&document.path, place);
     };
-    let Source::File(path) = files::resolve(document.folder(), uri).at(&document.path, place)?
+    let UriTarget::File(path) = files::resolve(document.folder(), uri).at(&document.path, place)?
     else {
         return Err("must be a file".to_owned()).at(&document.path, place);
     };

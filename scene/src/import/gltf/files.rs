@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// What a URI stands for.
 #[derive(Debug)]
-pub(super) enum Source {
+pub(super) enum UriTarget {
     /// The bytes of a `data:` URI.
     Data(Vec<u8>),
     /// A file.
@@ -19,9 +19,9 @@ pub(super) enum Source {
 
 /// Resolves `uri`, written in a glTF file in `folder`. Does not look whether a file exists, except to choose between
 /// the percent-decoded and the literal spelling.
-pub(super) fn resolve(folder: &Path, uri: &str) -> Result<Source, Fault> {
+pub(super) fn resolve(folder: &Path, uri: &str) -> Result<UriTarget, Fault> {
     if let Some(data) = uri.strip_prefix("data:") {
-        return decode_data_uri(data).map(Source::Data);
+        return decode_data_uri(data).map(UriTarget::Data);
     }
     if let Some(scheme) = scheme(uri) {
         return Err(format!(
@@ -39,9 +39,9 @@ pub(super) fn resolve(folder: &Path, uri: &str) -> Result<Source, Fault> {
     // Some exporters write names with a '%' as they are.
     let literal = folder.join(uri);
     if decoded != uri && !path.exists() && literal.exists() {
-        return Ok(Source::File(literal));
+        return Ok(UriTarget::File(literal));
     }
-    Ok(Source::File(path))
+    Ok(UriTarget::File(path))
 }
 
 fn decode_data_uri(rest: &str) -> Result<Vec<u8>, Fault> {
@@ -105,8 +105,8 @@ mod tests {
 
     fn data(uri: &str) -> Result<Vec<u8>, Fault> {
         match resolve(Path::new("."), uri)? {
-            Source::Data(bytes) => Ok(bytes),
-            Source::File(path) => panic!("{} is not data", path.display()),
+            UriTarget::Data(bytes) => Ok(bytes),
+            UriTarget::File(path) => panic!("{} is not data", path.display()),
         }
     }
 
@@ -126,8 +126,8 @@ mod tests {
     fn names_with_spaces_and_unicode_become_paths() {
         for uri in ["a%20b%E2%9D%A4.bin", "a b❤.bin"] {
             match resolve(Path::new("dir"), uri).unwrap() {
-                Source::File(path) => assert_eq!(path, Path::new("dir/a b❤.bin")),
-                Source::Data(_) => panic!("{uri} is not data"),
+                UriTarget::File(path) => assert_eq!(path, Path::new("dir/a b❤.bin")),
+                UriTarget::Data(_) => panic!("{uri} is not data"),
             }
         }
     }

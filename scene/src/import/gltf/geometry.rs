@@ -130,7 +130,7 @@ impl Builder<'_> {
 
         let mut used = triangles::compact(&mut list, vertex_count);
         self.document.budget.take(used.len() as u64, VERTEX_BYTES)?;
-        let source = deform::Source {
+        let source = deform::PosedPrimitive {
             document: self.document,
             primitive,
             pose,
@@ -169,7 +169,7 @@ impl Builder<'_> {
     fn read_normals(
         &self,
         attributes: &Attributes<'_>,
-        source: &deform::Source<'_>,
+        source: &deform::PosedPrimitive<'_>,
         used: &[u32],
         mesh: &mut Mesh,
         dropped: &mut Dropped,

@@ -1,7 +1,7 @@
 //! Where the pictures of a glTF file are.
 
 use super::document::{Document, offset};
-use super::files::{self, Source};
+use super::files::{self, UriTarget};
 use crate::import::error::Fault;
 use crate::import::pictures::{Album, Key, MAX_FILE};
 use crate::input::{self, FileId};
@@ -20,7 +20,7 @@ impl Album for Document {
         };
         match (&image.uri, image.buffer_view) {
             (Some(uri), _) => match files::resolve(self.folder(), uri) {
-                Ok(Source::File(path)) => Key::File(FileId::of(&path)),
+                Ok(UriTarget::File(path)) => Key::File(FileId::of(&path)),
                 _ => entry(),
             },
             (None, Some(view)) => match self.root.buffer_views.get(view.value()) {
@@ -52,8 +52,8 @@ impl Album for Document {
         let source = &self.root.images[index];
         if let Some(uri) = &source.uri {
             return match files::resolve(self.folder(), uri)? {
-                Source::Data(bytes) => Ok(Cow::Owned(bytes)),
-                Source::File(path) => input::read(&path, MAX_FILE)
+                UriTarget::Data(bytes) => Ok(Cow::Owned(bytes)),
+                UriTarget::File(path) => input::read(&path, MAX_FILE)
                     .map(Cow::Owned)
                     .map_err(|error| format!("cannot read {}: {error}", path.display())),
             };

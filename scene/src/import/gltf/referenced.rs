@@ -60,8 +60,8 @@ pub(super) fn referenced_files(path: &Path) -> Vec<PathBuf> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let uris = buffers.0.iter().chain(&images.0);
         let files = uris.filter_map(|uri| match files::resolve(folder, uri).ok()? {
-            files::Source::File(path) => Some(path),
-            files::Source::Data(_) => None,
+            files::UriTarget::File(path) => Some(path),
+            files::UriTarget::Data(_) => None,
         });
         Some(files.collect())
     };

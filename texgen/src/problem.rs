@@ -1,0 +1,128 @@
+//! An error of naga's, and how it is told in the user's terms.
+
+use std::ops::Range;
+
+use crate::diagnostic::{Diagnostic, SourceFile};
+use crate::scope::Outline;
+use crate::wording::{expected, in_user_terms, plain_message, plain_notes, remedies};
+
+/// An error of naga's in a text.
+#[derive(Debug)]
+pub(crate) struct Problem {
+    pub(crate) message: String,
+    pub(crate) labels: Vec<(Range<usize>, String)>,
+    pub(crate) notes: Vec<String>,
+    /// The function it was found in, where naga says.
+    pub(crate) function: Option<String>,
+    pub(crate) conversion: Option<Box<Conversion>>,
+}
+
+/// An operand of the wrong type, and the conversion that makes it fit.
+#[derive(Clone, Debug)]
+pub(crate) struct Conversion {
+    /// Its place, or its name where naga knows no more than that.
+    pub(crate) operand: Option<Range<usize>>,
+    pub(crate) name: Option<String>,
+    /// As `f32`.
+    pub(crate) to: String,
+}
+
+impl Problem {
+    /// Whether the parser had expected a `;`.
+    pub(crate) fn lacks_semicolon(&self) -> bool {
+        expected(&self.message) == Some("`;`")
+    }
+
+    /// The function of the file that the error lies in.
+    pub(crate) fn function_in(&self, outline: &Outline<'_>) -> Option<usize> {
+        let by_name = self.function.as_ref().and_then(|name| {
+            outline
+                .functions
+                .iter()
+                .position(|function| outline.word(function.name) == name)
+        });
+        by_name.or_else(|| {
+            let place = self.labels.first()?.0.start;
+            outline
+                .functions
+                .iter()
+                .position(|function| outline.span_of(&function.body).contains(&place))
+        })
+    }
+
+    /// What the user is told: marks, and remedies where any are known.
+    pub(crate) fn into_diagnostic(self, file: &SourceFile, outline: &Outline<'_>) -> Diagnostic {
+        let length = outline.text.len();
+        let ended = self
+            .labels
+            .first()
+            .is_some_and(|(span, _)| span.start >= length);
+        let lacks_semicolon = self.lacks_semicolon();
+        let mut message = in_user_terms(&self.message);
+        if ended {
+            // naga read on into the prelude: it wanted more of the file.
+            let expected = message.split(", found").next().unwrap_or_default();
+            message = format!("{expected}, found the end of the file");
+        }
+        let mut diagnostic = Diagnostic::error(message);
+        let mut labels: Vec<_> = self
+            .labels
+            .into_iter()
+            .filter(|(span, _)| span.start < length && span.end <= length)
+            .collect();
+        if labels.is_empty() {
+            let function = self
+                .function
+                .as_deref()
+                .and_then(|name| outline.function(name));
+            let last = outline.tokens.tokens.len().saturating_sub(1);
+            let place = function.map_or(last, |function| function.name);
+            labels.push((outline.span(place), String::new()));
+        }
+        let found = labels.clone();
+        for (index, (mut span, text)) in labels.into_iter().enumerate() {
+            // A function as a whole is marked at its name.
+            let whole = outline
+                .functions
+                .iter()
+                .find(|f| span == (outline.span(f.keyword).start..outline.span_of(&f.body).end));
+            if let Some(function) = whole {
+                span = outline.span(function.name);
+            }
+            let mut text = plain_message(&text);
+            if index == 0 && lacks_semicolon && !ended {
+                // It is missing where the statement ends, not where the next one begins.
+                let before = outline.tokens.tokens.iter();
+                let before = before.take_while(|token| token.end() <= span.start).last();
+                let end = before.map_or(span.start, |token| token.end());
+                (span, text) = (end..end, "`;` is missing here".into());
+            }
+            if index == 0 {
+                diagnostic = diagnostic.with_label(file, span, text);
+            } else if !text.is_empty() {
+                diagnostic = diagnostic.with_secondary(file, span, text);
+            }
+        }
+        for note in plain_notes(&self.notes) {
+            diagnostic = diagnostic.with_note(note);
+        }
+        if ended {
+            diagnostic =
+                diagnostic.with_note("something is not closed: look for a missing `}`, `)` or `;`");
+        }
+        if let Some(Conversion { operand, name, to }) = self.conversion.as_deref() {
+            let text = operand.clone().and_then(|span| outline.text.get(span));
+            let text = text
+                .or(name.as_deref())
+                .filter(|text| text.len() <= 60 && !text.contains('\n'));
+            diagnostic = diagnostic.with_note(match text {
+                Some(text) => format!("convert: `{to}({text})`"),
+                None => format!("convert one of them: `{to}(...)`"),
+            });
+        }
+        for note in remedies(&self.message, &found, outline) {
+            diagnostic = diagnostic.with_note(note);
+        }
+        diagnostic
+    }
+}
