@@ -3,8 +3,8 @@
 use std::sync::LazyLock;
 
 use egui::{Color32, Rect, Response, Ui, pos2};
-use engine::live::Edit;
 use engine::scene::Material;
+use engine::session::Edit;
 
 use crate::model::Model;
 use crate::panel::SceneView;

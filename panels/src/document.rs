@@ -5,8 +5,8 @@
 
 use std::path::{Path, PathBuf};
 
-use engine::live::{Edit, LiveError, LiveRender};
 use engine::scene::look::{Field, Look, LookDocument, Section, Value};
+use engine::session::{Edit, Session, SessionError};
 use texgen::Diagnostics;
 
 use crate::patch::Patch;
@@ -32,19 +32,19 @@ pub enum Change {
 
 impl Change {
     /// Brings it to a live render. What the renderer doesn't take becomes one of its
-    /// [problems](LiveRender::problems), and its picture stays as it is until that is mended or undone.
+    /// [problems](Session::problems), and its picture stays as it is until that is mended or undone.
     ///
     /// # Errors
     /// The device.
-    pub fn send(&self, live: &mut LiveRender) -> Result<(), LiveError> {
+    pub fn send(&self, session: &mut Session) -> Result<(), SessionError> {
         let Self::Edit { edit, text } = self else {
-            return live.replace_look(self.text());
+            return session.replace_look(self.text());
         };
-        match live.edit(edit) {
+        match session.edit(edit) {
             // As a whole text it is no error but a problem, and stays one until it is mended.
-            Err(LiveError::Refused(_)) => live.replace_look(text),
+            Err(SessionError::Refused(_)) => session.replace_look(text),
             // The same look may be written in another way where edits before this one were left out.
-            Ok(()) if live.look_text() != *text => live.replace_look(text),
+            Ok(()) if session.look_text() != *text => session.replace_look(text),
             outcome => outcome,
         }
     }

@@ -1,8 +1,8 @@
 //! Edits of several keys that belong together: each is one step of the history.
 
-use engine::live::Edit;
 use engine::procedural::Output;
 use engine::scene::look::{Section, Value};
+use engine::session::Edit;
 use texgen::Swizzle;
 
 use crate::Document;

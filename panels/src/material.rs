@@ -345,7 +345,7 @@ impl Key {
 mod tests {
     use std::path::Path;
 
-    use engine::live::{Edit, written};
+    use engine::session::{Edit, written};
 
     use crate::Document;
 

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::rc::Rc;
 
-use engine::live::{Edit, written};
 use engine::procedural::{Output, TextureSources};
 use engine::scene::look::{AoSettings, Look, LookDocument, Section, Value};
+use engine::session::{Edit, written};
 use texgen::{Interpolation, Ramp, Swizzle};
 
 use crate::model::{Model, Target};

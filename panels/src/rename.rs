@@ -1,7 +1,7 @@
 //! Renaming nodes and materials: whatever refers to them follows, in one step.
 
-use engine::live::Edit;
 use engine::scene::look::{Section, Value, link_text};
+use engine::session::Edit;
 
 use crate::Document;
 use crate::document::write;

@@ -9,9 +9,9 @@ use std::time::Instant;
 
 use device::{Device, DeviceChoice};
 use engine::aside::Leftover;
-use engine::live::{Edit, LiveInputs, LiveRender};
 use engine::renderer::RenderSettings;
 use engine::scene::look::{AoSettings, Value};
+use engine::session::{Edit, Inputs, Session};
 use texgen::{Interpolation, Ramp};
 
 use crate::exit::Failure;
@@ -44,7 +44,7 @@ pub(crate) fn run(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), F
     let materials = nodes.div_ceil(CHAIN);
     write_files(folder.path(), nodes, materials).map_err(Failure::because)?;
     let device = device.clone();
-    let inputs = LiveInputs {
+    let inputs = Inputs {
         scene: folder.path().join("scene.gltf"),
         look: Some(folder.path().join("scene.look.toml")),
         textures: vec![folder.path().to_owned()],
@@ -54,14 +54,14 @@ pub(crate) fn run(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), F
         max_depth: 3,
         ..RenderSettings::new(SIZE.0, SIZE.1, &camera)
     };
-    let mut live = LiveRender::open(
+    let mut session = Session::open(
         inputs,
         Arc::new(move || Device::open(&device)),
         Arc::new(settings),
     )?;
     bar.stage("measuring");
-    live.step(1)?;
-    let gpu = live.renderer().gpu().clone();
+    session.step(1)?;
+    let gpu = session.renderer().gpu().clone();
     let made = || (gpu.counts().pipelines, gpu.counts().shader_modules);
     let before = made();
     let mut table =
@@ -71,12 +71,12 @@ pub(crate) fn run(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), F
         for i in 0..edits {
             for edit in make(i, nodes, materials) {
                 let clock = Instant::now();
-                live.edit(&edit)?;
+                session.edit(&edit)?;
                 times.push(clock.elapsed().as_secs_f64() * 1e3);
             }
             // A wave in between now and then, as when one drags a slider.
             if i % 100 == 99 {
-                live.step(1)?;
+                session.step(1)?;
             }
         }
         let _ = writeln!(table, "{what:<36}{}", percentiles(times));
@@ -85,10 +85,10 @@ pub(crate) fn run(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), F
     for i in 0..PICTURES {
         let clock = Instant::now();
         for edit in argument(i, nodes, materials) {
-            live.edit(&edit)?;
+            session.edit(&edit)?;
         }
-        while !live.step(1)?.is_done() {}
-        live.snapshot()?;
+        while !session.step(1)?.is_done() {}
+        session.snapshot()?;
         times.push(clock.elapsed().as_secs_f64() * 1e3);
     }
     let _ = writeln!(

@@ -1,15 +1,15 @@
 //! Single edits: each gives the picture of its look, by buffer writes alone.
 
-use engine::live::{Edit, LiveError, LiveRender};
 use engine::scene::look::{AoDirection, AoSettings, Section, Value};
+use engine::session::{Edit, Session, SessionError};
 use texgen::{Interpolation, Ramp};
 
 use crate::look::{LOOK, TEXTURES};
 use crate::stage::{Stage, film, is_same, read, settle};
 use crate::support::device;
 
-fn made(live: &LiveRender) -> (u64, u64) {
-    let gpu = live.renderer().gpu();
+fn made(session: &Session) -> (u64, u64) {
+    let gpu = session.renderer().gpu();
     (gpu.counts().pipelines, gpu.counts().shader_modules)
 }
 
@@ -132,23 +132,31 @@ fn every_kind_of_edit_is_a_buffer_write() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    let mut last = film(&mut live);
-    let before = made(&live);
+    let mut session = stage.open("scene.look.toml");
+    let mut last = film(&mut session);
+    let before = made(&session);
     for (what, edits) in kinds() {
-        let generation = live.generation();
-        live.edit_all(&edits)
+        let generation = session.generation();
+        session
+            .edit_all(&edits)
             .unwrap_or_else(|error| panic!("{what}: {error}"));
-        assert!(live.is_up_to_date() && live.problems().is_empty(), "{what}");
-        assert!(live.generation() > generation, "{what}");
-        let now = film(&mut live);
-        assert_eq!(made(&live), before, "{what}: pipelines and shader modules");
+        assert!(
+            session.is_up_to_date() && session.problems().is_empty(),
+            "{what}"
+        );
+        assert!(session.generation() > generation, "{what}");
+        let now = film(&mut session);
+        assert_eq!(
+            made(&session),
+            before,
+            "{what}: pipelines and shader modules"
+        );
         assert!(!is_same(&now, &last), "{what} is seen");
-        let fresh = stage.fresh(&live.look_text());
+        let fresh = stage.fresh(&session.look_text());
         assert!(
             is_same(&now, &fresh),
             "{what}: not the look's picture\n{}",
-            live.look_text()
+            session.look_text()
         );
         last = now;
     }
@@ -160,34 +168,34 @@ fn a_whole_text_is_followed_by_buffer_writes() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    let first = film(&mut live);
-    let before = made(&live);
+    let mut session = stage.open("scene.look.toml");
+    let first = film(&mut session);
+    let before = made(&session);
     let other = LOOK.replace("count = 5.0 #", "count = 6.5 #");
     assert_ne!(other, LOOK);
-    live.replace_look(&other).expect("a look");
-    assert_eq!(live.look_text(), other);
-    assert!(live.is_up_to_date() && live.has_unsaved_edits());
-    assert!(is_same(&film(&mut live), &stage.fresh(&other)));
+    session.replace_look(&other).expect("a look");
+    assert_eq!(session.look_text(), other);
+    assert!(session.is_up_to_date() && session.has_unsaved_edits());
+    assert!(is_same(&film(&mut session), &stage.fresh(&other)));
     // Another way to write the same is no change.
-    let generation = live.generation();
+    let generation = session.generation();
     let written = format!("# Written anew.\n{other}");
-    live.replace_look(&written).expect("a look");
-    assert_eq!(live.look_text(), written);
-    assert_eq!(live.generation(), generation);
+    session.replace_look(&written).expect("a look");
+    assert_eq!(session.look_text(), written);
+    assert_eq!(session.generation(), generation);
     // What is no look is refused, what can't be shown is told.
-    assert!(live.replace_look("node = 3").is_err());
-    assert_eq!(live.look_text(), written);
+    assert!(session.replace_look("node = 3").is_err());
+    assert_eq!(session.look_text(), written);
     let wrong = LOOK.replace("count = 5.0 #", "cuont = 5.0 #");
-    live.replace_look(&wrong).expect("a look by its form");
-    settle(&mut live);
-    assert!(!live.problems().is_empty());
+    session.replace_look(&wrong).expect("a look by its form");
+    settle(&mut session);
+    assert!(!session.problems().is_empty());
     // As an undo does.
-    live.replace_look(LOOK).expect("a look");
-    settle(&mut live);
-    assert!(live.problems().is_empty(), "{}", live.problems());
-    assert!(is_same(&film(&mut live), &first));
-    assert_eq!(made(&live), before, "pipelines and shader modules");
+    session.replace_look(LOOK).expect("a look");
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert!(is_same(&film(&mut session), &first));
+    assert_eq!(made(&session), before, "pipelines and shader modules");
 }
 
 #[test]
@@ -196,19 +204,21 @@ fn a_film_never_mixes_two_looks() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    let old = film(&mut live);
-    live.restart();
-    live.step(1).unwrap_or_else(|error| panic!("{error}"));
+    let mut session = stage.open("scene.look.toml");
+    let old = film(&mut session);
+    session.restart();
+    session.step(1).unwrap_or_else(|error| panic!("{error}"));
     // In the middle of the picture.
     let edit = Edit::argument("rings", "count", &texgen::Value::F32(9.0));
-    live.edit(&edit).unwrap_or_else(|error| panic!("{error}"));
-    let snapshot = live.snapshot().unwrap_or_else(|error| panic!("{error}"));
+    session
+        .edit(&edit)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let snapshot = session.snapshot().unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(snapshot.film.sample_bounds(), (0, 0), "begun anew");
-    assert_eq!(snapshot.generation, live.generation());
-    let new = film(&mut live);
+    assert_eq!(snapshot.generation, session.generation());
+    let new = film(&mut session);
     assert!(!is_same(&old, &new));
-    assert!(is_same(&new, &stage.fresh(&live.look_text())));
+    assert!(is_same(&new, &stage.fresh(&session.look_text())));
 }
 
 #[test]
@@ -217,8 +227,8 @@ fn refused_edits_change_neither_look_nor_picture() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    let before = film(&mut live);
+    let mut session = stage.open("scene.look.toml");
+    let before = film(&mut session);
     for (edit, says) in [
         (
             Edit::argument("ring", "count", &texgen::Value::F32(1.0)),
@@ -251,21 +261,21 @@ fn refused_edits_change_neither_look_nor_picture() {
             "1 to 255",
         ),
     ] {
-        match live.edit(&edit) {
-            Err(LiveError::Refused(message)) => {
+        match session.edit(&edit) {
+            Err(SessionError::Refused(message)) => {
                 assert!(message.contains(says), "{edit:?}: {message}");
             }
             other => panic!("{edit:?}: {other:?}"),
         }
-        assert_eq!(live.look_text(), LOOK, "{edit:?}");
+        assert_eq!(session.look_text(), LOOK, "{edit:?}");
         assert!(
-            live.is_up_to_date() && live.problems().is_empty(),
+            session.is_up_to_date() && session.problems().is_empty(),
             "{edit:?}"
         );
     }
-    assert!(is_same(&before, &film(&mut live)), "not begun anew");
-    live.restart();
-    assert!(is_same(&before, &film(&mut live)), "begun anew");
+    assert!(is_same(&before, &film(&mut session)), "not begun anew");
+    session.restart();
+    assert!(is_same(&before, &film(&mut session)), "begun anew");
 }
 
 #[test]
@@ -274,8 +284,8 @@ fn what_is_made_once_is_built_in_the_background() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    film(&mut live);
+    let mut session = stage.open("scene.look.toml");
+    film(&mut session);
     for (what, edit) in [
         (
             "light through a wall",
@@ -297,12 +307,17 @@ fn what_is_made_once_is_built_in_the_background() {
             Edit::material("Floor", "opacity", text("rings")),
         ),
     ] {
-        live.edit(&edit)
+        session
+            .edit(&edit)
             .unwrap_or_else(|error| panic!("{what}: {error}"));
-        settle(&mut live);
-        assert!(live.problems().is_empty(), "{what}: {}", live.problems());
-        let fresh = stage.fresh(&live.look_text());
-        assert!(is_same(&film(&mut live), &fresh), "{what}");
+        settle(&mut session);
+        assert!(
+            session.problems().is_empty(),
+            "{what}: {}",
+            session.problems()
+        );
+        let fresh = stage.fresh(&session.look_text());
+        assert!(is_same(&film(&mut session), &fresh), "{what}");
     }
 }
 
@@ -312,18 +327,19 @@ fn a_saved_look_keeps_what_was_not_edited() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    live.edit(&Edit::argument("rings", "count", &texgen::Value::F32(6.5)))
+    let mut session = stage.open("scene.look.toml");
+    session
+        .edit(&Edit::argument("rings", "count", &texgen::Value::F32(6.5)))
         .expect("known");
-    assert!(live.has_unsaved_edits());
-    live.save(None).unwrap_or_else(|error| panic!("{error}"));
-    assert!(!live.has_unsaved_edits());
+    assert!(session.has_unsaved_edits());
+    session.save(None).unwrap_or_else(|error| panic!("{error}"));
+    assert!(!session.has_unsaved_edits());
     let saved = read(&stage.path("scene.look.toml"));
     assert_eq!(saved, LOOK.replace("count = 5.0 #", "count = 6.5 #"));
-    let generation = live.generation();
-    live.look_changed();
+    let generation = session.generation();
+    session.look_changed();
     assert_eq!(
-        live.generation(),
+        session.generation(),
         generation,
         "one's own saving is no change"
     );

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use engine::live::{Edit, LiveError};
+use engine::session::{Edit, SessionError};
 
 use crate::look::{LOOK, RINGS, SQUARES, TEXTURES, TINT};
 use crate::stage::{Stage, film, is_same, read, settle};
@@ -14,39 +14,42 @@ fn a_source_is_swapped_and_a_wrong_one_is_not() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    let old = film(&mut live);
-    let pipelines = live.renderer().gpu().counts().pipelines;
+    let mut session = stage.open("scene.look.toml");
+    let old = film(&mut session);
+    let pipelines = session.renderer().gpu().counts().pipelines;
 
     stage.write("textures/rings.wgsl", &RINGS.replace("sin(", "sinn("));
-    live.sources_changed();
-    settle(&mut live);
-    let shown = live.problems().to_string();
+    session.sources_changed();
+    settle(&mut session);
+    let shown = session.problems().to_string();
     for part in ["rings.wgsl:3:24", "sinn", "^"] {
         assert!(shown.contains(part), "{part} is missing:\n{shown}");
     }
-    assert!(is_same(&old, &film(&mut live)), "the picture is not lost");
-    assert_eq!(live.renderer().gpu().counts().pipelines, pipelines);
+    assert!(
+        is_same(&old, &film(&mut session)),
+        "the picture is not lost"
+    );
+    assert_eq!(session.renderer().gpu().counts().pipelines, pipelines);
 
     stage.replace("textures/rings.wgsl", SQUARES);
-    live.sources_changed();
-    assert!(live.is_building());
-    settle(&mut live);
-    assert!(live.problems().is_empty(), "{}", live.problems());
-    assert_eq!(live.renderer().gpu().counts().pipelines, pipelines + 1);
-    let new = film(&mut live);
+    session.sources_changed();
+    assert!(session.is_building());
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert_eq!(session.renderer().gpu().counts().pipelines, pipelines + 1);
+    let new = film(&mut session);
     assert!(!is_same(&old, &new) && is_same(&new, &stage.fresh(LOOK)));
 
     // Wrong again, then as it is in use: nothing is built, and the error is gone.
     stage.write("textures/rings.wgsl", "");
-    live.sources_changed();
-    settle(&mut live);
-    assert!(!live.problems().is_empty());
+    session.sources_changed();
+    settle(&mut session);
+    assert!(!session.problems().is_empty());
     stage.write("textures/rings.wgsl", SQUARES);
-    let generation = live.generation();
-    live.sources_changed();
-    assert!(!live.is_building() && live.problems().is_empty());
-    assert_eq!(live.generation(), generation);
+    let generation = session.generation();
+    session.sources_changed();
+    assert!(!session.is_building() && session.problems().is_empty());
+    assert_eq!(session.generation(), generation);
 }
 
 #[test]
@@ -55,14 +58,14 @@ fn a_look_is_followed_by_difference() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    let old = film(&mut live);
-    let pipelines = live.renderer().gpu().counts().pipelines;
+    let mut session = stage.open("scene.look.toml");
+    let old = film(&mut session);
+    let pipelines = session.renderer().gpu().counts().pipelines;
     // Comments mean nothing.
     stage.write("scene.look.toml", &LOOK.replace("# of them", "# of rings"));
-    let generation = live.generation();
-    live.look_changed();
-    assert_eq!(live.generation(), generation);
+    let generation = session.generation();
+    session.look_changed();
+    assert_eq!(session.generation(), generation);
     // Several tables at once, with nodes that come, go, and are linked the other way round.
     let changed = LOOK
         .replace("count = 5.0", "count = 'other'")
@@ -72,21 +75,21 @@ fn a_look_is_followed_by_difference() {
         .replace("distance = 0.4", "distance = 0.8")
         + "\n[node.extra]\ntexture = 'tint'\n";
     stage.replace("scene.look.toml", &changed);
-    live.look_changed();
+    session.look_changed();
     assert!(
-        live.is_up_to_date() && live.problems().is_empty(),
+        session.is_up_to_date() && session.problems().is_empty(),
         "{}",
-        live.problems()
+        session.problems()
     );
-    assert_eq!(live.renderer().gpu().counts().pipelines, pipelines);
-    let new = film(&mut live);
+    assert_eq!(session.renderer().gpu().counts().pipelines, pipelines);
+    let new = film(&mut session);
     assert!(!is_same(&old, &new) && is_same(&new, &stage.fresh(&changed)));
     // And all the way back.
     stage.write("scene.look.toml", LOOK);
-    live.look_changed();
-    settle(&mut live);
-    assert!(is_same(&old, &film(&mut live)));
-    assert_eq!(live.renderer().gpu().counts().pipelines, pipelines);
+    session.look_changed();
+    settle(&mut session);
+    assert!(is_same(&old, &film(&mut session)));
+    assert_eq!(session.renderer().gpu().counts().pipelines, pipelines);
 }
 
 #[test]
@@ -95,9 +98,9 @@ fn mistakes_in_a_look_are_told_and_forgotten() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    let old = film(&mut live);
-    let rebuilt = live.generation();
+    let mut session = stage.open("scene.look.toml");
+    let old = film(&mut session);
+    let rebuilt = session.generation();
     for (from, to, says) in [
         ("[camera]", "[camera", "not valid TOML"),
         ("count = 5.0", "cuont = 5.0", "scene.look.toml:16:1"),
@@ -122,22 +125,26 @@ fn mistakes_in_a_look_are_told_and_forgotten() {
         ),
     ] {
         stage.write("scene.look.toml", &LOOK.replacen(from, to, 1));
-        live.look_changed();
-        settle(&mut live);
-        let shown = live.problems().to_string();
+        session.look_changed();
+        settle(&mut session);
+        let shown = session.problems().to_string();
         assert!(shown.contains(says), "{to}: {shown}");
         assert!(
-            is_same(&old, &film(&mut live)),
+            is_same(&old, &film(&mut session)),
             "{to}: the picture is not lost"
         );
         stage.write("scene.look.toml", LOOK);
-        live.look_changed();
-        settle(&mut live);
-        assert!(live.problems().is_empty(), "{to}: {}", live.problems());
-        assert!(live.is_up_to_date());
+        session.look_changed();
+        settle(&mut session);
+        assert!(
+            session.problems().is_empty(),
+            "{to}: {}",
+            session.problems()
+        );
+        assert!(session.is_up_to_date());
     }
-    assert_eq!(live.generation(), rebuilt, "nothing was built anew");
-    assert!(is_same(&old, &film(&mut live)));
+    assert_eq!(session.generation(), rebuilt, "nothing was built anew");
+    assert!(is_same(&old, &film(&mut session)));
 }
 
 #[test]
@@ -146,38 +153,39 @@ fn a_texture_that_is_new_to_the_look_costs_one_kernel() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    let pipelines = live.renderer().gpu().counts().pipelines;
+    let mut session = stage.open("scene.look.toml");
+    let pipelines = session.renderer().gpu().counts().pipelines;
     let changed = LOOK.replace("base_color = \"worn\"", "base_color = \"spots\"")
         + "\n[node.spots]\ntexture = 'squares'\nedge = 0.4\n";
     // The look comes before its texture does.
     stage.write("scene.look.toml", &changed);
-    live.look_changed();
-    settle(&mut live);
+    session.look_changed();
+    settle(&mut session);
     assert!(
-        live.problems()
+        session
+            .problems()
             .to_string()
             .contains("no texture called `squares`"),
         "{}",
-        live.problems()
+        session.problems()
     );
     stage.write(
         "textures/squares.wgsl",
         &SQUARES.replace("select", "selekt"),
     );
-    live.sources_changed();
-    settle(&mut live);
+    session.sources_changed();
+    settle(&mut session);
     assert!(
-        live.problems().to_string().contains("squares.wgsl:5"),
+        session.problems().to_string().contains("squares.wgsl:5"),
         "{}",
-        live.problems()
+        session.problems()
     );
     stage.write("textures/squares.wgsl", SQUARES);
-    live.sources_changed();
-    settle(&mut live);
-    assert!(live.problems().is_empty(), "{}", live.problems());
-    assert_eq!(live.renderer().gpu().counts().pipelines, pipelines + 1);
-    assert!(is_same(&film(&mut live), &stage.fresh(&changed)));
+    session.sources_changed();
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert_eq!(session.renderer().gpu().counts().pipelines, pipelines + 1);
+    assert!(is_same(&film(&mut session), &stage.fresh(&changed)));
 }
 
 #[test]
@@ -186,7 +194,7 @@ fn ten_saves_in_a_row_end_with_the_last() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
+    let mut session = stage.open("scene.look.toml");
     for i in 0..10 {
         let text = TINT.replace("amount * amount", &format!("amount * 0.{}", i + 1));
         match i % 3 {
@@ -195,16 +203,16 @@ fn ten_saves_in_a_row_end_with_the_last() {
             // Half of a file, then all of it.
             _ => {
                 stage.write("textures/tint.wgsl", &text[..text.len() / 2]);
-                live.sources_changed();
+                session.sources_changed();
                 stage.write("textures/tint.wgsl", &text);
             }
         }
-        live.sources_changed();
-        live.step(2).unwrap_or_else(|error| panic!("{error}"));
+        session.sources_changed();
+        session.step(2).unwrap_or_else(|error| panic!("{error}"));
     }
-    settle(&mut live);
-    assert!(live.problems().is_empty(), "{}", live.problems());
-    assert!(is_same(&film(&mut live), &stage.fresh(LOOK)));
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert!(is_same(&film(&mut session), &stage.fresh(LOOK)));
 }
 
 #[test]
@@ -213,9 +221,9 @@ fn files_that_vanish_take_nothing_with_them() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    let old = film(&mut live);
-    let files = live.files();
+    let mut session = stage.open("scene.look.toml");
+    let old = film(&mut session);
+    let files = session.files();
     for name in ["scene.gltf", "squares.bin", "scene.look.toml"] {
         assert!(
             files.contains(&stage.path(name)),
@@ -230,25 +238,30 @@ fn files_that_vanish_take_nothing_with_them() {
     ] {
         let aside = stage.path("gone");
         fs::rename(stage.path(name), &aside).expect("it is there");
-        live.look_changed();
-        live.sources_changed();
-        live.assets_changed();
-        settle(&mut live);
-        assert!(!live.problems().is_empty(), "{name} is missed");
-        live.step(2)
+        session.look_changed();
+        session.sources_changed();
+        session.assets_changed();
+        settle(&mut session);
+        assert!(!session.problems().is_empty(), "{name} is missed");
+        session
+            .step(2)
             .unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert_eq!(live.look_text(), LOOK, "{name}");
+        assert_eq!(session.look_text(), LOOK, "{name}");
         assert!(
-            is_same(&old, &film(&mut live)),
+            is_same(&old, &film(&mut session)),
             "{name}: the picture is not lost"
         );
         fs::rename(&aside, stage.path(name)).expect("back");
-        live.look_changed();
-        live.sources_changed();
-        live.assets_changed();
-        settle(&mut live);
-        assert!(live.problems().is_empty(), "{name}: {}", live.problems());
-        assert!(is_same(&old, &film(&mut live)), "{name} is back");
+        session.look_changed();
+        session.sources_changed();
+        session.assets_changed();
+        settle(&mut session);
+        assert!(
+            session.problems().is_empty(),
+            "{name}: {}",
+            session.problems()
+        );
+        assert!(is_same(&old, &film(&mut session)), "{name} is back");
     }
 }
 
@@ -258,31 +271,31 @@ fn what_others_wrote_is_not_saved_over_unasked() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
+    let mut session = stage.open("scene.look.toml");
     let edit = Edit::argument("rings", "count", &texgen::Value::F32(7.0));
-    live.edit(&edit).expect("edited");
+    session.edit(&edit).expect("edited");
     // Half of a file: nothing of it can be taken over.
     let half = format!("{}\nramp = [", &LOOK[..LOOK.len() / 2]);
     stage.write("scene.look.toml", &half);
-    live.look_changed();
-    assert!(!live.problems().is_empty());
-    let refused = live.save(None);
+    session.look_changed();
+    assert!(!session.problems().is_empty());
+    let refused = session.save(None);
     assert!(
-        matches!(refused, Err(LiveError::Changed { .. })),
+        matches!(refused, Err(SessionError::Changed { .. })),
         "{refused:?}"
     );
     assert_eq!(read(&stage.path("scene.look.toml")), half);
-    assert!(live.has_unsaved_edits());
+    assert!(session.has_unsaved_edits());
     // Under a name, also its own, it is what is wanted.
     let path = stage.path("scene.look.toml");
-    live.save(Some(&path)).expect("saved");
+    session.save(Some(&path)).expect("saved");
     let expected = LOOK.replace("count = 5.0", "count = 7.0");
     assert_eq!(read(&stage.path("scene.look.toml")), expected);
-    assert!(!live.has_unsaved_edits());
-    live.look_changed();
-    assert!(live.problems().is_empty(), "{}", live.problems());
+    assert!(!session.has_unsaved_edits());
+    session.look_changed();
+    assert!(session.problems().is_empty(), "{}", session.problems());
     // A file that has vanished is written anew.
     fs::remove_file(&path).expect("removed");
-    live.save(None).expect("saved");
+    session.save(None).expect("saved");
     assert_eq!(read(&stage.path("scene.look.toml")), expected);
 }

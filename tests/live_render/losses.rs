@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use ::device::{Device, DeviceError};
-use engine::live::{Edit, LiveError};
+use engine::session::{Edit, SessionError};
 
 use crate::look::{LOOK, SQUARES, TEXTURES};
 use crate::stage::{Stage, film, is_same, settle};
@@ -20,12 +20,15 @@ fn a_lost_device_is_replaced() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    live.edit(&edit()).unwrap_or_else(|error| panic!("{error}"));
-    let before = film(&mut live);
-    let text = live.look_text();
-    let generation = live.generation();
-    live.renderer()
+    let mut session = stage.open("scene.look.toml");
+    session
+        .edit(&edit())
+        .unwrap_or_else(|error| panic!("{error}"));
+    let before = film(&mut session);
+    let text = session.look_text();
+    let generation = session.generation();
+    session
+        .renderer()
         .gpu()
         .gpu()
         .expect("a driver")
@@ -34,44 +37,52 @@ fn a_lost_device_is_replaced() {
     // Files are not needed for it.
     let aside = stage.path("gone");
     std::fs::rename(stage.path("scene.gltf"), &aside).expect("it is there");
-    live.restart();
+    session.restart();
     assert!(
-        is_same(&before, &film(&mut live)),
+        is_same(&before, &film(&mut session)),
         "the same picture on another device"
     );
-    assert_eq!(live.look_text(), text);
-    assert!(live.generation() > generation);
+    assert_eq!(session.look_text(), text);
+    assert!(session.generation() > generation);
     std::fs::rename(&aside, stage.path("scene.gltf")).expect("back");
 
     // While a kernel is built, and with an edit that meets the dead device.
     stage.write("textures/rings.wgsl", SQUARES);
-    live.sources_changed();
-    live.renderer()
+    session.sources_changed();
+    session
+        .renderer()
         .gpu()
         .gpu()
         .expect("a driver")
         .device()
         .destroy();
-    let dead = live.edit(&Edit::argument(
+    let dead = session.edit(&Edit::argument(
         "paint",
         "color",
         &texgen::Value::Vec3([0.2, 0.9, 0.4]),
     ));
     assert!(dead.is_ok(), "{dead:?}");
-    settle(&mut live);
-    assert!(live.problems().is_empty(), "{}", live.problems());
-    assert!(is_same(&film(&mut live), &stage.fresh(&live.look_text())));
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert!(is_same(
+        &film(&mut session),
+        &stage.fresh(&session.look_text())
+    ));
 
-    live.renderer()
+    session
+        .renderer()
         .gpu()
         .gpu()
         .expect("a driver")
         .device()
         .destroy();
-    live.assets_changed();
-    settle(&mut live);
-    assert!(live.problems().is_empty(), "{}", live.problems());
-    assert!(is_same(&film(&mut live), &stage.fresh(&live.look_text())));
+    session.assets_changed();
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert!(is_same(
+        &film(&mut session),
+        &stage.fresh(&session.look_text())
+    ));
 }
 
 #[test]
@@ -82,7 +93,7 @@ fn where_no_device_is_left_the_look_is_kept() {
     let stage = Stage::new(LOOK, &TEXTURES);
     let has_device = Arc::new(AtomicBool::new(true));
     let switch = Arc::clone(&has_device);
-    let mut live = stage
+    let mut session = stage
         .open_on("scene.look.toml", move || {
             match switch.load(Ordering::Relaxed) {
                 true => Device::best(),
@@ -90,25 +101,28 @@ fn where_no_device_is_left_the_look_is_kept() {
             }
         })
         .unwrap_or_else(|error| panic!("{error}"));
-    live.edit(&edit()).unwrap_or_else(|error| panic!("{error}"));
-    let before = film(&mut live);
-    live.restart();
+    session
+        .edit(&edit())
+        .unwrap_or_else(|error| panic!("{error}"));
+    let before = film(&mut session);
+    session.restart();
     has_device.store(false, Ordering::Relaxed);
-    live.renderer()
+    session
+        .renderer()
         .gpu()
         .gpu()
         .expect("a driver")
         .device()
         .destroy();
-    let error = live.step(1).expect_err("there is no device");
-    assert!(matches!(error, LiveError::Lost(_)), "{error}");
+    let error = session.step(1).expect_err("there is no device");
+    assert!(matches!(error, SessionError::Lost(_)), "{error}");
     assert!(error.to_string().contains("the look is kept"), "{error}");
-    live.save(None).unwrap_or_else(|error| panic!("{error}"));
+    session.save(None).unwrap_or_else(|error| panic!("{error}"));
     let saved = crate::stage::read(&stage.path("scene.look.toml"));
     assert!(saved.contains("count = 8.0"), "{saved}");
     has_device.store(true, Ordering::Relaxed);
     assert!(
-        is_same(&before, &film(&mut live)),
+        is_same(&before, &film(&mut session)),
         "once there is one again"
     );
 }

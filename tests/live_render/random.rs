@@ -1,7 +1,7 @@
 //! A thousand random edits, with failing sources in between.
 
-use engine::live::{Edit, LiveError, LiveRender};
 use engine::scene::look::{AoDirection, AoSettings, Value};
+use engine::session::{Edit, Session, SessionError};
 use texgen::{Interpolation, Ramp};
 
 use crate::look::{LOOK, RINGS, SQUARES, TEXTURES};
@@ -145,10 +145,10 @@ fn any(random: &mut Random) -> Vec<Edit> {
     }
 }
 
-fn is_refused(live: &mut LiveRender, edits: &[Edit]) -> bool {
-    match live.edit_all(edits) {
+fn is_refused(session: &mut Session, edits: &[Edit]) -> bool {
+    match session.edit_all(edits) {
         Ok(()) => false,
-        Err(LiveError::Refused(_)) => true,
+        Err(SessionError::Refused(_)) => true,
         Err(error) => panic!("{edits:?}: {error}"),
     }
 }
@@ -159,14 +159,15 @@ fn a_thousand_random_edits_give_the_picture_of_the_final_look() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
+    let mut session = stage.open("scene.look.toml");
     let mut random = Random(0x2545_f491);
     let mut refused = 0;
     for step in 0..1000 {
         let edits = any(&mut random);
-        refused += u32::from(is_refused(&mut live, &edits));
+        refused += u32::from(is_refused(&mut session, &edits));
         if step % 7 == 0 {
-            live.step(2)
+            session
+                .step(2)
                 .unwrap_or_else(|error| panic!("step {step}: {error}"));
         }
         // A source that is wrong for a while, in the middle of the edits.
@@ -182,32 +183,36 @@ fn a_thousand_random_edits_give_the_picture_of_the_final_look() {
             ),
             _ => continue,
         }
-        live.sources_changed();
-        settle(&mut live);
+        session.sources_changed();
+        settle(&mut session);
         assert_eq!(
-            !live.problems().is_empty(),
+            !session.problems().is_empty(),
             step % 250 < 150,
             "{}",
-            live.problems()
+            session.problems()
         );
         if step % 500 == 400 {
-            let fresh = stage.fresh(&live.look_text());
+            let fresh = stage.fresh(&session.look_text());
             assert!(
-                is_same(&film(&mut live), &fresh),
+                is_same(&film(&mut session), &fresh),
                 "after step {step}\n{}",
-                live.look_text()
+                session.look_text()
             );
         }
     }
     assert!((1..500).contains(&refused), "{refused} edits were refused");
-    settle(&mut live);
+    settle(&mut session);
     assert!(
-        live.is_up_to_date() && live.problems().is_empty(),
+        session.is_up_to_date() && session.problems().is_empty(),
         "{}",
-        live.problems()
+        session.problems()
     );
-    let fresh = stage.fresh(&live.look_text());
-    assert!(is_same(&film(&mut live), &fresh), "{}", live.look_text());
+    let fresh = stage.fresh(&session.look_text());
+    assert!(
+        is_same(&film(&mut session), &fresh),
+        "{}",
+        session.look_text()
+    );
 }
 
 #[test]
@@ -216,20 +221,21 @@ fn what_is_saved_after_random_edits_is_what_is_shown() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
+    let mut session = stage.open("scene.look.toml");
     let mut random = Random(0x9e37_79b9);
     for _ in 0..100 {
         let edits = any(&mut random);
-        is_refused(&mut live, &edits);
+        is_refused(&mut session, &edits);
     }
-    settle(&mut live);
-    live.save(Some(&stage.path("saved.look.toml")))
+    settle(&mut session);
+    session
+        .save(Some(&stage.path("saved.look.toml")))
         .unwrap_or_else(|error| panic!("{error}"));
     let mut again = stage.open("saved.look.toml");
-    assert_eq!(again.look_text(), live.look_text());
-    assert!(is_same(&film(&mut live), &film(&mut again)));
+    assert_eq!(again.look_text(), session.look_text());
+    assert!(is_same(&film(&mut session), &film(&mut again)));
     // What no edit names is as it was, and where it was.
-    let text = live.look_text();
+    let text = session.look_text();
     for line in [
         "# A look to be edited.",
         "# Rings around the origin.",

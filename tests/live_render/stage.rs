@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use ::device::{Device, DeviceError};
 use engine::film::Film;
-use engine::live::{LiveError, LiveInputs, LiveRender};
 use engine::renderer::RenderSettings;
+use engine::session::{Inputs, Session, SessionError};
 use tempfile::TempDir;
 
 /// Two squares, a floor and a wall behind it, with texture coordinates, each of its own material, and a camera.
@@ -90,7 +90,7 @@ impl Stage {
     }
 
     /// Rendered live, with a look of that name.
-    pub(crate) fn open(&self, look: &str) -> LiveRender {
+    pub(crate) fn open(&self, look: &str) -> Session {
         self.open_on(look, Device::best)
             .unwrap_or_else(|error| panic!("{error}"))
     }
@@ -100,14 +100,14 @@ impl Stage {
         &self,
         look: &str,
         device: impl Fn() -> Result<Device, DeviceError> + Send + Sync + 'static,
-    ) -> Result<LiveRender, LiveError> {
-        let inputs = LiveInputs {
+    ) -> Result<Session, SessionError> {
+        let inputs = Inputs {
             scene: self.path("scene.gltf"),
             look: Some(self.path(look)),
             textures: vec![self.path("textures")],
             camera: None,
         };
-        LiveRender::open(
+        Session::open(
             inputs,
             Arc::new(device),
             Arc::new(|camera| RenderSettings {
@@ -120,8 +120,8 @@ impl Stage {
     /// The film of a look by a renderer that knew no other.
     pub(crate) fn fresh(&self, look: &str) -> Film {
         self.write("fresh.look.toml", look);
-        let mut live = self.open("fresh.look.toml");
-        film(&mut live)
+        let mut session = self.open("fresh.look.toml");
+        film(&mut session)
     }
 }
 
@@ -129,13 +129,13 @@ impl Stage {
 pub(crate) const SPP: u32 = 4;
 
 /// Waits until nothing is built any more.
-pub(crate) fn settle(live: &mut LiveRender) {
+pub(crate) fn settle(session: &mut Session) {
     loop {
-        live.step(1).unwrap_or_else(|error| panic!("{error}"));
-        if !live.is_building() {
+        session.step(1).unwrap_or_else(|error| panic!("{error}"));
+        if !session.is_building() {
             // What has been waiting begins with the next step.
-            live.step(1).unwrap_or_else(|error| panic!("{error}"));
-            if !live.is_building() {
+            session.step(1).unwrap_or_else(|error| panic!("{error}"));
+            if !session.is_building() {
                 return;
             }
         }
@@ -144,12 +144,12 @@ pub(crate) fn settle(live: &mut LiveRender) {
 }
 
 /// The film after [`SPP`] samples.
-pub(crate) fn film(live: &mut LiveRender) -> Film {
-    while !(live.step(SPP))
+pub(crate) fn film(session: &mut Session) -> Film {
+    while !(session.step(SPP))
         .unwrap_or_else(|error| panic!("{error}"))
         .is_done()
     {}
-    let snapshot = live.snapshot().unwrap_or_else(|error| panic!("{error}"));
+    let snapshot = session.snapshot().unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(
         snapshot.film.sample_bounds(),
         (SPP, SPP),

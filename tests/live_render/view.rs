@@ -3,67 +3,67 @@
 
 use engine::display::{Channel, Display, DisplaySettings};
 use engine::film::Film;
-use engine::live::{Edit, LiveRender};
+use engine::session::{Edit, Session};
 use glam::{Vec2, Vec3};
 
 use crate::look::{LOOK, TEXTURES};
 use crate::stage::{SPP, Stage, film, is_same, settle};
 use crate::support::device;
 
-fn opened() -> Option<(Stage, LiveRender, Film)> {
+fn opened() -> Option<(Stage, Session, Film)> {
     device::open()?;
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    let whole = film(&mut live);
-    Some((stage, live, whole))
+    let mut session = stage.open("scene.look.toml");
+    let whole = film(&mut session);
+    Some((stage, session, whole))
 }
 
-fn render(live: &mut LiveRender) {
-    while !live.step(SPP).expect("rendered").is_done() {}
+fn render(session: &mut Session) {
+    while !session.step(SPP).expect("rendered").is_done() {}
 }
 
 #[test]
 fn sizes_and_views_come_and_go() {
-    let Some((_stage, mut live, whole)) = opened() else {
+    let Some((_stage, mut session, whole)) = opened() else {
         return;
     };
-    let gpu = live.renderer().gpu().clone();
+    let gpu = session.renderer().gpu().clone();
     let made = (gpu.counts().pipelines, gpu.counts().shader_modules);
-    let generation = live.generation();
-    live.resize(24, 16).expect("nothing to do");
-    assert_eq!(live.generation(), generation);
-    live.resize(11, 5).expect("a smaller size");
-    assert!(live.generation() > generation);
-    let small = film(&mut live);
+    let generation = session.generation();
+    session.resize(24, 16).expect("nothing to do");
+    assert_eq!(session.generation(), generation);
+    session.resize(11, 5).expect("a smaller size");
+    assert!(session.generation() > generation);
+    let small = film(&mut session);
     assert_eq!((small.width, small.height), (11, 5));
-    let mut view = live.look_camera().clone();
+    let mut view = session.look_camera().clone();
     view.transform.translation.x += 0.3;
-    live.set_view(Some(view.clone()));
-    assert!(!is_same(&film(&mut live), &small));
+    session.set_view(Some(view.clone()));
+    assert!(!is_same(&film(&mut session), &small));
     // Edits of the look's camera are not seen meanwhile, and stay.
-    assert!(live.resize(0, 5).is_err());
-    live.resize(24, 16).expect("the first size");
-    live.set_view(None);
-    assert!(is_same(&film(&mut live), &whole));
+    assert!(session.resize(0, 5).is_err());
+    session.resize(24, 16).expect("the first size");
+    session.set_view(None);
+    assert!(is_same(&film(&mut session), &whole));
     assert_eq!((gpu.counts().pipelines, gpu.counts().shader_modules), made);
     // What is built anew keeps the view.
-    live.set_view(Some(view));
-    let seen = film(&mut live);
-    live.assets_changed();
-    settle(&mut live);
-    assert!(is_same(&film(&mut live), &seen));
-    assert!(!live.has_unsaved_edits());
+    session.set_view(Some(view));
+    let seen = film(&mut session);
+    session.assets_changed();
+    settle(&mut session);
+    assert!(is_same(&film(&mut session), &seen));
+    assert!(!session.has_unsaved_edits());
 }
 
 #[test]
 fn a_region_gets_samples_alone() {
-    let Some((_stage, mut live, whole)) = opened() else {
+    let Some((_stage, mut session, whole)) = opened() else {
         return;
     };
-    live.restart();
-    live.set_region(Some([5, 2, 17, 99]));
-    render(&mut live);
-    let part = live.snapshot().expect("read").film;
+    session.restart();
+    session.set_region(Some([5, 2, 17, 99]));
+    render(&mut session);
+    let part = session.snapshot().expect("read").film;
     for y in 0..16 {
         for x in 0..24 {
             let pixel = (y * 24 + x) as usize;
@@ -78,22 +78,22 @@ fn a_region_gets_samples_alone() {
             }
         }
     }
-    live.set_region(None);
-    live.restart();
-    assert!(is_same(&film(&mut live), &whole));
+    session.set_region(None);
+    session.restart();
+    assert!(is_same(&film(&mut session), &whole));
 }
 
 #[test]
 fn the_display_shows_the_film() {
-    let Some((_stage, mut live, whole)) = opened() else {
+    let Some((_stage, mut session, whole)) = opened() else {
         return;
     };
-    let mut display = Display::new(live.renderer().gpu()).expect("compiled");
+    let mut display = Display::new(session.renderer().gpu()).expect("compiled");
     let settings = DisplaySettings {
         exposure: 1.0,
         ..DisplaySettings::default()
     };
-    let shown = live.device_film(true).expect("guides");
+    let shown = session.device_film(true).expect("guides");
     display.show(&shown, &settings).expect("shown");
     let rgba = display.read().expect("read");
     let encode = |x: f32| match x.clamp(0.0, 1.0) {
@@ -111,7 +111,7 @@ fn the_display_shows_the_film() {
         }
     }
     // Guides leave the film alone.
-    assert!(is_same(&live.snapshot().expect("read").film, &whole));
+    assert!(is_same(&session.snapshot().expect("read").film, &whole));
 
     let luminance = |c: [f32; 3]| 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
     let errors: f32 = whole.standard_error().into_iter().map(luminance).sum();
@@ -127,31 +127,31 @@ fn the_display_shows_the_film() {
     );
 
     // A copy stays as it was.
-    let kept = live.keep_film(false).expect("copied");
-    live.restart();
+    let kept = session.keep_film(false).expect("copied");
+    session.restart();
     display.show(&kept, &settings).expect("shown");
     assert_eq!(display.read().expect("read"), rgba);
 }
 
 #[test]
 fn materials_are_picked_where_they_are_shown() {
-    let Some((_stage, mut live, _)) = opened() else {
+    let Some((_stage, mut session, _)) = opened() else {
         return;
     };
-    let mut display = Display::new(live.renderer().gpu()).expect("compiled");
+    let mut display = Display::new(session.renderer().gpu()).expect("compiled");
     let settings = DisplaySettings {
         channel: Channel::Material,
         ..DisplaySettings::default()
     };
-    let shown = live.device_film(true).expect("guides");
+    let shown = session.device_film(true).expect("guides");
     display.show(&shown, &settings).expect("shown");
     let rgba = display.read().expect("read");
-    let mut colors = vec![None; live.scene().materials.len() + 1];
+    let mut colors = vec![None; session.scene().materials.len() + 1];
     let mut same = 0;
     for y in 0..16 {
         for x in 0..24 {
             let place = Vec2::new((x as f32 + 0.5) / 24.0, (y as f32 + 0.5) / 16.0);
-            let hit = live.pick(place);
+            let hit = session.pick(place);
             let number = hit.map_or(colors.len() - 1, |hit| hit.material as usize);
             let at = (y * 24 + x) * 4;
             let color = &rgba[at..at + 4];
@@ -165,21 +165,21 @@ fn materials_are_picked_where_they_are_shown() {
         "floor, wall and nothing"
     );
 
-    let center = live
+    let center = session
         .pick(Vec2::splat(0.5))
         .expect("something is in the middle");
-    let eye = Vec3::from(live.shown_camera().transform.translation);
+    let eye = Vec3::from(session.shown_camera().transform.translation);
     assert!(((center.position - eye).length() - center.distance).abs() < 1e-4);
 }
 
 /// What is shown of a channel at the picture's lower edge, where the floor is, and in the middle, where the wall is.
-fn looks(live: &mut LiveRender, display: &mut Display, channel: Channel) -> [[u8; 3]; 2] {
+fn looks(session: &mut Session, display: &mut Display, channel: Channel) -> [[u8; 3]; 2] {
     let settings = DisplaySettings {
         channel,
         exposure: 1.0,
         ..DisplaySettings::default()
     };
-    let shown = live.device_film(true).expect("guides");
+    let shown = session.device_film(true).expect("guides");
     display.show(&shown, &settings).expect("shown");
     let rgba = display.read().expect("read");
     [(12, 14), (12, 5)].map(|(x, y)| {
@@ -209,10 +209,10 @@ roughness = 0.2
 emission = [0.05, 0.1, 0.2]
 "#;
     let stage = Stage::new(look, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
-    let mut display = Display::new(live.renderer().gpu()).expect("compiled");
-    let mut check = |live: &mut LiveRender, channel, expected: [[f32; 3]; 2]| {
-        for (shown, expected) in looks(live, &mut display, channel).iter().zip(expected) {
+    let mut session = stage.open("scene.look.toml");
+    let mut display = Display::new(session.renderer().gpu()).expect("compiled");
+    let mut check = |session: &mut Session, channel, expected: [[f32; 3]; 2]| {
+        for (shown, expected) in looks(session, &mut display, channel).iter().zip(expected) {
             for (byte, expected) in shown.iter().zip(expected) {
                 let difference = f32::from(*byte) - 255.0 * expected;
                 assert!(
@@ -229,16 +229,20 @@ emission = [0.05, 0.1, 0.2]
         })
     };
     let wall = srgb([0.2, 0.4, 0.6]);
-    check(&mut live, Channel::BaseColor, [srgb([0.8, 0.4, 0.2]), wall]);
-    check(&mut live, Channel::Roughness, [[0.7; 3], [0.2; 3]]);
-    check(&mut live, Channel::Metallic, [[0.6; 3], [0.1; 3]]);
+    check(
+        &mut session,
+        Channel::BaseColor,
+        [srgb([0.8, 0.4, 0.2]), wall],
+    );
+    check(&mut session, Channel::Roughness, [[0.7; 3], [0.2; 3]]);
+    check(&mut session, Channel::Metallic, [[0.6; 3], [0.1; 3]]);
     let glow = srgb([0.1, 0.2, 0.4]);
-    check(&mut live, Channel::Emission, [[0.0; 3], glow]);
+    check(&mut session, Channel::Emission, [[0.0; 3], glow]);
     // An edit is seen here, too.
     let edit = Edit::argument("paint", "amount", &texgen::Value::F32(0.5));
-    live.edit(&edit).expect("edited");
+    session.edit(&edit).expect("edited");
     check(
-        &mut live,
+        &mut session,
         Channel::BaseColor,
         [srgb([0.2, 0.1, 0.05]), wall],
     );
@@ -246,21 +250,21 @@ emission = [0.05, 0.1, 0.2]
 
 #[test]
 fn costs_are_measured_beside_the_picture() {
-    let Some((_stage, mut live, whole)) = opened() else {
+    let Some((_stage, mut session, whole)) = opened() else {
         return;
     };
-    let gpu = live.renderer().gpu().clone();
+    let gpu = session.renderer().gpu().clone();
     let made = (gpu.counts().pipelines, gpu.counts().shader_modules);
-    live.restart();
-    live.step(SPP).expect("rendered");
+    session.restart();
+    session.step(SPP).expect("rendered");
     let costs = loop {
-        let costs = live.measure_costs().expect("measured").clone();
+        let costs = session.measure_costs().expect("measured").clone();
         if costs.is_done {
             break costs;
         }
     };
-    render(&mut live);
-    assert!(is_same(&live.snapshot().expect("read").film, &whole));
+    render(&mut session);
+    assert!(is_same(&session.snapshot().expect("read").film, &whole));
     assert_eq!((gpu.counts().pipelines, gpu.counts().shader_modules), made);
     let find = |name: &str| costs.list.iter().find(|cost| cost.name == name);
     // The node that nothing reads isn't there; the AO table is.
@@ -281,6 +285,6 @@ fn costs_are_measured_beside_the_picture() {
     assert!(each.is_sorted_by(|a, b| a >= b) && each.iter().all(|ns| *ns >= 0.0 && ns.is_finite()));
     // An edit begins it anew.
     let edit = Edit::argument("rings", "count", &texgen::Value::F32(4.0));
-    live.edit(&edit).expect("edited");
-    assert!(!live.measure_costs().expect("measured").is_done);
+    session.edit(&edit).expect("edited");
+    assert!(!session.measure_costs().expect("measured").is_done);
 }

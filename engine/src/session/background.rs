@@ -11,7 +11,7 @@ use crate::renderer::{Reload, ReloadError, Renderer};
 use crate::scene::look::{Look, LookError, Section, Value, find, placed_fields};
 
 use super::difference::TableChange;
-use super::{LiveError, LiveInputs, LiveRender};
+use super::{Inputs, Session, SessionError};
 
 /// Parsing recurses along a texture's expressions.
 const STACK_BYTES: usize = 8 << 20;
@@ -22,7 +22,7 @@ pub(super) enum Job {
     Rebuild {
         /// The look's text that it began with.
         text: String,
-        thread: JoinHandle<Result<Box<Rebuilt>, LiveError>>,
+        thread: JoinHandle<Result<Box<Rebuilt>, SessionError>>,
     },
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Rebuilt {
 }
 
 /// Loads scene, textures, and a look of this text.
-pub(super) fn load(inputs: &LiveInputs, text: &str) -> Result<Loaded, LoadError> {
+pub(super) fn load(inputs: &Inputs, text: &str) -> Result<Loaded, LoadError> {
     let look = match &inputs.look {
         Some(path) => Some(Look::parse(path, text).map_err(LookError::from)?),
         // Edits of a look without a file.
@@ -47,7 +47,7 @@ pub(super) fn load(inputs: &LiveInputs, text: &str) -> Result<Loaded, LoadError>
     Ok(loaded)
 }
 
-impl LiveRender {
+impl Session {
     /// The files of textures may have changed: those in use whose text is another one are built in the background.
     pub fn sources_changed(&mut self) {
         if self.job.is_some() {
@@ -153,7 +153,7 @@ impl LiveRender {
             Some(Job::Rebuild { text, thread }) => {
                 let built = thread.join().unwrap_or_else(|_| {
                     let message = "the scene could not be prepared in the background";
-                    Err(LiveError::Refused(message.to_owned()))
+                    Err(SessionError::Refused(message.to_owned()))
                 });
                 self.finish_rebuild(text, built);
             }
@@ -185,7 +185,7 @@ impl LiveRender {
         }
     }
 
-    fn finish_rebuild(&mut self, text: String, built: Result<Box<Rebuilt>, LiveError>) {
+    fn finish_rebuild(&mut self, text: String, built: Result<Box<Rebuilt>, SessionError>) {
         match built {
             Ok(built) => {
                 let Rebuilt { loaded, renderer } = *built;
@@ -203,7 +203,7 @@ impl LiveRender {
                 self.catch_up();
             }
             Err(_) if self.renderer.gpu().is_lost() => self.again.rebuild = true,
-            Err(LiveError::Load(LoadError::Look(LookError::Invalid(problems)))) => {
+            Err(SessionError::Load(LoadError::Look(LookError::Invalid(problems)))) => {
                 self.problems.look = problems;
             }
             Err(error) => self.problems.look = Diagnostic::error(error.to_string()).into(),

@@ -13,7 +13,7 @@ use crate::scene::{Camera, Environment, Material};
 
 use super::difference::{TableChange, difference};
 use super::edit::Edit;
-use super::{LiveError, LiveRender};
+use super::{Session, SessionError};
 
 /// What following may change of the scene.
 struct Before {
@@ -29,13 +29,13 @@ enum EnvironmentFactors {
     Image { rotation: f32, intensity: f32 },
 }
 
-impl LiveRender {
+impl Session {
     /// Edits the look. What can be written to buffers is written before this returns, and the picture has begun anew;
     /// what can't is built in the background.
     ///
     /// # Errors
     /// The edit makes no sense, or the device; then the look is as before.
-    pub fn edit(&mut self, edit: &Edit) -> Result<(), LiveError> {
+    pub fn edit(&mut self, edit: &Edit) -> Result<(), SessionError> {
         let section = edit.section();
         let before = self.document.table(section);
         // Only one table is kept aside: copying a whole look takes as long as many edits.
@@ -67,7 +67,7 @@ impl LiveRender {
         match error {
             UpdateError::Refused(problems) => {
                 self.document.put_back(section, kept);
-                Err(LiveError::Refused(messages(&problems)))
+                Err(SessionError::Refused(messages(&problems)))
             }
             UpdateError::Rebuild | UpdateError::NewTexture => {
                 let wanted = self.document.clone();
@@ -87,7 +87,7 @@ impl LiveRender {
     pub fn edit_all<'e>(
         &mut self,
         edits: impl IntoIterator<Item = &'e Edit>,
-    ) -> Result<(), LiveError> {
+    ) -> Result<(), SessionError> {
         edits.into_iter().try_for_each(|edit| self.edit(edit))
     }
 
@@ -97,8 +97,8 @@ impl LiveRender {
     ///
     /// # Errors
     /// The text isn't in the form of a look; then the look is as before.
-    pub fn replace_look(&mut self, text: &str) -> Result<(), LiveError> {
-        let refused = |problems: Diagnostics| LiveError::Refused(messages(&problems));
+    pub fn replace_look(&mut self, text: &str) -> Result<(), SessionError> {
+        let refused = |problems: Diagnostics| SessionError::Refused(messages(&problems));
         Look::parse(&self.look_path(), text).map_err(refused)?;
         let document = super::parse_look(&self.inputs, text).map_err(refused)?;
         self.want(document);
@@ -114,13 +114,13 @@ impl LiveRender {
     }
 
     /// Changes the text.
-    fn write(&mut self, edit: &Edit) -> Result<(), LiveError> {
+    fn write(&mut self, edit: &Edit) -> Result<(), SessionError> {
         match edit {
             Edit::Set {
                 section,
                 key,
                 value,
-            } => (self.document.set(section, key, value)).map_err(LiveError::Refused)?,
+            } => (self.document.set(section, key, value)).map_err(SessionError::Refused)?,
             Edit::Clear { section, key } => self.document.remove(section, key),
             Edit::Remove { section } => self.document.remove_table(section),
         }

@@ -10,8 +10,8 @@
 //! | the source of a texture; a node of another texture | the texture kernel is built in the background, then swapped |
 //! | what is made from the whole look (includes, images, which materials blend), the scene, image files | the renderer is built anew in the background, then swapped |
 //!
-//! Until the swap the old picture goes on; if the build fails it stays, and [`LiveRender::problems`] tells why. Nothing
-//! here knows windows, watches files, or looks at the time: whoever does calls [`LiveRender`].
+//! Until the swap the old picture goes on; if the build fails it stays, and [`Session::problems`] tells why. Nothing
+//! here knows windows, watches files, or looks at the time: whoever does calls [`Session`].
 
 mod background;
 mod difference;
@@ -37,10 +37,10 @@ pub use edit::{Edit, written};
 
 /// What is rendered, by files.
 #[derive(Debug, Clone)]
-pub struct LiveInputs {
+pub struct Inputs {
     /// The glTF file.
     pub scene: PathBuf,
-    /// The look file, if there is one. It is written by [`LiveRender::save`] only.
+    /// The look file, if there is one. It is written by [`Session::save`] only.
     pub look: Option<PathBuf>,
     /// Folders with textures, the earlier ones first.
     pub textures: Vec<PathBuf>,
@@ -55,7 +55,7 @@ pub type MakeSettings = dyn Fn(Camera) -> RenderSettings + Send + Sync;
 
 /// Why something did not happen. The picture and the look are as before.
 #[derive(Debug, thiserror::Error)]
-pub enum LiveError {
+pub enum SessionError {
     /// What is to be rendered can't be read.
     #[error(transparent)]
     Load(#[from] LoadError),
@@ -88,7 +88,7 @@ pub enum LiveError {
     },
 }
 
-impl From<RenderEditError> for LiveError {
+impl From<RenderEditError> for SessionError {
     fn from(error: RenderEditError) -> Self {
         match error {
             RenderEditError::Render(error) => Self::Render(error),
@@ -102,13 +102,13 @@ impl From<RenderEditError> for LiveError {
 pub struct Snapshot {
     /// Samples of this generation only.
     pub film: Film,
-    /// Of the picture; see [`LiveRender::generation`].
+    /// Of the picture; see [`Session::generation`].
     pub generation: u64,
 }
 
 /// A render that follows edits. See the module's description.
-pub struct LiveRender {
-    inputs: LiveInputs,
+pub struct Session {
+    inputs: Inputs,
     open_device: Arc<OpenDevice>,
     make_settings: Arc<MakeSettings>,
     /// The look as it is wanted.
@@ -150,25 +150,25 @@ struct Problems {
     sources: Diagnostics,
 }
 
-impl std::fmt::Debug for LiveRender {
+impl std::fmt::Debug for Session {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("LiveRender")
+        f.debug_struct("Session")
             .field("inputs", &self.inputs)
             .field("generation", &self.generation)
             .finish_non_exhaustive()
     }
 }
 
-impl LiveRender {
+impl Session {
     /// Loads everything and opens the device.
     ///
     /// # Errors
     /// As [`load::load`] and [`Renderer::new`].
     pub fn open(
-        inputs: LiveInputs,
+        inputs: Inputs,
         open_device: Arc<OpenDevice>,
         make_settings: Arc<MakeSettings>,
-    ) -> Result<Self, LiveError> {
+    ) -> Result<Self, SessionError> {
         let saved = match &inputs.look {
             Some(path) => Look::read_text(path).map_err(LoadError::from)?,
             None => String::new(),
@@ -185,7 +185,7 @@ impl LiveRender {
             ..
         } = loaded;
         let renderer = Renderer::new(&gpu, &scene, &procedural, &make_settings(camera.clone()))?;
-        let mut live = Self {
+        let mut session = Self {
             was_without_lamp: false,
             inputs,
             open_device,
@@ -203,15 +203,15 @@ impl LiveRender {
             warnings,
             generation: 0,
         };
-        live.was_without_lamp = live.has_no_lamp();
-        Ok(live)
+        session.was_without_lamp = session.has_no_lamp();
+        Ok(session)
     }
 
     /// Swaps in what has become ready in the background, then renders one wave towards `target_spp` samples per pixel.
     ///
     /// # Errors
     /// The device; a lost one is opened again, and the picture starts anew.
-    pub fn step(&mut self, target_spp: u32) -> Result<Progress, LiveError> {
+    pub fn step(&mut self, target_spp: u32) -> Result<Progress, SessionError> {
         self.poll()?;
         match self.renderer.step(target_spp) {
             Ok(progress) => Ok(progress),
@@ -228,7 +228,7 @@ impl LiveRender {
     ///
     /// # Errors
     /// The device was lost, and there is no other.
-    pub fn poll(&mut self) -> Result<(), LiveError> {
+    pub fn poll(&mut self) -> Result<(), SessionError> {
         // Before anything is built for a device that is gone.
         if self.renderer.gpu().is_lost() {
             self.recover()?;
@@ -241,7 +241,7 @@ impl LiveRender {
     ///
     /// # Errors
     /// The device; a lost one is opened again, and the film is empty.
-    pub fn snapshot(&mut self) -> Result<Snapshot, LiveError> {
+    pub fn snapshot(&mut self) -> Result<Snapshot, SessionError> {
         let film = match self.renderer.film() {
             Err(_) if self.renderer.gpu().is_lost() => {
                 self.recover()?;
@@ -317,23 +317,23 @@ impl LiveRender {
     /// # Errors
     /// There is no file, or the system refuses; the look's own file was changed by others and isn't the look as it is known.
     /// An old file is untouched then. With a `path`, whatever is there is replaced.
-    pub fn save(&mut self, path: Option<&Path>) -> Result<(), LiveError> {
+    pub fn save(&mut self, path: Option<&Path>) -> Result<(), SessionError> {
         let own = self.inputs.look.as_deref();
         if let (None, Some(own)) = (path, own)
             && Look::read_text(own).is_ok_and(|text| text != self.saved)
         {
             let path = own.to_owned();
-            return Err(LiveError::Changed { path });
+            return Err(SessionError::Changed { path });
         }
         let path = path.or(own);
-        let path = path.ok_or(LiveError::NoFile)?.to_owned();
+        let path = path.ok_or(SessionError::NoFile)?.to_owned();
         let text = self.document.text();
         match self.document.save(&path) {
             Ok(()) => {
                 self.saved = text;
                 Ok(())
             }
-            Err(source) => Err(LiveError::Save { path, source }),
+            Err(source) => Err(SessionError::Save { path, source }),
         }
     }
 
@@ -342,7 +342,7 @@ impl LiveRender {
     ///
     /// # Errors
     /// As [`Self::save`].
-    pub fn save_as(&mut self, path: &Path) -> Result<(), LiveError> {
+    pub fn save_as(&mut self, path: &Path) -> Result<(), SessionError> {
         self.save(Some(path))?;
         let folder = |path: &Path| path.parent().map(Path::to_owned);
         let is_elsewhere = self.inputs.look.as_deref().map(folder) != Some(folder(path));
@@ -361,7 +361,7 @@ impl LiveRender {
         }
     }
 
-    /// The files to be watched: scene, look, images. Those of textures lie in [`LiveInputs::textures`].
+    /// The files to be watched: scene, look, images. Those of textures lie in [`Inputs::textures`].
     pub fn files(&self) -> Vec<PathBuf> {
         let path = self.look_path();
         let look = Look::parse(&path, &self.document.text()).ok();
@@ -371,7 +371,7 @@ impl LiveRender {
     }
 
     /// What is rendered.
-    pub fn inputs(&self) -> &LiveInputs {
+    pub fn inputs(&self) -> &Inputs {
         &self.inputs
     }
 
@@ -417,8 +417,8 @@ impl LiveRender {
     }
 
     /// Another device in place of the one that was lost, with everything on it again.
-    fn recover(&mut self) -> Result<(), LiveError> {
-        let gpu = (self.open_device)().map_err(|e| LiveError::Lost(e.into()))?;
+    fn recover(&mut self) -> Result<(), SessionError> {
+        let gpu = (self.open_device)().map_err(|e| SessionError::Lost(e.into()))?;
         // What was being built belongs to the lost device.
         match self.job.take() {
             Some(Job::Kernel(_)) => self.again.sources = true,
@@ -427,12 +427,12 @@ impl LiveRender {
         }
         let procedural = self.renderer.procedural();
         self.renderer = Renderer::new(&gpu, &self.scene, procedural, self.renderer.settings())
-            .map_err(LiveError::Lost)?;
+            .map_err(SessionError::Lost)?;
         self.generation += 1;
         Ok(())
     }
 }
 
-fn parse_look(inputs: &LiveInputs, text: &str) -> Result<LookDocument, Diagnostics> {
+fn parse_look(inputs: &Inputs, text: &str) -> Result<LookDocument, Diagnostics> {
     LookDocument::parse(inputs.look.as_deref().unwrap_or(Path::new("")), text)
 }

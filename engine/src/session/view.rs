@@ -10,9 +10,9 @@ use crate::pick::{self, Pick};
 use crate::renderer::{RenderError, TextureCosts};
 use crate::scene::Camera;
 
-use super::{LiveError, LiveRender};
+use super::{Session, SessionError};
 
-impl LiveRender {
+impl Session {
     /// Looks through a camera of one's own, or, without it, through that of the look again. The look is not edited.
     pub fn set_view(&mut self, view: Option<Camera>) {
         self.view = view;
@@ -36,7 +36,7 @@ impl LiveRender {
     ///
     /// # Errors
     /// As [`crate::renderer::Renderer::resize`].
-    pub fn resize(&mut self, width: u32, height: u32) -> Result<(), LiveError> {
+    pub fn resize(&mut self, width: u32, height: u32) -> Result<(), SessionError> {
         let now = self.renderer.settings();
         if (now.width, now.height) != (width, height) {
             self.renderer.resize(width, height)?;
@@ -64,7 +64,7 @@ impl LiveRender {
     ///
     /// # Errors
     /// The device.
-    pub fn time_passes(&mut self) -> Result<(), LiveError> {
+    pub fn time_passes(&mut self) -> Result<(), SessionError> {
         Ok(self.renderer.time_passes()?)
     }
 
@@ -72,7 +72,7 @@ impl LiveRender {
     ///
     /// # Errors
     /// The device.
-    pub fn measure_costs(&mut self) -> Result<&TextureCosts, LiveError> {
+    pub fn measure_costs(&mut self) -> Result<&TextureCosts, SessionError> {
         Ok(self.renderer.measure_costs()?)
     }
 
@@ -80,7 +80,7 @@ impl LiveRender {
     ///
     /// # Errors
     /// The device; the next step finds out whether it is lost.
-    pub fn device_film(&mut self, guides: bool) -> Result<DeviceFilm, LiveError> {
+    pub fn device_film(&mut self, guides: bool) -> Result<DeviceFilm, SessionError> {
         if guides {
             self.renderer.trace_guides()?;
         }
@@ -91,7 +91,7 @@ impl LiveRender {
     ///
     /// # Errors
     /// As [`Self::device_film`].
-    pub fn keep_film(&mut self, guides: bool) -> Result<DeviceFilm, LiveError> {
+    pub fn keep_film(&mut self, guides: bool) -> Result<DeviceFilm, SessionError> {
         let film = self.device_film(guides)?;
         Ok(film.copy(self.renderer.gpu()).map_err(RenderError::from)?)
     }

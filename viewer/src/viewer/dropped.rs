@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use egui::Ui;
-use engine::live::Edit;
 use engine::scene::look::{Section, Value};
+use engine::session::Edit;
 
 use crate::link::{Command, Files};
 

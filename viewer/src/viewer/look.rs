@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use egui::Ui;
-use engine::live::Edit;
 use engine::scene::Material;
+use engine::session::Edit;
 use patina_panels::{Document, Form, Previews, SceneView, Textures, TexturesPanel};
 
 use crate::link::{Command, Link, LookFacts};
