@@ -4,14 +4,14 @@ use std::sync::LazyLock;
 
 use egui::{Color32, Rect, Response, Ui, pos2};
 use engine::scene::Material;
-use engine::session::Edit;
+use engine::session::{Document, Edit};
 
+use crate::Textures;
 use crate::model::Model;
 use crate::panel::SceneView;
 use crate::preview::Previews;
 use crate::rename::Renaming;
 use crate::widgets::{ImageSlot, row_menu};
-use crate::{Document, Textures};
 
 /// Those of the scene, then those that only the look has.
 pub(crate) fn material_names(document: &Document, scene: SceneView<'_>) -> Vec<String> {

@@ -2,10 +2,9 @@
 
 use engine::procedural::Output;
 use engine::scene::look::{Section, Value};
-use engine::session::Edit;
+use engine::session::{Document, Edit};
 use texgen::Swizzle;
 
-use crate::Document;
 use crate::context::Context;
 use crate::model::{Model, Target};
 

@@ -1,11 +1,10 @@
 //! The panels of Patina's window that edit a look: as lists of widgets and as node graphs.
 //!
-//! [`Document`] is the look that is edited, as text with a history. [`TexturesPanel`] shows it and edits it. Whoever
-//! owns the window shows the panel each frame and then brings [`Document::take_changes`] to the renderer with
-//! [`Change::send`]. Nothing here opens windows, files (but looks and images) or event loops.
+//! [`Document`](engine::session::Document) is the look that is edited, as text with a history. [`TexturesPanel`] shows it
+//! and edits it. Whoever owns the window shows the panel each frame and then brings what the document has changed to
+//! the [`Session`](engine::session::Session). Nothing here opens windows, files (but looks and images) or event loops.
 
 mod context;
-mod document;
 mod edits;
 mod graph;
 mod library;
@@ -15,7 +14,6 @@ mod list;
 mod material;
 mod model;
 mod panel;
-mod patch;
 mod preview;
 #[cfg(test)]
 mod random_tests;
@@ -23,7 +21,6 @@ mod rename;
 mod textures;
 mod widgets;
 
-pub use document::{Change, Document};
 pub use panel::{Form, SceneView, TexturesPanel};
 pub use preview::Previews;
 pub use textures::Textures;

@@ -345,9 +345,7 @@ impl Key {
 mod tests {
     use std::path::Path;
 
-    use engine::session::{Edit, written};
-
-    use crate::Document;
+    use engine::session::{Document, Edit, written};
 
     use super::*;
 

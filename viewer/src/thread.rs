@@ -14,8 +14,7 @@ use device::{Device, DeviceError};
 use engine::display::{DeviceFilm, Display, DisplaySettings};
 use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::Camera;
-use engine::session::{Inputs, Session, SessionError};
-use patina_panels::Change;
+use engine::session::{ChangeQueue, Inputs, Session, SessionError};
 
 use crate::host::Host;
 use crate::link::{Board, Command, Files, Link, Reply, lock};
@@ -155,7 +154,7 @@ struct Displays {
 /// leave nothing to see.
 #[derive(Default)]
 struct Pending {
-    changes: Vec<Change>,
+    changes: ChangeQueue,
     /// Of the last change that has come.
     number: u64,
     view: Option<Option<Camera>>,
@@ -380,8 +379,8 @@ impl Render {
         if let Some(view) = self.pending.view.take() {
             session.set_view(view);
         }
-        let changes = std::mem::take(&mut self.pending.changes);
-        let sent = changes.iter().try_for_each(|change| change.send(session));
+        let changes = self.pending.changes.take();
+        let sent = changes.iter().try_for_each(|change| session.apply(change));
         if !changes.is_empty() {
             self.publish_look();
         }
@@ -402,7 +401,7 @@ impl Render {
             cause: self.run.cause,
             ..Run::default()
         };
-        if self.times_passes && !session.renderer().is_timing() {
+        if self.times_passes && !session.is_timing() {
             // Without it, figures are missing: no reason to stop.
             let _ = session.time_passes();
         }
@@ -468,10 +467,7 @@ impl Render {
     }
 
     fn picture_size(&self) -> [u32; 2] {
-        let settings = self
-            .session
-            .as_ref()
-            .map(|session| session.renderer().settings());
+        let settings = self.session.as_ref().map(|session| session.settings());
         settings.map_or([1, 1], |s| [s.width, s.height])
     }
 

@@ -1,61 +1,23 @@
 //! The look that is edited, with its history.
 //!
 //! The text is the truth: each step of the history is a patch of the text, so that undoing restores it to the byte,
-//! comments included. Nothing here knows widgets or devices.
+//! comments included. Nothing here knows widgets or devices: whoever edits holds a [`Document`], at once up to date, and
+//! brings what has changed to the session, which may be busy on another thread.
 
 use std::path::{Path, PathBuf};
 
-use engine::scene::look::{Field, Look, LookDocument, Section, Value};
-use engine::session::{Edit, Session, SessionError};
 use texgen::Diagnostics;
 
-use crate::patch::Patch;
+use crate::scene::look::{Field, Look, LookDocument, Section, Value};
+
+use super::change::{Change, ChangeQueue};
+use super::edit::{Edit, summary};
+use super::patch::Patch;
 
 /// Steps that can be undone.
 const MAX_STEPS: usize = 10_000;
 /// Bytes of text that these may take together: a look may be large, and an editor replace all of it with each step.
 const MAX_BYTES: usize = 64 << 20;
-
-/// What a renderer has to be told.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Change {
-    /// One key has changed, as while a slider is dragged. `text` is the whole look with it.
-    Edit {
-        /// What.
-        edit: Edit,
-        /// Everything.
-        text: String,
-    },
-    /// Any number of keys and tables have changed; the look is this now.
-    Text(String),
-}
-
-impl Change {
-    /// Brings it to a live render. What the renderer doesn't take becomes one of its
-    /// [problems](Session::problems), and its picture stays as it is until that is mended or undone.
-    ///
-    /// # Errors
-    /// The device.
-    pub fn send(&self, session: &mut Session) -> Result<(), SessionError> {
-        let Self::Edit { edit, text } = self else {
-            return session.replace_look(self.text());
-        };
-        match session.edit(edit) {
-            // As a whole text it is no error but a problem, and stays one until it is mended.
-            Err(SessionError::Refused(_)) => session.replace_look(text),
-            // The same look may be written in another way where edits before this one were left out.
-            Ok(()) if session.look_text() != *text => session.replace_look(text),
-            outcome => outcome,
-        }
-    }
-
-    /// The whole look with it.
-    pub fn text(&self) -> &str {
-        match self {
-            Self::Edit { text, .. } | Self::Text(text) => text,
-        }
-    }
-}
 
 /// One step of the history.
 #[derive(Debug, Clone)]
@@ -71,14 +33,13 @@ struct Step {
 pub struct Document {
     path: PathBuf,
     text: String,
-    saved: String,
     /// `text`, to be edited.
     document: LookDocument,
     /// `text`, parsed.
     look: Look,
     undo: Vec<Step>,
     redo: Vec<Step>,
-    changes: Vec<Change>,
+    changes: ChangeQueue,
     revision: u64,
 }
 
@@ -93,10 +54,9 @@ impl Document {
             document: LookDocument::parse(path, text)?,
             look: Look::parse(path, text)?,
             text: text.to_owned(),
-            saved: text.to_owned(),
             undo: Vec::new(),
             redo: Vec::new(),
-            changes: Vec::new(),
+            changes: ChangeQueue::default(),
             revision: 0,
         })
     }
@@ -150,37 +110,22 @@ impl Document {
         self.revision
     }
 
-    /// Whether it differs from what was saved last.
-    pub fn is_dirty(&self) -> bool {
-        self.text != self.saved
-    }
-
-    /// It has been saved as it is.
-    pub fn mark_saved(&mut self) {
-        self.saved.clone_from(&self.text);
-    }
-
-    /// Writes it to its file, aside first and then renamed.
-    ///
-    /// # Errors
-    /// The system refuses; the old file is untouched then.
-    pub fn save(&mut self) -> std::io::Result<()> {
-        self.document.save(&self.path)?;
-        self.mark_saved();
-        Ok(())
-    }
-
     /// Makes some edits as one step that is called `label`, all or none. Edits of one `group` that follow each other
     /// are one step: those of a drag.
     ///
     /// # Errors
     /// With them the text would be no look: says why. Nothing has changed then.
     pub fn apply(&mut self, label: &str, edits: &[Edit], group: Option<u64>) -> Result<(), String> {
-        self.change(label, group, edits, |document| write(document, edits))
+        self.change(label, group, edits, |document| {
+            edits.iter().try_for_each(|edit| edit.write(document))
+        })
     }
 
-    /// Changes the text as one step. `told` is what the renderer may be told of it, if that is all.
-    pub(crate) fn change(
+    /// Changes the text as one step by whatever means. `told` is what the session may be told of it, if that is all.
+    ///
+    /// # Errors
+    /// As [`Self::apply`].
+    pub fn change(
         &mut self,
         label: &str,
         group: Option<u64>,
@@ -189,7 +134,7 @@ impl Document {
     ) -> Result<(), String> {
         let checked = change(&mut self.document).and_then(|()| {
             let text = self.document.text();
-            let look = Look::parse(&self.path, &text).map_err(|p| messages(&p))?;
+            let look = Look::parse(&self.path, &text).map_err(|p| summary(&p))?;
             Ok((text, look))
         });
         match checked {
@@ -264,9 +209,9 @@ impl Document {
         self.redo.last().map(|step| step.label.as_str())
     }
 
-    /// What has changed since the last call, for the renderer, in order. Of several edits of one key the last counts.
+    /// What has changed since the last call, for [`super::Session::apply`], in order.
     pub fn take_changes(&mut self) -> Vec<Change> {
-        std::mem::take(&mut self.changes)
+        self.changes.take()
     }
 
     fn went(&mut self) {
@@ -309,34 +254,17 @@ impl Document {
         self.undo.drain(..self.undo.len() - kept);
     }
 
-    /// Notes what the renderer has to know: one edit as such, anything else as the whole text.
+    /// Notes what the session has to know: one edit as such, anything else as the whole text.
     fn tell(&mut self, edits: &[Edit]) {
         self.revision += 1;
         let text = self.text.clone();
-        let [edit] = edits else {
-            // Whatever came before is in the text.
-            self.changes = vec![Change::Text(text)];
-            return;
-        };
-        let edit = edit.clone();
-        match (self.changes.last_mut(), &edit) {
-            (Some(Change::Text(last)), _) => *last = text,
-            (
-                Some(Change::Edit {
-                    edit: Edit::Set { section, key, .. },
-                    ..
-                }),
-                Edit::Set {
-                    section: same_section,
-                    key: same_key,
-                    ..
-                },
-            ) if section == same_section && key == same_key => {
-                self.changes.pop();
-                self.changes.push(Change::Edit { edit, text });
-            }
-            _ => self.changes.push(Change::Edit { edit, text }),
-        }
+        self.changes.push(match edits {
+            [edit] => Change::Edit {
+                edit: edit.clone(),
+                text,
+            },
+            _ => Change::Text(text),
+        });
     }
 
     /// Makes the text what `document` and `look` say again. It was a look before, so it is one now.
@@ -348,31 +276,6 @@ impl Document {
             self.look = look;
         }
     }
-}
-
-/// Edits a text, one after the other.
-pub(crate) fn write(document: &mut LookDocument, edits: &[Edit]) -> Result<(), String> {
-    edits.iter().try_for_each(|edit| match edit {
-        Edit::Set {
-            section,
-            key,
-            value,
-        } => document.set(section, key, value),
-        Edit::Clear { section, key } => {
-            document.remove(section, key);
-            Ok(())
-        }
-        Edit::Remove { section } => {
-            document.remove_table(section);
-            Ok(())
-        }
-    })
-}
-
-/// What diagnostics say, on one line.
-pub(crate) fn messages(problems: &Diagnostics) -> String {
-    let said: Vec<&str> = problems.iter().map(|p| p.message.as_str()).collect();
-    said.join("; ")
 }
 
 #[cfg(test)]
@@ -402,7 +305,7 @@ mod tests {
         assert!(document.text().contains("scale = 5.5 # patches"));
         assert!(document.undo());
         assert_eq!(document.text(), TEXT);
-        assert!(!document.undo() && !document.is_dirty());
+        assert!(!document.undo());
         assert!(document.redo() && document.redo() && !document.redo());
         assert!(document.text().contains("scale = 6.0 # patches"));
     }
@@ -432,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn the_renderer_is_told_what_is_needed() {
+    fn the_session_is_told_what_is_needed() {
         let mut document = document();
         for x in [1.0, 2.0] {
             document.apply("scale", &scale(x), Some(1)).expect("fine");
@@ -475,20 +378,14 @@ mod tests {
     }
 
     #[test]
-    fn saving_and_other_editors() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("a.look.toml");
-        let mut document = Document::new(&path, TEXT).unwrap_or_else(|e| panic!("{e}"));
+    fn a_text_of_another_editor_is_a_step() {
+        let mut document = document();
         document.apply("scale", &scale(9.0), None).expect("fine");
-        assert!(document.is_dirty());
-        document.save().expect("saved");
-        assert!(!document.is_dirty());
-        let saved = std::fs::read_to_string(&path).expect("there");
-        assert_eq!(saved, TEXT.replace("= 4 ", "= 9.0 "));
+        let own = document.text().to_owned();
         assert!(document.replace("another editor", "node = 3").is_err());
         document.replace("another editor", "# new\n").expect("fine");
         assert!(document.undo());
-        assert_eq!(document.text(), saved);
+        assert_eq!(document.text(), own);
         let remove = Edit::Remove {
             section: Section::Node("a".into()),
         };

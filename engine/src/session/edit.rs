@@ -1,10 +1,10 @@
 //! What can be changed while rendering: keys of the look's tables, written as a look file would have them.
 
-use texgen::{Interpolation, Ramp};
+use texgen::{Diagnostics, Interpolation, Ramp};
 
-use crate::scene::look::{AoDirection, AoSettings, Field, Section, Spanned, Value};
+use crate::scene::look::{AoDirection, AoSettings, Field, LookDocument, Section, Spanned, Value};
 
-/// One change of the look.
+/// One change of the look. It can be sent as JSON: see [`json`](super::json).
 #[derive(Debug, Clone, PartialEq)]
 pub enum Edit {
     /// Sets a key of a table; both are made where they are missing.
@@ -111,6 +111,23 @@ impl Edit {
         }
     }
 
+    /// Makes the change in a text.
+    ///
+    /// # Errors
+    /// Something that is no table is in the way: says what.
+    pub fn write(&self, document: &mut LookDocument) -> Result<(), String> {
+        match self {
+            Self::Set {
+                section,
+                key,
+                value,
+            } => return document.set(section, key, value),
+            Self::Clear { section, key } => document.remove(section, key),
+            Self::Remove { section } => document.remove_table(section),
+        }
+        Ok(())
+    }
+
     /// The table that is changed.
     pub fn section(&self) -> &Section {
         match self {
@@ -168,4 +185,10 @@ fn written_ramp(ramp: &Ramp) -> Value {
 
 fn unplaced_key(key: &str) -> Spanned<String> {
     Spanned::new(key.to_owned(), 0..0)
+}
+
+/// What diagnostics say, on one line.
+pub fn summary(problems: &Diagnostics) -> String {
+    let said: Vec<&str> = problems.iter().map(|p| p.message.as_str()).collect();
+    said.join("; ")
 }

@@ -2,7 +2,7 @@
 
 /// Takes `removed` out at a byte offset and puts `inserted` there. It can be undone to the byte.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Patch {
+pub(super) struct Patch {
     at: usize,
     removed: String,
     inserted: String,
@@ -10,7 +10,7 @@ pub(crate) struct Patch {
 
 impl Patch {
     /// What makes `after` of `before`; `None` where they are the same.
-    pub(crate) fn between(before: &str, after: &str) -> Option<Self> {
+    pub(super) fn between(before: &str, after: &str) -> Option<Self> {
         if before == after {
             return None;
         }
@@ -34,17 +34,17 @@ impl Patch {
     }
 
     /// What it takes to remember it.
-    pub(crate) fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         self.removed.len() + self.inserted.len()
     }
 
     /// Changes the text it was made for.
-    pub(crate) fn apply(&self, text: &mut String) {
+    pub(super) fn apply(&self, text: &mut String) {
         text.replace_range(self.at..self.at + self.removed.len(), &self.inserted);
     }
 
     /// Changes it back.
-    pub(crate) fn revert(&self, text: &mut String) {
+    pub(super) fn revert(&self, text: &mut String) {
         text.replace_range(self.at..self.at + self.inserted.len(), &self.removed);
     }
 }

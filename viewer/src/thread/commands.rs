@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use engine::display::DeviceFilm;
-use engine::session::{Edit, SessionError};
-use patina_panels::Change;
+use engine::session::SessionError;
 
 use crate::link::{Command, Reply};
 
@@ -15,7 +14,7 @@ impl Render {
     pub(super) fn take(&mut self, command: Command) {
         match command {
             Command::Change(change, number) => {
-                self.pending.add(change);
+                self.pending.changes.push(change);
                 self.pending.number = number;
                 self.pending.since.get_or_insert_with(Instant::now);
             }
@@ -75,7 +74,7 @@ impl Render {
                 let session = self
                     .session
                     .as_mut()
-                    .filter(|session| is_timed && !session.renderer().is_timing());
+                    .filter(|session| is_timed && !session.is_timing());
                 if let Some(Err(error)) = session.map(|session| session.time_passes()) {
                     self.reply(Reply::Failed(publish::message(&error)));
                 }
@@ -174,26 +173,5 @@ impl Render {
             }
         }
         (self.wake)();
-    }
-}
-
-impl super::Pending {
-    /// Of several changes of one key the last one counts, and a whole text counts more than what came before it.
-    fn add(&mut self, change: Change) {
-        let place = |change: &Change| match change {
-            Change::Edit {
-                edit: Edit::Set { section, key, .. },
-                ..
-            } => Some((section.clone(), key.clone())),
-            _ => None,
-        };
-        if matches!(change, Change::Text(_)) {
-            self.changes.clear();
-        } else if let Some(place_of_new) = place(&change)
-            && self.changes.last().and_then(place) == Some(place_of_new)
-        {
-            self.changes.pop();
-        }
-        self.changes.push(change);
     }
 }

@@ -130,7 +130,7 @@ impl Render {
         let Some(session) = self.session.as_ref().filter(|_| is_due) else {
             return;
         };
-        let Ok(stats) = session.renderer().stats() else {
+        let Ok(stats) = session.stats() else {
             // The next step finds out why.
             return;
         };
@@ -226,7 +226,7 @@ impl Render {
             text: session.look_text().into(),
             heard: self.pending.number,
             materials: Arc::new(session.scene().materials.clone()),
-            own_materials: session.renderer().procedural().scene_materials(),
+            own_materials: session.procedural().scene_materials(),
             suns: suns.map(|light| light.name.clone()).collect(),
             textures,
         });

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use egui::Ui;
 use engine::scene::Material;
-use engine::session::Edit;
-use patina_panels::{Document, Form, Previews, SceneView, Textures, TexturesPanel};
+use engine::session::{Document, Edit};
+use patina_panels::{Form, Previews, SceneView, Textures, TexturesPanel};
 
 use crate::link::{Command, Link, LookFacts};
 
