@@ -26,4 +26,5 @@ pub mod session;
 pub mod settings;
 mod sobol;
 pub mod stats;
+pub mod system;
 pub mod wave;

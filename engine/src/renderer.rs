@@ -9,10 +9,7 @@ mod reload;
 mod update;
 mod view;
 
-use std::{
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::{sync::Arc, time::Duration};
 
 use device::{Device, DeviceError, KernelText, Recording, Resources, Timer, Trust, Usage};
 
@@ -29,6 +26,7 @@ use crate::{
     scene::Scene,
     schedule,
     stats::{NodeName, PassStats, Stats},
+    system::System,
     wave::{self, PathBytes, Queue},
 };
 
@@ -177,6 +175,7 @@ pub(crate) fn clear_picture(gpu: &Device, resources: &Resources) -> Result<(), D
 #[derive(Debug)]
 pub struct Renderer {
     gpu: Device,
+    system: System,
     settings: RenderSettings,
     procedural: Procedural,
     form: TextureForm,
@@ -294,6 +293,7 @@ impl Renderer {
         gpu.check()?;
         Ok(Self {
             gpu: gpu.clone(),
+            system: System::default(),
             settings: settings.clone(),
             procedural: procedural.clone(),
             form,
@@ -315,6 +315,13 @@ impl Renderer {
             is_stale: false,
             is_warm: false,
         })
+    }
+
+    /// With the time and the threads of another system than the operating system.
+    #[must_use]
+    pub fn in_system(mut self, system: &System) -> Self {
+        self.system = system.clone();
+        self
     }
 
     /// Times each pass from now on; costs a read-back per wave.
@@ -345,7 +352,7 @@ impl Renderer {
         if self.position < total {
             // A window that shares the device may have a frame under way: that is no time of the wave's.
             self.gpu.wait()?;
-            let start = Instant::now();
+            let start = self.system.clock.now();
             self.clear_stale_film()?;
             let wave = self.wave_size.max(self.smallest_wave).min(self.capacity);
             let wave = u64::from(wave).min(total - self.position);
@@ -354,9 +361,9 @@ impl Renderer {
             self.render_wave()?;
             self.is_warm = true;
             self.position += wave;
-            let took = start.elapsed();
+            let took = self.system.clock.now() - start;
             self.wave_size = next_wave(self.wave_size, self.capacity, took, self.longest_wave);
-            self.seconds += start.elapsed().as_secs_f64();
+            self.seconds += took.as_secs_f64();
         }
         let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
         let done =

@@ -1,20 +1,16 @@
 //! What is built on threads of its own while the old picture goes on: texture kernels, and whole renderers where a
 //! change reaches what is made once.
 
-use std::thread::JoinHandle;
-
 use texgen::{Diagnostic, Diagnostics};
 
 use crate::load::{self, LoadError, Loaded};
-use crate::procedural::{SourcesError, TextureSources};
+use crate::procedural::SourcesError;
 use crate::renderer::{Reload, ReloadError, Renderer};
 use crate::scene::look::{Look, LookError, Section, Value, find, placed_fields};
+use crate::system::{Files, Task};
 
 use super::difference::TableChange;
 use super::{Inputs, Session, SessionError};
-
-/// Parsing recurses along a texture's expressions.
-const STACK_BYTES: usize = 8 << 20;
 
 /// Something in the making.
 pub(super) enum Job {
@@ -22,7 +18,7 @@ pub(super) enum Job {
     Rebuild {
         /// The look's text that it began with.
         text: String,
-        thread: JoinHandle<Result<Box<Rebuilt>, SessionError>>,
+        task: Task<Result<Box<Rebuilt>, SessionError>>,
     },
 }
 
@@ -33,14 +29,14 @@ pub(super) struct Rebuilt {
 }
 
 /// Loads scene, textures, and a look of this text.
-pub(super) fn load(inputs: &Inputs, text: &str) -> Result<Loaded, LoadError> {
+pub(super) fn load(files: &dyn Files, inputs: &Inputs, text: &str) -> Result<Loaded, LoadError> {
     let look = match &inputs.look {
         Some(path) => Some(Look::parse(path, text).map_err(LookError::from)?),
         // Edits of a look without a file.
         None if !text.is_empty() => Some(Look::parse("".as_ref(), text).map_err(LookError::from)?),
         None => None,
     };
-    let mut loaded = load::load_with(&inputs.scene, look, &inputs.textures)?;
+    let mut loaded = load::load_from(files, &inputs.scene, look, &inputs.textures)?;
     if let Some(name) = &inputs.camera {
         loaded.camera = loaded.camera_named(name)?;
     }
@@ -54,7 +50,10 @@ impl Session {
             self.again.sources = true;
             return;
         }
-        let changed = TextureSources::search(&self.inputs.textures)
+        let changed = self
+            .system
+            .files
+            .textures(&self.inputs.textures)
             .and_then(|sources| self.renderer.procedural().changed_sources(&sources));
         match changed {
             Ok(files) if files.is_empty() => match self.shown {
@@ -87,8 +86,11 @@ impl Session {
             .collect();
         wanted.sort_unstable();
         wanted.dedup();
-        let files: Result<Option<Vec<_>>, SourcesError> =
-            TextureSources::search(&self.inputs.textures).and_then(|sources| {
+        let files: Result<Option<Vec<_>>, SourcesError> = self
+            .system
+            .files
+            .textures(&self.inputs.textures)
+            .and_then(|sources| {
                 wanted
                     .iter()
                     .map(|name| sources.read(name).transpose())
@@ -120,20 +122,18 @@ impl Session {
             return;
         }
         let text = self.document.text();
-        let (inputs, gpu) = (self.inputs.clone(), self.renderer.gpu().clone());
+        let (inputs, system) = (self.inputs.clone(), self.system.clone());
+        let gpu = self.renderer.gpu().clone();
         let (make_settings, look) = (self.make_settings.clone(), text.clone());
         let build = move || {
-            let loaded = load(&inputs, &look)?;
+            let loaded = load(&*system.files, &inputs, &look)?;
             let settings = make_settings(loaded.camera.clone());
             let renderer = Renderer::new(&gpu, &loaded.scene, &loaded.procedural, &settings)?;
+            let renderer = renderer.in_system(&system);
             Ok(Box::new(Rebuilt { loaded, renderer }))
         };
-        let thread = std::thread::Builder::new()
-            .name("another renderer".to_owned())
-            .stack_size(STACK_BYTES)
-            .spawn(build);
-        match thread {
-            Ok(thread) => self.job = Some(Job::Rebuild { text, thread }),
+        match Task::start(&*self.system.threads, "another renderer", build) {
+            Ok(task) => self.job = Some(Job::Rebuild { text, task }),
             Err(error) => self.problems.look = Diagnostic::error(error.to_string()).into(),
         }
     }
@@ -143,15 +143,15 @@ impl Session {
         let is_ready = match &self.job {
             None => !self.again.is_empty(),
             Some(Job::Kernel(reload)) => reload.is_finished(),
-            Some(Job::Rebuild { thread, .. }) => thread.is_finished(),
+            Some(Job::Rebuild { task, .. }) => task.is_finished(),
         };
         if !is_ready {
             return;
         }
         match self.job.take() {
             Some(Job::Kernel(reload)) => self.finish_kernel(reload),
-            Some(Job::Rebuild { text, thread }) => {
-                let built = thread.join().unwrap_or_else(|_| {
+            Some(Job::Rebuild { text, task }) => {
+                let built = task.wait().unwrap_or_else(|_| {
                     let message = "the scene could not be prepared in the background";
                     Err(SessionError::Refused(message.to_owned()))
                 });

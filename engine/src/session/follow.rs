@@ -12,7 +12,7 @@ use crate::scene::look::{
 use crate::scene::{Camera, Environment, Material};
 
 use super::difference::{TableChange, difference};
-use super::edit::Edit;
+use super::edit::{Edit, summary};
 use super::{Session, SessionError};
 
 /// What following may change of the scene.
@@ -40,9 +40,9 @@ impl Session {
         let before = self.document.table(section);
         // Only one table is kept aside: copying a whole look takes as long as many edits.
         let kept = self.document.keep(section);
-        if let Err(error) = self.write(edit) {
+        if let Err(why) = edit.write(&mut self.document) {
             self.document.put_back(section, kept);
-            return Err(error);
+            return Err(SessionError::Refused(why));
         }
         let after = self.document.table(section);
         let change = TableChange {
@@ -67,7 +67,7 @@ impl Session {
         match error {
             UpdateError::Refused(problems) => {
                 self.document.put_back(section, kept);
-                Err(SessionError::Refused(messages(&problems)))
+                Err(SessionError::Refused(summary(&problems)))
             }
             UpdateError::Rebuild | UpdateError::NewTexture => {
                 let wanted = self.document.clone();
@@ -98,7 +98,7 @@ impl Session {
     /// # Errors
     /// The text isn't in the form of a look; then the look is as before.
     pub fn replace_look(&mut self, text: &str) -> Result<(), SessionError> {
-        let refused = |problems: Diagnostics| SessionError::Refused(messages(&problems));
+        let refused = |problems: Diagnostics| SessionError::Refused(summary(&problems));
         Look::parse(&self.look_path(), text).map_err(refused)?;
         let document = super::parse_look(&self.inputs, text).map_err(refused)?;
         self.want(document);
@@ -111,20 +111,6 @@ impl Session {
         self.shown.get_or_insert(former);
         self.document = document;
         self.catch_up();
-    }
-
-    /// Changes the text.
-    fn write(&mut self, edit: &Edit) -> Result<(), SessionError> {
-        match edit {
-            Edit::Set {
-                section,
-                key,
-                value,
-            } => (self.document.set(section, key, value)).map_err(SessionError::Refused)?,
-            Edit::Clear { section, key } => self.document.remove(section, key),
-            Edit::Remove { section } => self.document.remove_table(section),
-        }
-        Ok(())
     }
 
     /// Writes what has changed to the device; all of it can be written, or nothing is.
@@ -360,9 +346,4 @@ fn set_factors(environment: &mut Environment, factors: EnvironmentFactors) -> bo
         }
         _ => false,
     }
-}
-
-fn messages(problems: &Diagnostics) -> String {
-    let said: Vec<&str> = problems.iter().map(|p| p.message.as_str()).collect();
-    said.join("; ")
 }

@@ -1,4 +1,14 @@
-//! Live rendering: a scene, its look and its textures are edited while the picture refines.
+//! The boundary of the engine: a scene, its look and its textures are opened, edited while the picture refines, and saved.
+//! Whatever renders (commands, windows, other programs) uses this and nothing below.
+//!
+//! | to | there is |
+//! |---|---|
+//! | open | [`Session::open`]; with something to do between reading and rendering, [`Opening`] |
+//! | edit | [`Session::edit`] with an [`Edit`], which can come as [JSON](json); [`Session::replace_look`] |
+//! | edit with a history, while the session may be busy on another thread | a [`Document`], whose [`Change`]s wait in a [`ChangeQueue`] for [`Session::apply`] |
+//! | render | [`Session::step`], wave by wave |
+//! | see | [`Session::snapshot`] (a film), [`Session::device_film`] (on the device), [`Session::stats`], [`Session::problems`] |
+//! | save the look | [`Session::save`] |
 //!
 //! The text of the look is the truth. Everything else (graph, programs, material records, camera) follows from it and
 //! from the files, so that after any number of edits the film is, bit by bit, that of a fresh render of the look as it
@@ -11,91 +21,44 @@
 //! | what is made from the whole look (includes, images, which materials blend), the scene, image files | the renderer is built anew in the background, then swapped |
 //!
 //! Until the swap the old picture goes on; if the build fails it stays, and [`Session::problems`] tells why. Nothing
-//! here knows windows, watches files, or looks at the time: whoever does calls [`Session`].
+//! here knows windows, watches files, or looks at the time: whoever does calls [`Session`]. Files are read, and work is done
+//! aside, by the [`System`] that is handed in.
 
 mod background;
+mod change;
 mod difference;
+mod document;
 mod edit;
+mod error;
+mod files;
 mod follow;
+pub mod json;
+mod open;
+mod patch;
 mod view;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use texgen::{Diagnostic, Diagnostics, SourceFile};
+use texgen::{Diagnostics, SourceFile};
+
+use device::Device;
 
 use crate::film::Film;
-use crate::load::{self, LoadError, Loaded};
-use crate::renderer::{Progress, RenderEditError, RenderError, RenderSettings, Renderer};
-use crate::scene::look::{Field, Look, LookDocument, LookError};
+use crate::procedural::Procedural;
+use crate::renderer::{Progress, RenderSettings, Renderer};
+use crate::scene::look::{Field, LookDocument};
 use crate::scene::{Camera, Scene};
-use device::{Device, DeviceError};
+use crate::stats::Stats;
+use crate::system::System;
 
 use background::Job;
 
-pub use edit::{Edit, written};
-
-/// What is rendered, by files.
-#[derive(Debug, Clone)]
-pub struct Inputs {
-    /// The glTF file.
-    pub scene: PathBuf,
-    /// The look file, if there is one. It is written by [`Session::save`] only.
-    pub look: Option<PathBuf>,
-    /// Folders with textures, the earlier ones first.
-    pub textures: Vec<PathBuf>,
-    /// A camera of the scene in place of the look's.
-    pub camera: Option<String>,
-}
-
-/// Opens the device; called again when it is lost.
-pub type OpenDevice = dyn Fn() -> Result<Device, DeviceError> + Send + Sync;
-/// Size and depth of the picture seen by a camera.
-pub type MakeSettings = dyn Fn(Camera) -> RenderSettings + Send + Sync;
-
-/// Why something did not happen. The picture and the look are as before.
-#[derive(Debug, thiserror::Error)]
-pub enum SessionError {
-    /// What is to be rendered can't be read.
-    #[error(transparent)]
-    Load(#[from] LoadError),
-    /// The device.
-    #[error(transparent)]
-    Render(#[from] RenderError),
-    /// An edit that makes no sense.
-    #[error("{0}")]
-    Refused(String),
-    /// The device was lost and can't be opened again. The look is kept: it can be saved, and the next step tries again.
-    #[error("the graphics device was lost and can't be used again: {0}; the look is kept")]
-    Lost(RenderError),
-    /// There is no file to save the look to.
-    #[error("there is no look file to save to: name one")]
-    NoFile,
-    /// The file has been changed by others, and what they wrote has not become part of the look, because it is wrong or has
-    /// just been written.
-    #[error("{} was changed by another program; mend it there, or save under a name: the same one replaces it", path.display())]
-    Changed {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The look can't be saved.
-    #[error("cannot write the look {}: {source}", path.display())]
-    Save {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-}
-
-impl From<RenderEditError> for SessionError {
-    fn from(error: RenderEditError) -> Self {
-        match error {
-            RenderEditError::Render(error) => Self::Render(error),
-            other => Self::Refused(other.to_string()),
-        }
-    }
-}
+pub use change::{Change, ChangeQueue};
+pub use document::Document;
+pub use edit::{Edit, summary, written};
+pub use error::SessionError;
+pub use open::{Inputs, MakeSettings, OpenDevice, Opening};
 
 /// A picture as far as it is.
 #[derive(Debug, Clone)]
@@ -109,6 +72,7 @@ pub struct Snapshot {
 /// A render that follows edits. See the module's description.
 pub struct Session {
     inputs: Inputs,
+    system: System,
     open_device: Arc<OpenDevice>,
     make_settings: Arc<MakeSettings>,
     /// The look as it is wanted.
@@ -160,53 +124,6 @@ impl std::fmt::Debug for Session {
 }
 
 impl Session {
-    /// Loads everything and opens the device.
-    ///
-    /// # Errors
-    /// As [`load::load`] and [`Renderer::new`].
-    pub fn open(
-        inputs: Inputs,
-        open_device: Arc<OpenDevice>,
-        make_settings: Arc<MakeSettings>,
-    ) -> Result<Self, SessionError> {
-        let saved = match &inputs.look {
-            Some(path) => Look::read_text(path).map_err(LoadError::from)?,
-            None => String::new(),
-        };
-        let loaded = background::load(&inputs, &saved)?;
-        let document =
-            parse_look(&inputs, &saved).map_err(|e| LoadError::from(LookError::from(e)))?;
-        let gpu = open_device().map_err(RenderError::from)?;
-        let Loaded {
-            scene,
-            procedural,
-            camera,
-            warnings,
-            ..
-        } = loaded;
-        let renderer = Renderer::new(&gpu, &scene, &procedural, &make_settings(camera.clone()))?;
-        let mut session = Self {
-            was_without_lamp: false,
-            inputs,
-            open_device,
-            make_settings,
-            document,
-            saved,
-            shown: None,
-            scene,
-            camera,
-            view: None,
-            renderer,
-            job: None,
-            again: Again::default(),
-            problems: Problems::default(),
-            warnings,
-            generation: 0,
-        };
-        session.was_without_lamp = session.has_no_lamp();
-        Ok(session)
-    }
-
     /// Swaps in what has become ready in the background, then renders one wave towards `target_spp` samples per pixel.
     ///
     /// # Errors
@@ -292,9 +209,27 @@ impl Session {
         self.generation += 1;
     }
 
-    /// The renderer, to look at.
-    pub fn renderer(&self) -> &Renderer {
-        &self.renderer
+    /// The device that renders; another one once this one was lost.
+    pub fn device(&self) -> &Device {
+        self.renderer.gpu()
+    }
+
+    /// How it is rendered, with the camera of now.
+    pub fn settings(&self) -> &RenderSettings {
+        self.renderer.settings()
+    }
+
+    /// The texture graph as it is shown.
+    pub fn procedural(&self) -> &Procedural {
+        self.renderer.procedural()
+    }
+
+    /// Figures so far, of what has been rendered since something was built anew last.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn stats(&self) -> Result<Stats, SessionError> {
+        Ok(self.renderer.stats()?)
     }
 
     /// The scene as it is shown.
@@ -305,106 +240,6 @@ impl Session {
     /// The text of the look with all edits.
     pub fn look_text(&self) -> String {
         self.document.text()
-    }
-
-    /// Whether there are edits that have not been saved.
-    pub fn has_unsaved_edits(&self) -> bool {
-        self.document.text() != self.saved
-    }
-
-    /// Saves the look to its file, or to `path`: comments, order and formatting of what was not edited are kept.
-    ///
-    /// # Errors
-    /// There is no file, or the system refuses; the look's own file was changed by others and isn't the look as it is known.
-    /// An old file is untouched then. With a `path`, whatever is there is replaced.
-    pub fn save(&mut self, path: Option<&Path>) -> Result<(), SessionError> {
-        let own = self.inputs.look.as_deref();
-        if let (None, Some(own)) = (path, own)
-            && Look::read_text(own).is_ok_and(|text| text != self.saved)
-        {
-            let path = own.to_owned();
-            return Err(SessionError::Changed { path });
-        }
-        let path = path.or(own);
-        let path = path.ok_or(SessionError::NoFile)?.to_owned();
-        let text = self.document.text();
-        match self.document.save(&path) {
-            Ok(()) => {
-                self.saved = text;
-                Ok(())
-            }
-            Err(source) => Err(SessionError::Save { path, source }),
-        }
-    }
-
-    /// Saves the look to another file, which is its file from then on. In another folder the look is read anew, because
-    /// what it names is searched from there.
-    ///
-    /// # Errors
-    /// As [`Self::save`].
-    pub fn save_as(&mut self, path: &Path) -> Result<(), SessionError> {
-        self.save(Some(path))?;
-        let folder = |path: &Path| path.parent().map(Path::to_owned);
-        let is_elsewhere = self.inputs.look.as_deref().map(folder) != Some(folder(path));
-        self.inputs.look = Some(path.to_owned());
-        if is_elsewhere {
-            self.rebuild();
-        }
-        Ok(())
-    }
-
-    /// Searches textures in this folder, too, before the others.
-    pub fn add_textures(&mut self, folder: PathBuf) {
-        if !self.inputs.textures.contains(&folder) {
-            self.inputs.textures.insert(0, folder);
-            self.sources_changed();
-        }
-    }
-
-    /// The files to be watched: scene, look, images. Those of textures lie in [`Inputs::textures`].
-    pub fn files(&self) -> Vec<PathBuf> {
-        let path = self.look_path();
-        let look = Look::parse(&path, &self.document.text()).ok();
-        let mut files = load::files(&self.inputs.scene, look.as_ref());
-        files.extend(self.inputs.look.clone());
-        files
-    }
-
-    /// What is rendered.
-    pub fn inputs(&self) -> &Inputs {
-        &self.inputs
-    }
-
-    /// The look's file may have changed. Its text replaces that of the look, edits that were not saved included.
-    pub fn look_changed(&mut self) {
-        let Some(path) = self.inputs.look.clone() else {
-            return;
-        };
-        let text = match Look::read_text(&path) {
-            Ok(text) => text,
-            Err(error) => {
-                self.problems.file = Diagnostic::error(error.to_string()).into();
-                return;
-            }
-        };
-        if text == self.saved && self.shown.is_none() && !self.has_unsaved_edits() {
-            self.problems.file = Diagnostics::new();
-            return;
-        }
-        let checked = Look::parse(&path, &text);
-        match (checked, parse_look(&self.inputs, &text)) {
-            (Ok(_), Ok(document)) => {
-                self.problems.file = Diagnostics::new();
-                self.saved = text;
-                self.want(document);
-            }
-            (Err(problems), _) | (_, Err(problems)) => self.problems.file = problems,
-        }
-    }
-
-    /// Scene or images may have changed: all is read again in the background.
-    pub fn assets_changed(&mut self) {
-        self.rebuild();
     }
 
     fn look_path(&self) -> PathBuf {
@@ -426,8 +261,10 @@ impl Session {
             None => {}
         }
         let procedural = self.renderer.procedural();
-        self.renderer = Renderer::new(&gpu, &self.scene, procedural, self.renderer.settings())
-            .map_err(SessionError::Lost)?;
+        let settings = self.renderer.settings();
+        let renderer = Renderer::new(&gpu, &self.scene, procedural, settings);
+        let renderer = renderer.map_err(SessionError::Lost)?;
+        self.renderer = renderer.in_system(&self.system);
         self.generation += 1;
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! What somebody who watches a live render wants of it: a view of his own, another size, a part of the picture. None of
+//! What somebody who watches a session wants of it: a view of his own, another size, a part of the picture. None of
 //! it is part of the look.
 
 use std::time::Duration;
@@ -66,6 +66,11 @@ impl Session {
     /// The device.
     pub fn time_passes(&mut self) -> Result<(), SessionError> {
         Ok(self.renderer.time_passes()?)
+    }
+
+    /// Whether passes are timed.
+    pub fn is_timing(&self) -> bool {
+        self.renderer.is_timing()
     }
 
     /// Measures what one more texture costs: see [`crate::renderer::Renderer::measure_costs`].
