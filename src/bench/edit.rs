@@ -61,7 +61,7 @@ pub(crate) fn run(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), F
     )?;
     bar.stage("measuring");
     session.step(1)?;
-    let gpu = session.renderer().gpu().clone();
+    let gpu = session.device().clone();
     let made = || (gpu.counts().pipelines, gpu.counts().shader_modules);
     let before = made();
     let mut table =

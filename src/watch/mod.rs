@@ -231,7 +231,7 @@ fn tell_doubts(
     has_all_samples: bool,
     told: &mut Vec<Doubt>,
 ) -> Result<(), Failure> {
-    let stats = session.renderer().stats().map_err(Failure::because)?;
+    let stats = session.stats()?;
     let doubts = stats.doubts();
     let holds = |list: &[Doubt], doubt: &Doubt| list.iter().any(|other| other.is_same(doubt));
     for doubt in doubts.iter().filter(|doubt| !holds(told, doubt)) {
