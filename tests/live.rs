@@ -1,5 +1,5 @@
-//! Live edits: a parameter, a ramp, a link or an AO distance is changed while rendering, and the picture is the one that
-//! the changed look would have given, without a shader or a pipeline being made.
+//! Edits are data: a parameter, a ramp, a link or an AO distance is changed while rendering, a thousand times, and the
+//! picture is the one that the changed look would have given, without a shader or a pipeline being made.
 
 #[expect(dead_code, reason = "other tests use the rest")]
 mod support;
@@ -9,15 +9,16 @@ use std::path::Path;
 use ::device::Device;
 use engine::film::Film;
 use engine::procedural::TextureSources;
-use engine::renderer::Renderer;
 use engine::scene::look::AoSettings;
 use engine::scene::{Camera, Projection, Scene};
+use engine::session::{Edit, Session, SessionError};
 use glam::Vec3;
 use texgen::{Interpolation, Ramp, Value};
 
 use support::device;
+use support::memory::{self, InMemory};
 use support::scenes::{
-    Shot, camera, faceted_sphere, floor, lambert, render_textured, scene, settings, textured,
+    Shot, camera, faceted_sphere, floor, lambert, render_textured, scene, textured,
 };
 
 const SHOT: Shot = Shot {
@@ -120,8 +121,8 @@ impl State {
         )
     }
 
-    /// Changes the `step`-th value in turn and tells the renderer.
-    fn change(&mut self, step: usize, renderer: &mut Renderer) {
+    /// Changes the `step`-th value in turn and tells the session.
+    fn change(&mut self, step: usize, session: &mut Session) {
         // Values that no other step has.
         let t = 0.1 + 0.8 * (step as f32 * 0.618_034).fract();
         let (node, parameter, value) = match step % 8 {
@@ -149,8 +150,8 @@ impl State {
                 ("rust", "ramp", Value::Ramp(ramp))
             }
         };
-        renderer
-            .set_argument(node, parameter, value)
+        session
+            .edit(&Edit::argument(node, parameter, &value))
             .unwrap_or_else(|error| panic!("{node}.{parameter}: {error}"));
     }
 }
@@ -197,11 +198,12 @@ fn fresh(gpu: &Device, state: &State) -> Film {
     render_textured(gpu, &scene, &procedural, &view(), SHOT)
 }
 
-fn picture(renderer: &mut Renderer) -> Film {
-    renderer
-        .render(SHOT.spp)
-        .unwrap_or_else(|error| panic!("{error}"));
-    renderer.film().unwrap_or_else(|error| panic!("{error}"))
+fn opened(gpu: &Device, state: &State) -> Session {
+    InMemory::new(bare_scene(), view(), &state.look(), sources()).open(gpu, SHOT)
+}
+
+fn picture(session: &mut Session) -> Film {
+    memory::film(session, SHOT.spp)
 }
 
 fn is_same(a: &Film, b: &Film) -> bool {
@@ -212,33 +214,30 @@ fn is_same(a: &Film, b: &Film) -> bool {
 fn edits_change_the_picture_and_make_no_pipeline() {
     let Some(gpu) = device::open() else { return };
     let mut state = State::first();
-    let mut scene = bare_scene();
-    let procedural = textured(&mut scene, &state.look(), &sources());
-    let mut renderer = Renderer::new(&gpu, &scene, &procedural, &settings(&view(), SHOT))
-        .unwrap_or_else(|error| panic!("{error}"));
-    let first = picture(&mut renderer);
+    let mut session = opened(&gpu, &state);
+    let first = picture(&mut session);
     let made = |gpu: &Device| (gpu.counts().pipelines, gpu.counts().shader_modules);
     let before = made(&gpu);
     assert!(before.0 > 0 && before.1 > 0, "the counters count");
 
     let mut last = first;
     for step in 0..1000 {
-        state.change(step, &mut renderer);
+        state.change(step, &mut session);
         // A picture after each kind of change, and now and then a few kinds together.
         if step < 8 || step % 125 == 124 {
-            let now = picture(&mut renderer);
+            let now = picture(&mut session);
             // What the cells look like is not seen yet: nothing is linked to them.
             assert_eq!(is_same(&now, &last), step == 2, "after step {step}");
             last = now;
         }
     }
-    let after_arguments = (state.clone(), picture(&mut renderer));
+    let after_arguments = (state.clone(), picture(&mut session));
 
     state.factor = "cells.x";
-    renderer
-        .set_link("paint", "factor", state.factor)
+    session
+        .edit(&Edit::link("paint", "factor", state.factor))
         .unwrap_or_else(|error| panic!("{error}"));
-    let after_link = (state.clone(), picture(&mut renderer));
+    let after_link = (state.clone(), picture(&mut session));
 
     state.ao_distance = 1.5;
     let settings = AoSettings {
@@ -246,10 +245,10 @@ fn edits_change_the_picture_and_make_no_pipeline() {
         samples: 8,
         ..AoSettings::default()
     };
-    renderer
-        .set_ao("crevices", settings)
+    session
+        .edit_all(&Edit::ao("crevices", &settings))
         .unwrap_or_else(|error| panic!("{error}"));
-    let after_ao = (state.clone(), picture(&mut renderer));
+    let after_ao = (state.clone(), picture(&mut session));
     assert_eq!(made(&gpu), before, "pipelines and shader modules");
 
     assert!(!is_same(&after_arguments.1, &after_link.1));
@@ -269,25 +268,29 @@ fn edits_change_the_picture_and_make_no_pipeline() {
 #[test]
 fn a_refused_edit_changes_nothing() {
     let Some(gpu) = device::open() else { return };
-    let state = State::first();
-    let mut scene = bare_scene();
-    let procedural = textured(&mut scene, &state.look(), &sources());
-    let mut renderer = Renderer::new(&gpu, &scene, &procedural, &settings(&view(), SHOT))
-        .unwrap_or_else(|error| panic!("{error}"));
-    let before = picture(&mut renderer);
+    let mut session = opened(&gpu, &State::first());
+    let before = picture(&mut session);
+    let no_samples = AoSettings {
+        samples: 0,
+        ..AoSettings::default()
+    };
     let refused = [
-        renderer.set_argument("nose", "scale", Value::F32(1.0)),
-        renderer.set_argument("noise", "scales", Value::F32(1.0)),
-        renderer.set_argument("noise", "scale", Value::Vec3([1.0; 3])),
-        renderer.set_argument("noise", "scale", Value::F32(f32::NAN)),
-        renderer.set_link("noise", "scale", "noise"),
-        renderer.set_link("paint", "factor", "cells.q"),
-        renderer.set_ao("cracks", AoSettings::default()),
+        Edit::argument("nose", "scale", &Value::F32(1.0)),
+        Edit::argument("noise", "scales", &Value::F32(1.0)),
+        Edit::argument("noise", "scale", &Value::Vec3([1.0; 3])),
+        Edit::argument("noise", "scale", &Value::F32(f32::NAN)),
+        Edit::link("noise", "scale", "noise"),
+        Edit::link("paint", "factor", "cells.q"),
+        Edit::ao("crevices", &no_samples)[2].clone(),
     ];
-    for (i, edit) in refused.into_iter().enumerate() {
-        assert!(edit.is_err(), "edit {i} must be refused");
+    for edit in refused {
+        let outcome = session.edit(&edit);
+        assert!(
+            matches!(outcome, Err(SessionError::Refused(_))),
+            "{edit:?}: {outcome:?}"
+        );
     }
-    assert!(is_same(&before, &picture(&mut renderer)), "not restarted");
-    renderer.restart();
-    assert!(is_same(&before, &picture(&mut renderer)), "started anew");
+    assert!(is_same(&before, &picture(&mut session)), "not restarted");
+    session.restart();
+    assert!(is_same(&before, &picture(&mut session)), "started anew");
 }

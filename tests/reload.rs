@@ -4,15 +4,20 @@
 #[expect(dead_code, reason = "other tests use the rest")]
 mod support;
 
+use std::sync::Arc;
+
 use ::device::Device;
 use engine::film::Film;
-use engine::procedural::{Output, Procedural, TextureSources};
+use engine::procedural::{Procedural, TextureSources};
 use engine::renderer::{ReloadError, Renderer};
+use engine::scene::look::Value as Written;
 use engine::scene::{Camera, Projection, Scene};
+use engine::session::{Edit, Session};
 use glam::Vec3;
 use texgen::{SourceFile, Value};
 
 use support::device;
+use support::memory::{self, Held, InMemory, settle};
 use support::scenes::{
     Shot, camera, faceted_sphere, floor, lambert, render_textured, scene, settings, textured,
 };
@@ -102,6 +107,21 @@ fn picture(renderer: &mut Renderer) -> Film {
     renderer.film().unwrap_or_else(|error| panic!("{error}"))
 }
 
+const TEXTURES: [(&str, &str); 2] = [("rings", RINGS), ("tint", TINT)];
+
+fn in_memory(look: &str) -> Arc<InMemory> {
+    InMemory::new(bare_scene(), view(), look, sources(&TEXTURES))
+}
+
+fn shown(session: &mut Session) -> Film {
+    memory::film(session, SHOT.spp)
+}
+
+#[track_caller]
+fn edit(session: &mut Session, edit: &Edit) {
+    session.edit(edit).unwrap_or_else(|error| panic!("{error}"));
+}
+
 fn is_same(a: &Film, b: &Film) -> bool {
     a == b
 }
@@ -113,25 +133,21 @@ fn file(name: &str, text: &str) -> SourceFile {
 #[test]
 fn the_new_kernel_gives_the_picture_of_the_new_source() {
     let Some(gpu) = device::open() else { return };
-    let mut renderer = renderer(&gpu);
-    let old = picture(&mut renderer);
+    let (files, threads) = (in_memory(LOOK), Arc::new(Held::default()));
+    let mut session = files.open_with(&gpu, SHOT, threads.clone());
+    let old = shown(&mut session);
     let before = (gpu.counts().pipelines, gpu.counts().shader_modules);
 
-    let reload = renderer.begin_reload(vec![file("rings", SQUARES)]);
-    // Whether or not it is done meanwhile: the old one renders until it is told to finish.
-    renderer.restart();
-    assert!(is_same(&old, &picture(&mut renderer)));
-    while !reload.is_finished() {
-        std::thread::yield_now();
-    }
-    renderer.restart();
-    assert!(is_same(&old, &picture(&mut renderer)));
-    let warnings = renderer
-        .finish_reload(reload)
-        .unwrap_or_else(|error| panic!("{error}"));
-    assert!(warnings.is_empty(), "{warnings}");
-
-    let new = picture(&mut renderer);
+    files.save_texture("rings", SQUARES);
+    session.sources_changed();
+    // The old one renders until the new one is there.
+    session.restart();
+    assert!(session.is_building());
+    assert!(is_same(&old, &shown(&mut session)));
+    threads.release();
+    let new = shown(&mut session);
+    assert!(!session.is_building());
+    assert!(session.warnings().is_empty(), "{}", session.warnings());
     assert_eq!(
         (gpu.counts().pipelines, gpu.counts().shader_modules),
         (before.0 + 1, before.1 + 1),
@@ -142,12 +158,11 @@ fn the_new_kernel_gives_the_picture_of_the_new_source() {
     assert!(is_same(&new, &fresh(&gpu, LOOK, &textures)));
 
     // Edits reach the parameters of the new version.
-    renderer
-        .set_argument("rings", "edge", Value::F32(0.75))
-        .unwrap_or_else(|error| panic!("{error}"));
+    let edge = Edit::argument("rings", "edge", &Value::F32(0.75));
+    edit(&mut session, &edge);
     let look = LOOK.replace("count = 5.0", "count = 5.0\nedge = 0.75");
     assert!(is_same(
-        &picture(&mut renderer),
+        &shown(&mut session),
         &fresh(&gpu, &look, &textures)
     ));
 }
@@ -223,19 +238,18 @@ fn parameters_that_changed_their_type_have_their_defaults() {
 #[test]
 fn an_added_texture_can_be_wired_while_rendering() {
     let Some(gpu) = device::open() else { return };
-    let mut renderer = renderer(&gpu);
-    picture(&mut renderer);
+    let files = in_memory(LOOK);
+    let mut session = files.open(&gpu, SHOT);
+    shown(&mut session);
     let extra =
         "/// @param level = 0.3\nfn userProc(level: f32) -> f32 { return level * readAttr(AO).x; }";
-    let reload = renderer.begin_reload(vec![file("extra", extra)]);
-    renderer
-        .finish_reload(reload)
-        .unwrap_or_else(|error| panic!("{error}"));
+    files.save_texture("extra", extra);
+    edit(&mut session, &Edit::add_node("new", "extra"));
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
     let before = gpu.counts().pipelines;
-    renderer
-        .add_node("new", "extra")
-        .and_then(|()| renderer.set_output_link("material 1", Output::Metallic, Some("new")))
-        .unwrap_or_else(|error| panic!("{error}"));
+    let wire = Edit::material("material 1", "metallic", Written::Text("new".to_owned()));
+    edit(&mut session, &wire);
     assert_eq!(gpu.counts().pipelines, before);
     let look = LOOK.replace(
         "roughness = \"rings\"",
@@ -243,7 +257,7 @@ fn an_added_texture_can_be_wired_while_rendering() {
     );
     let textures = [("rings", RINGS), ("tint", TINT), ("extra", extra)];
     assert!(is_same(
-        &picture(&mut renderer),
+        &shown(&mut session),
         &fresh(&gpu, &look, &textures)
     ));
 }
@@ -251,20 +265,32 @@ fn an_added_texture_can_be_wired_while_rendering() {
 #[test]
 fn edits_made_while_the_kernel_is_built_are_kept() {
     let Some(gpu) = device::open() else { return };
+    let (files, threads) = (in_memory(LOOK), Arc::new(Held::default()));
+    let mut session = files.open_with(&gpu, SHOT, threads.clone());
+    files.save_texture("rings", SQUARES);
+    session.sources_changed();
+    let color = Edit::argument("paint", "color", &Value::Vec3([0.1, 0.2, 0.9]));
+    edit(&mut session, &color);
+    threads.release();
+    let look = LOOK.replace("[0.8, 0.3, 0.1]", "[0.1, 0.2, 0.9]");
+    let textures = [("rings", SQUARES), ("tint", TINT)];
+    assert!(is_same(
+        &shown(&mut session),
+        &fresh(&gpu, &look, &textures)
+    ));
+}
+
+#[test]
+fn a_kernel_for_textures_that_are_no_longer_there_is_refused() {
+    let Some(gpu) = device::open() else { return };
     let mut renderer = renderer(&gpu);
     let reload = renderer.begin_reload(vec![file("rings", SQUARES)]);
     let other = renderer.begin_reload(vec![file("tint", "fn userProc() -> f32 { return 0.5; }")]);
     renderer
-        .set_argument("paint", "color", Value::Vec3([0.1, 0.2, 0.9]))
-        .unwrap_or_else(|error| panic!("{error}"));
-    renderer
         .finish_reload(reload)
         .unwrap_or_else(|error| panic!("{error}"));
-    let look = LOOK.replace("[0.8, 0.3, 0.1]", "[0.1, 0.2, 0.9]");
-    let textures = [("rings", SQUARES), ("tint", TINT)];
-    let expected = fresh(&gpu, &look, &textures);
+    let expected = fresh(&gpu, LOOK, &[("rings", SQUARES), ("tint", TINT)]);
     assert!(is_same(&picture(&mut renderer), &expected));
-    // The other one was made for textures that are no longer there.
     let error = renderer.finish_reload(other).expect_err("stale");
     assert!(matches!(error, ReloadError::Stale), "{error}");
     assert!(is_same(&picture(&mut renderer), &expected));
@@ -274,21 +300,19 @@ fn edits_made_while_the_kernel_is_built_are_kept() {
 fn a_renderer_without_programs_takes_new_textures_too() {
     let Some(gpu) = device::open() else { return };
     let look = "[node.rings]\ntexture = \"rings\"";
-    let (scene, procedural) = built(look, &[("rings", RINGS)]);
-    let mut renderer = Renderer::new(&gpu, &scene, &procedural, &settings(&view(), SHOT))
-        .unwrap_or_else(|error| panic!("{error}"));
+    let files = in_memory(look);
+    let mut session = files.open(&gpu, SHOT);
     let before = gpu.counts().pipelines;
-    let reload = renderer.begin_reload(vec![file("rings", SQUARES)]);
-    renderer
-        .finish_reload(reload)
-        .unwrap_or_else(|error| panic!("{error}"));
+    files.save_texture("rings", SQUARES);
+    session.sources_changed();
+    settle(&mut session);
     assert_eq!(gpu.counts().pipelines, before, "there is nothing to build");
-    renderer
-        .set_output_link("material 0", Output::Roughness, Some("rings"))
-        .unwrap_or_else(|error| panic!("{error}"));
+    let wire = Edit::material("material 0", "roughness", Written::Text("rings".to_owned()));
+    edit(&mut session, &wire);
+    settle(&mut session);
     let look = format!("{look}\n[material.\"material 0\"]\nroughness = \"rings\"");
     let expected = fresh(&gpu, &look, &[("rings", SQUARES)]);
-    assert!(is_same(&picture(&mut renderer), &expected));
+    assert!(is_same(&shown(&mut session), &expected));
 }
 
 #[test]

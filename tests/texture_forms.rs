@@ -155,14 +155,11 @@ fn the_inlined_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
 
     let pipelines = gpu.counts().pipelines;
     let edit = |renderer: &mut FormRenderer| {
-        let FormRenderer::Passes(renderer) = renderer else {
-            panic!("it renders by passes");
-        };
         renderer
-            .set_argument("mask", "amount", Value::F32(0.7))
+            .edit_graph(|graph| graph.set_value("mask", "amount", Value::F32(0.7)))
             .unwrap_or_else(|error| panic!("{error}"));
         renderer
-            .set_link("rust", "scale", "cells.y")
+            .edit_graph(|graph| graph.set_link("rust", "scale", "cells.y"))
             .unwrap_or_else(|error| panic!("{error}"));
     };
     edit(&mut stack);
@@ -218,7 +215,7 @@ fn the_ray_query_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
     let edit = |renderer: &mut FormRenderer| {
         let before = gpu.counts().pipelines;
         renderer
-            .set_argument("mask", "amount", Value::F32(0.9))
+            .edit_graph(|graph| graph.set_value("mask", "amount", Value::F32(0.9)))
             .unwrap_or_else(|error| panic!("{error}"));
         gpu.counts().pipelines - before
     };

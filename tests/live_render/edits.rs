@@ -9,7 +9,7 @@ use crate::stage::{Stage, film, is_same, read, settle};
 use crate::support::device;
 
 fn made(session: &Session) -> (u64, u64) {
-    let gpu = session.renderer().gpu();
+    let gpu = session.device();
     (gpu.counts().pipelines, gpu.counts().shader_modules)
 }
 

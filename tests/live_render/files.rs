@@ -16,7 +16,7 @@ fn a_source_is_swapped_and_a_wrong_one_is_not() {
     let stage = Stage::new(LOOK, &TEXTURES);
     let mut session = stage.open("scene.look.toml");
     let old = film(&mut session);
-    let pipelines = session.renderer().gpu().counts().pipelines;
+    let pipelines = session.device().counts().pipelines;
 
     stage.write("textures/rings.wgsl", &RINGS.replace("sin(", "sinn("));
     session.sources_changed();
@@ -29,14 +29,14 @@ fn a_source_is_swapped_and_a_wrong_one_is_not() {
         is_same(&old, &film(&mut session)),
         "the picture is not lost"
     );
-    assert_eq!(session.renderer().gpu().counts().pipelines, pipelines);
+    assert_eq!(session.device().counts().pipelines, pipelines);
 
     stage.replace("textures/rings.wgsl", SQUARES);
     session.sources_changed();
     assert!(session.is_building());
     settle(&mut session);
     assert!(session.problems().is_empty(), "{}", session.problems());
-    assert_eq!(session.renderer().gpu().counts().pipelines, pipelines + 1);
+    assert_eq!(session.device().counts().pipelines, pipelines + 1);
     let new = film(&mut session);
     assert!(!is_same(&old, &new) && is_same(&new, &stage.fresh(LOOK)));
 
@@ -60,7 +60,7 @@ fn a_look_is_followed_by_difference() {
     let stage = Stage::new(LOOK, &TEXTURES);
     let mut session = stage.open("scene.look.toml");
     let old = film(&mut session);
-    let pipelines = session.renderer().gpu().counts().pipelines;
+    let pipelines = session.device().counts().pipelines;
     // Comments mean nothing.
     stage.write("scene.look.toml", &LOOK.replace("# of them", "# of rings"));
     let generation = session.generation();
@@ -81,7 +81,7 @@ fn a_look_is_followed_by_difference() {
         "{}",
         session.problems()
     );
-    assert_eq!(session.renderer().gpu().counts().pipelines, pipelines);
+    assert_eq!(session.device().counts().pipelines, pipelines);
     let new = film(&mut session);
     assert!(!is_same(&old, &new) && is_same(&new, &stage.fresh(&changed)));
     // And all the way back.
@@ -89,7 +89,7 @@ fn a_look_is_followed_by_difference() {
     session.look_changed();
     settle(&mut session);
     assert!(is_same(&old, &film(&mut session)));
-    assert_eq!(session.renderer().gpu().counts().pipelines, pipelines);
+    assert_eq!(session.device().counts().pipelines, pipelines);
 }
 
 #[test]
@@ -154,7 +154,7 @@ fn a_texture_that_is_new_to_the_look_costs_one_kernel() {
     }
     let stage = Stage::new(LOOK, &TEXTURES);
     let mut session = stage.open("scene.look.toml");
-    let pipelines = session.renderer().gpu().counts().pipelines;
+    let pipelines = session.device().counts().pipelines;
     let changed = LOOK.replace("base_color = \"worn\"", "base_color = \"spots\"")
         + "\n[node.spots]\ntexture = 'squares'\nedge = 0.4\n";
     // The look comes before its texture does.
@@ -184,7 +184,7 @@ fn a_texture_that_is_new_to_the_look_costs_one_kernel() {
     session.sources_changed();
     settle(&mut session);
     assert!(session.problems().is_empty(), "{}", session.problems());
-    assert_eq!(session.renderer().gpu().counts().pipelines, pipelines + 1);
+    assert_eq!(session.device().counts().pipelines, pipelines + 1);
     assert!(is_same(&film(&mut session), &stage.fresh(&changed)));
 }
 

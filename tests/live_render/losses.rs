@@ -27,13 +27,7 @@ fn a_lost_device_is_replaced() {
     let before = film(&mut session);
     let text = session.look_text();
     let generation = session.generation();
-    session
-        .renderer()
-        .gpu()
-        .gpu()
-        .expect("a driver")
-        .device()
-        .destroy();
+    session.device().gpu().expect("a driver").device().destroy();
     // Files are not needed for it.
     let aside = stage.path("gone");
     std::fs::rename(stage.path("scene.gltf"), &aside).expect("it is there");
@@ -49,13 +43,7 @@ fn a_lost_device_is_replaced() {
     // While a kernel is built, and with an edit that meets the dead device.
     stage.write("textures/rings.wgsl", SQUARES);
     session.sources_changed();
-    session
-        .renderer()
-        .gpu()
-        .gpu()
-        .expect("a driver")
-        .device()
-        .destroy();
+    session.device().gpu().expect("a driver").device().destroy();
     let dead = session.edit(&Edit::argument(
         "paint",
         "color",
@@ -69,13 +57,7 @@ fn a_lost_device_is_replaced() {
         &stage.fresh(&session.look_text())
     ));
 
-    session
-        .renderer()
-        .gpu()
-        .gpu()
-        .expect("a driver")
-        .device()
-        .destroy();
+    session.device().gpu().expect("a driver").device().destroy();
     session.assets_changed();
     settle(&mut session);
     assert!(session.problems().is_empty(), "{}", session.problems());
@@ -107,13 +89,7 @@ fn where_no_device_is_left_the_look_is_kept() {
     let before = film(&mut session);
     session.restart();
     has_device.store(false, Ordering::Relaxed);
-    session
-        .renderer()
-        .gpu()
-        .gpu()
-        .expect("a driver")
-        .device()
-        .destroy();
+    session.device().gpu().expect("a driver").device().destroy();
     let error = session.step(1).expect_err("there is no device");
     assert!(matches!(error, SessionError::Lost(_)), "{error}");
     assert!(error.to_string().contains("the look is kept"), "{error}");

@@ -27,7 +27,7 @@ fn sizes_and_views_come_and_go() {
     let Some((_stage, mut session, whole)) = opened() else {
         return;
     };
-    let gpu = session.renderer().gpu().clone();
+    let gpu = session.device().clone();
     let made = (gpu.counts().pipelines, gpu.counts().shader_modules);
     let generation = session.generation();
     session.resize(24, 16).expect("nothing to do");
@@ -88,7 +88,7 @@ fn the_display_shows_the_film() {
     let Some((_stage, mut session, whole)) = opened() else {
         return;
     };
-    let mut display = Display::new(session.renderer().gpu()).expect("compiled");
+    let mut display = Display::new(session.device()).expect("compiled");
     let settings = DisplaySettings {
         exposure: 1.0,
         ..DisplaySettings::default()
@@ -138,7 +138,7 @@ fn materials_are_picked_where_they_are_shown() {
     let Some((_stage, mut session, _)) = opened() else {
         return;
     };
-    let mut display = Display::new(session.renderer().gpu()).expect("compiled");
+    let mut display = Display::new(session.device()).expect("compiled");
     let settings = DisplaySettings {
         channel: Channel::Material,
         ..DisplaySettings::default()
@@ -210,7 +210,7 @@ emission = [0.05, 0.1, 0.2]
 "#;
     let stage = Stage::new(look, &TEXTURES);
     let mut session = stage.open("scene.look.toml");
-    let mut display = Display::new(session.renderer().gpu()).expect("compiled");
+    let mut display = Display::new(session.device()).expect("compiled");
     let mut check = |session: &mut Session, channel, expected: [[f32; 3]; 2]| {
         for (shown, expected) in looks(session, &mut display, channel).iter().zip(expected) {
             for (byte, expected) in shown.iter().zip(expected) {
@@ -253,7 +253,7 @@ fn costs_are_measured_beside_the_picture() {
     let Some((_stage, mut session, whole)) = opened() else {
         return;
     };
-    let gpu = session.renderer().gpu().clone();
+    let gpu = session.device().clone();
     let made = (gpu.counts().pipelines, gpu.counts().shader_modules);
     session.restart();
     session.step(SPP).expect("rendered");

@@ -6,6 +6,7 @@
 pub(crate) mod device;
 pub(crate) mod estimate;
 pub(crate) mod maps;
+pub(crate) mod memory;
 pub(crate) mod normal;
 pub(crate) mod scenes;
 pub(crate) mod shared;

@@ -1,13 +1,13 @@
 //! The forms in which textures are compared, and one renderer for all of them.
 
-use texgen::{SourceFile, Value};
+use texgen::SourceFile;
 
 use device::{Device, KernelText};
 
 use crate::{
     film::Film,
     passes::proctex::TextureForm,
-    procedural::Procedural,
+    procedural::{EditError, Procedural},
     renderer::{ReloadError, RenderEditError, RenderError, RenderSettings, Renderer},
     scene::Scene,
 };
@@ -110,19 +110,17 @@ impl FormRenderer {
         }
     }
 
-    /// Sets a parameter of a node to a constant: a buffer write in the stack form, a kernel in the others.
+    /// Changes the texture graph: buffer writes in the stack form, a kernel in the others.
     ///
     /// # Errors
-    /// Unknown names, a value of another type, or the device.
-    pub fn set_argument(
+    /// What the graph refuses, or the device.
+    pub fn edit_graph(
         &mut self,
-        node: &str,
-        parameter: &str,
-        value: Value,
+        change: impl FnOnce(&mut Procedural) -> Result<(), EditError>,
     ) -> Result<(), RenderEditError> {
         match self {
-            Self::Passes(renderer) => renderer.set_argument(node, parameter, value),
-            Self::RayQuery(renderer) => renderer.set_argument(node, parameter, value),
+            Self::Passes(renderer) => renderer.edit_graph(change),
+            Self::RayQuery(renderer) => renderer.edit_graph(change),
         }
     }
 

@@ -220,14 +220,8 @@ pub fn has_layers(material: &Material) -> bool {
         || material.anisotropy > 0.0
 }
 
-/// Byte offset of the flags in a [`GpuMaterial`].
-pub const FLAGS_OFFSET: u64 = std::mem::offset_of!(GpuMaterial, flags) as u64;
-
-/// All flags of a material that follow from its texture program.
-pub const PROGRAM_FLAGS: u32 = PROGRAM | PROGRAM_LAST | PROGRAM_LIGHT;
-
 /// The flags of a material that follow from its texture program.
-pub fn program_flags(program: &ProgramTraits) -> u32 {
+fn program_flags(program: &ProgramTraits) -> u32 {
     let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
     flag(program.runs, PROGRAM)
         | flag(program.decides_light, PROGRAM_LAST)

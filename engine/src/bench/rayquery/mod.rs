@@ -9,7 +9,7 @@ mod structure;
 use std::sync::Arc;
 use std::time::Instant;
 
-use texgen::{SourceFile, Value};
+use texgen::SourceFile;
 
 use crate::passes::wgsl::{Source, private_bytes};
 use device::{BoundKernel, Device, Extent, Kernel, KernelText, Recording, Resources, Trust, Usage};
@@ -19,7 +19,7 @@ use crate::{
     frame::Frame,
     gpu_scene::GpuScene,
     passes::{proctex::TextureForm, rayquery},
-    procedural::Procedural,
+    procedural::{EditError, Procedural},
     renderer::{
         LONGEST_WAVE, ReloadError, RenderEditError, RenderError, RenderSettings, allocate_picture,
         allocate_textures, clear_picture, default_capacity, first_wave, next_wave, read_picture,
@@ -137,17 +137,15 @@ impl RayQueryRenderer {
         Ok(read_picture(&self.gpu, &self.settings, &self.resources)?)
     }
 
-    /// Sets a parameter of a node to a constant, and builds the kernel with it.
+    /// Changes the texture graph, and builds the kernel with it.
     ///
     /// # Errors
-    /// Unknown names, a value of another type, or the device.
-    pub fn set_argument(
+    /// What the graph refuses, or the device.
+    pub fn edit_graph(
         &mut self,
-        node: &str,
-        parameter: &str,
-        value: Value,
+        change: impl FnOnce(&mut Procedural) -> Result<(), EditError>,
     ) -> Result<(), RenderEditError> {
-        self.procedural.set_value(node, parameter, value)?;
+        change(&mut self.procedural)?;
         Ok(self.rebuild()?)
     }
 
