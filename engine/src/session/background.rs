@@ -51,9 +51,7 @@ impl Session {
             return;
         }
         let changed = self
-            .system
-            .files
-            .textures(&self.inputs.textures)
+            .textures()
             .and_then(|sources| self.renderer.procedural().changed_sources(&sources));
         match changed {
             Ok(files) if files.is_empty() => match self.shown {
@@ -86,16 +84,12 @@ impl Session {
             .collect();
         wanted.sort_unstable();
         wanted.dedup();
-        let files: Result<Option<Vec<_>>, SourcesError> = self
-            .system
-            .files
-            .textures(&self.inputs.textures)
-            .and_then(|sources| {
-                wanted
-                    .iter()
-                    .map(|name| sources.read(name).transpose())
-                    .collect()
-            });
+        let files: Result<Option<Vec<_>>, SourcesError> = self.textures().and_then(|sources| {
+            wanted
+                .iter()
+                .map(|name| sources.read(name).transpose())
+                .collect()
+        });
         match files {
             // What doesn't fit what was loaded needs all of it anew; what can't be read is told at its place in the look.
             Ok(Some(files)) => self.begin_kernel(files),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use texgen::{Diagnostic, Diagnostics};
 
 use crate::load;
+use crate::procedural::{SourcesError, TextureSources};
 use crate::scene::look::Look;
 
 use super::{Inputs, Session, SessionError, parse_look};
@@ -66,6 +67,14 @@ impl Session {
             self.inputs.textures.insert(0, folder);
             self.sources_changed();
         }
+    }
+
+    /// The textures that the look may use, as there are now.
+    ///
+    /// # Errors
+    /// A folder can't be listed.
+    pub fn textures(&self) -> Result<TextureSources, SourcesError> {
+        self.system.files.textures(&self.inputs.textures)
     }
 
     /// The files to be watched: scene, look, images. Those of textures lie in [`Inputs::textures`].

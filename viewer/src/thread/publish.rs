@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 
 use engine::display::{Display, DisplaySettings};
 use engine::load::LoadError;
-use engine::procedural::TextureSources;
 use engine::renderer::RenderError;
 use engine::scene::LightKind;
 use engine::scene::look::LookError;
@@ -210,7 +209,7 @@ impl Render {
         let textures = match &self.published.textures_there {
             Some(textures) => Arc::clone(textures),
             None => {
-                let sources = TextureSources::search(&session.inputs().textures);
+                let sources = session.textures();
                 // A folder that can't be read is a problem of the render, which tells it.
                 Arc::new(sources.map_or_else(|_| Textures::default(), |s| Textures::load(&s)))
             }
