@@ -2,7 +2,7 @@
 //! queries. They give the picture of the usual form, with ambient occlusion, blends, bumps and opacity. Skipped with a
 //! notice where there is no adapter, or none with ray queries.
 
-#[path = "support/mod.rs"]
+#[path = "../engine/tests/suite/support/mod.rs"]
 #[expect(dead_code, reason = "other tests use the rest")]
 mod support;
 

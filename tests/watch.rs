@@ -1,14 +1,23 @@
 //! `patina watch` as people meet it: a file is saved, and the picture follows.
 
+#[path = "../engine/tests/suite/session/look.rs"]
+mod look;
+#[path = "../engine/tests/suite/session/stage.rs"]
+#[expect(dead_code, reason = "other tests use the rest")]
+mod stage;
+#[path = "../engine/tests/suite/support/mod.rs"]
+#[expect(dead_code, reason = "other tests use the rest")]
+mod support;
+
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-use crate::look::{LOOK, RINGS, SQUARES, TEXTURES};
-use crate::stage::Stage;
-use crate::support::device;
+use look::{LOOK, RINGS, SQUARES, TEXTURES};
+use stage::Stage;
+use support::device;
 
 /// A slow machine that others use too needs that long for a kernel.
 const PATIENCE: Duration = Duration::from_secs(120);

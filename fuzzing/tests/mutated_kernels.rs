@@ -1,8 +1,9 @@
 //! What texgen accepts, the device accepts: mutated textures that pass its checks are built into the kernel that really
 //! runs, by the driver. With `PATINA_FULL` set there are many more of them.
 
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
+#[path = "../../engine/tests/suite/support/device.rs"]
+#[expect(dead_code, reason = "it is a part of other tests")]
+mod opened;
 
 use std::time::{Duration, Instant};
 
@@ -13,7 +14,7 @@ use texgen::{Library, SourceFile, TextureType};
 
 #[test]
 fn what_texgen_accepts_the_device_accepts() {
-    let Some(gpu) = support::device::open() else {
+    let Some(gpu) = opened::open() else {
         return;
     };
     let seeds = (WGSL.seeds)();

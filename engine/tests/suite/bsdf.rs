@@ -2,10 +2,6 @@
 //! sampled (chi-square), no energy is made and none lost where it must be kept, and reflection is reciprocal.
 //! Skipped with a notice where there is no adapter.
 
-#[path = "support/mod.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 use ::device::Device;
 use ::device::{DeviceError, Extent, Image, Kernel, Recording, Resources, Trust, Usage};
 use bytemuck::{Pod, Zeroable};
@@ -13,7 +9,7 @@ use engine::gpu_scene::albedo;
 use engine::passes::wgsl::Source;
 use glam::Vec3;
 
-use support::device;
+use crate::support::device;
 
 /// `Params` below: a material with the viewer's direction.
 #[repr(C)]

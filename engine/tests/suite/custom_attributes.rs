@@ -1,10 +1,6 @@
 //! Custom attributes of glTF meshes, from the file to what a texture reads at a hit; and files in which they are wrong.
 //! What renders is skipped with a notice where there is no adapter.
 
-#[path = "support/mod.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 use std::fs;
 use std::path::PathBuf;
 
@@ -13,10 +9,10 @@ use glam::{Vec2, Vec3};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use support::device;
-use support::estimate::Estimate;
-use support::scenes::{Shot, floor_point, from_above, render_textured};
-use support::stats::ZTest;
+use crate::support::device;
+use crate::support::estimate::Estimate;
+use crate::support::scenes::{Shot, floor_point, from_above, render_textured};
+use crate::support::stats::ZTest;
 
 const SHOW: &str = "
 fn userProc(tint: bool) -> vec3f {

@@ -2,10 +2,6 @@
 //! with the same checkerboard made of geometry, and simple cases with closed forms; all as statistics.
 //! Skipped with a notice where there is no adapter.
 
-#[path = "support/mod.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 use std::f32::consts::PI;
 
 use ::device::Device;
@@ -14,13 +10,13 @@ use engine::procedural::TextureSources;
 use engine::scene::{Camera, LightKind, Material, Projection, PunctualLight, Scene};
 use glam::{Vec2, Vec3};
 
-use support::device;
-use support::estimate::Estimate;
-use support::scenes::{
+use crate::support::device;
+use crate::support::estimate::Estimate;
+use crate::support::scenes::{
     Shot, add, camera, faceted_sphere, floor, floor_point, from_above, lambert, lamp, quad,
     render_textured, scene, textured,
 };
-use support::stats::ZTest;
+use crate::support::stats::ZTest;
 
 /// Share of the pixels that must pass. Chance alone lets 99.86 % pass.
 const PASSING: f64 = 0.995;

@@ -1,11 +1,6 @@
 //! Edits are data: a parameter, a ramp, a link or an AO distance is changed while rendering, a thousand times, and the
 //! picture is the one that the changed look would have given, without a shader or a pipeline being made.
 
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
-use std::path::Path;
-
 use ::device::Device;
 use engine::film::Film;
 use engine::procedural::TextureSources;
@@ -15,9 +10,10 @@ use engine::session::{Edit, Session, SessionError};
 use glam::Vec3;
 use texgen::{Interpolation, Ramp, Value};
 
-use support::device;
-use support::memory::{self, InMemory};
-use support::scenes::{
+use crate::support::device;
+use crate::support::memory::{self, InMemory};
+use crate::support::root;
+use crate::support::scenes::{
     Shot, camera, faceted_sphere, floor, lambert, render_textured, scene, textured,
 };
 
@@ -167,7 +163,7 @@ fn set(
 }
 
 fn sources() -> TextureSources {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("user_textures");
+    let folder = root().join("user_textures");
     TextureSources::scan(&[folder]).unwrap_or_else(|error| panic!("{error}"))
 }
 

@@ -1,19 +1,14 @@
 //! The standard textures fade what is finer than the pixel into its mean: from afar one sample a pixel shows the mean
 //! instead of noise, from near nothing is lost. Skipped with a notice where there is no adapter.
 
-#[path = "support/mod.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
-use std::path::Path;
-
 use ::device::Device;
 use engine::procedural::TextureSources;
 use engine::scene::{Material, Projection};
 use glam::Vec3;
 
-use support::device;
-use support::scenes::{Shot, camera, quad, render_textured, scene, textured};
+use crate::support::device;
+use crate::support::root;
+use crate::support::scenes::{Shot, camera, quad, render_textured, scene, textured};
 
 /// Pixels of a side of the picture.
 const SIDE: u32 = 64;
@@ -76,7 +71,7 @@ fn pixels(
     spp: u32,
 ) -> Vec<f64> {
     let file = format!("user_textures/{}.wgsl", case.texture);
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+    let path = root().join(file);
     let mut text = std::fs::read_to_string(path).expect("a standard texture");
     assert!(text.contains("readAttr(Footprint)"));
     if !fades {

@@ -3,13 +3,10 @@
 //! The gallery's picture is made for looking at: its highlights are compressed by a curve that nobody states, so pixels
 //! can't be compared one by one. What must agree is where it is bright and dark, and the level of its middle tones.
 
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 use engine::load::load;
 use engine::renderer::{RenderSettings, Renderer};
 
-use support::{device, shared};
+use crate::support::{device, shared};
 
 /// Cells in which both pictures are averaged.
 const COLUMNS: usize = 16;

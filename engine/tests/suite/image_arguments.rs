@@ -1,10 +1,6 @@
 //! The images of `sam2D` parameters, read by a texture in the kernel that renders and compared with closed forms: wrap
 //! modes, filters, colour space, size and mip levels. Skipped with a notice where there is no adapter.
 
-#[path = "support/mod.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 use std::path::Path;
 
 use ::device::Device;
@@ -13,8 +9,8 @@ use engine::renderer::Renderer;
 use engine::scene::Material;
 use tempfile::TempDir;
 
-use support::device;
-use support::scenes::{Shot, floor, from_above, render_textured, scene, settings, textured};
+use crate::support::device;
+use crate::support::scenes::{Shot, floor, from_above, render_textured, scene, settings, textured};
 
 /// Pixels of a side of the pictures rendered here, each of which shows one read.
 const SIDE: u32 = 16;

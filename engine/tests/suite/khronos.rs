@@ -1,8 +1,5 @@
 //! Every sample model renders: something is seen, and every sample is finite.
 
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 use std::path::{Path, PathBuf};
 
 use engine::load::load;
@@ -10,7 +7,7 @@ use engine::renderer::{RenderSettings, Renderer};
 use engine::scene::Environment;
 use glam::Vec3;
 
-use support::{device, shared};
+use crate::support::{device, shared};
 
 fn model_file(folder: &Path) -> Option<PathBuf> {
     let files = std::fs::read_dir(folder).ok()?.flatten().map(|e| e.path());

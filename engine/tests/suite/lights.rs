@@ -2,10 +2,6 @@
 //! a scattered ray that hits the same point is told the same (chi-square and equality). Then many lights in a picture.
 //! Skipped with a notice where there is no adapter.
 
-#[path = "support/mod.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 use std::f32::consts::PI;
 
 use ::device::Device;
@@ -22,9 +18,9 @@ use engine::scene::{
 };
 use glam::{Affine3A, DVec3, Vec3};
 
-use support::device;
-use support::normal::Normal;
-use support::scenes::{
+use crate::support::device;
+use crate::support::normal::Normal;
+use crate::support::scenes::{
     Shot, add, floor, floor_point, from_above, lambert, lamp, quad, render, scene, unlit,
 };
 

@@ -4,9 +4,6 @@
 //! A short run renders with larger pixels and compares with the reference averaged down to them; with `PATINA_FULL`
 //! the picture has the reference's own resolution.
 
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 use std::path::Path;
 
 use ::device::Device;
@@ -14,9 +11,9 @@ use engine::load::load;
 use engine::renderer::{RenderSettings, Renderer};
 use glam::{Vec2, Vec3};
 
-use support::estimate::Estimate;
-use support::stats::{Comparison, ZTest};
-use support::{device, shared};
+use crate::support::estimate::Estimate;
+use crate::support::stats::{Comparison, ZTest};
+use crate::support::{device, shared};
 
 /// At most this many vertices scatter, as the references' READMEs say.
 const MAX_DEPTH: u32 = 9;

@@ -1,15 +1,12 @@
 //! The tests' own statistics, tested on noise that is known: a judge must be right before it judges.
 
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 use std::panic::catch_unwind;
 use std::path::Path;
 
-use support::estimate::{Estimate, read_exr};
-use support::normal::{Normal, two_sided_p_value};
-use support::stats::{Comparison, ZTest};
-use support::{maps, shared};
+use crate::support::estimate::{Estimate, read_exr};
+use crate::support::normal::{Normal, two_sided_p_value};
+use crate::support::stats::{Comparison, ZTest};
+use crate::support::{maps, shared};
 
 const WIDTH: usize = 200;
 const HEIGHT: usize = 150;

@@ -1,9 +1,6 @@
 //! Hot reload: textures change while the renderer works. Afterwards the picture is, bit by bit, the one that the new
 //! sources would have given from the start; until then, and after a failure, it is the old one.
 
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 use std::sync::Arc;
 
 use ::device::Device;
@@ -16,9 +13,9 @@ use engine::session::{Edit, Session};
 use glam::Vec3;
 use texgen::{SourceFile, Value};
 
-use support::device;
-use support::memory::{self, Held, InMemory, settle};
-use support::scenes::{
+use crate::support::device;
+use crate::support::memory::{self, Held, InMemory, settle};
+use crate::support::scenes::{
     Shot, camera, faceted_sphere, floor, lambert, render_textured, scene, settings, textured,
 };
 

@@ -1,10 +1,6 @@
 //! Light through things: clear walls as filters for shadow rays, bodies inside bodies, dispersion; and light along coarse
 //! meshes with smooth normals. Against closed forms, as statistics. Skipped with a notice where there is no adapter.
 
-#[path = "support/mod.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 use std::f32::consts::PI;
 
 use engine::film::Film;
@@ -13,12 +9,12 @@ use engine::scene::{
 };
 use glam::{Affine3A, Vec3};
 
-use support::device;
-use support::estimate::Estimate;
-use support::scenes::{
+use crate::support::device;
+use crate::support::estimate::Estimate;
+use crate::support::scenes::{
     Shot, add, camera, faceted_sphere, floor, from_above, lambert, lamp, quad, render, scene, unlit,
 };
-use support::stats::ZTest;
+use crate::support::stats::ZTest;
 
 /// Share of the pixels that must pass. Chance alone lets 99.86 % pass.
 const PASSING: f64 = 0.995;

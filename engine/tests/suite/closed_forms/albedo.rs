@@ -8,11 +8,11 @@ use engine::renderer::RenderSettings;
 use engine::scene::{Material, Projection, Scene};
 use glam::{DVec3, Vec3};
 
+use super::{MEAN_ERROR, PASSING};
 use crate::support::device;
 use crate::support::estimate::Estimate;
 use crate::support::scenes::{Shot, add, camera, no_textures, quad, render_with, settings};
 use crate::support::stats::ZTest;
-use crate::{MEAN_ERROR, PASSING};
 
 /// Points along each side of a quadrature.
 const POINTS: u32 = 400;

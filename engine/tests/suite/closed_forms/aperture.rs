@@ -5,7 +5,7 @@ use std::f32::consts::{PI, TAU};
 use engine::scene::Scene;
 use glam::{Vec2, Vec3, Vec4};
 
-use crate::PASSING;
+use super::PASSING;
 use crate::support::device;
 use crate::support::estimate::Estimate;
 use crate::support::scenes::{Shot, add, floor, from_above, render, unlit};

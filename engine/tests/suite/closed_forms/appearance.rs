@@ -6,7 +6,7 @@ use engine::scene::{
 };
 use glam::{Vec2, Vec3};
 
-use crate::assert_shows;
+use super::assert_shows;
 use crate::support::device;
 use crate::support::scenes::{
     Shot, camera, floor, floor_point, from_above, lambert, lamp, quad, render, scene, unlit,

@@ -9,7 +9,7 @@ use engine::procedural::TextureSources;
 use engine::scene::{AlphaMode, LightKind, Material, PunctualLight, Scene};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use crate::assert_shows;
+use super::assert_shows;
 use crate::support::device;
 use crate::support::scenes::{
     Shot, floor, floor_point, from_above, lambert, lamp, quad, render, render_textured, scene,

@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use engine::scene::{LightKind, Material, Projection, PunctualLight, Scene};
 use glam::{Vec2, Vec3, Vec4};
 
-use crate::assert_shows;
+use super::assert_shows;
 use crate::support::device;
 use crate::support::scenes::{
     Shot, camera, floor, floor_point, from_above, lambert, quad, render, scene, unlit,

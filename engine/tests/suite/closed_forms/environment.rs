@@ -6,7 +6,7 @@ use engine::scene::import::load_environment_image;
 use engine::scene::{Environment, FloatImage, Projection, Scene};
 use glam::{DVec3, Vec3};
 
-use crate::assert_shows;
+use super::assert_shows;
 use crate::support::scenes::{Shot, camera, floor, from_above, lambert, quad, render, scene};
 use crate::support::{device, shared};
 

@@ -8,6 +8,7 @@ use engine::scene::{Projection, Scene};
 use engine::settings::Estimator;
 use glam::Vec3;
 
+use super::{MEAN_ERROR, PASSING};
 use crate::support::device;
 use crate::support::estimate::Estimate;
 use crate::support::scenes::{
@@ -15,7 +16,6 @@ use crate::support::scenes::{
     settings,
 };
 use crate::support::stats::ZTest;
-use crate::{MEAN_ERROR, PASSING};
 
 /// A box with a large lamp under a grey sky, and a glossy ball.
 fn room() -> Scene {

@@ -5,7 +5,7 @@ use engine::renderer::RenderSettings;
 use engine::scene::Scene;
 use glam::{Vec2, Vec3};
 
-use crate::PASSING;
+use super::PASSING;
 use crate::support::device;
 use crate::support::estimate::Estimate;
 use crate::support::scenes::{

@@ -3,7 +3,7 @@
 use engine::scene::{Projection, Scene};
 use glam::{Vec2, Vec3};
 
-use crate::assert_shows;
+use super::assert_shows;
 use crate::support::device;
 use crate::support::scenes::{Shot, camera, faceted_sphere, lambert, quad, render, scene};
 

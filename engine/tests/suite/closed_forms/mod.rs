@@ -1,10 +1,6 @@
 //! Pictures whose every pixel is known in closed form or by a quadrature written here, independently of the engine:
 //! scenes built in code, rendered, and judged as statistics.
 
-#[path = "../support/mod.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 mod albedo;
 mod aperture;
 mod appearance;
@@ -22,8 +18,8 @@ mod seeds;
 use engine::film::Film;
 use glam::{Vec2, Vec3};
 
-use support::estimate::Estimate;
-use support::stats::ZTest;
+use crate::support::estimate::Estimate;
+use crate::support::stats::ZTest;
 
 /// Share of the pixels that must pass, in all of their channels. Chance alone lets 99.86 % pass.
 const PASSING: f64 = 0.995;

@@ -4,8 +4,8 @@ use engine::scene::look::{AoDirection, AoSettings, Section, Value};
 use engine::session::{Edit, Session, SessionError};
 use texgen::{Interpolation, Ramp};
 
-use crate::look::{LOOK, TEXTURES};
-use crate::stage::{Stage, film, is_same, read, settle};
+use super::look::{LOOK, TEXTURES};
+use super::stage::{Stage, film, is_same, read, settle};
 use crate::support::device;
 
 fn made(session: &Session) -> (u64, u64) {

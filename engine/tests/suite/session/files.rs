@@ -4,8 +4,8 @@ use std::fs;
 
 use engine::session::{Edit, SessionError};
 
-use crate::look::{LOOK, RINGS, SQUARES, TEXTURES, TINT};
-use crate::stage::{Stage, film, is_same, read, settle};
+use super::look::{LOOK, RINGS, SQUARES, TEXTURES, TINT};
+use super::stage::{Stage, film, is_same, read, settle};
 use crate::support::device;
 
 #[test]

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use ::device::{Device, DeviceError};
 use engine::session::{Edit, SessionError};
 
-use crate::look::{LOOK, SQUARES, TEXTURES};
-use crate::stage::{Stage, film, is_same, settle};
+use super::look::{LOOK, SQUARES, TEXTURES};
+use super::stage::{Stage, film, is_same, settle};
 use crate::support::device;
 
 fn edit() -> Edit {
@@ -94,7 +94,7 @@ fn where_no_device_is_left_the_look_is_kept() {
     assert!(matches!(error, SessionError::Lost(_)), "{error}");
     assert!(error.to_string().contains("the look is kept"), "{error}");
     session.save(None).unwrap_or_else(|error| panic!("{error}"));
-    let saved = crate::stage::read(&stage.path("scene.look.toml"));
+    let saved = super::stage::read(&stage.path("scene.look.toml"));
     assert!(saved.contains("count = 8.0"), "{saved}");
     has_device.store(true, Ordering::Relaxed);
     assert!(

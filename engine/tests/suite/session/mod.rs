@@ -1,15 +1,10 @@
-//! Live rendering: after whatever edits, failures and losses the film is, bit by bit, that of a fresh render of the look
-//! as it is then.
-
-#[expect(dead_code, reason = "other tests use the rest")]
-#[path = "../support/mod.rs"]
-mod support;
+//! A session of files: after whatever edits, failures and losses the film is, bit by bit, that of a fresh render of the
+//! look as it is then.
 
 mod edits;
 mod files;
-mod look;
+pub(crate) mod look;
 mod losses;
 mod random;
-mod stage;
+pub(crate) mod stage;
 mod view;
-mod watch;

@@ -4,8 +4,8 @@ use engine::scene::look::{AoDirection, AoSettings, Value};
 use engine::session::{Edit, Session, SessionError};
 use texgen::{Interpolation, Ramp};
 
-use crate::look::{LOOK, RINGS, SQUARES, TEXTURES};
-use crate::stage::{Stage, film, is_same, settle};
+use super::look::{LOOK, RINGS, SQUARES, TEXTURES};
+use super::stage::{Stage, film, is_same, settle};
 use crate::support::device;
 
 /// Marsaglia's xorshift, 32 bits.

@@ -6,8 +6,8 @@ use engine::film::Film;
 use engine::session::{Edit, Session};
 use glam::{Vec2, Vec3};
 
-use crate::look::{LOOK, TEXTURES};
-use crate::stage::{SPP, Stage, film, is_same, settle};
+use super::look::{LOOK, TEXTURES};
+use super::stage::{SPP, Stage, film, is_same, settle};
 use crate::support::device;
 
 fn opened() -> Option<(Stage, Session, Film)> {

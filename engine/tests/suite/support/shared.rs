@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 /// The path `shared/NAME` beside the checkout; `None`, with a notice, where it is absent: the test is to be skipped.
 pub(crate) fn find(name: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared")).join(name);
+    let path = super::root().join("../shared").join(name);
     if path.exists() {
         Some(path)
     } else {
