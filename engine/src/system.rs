@@ -190,9 +190,9 @@ mod tests {
 
     /// Work is done at once.
     #[derive(Debug)]
-    struct None;
+    struct NoThreads;
 
-    impl Threads for None {
+    impl Threads for NoThreads {
         fn spawn(&self, _: &str, work: Box<dyn FnOnce() + Send>) -> io::Result<()> {
             work();
             Ok(())
@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     fn a_task_gives_its_result_or_says_why_there_is_none() {
-        for threads in [&SystemThreads as &dyn Threads, &None] {
+        for threads in [&SystemThreads as &dyn Threads, &NoThreads] {
             let sum = Task::start(threads, "a sum", || 1 + 1).expect("there is room");
             assert_eq!(sum.wait(), Ok(2));
             let panics = Task::start(threads, "a panic", || -> u32 { panic!("odd: {}", 3) });
