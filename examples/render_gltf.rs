@@ -2,45 +2,44 @@
 //!
 //! `cargo run --release --example render_gltf -- scene.glb 512 512 64 9 [out.png]`
 
-use std::{error::Error, path::Path, time::Instant};
+use std::{error::Error, path::PathBuf, sync::Arc, time::Instant};
 
 use device::Device;
 use engine::{
-    procedural::{Procedural, TextureSources},
-    renderer::{RenderSettings, Renderer},
-    scene::{self, look::Look},
+    renderer::RenderSettings,
+    session::{Inputs, Session},
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let usage = "usage: render_gltf SCENE [WIDTH HEIGHT SPP DEPTH] [OUT.png]";
-    let path = args.first().ok_or(usage)?;
-    let number = |i: usize, default: u32| args.get(i).map_or(Ok(default), |a| a.parse());
-    let imported = scene::import::load(Path::new(path))?;
-    for warning in &imported.warnings {
-        eprintln!("warning: {warning}");
-    }
-    let mut scene = imported.scene;
-    let look = Look::parse(Path::new(""), "").map_err(|e| e.to_string())?;
-    let procedural = Procedural::build(&look, &mut scene, &TextureSources::default())
-        .map_err(|e| e.to_string())?;
-    let camera = scene
-        .cameras
-        .first()
-        .cloned()
-        .unwrap_or_else(|| scene::default_camera(&scene));
-    let settings = RenderSettings {
-        max_depth: number(4, 9)?,
-        ..RenderSettings::new(number(1, 512)?, number(2, 512)?, &camera)
+    let inputs = Inputs {
+        scene: PathBuf::from(args.first().ok_or(usage)?),
+        look: None,
+        textures: Vec::new(),
+        camera: None,
     };
-    let gpu = Device::best()?;
-    println!("{} ({})", gpu.description().name, gpu.description().driver);
+    let number = |i: usize, default: u32| args.get(i).map_or(Ok(default), |a| a.parse());
+    let (width, height, max_depth) = (number(1, 512)?, number(2, 512)?, number(4, 9)?);
+    let spp = number(3, 64)?;
     let start = Instant::now();
-    let mut renderer = Renderer::new(&gpu, &scene, &procedural, &settings)?;
-    println!("upload and kernels: {:.2} s", start.elapsed().as_secs_f64());
-    renderer.time_passes()?;
-    renderer.render(number(3, 64)?)?;
-    let stats = renderer.stats()?;
+    let mut session = Session::open(
+        inputs,
+        Arc::new(Device::best),
+        Arc::new(move |camera| RenderSettings {
+            max_depth,
+            ..RenderSettings::new(width, height, &camera)
+        }),
+    )?;
+    for warning in session.warnings().iter() {
+        eprintln!("warning: {}", warning.message);
+    }
+    let device = session.device().description();
+    println!("{} ({})", device.name, device.driver);
+    println!("scene and kernels: {:.2} s", start.elapsed().as_secs_f64());
+    session.time_passes()?;
+    while !session.step(spp)?.is_done() {}
+    let stats = session.stats()?;
     for pass in &stats.passes {
         println!(
             "{:12} {:9.1} ms {:5.1} % {:6}",
@@ -57,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         stats.samples_per_second * 1e-6,
         stats.invalid_samples
     );
-    let mean = renderer.film()?.mean();
+    let mean = session.snapshot()?.film.mean();
     let total = mean.iter().fold([0.0f64; 3], |t, p| {
         std::array::from_fn(|c| t[c] + f64::from(p[c]))
     });
@@ -74,13 +73,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 + 0.5) as u8
         };
         let bytes: Vec<u8> = mean.iter().flatten().map(|&v| encode(v)).collect();
-        image::save_buffer(
-            out,
-            &bytes,
-            settings.width,
-            settings.height,
-            image::ColorType::Rgb8,
-        )?;
+        image::save_buffer(out, &bytes, width, height, image::ColorType::Rgb8)?;
     }
     Ok(())
 }

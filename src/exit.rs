@@ -7,9 +7,9 @@ use std::fmt;
 use std::io::Write;
 use std::process::ExitCode;
 
-use engine::live::LiveError;
 use engine::load::LoadError;
 use engine::scene::look::LookError;
+use engine::session::SessionError;
 use texgen::Diagnostics;
 
 use crate::job::UsageError;
@@ -76,10 +76,10 @@ impl From<LoadError> for Failure {
     }
 }
 
-impl From<LiveError> for Failure {
-    fn from(error: LiveError) -> Self {
+impl From<SessionError> for Failure {
+    fn from(error: SessionError) -> Self {
         match error {
-            LiveError::Load(error) => error.into(),
+            SessionError::Load(error) => error.into(),
             _ => Self::because(error),
         }
     }

@@ -1,13 +1,15 @@
 //! `patina render`: loads, renders, writes. Reads in the order things happen.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use device::{Device, DeviceOptions};
 use engine::film::{Origin, Part, fingerprint};
-use engine::load;
-use engine::renderer::{RenderSettings, Renderer, TextureCosts};
+use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::{Camera, Scene};
+use engine::session::{Inputs, Opening, Session, SessionError};
+use engine::system::System;
 
 use crate::exit::Failure;
 use crate::job::RenderJob;
@@ -34,19 +36,23 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
         .collect();
     let named: Vec<PathBuf> = job.look.iter().chain([&job.scene]).cloned().collect();
     output::check_all(&written, &named)?;
-    let texture_dirs = library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
+    let inputs = Inputs {
+        scene: job.scene.clone(),
+        look: job.look.clone(),
+        textures: library::texture_dirs(&job.texture_dirs, job.look.as_deref())?,
+        camera: None,
+    };
 
     let bar = Bar::new("loading the scene");
     let clock = Instant::now();
-    let loaded = load::load(&job.scene, job.look.as_deref(), &texture_dirs)?;
-    bar.suspend(|| console::diagnostics(&loaded.warnings));
+    let mut opening = Opening::read(inputs, System::default())?;
+    bar.suspend(|| console::diagnostics(&opening.loaded().warnings));
     // What else was read is known only now.
-    let read = loaded.files(&job.scene, job.look.as_deref());
-    output::check_all(&written, &read)?;
-    let camera = match &job.camera {
-        Some(wanted) => find_camera(&loaded.scene, wanted)?,
-        None => loaded.camera.clone(),
-    };
+    output::check_all(&written, &opening.files())?;
+    if let Some(wanted) = &job.camera {
+        let camera = find_camera(&opening.loaded().scene, wanted)?;
+        opening = opening.seen_by(camera);
+    }
     let load_seconds = clock.elapsed().as_secs_f64();
 
     bar.stage("preparing the device");
@@ -56,41 +62,50 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
         .map_err(Failure::because)?;
     bar.follow(&gpu);
     let mut marker = None;
-    if !loaded.procedural.is_empty() {
-        let kernel = loaded.procedural.kernel().wgsl;
+    let procedural = &opening.loaded().procedural;
+    if !procedural.is_empty() {
+        let kernel = procedural.kernel().wgsl;
         let (own, has_crashed) = crash::Marker::set(cache.as_deref(), &kernel, gpu.description());
         if has_crashed {
             bar.suspend(|| console::warning(crash::SUSPICION));
             let tell = |texture: &str| bar.stage(&format!("building {texture} alone"));
-            crash::find(&loaded.procedural, gpu.description().index, tell)?;
+            crash::find(procedural, gpu.description().index, tell)?;
             bar.stage("preparing the device");
         }
         marker = own;
     }
-    let settings = settings(job, &camera);
-    let settings_written = fingerprint(&loaded.scene, &loaded.procedural, &settings);
-    let mut renderer = Renderer::new(&gpu, &loaded.scene, &loaded.procedural, &settings)
-        .map_err(Failure::because)?;
+    // Nobody waits for a render that would begin anew on another device.
+    let (own, settings) = (gpu.clone(), settings(job, &opening.loaded().camera));
+    let mut session = opening
+        .start(
+            Arc::new(move || own.check().map(|()| own.clone())),
+            Arc::new(move |camera| RenderSettings {
+                camera,
+                ..settings.clone()
+            }),
+        )
+        .map_err(failure)?;
+    let settings_written = fingerprint(session.scene(), session.procedural(), session.settings());
     if job.stats || job.stats_json.is_some() {
-        renderer.time_passes().map_err(Failure::because)?;
+        session.time_passes().map_err(failure)?;
     }
     let prepare_seconds = clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
-    let first = |_: &Renderer| {
+    let first = || {
         // Some drivers compile a kernel when it runs for the first time.
         drop(marker.take());
         interrupt::has_results();
         // A cache that can't be written costs time at the next start, nothing else.
         let _ = gpu.save_cache();
     };
-    let complete = accumulate(&mut renderer, job.spp.get(), &bar, first)?;
-    let mut film = renderer.film().map_err(Failure::because)?;
+    let complete = accumulate(&mut session, job.spp.get(), &bar, first)?;
+    let mut film = session.snapshot().map_err(failure)?.film;
     interrupt::writes_results();
     if !complete && !job.outputs.films.is_empty() {
         let (_, most) = film.sample_bounds();
-        complete_sample(&mut renderer, most)?;
-        film = renderer.film().map_err(Failure::because)?;
+        complete_sample(&mut session, most)?;
+        film = session.snapshot().map_err(failure)?.film;
     }
     let render_seconds = clock.elapsed().as_secs_f64();
     bar.finish();
@@ -102,7 +117,7 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
             job.spp
         ));
     }
-    let stats = renderer.stats().map_err(Failure::because)?;
+    let stats = session.stats().map_err(failure)?;
     for doubt in stats.doubts() {
         console::warning(&doubt.to_string());
     }
@@ -117,7 +132,7 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
             prepare: prepare_seconds,
             render: render_seconds,
         };
-        let textures = texture_costs(&mut renderer)?;
+        let textures = texture_costs(&mut session)?;
         let report = Report::new(job, gpu.description(), &part.film, seconds, stats, textures);
         if job.stats {
             console::print(&report.table());
@@ -132,11 +147,19 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
     }
 }
 
+/// A session's failure, but that no look is kept when the device is lost: none was edited.
+fn failure(error: SessionError) -> Failure {
+    match error {
+        SessionError::Lost(error) => Failure::because(error),
+        other => other.into(),
+    }
+}
+
 /// What textures cost, as far as that can be measured in a moment.
-fn texture_costs(renderer: &mut Renderer) -> Result<TextureCosts, Failure> {
+fn texture_costs(session: &mut Session) -> Result<TextureCosts, Failure> {
     let clock = Instant::now();
     loop {
-        let costs = renderer.measure_costs().map_err(Failure::because)?;
+        let costs = session.measure_costs().map_err(failure)?;
         if costs.is_done || clock.elapsed() > COSTS || interrupt::requested() {
             return Ok(costs.clone());
         }
@@ -161,16 +184,16 @@ fn settings(job: &RenderJob, camera: &Camera) -> RenderSettings {
 
 /// Renders wave by wave, with something to do after the first; returns whether all samples were taken before the user asked to stop.
 fn accumulate(
-    renderer: &mut Renderer,
+    session: &mut Session,
     spp: u32,
     bar: &Bar,
-    after_first: impl FnOnce(&Renderer),
+    after_first: impl FnOnce(),
 ) -> Result<bool, Failure> {
     let mut after_first = Some(after_first);
     loop {
-        let progress = renderer.step(spp).map_err(Failure::because)?;
+        let progress = session.step(spp).map_err(failure)?;
         if let Some(after_first) = after_first.take() {
-            after_first(renderer);
+            after_first();
         }
         bar.update(&progress, spp);
         if progress.samples_done >= progress.samples_total {
@@ -184,10 +207,10 @@ fn accumulate(
 
 /// Gives all pixels the same samples, as a film that is to be merged should have: if that is a matter of moments, because
 /// whoever ends a render doesn't wait for long.
-fn complete_sample(renderer: &mut Renderer, spp: u32) -> Result<(), Failure> {
+fn complete_sample(session: &mut Session, spp: u32) -> Result<(), Failure> {
     let clock = Instant::now();
     while clock.elapsed() < FAREWELL {
-        if renderer.step(spp).map_err(Failure::because)?.is_done() {
+        if session.step(spp).map_err(failure)?.is_done() {
             break;
         }
     }

@@ -1,6 +1,7 @@
 //! A program that ended while a texture kernel was built: the next start finds the marker, builds the textures one by one
 //! and goes on where none is to blame. The cache of pipelines lies beside it.
 
+#[path = "../engine/tests/suite/support/mod.rs"]
 #[expect(dead_code, reason = "other tests use the rest")]
 mod support;
 

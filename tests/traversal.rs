@@ -2,6 +2,7 @@
 //! rays through Sponza, and a million through a mesh of awkward triangles placed by awkward transforms. Then scenes whose
 //! hierarchies are hard to build: where everything is in the same place, and where numbers leave the range of single precision.
 
+#[path = "../engine/tests/suite/support/mod.rs"]
 #[expect(dead_code, reason = "other tests use the rest")]
 mod support;
 

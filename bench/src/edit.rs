@@ -8,9 +8,9 @@ use std::{fs, io};
 
 use device::{Device, DeviceChoice};
 use engine::aside::Leftover;
-use engine::live::{Edit, LiveError, LiveInputs, LiveRender};
 use engine::renderer::RenderSettings;
 use engine::scene::look::{AoSettings, Value};
+use engine::session::{Edit, Inputs, Session};
 use texgen::{Interpolation, Ramp};
 
 /// Nodes of a material, each linked to the one before.
@@ -106,7 +106,7 @@ pub fn measure(
     let materials = nodes.div_ceil(CHAIN);
     write_files(folder.path(), nodes, materials)?;
     let device = device.clone();
-    let inputs = LiveInputs {
+    let inputs = Inputs {
         scene: folder.path().join("scene.gltf"),
         look: Some(folder.path().join("scene.look.toml")),
         textures: vec![folder.path().to_owned()],
@@ -116,14 +116,14 @@ pub fn measure(
         max_depth: 3,
         ..RenderSettings::new(SIZE.0, SIZE.1, &camera)
     };
-    let mut live = LiveRender::open(
+    let mut session = Session::open(
         inputs,
         Arc::new(move || Device::open(&device)),
         Arc::new(settings),
     )?;
     prepared();
-    live.step(1)?;
-    let gpu = live.renderer().gpu().clone();
+    session.step(1)?;
+    let gpu = session.device().clone();
     let before = gpu.counts();
     let mut kinds = Vec::new();
     for (what, make) in KINDS {
@@ -131,12 +131,12 @@ pub fn measure(
         for i in 0..edits {
             for edit in make(i, nodes, materials) {
                 let clock = Instant::now();
-                live.edit(&edit)?;
+                session.edit(&edit)?;
                 milliseconds.push(clock.elapsed().as_secs_f64() * 1e3);
             }
             // A wave in between now and then, as when one drags a slider.
             if i % 100 == 99 {
-                live.step(1)?;
+                session.step(1)?;
             }
         }
         kinds.push(EditTimes { what, milliseconds });
@@ -145,10 +145,10 @@ pub fn measure(
     for i in 0..PICTURES {
         let clock = Instant::now();
         for edit in argument(i, nodes, materials) {
-            live.edit(&edit)?;
+            session.edit(&edit)?;
         }
-        while !live.step(1)?.is_done() {}
-        live.snapshot()?;
+        while !session.step(1)?.is_done() {}
+        session.snapshot()?;
         milliseconds.push(clock.elapsed().as_secs_f64() * 1e3);
     }
     let after = gpu.counts();

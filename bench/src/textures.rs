@@ -232,7 +232,7 @@ fn result(
         // A number that no cache has seen, in case it is pasted into a kernel.
         let value = value + (kernel::fresh_number() % 0xffff) as f32 * 1e-6;
         case.renderer
-            .set_argument(node, parameter, Value::F32(value))?;
+            .edit_graph(|graph| graph.set_value(node, parameter, Value::F32(value)))?;
         first_image(&mut case.renderer)?;
         edit_ms = start.elapsed().as_secs_f64() * 1e3;
         pipelines_created = gpu.counts().pipelines - before;

@@ -2,7 +2,7 @@
 //! queries. They give the picture of the usual form, with ambient occlusion, blends, bumps and opacity. Skipped with a
 //! notice where there is no adapter, or none with ray queries.
 
-#[path = "../../tests/support/mod.rs"]
+#[path = "../../engine/tests/suite/support/mod.rs"]
 #[expect(dead_code, reason = "other tests use the rest")]
 mod support;
 
@@ -156,10 +156,10 @@ fn the_inlined_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
     let pipelines = gpu.counts().pipelines;
     let edit = |renderer: &mut Renderer| {
         renderer
-            .set_argument("mask", "amount", Value::F32(0.7))
+            .edit_graph(|graph| graph.set_value("mask", "amount", Value::F32(0.7)))
             .unwrap_or_else(|error| panic!("{error}"));
         renderer
-            .set_link("rust", "scale", "cells.y")
+            .edit_graph(|graph| graph.set_link("rust", "scale", "cells.y"))
             .unwrap_or_else(|error| panic!("{error}"));
     };
     edit(&mut stack);
@@ -215,7 +215,7 @@ fn the_ray_query_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
     let edit = |renderer: &mut Renderer| {
         let before = gpu.counts().pipelines;
         renderer
-            .set_argument("mask", "amount", Value::F32(0.9))
+            .edit_graph(|graph| graph.set_value("mask", "amount", Value::F32(0.9)))
             .unwrap_or_else(|error| panic!("{error}"));
         gpu.counts().pipelines - before
     };

@@ -9,10 +9,7 @@ mod reload;
 mod update;
 mod view;
 
-use std::{
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::{sync::Arc, time::Duration};
 
 use device::{Device, DeviceError, KernelText, Recording, Resources, Timer, Usage};
 
@@ -25,6 +22,7 @@ use crate::{
     scene::Scene,
     schedule::{Schedule, ScheduleError, Upload, Wavefront},
     stats::{NodeName, PassStats, Stats},
+    system::System,
     wave::{self, PathBytes, Queue},
 };
 
@@ -172,6 +170,7 @@ fn clear_picture(gpu: &Device, resources: &Resources) -> Result<(), DeviceError>
 #[derive(Debug)]
 pub struct Renderer {
     gpu: Device,
+    system: System,
     settings: RenderSettings,
     procedural: Procedural,
     schedule: Arc<dyn Schedule>,
@@ -276,6 +275,7 @@ impl Renderer {
         gpu.check()?;
         Ok(Self {
             gpu: gpu.clone(),
+            system: System::default(),
             settings: settings.clone(),
             procedural: procedural.clone(),
             schedule: schedule.into(),
@@ -297,6 +297,13 @@ impl Renderer {
             is_stale: false,
             is_warm: false,
         })
+    }
+
+    /// With the time and the threads of another system than the operating system.
+    #[must_use]
+    pub fn in_system(mut self, system: &System) -> Self {
+        self.system = system.clone();
+        self
     }
 
     /// Times each pass from now on; costs a read-back per wave.
@@ -327,7 +334,7 @@ impl Renderer {
         if self.position < total {
             // A window that shares the device may have a frame under way: that is no time of the wave's.
             self.gpu.wait()?;
-            let start = Instant::now();
+            let start = self.system.clock.now();
             self.clear_stale_film()?;
             let wave = self.wave_size.max(self.smallest_wave).min(self.capacity);
             let wave = u64::from(wave).min(total - self.position);
@@ -336,9 +343,9 @@ impl Renderer {
             self.render_wave()?;
             self.is_warm = true;
             self.position += wave;
-            let took = start.elapsed();
+            let took = self.system.clock.now() - start;
             self.wave_size = next_wave(self.wave_size, self.capacity, took, self.longest_wave);
-            self.seconds += start.elapsed().as_secs_f64();
+            self.seconds += took.as_secs_f64();
         }
         let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
         let done =

@@ -3,15 +3,15 @@
 use std::sync::LazyLock;
 
 use egui::{Color32, Rect, Response, Ui, pos2};
-use engine::live::Edit;
 use engine::scene::Material;
+use engine::session::{Document, Edit};
 
+use crate::Textures;
 use crate::model::Model;
 use crate::preview::Previews;
 use crate::rename::Renaming;
 use crate::scene_view::SceneView;
 use crate::widgets::{ImageSlot, row_menu};
-use crate::{Document, Textures};
 
 /// Those of the scene, then those that only the look has.
 pub(crate) fn material_names(document: &Document, scene: SceneView<'_>) -> Vec<String> {

@@ -1,11 +1,10 @@
 //! Edits of several keys that belong together: each is one step of the history.
 
-use engine::live::Edit;
 use engine::procedural::Output;
 use engine::scene::look::{Section, Value};
+use engine::session::{Document, Edit};
 use texgen::Swizzle;
 
-use crate::Document;
 use crate::context::Context;
 use crate::model::{Model, Target};
 

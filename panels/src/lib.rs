@@ -2,17 +2,16 @@
 //!
 //! The way through the crate, once a frame:
 //!
-//! 1. [`Document`] is the look that is edited, as text with a history.
+//! 1. [`Document`](engine::session::Document) is the look that is edited, as text with a history.
 //! 2. [`TexturesPanel::show`] shows one material of it in one of its [`Form`]s, beside what the scene says ([`SceneView`]) and what the
 //!    texture files are ([`Textures`]). Nothing is changed while it is shown: edits are collected, and made in the document when all
 //!    has been shown.
-//! 3. Whoever owns the window brings [`Document::take_changes`] to the renderer with [`Change::send`].
+//! 3. Whoever owns the window brings what the document has changed to the [`Session`](engine::session::Session).
 //!
 //! [`Previews`] paints small pictures of nodes in the background. Nothing here opens windows, files (but looks and images) or event
 //! loops, and nothing renders the scene.
 
 mod context;
-mod document;
 mod edits;
 mod graph;
 mod library;
@@ -22,7 +21,6 @@ mod list;
 mod material;
 mod model;
 mod panel;
-mod patch;
 mod preview;
 #[cfg(test)]
 mod random_tests;
@@ -31,7 +29,6 @@ mod scene_view;
 mod textures;
 mod widgets;
 
-pub use document::{Change, Document};
 pub use panel::{Form, TexturesPanel};
 pub use preview::Previews;
 pub use scene_view::SceneView;

@@ -1,6 +1,7 @@
 //! The menu of textures that nodes can be made of.
 
 use egui::{Key, Ui};
+use engine::session::summary;
 
 use crate::context::Context;
 use crate::{edits, widgets};
@@ -38,7 +39,7 @@ pub(crate) fn add_menu(ui: &mut Ui, cx: &mut Context<'_>, search: &mut String) -
     }
     for (name, problems) in &cx.textures.broken {
         let entry = ui.add_enabled(false, egui::Button::new(name));
-        entry.on_disabled_hover_text(crate::document::messages(problems));
+        entry.on_disabled_hover_text(summary(problems));
     }
     if added.is_some() {
         search.clear();

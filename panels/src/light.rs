@@ -1,8 +1,8 @@
 //! Environment and ambient occlusion, as rows of widgets.
 
 use egui::{CollapsingHeader, Ui};
-use engine::live::{Edit, written};
 use engine::scene::look::{AoDirection, AoLook, AoSettings, MAX_AO, Section, Value, color};
+use engine::session::{Edit, written};
 use texgen::Widget;
 
 use crate::context::Context;

@@ -1,9 +1,9 @@
 //! The list form: what belongs to a material as rows of widgets.
 
 use egui::{CollapsingHeader, Response, RichText, Ui};
-use engine::live::{Edit, written};
 use engine::scene::look::{Section, Value};
 use engine::scene::material_parameters::{Unit, Valid};
+use engine::session::{Edit, written};
 use texgen::{BuiltinAttribute, Parameter, Widget};
 
 use crate::context::Context;

@@ -60,9 +60,7 @@ impl InLook for Key {
 mod tests {
     use std::path::Path;
 
-    use engine::live::{Edit, written};
-
-    use crate::Document;
+    use engine::session::{Document, Edit, written};
 
     use super::*;
 

@@ -7,9 +7,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use engine::procedural::{Output, resketch, sketch};
 use engine::scene::look::{Field, Look, NodeLook, Section, Value, find, link_text};
+use engine::session::Document;
 use texgen::{Graph, Library, Swizzle, TextureType};
-
-use crate::Document;
 
 /// Something that a node's result can be connected to.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]

@@ -7,16 +7,17 @@ use std::rc::Rc;
 
 use egui::{Key, Modifiers, ScrollArea, Ui};
 use engine::scene::look::Section;
+use engine::session::Document;
 
 use crate::context::{Action, Context, material_names};
 use crate::graph::{GraphItem, GraphView};
 use crate::library::add_menu;
 use crate::model::Model;
 use crate::preview::Previews;
-use crate::rename::Renaming;
+use crate::rename::{Renaming, rename};
 use crate::scene_view::SceneView;
 use crate::widgets::{self, ImageSlot};
-use crate::{Document, Textures, light, list};
+use crate::{Textures, light, list};
 
 /// Of more nodes than this only the names are shown at first.
 const MAX_OPEN: usize = 12;
@@ -165,7 +166,7 @@ impl TexturesPanel {
 
     /// What is shown of it goes on being shown.
     fn rename(&mut self, document: &mut Document, renaming: &Renaming) {
-        self.message = document.rename(renaming).err();
+        self.message = rename(document, renaming).err();
         if self.message.is_some() {
             return;
         }

@@ -14,11 +14,11 @@ use engine::evaluate::{Evaluator, Point};
 use engine::isolated::{Isolated, Subject};
 use engine::procedural::TextureSources;
 use engine::scene::look::{Look, Value};
+use engine::session::{Document, summary};
 use texgen::OutputType;
 
-use crate::document::messages;
+use crate::Textures;
 use crate::model::Model;
-use crate::{Document, Textures};
 
 /// Points along a side of a picture.
 const SIZE: usize = 64;
@@ -247,7 +247,7 @@ fn picture(
     wanted: &Wanted,
 ) -> Result<ColorImage, String> {
     let subject = Subject::Node(&wanted.node, &wanted.look);
-    let isolated = Isolated::new(subject, &wanted.sources).map_err(|p| messages(&p))?;
+    let isolated = Isolated::new(subject, &wanted.sources).map_err(|p| summary(&p))?;
     let output = isolated.output();
     let library = isolated.procedural().graph().library();
     let names = library.textures().iter().map(|t| t.name().to_owned());

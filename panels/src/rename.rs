@@ -1,10 +1,8 @@
 //! Renaming nodes and materials: whatever refers to them follows, in one step.
 
-use engine::live::Edit;
 use engine::scene::look::{Section, Value, link_text};
+use engine::session::{Document, Edit};
 
-use crate::Document;
-use crate::document::write;
 use crate::edits::link;
 use crate::model::{Model, Target};
 
@@ -112,18 +110,17 @@ impl Renaming {
     }
 }
 
-impl Document {
-    /// Renames a table as one step.
-    ///
-    /// # Errors
-    /// The name is none: says what one is. Nothing has changed then.
-    pub(crate) fn rename(&mut self, renaming: &Renaming) -> Result<(), String> {
-        let label = format!("rename {} to {}", renaming.old_name(), renaming.name);
-        self.change(&label, None, &[], |document| {
-            write(document, &renaming.followers)?;
-            document.rename(&renaming.section, &renaming.name)
-        })
-    }
+/// Renames a table as one step.
+///
+/// # Errors
+/// The name is none: says what one is. Nothing has changed then.
+pub(crate) fn rename(document: &mut Document, renaming: &Renaming) -> Result<(), String> {
+    let label = format!("rename {} to {}", renaming.old_name(), renaming.name);
+    document.change(&label, None, &[], |text| {
+        let followers = &mut renaming.followers.iter();
+        followers.try_for_each(|edit| edit.write(text))?;
+        text.rename(&renaming.section, &renaming.name)
+    })
 }
 
 #[cfg(test)]
@@ -160,7 +157,7 @@ mod tests {
         let model = Model::new(&document, &textures().library);
         let renaming =
             Renaming::of_node(&document, &model, "rust", "old_rust").expect("it is free");
-        document.rename(&renaming).expect("it is a name");
+        rename(&mut document, &renaming).expect("it is a name");
         let expected = LOOK
             .replace("[node.rust]", "[node.old_rust]")
             .replace("'rust'", "'old_rust'")
@@ -183,7 +180,7 @@ mod tests {
         assert!(taken.contains("already"), "{taken}");
         for name in ["", "a b", "a.x", "#fff", "\u{0}", "a\nb"] {
             let renaming = Renaming::of_node(&document, &model, "rust", name).expect("it is free");
-            let why = document.rename(&renaming).expect_err(name);
+            let why = rename(&mut document, &renaming).expect_err(name);
             assert!(why.contains("letters"), "{why}");
             assert_eq!(document.text(), LOOK);
         }
@@ -203,7 +200,7 @@ mod tests {
         let renaming =
             Renaming::of_material(&document, &model, "New", "Old Rust", std::iter::empty())
                 .expect("it is free");
-        document.rename(&renaming).expect("it is a name");
+        rename(&mut document, &renaming).expect("it is a name");
         let expected = LOOK
             .replace("[material.New]", "[material.\"Old Rust\"]")
             .replace("over = 'New'", "over = 'Old Rust'");

@@ -10,10 +10,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use device::{Device, DeviceOptions};
-use engine::live::{LiveInputs, LiveRender};
 use engine::load;
 use engine::renderer::RenderSettings;
 use engine::scene::look::Look;
+use engine::session::{Inputs, Session};
 use engine::stats::Doubt;
 
 use crate::exit::Failure;
@@ -45,46 +45,50 @@ pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
     output::check_all(&written, &read)?;
     let clock = Instant::now();
     let bar = Arc::new(Bar::of_compiling());
-    let mut live = open(job, &bar)?;
-    console::diagnostics(live.warnings());
-    let mut watcher = Watcher::new(&live.files(), job.look.as_deref(), &live.inputs().textures)?;
+    let mut session = open(job, &bar)?;
+    console::diagnostics(session.warnings());
+    let mut watcher = Watcher::new(
+        &session.files(),
+        job.look.as_deref(),
+        &session.inputs().textures,
+    )?;
     let mut update = Update::new("start".to_owned(), clock);
     let mut told = String::new();
     let mut doubts = Vec::new();
-    let mut generation = live.generation();
+    let mut generation = session.generation();
     let (mut is_written, mut may_write) = (true, true);
     while !interrupt::requested() {
-        let wait = match (update.next > job.spp.get(), live.is_building()) {
+        let wait = match (update.next > job.spp.get(), session.is_building()) {
             (false, _) => Duration::ZERO,
             (true, true) => BUSY,
             (true, false) => IDLE,
         };
         if let Some(changes) = watcher.wait(wait) {
             update.changed(&changes);
-            follow(&mut live, &changes);
+            follow(&mut session, &changes);
         }
-        live.poll()?;
-        if live.generation() != generation {
-            generation = live.generation();
+        session.poll()?;
+        if session.generation() != generation {
+            generation = session.generation();
             update.begin();
-            may_write = is_free(&written, &live.files());
-            watcher.set_files(&live.files(), job.look.as_deref());
-        } else if !live.is_building() {
+            may_write = is_free(&written, &session.files());
+            watcher.set_files(&session.files(), job.look.as_deref());
+        } else if !session.is_building() {
             // Nothing to be seen came of it.
             update.coming = None;
         }
-        tell_problems(&live, &mut told);
+        tell_problems(&session, &mut told);
         let target = update.next.min(job.spp.get());
-        let progress = live.step(target)?;
+        let progress = session.step(target)?;
         is_written &= update.next > job.spp.get();
         // What was swapped in meanwhile is noticed, and begun anew, in the next round.
-        if live.generation() != generation {
-            live.restart();
+        if session.generation() != generation {
+            session.restart();
         } else if progress.is_done() && update.next <= job.spp.get() {
             if may_write {
-                write(job, &mut live, &update)?;
+                write(job, &mut session, &update)?;
             }
-            tell_doubts(&live, update.next == job.spp.get(), &mut doubts)?;
+            tell_doubts(&session, update.next == job.spp.get(), &mut doubts)?;
             interrupt::has_results();
             is_written = true;
             update.next = match update.next {
@@ -95,7 +99,7 @@ pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
     }
     interrupt::writes_results();
     if !is_written && may_write {
-        write(job, &mut live, &update)?;
+        write(job, &mut session, &update)?;
     }
     Err(Failure::Interrupted)
 }
@@ -109,8 +113,8 @@ fn is_free(written: &[PathBuf], read: &[PathBuf]) -> bool {
     refused.is_ok()
 }
 
-fn open(job: &WatchJob, bar: &Arc<Bar>) -> Result<LiveRender, Failure> {
-    let inputs = LiveInputs {
+fn open(job: &WatchJob, bar: &Arc<Bar>) -> Result<Session, Failure> {
+    let inputs = Inputs {
         scene: job.scene.clone(),
         look: job.look.clone(),
         textures: library::texture_dirs(&job.texture_dirs, job.look.as_deref())?,
@@ -119,7 +123,7 @@ fn open(job: &WatchJob, bar: &Arc<Bar>) -> Result<LiveRender, Failure> {
     let (device, folder) = (job.device.clone(), cache::folder());
     let bar = Arc::clone(bar);
     let (width, height, max_depth, seed) = (job.width, job.height, job.max_depth, job.seed);
-    LiveRender::open(
+    Session::open(
         inputs,
         Arc::new(move || {
             Device::open_with(&DeviceOptions::new(&device).with_cache(folder.as_deref()))
@@ -134,15 +138,15 @@ fn open(job: &WatchJob, bar: &Arc<Bar>) -> Result<LiveRender, Failure> {
     .map_err(Failure::from)
 }
 
-fn follow(live: &mut LiveRender, changes: &Changes) {
+fn follow(session: &mut Session, changes: &Changes) {
     if changes.look {
-        live.look_changed();
+        session.look_changed();
     }
     if changes.textures {
-        live.sources_changed();
+        session.sources_changed();
     }
     if changes.assets {
-        live.assets_changed();
+        session.assets_changed();
     }
 }
 
@@ -190,8 +194,8 @@ impl Update {
     }
 }
 
-fn write(job: &WatchJob, live: &mut LiveRender, update: &Update) -> Result<(), Failure> {
-    let snapshot = live.snapshot()?;
+fn write(job: &WatchJob, session: &mut Session, update: &Update) -> Result<(), Failure> {
+    let snapshot = session.snapshot()?;
     let film = snapshot.film;
     let (spp, most) = film.sample_bounds();
     if most == 0 {
@@ -223,11 +227,11 @@ fn write(job: &WatchJob, live: &mut LiveRender, update: &Update) -> Result<(), F
 
 /// Says what is wrong with the picture, each thing once. What a picture with all its samples no more shows is mended.
 fn tell_doubts(
-    live: &LiveRender,
+    session: &Session,
     has_all_samples: bool,
     told: &mut Vec<Doubt>,
 ) -> Result<(), Failure> {
-    let stats = live.renderer().stats().map_err(Failure::because)?;
+    let stats = session.stats()?;
     let doubts = stats.doubts();
     let holds = |list: &[Doubt], doubt: &Doubt| list.iter().any(|other| other.is_same(doubt));
     for doubt in doubts.iter().filter(|doubt| !holds(told, doubt)) {
@@ -242,12 +246,12 @@ fn tell_doubts(
 }
 
 /// Says what is wrong when that has changed.
-fn tell_problems(live: &LiveRender, told: &mut String) {
+fn tell_problems(session: &Session, told: &mut String) {
     // While something is built it may turn out otherwise.
-    if live.is_building() {
+    if session.is_building() {
         return;
     }
-    let problems = live.problems();
+    let problems = session.problems();
     let text = problems.render();
     if text == *told {
         return;

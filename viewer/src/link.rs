@@ -9,9 +9,10 @@ use std::time::Instant;
 use engine::display::DisplaySettings;
 use engine::renderer::TextureCosts;
 use engine::scene::{Camera, Material};
+use engine::session::Change;
 use engine::stats::PassStats;
 use glam::Vec2;
-use patina_panels::{Change, Textures};
+use patina_panels::Textures;
 
 /// What the render is to do.
 #[derive(Debug, Clone)]

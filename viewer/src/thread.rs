@@ -12,10 +12,9 @@ use std::time::{Duration, Instant};
 
 use device::{Device, DeviceError};
 use engine::display::{DeviceFilm, Display, DisplaySettings};
-use engine::live::{LiveError, LiveInputs, LiveRender};
 use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::Camera;
-use patina_panels::Change;
+use engine::session::{ChangeQueue, Inputs, Session, SessionError};
 
 use crate::host::Host;
 use crate::link::{Board, Command, Files, Link, Reply, lock};
@@ -77,7 +76,7 @@ impl RenderThread {
                     wake,
                     board,
                     size,
-                    live: None,
+                    session: None,
                     display: None,
                     settings: DisplaySettings::default(),
                     is_paused: false,
@@ -118,7 +117,7 @@ struct Render {
     board: Arc<Mutex<Board>>,
     /// Pixels of the picture while nothing moves; what is built anew asks for it.
     size: Arc<Mutex<[u32; 2]>>,
-    live: Option<LiveRender>,
+    session: Option<Session>,
     display: Option<Displays>,
     settings: DisplaySettings,
     is_paused: bool,
@@ -155,7 +154,7 @@ struct Displays {
 /// leave nothing to see.
 #[derive(Default)]
 struct Pending {
-    changes: Vec<Change>,
+    changes: ChangeQueue,
     /// Of the last change that has come.
     number: u64,
     view: Option<Option<Camera>>,
@@ -212,7 +211,7 @@ impl Render {
 
     fn has_work(&self) -> bool {
         let is_rendering = !self.is_paused && !self.run.is_done;
-        self.live.is_some() && (is_rendering || self.pending.since.is_some())
+        self.session.is_some() && (is_rendering || self.pending.since.is_some())
     }
 
     /// Takes all commands that have come; waits at most so long for the first. False when there will be no more.
@@ -237,8 +236,8 @@ impl Render {
     fn open(&mut self, files: Files) {
         self.publish_loading(true);
         match self.opened(&files) {
-            Ok(live) => {
-                self.live = Some(live);
+            Ok(session) => {
+                self.session = Some(session);
                 self.run = Run::default();
                 self.run.cause = Some(Instant::now());
                 // The first picture comes soon, too.
@@ -262,8 +261,8 @@ impl Render {
         self.publish_loading(false);
     }
 
-    fn opened(&self, files: &Files) -> Result<LiveRender, String> {
-        let inputs = LiveInputs {
+    fn opened(&self, files: &Files) -> Result<Session, String> {
+        let inputs = Inputs {
             scene: files.scene.clone(),
             look: files.look.clone(),
             textures: self.host.texture_folders(files.look.as_deref())?,
@@ -297,42 +296,42 @@ impl Render {
                 ..RenderSettings::new(width, height, &camera)
             }
         };
-        let opened = LiveRender::open(inputs, Arc::new(open_device), Arc::new(make_settings));
+        let opened = Session::open(inputs, Arc::new(open_device), Arc::new(make_settings));
         opened.map_err(|error| publish::message(&error))
     }
 
     fn watch(&mut self) {
-        let Some(live) = &self.live else {
+        let Some(session) = &self.session else {
             return;
         };
-        let inputs = live.inputs();
+        let inputs = session.inputs();
         let watched = self
             .host
-            .watch(&live.files(), inputs.look.as_deref(), &inputs.textures);
+            .watch(&session.files(), inputs.look.as_deref(), &inputs.textures);
         if let Err(why) = watched {
             self.reply(Reply::Failed(why));
         }
     }
 
     /// One turn of the loop: files, changes, a wave, what there is to see.
-    fn turn(&mut self) -> Result<(), LiveError> {
-        let Some(live) = &mut self.live else {
+    fn turn(&mut self) -> Result<(), SessionError> {
+        let Some(session) = &mut self.session else {
             return Ok(());
         };
         let changes = self.host.changes();
-        let generation = live.generation();
+        let generation = session.generation();
         if changes.look {
-            live.look_changed();
+            session.look_changed();
         }
         if changes.textures {
-            live.sources_changed();
+            session.sources_changed();
             self.published.forget_textures();
         }
         if changes.assets {
-            live.assets_changed();
+            session.assets_changed();
         }
-        let polled = live.poll();
-        if live.generation() != generation {
+        let polled = session.poll();
+        if session.generation() != generation {
             self.begin_small();
         }
         polled?;
@@ -363,7 +362,7 @@ impl Render {
     }
 
     /// Makes the changes that have been waiting, unless a picture that began with the last ones is still to be seen.
-    fn apply_pending(&mut self) -> Result<(), LiveError> {
+    fn apply_pending(&mut self) -> Result<(), SessionError> {
         let Some(since) = self.pending.since else {
             return Ok(());
         };
@@ -371,17 +370,17 @@ impl Render {
         if is_awaited && !self.run.is_done {
             return Ok(());
         }
-        let Some(live) = &mut self.live else {
+        let Some(session) = &mut self.session else {
             return Ok(());
         };
         self.motion = Some(Instant::now());
         self.run.cause = Some(since);
         self.pending.since = None;
         if let Some(view) = self.pending.view.take() {
-            live.set_view(view);
+            session.set_view(view);
         }
-        let changes = std::mem::take(&mut self.pending.changes);
-        let sent = changes.iter().try_for_each(|change| change.send(live));
+        let changes = self.pending.changes.take();
+        let sent = changes.iter().try_for_each(|change| session.apply(change));
         if !changes.is_empty() {
             self.publish_look();
         }
@@ -390,10 +389,10 @@ impl Render {
 
     /// Notices that the picture has begun anew.
     fn notice_generation(&mut self) {
-        let Some(live) = &mut self.live else {
+        let Some(session) = &mut self.session else {
             return;
         };
-        let generation = live.generation();
+        let generation = session.generation();
         if generation == self.run.generation {
             return;
         }
@@ -402,20 +401,20 @@ impl Render {
             cause: self.run.cause,
             ..Run::default()
         };
-        if self.times_passes && !live.renderer().is_timing() {
+        if self.times_passes && !session.is_timing() {
             // Without it, figures are missing: no reason to stop.
-            let _ = live.time_passes();
+            let _ = session.time_passes();
         }
         self.is_stale = true;
     }
 
-    fn render(&mut self) -> Result<(), LiveError> {
-        let Some(live) = &mut self.live else {
+    fn render(&mut self) -> Result<(), SessionError> {
+        let Some(session) = &mut self.session else {
             return Ok(());
         };
         let clock = Instant::now();
-        let progress = live.step(self.options.target_spp)?;
-        if live.generation() != self.run.generation {
+        let progress = session.step(self.options.target_spp)?;
+        if session.generation() != self.run.generation {
             // Something was swapped in: its samples are counted from the next turn on.
             self.begin_small();
             self.notice_generation();
@@ -450,15 +449,15 @@ impl Render {
     }
 
     /// Measures what one more texture costs, where that is asked for and nobody waits for anything else.
-    fn measure_costs(&mut self) -> Result<(), LiveError> {
+    fn measure_costs(&mut self) -> Result<(), SessionError> {
         let is_at_rest = self.run.is_seen && self.divisor == 1 && !self.is_paused;
         if !self.times_passes || !is_at_rest || self.is_moving || self.is_touched() {
             return Ok(());
         }
-        let Some(live) = &mut self.live else {
+        let Some(session) = &mut self.session else {
             return Ok(());
         };
-        let costs = live.measure_costs()?;
+        let costs = session.measure_costs()?;
         let shown = &mut lock(&self.board).status.textures;
         // Former figures stay until there are all of the new ones.
         if (costs.is_done || !shown.is_done) && costs != shown {
@@ -468,7 +467,7 @@ impl Render {
     }
 
     fn picture_size(&self) -> [u32; 2] {
-        let settings = self.live.as_ref().map(|live| live.renderer().settings());
+        let settings = self.session.as_ref().map(|session| session.settings());
         settings.map_or([1, 1], |s| [s.width, s.height])
     }
 

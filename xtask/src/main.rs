@@ -11,6 +11,7 @@ mod vulkan;
 
 use std::env;
 use std::fs;
+use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
@@ -143,6 +144,7 @@ fn test(full: bool) -> Result<()> {
             .args(["--", "-D", "warnings"])
             .run()
     })?;
+    steps.run("WebAssembly", web_assembly)?;
     steps.run("Documentation", || {
         cargo(["doc", "--locked", "--workspace", "--no-deps"])
             .env("RUSTDOCFLAGS", "-Dwarnings")
@@ -168,6 +170,21 @@ fn test(full: bool) -> Result<()> {
     }
     steps.finish();
     Ok(())
+}
+
+/// Whether the engine would compile for browsers, where Rust's target for them is installed.
+fn web_assembly() -> Result<()> {
+    const TARGET: &str = "wasm32-unknown-unknown";
+    let libraries = Step::new("rustc")
+        .args(["--print", "target-libdir", "--target", TARGET])
+        .output();
+    if !Path::new(libraries.trim()).is_dir() {
+        println!("skipped: {TARGET} is not installed (`rustup target add {TARGET}`)");
+        return Ok(());
+    }
+    cargo(["check", "--locked", "--package", "engine"])
+        .args(["--target", TARGET])
+        .run()
 }
 
 /// Whether libFuzzer's programs would compile. They are no part of the workspace, and what they try has been tried by the

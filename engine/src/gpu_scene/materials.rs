@@ -172,14 +172,8 @@ fn needs(material: &Material, feature: Feature) -> bool {
     parameters.any(|parameter| parameter.is_there(material))
 }
 
-/// Byte offset of the flags in a [`GpuMaterial`].
-pub const FLAGS_OFFSET: u64 = 4 * place_of("flags") as u64;
-
-/// All flags of a material that follow from its texture program.
-pub const PROGRAM_FLAGS: u32 = flag::PROGRAM | flag::PROGRAM_LAST | flag::PROGRAM_LIGHT;
-
 /// The flags of a material that follow from its texture program.
-pub fn program_flags(program: &ProgramTraits) -> u32 {
+fn program_flags(program: &ProgramTraits) -> u32 {
     let set = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
     let is_light = program.decides_light && program.brightness > 0.0;
     set(program.runs, flag::PROGRAM)

@@ -16,6 +16,7 @@ use crate::procedural::{Procedural, SourcesError, TextureSources};
 use crate::scene::import::{self, ImportError, Imported, Importer};
 use crate::scene::look::{EnvironmentLook, Look, LookError, Spanned};
 use crate::scene::{Camera, Environment, Material, Scene, default_camera};
+use crate::system::{Disk, Files};
 
 pub use files::files;
 
@@ -85,9 +86,23 @@ pub fn load_with(
     look: Option<Look>,
     textures: &[PathBuf],
 ) -> Result<Loaded, LoadError> {
+    load_from(&Disk, path, look, textures)
+}
+
+/// As [`load_with`], with scene and textures from files of one's own. What they and the look name beside them (buffers,
+/// pictures, includes) is read from the disk.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_from(
+    files: &dyn Files,
+    path: &Path,
+    look: Option<Look>,
+    textures: &[PathBuf],
+) -> Result<Loaded, LoadError> {
     let uses_textures = look.as_ref().is_some_and(|look| !look.nodes.is_empty());
     let sources = if uses_textures {
-        TextureSources::search(textures)?
+        files.textures(textures)?
     } else {
         TextureSources::default()
     };
@@ -95,7 +110,7 @@ pub fn load_with(
     let Imported {
         mut scene,
         mut warnings,
-    } = importer.load(path)?;
+    } = files.scene(&mut importer, path)?;
 
     let camera = match &look {
         Some(look) => apply(look, &mut importer, &mut scene, &mut warnings)?,

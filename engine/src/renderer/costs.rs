@@ -6,7 +6,6 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::time::Instant;
 
 use serde::Serialize;
 use texgen::NodeId;
@@ -298,9 +297,9 @@ impl Renderer {
         let mut recorder = Recorder::new(&self.bound, sizes, paths);
         record(&mut recorder);
         let recording = recorder.finish();
-        let clock = Instant::now();
+        let start = self.system.clock.now();
         self.gpu.play_timed(&recording, &mut timer)?;
-        let took = clock.elapsed();
+        let took = self.system.clock.now() - start;
         Ok(match timer.is_timing() {
             true => timer.totals().get(label).map_or(0.0, |(ms, _)| ms * 1e6),
             false => took.as_secs_f64() * 1e9,

@@ -3,11 +3,10 @@
 
 use std::ops::Range;
 
-use device::{Device, DeviceError, Resources, Usage};
+use device::{Device, Resources, Usage};
 
 use crate::{
-    gpu_scene::materials,
-    procedural::{EditError, Output, Procedural},
+    procedural::{EditError, Procedural},
     scene::look::{AoDirection, AoSettings},
     schedule::Schedule,
     wave::GpuAoTable,
@@ -15,7 +14,7 @@ use crate::{
 
 use super::{RenderError, Renderer};
 
-/// Why an edit did not happen. The picture and the graph are as before.
+/// Why a change of the texture graph did not happen. The picture and the graph are as before.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderEditError {
     /// The graph refused it.
@@ -24,21 +23,6 @@ pub enum RenderEditError {
     /// The device.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// Emission and opacity decide which triangles are lights and which let rays pass; those tables are made when the
-    /// scene is loaded. So are kernels without transmission or layers where no material has any.
-    #[error(
-        "`{material}` can't begin or cease to be driven in this way while rendering; change the look and load it again"
-    )]
-    Light {
-        /// The material.
-        material: String,
-    },
-}
-
-impl From<DeviceError> for RenderEditError {
-    fn from(error: DeviceError) -> Self {
-        Self::Render(error.into())
-    }
 }
 
 /// Creates the buffers of programs, arguments and AO tables, with room to grow.
@@ -89,122 +73,26 @@ fn ao_table(settings: &AoSettings) -> GpuAoTable {
 }
 
 impl Renderer {
-    /// Sets a parameter of a node to a constant. One small buffer write.
-    ///
-    /// # Errors
-    /// Unknown names, a value of another type, or the device.
-    pub fn set_argument(
-        &mut self,
-        node: &str,
-        parameter: &str,
-        value: texgen::Value,
-    ) -> Result<(), RenderEditError> {
-        self.edit(|p| p.set_value(node, parameter, value))
-    }
-
-    /// Links a parameter to another node's result, such as `"mask"` or `"mask.x"`. One small buffer write.
-    ///
-    /// # Errors
-    /// Unknown names, a type that does not fit, a circle, or the device.
-    pub fn set_link(
-        &mut self,
-        node: &str,
-        parameter: &str,
-        link: &str,
-    ) -> Result<(), RenderEditError> {
-        self.edit(|p| p.set_link(node, parameter, link))
-    }
-
-    /// Gives a linked parameter its constant back. One small buffer write.
-    ///
-    /// # Errors
-    /// Unknown names, or the device.
-    pub fn clear_link(&mut self, node: &str, parameter: &str) -> Result<(), RenderEditError> {
-        self.edit(|p| p.clear_link(node, parameter))
-    }
-
-    /// Adds a node of one of the kernel's textures, with default values; nothing reads it yet. A small buffer write.
-    ///
-    /// # Errors
-    /// Unknown texture, a name that is taken, or the device.
-    pub fn add_node(&mut self, node: &str, texture: &str) -> Result<(), RenderEditError> {
-        self.edit(|p| p.add_node(node, texture))
-    }
-
-    /// Changes an AO table. One small buffer write.
-    ///
-    /// # Errors
-    /// Unknown name, settings out of range, or the device.
-    pub fn set_ao(&mut self, name: &str, settings: AoSettings) -> Result<(), RenderEditError> {
-        self.edit(|p| p.set_ao(name, settings))
-    }
-
-    /// Drives an output of a material by a node's result, or gives it its constant back. Small buffer writes.
-    ///
-    /// # Errors
-    /// Unknown names, a type that does not fit, an emission or opacity that would begin or cease to be driven, or the
-    /// device.
-    pub fn set_output_link(
-        &mut self,
-        material: &str,
-        output: Output,
-        link: Option<&str>,
-    ) -> Result<(), RenderEditError> {
-        let before = self.procedural.clone();
-        self.procedural.set_output_link(material, output, link)?;
-        let count = self.material_count();
-        // What the light table, the triangles and the kernels were made for.
-        let light = |p: &Procedural, m| {
-            let traits = p.traits(m);
-            (
-                traits.transmits && !self.scene.features.transmission,
-                traits.has_layers && !self.scene.features.layers,
-                traits.decides_light,
-                traits.decides_opacity,
-                traits.brightness > 0.0,
-            )
-        };
-        if (0..count).any(|m| light(&before, m) != light(&self.procedural, m)) {
-            self.procedural = before;
-            return Err(RenderEditError::Light {
-                material: material.to_owned(),
-            });
-        }
-        for m in 0..count {
-            let flags = |p: &Procedural| materials::program_flags(&p.traits(m));
-            if flags(&before) != flags(&self.procedural) {
-                let buffer = self.resources.buffer("materials");
-                let offset = u64::from(m) * size_of::<materials::GpuMaterial>() as u64
-                    + materials::FLAGS_OFFSET;
-                let former = self.gpu.read(buffer, offset, 4)?;
-                let mut word: u32 = bytemuck::pod_read_unaligned(&former);
-                word = word & !materials::PROGRAM_FLAGS | flags(&self.procedural);
-                self.gpu.write(buffer, offset, bytemuck::bytes_of(&word));
-            }
-        }
-        self.write_changes()
-    }
-
     /// The texture graph as it is now.
     pub fn procedural(&self) -> &Procedural {
         &self.procedural
     }
 
-    fn material_count(&self) -> u32 {
-        (self.resources.buffer("materials").size() / size_of::<materials::GpuMaterial>() as u64)
-            as u32
-    }
-
-    fn edit(
+    /// Changes the texture graph itself, by small buffer writes, for comparisons in which there is no look. Whatever has a
+    /// look edits that, in a [`crate::session::Session`].
+    ///
+    /// # Errors
+    /// What the graph refuses, or the device.
+    pub fn edit_graph(
         &mut self,
         change: impl FnOnce(&mut Procedural) -> Result<(), EditError>,
     ) -> Result<(), RenderEditError> {
         change(&mut self.procedural)?;
-        self.write_changes()
+        Ok(self.write_changes()?)
     }
 
     /// Writes what changed and starts the picture anew.
-    pub(super) fn write_changes(&mut self) -> Result<(), RenderEditError> {
+    pub(super) fn write_changes(&mut self) -> Result<(), RenderError> {
         let changes = self.procedural.take_changes();
         if changes.is_empty() {
             return Ok(());

@@ -2,19 +2,17 @@
 //! swapped between two waves. Whatever fails leaves kernel, graph and picture as they are.
 
 use std::sync::Arc;
-use std::thread::JoinHandle;
 
 use texgen::{Diagnostics, Library, SourceFile};
 
 use device::{Device, Kernel};
 
-use crate::{gpu_scene::SceneFeatures, procedural::Procedural, schedule::Schedule};
+use crate::{
+    gpu_scene::SceneFeatures, procedural::Procedural, schedule::Schedule, system::Task,
+};
 
 use super::pipeline::texture_kernel;
 use super::{RenderError, Renderer, edits};
-
-/// naga recurses along a texture's expressions.
-const STACK_BYTES: usize = 8 << 20;
 
 /// Why changed textures are not in use. The former ones still are.
 #[derive(Debug, thiserror::Error)]
@@ -44,7 +42,7 @@ impl From<Diagnostics> for ReloadError {
 pub struct Reload {
     /// The library it began with.
     base: Arc<Library>,
-    thread: Result<JoinHandle<Result<Built, ReloadError>>, ReloadError>,
+    task: Result<Task<Result<Built, ReloadError>>, ReloadError>,
 }
 
 #[derive(Debug)]
@@ -58,17 +56,11 @@ struct Built {
 impl Reload {
     /// Whether it is done, well or badly: then [`Renderer::finish_reload`] doesn't wait.
     pub fn is_finished(&self) -> bool {
-        self.thread.as_ref().map_or(true, JoinHandle::is_finished)
+        self.task.as_ref().map_or(true, Task::is_finished)
     }
 
     fn wait(self) -> Result<Built, ReloadError> {
-        self.thread?.join().unwrap_or_else(|panic| {
-            let text = panic.downcast_ref::<String>().map(String::as_str);
-            let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-            Err(ReloadError::Thread(
-                text.unwrap_or("it panicked").to_owned(),
-            ))
-        })
+        self.task?.wait().map_err(ReloadError::Thread)?
     }
 }
 
@@ -81,11 +73,10 @@ impl Renderer {
         let (features, schedule) = (self.scene.features, Arc::clone(&self.schedule));
         Reload {
             base: Arc::clone(procedural.graph().library()),
-            thread: std::thread::Builder::new()
-                .name("texture kernel".to_owned())
-                .stack_size(STACK_BYTES)
-                .spawn(move || build(&gpu, &procedural, &features, &*schedule, files))
-                .map_err(|error| ReloadError::Thread(error.to_string())),
+            task: Task::start(&*self.system.threads, "texture kernel", move || {
+                build(&gpu, &procedural, &features, &*schedule, files)
+            })
+            .map_err(|error| ReloadError::Thread(error.to_string())),
         }
     }
 

@@ -2,12 +2,12 @@
 //! together, by writes to buffers.
 
 use crate::{
-    gpu_scene::{GpuSceneError, Update},
+    gpu_scene::Update,
     procedural::Procedural,
-    scene::{Camera, Environment, Scene},
+    scene::{Camera, Scene},
 };
 
-use super::{RenderEditError, Renderer};
+use super::{RenderError, Renderer};
 
 /// What else than the texture graph has changed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -18,12 +18,6 @@ pub(crate) struct Touched {
     pub(crate) environment: bool,
     /// The camera.
     pub(crate) camera: bool,
-}
-
-impl From<GpuSceneError> for RenderEditError {
-    fn from(error: GpuSceneError) -> Self {
-        Self::Render(error.into())
-    }
 }
 
 impl Renderer {
@@ -42,7 +36,7 @@ impl Renderer {
         scene: &Scene,
         camera: &Camera,
         touched: Touched,
-    ) -> Result<bool, RenderEditError> {
+    ) -> Result<bool, RenderError> {
         let former = (self.scene.environment.scale, self.scene.environment.turn);
         if touched.environment && !self.scene.environment.update(&scene.environment) {
             return Ok(false);
@@ -82,17 +76,6 @@ impl Renderer {
         self.settings.camera = camera.clone();
         self.frame = self.fresh_frame();
         self.restart();
-    }
-
-    /// Takes over intensity and rotation of an environment, and starts the picture anew. False, and nothing is done,
-    /// where that would be dark and is not, or the other way round: kernels are made for one of both.
-    pub fn set_environment(&mut self, environment: &Environment) -> bool {
-        let is_done = self.scene.environment.update(environment);
-        if is_done {
-            self.frame = self.fresh_frame();
-            self.restart();
-        }
-        is_done
     }
 
     /// The settings, with the camera of now.

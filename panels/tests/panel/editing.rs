@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use engine::live::Edit;
+use engine::session::Edit;
 use patina_panels::Form;
 
 use crate::support::{LOOK, State, assert_kept, center, drag, harness, text};

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::time::Instant;
 
-use engine::live::Edit;
 use engine::procedural::TextureSources;
+use engine::session::Edit;
 use patina_panels::{Form, Textures};
 
 use crate::support::harness_of;

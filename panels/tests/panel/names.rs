@@ -2,9 +2,9 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use engine::live::Edit;
 use engine::procedural::TextureSources;
 use engine::scene::look::Value;
+use engine::session::Edit;
 use patina_panels::{Form, Textures};
 
 use crate::support::{LOOK, assert_kept, center, drag, harness, harness_of, text, write};

@@ -8,7 +8,8 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use engine::procedural::TextureSources;
 use engine::scene::Material;
-use patina_panels::{Document, Form, SceneView, Textures, TexturesPanel};
+use engine::session::Document;
+use patina_panels::{Form, SceneView, Textures, TexturesPanel};
 
 use crate::picture::Painter;
 

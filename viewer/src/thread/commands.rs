@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use engine::display::DeviceFilm;
-use engine::live::{Edit, LiveError};
-use patina_panels::Change;
+use engine::session::SessionError;
 
 use crate::link::{Command, Reply};
 
@@ -15,7 +14,7 @@ impl Render {
     pub(super) fn take(&mut self, command: Command) {
         match command {
             Command::Change(change, number) => {
-                self.pending.add(change);
+                self.pending.changes.push(change);
                 self.pending.number = number;
                 self.pending.since.get_or_insert_with(Instant::now);
             }
@@ -39,9 +38,9 @@ impl Render {
                 self.run.is_done = false;
             }
             Command::Pick(place, purpose) => {
-                let hit = self.live.as_ref().and_then(|live| {
-                    let hit = live.pick(place)?;
-                    let material = live.scene().materials.get(hit.material as usize)?;
+                let hit = self.session.as_ref().and_then(|session| {
+                    let hit = session.pick(place)?;
+                    let material = session.scene().materials.get(hit.material as usize)?;
                     Some((material.name.clone(), hit.depth))
                 });
                 self.reply(Reply::Picked { purpose, hit });
@@ -58,7 +57,10 @@ impl Render {
                 self.show_again();
             }
             Command::Bounds => {
-                let bounds = self.live.as_ref().and_then(|live| live.scene().bounds());
+                let bounds = self
+                    .session
+                    .as_ref()
+                    .and_then(|session| session.scene().bounds());
                 if let Some((low, high)) = bounds {
                     self.reply(Reply::Bounds([low, high]));
                 }
@@ -69,11 +71,11 @@ impl Render {
             }
             Command::TimePasses(is_timed) => {
                 self.times_passes = is_timed;
-                let live = self
-                    .live
+                let session = self
+                    .session
                     .as_mut()
-                    .filter(|live| is_timed && !live.renderer().is_timing());
-                if let Some(Err(error)) = live.map(|live| live.time_passes()) {
+                    .filter(|session| is_timed && !session.is_timing());
+                if let Some(Err(error)) = session.map(|session| session.time_passes()) {
                     self.reply(Reply::Failed(publish::message(&error)));
                 }
             }
@@ -91,8 +93,8 @@ impl Render {
             }
             Command::Open(files) => self.open(files),
             Command::TextureFolder(folder) => {
-                if let Some(live) = &mut self.live {
-                    live.add_textures(folder);
+                if let Some(session) = &mut self.session {
+                    session.add_textures(folder);
                     self.published.forget_textures();
                     self.publish_look();
                     self.watch();
@@ -104,24 +106,24 @@ impl Render {
     }
 
     /// A copy of the film that is shown.
-    fn shown_film(&mut self) -> Option<Result<DeviceFilm, LiveError>> {
-        let live = self.live.as_mut()?;
+    fn shown_film(&mut self) -> Option<Result<DeviceFilm, SessionError>> {
+        let session = self.session.as_mut()?;
         match &self.whole {
             Some(film) if !self.run.is_seen => Some(Ok(film.clone())),
-            _ => Some(live.keep_film(self.settings.channel.needs_guides())),
+            _ => Some(session.keep_film(self.settings.channel.needs_guides())),
         }
     }
 
     fn save(&mut self, path: Option<PathBuf>) {
         self.apply_all();
-        let Some(live) = &mut self.live else {
+        let Some(session) = &mut self.session else {
             return;
         };
         let saved = match &path {
-            Some(path) => live.save_as(path),
-            None => live.save(None),
+            Some(path) => session.save_as(path),
+            None => session.save(None),
         };
-        let name = live.inputs().look.clone().unwrap_or_default();
+        let name = session.inputs().look.clone().unwrap_or_default();
         match saved {
             Ok(()) => {
                 self.reply(Reply::Done(format!("saved {}", name.display())));
@@ -144,12 +146,12 @@ impl Render {
     }
 
     fn save_picture(&mut self, path: &Path) -> Result<(), String> {
-        let live = self.live.as_mut().ok_or("there is no picture yet")?;
+        let session = self.session.as_mut().ok_or("there is no picture yet")?;
         let is_exr = path
             .extension()
             .is_some_and(|ending| ending.eq_ignore_ascii_case("exr"));
         if is_exr {
-            let film = live
+            let film = session
                 .snapshot()
                 .map_err(|error| publish::message(&error))?
                 .film;
@@ -164,33 +166,12 @@ impl Render {
     /// Shows the picture in another way.
     fn show_again(&mut self) {
         // A picture whose first samples are coming is shown with them.
-        if self.live.is_some() && self.run.is_seen {
-            let shown: Result<(), LiveError> = self.show();
+        if self.session.is_some() && self.run.is_seen {
+            let shown: Result<(), SessionError> = self.show();
             if let Err(error) = shown {
                 return self.fail(&error);
             }
         }
         (self.wake)();
-    }
-}
-
-impl super::Pending {
-    /// Of several changes of one key the last one counts, and a whole text counts more than what came before it.
-    fn add(&mut self, change: Change) {
-        let place = |change: &Change| match change {
-            Change::Edit {
-                edit: Edit::Set { section, key, .. },
-                ..
-            } => Some((section.clone(), key.clone())),
-            _ => None,
-        };
-        if matches!(change, Change::Text(_)) {
-            self.changes.clear();
-        } else if let Some(place_of_new) = place(&change)
-            && self.changes.last().and_then(place) == Some(place_of_new)
-        {
-            self.changes.pop();
-        }
-        self.changes.push(change);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use engine::live::LiveError;
+use engine::session::SessionError;
 
 use crate::link::{Reply, lock};
 
@@ -13,9 +13,9 @@ const MOST_FAILURES: u32 = 3;
 
 impl Render {
     /// A failure that may pass is told; others end the render.
-    pub(super) fn fail(&mut self, error: &LiveError) {
+    pub(super) fn fail(&mut self, error: &SessionError) {
         self.failures += 1;
-        let is_lost = matches!(error, LiveError::Lost(_)) || self.gpu.is_lost();
+        let is_lost = matches!(error, SessionError::Lost(_)) || self.gpu.is_lost();
         match is_lost || self.failures >= MOST_FAILURES {
             true => self.stop(error),
             false => self.reply(Reply::Failed(publish::message(error))),
@@ -23,18 +23,18 @@ impl Render {
     }
 
     /// The device is gone, or fails always: says so, and keeps what was not saved.
-    fn stop(&mut self, error: &LiveError) {
-        let Some(mut live) = self.live.take() else {
+    fn stop(&mut self, error: &SessionError) {
+        let Some(mut session) = self.session.take() else {
             return;
         };
         let mut text = publish::message(error);
-        if live.has_unsaved_edits() {
-            let look = live.inputs().look.clone();
-            let beside = look.unwrap_or_else(|| live.inputs().scene.with_extension("look.toml"));
+        if session.has_unsaved_edits() {
+            let look = session.inputs().look.clone();
+            let beside = look.unwrap_or_else(|| session.inputs().scene.with_extension("look.toml"));
             let mut name = beside.into_os_string();
             name.push(".recovered");
             let path = PathBuf::from(name);
-            text = match live.save(Some(&path)) {
+            text = match session.save(Some(&path)) {
                 Ok(()) => format!("{text}\nYour edits are in {}", path.display()),
                 Err(why) => format!(
                     "{text}\nYour edits could not be kept: {}",

@@ -4,12 +4,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use engine::display::{Display, DisplaySettings};
-use engine::live::LiveError;
 use engine::load::LoadError;
-use engine::procedural::TextureSources;
 use engine::renderer::RenderError;
 use engine::scene::LightKind;
 use engine::scene::look::LookError;
+use engine::session::SessionError;
 use engine::stats::Doubt;
 use patina_panels::Textures;
 
@@ -60,8 +59,8 @@ impl Published {
 
 impl Render {
     /// Shows the film as it is.
-    pub(super) fn show(&mut self) -> Result<(), LiveError> {
-        let Some(live) = &mut self.live else {
+    pub(super) fn show(&mut self) -> Result<(), SessionError> {
+        let Some(session) = &mut self.session else {
             return Ok(());
         };
         let displays = match &mut self.display {
@@ -71,10 +70,10 @@ impl Render {
                 before: Display::new(&self.gpu).map_err(RenderError::from)?,
             }),
         };
-        let film = live.device_film(self.settings.channel.needs_guides())?;
+        let film = session.device_film(self.settings.channel.needs_guides())?;
         let pixels = u64::from(film.width) * u64::from(film.height);
         let spp = self.run.samples_done as f64 / pixels as f64;
-        let camera = live.shown_camera();
+        let camera = session.shown_camera();
         let settings = DisplaySettings {
             distance_scale: camera.focus_distance,
             most_samples: spp.ceil() as u32,
@@ -127,10 +126,10 @@ impl Render {
             Some(figures) => now || figures.at.elapsed() >= FIGURES,
             None => true,
         };
-        let Some(live) = self.live.as_ref().filter(|_| is_due) else {
+        let Some(session) = self.session.as_ref().filter(|_| is_due) else {
             return;
         };
-        let Ok(stats) = live.renderer().stats() else {
+        let Ok(stats) = session.stats() else {
             // The next step finds out why.
             return;
         };
@@ -146,9 +145,9 @@ impl Render {
             rays: stats.rays,
             seconds: stats.seconds,
         };
-        let problems = live.problems();
+        let problems = session.problems();
         let text = problems.render();
-        let is_unsaved = live.has_unsaved_edits();
+        let is_unsaved = session.has_unsaved_edits();
         let doubts = stats.doubts();
         let lines: Vec<String> = doubts.iter().map(Doubt::to_string).collect();
         let told = &mut self.published.doubts;
@@ -178,10 +177,10 @@ impl Render {
         status.error = self.published.error;
         status.pipelines = stats.pipelines_created;
         status.shader_modules = stats.shader_modules_created;
-        status.is_building = live.is_building();
+        status.is_building = session.is_building();
         status.is_paused = self.is_paused;
         status.has_unsaved_edits = is_unsaved;
-        status.warnings = live.warnings().render();
+        status.warnings = session.warnings().render();
         // While something is built it may turn out otherwise.
         if !status.is_building {
             status.problems.clone_from(&text);
@@ -204,29 +203,29 @@ impl Render {
 
     /// The look, its materials, and the textures that it may use.
     pub(super) fn publish_look(&mut self) {
-        let Some(live) = &self.live else {
+        let Some(session) = &self.session else {
             return;
         };
         let textures = match &self.published.textures_there {
             Some(textures) => Arc::clone(textures),
             None => {
-                let sources = TextureSources::search(&live.inputs().textures);
+                let sources = session.textures();
                 // A folder that can't be read is a problem of the render, which tells it.
                 Arc::new(sources.map_or_else(|_| Textures::default(), |s| Textures::load(&s)))
             }
         };
         self.published.textures_there = Some(Arc::clone(&textures));
         let is_sun = |kind| matches!(kind, LightKind::Directional | LightKind::Disk { .. });
-        let suns = live
+        let suns = session
             .scene()
             .lights
             .iter()
             .filter(|light| is_sun(light.kind));
         lock(&self.board).look = Some(LookFacts {
-            text: live.look_text().into(),
+            text: session.look_text().into(),
             heard: self.pending.number,
-            materials: Arc::new(live.scene().materials.clone()),
-            own_materials: live.renderer().procedural().scene_materials(),
+            materials: Arc::new(session.scene().materials.clone()),
+            own_materials: session.procedural().scene_materials(),
             suns: suns.map(|light| light.name.clone()).collect(),
             textures,
         });
@@ -235,10 +234,10 @@ impl Render {
     /// What is known of the scene.
     pub(super) fn publish_scene(&mut self) {
         self.publish_look();
-        let Some(live) = &self.live else {
+        let Some(session) = &self.session else {
             return;
         };
-        let (scene, inputs) = (live.scene(), live.inputs());
+        let (scene, inputs) = (session.scene(), session.inputs());
         let facts = SceneFacts {
             files: Files {
                 scene: inputs.scene.clone(),
@@ -246,16 +245,16 @@ impl Render {
                 camera: inputs.camera.clone(),
             },
             cameras: scene.cameras.clone(),
-            look_camera: Some(live.look_camera().clone()),
+            look_camera: Some(session.look_camera().clone()),
         };
         lock(&self.board).scene = Arc::new(facts);
     }
 }
 
 /// An error with places, where it has any.
-pub(super) fn message(error: &LiveError) -> String {
+pub(super) fn message(error: &SessionError) -> String {
     match error {
-        LiveError::Load(LoadError::Look(LookError::Invalid(problems))) => problems.render(),
+        SessionError::Load(LoadError::Look(LookError::Invalid(problems))) => problems.render(),
         other => other.to_string(),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use engine::live::LiveError;
+use engine::session::SessionError;
 
 use crate::link::lock;
 
@@ -21,7 +21,7 @@ const MOVING_WAVES: u32 = 2;
 
 impl Render {
     /// A small picture while something moves; when nothing does, larger ones until it is whole.
-    pub(super) fn fit_size(&mut self) -> Result<(), LiveError> {
+    pub(super) fn fit_size(&mut self) -> Result<(), SessionError> {
         let full = *lock_size(&self.size);
         // What has begun small is seen small first, however long a driver compiles before.
         let is_awaited = self.is_moving && !self.run.is_seen && self.has_work();
@@ -37,22 +37,22 @@ impl Render {
         let size = full.map(|side| (side / self.divisor).max(1));
         let longest = self.longest_wave();
         let seen = self.picture_size();
-        let Some(live) = &mut self.live else {
+        let Some(session) = &mut self.session else {
             return Ok(());
         };
-        live.set_longest_wave(longest);
-        live.set_smallest_wave(match self.is_moving {
+        session.set_longest_wave(longest);
+        session.set_smallest_wave(match self.is_moving {
             true => size[0] * size[1] / MOVING_WAVES,
             false => 0,
         });
         if self.run.is_seen && !self.is_moving && size != seen {
             // Of the larger one there is less than a sample of each pixel for a while.
-            self.whole = Some(live.keep_film(self.settings.channel.needs_guides())?);
+            self.whole = Some(session.keep_film(self.settings.channel.needs_guides())?);
         }
-        live.resize(size[0], size[1])?;
+        session.resize(size[0], size[1])?;
         // What lies beside it has a sample of each pixel first: it would be black.
         let region = self.region.filter(|_| !self.is_moving && self.run.is_seen);
-        live.set_region(region.map(|corners| pixels(corners, size)));
+        session.set_region(region.map(|corners| pixels(corners, size)));
         Ok(())
     }
 

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use egui::Ui;
-use engine::live::Edit;
 use engine::scene::import::is_scene;
 use engine::scene::look::{Section, Value};
+use engine::session::Edit;
 
 use crate::link::{Command, Files};
 

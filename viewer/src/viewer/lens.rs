@@ -1,9 +1,9 @@
 //! The camera: which one, its lens, and back into the look.
 
 use egui::Ui;
-use engine::live::Edit;
 use engine::scene::look::{Section, Value};
 use engine::scene::{Camera, Projection};
+use engine::session::Edit;
 use glam::Vec3;
 
 use crate::link::Command;

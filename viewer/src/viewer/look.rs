@@ -4,9 +4,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use egui::Ui;
-use engine::live::Edit;
 use engine::scene::Material;
-use patina_panels::{Document, Form, Previews, SceneView, Textures, TexturesPanel};
+use engine::session::{Document, Edit};
+use patina_panels::{Form, Previews, SceneView, Textures, TexturesPanel};
 
 use crate::link::{Command, Link, LookFacts};
 

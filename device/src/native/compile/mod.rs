@@ -15,9 +15,17 @@ mod bind;
 mod cache;
 mod dispatch;
 mod error;
+#[cfg_attr(
+    target_family = "wasm",
+    expect(dead_code, reason = "nothing is linked")
+)]
 mod generate;
 mod ir;
 mod lower;
+#[cfg_attr(
+    target_family = "wasm",
+    expect(dead_code, reason = "nothing is linked")
+)]
 mod runtime;
 
 pub use bind::{Access, BindError, Binding, BindingKind, Resource};

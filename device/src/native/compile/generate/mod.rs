@@ -1,6 +1,10 @@
 //! Code over scalars to machine code, by Cranelift: each function on a thread of its own, then linked.
 
 mod function;
+#[cfg(not(target_family = "wasm"))]
+mod link;
+#[cfg(target_family = "wasm")]
+#[path = "no_link.rs"]
 mod link;
 
 use std::sync::Arc;

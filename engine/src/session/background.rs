@@ -1,0 +1,212 @@
+//! What is built on threads of its own while the old picture goes on: texture kernels, and whole renderers where a
+//! change reaches what is made once.
+
+use texgen::{Diagnostic, Diagnostics};
+
+use crate::load::{self, LoadError, Loaded};
+use crate::procedural::SourcesError;
+use crate::renderer::{Reload, ReloadError, Renderer};
+use crate::scene::look::{Look, LookError, Section, Value, find, placed_fields};
+use crate::system::{Files, Task};
+
+use super::difference::TableChange;
+use super::{Inputs, Session, SessionError};
+
+/// Something in the making.
+pub(super) enum Job {
+    Kernel(Reload),
+    Rebuild {
+        /// The look's text that it began with.
+        text: String,
+        task: Task<Result<Box<Rebuilt>, SessionError>>,
+    },
+}
+
+/// A renderer and what it shows.
+pub(super) struct Rebuilt {
+    loaded: Loaded,
+    renderer: Renderer,
+}
+
+/// Loads scene, textures, and a look of this text.
+pub(super) fn load(files: &dyn Files, inputs: &Inputs, text: &str) -> Result<Loaded, LoadError> {
+    let look = match &inputs.look {
+        Some(path) => Some(Look::parse(path, text).map_err(LookError::from)?),
+        // Edits of a look without a file.
+        None if !text.is_empty() => Some(Look::parse("".as_ref(), text).map_err(LookError::from)?),
+        None => None,
+    };
+    let mut loaded = load::load_from(files, &inputs.scene, look, &inputs.textures)?;
+    if let Some(name) = &inputs.camera {
+        loaded.camera = loaded.camera_named(name)?;
+    }
+    Ok(loaded)
+}
+
+impl Session {
+    /// The files of textures may have changed: those in use whose text is another one are built in the background.
+    pub fn sources_changed(&mut self) {
+        if self.job.is_some() {
+            self.again.sources = true;
+            return;
+        }
+        let changed = self
+            .textures()
+            .and_then(|sources| self.renderer.procedural().changed_sources(&sources));
+        match changed {
+            Ok(files) if files.is_empty() => match self.shown {
+                None => self.problems.sources = Diagnostics::new(),
+                // A texture that the look waits for may have come.
+                Some(_) => self.catch_up(),
+            },
+            Ok(files) => self.begin_kernel(files),
+            Err(error) => self.problems.sources = Diagnostic::error(error.to_string()).into(),
+        }
+    }
+
+    /// Builds the kernel with textures that changed nodes use for the first time.
+    pub(super) fn load_textures(&mut self, changes: &[TableChange]) {
+        if self.job.is_some() {
+            self.again.sources = true;
+            return;
+        }
+        let library = self.renderer.procedural().graph().library();
+        let mut wanted: Vec<&str> = changes
+            .iter()
+            .filter(|change| matches!(change.section, Section::Node(_)))
+            .filter_map(
+                |change| match &find(change.after.as_deref()?, "texture")?.value {
+                    Value::Text(name) => Some(name.as_str()),
+                    _ => None,
+                },
+            )
+            .filter(|name| library.get(name).is_none())
+            .collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        let files: Result<Option<Vec<_>>, SourcesError> = self.textures().and_then(|sources| {
+            wanted
+                .iter()
+                .map(|name| sources.read(name).transpose())
+                .collect()
+        });
+        match files {
+            // What doesn't fit what was loaded needs all of it anew; what can't be read is told at its place in the look.
+            Ok(Some(files)) => self.begin_kernel(files),
+            _ => self.rebuild(),
+        }
+    }
+
+    fn begin_kernel(&mut self, files: Vec<texgen::SourceFile>) {
+        let procedural = self.renderer.procedural();
+        // Attributes of meshes are uploaded with the geometry.
+        let reads_others = procedural
+            .library_with(files.clone())
+            .is_ok_and(|library| library.custom_attributes() != procedural.reads().attributes);
+        match reads_others {
+            true => self.rebuild(),
+            false => self.job = Some(Job::Kernel(self.renderer.begin_reload(files))),
+        }
+    }
+
+    /// Builds another renderer of the files and the look as they are now.
+    pub(super) fn rebuild(&mut self) {
+        if self.job.is_some() {
+            self.again.rebuild = true;
+            return;
+        }
+        let text = self.document.text();
+        let (inputs, system) = (self.inputs.clone(), self.system.clone());
+        let gpu = self.renderer.gpu().clone();
+        let (make_settings, look) = (self.make_settings.clone(), text.clone());
+        let build = move || {
+            let loaded = load(&*system.files, &inputs, &look)?;
+            let settings = make_settings(loaded.camera.clone());
+            let renderer = Renderer::new(&gpu, &loaded.scene, &loaded.procedural, &settings)?;
+            let renderer = renderer.in_system(&system);
+            Ok(Box::new(Rebuilt { loaded, renderer }))
+        };
+        match Task::start(&*self.system.threads, "another renderer", build) {
+            Ok(task) => self.job = Some(Job::Rebuild { text, task }),
+            Err(error) => self.problems.look = Diagnostic::error(error.to_string()).into(),
+        }
+    }
+
+    /// Swaps in what has become ready, and begins what has been waiting for it.
+    pub(super) fn swap(&mut self) {
+        let is_ready = match &self.job {
+            None => !self.again.is_empty(),
+            Some(Job::Kernel(reload)) => reload.is_finished(),
+            Some(Job::Rebuild { task, .. }) => task.is_finished(),
+        };
+        if !is_ready {
+            return;
+        }
+        match self.job.take() {
+            Some(Job::Kernel(reload)) => self.finish_kernel(reload),
+            Some(Job::Rebuild { text, task }) => {
+                let built = task.wait().unwrap_or_else(|_| {
+                    let message = "the scene could not be prepared in the background";
+                    Err(SessionError::Refused(message.to_owned()))
+                });
+                self.finish_rebuild(text, built);
+            }
+            None => {}
+        }
+        if self.job.is_none() {
+            let again = std::mem::take(&mut self.again);
+            if again.rebuild {
+                self.rebuild();
+            } else if again.sources {
+                self.sources_changed();
+            }
+        }
+    }
+
+    fn finish_kernel(&mut self, reload: Reload) {
+        match self.renderer.finish_reload(reload) {
+            Ok(warnings) => {
+                self.warnings = warnings;
+                self.problems.sources = Diagnostics::new();
+                self.generation += 1;
+                self.catch_up();
+            }
+            Err(ReloadError::Stale) => self.again.sources = true,
+            // The next step finds out and opens another device.
+            Err(_) if self.renderer.gpu().is_lost() => self.again.sources = true,
+            Err(ReloadError::Textures(problems)) => self.problems.sources = problems,
+            Err(error) => self.problems.sources = Diagnostic::error(error.to_string()).into(),
+        }
+    }
+
+    fn finish_rebuild(&mut self, text: String, built: Result<Box<Rebuilt>, SessionError>) {
+        match built {
+            Ok(built) => {
+                let Rebuilt { loaded, renderer } = *built;
+                self.scene = loaded.scene;
+                self.camera = loaded.camera;
+                self.warnings = loaded.warnings;
+                self.renderer = renderer;
+                if let Some(view) = &self.view {
+                    self.renderer.set_camera(view);
+                }
+                self.was_without_lamp = self.has_no_lamp();
+                (self.problems.look, self.problems.sources) = Default::default();
+                self.generation += 1;
+                self.shown = Some(placed_fields(&text));
+                self.catch_up();
+            }
+            Err(_) if self.renderer.gpu().is_lost() => self.again.rebuild = true,
+            Err(SessionError::Load(LoadError::Look(LookError::Invalid(problems)))) => {
+                self.problems.look = problems;
+            }
+            Err(error) => self.problems.look = Diagnostic::error(error.to_string()).into(),
+        }
+    }
+}
+
+impl super::Again {
+    fn is_empty(self) -> bool {
+        !self.sources && !self.rebuild
+    }
+}

@@ -1,0 +1,395 @@
+//! The look that is edited, with its history.
+//!
+//! The text is the truth: each step of the history is a patch of the text, so that undoing restores it to the byte,
+//! comments included. Nothing here knows widgets or devices: whoever edits holds a [`Document`], at once up to date, and
+//! brings what has changed to the session, which may be busy on another thread.
+
+use std::path::{Path, PathBuf};
+
+use texgen::Diagnostics;
+
+use crate::scene::look::{Field, Look, LookDocument, Section, Value};
+
+use super::change::{Change, ChangeQueue};
+use super::edit::{Edit, summary};
+use super::patch::Patch;
+
+/// Steps that can be undone.
+const MAX_STEPS: usize = 10_000;
+/// Bytes of text that these may take together: a look may be large, and an editor replace all of it with each step.
+const MAX_BYTES: usize = 64 << 20;
+
+/// One step of the history.
+#[derive(Debug, Clone)]
+struct Step {
+    label: String,
+    patch: Patch,
+    /// Further edits of this group belong to this step, as those of one drag.
+    group: Option<u64>,
+}
+
+/// A look as text, with undo and redo for every change.
+#[derive(Debug)]
+pub struct Document {
+    path: PathBuf,
+    text: String,
+    /// `text`, to be edited.
+    document: LookDocument,
+    /// `text`, parsed.
+    look: Look,
+    undo: Vec<Step>,
+    redo: Vec<Step>,
+    changes: ChangeQueue,
+    revision: u64,
+}
+
+impl Document {
+    /// The look in `text`, which lies at `path` or would lie there.
+    ///
+    /// # Errors
+    /// All mistakes of its form.
+    pub fn new(path: &Path, text: &str) -> Result<Self, Diagnostics> {
+        Ok(Self {
+            path: path.to_owned(),
+            document: LookDocument::parse(path, text)?,
+            look: Look::parse(path, text)?,
+            text: text.to_owned(),
+            undo: Vec::new(),
+            redo: Vec::new(),
+            changes: ChangeQueue::default(),
+            revision: 0,
+        })
+    }
+
+    /// The whole text, comments, order and formatting as they were written: what is to be saved.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The look that the text means.
+    pub fn look(&self) -> &Look {
+        &self.look
+    }
+
+    /// The keys of a table as they are written; none where there is no such table.
+    pub fn table(&self, section: &Section) -> Vec<Field> {
+        self.document.table(section).unwrap_or_default()
+    }
+
+    /// What a key of a table is set to; `blend.mask` is a key of the table `blend`.
+    pub fn value(&self, section: &Section, key: &str) -> Option<Value> {
+        let take = |mut fields: Vec<Field>, key: &str| {
+            let at = fields.iter().position(|field| field.key.value == key)?;
+            Some(fields.swap_remove(at).value.value)
+        };
+        let (path, last) = key.rsplit_once('.').unwrap_or(("", key));
+        let mut fields = self.table(section);
+        for step in path.split('.').filter(|step| !step.is_empty()) {
+            match take(fields, step)? {
+                Value::Table(below) => fields = below,
+                _ => return None,
+            }
+        }
+        take(fields, last)
+    }
+
+    /// Where it lies.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// It lies elsewhere from now on, as after "save as". Paths in it are relative to that place.
+    pub fn set_path(&mut self, path: &Path) {
+        self.path = path.to_owned();
+        self.look.path = path.to_owned();
+        self.revision += 1;
+    }
+
+    /// Counts the changes of the text.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Makes some edits as one step that is called `label`, all or none. Edits of one `group` that follow each other
+    /// are one step: those of a drag.
+    ///
+    /// # Errors
+    /// With them the text would be no look: says why. Nothing has changed then.
+    pub fn apply(&mut self, label: &str, edits: &[Edit], group: Option<u64>) -> Result<(), String> {
+        self.change(label, group, edits, |document| {
+            edits.iter().try_for_each(|edit| edit.write(document))
+        })
+    }
+
+    /// Changes the text as one step by whatever means. `told` is what the session may be told of it, if that is all.
+    ///
+    /// # Errors
+    /// As [`Self::apply`].
+    pub fn change(
+        &mut self,
+        label: &str,
+        group: Option<u64>,
+        told: &[Edit],
+        change: impl FnOnce(&mut LookDocument) -> Result<(), String>,
+    ) -> Result<(), String> {
+        let checked = change(&mut self.document).and_then(|()| {
+            let text = self.document.text();
+            let look = Look::parse(&self.path, &text).map_err(|p| summary(&p))?;
+            Ok((text, look))
+        });
+        match checked {
+            Ok((text, look)) => {
+                if let Some(patch) = Patch::between(&self.text, &text) {
+                    self.text = text;
+                    self.look = look;
+                    self.remember(label, patch, group);
+                    self.tell(told);
+                }
+                Ok(())
+            }
+            Err(message) => {
+                self.parse_again();
+                Err(message)
+            }
+        }
+    }
+
+    /// Replaces the whole text as one step, as when its file was saved by an editor.
+    ///
+    /// # Errors
+    /// All mistakes of its form; nothing has changed then.
+    pub fn replace(&mut self, label: &str, text: &str) -> Result<(), Diagnostics> {
+        let document = LookDocument::parse(&self.path, text)?;
+        let look = Look::parse(&self.path, text)?;
+        if let Some(patch) = Patch::between(&self.text, text) {
+            self.text = text.to_owned();
+            (self.document, self.look) = (document, look);
+            self.remember(label, patch, None);
+            self.tell(&[]);
+        }
+        Ok(())
+    }
+
+    /// Ends a group of edits: what follows is a step of its own.
+    pub fn end_group(&mut self) {
+        if let Some(step) = self.undo.last_mut() {
+            step.group = None;
+        }
+    }
+
+    /// Undoes the last step; false where there is none.
+    pub fn undo(&mut self) -> bool {
+        let Some(step) = self.undo.pop() else {
+            return false;
+        };
+        step.patch.revert(&mut self.text);
+        self.redo.push(step);
+        self.went();
+        true
+    }
+
+    /// Does again what was undone last; false where there is nothing.
+    pub fn redo(&mut self) -> bool {
+        let Some(step) = self.redo.pop() else {
+            return false;
+        };
+        step.patch.apply(&mut self.text);
+        self.undo.push(step);
+        self.went();
+        true
+    }
+
+    /// What [`Self::undo`] would undo.
+    pub fn undo_label(&self) -> Option<&str> {
+        self.undo.last().map(|step| step.label.as_str())
+    }
+
+    /// What [`Self::redo`] would do again.
+    pub fn redo_label(&self) -> Option<&str> {
+        self.redo.last().map(|step| step.label.as_str())
+    }
+
+    /// What has changed since the last call, for [`super::Session::apply`], in order.
+    pub fn take_changes(&mut self) -> Vec<Change> {
+        self.changes.take()
+    }
+
+    fn went(&mut self) {
+        self.end_group();
+        self.parse_again();
+        self.tell(&[]);
+    }
+
+    fn remember(&mut self, label: &str, patch: Patch, group: Option<u64>) {
+        let goes_on = self.redo.is_empty() && group.is_some();
+        self.redo.clear();
+        let last = self.undo.last().filter(|_| goes_on);
+        if last.is_some_and(|last| last.group == group) {
+            let last = self.undo.pop().expect("there is one");
+            let mut before = self.text.clone();
+            patch.revert(&mut before);
+            last.patch.revert(&mut before);
+            if let Some(patch) = Patch::between(&before, &self.text) {
+                self.undo.push(Step { patch, ..last });
+            }
+            return;
+        }
+        self.undo.push(Step {
+            label: label.to_owned(),
+            patch,
+            group,
+        });
+        self.forget_old_steps();
+    }
+
+    /// The last step always can be undone.
+    fn forget_old_steps(&mut self) {
+        let mut bytes = 0;
+        let kept = self.undo.iter().rev().take(MAX_STEPS);
+        let kept = kept.take_while(|step| {
+            bytes += step.patch.bytes();
+            bytes <= MAX_BYTES
+        });
+        let kept = kept.count().max(1);
+        self.undo.drain(..self.undo.len() - kept);
+    }
+
+    /// Notes what the session has to know: one edit as such, anything else as the whole text.
+    fn tell(&mut self, edits: &[Edit]) {
+        self.revision += 1;
+        let text = self.text.clone();
+        self.changes.push(match edits {
+            [edit] => Change::Edit {
+                edit: edit.clone(),
+                text,
+            },
+            _ => Change::Text(text),
+        });
+    }
+
+    /// Makes the text what `document` and `look` say again. It was a look before, so it is one now.
+    fn parse_again(&mut self) {
+        if let Ok(document) = LookDocument::parse(&self.path, &self.text) {
+            self.document = document;
+        }
+        if let Ok(look) = Look::parse(&self.path, &self.text) {
+            self.look = look;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "# Rust.\n[node.a] # first\ntexture = 't'\nscale = 4 # patches\n";
+
+    fn document() -> Document {
+        Document::new(Path::new("a.look.toml"), TEXT).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    fn scale(x: f32) -> [Edit; 1] {
+        [Edit::argument("a", "scale", &texgen::Value::F32(x))]
+    }
+
+    #[test]
+    fn a_drag_is_one_step() {
+        let mut document = document();
+        for x in [4.5, 5.0, 5.5] {
+            document.apply("scale", &scale(x), Some(7)).expect("fine");
+        }
+        document.end_group();
+        document.apply("scale", &scale(6.0), Some(7)).expect("fine");
+        assert!(document.text().contains("scale = 6.0 # patches"));
+        assert!(document.undo());
+        assert!(document.text().contains("scale = 5.5 # patches"));
+        assert!(document.undo());
+        assert_eq!(document.text(), TEXT);
+        assert!(!document.undo());
+        assert!(document.redo() && document.redo() && !document.redo());
+        assert!(document.text().contains("scale = 6.0 # patches"));
+    }
+
+    #[test]
+    fn a_drag_back_to_the_start_is_no_step() {
+        let mut document = document();
+        let back = [Edit::argument("a", "scale", &texgen::Value::I32(4))];
+        document.apply("scale", &scale(5.0), Some(1)).expect("fine");
+        document.apply("scale", &back, Some(1)).expect("fine");
+        assert_eq!(document.undo_label(), None);
+    }
+
+    #[test]
+    fn what_is_no_look_is_refused() {
+        let mut document = document();
+        let bad = [
+            scale(3.0)[0].clone(),
+            Edit::material("M", "roughness", Value::number(7.0)),
+        ];
+        let message = document.apply("bad", &bad, None).expect_err("no look");
+        assert!(message.contains("0 to 1"), "{message}");
+        assert_eq!(document.text(), TEXT);
+        assert!(document.take_changes().is_empty());
+        document.apply("scale", &scale(3.0), None).expect("fine");
+        assert!(document.text().contains("scale = 3.0"));
+    }
+
+    #[test]
+    fn the_session_is_told_what_is_needed() {
+        let mut document = document();
+        for x in [1.0, 2.0] {
+            document.apply("scale", &scale(x), Some(1)).expect("fine");
+        }
+        let changes = document.take_changes();
+        assert!(
+            matches!(&changes[..], [Change::Edit { edit, .. }] if *edit == scale(2.0)[0]),
+            "{changes:?}"
+        );
+        document.apply("scale", &scale(3.0), None).expect("fine");
+        let two = [Edit::add_node("b", "t"), Edit::add_node("c", "t")];
+        document.apply("two", &two, None).expect("fine");
+        assert_eq!(
+            document.take_changes(),
+            [Change::Text(document.text().to_owned())]
+        );
+        document.undo();
+        document.apply("scale", &scale(9.0), None).expect("fine");
+        assert_eq!(
+            document.take_changes(),
+            [Change::Text(document.text().to_owned())]
+        );
+    }
+
+    #[test]
+    fn history_has_a_limit() {
+        let mut document = document();
+        for i in 0..MAX_STEPS + 10 {
+            let comment = format!("# {i}\n{TEXT}");
+            document.replace("step", &comment).expect("a look");
+        }
+        assert_eq!(document.undo.len(), MAX_STEPS);
+        let large = |letter: &str| format!("# {}\n", letter.repeat(MAX_BYTES / 5));
+        for letter in ["a", "b", "c", "d"] {
+            document.replace("step", &large(letter)).expect("a look");
+        }
+        assert_eq!(document.undo.len(), 2, "each has what goes and what comes");
+        assert!(document.undo() && document.undo() && !document.undo());
+        assert_eq!(document.text(), large("b"));
+    }
+
+    #[test]
+    fn a_text_of_another_editor_is_a_step() {
+        let mut document = document();
+        document.apply("scale", &scale(9.0), None).expect("fine");
+        let own = document.text().to_owned();
+        assert!(document.replace("another editor", "node = 3").is_err());
+        document.replace("another editor", "# new\n").expect("fine");
+        assert!(document.undo());
+        assert_eq!(document.text(), own);
+        let remove = Edit::Remove {
+            section: Section::Node("a".into()),
+        };
+        document.apply("gone", &[remove], None).expect("fine");
+        assert!(document.look().nodes.is_empty());
+    }
+}

@@ -1,0 +1,349 @@
+//! How graph, scene and GPU follow a changed look by writes to buffers.
+
+use texgen::{Diagnostic, Diagnostics, SourceFile};
+
+use crate::load;
+use crate::procedural::UpdateError;
+use crate::renderer::Touched;
+use crate::scene::look::{
+    EnvironmentLook, Look, LookDocument, MaterialLook, Section, Spanned, Table, find,
+    placed_fields, table,
+};
+use crate::scene::{Camera, Environment, Material};
+
+use super::difference::{TableChange, difference};
+use super::edit::{Edit, summary};
+use super::{Session, SessionError};
+
+/// What following may change of the scene.
+struct Before {
+    materials: Vec<Material>,
+    environment: EnvironmentFactors,
+    camera: Camera,
+}
+
+/// The part of an environment that is edited.
+#[derive(Clone, Copy)]
+enum EnvironmentFactors {
+    Constant(glam::Vec3),
+    Image { rotation: f32, intensity: f32 },
+}
+
+impl Session {
+    /// Edits the look. What can be written to buffers is written before this returns, and the picture has begun anew;
+    /// what can't is built in the background.
+    ///
+    /// # Errors
+    /// The edit makes no sense, or the device; then the look is as before.
+    pub fn edit(&mut self, edit: &Edit) -> Result<(), SessionError> {
+        let section = edit.section();
+        let before = self.document.table(section);
+        // Only one table is kept aside: copying a whole look takes as long as many edits.
+        let kept = self.document.keep(section);
+        if let Err(why) = edit.write(&mut self.document) {
+            self.document.put_back(section, kept);
+            return Err(SessionError::Refused(why));
+        }
+        let after = self.document.table(section);
+        let change = TableChange {
+            section: section.clone(),
+            before,
+            after,
+            span: 0..0,
+        };
+        if self.shown.is_some() {
+            self.catch_up();
+            return Ok(());
+        }
+        let file = SourceFile::new("look", "", "");
+        let mut touched = Touched::default();
+        let followed = self.follow(&file, &change, &mut touched);
+        let outcome = followed.and_then(|()| self.commit(touched));
+        let Err(error) = outcome else {
+            return Ok(());
+        };
+        // What it was is right, so nothing of it is refused; nor has anything been written.
+        let _ = self.follow(&file, &change.reversed(), &mut Touched::default());
+        match error {
+            UpdateError::Refused(problems) => {
+                self.document.put_back(section, kept);
+                Err(SessionError::Refused(summary(&problems)))
+            }
+            UpdateError::Rebuild | UpdateError::NewTexture => {
+                let wanted = self.document.clone();
+                self.document.put_back(section, kept);
+                self.shown = Some(self.document.fields());
+                self.document = wanted;
+                self.catch_up();
+                Ok(())
+            }
+        }
+    }
+
+    /// Does several edits as one.
+    ///
+    /// # Errors
+    /// As [`Self::edit`], at the first one that is refused; those before it stay.
+    pub fn edit_all<'e>(
+        &mut self,
+        edits: impl IntoIterator<Item = &'e Edit>,
+    ) -> Result<(), SessionError> {
+        edits.into_iter().try_for_each(|edit| self.edit(edit))
+    }
+
+    /// Replaces the whole text of the look, as an undo does. What differs is followed table by table where writes to
+    /// buffers suffice, and built in the background where they don't; what is wrong with it is told by
+    /// [`Self::problems`], and the picture stays until that is mended. No file is written.
+    ///
+    /// # Errors
+    /// The text isn't in the form of a look; then the look is as before.
+    pub fn replace_look(&mut self, text: &str) -> Result<(), SessionError> {
+        let refused = |problems: Diagnostics| SessionError::Refused(summary(&problems));
+        Look::parse(&self.look_path(), text).map_err(refused)?;
+        let document = super::parse_look(&self.inputs, text).map_err(refused)?;
+        self.want(document);
+        Ok(())
+    }
+
+    /// Shows another look, as soon as it can be shown.
+    pub(super) fn want(&mut self, document: LookDocument) {
+        let former = self.document.fields();
+        self.shown.get_or_insert(former);
+        self.document = document;
+        self.catch_up();
+    }
+
+    /// Writes what has changed to the device; all of it can be written, or nothing is.
+    fn commit(&mut self, touched: Touched) -> Result<(), UpdateError> {
+        // A scene without any light is shown under a white sky, unless the look says what is there.
+        let is_told = self.document.table(&Section::Environment).is_some();
+        if touched.materials && !is_told && self.has_no_lamp() != self.was_without_lamp {
+            return Err(UpdateError::Rebuild);
+        }
+        let camera = self.view.as_ref().unwrap_or(&self.camera);
+        match self.renderer.update(&self.scene, camera, touched) {
+            Ok(true) => {
+                self.generation += 1;
+                Ok(())
+            }
+            Ok(false) => Err(UpdateError::Rebuild),
+            Err(error) => Err(UpdateError::Refused(
+                Diagnostic::error(error.to_string()).into(),
+            )),
+        }
+    }
+
+    pub(super) fn has_no_lamp(&self) -> bool {
+        let procedural = self.renderer.procedural();
+        load::has_no_lamp(&self.scene, |material| procedural.traits(material).glows)
+    }
+
+    /// Brings what is shown to what is wanted: by writes if they suffice, else in the background.
+    pub(super) fn catch_up(&mut self) {
+        let Some(shown) = self.shown.take() else {
+            return;
+        };
+        let text = self.document.text();
+        let wanted = placed_fields(&text);
+        let Some(changes) = difference(&shown, &wanted) else {
+            self.shown = Some(shown);
+            return self.rebuild();
+        };
+        if changes.is_empty() {
+            return self.caught_up();
+        }
+        // Checked as a whole, so that mistakes between tables are found with their places.
+        let file = self.look_file(&text);
+        if let Err(problems) = Look::parse(&self.look_path(), &text) {
+            self.shown = Some(shown);
+            self.problems.look = problems;
+            return;
+        }
+        match self.follow_all(&file, &changes) {
+            Ok(()) => self.caught_up(),
+            Err(error) => {
+                self.shown = Some(shown);
+                match error {
+                    UpdateError::NewTexture => self.load_textures(&changes),
+                    UpdateError::Refused(problems) if changes.len() == 1 => {
+                        self.problems.look = problems;
+                    }
+                    // A link may fit only after another table has changed: from the start there is no such order.
+                    _ => self.rebuild(),
+                }
+            }
+        }
+    }
+
+    fn caught_up(&mut self) {
+        self.problems.look = Diagnostics::new();
+        // A texture that was in the way may not be wanted any more.
+        self.again.sources |= !self.problems.sources.is_empty();
+    }
+
+    /// Follows several changes, all or none.
+    fn follow_all(
+        &mut self,
+        file: &SourceFile,
+        changes: &[TableChange],
+    ) -> Result<(), UpdateError> {
+        let before = self.before();
+        let procedural = self.renderer.procedural().clone();
+        let mut touched = Touched::default();
+        // Nodes first, so that links find them in any order.
+        let added = changes.iter().filter(|change| change.before.is_none());
+        let outcome = added
+            .map(|change| TableChange {
+                after: change.after.as_ref().map(|after| {
+                    let texture = after.iter().find(|field| field.key.value == "texture");
+                    texture.cloned().into_iter().collect()
+                }),
+                ..change.clone()
+            })
+            .filter(|change| matches!(change.section, Section::Node(_)))
+            .try_for_each(|change| self.follow(file, &change, &mut touched))
+            .and_then(|()| {
+                let mut changes = changes.iter();
+                changes.try_for_each(|change| self.follow(file, change, &mut touched))
+            });
+        let outcome = outcome.and_then(|()| self.commit(touched));
+        if outcome.is_err() {
+            *self.renderer.procedural_mut() = procedural;
+            self.restore(before);
+        }
+        outcome
+    }
+
+    /// Changes graph, scene and camera; nothing is written to the device.
+    fn follow(
+        &mut self,
+        file: &SourceFile,
+        change: &TableChange,
+        touched: &mut Touched,
+    ) -> Result<(), UpdateError> {
+        let TableChange {
+            section,
+            before,
+            after,
+            span,
+        } = change;
+        if let Section::Light(_) = section {
+            return Err(UpdateError::Rebuild);
+        }
+        let fields = after.as_deref().unwrap_or_default();
+        let read = |file| table(file, section, fields, span).map_err(UpdateError::Refused);
+        let procedural = self.renderer.procedural_mut();
+        if let (Section::Node(name), None) = (section, after) {
+            return procedural.release_node(name);
+        }
+        if let (Section::Material(name), None) = (section, after) {
+            let table = MaterialLook::new(Spanned::new(name.clone(), span.clone()));
+            touched.materials = true;
+            return procedural.update_material(&mut self.scene, file, &table);
+        }
+        if let (Section::Ao(_) | Section::Environment, None) = (section, after) {
+            return Err(UpdateError::Rebuild);
+        }
+        match (section, read(file)?) {
+            (_, Table::Node(node)) => {
+                procedural.update_node(file, before.as_deref().unwrap_or_default(), &node)
+            }
+            (_, Table::Material(material)) => {
+                touched.materials = true;
+                procedural.update_material(&mut self.scene, file, &material)
+            }
+            (Section::Ao(name), Table::Ao(settings)) if before.is_some() => {
+                procedural.update_ao(name, settings)
+            }
+            (_, Table::Environment(environment)) if before.is_some() => {
+                let image = |fields| find(fields, "image").map(|value| value.value.clone());
+                if image(before.as_deref().unwrap_or_default()) != image(fields) {
+                    return Err(UpdateError::Rebuild);
+                }
+                touched.environment = true;
+                self.follow_environment(&environment)
+            }
+            (_, Table::Camera(camera)) => {
+                if self.inputs.camera.is_some() {
+                    return Ok(());
+                }
+                let mut look = Look::empty(&self.look_path(), file.clone());
+                look.camera = camera;
+                touched.camera = true;
+                self.camera = load::camera_of(&look, &self.scene)
+                    .map_err(|problem| UpdateError::Refused(problem.into()))?;
+                Ok(())
+            }
+            _ => Err(UpdateError::Rebuild),
+        }
+    }
+
+    fn follow_environment(&mut self, wanted: &EnvironmentLook) -> Result<(), UpdateError> {
+        let factors = match *wanted {
+            EnvironmentLook::Constant(radiance) => EnvironmentFactors::Constant(radiance),
+            EnvironmentLook::Image {
+                rotation,
+                intensity,
+                ..
+            } => EnvironmentFactors::Image {
+                rotation,
+                intensity,
+            },
+            // Another sun is another picture of the sky.
+            EnvironmentLook::Sky(_) => return Err(UpdateError::Rebuild),
+        };
+        match set_factors(&mut self.scene.environment, factors) {
+            true => Ok(()),
+            false => Err(UpdateError::Rebuild),
+        }
+    }
+
+    fn before(&self) -> Before {
+        Before {
+            materials: self.scene.materials.clone(),
+            environment: match self.scene.environment {
+                Environment::Constant(radiance) => EnvironmentFactors::Constant(radiance),
+                Environment::Image {
+                    rotation,
+                    intensity,
+                    ..
+                } => EnvironmentFactors::Image {
+                    rotation,
+                    intensity,
+                },
+            },
+            camera: self.camera.clone(),
+        }
+    }
+
+    fn restore(&mut self, before: Before) {
+        self.scene.materials = before.materials;
+        self.camera = before.camera;
+        set_factors(&mut self.scene.environment, before.environment);
+    }
+}
+
+/// False where the environment is of the other kind.
+fn set_factors(environment: &mut Environment, factors: EnvironmentFactors) -> bool {
+    match (environment, factors) {
+        (Environment::Constant(radiance), EnvironmentFactors::Constant(wanted)) => {
+            *radiance = wanted;
+            true
+        }
+        (
+            Environment::Image {
+                rotation,
+                intensity,
+                ..
+            },
+            EnvironmentFactors::Image {
+                rotation: wanted_rotation,
+                intensity: wanted_intensity,
+            },
+        ) => {
+            (*rotation, *intensity) = (wanted_rotation, wanted_intensity);
+            true
+        }
+        _ => false,
+    }
+}

@@ -1,0 +1,139 @@
+//! How a session begins: files are read, a device is opened, and the scene goes onto it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use device::{Device, DeviceError};
+
+use crate::load::{LoadError, Loaded};
+use crate::renderer::{RenderError, RenderSettings, Renderer};
+use crate::scene::Camera;
+use crate::scene::look::{LookDocument, LookError};
+use crate::system::System;
+
+use super::{Again, Problems, Session, SessionError, background, parse_look};
+
+/// What is rendered, by files.
+#[derive(Debug, Clone)]
+pub struct Inputs {
+    /// The glTF file.
+    pub scene: PathBuf,
+    /// The look file, if there is one. It is written by [`Session::save`] only.
+    pub look: Option<PathBuf>,
+    /// Folders with textures, the earlier ones first.
+    pub textures: Vec<PathBuf>,
+    /// A camera of the scene in place of the look's.
+    pub camera: Option<String>,
+}
+
+/// Opens the device; called again when it is lost.
+pub type OpenDevice = dyn Fn() -> Result<Device, DeviceError> + Send + Sync;
+/// Size and depth of the picture seen by a camera.
+pub type MakeSettings = dyn Fn(Camera) -> RenderSettings + Send + Sync;
+
+/// All that is to be rendered, read and checked, before there is a device for it.
+#[derive(Debug)]
+pub struct Opening {
+    inputs: Inputs,
+    system: System,
+    /// The look's text.
+    text: String,
+    document: LookDocument,
+    loaded: Loaded,
+}
+
+impl Opening {
+    /// Reads everything.
+    ///
+    /// # Errors
+    /// As [`crate::load::load`], and where there is no camera of the name that is asked for.
+    pub fn read(inputs: Inputs, system: System) -> Result<Self, SessionError> {
+        let text = match &inputs.look {
+            Some(path) => system.files.look(path).map_err(LoadError::from)?,
+            None => String::new(),
+        };
+        let loaded = background::load(&*system.files, &inputs, &text)?;
+        let document =
+            parse_look(&inputs, &text).map_err(|e| LoadError::from(LookError::from(e)))?;
+        Ok(Self {
+            inputs,
+            system,
+            text,
+            document,
+            loaded,
+        })
+    }
+
+    /// What was read.
+    pub fn loaded(&self) -> &Loaded {
+        &self.loaded
+    }
+
+    /// All files that it was read from, textures included.
+    pub fn files(&self) -> Vec<PathBuf> {
+        (self.loaded).files(&self.inputs.scene, self.inputs.look.as_deref())
+    }
+
+    /// Begins with this camera in place of the look's.
+    #[must_use]
+    pub fn seen_by(mut self, camera: Camera) -> Self {
+        self.loaded.camera = camera;
+        self
+    }
+
+    /// Opens the device, uploads the scene and compiles the kernels.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn start(
+        self,
+        open_device: Arc<OpenDevice>,
+        make_settings: Arc<MakeSettings>,
+    ) -> Result<Session, SessionError> {
+        let gpu = open_device().map_err(RenderError::from)?;
+        let Loaded {
+            scene,
+            procedural,
+            camera,
+            warnings,
+            ..
+        } = self.loaded;
+        let settings = make_settings(camera.clone());
+        let renderer = Renderer::new(&gpu, &scene, &procedural, &settings)?.in_system(&self.system);
+        let mut session = Session {
+            was_without_lamp: false,
+            inputs: self.inputs,
+            system: self.system,
+            open_device,
+            make_settings,
+            document: self.document,
+            saved: self.text,
+            shown: None,
+            scene,
+            camera,
+            view: None,
+            renderer,
+            job: None,
+            again: Again::default(),
+            problems: Problems::default(),
+            warnings,
+            generation: 0,
+        };
+        session.was_without_lamp = session.has_no_lamp();
+        Ok(session)
+    }
+}
+
+impl Session {
+    /// Reads everything from the disk and opens the device: [`Opening::read`], then [`Opening::start`].
+    ///
+    /// # Errors
+    /// As both.
+    pub fn open(
+        inputs: Inputs,
+        open_device: Arc<OpenDevice>,
+        make_settings: Arc<MakeSettings>,
+    ) -> Result<Self, SessionError> {
+        Opening::read(inputs, System::default())?.start(open_device, make_settings)
+    }
+}

@@ -1,0 +1,24 @@
+//! The engine's tests that need nothing of a process of their own, as one program: linked once, with one support.
+
+mod support;
+
+mod bsdf;
+mod closed_forms;
+mod custom_attributes;
+mod driven_surfaces;
+mod edits_are_data;
+mod footprint;
+mod gallery;
+mod image_arguments;
+mod khronos;
+mod layouts;
+mod lights;
+mod looks;
+mod real_scenes;
+mod references;
+mod session;
+mod statistics;
+mod texture_host;
+mod texture_kernel;
+mod texture_reload;
+mod transparency;

@@ -1,0 +1,301 @@
+//! Files that change below a render: saved, broken, mended, replaced, gone.
+
+use std::fs;
+
+use engine::session::{Edit, SessionError};
+
+use super::look::{LOOK, RINGS, SQUARES, TEXTURES, TINT};
+use super::stage::{Stage, film, is_same, read, settle};
+use crate::support::device;
+
+#[test]
+fn a_source_is_swapped_and_a_wrong_one_is_not() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let old = film(&mut session);
+    let pipelines = session.device().counts().pipelines;
+
+    stage.write("textures/rings.wgsl", &RINGS.replace("sin(", "sinn("));
+    session.sources_changed();
+    settle(&mut session);
+    let shown = session.problems().to_string();
+    for part in ["rings.wgsl:3:24", "sinn", "^"] {
+        assert!(shown.contains(part), "{part} is missing:\n{shown}");
+    }
+    assert!(
+        is_same(&old, &film(&mut session)),
+        "the picture is not lost"
+    );
+    assert_eq!(session.device().counts().pipelines, pipelines);
+
+    stage.replace("textures/rings.wgsl", SQUARES);
+    session.sources_changed();
+    assert!(session.is_building());
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert_eq!(session.device().counts().pipelines, pipelines + 1);
+    let new = film(&mut session);
+    assert!(!is_same(&old, &new) && is_same(&new, &stage.fresh(LOOK)));
+
+    // Wrong again, then as it is in use: nothing is built, and the error is gone.
+    stage.write("textures/rings.wgsl", "");
+    session.sources_changed();
+    settle(&mut session);
+    assert!(!session.problems().is_empty());
+    stage.write("textures/rings.wgsl", SQUARES);
+    let generation = session.generation();
+    session.sources_changed();
+    assert!(!session.is_building() && session.problems().is_empty());
+    assert_eq!(session.generation(), generation);
+}
+
+#[test]
+fn a_look_is_followed_by_difference() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let old = film(&mut session);
+    let pipelines = session.device().counts().pipelines;
+    // Comments mean nothing.
+    stage.write("scene.look.toml", &LOOK.replace("# of them", "# of rings"));
+    let generation = session.generation();
+    session.look_changed();
+    assert_eq!(session.generation(), generation);
+    // Several tables at once, with nodes that come, go, and are linked the other way round.
+    let changed = LOOK
+        .replace("count = 5.0", "count = 'other'")
+        .replace("amount = \"rings\"", "amount = 'extra.x'")
+        .replace("y_fov = 45", "y_fov = 50")
+        .replace("coat = 0.5", "coat = 0.7")
+        .replace("distance = 0.4", "distance = 0.8")
+        + "\n[node.extra]\ntexture = 'tint'\n";
+    stage.replace("scene.look.toml", &changed);
+    session.look_changed();
+    assert!(
+        session.is_up_to_date() && session.problems().is_empty(),
+        "{}",
+        session.problems()
+    );
+    assert_eq!(session.device().counts().pipelines, pipelines);
+    let new = film(&mut session);
+    assert!(!is_same(&old, &new) && is_same(&new, &stage.fresh(&changed)));
+    // And all the way back.
+    stage.write("scene.look.toml", LOOK);
+    session.look_changed();
+    settle(&mut session);
+    assert!(is_same(&old, &film(&mut session)));
+    assert_eq!(session.device().counts().pipelines, pipelines);
+}
+
+#[test]
+fn mistakes_in_a_look_are_told_and_forgotten() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let old = film(&mut session);
+    let rebuilt = session.generation();
+    for (from, to, says) in [
+        ("[camera]", "[camera", "not valid TOML"),
+        ("count = 5.0", "cuont = 5.0", "scene.look.toml:16:1"),
+        ("count = 5.0", "count = [1, 2]", "scene.look.toml:16:9"),
+        (
+            "amount = \"rings\"",
+            "amount = \"rigns\"",
+            "did you mean `rings`?",
+        ),
+        ("\"tint\"", "\"tnt\"", "did you mean `tint`?"),
+        ("over = \"Worn\"", "over = \"Wron\"", "did you mean `Worn`?"),
+        ("roughness = 0.9", "roughness = 9", "0 to 1"),
+        (
+            "look_at = [0, 0.4, 0]",
+            "look_at = [0.1, 0.9, 3.0]",
+            "no direction",
+        ),
+        (
+            "environment",
+            "[[include]]\nfile = 'no.glb'\n[other]\nenvironment",
+            "no key `other`",
+        ),
+    ] {
+        stage.write("scene.look.toml", &LOOK.replacen(from, to, 1));
+        session.look_changed();
+        settle(&mut session);
+        let shown = session.problems().to_string();
+        assert!(shown.contains(says), "{to}: {shown}");
+        assert!(
+            is_same(&old, &film(&mut session)),
+            "{to}: the picture is not lost"
+        );
+        stage.write("scene.look.toml", LOOK);
+        session.look_changed();
+        settle(&mut session);
+        assert!(
+            session.problems().is_empty(),
+            "{to}: {}",
+            session.problems()
+        );
+        assert!(session.is_up_to_date());
+    }
+    assert_eq!(session.generation(), rebuilt, "nothing was built anew");
+    assert!(is_same(&old, &film(&mut session)));
+}
+
+#[test]
+fn a_texture_that_is_new_to_the_look_costs_one_kernel() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let pipelines = session.device().counts().pipelines;
+    let changed = LOOK.replace("base_color = \"worn\"", "base_color = \"spots\"")
+        + "\n[node.spots]\ntexture = 'squares'\nedge = 0.4\n";
+    // The look comes before its texture does.
+    stage.write("scene.look.toml", &changed);
+    session.look_changed();
+    settle(&mut session);
+    assert!(
+        session
+            .problems()
+            .to_string()
+            .contains("no texture called `squares`"),
+        "{}",
+        session.problems()
+    );
+    stage.write(
+        "textures/squares.wgsl",
+        &SQUARES.replace("select", "selekt"),
+    );
+    session.sources_changed();
+    settle(&mut session);
+    assert!(
+        session.problems().to_string().contains("squares.wgsl:5"),
+        "{}",
+        session.problems()
+    );
+    stage.write("textures/squares.wgsl", SQUARES);
+    session.sources_changed();
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert_eq!(session.device().counts().pipelines, pipelines + 1);
+    assert!(is_same(&film(&mut session), &stage.fresh(&changed)));
+}
+
+#[test]
+fn ten_saves_in_a_row_end_with_the_last() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    for i in 0..10 {
+        let text = TINT.replace("amount * amount", &format!("amount * 0.{}", i + 1));
+        match i % 3 {
+            0 => stage.write("textures/tint.wgsl", &text),
+            1 => stage.replace("textures/tint.wgsl", &text),
+            // Half of a file, then all of it.
+            _ => {
+                stage.write("textures/tint.wgsl", &text[..text.len() / 2]);
+                session.sources_changed();
+                stage.write("textures/tint.wgsl", &text);
+            }
+        }
+        session.sources_changed();
+        session.step(2).unwrap_or_else(|error| panic!("{error}"));
+    }
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert!(is_same(&film(&mut session), &stage.fresh(LOOK)));
+}
+
+#[test]
+fn files_that_vanish_take_nothing_with_them() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let old = film(&mut session);
+    let files = session.files();
+    for name in ["scene.gltf", "squares.bin", "scene.look.toml"] {
+        assert!(
+            files.contains(&stage.path(name)),
+            "{name} is not among {files:?}"
+        );
+    }
+    for name in [
+        "scene.look.toml",
+        "textures/rings.wgsl",
+        "scene.gltf",
+        "squares.bin",
+    ] {
+        let aside = stage.path("gone");
+        fs::rename(stage.path(name), &aside).expect("it is there");
+        session.look_changed();
+        session.sources_changed();
+        session.assets_changed();
+        settle(&mut session);
+        assert!(!session.problems().is_empty(), "{name} is missed");
+        session
+            .step(2)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(session.look_text(), LOOK, "{name}");
+        assert!(
+            is_same(&old, &film(&mut session)),
+            "{name}: the picture is not lost"
+        );
+        fs::rename(&aside, stage.path(name)).expect("back");
+        session.look_changed();
+        session.sources_changed();
+        session.assets_changed();
+        settle(&mut session);
+        assert!(
+            session.problems().is_empty(),
+            "{name}: {}",
+            session.problems()
+        );
+        assert!(is_same(&old, &film(&mut session)), "{name} is back");
+    }
+}
+
+#[test]
+fn what_others_wrote_is_not_saved_over_unasked() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let edit = Edit::argument("rings", "count", &texgen::Value::F32(7.0));
+    session.edit(&edit).expect("edited");
+    // Half of a file: nothing of it can be taken over.
+    let half = format!("{}\nramp = [", &LOOK[..LOOK.len() / 2]);
+    stage.write("scene.look.toml", &half);
+    session.look_changed();
+    assert!(!session.problems().is_empty());
+    let refused = session.save(None);
+    assert!(
+        matches!(refused, Err(SessionError::Changed { .. })),
+        "{refused:?}"
+    );
+    assert_eq!(read(&stage.path("scene.look.toml")), half);
+    assert!(session.has_unsaved_edits());
+    // Under a name, also its own, it is what is wanted.
+    let path = stage.path("scene.look.toml");
+    session.save(Some(&path)).expect("saved");
+    let expected = LOOK.replace("count = 5.0", "count = 7.0");
+    assert_eq!(read(&stage.path("scene.look.toml")), expected);
+    assert!(!session.has_unsaved_edits());
+    session.look_changed();
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    // A file that has vanished is written anew.
+    fs::remove_file(&path).expect("removed");
+    session.save(None).expect("saved");
+    assert_eq!(read(&stage.path("scene.look.toml")), expected);
+}

@@ -1,0 +1,290 @@
+//! What a window wants of a live render: views, sizes, regions, pictures on the device, and what lies below a pixel. None
+//! of it changes the look or, once it is over, the film.
+
+use engine::display::{Channel, Display, DisplaySettings};
+use engine::film::Film;
+use engine::session::{Edit, Session};
+use glam::{Vec2, Vec3};
+
+use super::look::{LOOK, TEXTURES};
+use super::stage::{SPP, Stage, film, is_same, settle};
+use crate::support::device;
+
+fn opened() -> Option<(Stage, Session, Film)> {
+    device::open()?;
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let whole = film(&mut session);
+    Some((stage, session, whole))
+}
+
+fn render(session: &mut Session) {
+    while !session.step(SPP).expect("rendered").is_done() {}
+}
+
+#[test]
+fn sizes_and_views_come_and_go() {
+    let Some((_stage, mut session, whole)) = opened() else {
+        return;
+    };
+    let gpu = session.device().clone();
+    let made = (gpu.counts().pipelines, gpu.counts().shader_modules);
+    let generation = session.generation();
+    session.resize(24, 16).expect("nothing to do");
+    assert_eq!(session.generation(), generation);
+    session.resize(11, 5).expect("a smaller size");
+    assert!(session.generation() > generation);
+    let small = film(&mut session);
+    assert_eq!((small.width, small.height), (11, 5));
+    let mut view = session.look_camera().clone();
+    view.transform.translation.x += 0.3;
+    session.set_view(Some(view.clone()));
+    assert!(!is_same(&film(&mut session), &small));
+    // Edits of the look's camera are not seen meanwhile, and stay.
+    assert!(session.resize(0, 5).is_err());
+    session.resize(24, 16).expect("the first size");
+    session.set_view(None);
+    assert!(is_same(&film(&mut session), &whole));
+    assert_eq!((gpu.counts().pipelines, gpu.counts().shader_modules), made);
+    // What is built anew keeps the view.
+    session.set_view(Some(view));
+    let seen = film(&mut session);
+    session.assets_changed();
+    settle(&mut session);
+    assert!(is_same(&film(&mut session), &seen));
+    assert!(!session.has_unsaved_edits());
+}
+
+#[test]
+fn a_region_gets_samples_alone() {
+    let Some((_stage, mut session, whole)) = opened() else {
+        return;
+    };
+    session.restart();
+    session.set_region(Some([5, 2, 17, 99]));
+    render(&mut session);
+    let part = session.snapshot().expect("read").film;
+    for y in 0..16 {
+        for x in 0..24 {
+            let pixel = (y * 24 + x) as usize;
+            let is_inside = (5..17).contains(&x) && y >= 2;
+            assert_eq!(
+                part.samples(pixel),
+                if is_inside { SPP } else { 0 },
+                "{x} {y}"
+            );
+            if is_inside {
+                assert_eq!(part.sum(pixel), whole.sum(pixel));
+            }
+        }
+    }
+    session.set_region(None);
+    session.restart();
+    assert!(is_same(&film(&mut session), &whole));
+}
+
+#[test]
+fn the_display_shows_the_film() {
+    let Some((_stage, mut session, whole)) = opened() else {
+        return;
+    };
+    let mut display = Display::new(session.device()).expect("compiled");
+    let settings = DisplaySettings {
+        exposure: 1.0,
+        ..DisplaySettings::default()
+    };
+    let shown = session.device_film(true).expect("guides");
+    display.show(&shown, &settings).expect("shown");
+    let rgba = display.read().expect("read");
+    let encode = |x: f32| match x.clamp(0.0, 1.0) {
+        x if x <= 0.003_130_8 => 12.92 * x,
+        x => 1.055 * x.powf(1.0 / 2.4) - 0.055,
+    };
+    for (pixel, mean) in rgba.chunks(4).zip(whole.mean()) {
+        for (byte, value) in pixel.iter().zip(mean) {
+            // Rounding, and the driver's `pow`.
+            let expected = 255.0 * encode(2.0 * value);
+            assert!(
+                (f32::from(*byte) - expected).abs() < 1.0,
+                "{pixel:?} {mean:?}"
+            );
+        }
+    }
+    // Guides leave the film alone.
+    assert!(is_same(&session.snapshot().expect("read").film, &whole));
+
+    let luminance = |c: [f32; 3]| 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+    let errors: f32 = whole.standard_error().into_iter().map(luminance).sum();
+    let light: f32 = whole.mean().into_iter().map(luminance).sum();
+    let error = display
+        .relative_error()
+        .expect("read")
+        .expect("two samples");
+    let expected = f64::from(errors / light);
+    assert!(
+        (error - expected).abs() < 1e-3 * expected,
+        "{error} {expected}"
+    );
+
+    // A copy stays as it was.
+    let kept = session.keep_film(false).expect("copied");
+    session.restart();
+    display.show(&kept, &settings).expect("shown");
+    assert_eq!(display.read().expect("read"), rgba);
+}
+
+#[test]
+fn materials_are_picked_where_they_are_shown() {
+    let Some((_stage, mut session, _)) = opened() else {
+        return;
+    };
+    let mut display = Display::new(session.device()).expect("compiled");
+    let settings = DisplaySettings {
+        channel: Channel::Material,
+        ..DisplaySettings::default()
+    };
+    let shown = session.device_film(true).expect("guides");
+    display.show(&shown, &settings).expect("shown");
+    let rgba = display.read().expect("read");
+    let mut colors = vec![None; session.scene().materials.len() + 1];
+    let mut same = 0;
+    for y in 0..16 {
+        for x in 0..24 {
+            let place = Vec2::new((x as f32 + 0.5) / 24.0, (y as f32 + 0.5) / 16.0);
+            let hit = session.pick(place);
+            let number = hit.map_or(colors.len() - 1, |hit| hit.material as usize);
+            let at = (y * 24 + x) * 4;
+            let color = &rgba[at..at + 4];
+            same += u32::from(*colors[number].get_or_insert(color) == color);
+        }
+    }
+    // Guides are seen through one place of the pixel, picks through its centre: they differ at some edges.
+    assert!(same >= 24 * 16 * 9 / 10, "{same}");
+    assert!(
+        colors.iter().flatten().count() >= 3,
+        "floor, wall and nothing"
+    );
+
+    let center = session
+        .pick(Vec2::splat(0.5))
+        .expect("something is in the middle");
+    let eye = Vec3::from(session.shown_camera().transform.translation);
+    assert!(((center.position - eye).length() - center.distance).abs() < 1e-4);
+}
+
+/// What is shown of a channel at the picture's lower edge, where the floor is, and in the middle, where the wall is.
+fn looks(session: &mut Session, display: &mut Display, channel: Channel) -> [[u8; 3]; 2] {
+    let settings = DisplaySettings {
+        channel,
+        exposure: 1.0,
+        ..DisplaySettings::default()
+    };
+    let shown = session.device_film(true).expect("guides");
+    display.show(&shown, &settings).expect("shown");
+    let rgba = display.read().expect("read");
+    [(12, 14), (12, 5)].map(|(x, y)| {
+        let at = (y * 24 + x) * 4;
+        [rgba[at], rgba[at + 1], rgba[at + 2]]
+    })
+}
+
+#[test]
+fn channels_show_what_textures_give() {
+    if device::open().is_none() {
+        return;
+    }
+    let look = r#"
+[node.paint]
+texture = "tint"
+color = [0.8, 0.4, 0.2]
+amount = 1.0
+
+[material.Floor]
+base_color = "paint"
+metallic = 0.6
+
+[material.Wall]
+base_color = [0.2, 0.4, 0.6]
+roughness = 0.2
+emission = [0.05, 0.1, 0.2]
+"#;
+    let stage = Stage::new(look, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let mut display = Display::new(session.device()).expect("compiled");
+    let mut check = |session: &mut Session, channel, expected: [[f32; 3]; 2]| {
+        for (shown, expected) in looks(session, &mut display, channel).iter().zip(expected) {
+            for (byte, expected) in shown.iter().zip(expected) {
+                let difference = f32::from(*byte) - 255.0 * expected;
+                assert!(
+                    difference.abs() <= 1.0,
+                    "{channel:?}: {shown:?}, not {expected:?}"
+                );
+            }
+        }
+    };
+    let srgb = |c: [f32; 3]| {
+        c.map(|x| match x {
+            x if x <= 0.003_130_8 => 12.92 * x,
+            x => 1.055 * x.powf(1.0 / 2.4) - 0.055,
+        })
+    };
+    let wall = srgb([0.2, 0.4, 0.6]);
+    check(
+        &mut session,
+        Channel::BaseColor,
+        [srgb([0.8, 0.4, 0.2]), wall],
+    );
+    check(&mut session, Channel::Roughness, [[0.7; 3], [0.2; 3]]);
+    check(&mut session, Channel::Metallic, [[0.6; 3], [0.1; 3]]);
+    let glow = srgb([0.1, 0.2, 0.4]);
+    check(&mut session, Channel::Emission, [[0.0; 3], glow]);
+    // An edit is seen here, too.
+    let edit = Edit::argument("paint", "amount", &texgen::Value::F32(0.5));
+    session.edit(&edit).expect("edited");
+    check(
+        &mut session,
+        Channel::BaseColor,
+        [srgb([0.2, 0.1, 0.05]), wall],
+    );
+}
+
+#[test]
+fn costs_are_measured_beside_the_picture() {
+    let Some((_stage, mut session, whole)) = opened() else {
+        return;
+    };
+    let gpu = session.device().clone();
+    let made = (gpu.counts().pipelines, gpu.counts().shader_modules);
+    session.restart();
+    session.step(SPP).expect("rendered");
+    let costs = loop {
+        let costs = session.measure_costs().expect("measured").clone();
+        if costs.is_done {
+            break costs;
+        }
+    };
+    render(&mut session);
+    assert!(is_same(&session.snapshot().expect("read").film, &whole));
+    assert_eq!((gpu.counts().pipelines, gpu.counts().shader_modules), made);
+    let find = |name: &str| costs.list.iter().find(|cost| cost.name == name);
+    // The node that nothing reads isn't there; the AO table is.
+    assert!(find("other").is_none() && find("crevices").is_some_and(|c| c.texture.is_none()));
+    let runs = |name: &str| find(name).map_or(0.0, |cost| cost.runs_per_pixel);
+    // Rings run on the floor, and on the wall as the mask of its blend; paint on the floor, worn on a part of the wall.
+    assert!(runs("paint") > 0.05 && runs("worn") > 0.01, "{costs:?}");
+    assert!(runs("rings") > runs("paint") + runs("worn"), "{costs:?}");
+    assert!(
+        runs("rings") <= 1.0 && runs("crevices") > runs("worn"),
+        "{costs:?}"
+    );
+    assert_eq!(
+        find("worn").and_then(|cost| cost.texture.as_deref()),
+        Some("worn")
+    );
+    let each: Vec<_> = costs.list.iter().map(|cost| cost.per_sample()).collect();
+    assert!(each.is_sorted_by(|a, b| a >= b) && each.iter().all(|ns| *ns >= 0.0 && ns.is_finite()));
+    // An edit begins it anew.
+    let edit = Edit::argument("rings", "count", &texgen::Value::F32(4.0));
+    session.edit(&edit).expect("edited");
+    assert!(!session.measure_costs().expect("measured").is_done);
+}
