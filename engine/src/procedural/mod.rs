@@ -78,7 +78,6 @@ pub use memory::{
     HEAD_EMISSION, HEAD_FLAGS, HEAD_MASK, HEAD_MASK_VALUE, HEAD_MORE, HEAD_OPACITY, HEAD_OVER,
     HEAD_PROGRAM,
 };
-pub use reads::TextureReads;
 pub use sketch::{resketch, sketch};
 pub use sources::{SourcesError, TextureSources};
 pub(crate) use update::UpdateError;

@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::scene::material_parameters::Feature;
 use crate::texturing::ProgramTraits;
 
-use super::{FLAG_BLEND, HEAD_FLAGS, Output, Procedural, output};
+use super::{Output, Outputs, Procedural};
 
 /// Of a surface that is no blend: what its program needs to know about it.
 #[derive(Debug, Clone, Copy)]

@@ -7,9 +7,7 @@ use texgen::{Diagnostics, Library, SourceFile};
 
 use device::{Device, Kernel};
 
-use crate::{
-    gpu_scene::SceneFeatures, procedural::Procedural, schedule::Schedule, system::Task,
-};
+use crate::{gpu_scene::SceneFeatures, procedural::Procedural, schedule::Schedule, system::Task};
 
 use super::pipeline::texture_kernel;
 use super::{RenderError, Renderer, edits};
