@@ -14,7 +14,6 @@ mod khronos;
 mod layouts;
 mod lights;
 mod looks;
-mod real_scenes;
 mod references;
 mod session;
 mod statistics;
