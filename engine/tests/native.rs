@@ -1,7 +1,7 @@
 //! The renderer's kernels on processors: all of them compile, and each dispatch of a wave leaves in every buffer what a
 //! GPU device leaves there.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use device::{
     Device, DeviceChoice, DeviceDescription, Extent, Recording, Resources, Text, Usage,
@@ -11,6 +11,7 @@ use engine::{
     frame::Frame,
     gpu_scene::{GpuScene, SceneFeatures},
     passes::{
+        display, guide,
         pass::{Pass, Work},
         proctex,
         wgsl::ComposedWgsl,
@@ -24,19 +25,15 @@ use engine::{
 use glam::{Affine3A, Vec3};
 use texgen::{Library, SourceFile, TextureType};
 
-/// The override constants of all kernels.
-const FEATURES: [&str; 10] = [
-    "has_alpha",
-    "has_textures",
-    "has_environment",
-    "has_transmission",
-    "has_clear",
-    "has_layers",
-    "energy_compensation",
-    "has_programs",
-    "has_program_shadows",
-    "ao_thread_per_hit",
-];
+/// The override constants of all kernels, with one value.
+fn constants(value: f64) -> Vec<(&'static str, f64)> {
+    let features = SceneFeatures::default().constants();
+    let names = features.iter().map(|(name, _)| *name);
+    names
+        .chain(["ao_thread_per_hit"])
+        .map(|name| (name, value))
+        .collect()
+}
 
 fn parse(text: &str) -> (naga::Module, naga::valid::ModuleInfo) {
     let module =
@@ -70,22 +67,18 @@ fn compile(
 
 #[test]
 fn every_kernel_compiles() {
-    for file in [
-        "raygen/entry.wgsl",
-        "advance/advance.wgsl",
-        "traverse/entry.wgsl",
-        "classify/entry.wgsl",
-        "ao/ao.wgsl",
-        "brdf/entry.wgsl",
-        "accumulate/entry.wgsl",
-        "guide/guide.wgsl",
-        "display/display.wgsl",
-    ] {
+    let passes = schedule::WAVE.iter().chain([&&guide::PASS]);
+    let files: BTreeSet<&str> = passes
+        .filter(|pass| pass.name != proctex::PASS.name)
+        .map(|pass| pass.file)
+        .chain([display::FILE])
+        .collect();
+    for file in files {
         let source = ComposedWgsl::of(file);
         let (module, _) = parse(&source.text);
         for entry in &module.entry_points {
             for value in [0.0, 1.0] {
-                let constants = FEATURES.map(|name| (name, value));
+                let constants = constants(value);
                 compile(&source, &entry.name, &constants, &Options::default());
             }
         }
@@ -127,13 +120,13 @@ fn generated_kernels_compile() {
     for generated in [library.emit(8), library.emit_in_rounds(8, &[])] {
         let source = proctex::text(&generated);
         for value in [0.0, 1.0] {
-            let constants = FEATURES.map(|name| (name, value));
+            let constants = constants(value);
             let kernel = compile(&source, proctex::PASS.name, &constants, &options);
             assert!(kernel.statistics().functions > count);
         }
     }
     let source = proctex::text(&library.emit(8));
-    let constants = FEATURES.map(|name| (name, 0.0));
+    let constants = constants(0.0);
     let again = compile(&source, proctex::PASS.name, &constants, &options);
     assert_eq!(again.statistics().compiled, 0);
 }

@@ -9,7 +9,7 @@ use engine::{
     frame::Frame,
     gpu_scene::{GpuInstance, light_tree::GpuLightNode, lights::GpuLight, materials::GpuMaterial},
     passes::{
-        guide, proctex,
+        display, guide, proctex,
         wgsl::{ComposedWgsl, FILES},
     },
     schedule,
@@ -62,7 +62,7 @@ fn shared_structs_agree() {
     let (brdf, _) = module(&ComposedWgsl::of("brdf/entry.wgsl").text);
     let (advance, _) = module(&ComposedWgsl::of("advance/advance.wgsl").text);
     assert_layout(&brdf, "Frame", size_of::<Frame>(), &Frame::offsets());
-    let (display, _) = module(&ComposedWgsl::of("display/display.wgsl").text);
+    let (display, _) = module(&ComposedWgsl::of(display::FILE).text);
     assert_layout(
         &display,
         "Display",
@@ -123,7 +123,7 @@ fn kernels_are_valid_and_bind_at_most_eight_storage_buffers() {
     let files = passes
         .filter(|pass| pass.name != proctex::PASS.name)
         .map(|pass| pass.file)
-        .chain(["display/display.wgsl"]);
+        .chain([display::FILE]);
     let texts = files
         .map(|file| (file, ComposedWgsl::of(file).text))
         .chain([("proctex", proctex.text)]);
@@ -205,7 +205,7 @@ fn private_memory_counts_the_stack_of_programs() {
 #[test]
 fn every_wgsl_file_is_part_of_a_kernel() {
     let mut roots: Vec<&str> = schedule::WAVE.iter().map(|pass| pass.file).collect();
-    roots.extend([guide::PASS.file, "display/display.wgsl"]);
+    roots.extend([guide::PASS.file, display::FILE]);
     let used: BTreeSet<String> = roots
         .into_iter()
         .flat_map(|root| ComposedWgsl::of(root).origins)
