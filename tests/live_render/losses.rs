@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use ::device::{Device, DeviceError};
+use ::device::{Device, DeviceChoice, DeviceError};
 use engine::live::{Edit, LiveError};
 
 use crate::look::{LOOK, SQUARES, TEXTURES};
@@ -16,11 +16,13 @@ fn edit() -> Edit {
 
 #[test]
 fn a_lost_device_is_replaced() {
-    if device::open().is_none() {
+    if device::open_driver().is_none() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut live = stage.open("scene.look.toml");
+    let driver = || Device::open(&DeviceChoice::Driver);
+    let opened = stage.open_on("scene.look.toml", driver);
+    let mut live = opened.unwrap_or_else(|error| panic!("{error}"));
     live.edit(&edit()).unwrap_or_else(|error| panic!("{error}"));
     let before = film(&mut live);
     let text = live.look_text();
@@ -76,7 +78,7 @@ fn a_lost_device_is_replaced() {
 
 #[test]
 fn where_no_device_is_left_the_look_is_kept() {
-    if device::open().is_none() {
+    if device::open_driver().is_none() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
@@ -85,7 +87,7 @@ fn where_no_device_is_left_the_look_is_kept() {
     let mut live = stage
         .open_on("scene.look.toml", move || {
             match switch.load(Ordering::Relaxed) {
-                true => Device::best(),
+                true => Device::open(&DeviceChoice::Driver),
                 false => Err(DeviceError::NoAdapter),
             }
         })

@@ -64,7 +64,7 @@ impl Pass {
     /// # Errors
     /// If the driver refuses it.
     pub fn kernel(&self, device: &Device, features: &SceneFeatures) -> Result<Kernel, DeviceError> {
-        let constants = [&features.constants()[..], &[ao::thread_per_hit(device)]].concat();
+        let constants = [&features.constants()[..], &ao::constants(device)].concat();
         let source = self.source(device);
         source.compile(device, self.name, Trust::All, &constants)
     }

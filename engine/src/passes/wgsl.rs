@@ -7,6 +7,8 @@ use std::{collections::HashSet, ops::Range};
 use device::{Device, DeviceError, Kernel, KernelSource, KernelText, Text, Trust};
 use texgen::{GeneratedKernel, SourceMap};
 
+use super::traverse;
+
 /// The text of a kernel and where its lines came from.
 #[derive(Debug, Clone, Default)]
 pub struct Source {
@@ -70,6 +72,7 @@ impl Source {
             entry,
             trust,
             constants,
+            host: &[traverse::host::FUNCTION],
         };
         let build = || Kernel::new(device, &source);
         match trust {

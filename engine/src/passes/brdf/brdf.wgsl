@@ -212,7 +212,8 @@ fn shade_vertex(slot: u32) {
     }
 
     if (gives(driven, OUTPUT_OPACITY)) {
-        let coin = random_at(path, vertex_dimension(depth, DIMENSION_OPACITY), hit.triangle, hit.instance);
+        let coin = random_at(path, vertex_dimension(depth, DIMENSION_OPACITY), triangle_number(s.triangle),
+            instances[hit.instance].source);
         if (coin >= scalar_or(slot, driven, OUTPUT_OPACITY, 1.0)) {
             pass_on(slot, vec4f(throughput, bsdf_pdf), vec4f(radiance, gathered.w), hit.t_max);
             return;
@@ -235,7 +236,9 @@ fn shade_vertex(slot: u32) {
     if (is_clear) {
         let passing = clear_transmittance(material, s.triangle, s.weights, dot(s.geometric_normal, s.wo));
         let chance = max_component(passing);
-        if (random_at(path, vertex_dimension(depth, DIMENSION_OPACITY), hit.triangle, hit.instance) < chance) {
+        let coin = random_at(path, vertex_dimension(depth, DIMENSION_OPACITY), triangle_number(s.triangle),
+            instances[hit.instance].source);
+        if (coin < chance) {
             pass_on(slot, vec4f(throughput * passing / chance, bsdf_pdf), vec4f(radiance, gathered.w), hit.t_max);
             return;
         }

@@ -26,7 +26,7 @@ fn is_hit(candidate: RayIntersection, t_min: f32, coin: u32, only_instance: u32)
         return false;
     }
     return !has_alpha || (triangle.w & TRIANGLE_ALPHA) == 0u
-        || !is_transparent(triangle, index, candidate.barycentrics, coin);
+        || !is_transparent(triangle, candidate.barycentrics, coin);
 }
 
 fn trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any: bool, only_instance: u32) -> Hit {

@@ -11,10 +11,10 @@ struct Hit {
 }
 
 // True where the surface lets the ray pass at this point: glTF's alpha mask, or a coin toss with its alpha.
-// The coin depends on ray and triangle alone, not on the order of traversal.
-fn is_transparent(triangle: vec4u, index: u32, barycentrics: vec2f, coin: u32) -> bool {
+// The coin depends on ray and triangle alone, neither on the order of traversal nor on that of the triangles.
+fn is_transparent(triangle: vec4u, barycentrics: vec2f, coin: u32) -> bool {
     let coverage = material_coverage(triangle.w & TRIANGLE_MATERIAL, triangle, barycentric_weights(barycentrics));
-    return f32(hash2(coin, index) >> 8u) * (1.0 / 16777216.0) >= coverage;
+    return f32(hash2(coin, triangle_number(triangle)) >> 8u) * (1.0 / 16777216.0) >= coverage;
 }
 
 // The ray's part of that coin.

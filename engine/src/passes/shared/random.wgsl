@@ -102,7 +102,8 @@ fn vertex_dimension(depth: u32, purpose: u32) -> u32 {
     return DIMENSION_VERTEX * (depth + 1u) + purpose;
 }
 
-// One number in [0, 1) for a purpose of a path and a triangle that one of its rays meets: a ray may meet many.
+// One number in [0, 1) for a purpose of a path and a triangle that one of its rays meets: a ray may meet many. Triangle
+// and instance are known by numbers that are the same on every device.
 fn random_at(path: PathId, dimension: u32, triangle: u32, instance: u32) -> f32 {
     let stream = hash2(path.key, dimension);
     return sobol2(path.sample, hash2(hash2(stream, triangle), instance)).x;

@@ -74,7 +74,7 @@ fn trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any: bool, onl
             break;
         }
         let triangle = triangles[hit.triangle];
-        if ((triangle.w & TRIANGLE_ALPHA) == 0u || !is_transparent(triangle, hit.triangle, hit.barycentrics, coin)) {
+        if ((triangle.w & TRIANGLE_ALPHA) == 0u || !is_transparent(triangle, hit.barycentrics, coin)) {
             break;
         }
         start = hit.t;

@@ -1,4 +1,6 @@
-//! Rays against the scene: the seam behind which other implementations may stand. One thread per ray.
+//! Rays against the scene: the seam behind which other implementations may stand, as [`host`] does. One thread per ray.
+
+pub mod host;
 
 use crate::wave::Queue;
 
