@@ -14,8 +14,7 @@ use engine::{
     gpu_scene::{GpuScene, SceneFeatures},
     passes::{
         pass::{Pass, Work},
-        proctex,
-        traverse,
+        proctex, traverse,
         wgsl::Source,
     },
     procedural::TextureReads,
@@ -194,7 +193,10 @@ impl Side {
             (name, bytemuck::pod_collect_to_vec(&words.expect("read")))
         };
         let sizes = self.resources.buffer_sizes();
-        sizes.filter(|(name, _)| *name != "nodes").map(read).collect()
+        sizes
+            .filter(|(name, _)| *name != "nodes")
+            .map(read)
+            .collect()
     }
 
     fn set_contents(&self, contents: &Contents) {
@@ -317,8 +319,11 @@ fn passes_leave_what_a_gpu_leaves() {
         let (after, mut native) = (gpu.contents(), native.contents());
         let mut compared = after.clone();
         if [traverse::CLOSEST.name, traverse::OCCLUSION.name].contains(&pass.name) {
-            let [gpu, native] = [&mut compared, &mut native]
-                .map(|contents| contents.get_mut("rays").expect("they are among the buffers"));
+            let [gpu, native] = [&mut compared, &mut native].map(|contents| {
+                contents
+                    .get_mut("rays")
+                    .expect("they are among the buffers")
+            });
             rename_hits(&scene, &order, &before["rays"], [gpu, native]);
         }
         for (name, words) in &compared {

@@ -74,7 +74,10 @@ fn a_function_of_the_program_is_called() {
     let by_text = |i: u32| 3 + i + 3000 + 1_000_000 * (5 + u32::from(i != 2));
     assert_eq!(ran(&[]), [0, 1, 2, 3].map(by_text));
     let by_program = |i: u32| 100 * (3 + i) + 300_000 + 1_000_000 * (5 + u32::from(i != 2));
-    assert_eq!(ran(&["mixed", "no such function"]), [0, 1, 2, 3].map(by_program));
+    assert_eq!(
+        ran(&["mixed", "no such function"]),
+        [0, 1, 2, 3].map(by_program)
+    );
 }
 
 #[test]

@@ -25,7 +25,7 @@ fn stretched_tangent(s: Surface, material: u32, instance: u32, normal: vec3f, an
     }
     let along = surface_tangent(s, instance, normal);
     let across = cross(normal, along.xyz) * along.w;
-    var direction = vec2f(cos(angle), sin(angle));
+    var direction = unit_circle(angle / (2.0 * PI));
     if ((materials[material].texture_mask & (1u << (FIRST_LAYER_TEXTURE + LAYER_ANISOTROPY))) != 0u) {
         let texel = map.xy * 2.0 - 1.0;
         direction = vec2f(direction.x * texel.x - direction.y * texel.y, direction.y * texel.x + direction.x * texel.y);
@@ -80,6 +80,9 @@ fn add_layers(b: ptr<function, Bsdf>, slot: u32, driven: u32, material: u32, rou
 // there aren't stopped by the coarseness of the mesh (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021,
 // chapter 4). Zero where the surface is flat or hollow.
 fn curved_lift(s: Surface, instance: u32) -> vec3f {
+    if (s.is_flat) {
+        return vec3f(0.0);
+    }
     let object_from_world = instances[instance].object_from_world;
     let p = transform_point(object_from_world, s.position);
     let side = select(-1.0, 1.0, s.front);
@@ -326,6 +329,8 @@ fn shade_vertex(slot: u32) {
         return;
     }
 
+    let l = lobes(b, wo);
+
     // Where rays leave that are reflected. Where others go through, all leave the triangle itself, so that lights are
     // weighed from one point.
     let is_opaque = !has_transmission || (b.transmission <= 0.0 && b.diffuse_transmission <= 0.0);
@@ -345,7 +350,7 @@ fn shade_vertex(slot: u32) {
         let light = light_sample(s.position + lift, above, receiver, numbers.z, numbers.xy);
         let wi = vec3f(dot(light.wi, tangent), dot(light.wi, bitangent), dot(light.wi, normal));
         if (light.pdf > 0.0 && leaves(wi.z, dot(light.wi, s.geometric_normal), is_lifted)) {
-            let value = bsdf_eval(b, wo, wi);
+            let value = bsdf_eval(b, l, wo, wi);
             let weight = light_sample_weight(light.pdf, value.w, light.delta);
             var contribution = throughput * value.xyz * light.radiance * (weight / light.pdf);
             if (has_transmission && light.distance < FAR) {
@@ -375,7 +380,7 @@ fn shade_vertex(slot: u32) {
 
     // The next direction.
     let numbers = random4(path, vertex_dimension(depth, DIMENSION_BSDF), GROUP_BSDF);
-    let sampled = bsdf_sample(b, wo, numbers.xy, numbers.z);
+    let sampled = bsdf_sample(b, l, wo, numbers.xy, numbers.z);
     let direction = tangent * sampled.wi.x + bitangent * sampled.wi.y + normal * sampled.wi.z;
     if (sampled.pdf <= 0.0 || !leaves(sampled.wi.z, dot(direction, s.geometric_normal), is_lifted)) {
         end_path(slot, depth, has_shadow_ray);

@@ -19,6 +19,7 @@ const DIMENSION_BSDF = 2u; // four: xy: direction; z: which lobe; w: Russian rou
 const GROUP_CAMERA = 0u;
 const GROUP_LIGHT = 1u;
 const GROUP_BSDF = 2u;
+const DIMENSION_ALPHA = 3u; // what the path's ray and its shadow ray pass by their alpha
 const DIMENSION_AO = 4u; // and the following, one for each AO table
 const DIMENSION_SHADOW_AO = 8u; // the same for what a shadow ray met
 const DIMENSION_OPACITY = 12u; // x: whether the path's ray passes, by opacity or through a clear wall

@@ -20,7 +20,19 @@ pub const CLOSEST: Pass = Pass {
     name: "traverse_closest",
     file: "traverse/entry.wgsl",
     work: Work::Queue(Queue::Active),
-    reads: GEOMETRY,
+    reads: &[
+        "frame",
+        "image_layers",
+        "image_layers_srgb",
+        "image_table",
+        "instances",
+        "materials",
+        "nodes",
+        "paths",
+        "queues",
+        "triangles",
+        "vertices",
+    ],
     writes: &["rays"],
     ..Pass::COMMON
 };
@@ -29,6 +41,7 @@ pub const CLOSEST: Pass = Pass {
 pub const OCCLUSION: Pass = Pass {
     name: "traverse_occlusion",
     work: Work::Queue(Queue::Shadow),
+    reads: GEOMETRY,
     writes: &["paths", "rays"],
     ..CLOSEST
 };

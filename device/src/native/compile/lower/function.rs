@@ -239,8 +239,10 @@ impl<'m> Lowering<'m> {
         let [from, to] = words.map(|words| self.code.allocate(4 * words as u64));
         let dense = self.dense(&scalars);
         self.store(Place::Memory(from), &dense, &scalars)?;
-        let [taken, given] =
-            words.map(|words| self.code.materialize(int(u32::try_from(words).unwrap_or(0))));
+        let [taken, given] = words.map(|words| {
+            self.code
+                .materialize(int(u32::try_from(words).unwrap_or(0)))
+        });
         let (from, target) = (self.code.pointer(from), self.code.pointer(to));
         let arguments = vec![function, from, taken, target, given];
         self.code.runtime_memory(Runtime::Host, arguments);

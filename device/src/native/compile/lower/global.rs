@@ -1,8 +1,8 @@
 //! Where global variables lie.
 
 use naga::{
-    AddressSpace, ArraySize, Expression, Function, GlobalVariable, Handle, ImageClass, ImageDimension,
-    Literal, ScalarKind, StorageAccess, TypeInner, valid::FunctionInfo,
+    AddressSpace, ArraySize, Expression, Function, GlobalVariable, Handle, ImageClass,
+    ImageDimension, Literal, ScalarKind, StorageAccess, TypeInner, valid::FunctionInfo,
 };
 
 use super::{
