@@ -204,6 +204,11 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) common: CommonArgs,
 
+    /// Threads of the device `native` and of all else that the program computes by itself; without it one for each processor.
+    #[arg(long, value_name = "N")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) threads: Option<String>,
+
     /// Brightness of PNG and JPEG files in stops: +1 is twice as bright. EXR files keep the radiance as it is.
     #[arg(long, value_name = "STOPS", default_value = "0")]
     #[arg(allow_hyphen_values = true)]

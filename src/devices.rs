@@ -5,30 +5,10 @@ use std::fmt::Write;
 use device::{Device, DeviceDescription};
 
 use crate::console;
-use crate::exit::Failure;
-
-/// What a machine without any device is told.
-const NONE: &str = "no Vulkan, Metal or DirectX 12 device was found; \
-    without a GPU, Mesa's software driver will do: `apt install mesa-vulkan-drivers libvulkan1` on Debian and Ubuntu, \
-    `dnf install mesa-vulkan-drivers vulkan-loader` on Fedora";
 
 /// Prints the list.
-///
-/// # Errors
-/// There is no device that can render.
-pub(crate) fn run() -> Result<(), Failure> {
-    let adapters = Device::all();
-    if adapters.is_empty() {
-        return Err(Failure::because(NONE));
-    }
-    console::print(&list(&adapters));
-    if adapters.iter().all(|adapter| adapter.usable.is_err()) {
-        return Err(Failure::because(format!(
-            "none of these devices can render; {}",
-            NONE.split_once("; ").map_or(NONE, |(_, remedy)| remedy)
-        )));
-    }
-    Ok(())
+pub(crate) fn run() {
+    console::print(&list(&Device::all()));
 }
 
 /// The parts that are not empty; drivers don't tell everything.
@@ -95,6 +75,7 @@ mod tests {
             backend: "Vulkan".into(),
             driver: String::new(),
             device_type: "IntegratedGpu".into(),
+            is_processor: false,
             max_storage_binding: 128 << 20,
             max_buffer: 1 << 30,
             storage_buffers_per_stage: 4,

@@ -36,6 +36,8 @@ pub(crate) const MAX_SPP: u32 = engine::film::MAX_SAMPLES;
 pub(crate) const FILM_EXTENSION: &str = "patina-film";
 /// Most scattering vertices of a path.
 pub(crate) const MAX_DEPTH: u32 = 255;
+/// Most threads that are asked for.
+const MOST_THREADS: u32 = 1024;
 /// Strongest exposure in stops, either way.
 pub(crate) const MAX_EXPOSURE: f32 = 32.0;
 
@@ -106,6 +108,8 @@ pub(crate) struct RenderJob {
     pub(crate) seed: u32,
     /// Device to render on.
     pub(crate) device: DeviceChoice,
+    /// Threads that compute, if not one for each processor.
+    pub(crate) threads: Option<u32>,
     /// Folders the user named, searched first.
     pub(crate) texture_dirs: Vec<PathBuf>,
     /// Stops; EXR keeps the radiance.
@@ -209,6 +213,16 @@ impl Job {
     }
 }
 
+impl Job {
+    /// Threads that are to compute, if not one for each processor.
+    pub(crate) fn threads(&self) -> Option<usize> {
+        match self {
+            Self::Render(job) => job.threads.map(|threads| threads as usize),
+            _ => None,
+        }
+    }
+}
+
 impl RenderJob {
     fn from_args(args: RenderArgs) -> Result<Self, UsageError> {
         let (width, height) = parse_size(&args.size)?;
@@ -260,6 +274,9 @@ impl RenderJob {
             max_depth: parse_number("--max-depth", &args.common.max_depth, 1, MAX_DEPTH)?,
             seed: parse_number("--seed", &args.common.seed, 0, u32::MAX)?,
             device: parse_device(args.common.device.as_deref())?,
+            threads: (args.threads.as_deref())
+                .map(|threads| parse_number("--threads", threads, 1, MOST_THREADS))
+                .transpose()?,
             texture_dirs: args.common.texture_dirs,
             exposure: parse_exposure(&args.exposure)?,
             stats: args.stats,
@@ -412,6 +429,16 @@ mod tests {
             render("render a.glb --exposure -1.5").unwrap().exposure,
             -1.5
         );
+    }
+
+    #[test]
+    fn threads_are_counted() {
+        let threads = |line: &str| job(line).map(|job| job.threads());
+        assert_eq!(threads("render a.glb"), Ok(None));
+        assert_eq!(threads("render a.glb --threads 3"), Ok(Some(3)));
+        assert!(threads("render a.glb --threads 0").is_err());
+        assert!(threads("render a.glb --threads -1").is_err());
+        assert_eq!(threads("devices"), Ok(None));
     }
 
     #[test]

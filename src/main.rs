@@ -50,9 +50,9 @@ fn main() -> ExitCode {
         console::set_quiet();
     }
     let job = Job::from_args(args).map_err(Failure::from);
-    let ready = |job| {
+    let ready = |job: Job| {
         interrupt::listen()
-            .and_then(|()| threads::start())
+            .and_then(|()| threads::start(job.threads()))
             .map(|()| job)
     };
     exit::with(job.and_then(ready).and_then(run))
@@ -65,7 +65,10 @@ fn run(job: Job) -> Result<(), Failure> {
         Job::View(job) => view::run(&job),
         Job::Merge(job) => merge::run(&job),
         Job::Texture(job) => texture::run(job),
-        Job::Devices => devices::run(),
+        Job::Devices => {
+            devices::run();
+            Ok(())
+        }
         Job::Manuals(dir) => manuals::write(&dir),
         Job::ProbeTexture { file, device } => crash::probe(&file, &device),
         Job::Bench(job) => bench::run(&job),

@@ -10,12 +10,13 @@ use crate::exit::Failure;
 /// Beside those that compute: signals, progress, files that are watched, kernels that are built, and what drivers start.
 const OTHERS: usize = 8;
 
-/// Starts the threads that compute: one for each processor, or fewer where the system has a limit.
+/// Starts the threads that compute: so many, or one for each processor, or fewer where the system has a limit.
 ///
 /// # Errors
 /// It doesn't start even the fewest.
-pub(crate) fn start() -> Result<(), Failure> {
-    let wanted = thread::available_parallelism().map_or(1, usize::from);
+pub(crate) fn start(wanted: Option<usize>) -> Result<(), Failure> {
+    let all = || thread::available_parallelism().map_or(1, usize::from);
+    let wanted = wanted.unwrap_or_else(all);
     let mut count = wanted;
     while let Err(error) = try_out(count + OTHERS) {
         if count == 1 {

@@ -18,7 +18,7 @@ use obvhs::BvhBuildParams;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::Ray;
 use obvhs::triangle::Triangle;
-use patina_bench::traverse::{Tracer, camera_rays, world_triangle};
+use patina_bench::traverse::{Tracer, camera_rays};
 use rayon::prelude::*;
 
 use support::normal::Normal;
@@ -158,11 +158,11 @@ fn rays(scene: &Scene) -> Vec<RayHit> {
 }
 
 /// Whether the kernel's answer for a ray is that of the reference.
-fn is_right(scene: &Scene, bvh: &SceneBvh, hit: &RayHit, expected: f64) -> bool {
+fn is_right(tracer: &Tracer, scene: &Scene, hit: &RayHit, expected: f64) -> bool {
     if hit.triangle == RayHit::MISS || !expected.is_finite() {
         return hit.triangle == RayHit::MISS && !expected.is_finite();
     }
-    let [a, b, c] = world_triangle(scene, bvh, hit);
+    let [a, b, c] = tracer.world_triangle(scene, hit);
     // Positions are known to a few ulps; a ray that grazes a surface turns those into more of its own length.
     let position_error = POSITION_ERROR * (hit.origin.length() + hit.t_max);
     let cosine = (b - a).cross(c - a).normalize_or_zero().dot(hit.direction);
@@ -194,11 +194,10 @@ fn compare(scene: &Scene) {
         traced.unwrap_or_else(|error| panic!("{error}")).0
     };
     let closest = trace(&rays, Rays::Closest);
-    let bvh = SceneBvh::build(scene).unwrap_or_else(|error| panic!("{error}"));
     let wrong = closest
         .par_iter()
         .zip(&expected)
-        .filter(|(hit, expected)| !is_right(scene, &bvh, hit, **expected));
+        .filter(|(hit, expected)| !is_right(&tracer, scene, hit, **expected));
     assert_few("closest hits", wrong.count());
 
     // Shadow rays that end before or behind what the reference found, clear of it.

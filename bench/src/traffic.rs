@@ -57,9 +57,9 @@ pub const TRAFFIC: [Traffic; 5] = [
     Traffic {
         pass: "traverse_closest",
         once_per: "path ray",
-        fields_read: &[],
+        fields_read: &["STATE"],
         fields_written: &[],
-        transparent: &[],
+        transparent: &["STATE"],
         rays_read: RAY + ENTRY,
         rays_written: HIT,
     },
@@ -75,9 +75,9 @@ pub const TRAFFIC: [Traffic; 5] = [
     Traffic {
         pass: "traverse_occlusion",
         once_per: "shadow ray",
-        fields_read: &["LIGHT"],
+        fields_read: &["LIGHT", "STATE"],
         fields_written: &["LIGHT"],
-        transparent: &["LIGHT"],
+        transparent: &["LIGHT", "STATE"],
         rays_read: RAY + ENTRY,
         rays_written: TRIANGLE,
     },
@@ -188,7 +188,11 @@ mod tests {
             text_of("accumulate/").as_str(),
         ]) {
             let mut read = fields(text, &["path_read", "path_words"]);
-            for (call, field) in [("path_depth(", "STATE"), ("waiting_light(", "LIGHT")] {
+            for (call, field) in [
+                ("path_depth(", "STATE"),
+                ("alpha_coin(", "STATE"),
+                ("waiting_light(", "LIGHT"),
+            ] {
                 if text.contains(call) {
                     read.insert(field.to_owned());
                 }

@@ -9,7 +9,6 @@ use serde::Serialize;
 use device::{BoundKernel, Device, Extent, Recording, Resources, Usage};
 
 use engine::{
-    bvh::SceneBvh,
     frame::Frame,
     gpu_scene::GpuScene,
     passes::traverse::{self, Rays},
@@ -29,6 +28,7 @@ const SIDE: u32 = 1024;
 #[derive(Debug)]
 pub struct Tracer {
     gpu: Device,
+    scene: GpuScene,
     resources: Resources,
     closest: BoundKernel,
     occlusion: BoundKernel,
@@ -64,9 +64,24 @@ impl Tracer {
             .bind(gpu, &resources);
         Ok(Self {
             gpu: gpu.clone(),
+            scene: gpu_scene,
             resources,
             closest,
             occlusion,
+        })
+    }
+
+    /// World positions of the triangle of `scene`, which was uploaded, that was hit.
+    pub fn world_triangle(&self, scene: &Scene, hit: &RayHit) -> [Vec3; 3] {
+        let order = self.scene.hierarchy();
+        let instance = &scene.instances[order.instance_order[hit.instance as usize] as usize];
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let first = order.mesh_first_triangle[instance.mesh as usize];
+        let source = order.triangle_order[instance.mesh as usize][(hit.triangle - first) as usize];
+        mesh.triangles[source as usize].map(|v| {
+            instance
+                .transform
+                .transform_point3(mesh.positions[v as usize])
         })
     }
 
@@ -144,7 +159,7 @@ pub fn traverse(gpu: &Device, scene: &Scene) -> Result<TraverseReport, RenderErr
     let primary = camera_rays(&camera, SIDE);
     // The first run also compiles the kernel.
     let (hits, _) = tracer.trace(&primary, Rays::Closest)?;
-    let bounce = bounce_rays(scene, &hits)?;
+    let bounce = bounce_rays(&tracer, scene, &hits);
     let shadow = shadow_rays(&hits, &bounce);
     let rate = |rays: &[RayHit], kind| -> Result<f64, RenderError> {
         if rays.is_empty() {
@@ -199,8 +214,7 @@ pub fn camera_rays(camera: &Camera, side: u32) -> Vec<RayHit> {
 }
 
 /// One cosine-distributed ray from each hit, on the side from which it was hit.
-pub fn bounce_rays(scene: &Scene, hits: &[RayHit]) -> Result<Vec<RayHit>, RenderError> {
-    let bvh = SceneBvh::build(scene).map_err(engine::gpu_scene::GpuSceneError::from)?;
+fn bounce_rays(tracer: &Tracer, scene: &Scene, hits: &[RayHit]) -> Vec<RayHit> {
     let mut state = 0x9e37_79b9_7f4a_7c15u64;
     let mut random = move || {
         // SplitMix64 (Steele et al. 2014).
@@ -209,11 +223,10 @@ pub fn bounce_rays(scene: &Scene, hits: &[RayHit]) -> Result<Vec<RayHit>, Render
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
     };
-    Ok(hits
-        .iter()
+    hits.iter()
         .filter(|hit| hit.triangle != RayHit::MISS)
         .map(|hit| {
-            let [a, b, c] = world_triangle(scene, &bvh, hit);
+            let [a, b, c] = tracer.world_triangle(scene, hit);
             let normal = (b - a).cross(c - a).normalize_or(Vec3::Y);
             let normal = if normal.dot(hit.direction) > 0.0 {
                 -normal
@@ -228,7 +241,7 @@ pub fn bounce_rays(scene: &Scene, hits: &[RayHit]) -> Result<Vec<RayHit>, Render
                 (normal * 1.0001 + Vec3::new(r * phi.cos(), r * phi.sin(), z)).normalize_or(normal);
             RayHit::new(origin, direction, 1e30)
         })
-        .collect())
+        .collect()
 }
 
 /// From each bounce ray's origin to the origin of another one.
@@ -244,17 +257,4 @@ pub fn shadow_rays(hits: &[RayHit], bounce: &[RayHit]) -> Vec<RayHit> {
             (distance > 0.0).then(|| RayHit::new(ray.origin, to / distance, distance * 0.999))
         })
         .collect()
-}
-
-/// World positions of the triangle that was hit.
-pub fn world_triangle(scene: &Scene, bvh: &SceneBvh, hit: &RayHit) -> [Vec3; 3] {
-    let instance = &scene.instances[bvh.instance_order[hit.instance as usize] as usize];
-    let mesh = &scene.meshes[instance.mesh as usize];
-    let first = bvh.mesh_first_triangle[instance.mesh as usize];
-    let source = bvh.triangle_order[instance.mesh as usize][(hit.triangle - first) as usize];
-    mesh.triangles[source as usize].map(|v| {
-        instance
-            .transform
-            .transform_point3(mesh.positions[v as usize])
-    })
 }

@@ -14,7 +14,7 @@ def version():
 
 
 def _call(job, *arguments):
-    # The software driver's own number of threads; a GPU's driver doesn't read it.
+    # For a software driver; the flag `--threads` is for the device `native`, and GPUs know neither.
     environment = os.environ | {"LP_NUM_THREADS": str(job.threads)}
     done = subprocess.run([job.patina, *arguments], env=environment, capture_output=True, text=True, check=False)
     if done.returncode != 0:
@@ -35,7 +35,7 @@ def _render(job, look, spp):
     _call(
         job, "render", str(job.scene), "--look", str(look), "--size", f"{job.width}x{job.height}", "--spp", str(spp),
         "--max-depth", str(job.max_depth), "--seed", str(job.seed), "--filter", "box", "--no-energy-compensation",
-        "-o", str(picture), "--stats-json", str(figures),
+        "--threads", str(job.threads), "-o", str(picture), "--stats-json", str(figures),
     )  # fmt: skip
     return str(picture), json.loads(figures.read_text())
 

@@ -34,6 +34,17 @@ impl Activity {
     }
 }
 
+impl Busy {
+    /// Says more of what is under way, where this tells it.
+    pub fn tell(&self, what: impl FnOnce() -> String) {
+        if let Some(activity) = &self.0
+            && let Some((told, _)) = &mut *activity.lock()
+        {
+            *told = what();
+        }
+    }
+}
+
 impl Drop for Busy {
     fn drop(&mut self) {
         if let Some(activity) = &self.0 {
@@ -55,6 +66,9 @@ mod tests {
         drop(part);
         let (what, _) = activity.current().expect("it is under way");
         assert_eq!(what, "compiling the texture `rust`");
+        whole.tell(|| "compiling the texture `rust`, half of it".to_owned());
+        let (what, _) = activity.current().expect("it is under way");
+        assert!(what.ends_with("half of it"));
         drop(whole);
         assert!(activity.current().is_none());
     }

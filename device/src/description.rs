@@ -7,12 +7,14 @@ pub struct DeviceDescription {
     pub index: usize,
     /// The driver's name for it.
     pub name: String,
-    /// Vulkan, Metal, DX12 or native.
+    /// Vulkan, Metal or DX12, or `no driver`.
     pub backend: String,
-    /// Driver and its version.
+    /// Driver and its version; of the processor itself, its threads and how wide its vectors are.
     pub driver: String,
     /// `discrete GPU`, `integrated GPU`, `virtual GPU`, `CPU` or `other`.
     pub device_type: String,
+    /// The processor does the work, by a software driver or without any.
+    pub is_processor: bool,
     /// Bytes of the largest storage binding.
     pub max_storage_binding: u64,
     /// Bytes of the largest buffer.
@@ -41,9 +43,11 @@ impl DeviceDescription {
 /// Which device to open.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum DeviceChoice {
-    /// Discrete before integrated before virtual before CPU.
+    /// Discrete before integrated before virtual; where there is no GPU, the processor without a driver.
     #[default]
     Best,
+    /// The same among those that have a driver, which may be one in software: a window shows what these make.
+    Driver,
     /// By [`DeviceDescription::index`].
     Index(usize),
     /// The best whose name contains this, letter case ignored.
@@ -54,7 +58,7 @@ impl DeviceChoice {
     /// Whether a device is meant by it, if it is the best of those that are.
     pub(crate) fn admits(&self, device: &DeviceDescription) -> bool {
         let is_meant = match self {
-            Self::Best => true,
+            Self::Best | Self::Driver => true,
             Self::Index(index) => device.index == *index,
             Self::Name(name) => device.name.to_lowercase().contains(&name.to_lowercase()),
         };
@@ -66,6 +70,7 @@ impl std::fmt::Display for DeviceChoice {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Best => f.write_str("any"),
+            Self::Driver => f.write_str("any with a driver"),
             Self::Index(index) => write!(f, "{index}"),
             Self::Name(name) => f.write_str(name),
         }

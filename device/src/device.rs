@@ -11,6 +11,11 @@ use crate::{
     native::{self, Processor},
 };
 
+/// The processor itself, which comes behind all GPUs and before the drivers that use it.
+fn own(drivers: &[DeviceDescription]) -> DeviceDescription {
+    native::describe(drivers.iter().filter(|device| !device.is_processor).count())
+}
+
 /// Which device to open, and how.
 #[derive(Debug, Clone, Default)]
 pub struct DeviceOptions {
@@ -71,7 +76,8 @@ impl Device {
     /// All devices of the machine, the usual choice first.
     pub fn all() -> Vec<DeviceDescription> {
         let mut all = Gpu::all();
-        all.push(native::describe(all.len()));
+        let own = own(&all);
+        all.insert(own.index, own);
         all
     }
 
@@ -88,23 +94,21 @@ impl Device {
     /// # Errors
     /// As [`Self::open`].
     pub fn open_with(options: &DeviceOptions) -> Result<Self, DeviceError> {
-        let own = native::describe(Gpu::all().len());
+        let drivers = Gpu::all();
+        let own = own(&drivers);
+        let is_gpu = |device: &DeviceDescription| !device.is_processor && device.usable.is_ok();
         let is_meant = match &options.choice {
-            DeviceChoice::Best => false,
+            DeviceChoice::Best => !options.ray_queries && !drivers.iter().any(is_gpu),
+            DeviceChoice::Driver => false,
             DeviceChoice::Index(index) => *index == own.index,
             DeviceChoice::Name(name) => name.eq_ignore_ascii_case(native::NAME),
         };
-        let kind = match is_meant {
-            true => Kind::Native(Processor::open(own)),
-            false => match Gpu::open(options) {
-                // Without any driver the processor renders by itself.
-                Err(DeviceError::NoAdapter) if options.choice == DeviceChoice::Best => {
-                    Kind::Native(Processor::open(own))
-                }
-                gpu => Kind::Gpu(gpu?),
+        Ok(Self {
+            kind: match is_meant {
+                true => Kind::Native(Processor::open(own)),
+                false => Kind::Gpu(Gpu::open(options)?),
             },
-        };
-        Ok(Self { kind })
+        })
     }
 
     /// The best device.

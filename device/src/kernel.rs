@@ -57,6 +57,9 @@ pub struct KernelSource<'a> {
     pub trust: Trust,
     /// Values of `override` constants by name; those that the text doesn't declare are left out.
     pub constants: &'a [(&'static str, f64)],
+    /// Functions of the text that are done by a [`HostFunction`](crate::HostFunction) of this name where the device
+    /// offers that; those that the text doesn't declare are left out.
+    pub host: &'a [&'static str],
 }
 
 impl<'a> KernelSource<'a> {
@@ -67,6 +70,7 @@ impl<'a> KernelSource<'a> {
             entry,
             trust,
             constants: &[],
+            host: &[],
         }
     }
 
@@ -100,6 +104,7 @@ impl KernelText {
             entry: self.entry,
             trust: self.trust,
             constants: &self.constants,
+            host: &[],
         }
     }
 }

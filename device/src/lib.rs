@@ -37,6 +37,7 @@ mod description;
 mod device;
 mod error;
 pub mod gpu;
+mod host;
 mod image;
 mod kernel;
 pub mod native;
@@ -51,6 +52,7 @@ pub use self::{
     description::{DeviceChoice, DeviceDescription},
     device::{Counts, Device, DeviceOptions},
     error::DeviceError,
+    host::HostFunction,
     image::{Format, Image, ImageUse},
     kernel::{BoundKernel, Kernel, KernelSource, KernelText, Text, Trust},
     recording::{Command, Extent, Recording},

@@ -1,8 +1,8 @@
 //! Named resources, which kernels find by the names in their texts.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
-use crate::{Buffer, Image, gpu::Structure};
+use crate::{Buffer, HostFunction, Image, gpu::Structure};
 
 /// Named resources that kernels bind. Clones share them.
 #[derive(Debug, Clone, Default)]
@@ -10,6 +10,7 @@ pub struct Resources {
     buffers: BTreeMap<&'static str, Buffer>,
     images: BTreeMap<&'static str, Image>,
     structures: BTreeMap<&'static str, Structure>,
+    functions: BTreeMap<&'static str, Arc<dyn HostFunction>>,
 }
 
 /// What a kernel binds.
@@ -18,6 +19,7 @@ pub(crate) enum Resource<'a> {
     Buffer(&'a Buffer),
     Image(&'a Image),
     Structure(&'a Structure),
+    Function(&'a Arc<dyn HostFunction>),
 }
 
 impl Resources {
@@ -34,6 +36,11 @@ impl Resources {
     /// Adds or replaces an acceleration structure.
     pub fn set_structure(&mut self, name: &'static str, structure: Structure) {
         self.structures.insert(name, structure);
+    }
+
+    /// Adds or replaces a function that stands for one of the kernels' texts.
+    pub fn set_function(&mut self, name: &'static str, function: Arc<dyn HostFunction>) {
+        self.functions.insert(name, function);
     }
 
     /// A buffer by name.
@@ -59,6 +66,9 @@ impl Resources {
         }
         if let Some(structure) = self.structures.get(name) {
             return Resource::Structure(structure);
+        }
+        if let Some(function) = self.functions.get(name) {
+            return Resource::Function(function);
         }
         match self.images.get(name) {
             Some(image) => Resource::Image(image),

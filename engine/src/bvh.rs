@@ -1,5 +1,6 @@
 //! The two-level compressed wide BVH, as the traversal kernel reads it: one bottom level per mesh over its triangles,
 //! one top level over the instances. Here the levels are joined in one array of nodes; how one is built is in `wide`.
+//! Devices that bring a hierarchy of their own only need the order of triangles and instances.
 
 mod binary;
 mod bounds;
@@ -53,16 +54,7 @@ impl SceneBvh {
     /// If the scene has no triangles.
     pub fn build(scene: &Scene) -> Result<Self, BvhError> {
         let blas: Vec<WideBvh> = scene.meshes.par_iter().map(build_mesh).collect();
-        let placed: Vec<u32> = (0..scene.instances.len() as u32)
-            .filter(|&i| {
-                !scene.meshes[scene.instances[i as usize].mesh as usize]
-                    .triangles
-                    .is_empty()
-            })
-            .collect();
-        if placed.is_empty() {
-            return Err(BvhError::Empty);
-        }
+        let placed = placed(scene)?;
         let boxes = placed.iter().map(|&i| {
             let instance = &scene.instances[i as usize];
             instance_bounds(instance, &blas[instance.mesh as usize].bounds)
@@ -88,6 +80,26 @@ impl SceneBvh {
         Ok(result)
     }
 
+    /// Without nodes, in the order of the scene: for devices that have a hierarchy of their own.
+    ///
+    /// # Errors
+    /// If the scene has no triangles.
+    pub fn in_scene_order(scene: &Scene) -> Result<Self, BvhError> {
+        let mut result = Self {
+            instance_order: placed(scene)?,
+            ..Self::default()
+        };
+        let mut first_triangle = 0u32;
+        for mesh in &scene.meshes {
+            let count = mesh.triangles.len() as u32;
+            result.mesh_first_triangle.push(first_triangle);
+            result.mesh_roots.push((count > 0).then_some(0));
+            result.triangle_order.push((0..count).collect());
+            first_triangle += count;
+        }
+        Ok(result)
+    }
+
     fn append(&mut self, bvh: &WideBvh, first_primitive: u32) -> u32 {
         let root = self.nodes.len() as u32;
         self.nodes.extend(bvh.nodes.iter().map(|node| WideNode {
@@ -96,6 +108,19 @@ impl SceneBvh {
             ..*node
         }));
         root
+    }
+}
+
+/// The instances of meshes that have triangles.
+fn placed(scene: &Scene) -> Result<Vec<u32>, BvhError> {
+    let mut placed: Vec<u32> = (0..scene.instances.len() as u32).collect();
+    placed.retain(|&i| {
+        let mesh = scene.instances[i as usize].mesh;
+        !scene.meshes[mesh as usize].triangles.is_empty()
+    });
+    match placed.is_empty() {
+        true => Err(BvhError::Empty),
+        false => Ok(placed),
     }
 }
 

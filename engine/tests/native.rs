@@ -4,23 +4,24 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use device::{
-    Device, DeviceChoice, DeviceDescription, Extent, Recording, Resources, Text, Usage,
+    Device, DeviceChoice, Extent, Recording, Resources, Text, Usage,
     native::compile::{Cache, Kernel as NativeKernel, Options},
 };
 use engine::{
+    bvh::SceneBvh,
     frame::Frame,
     gpu_scene::{GpuScene, SceneFeatures},
     passes::{
         display, guide,
         pass::{Pass, Work},
-        proctex,
+        proctex, traverse,
         wgsl::ComposedWgsl,
     },
     scene::{Camera, Instance, Material, Mesh, Projection, Scene},
     schedule::{self, Run},
     settings::RenderSettings,
     texturing::TextureReads,
-    wave,
+    wave::{self, RayHit},
 };
 use glam::{Affine3A, Vec3};
 use texgen::{Library, SourceFile, TextureType};
@@ -30,7 +31,7 @@ fn constants(value: f64) -> Vec<(&'static str, f64)> {
     let features = SceneFeatures::default().constants();
     let names = features.iter().map(|(name, _)| *name);
     names
-        .chain(["ao_thread_per_hit"])
+        .chain(["ao_thread_per_hit", "ao_packets"])
         .map(|name| (name, value))
         .collect()
 }
@@ -176,12 +177,17 @@ impl Side {
         }
     }
 
+    /// All but the hierarchy, which each device has of its own.
     fn contents(&self) -> Contents {
         let read = |(name, bytes)| {
             let words = self.device.read(self.resources.buffer(name), 0, bytes);
             (name, bytemuck::pod_collect_to_vec(&words.expect("read")))
         };
-        self.resources.buffer_sizes().map(read).collect()
+        let sizes = self.resources.buffer_sizes();
+        sizes
+            .filter(|(name, _)| *name != "nodes")
+            .map(read)
+            .collect()
     }
 
     fn set_contents(&self, contents: &Contents) {
@@ -308,34 +314,72 @@ fn room() -> Scene {
     scene
 }
 
+/// Names what rays hit on the native device, which keeps triangles and instances in the scene's order, as the other does, in
+/// whose order they lie in memory. Of a shadow ray that is stopped nothing else is of interest.
+fn rename_hits(scene: &Scene, gpu: &SceneBvh, before: &[u32], sides: [&mut Vec<u32>; 2]) {
+    let place_of = |places: &[u32], source: u32| {
+        let place = places.iter().position(|&at| at == source);
+        place.expect("it is somewhere") as u32
+    };
+    let own = SceneBvh::in_scene_order(scene).expect("a scene");
+    let [driver, native] = sides;
+    let words = size_of::<RayHit>() / 4;
+    for first in (0..before.len()).step_by(words) {
+        let [triangle, instance] = [first + words - 2, first + words - 1];
+        let is_stopped = before[triangle] == RayHit::MISS && native[triangle] != RayHit::MISS;
+        if first >= before.len() / 2 {
+            for side in [&mut *driver, &mut *native] {
+                if side[triangle] != RayHit::MISS {
+                    side[triangle] = 0;
+                }
+            }
+        } else if is_stopped {
+            let source = own.instance_order[native[instance] as usize];
+            native[instance] = place_of(&gpu.instance_order, source);
+            let mesh = scene.instances[source as usize].mesh as usize;
+            let in_mesh = native[triangle] - own.mesh_first_triangle[mesh];
+            let place = place_of(&gpu.triangle_order[mesh], in_mesh);
+            native[triangle] = gpu.mesh_first_triangle[mesh] + place;
+        }
+    }
+}
+
 /// A wave of a room, pass by pass: both devices begin each with what the GPU device left.
 #[test]
 fn passes_leave_what_a_gpu_leaves() {
-    let is_driver = |device: &DeviceDescription| device.backend != "native";
-    let driver = Device::all().into_iter().find(is_driver);
-    let Some(driver) = driver.filter(|driver| driver.usable.is_ok()) else {
+    let Ok(driver) = Device::open(&DeviceChoice::Driver) else {
         let required = std::env::var_os("PATINA_REQUIRE_DEVICE").is_some();
         assert!(!required, "there is no driver");
         eprintln!("skipped: there is no driver");
         return;
     };
-    let open = |choice| Device::open(&choice).unwrap_or_else(|error| panic!("{error}"));
+    let native = DeviceChoice::Name("native".to_owned());
+    let native = Device::open(&native).unwrap_or_else(|error| panic!("{error}"));
     let scene = room();
-    let gpu = Side::new(open(DeviceChoice::Index(driver.index)), &scene);
-    let native = Side::new(open(DeviceChoice::Name("native".to_owned())), &scene);
+    let (gpu, native) = (Side::new(driver, &scene), Side::new(native, &scene));
     let mut passes = Listed(gpu.features, Vec::new());
     schedule::start(&mut passes);
     for _ in 0..4 {
         schedule::round(&mut passes);
     }
     schedule::end(&mut passes);
+    let order = SceneBvh::build(&scene).expect("a scene");
     let mut before = gpu.contents();
     for pass in passes.1 {
         native.set_contents(&before);
         native.run(pass);
         gpu.run(pass);
-        let (after, native) = (gpu.contents(), native.contents());
-        for (name, words) in &after {
+        let (after, mut native) = (gpu.contents(), native.contents());
+        let mut compared = after.clone();
+        if [traverse::CLOSEST.name, traverse::OCCLUSION.name].contains(&pass.name) {
+            let [gpu, native] = [&mut compared, &mut native].map(|contents| {
+                contents
+                    .get_mut("rays")
+                    .expect("they are among the buffers")
+            });
+            rename_hits(&scene, &order, &before["rays"], [gpu, native]);
+        }
+        for (name, words) in &compared {
             let (words, native) = (sorted(name, words), sorted(name, &native[name]));
             let old = sorted(name, &before[name]);
             let changed = words.iter().zip(&old).filter(|(a, b)| a != b).count();

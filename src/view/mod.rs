@@ -6,7 +6,7 @@ pub(crate) mod job;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use device::{Device, DeviceOptions};
+use device::{Device, DeviceChoice, DeviceError, DeviceOptions};
 use engine::film::Film;
 use patina_viewer::host::{Changes, Host};
 use patina_viewer::link::Files;
@@ -46,8 +46,16 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
     };
     library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
     let folder = cache::folder();
-    let gpu = Device::open_with(&DeviceOptions::new(&job.device).with_cache(folder.as_deref()))
-        .map_err(Failure::because)?;
+    // A window shows what drivers make.
+    let device = match &job.device {
+        DeviceChoice::Best => &DeviceChoice::Driver,
+        named => named,
+    };
+    let gpu = Device::open_with(&DeviceOptions::new(device).with_cache(folder.as_deref()))
+        .map_err(|error| match error {
+            DeviceError::NoAdapter => Failure::because(WindowError::NoDriver),
+            error => Failure::because(error),
+        })?;
     let files = job.scene.clone().map(|scene| Files {
         scene,
         look: job.look.clone(),
@@ -61,7 +69,7 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
             seed: job.seed,
             size: FIRST_SIZE,
         },
-        preview_device: job.device.clone(),
+        preview_device: device.clone(),
         picture_at_spp: job.screenshot.as_ref().map(|(_, spp)| *spp),
     };
     let outcome = shell::run(&gpu, options, Box::new(host)).map_err(|error| match error {

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use device::Device;
+use device::{Device, DeviceChoice};
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -81,7 +81,7 @@ struct Stage {
 
 impl Stage {
     fn new() -> Option<Self> {
-        let gpu = match Device::best() {
+        let gpu = match Device::open(&DeviceChoice::Driver) {
             Ok(gpu) => gpu,
             Err(error) => {
                 assert!(

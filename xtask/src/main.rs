@@ -18,12 +18,15 @@ use anyhow::{Context, Result, bail};
 
 use steps::{Step, Steps, cargo, root};
 
-/// Picture size and samples of the demo: about half a minute of rendering on two cores without a GPU.
+/// Picture size and samples of the demo: some seconds of rendering on two cores without a GPU.
 const DEMO_SIZE: &str = "640x360";
 const DEMO_SPP: &str = "16";
 /// The same scene for the README: nobody waits for it.
 const PICTURE_SIZE: &str = "640x360";
 const PICTURE_SPP: &str = "96";
+
+/// Devices that the tests of the whole system run on beside the usual one, each with the step's name.
+const OTHER_DEVICES: [(&str, &str); 1] = [("Tests on a software driver", "llvmpipe")];
 
 const DEMO_SCENE: &str = "examples/demo/demo.gltf";
 const DEMO_LOOK: &str = "examples/demo/demo.look.toml";
@@ -63,7 +66,7 @@ Commands:
   contact-sheet Render Khronos' sample models, where they lie beside the checkout, to docs/images/khronos.jpg
   peers         Compare with other renderers that are installed; `cargo xtask peers --help` lists the options
 
-Each of them, but for dist, first finds a Vulkan driver, or installs Mesa's on Debian and Ubuntu.";
+`test` first finds a Vulkan driver, or installs Mesa's on Debian and Ubuntu; the others need none.";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -79,7 +82,7 @@ fn main() -> ExitCode {
             println!("{}", peers::USAGE);
             Ok(())
         }
-        ["peers", ref rest @ ..] => compare(rest),
+        ["peers", ref rest @ ..] => peers::run(rest),
         ["help" | "--help" | "-h"] => {
             println!("{USAGE}");
             Ok(())
@@ -101,23 +104,8 @@ fn main() -> ExitCode {
 /// A fresh machine to a first picture.
 fn demo() -> Result<()> {
     let mut steps = Steps::new();
-    steps.run("Vulkan driver", vulkan::ensure)?;
     steps.run("Release build", || {
         cargo(["build", "--locked", "--release", "--package", "patina"]).run()
-    })?;
-    steps.run("Devices", || {
-        ensure_device(|| {
-            cargo([
-                "run",
-                "--locked",
-                "--quiet",
-                "--package",
-                "patina",
-                "--release",
-            ])
-            .args(["--", "devices"])
-            .run()
-        })
     })?;
     let out = root().join("out");
     fs::create_dir_all(&out).with_context(|| format!("cannot create {}", out.display()))?;
@@ -154,17 +142,25 @@ fn test(full: bool) -> Result<()> {
         cargo(["test", "--locked", "--workspace", "--no-run"]).run()
     })?;
     steps.run("Devices", || {
-        ensure_device(|| tested_patina()?.args(["devices"]).run())
+        tested_patina()?.args(["devices"]).run()?;
+        ensure_driver(|| Ok(tested_patina()?.args(["devices"]).output()))
     })?;
-    let name = if full { "All tests" } else { "Tests" };
-    steps.run(name, || {
-        let tests = cargo(["test", "--locked", "--workspace"]).env("PATINA_REQUIRE_DEVICE", "1");
-        if full {
-            tests.env("PATINA_FULL", "1").run()
-        } else {
-            tests.run()
+    let tests = |scope: &[&'static str]| {
+        let tests = cargo(["test", "--locked"]).args(scope.iter().copied());
+        let tests = tests.env("PATINA_REQUIRE_DEVICE", "1");
+        match full {
+            true => tests.env("PATINA_FULL", "1"),
+            false => tests,
         }
-    })?;
+    };
+    let name = if full { "All tests" } else { "Tests" };
+    steps.run(name, || tests(&["--workspace"]).run())?;
+    for (name, device) in OTHER_DEVICES {
+        let whole_system = ["--package", "patina", "--tests"];
+        steps.run(name, || {
+            tests(&whole_system).env("PATINA_DEVICE", device).run()
+        })?;
+    }
     if full {
         steps.run("Fuzz targets", fuzz_targets)?;
     }
@@ -200,7 +196,6 @@ fn fuzz_targets() -> Result<()> {
 /// The README's pictures: the example scene, and Sponza where its test data lies beside the checkout.
 fn pictures() -> Result<()> {
     let mut steps = Steps::new();
-    steps.run("Vulkan driver", vulkan::ensure)?;
     steps.run("Release build", || {
         cargo(["build", "--locked", "--release", "--package", "patina"]).run()
     })?;
@@ -228,7 +223,6 @@ fn contact_sheet() -> Result<()> {
         bail!("{MODELS} is not on this machine: glTF models, each in a folder of its own");
     }
     let mut steps = Steps::new();
-    steps.run("Vulkan driver", vulkan::ensure)?;
     steps.run(MODELS_PICTURE, || {
         cargo([
             "run",
@@ -244,12 +238,6 @@ fn contact_sheet() -> Result<()> {
     })?;
     steps.finish();
     Ok(())
-}
-
-/// Patina beside other renderers.
-fn compare(arguments: &[&str]) -> Result<()> {
-    vulkan::ensure()?;
-    peers::run(arguments)
 }
 
 fn render_demo(size: &str, spp: &str, outputs: &[&str]) -> Result<()> {
@@ -277,13 +265,17 @@ fn render(scene: &str, look: &str, size: &str, spp: &str, outputs: &[&str]) -> R
     .run()
 }
 
-/// Lists the devices of the program just built. A driver may be installed and still find no device (a GPU's driver
-/// in a container without that GPU): Mesa's software driver is then added.
-fn ensure_device(devices: impl Fn() -> Result<()>) -> Result<()> {
-    devices().or_else(|_| {
-        vulkan::install().context("the installed Vulkan drivers find no device that can render")?;
-        devices()
-    })
+/// Looks for a driver's device in the list of `patina devices`. A driver may be installed and still find none (a GPU's
+/// driver in a container without that GPU): Mesa's software driver is then added.
+fn ensure_driver(devices: impl Fn() -> Result<String>) -> Result<()> {
+    let is_there = || Ok::<_, anyhow::Error>(devices()?.contains("Vulkan"));
+    if cfg!(target_os = "linux") && !is_there()? {
+        vulkan::install()?;
+        if !is_there()? {
+            bail!("the installed Vulkan drivers find no device that can render");
+        }
+    }
+    Ok(())
 }
 
 /// The program of the test build. `cargo run` would build it again: alone, its dependencies have fewer features than

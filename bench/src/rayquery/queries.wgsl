@@ -26,10 +26,10 @@ fn is_hit(candidate: RayIntersection, t_min: f32, coin: u32, only_instance: u32)
         return false;
     }
     return !has_alpha || (triangle.w & TRIANGLE_ALPHA) == 0u
-        || !is_transparent(triangle, index, candidate.barycentrics, coin);
+        || !is_transparent(triangle, candidate.instance_index, candidate.barycentrics, coin);
 }
 
-fn trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any: bool, only_instance: u32) -> Hit {
+fn trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any: bool, only_instance: u32, coin: u32) -> Hit {
     let nothing = Hit(t_max, vec2f(0.0), MISS, 0u);
     if (!(t_max > t_min)) {
         return nothing; // a dead ray, which must not be handed to the hardware
@@ -42,7 +42,6 @@ fn trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any: bool, onl
     if (only_instance != MISS) {
         flags |= RAY_FLAG_NO_OPAQUE;
     }
-    let coin = alpha_coin(origin, direction);
     var query: ray_query;
     rayQueryInitialize(&query, scene_structure, RayDesc(flags, 0xffu, t_min, t_max, origin, direction));
     while (rayQueryProceed(&query)) {

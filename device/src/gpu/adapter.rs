@@ -1,6 +1,6 @@
 //! Which adapters there are, and which of them is meant.
 
-use crate::{DeviceChoice, DeviceDescription, DeviceError};
+use crate::{Device, DeviceChoice, DeviceDescription, DeviceError};
 
 /// Storage buffers per stage that kernels need.
 const REQUIRED_STORAGE_BUFFERS: u32 = 8;
@@ -27,9 +27,13 @@ pub(super) fn by_preference() -> (wgpu::Instance, Vec<wgpu::Adapter>) {
     (instance, adapters)
 }
 
+/// By their numbers: the processor itself comes before the drivers that use it.
 pub(super) fn describe(adapters: &[wgpu::Adapter]) -> Vec<DeviceDescription> {
     (adapters.iter().enumerate())
-        .map(|(index, adapter)| description(index, adapter))
+        .map(|(place, adapter)| {
+            let is_processor = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+            description(place + usize::from(is_processor), adapter)
+        })
         .collect()
 }
 
@@ -39,11 +43,11 @@ pub(super) fn choose(
 ) -> Result<(wgpu::Instance, wgpu::Adapter, DeviceDescription), DeviceError> {
     let (instance, adapters) = by_preference();
     let descriptions = describe(&adapters);
-    let Some(description) = descriptions.iter().find(|device| choice.admits(device)) else {
-        if descriptions.is_empty() {
+    let Some(place) = (descriptions.iter()).position(|device| choice.admits(device)) else {
+        if descriptions.is_empty() && *choice == DeviceChoice::Driver {
             return Err(DeviceError::NoAdapter);
         }
-        let available = descriptions
+        let available = Device::all()
             .iter()
             .map(|d| match &d.usable {
                 Ok(()) => format!("  {}: {} ({}, {})", d.index, d.name, d.backend, d.driver),
@@ -54,8 +58,11 @@ pub(super) fn choose(
         let wanted = choice.to_string();
         return Err(DeviceError::NotFound { wanted, available });
     };
-    let description = description.clone();
-    Ok((instance, adapters[description.index].clone(), description))
+    Ok((
+        instance,
+        adapters[place].clone(),
+        descriptions[place].clone(),
+    ))
 }
 
 fn description(index: usize, adapter: &wgpu::Adapter) -> DeviceDescription {
@@ -68,6 +75,7 @@ fn description(index: usize, adapter: &wgpu::Adapter) -> DeviceDescription {
         backend: info.backend.to_string(),
         driver: driver.trim().to_owned(),
         device_type: device_type_name(info.device_type).to_owned(),
+        is_processor: info.device_type == wgpu::DeviceType::Cpu,
         max_storage_binding: limits.max_storage_buffer_binding_size,
         max_buffer: limits.max_buffer_size,
         storage_buffers_per_stage: limits.max_storage_buffers_per_shader_stage,

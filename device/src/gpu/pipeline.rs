@@ -75,6 +75,7 @@ impl Pipeline {
                 resource: match resource {
                     Resource::Buffer(buffer) => buffer.gpu().as_entire_binding(),
                     Resource::Structure(structure) => structure.as_binding(),
+                    Resource::Function(_) => unreachable!("kernels on drivers declare none"),
                     Resource::Image(image) => match &image.texels {
                         Texels::Gpu { view, .. } => wgpu::BindingResource::TextureView(view),
                         Texels::Native(_) => {

@@ -45,16 +45,17 @@ struct Shared {
 
 /// What it is, as the device of this number.
 pub(crate) fn describe(index: usize) -> DeviceDescription {
-    let vectors = match super::accel::Kernel::best() == super::accel::Kernel::portable() {
-        true => "portable vectors",
-        false => "AVX2",
+    let threads = match rayon::current_num_threads() {
+        1 => "1 thread".to_owned(),
+        threads => format!("{threads} threads"),
     };
     DeviceDescription {
         index,
-        name: format!("{NAME} ({} threads)", rayon::current_num_threads()),
-        backend: NAME.to_owned(),
-        driver: format!("none needed, {vectors}"),
+        name: NAME.to_owned(),
+        backend: "no driver".to_owned(),
+        driver: format!("{threads}, {}", super::accel::Kernel::best()),
         device_type: "CPU".to_owned(),
+        is_processor: true,
         max_storage_binding: u64::from(u32::MAX),
         max_buffer: u64::from(u32::MAX),
         storage_buffers_per_stage: 64,
@@ -93,6 +94,8 @@ impl Processor {
                 most: 1 << 16,
             },
             traces_packets: false,
+            runs_threads_in_turn: true,
+            calls_functions: true,
             runs_all_cases: false,
             specialises_uniforms: false,
             compiles_slowly: false,
@@ -145,6 +148,7 @@ impl Processor {
         let options = Options {
             // A user's functions, so that what others contain needn't be compiled again.
             separate: &|name| name.ends_with("userProc"),
+            host: source.host,
             loop_limit: (source.trust == Trust::Nothing).then_some(LOOP_LIMIT),
             cache: Some(&self.shared.functions),
             ..Options::default()
@@ -213,6 +217,7 @@ pub(crate) fn resource(resource: &Resource<'_>) -> Option<compile::Resource> {
     match resource {
         Resource::Buffer(buffer) => Some(buffer.native().clone().into()),
         Resource::Image(image) => Some(image.native()?.clone().into()),
+        Resource::Function(function) => Some(Arc::clone(function).into()),
         Resource::Structure(_) => None,
     }
 }

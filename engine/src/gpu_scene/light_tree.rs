@@ -155,18 +155,19 @@ fn cone_union((a, cos_a): (Vec3, f32), (b, cos_b): (Vec3, f32)) -> (Vec3, f32) {
     (axis.normalize(), spread.cos())
 }
 
-/// The tree over lights, none of which is without intensity; the n-th emitter is light n. Empty if there are none, or
-/// else two records a light. Takes n log n steps for n lights, wherever they are.
-pub fn build(emitters: &[Emitter]) -> Vec<GpuLightNode> {
+/// The tree over lights, none of which is without intensity, each with its number. Empty if there are none, or else two
+/// records a light. Takes n log n steps for n lights, wherever they are.
+pub fn build(emitters: &[(u32, Emitter)]) -> Vec<GpuLightNode> {
     if emitters.is_empty() {
         return Vec::new();
     }
     // Only ratios count, and those of extreme lights are not to be lost.
-    let total: f64 = emitters.iter().map(|e| f64::from(e.intensity)).sum();
-    let mut items: Vec<Item> = (0..)
-        .zip(emitters)
+    let total: f64 = (emitters.iter())
+        .map(|(_, emitter)| f64::from(emitter.intensity))
+        .sum();
+    let mut items: Vec<Item> = (emitters.iter())
         .map(|(light, emitter)| Item {
-            light,
+            light: *light,
             center: emitter.center(),
             emitter: Emitter {
                 intensity: (f64::from(emitter.intensity) / total) as f32,
@@ -432,7 +433,8 @@ mod tests {
 
     /// Every light is in one leaf, relations hold, and a node bounds what is below it. Returns the depth.
     fn check(emitters: &[Emitter]) -> u32 {
-        let nodes = build(emitters);
+        let numbered: Vec<_> = (0..).zip(emitters.iter().copied()).collect();
+        let nodes = build(&numbered);
         assert_eq!(nodes.len(), 2 * emitters.len());
         let mut seen = vec![false; emitters.len()];
         let mut deepest = 0;

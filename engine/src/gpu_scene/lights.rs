@@ -52,6 +52,15 @@ impl GpuLight {
     }
 }
 
+/// A light on its way into the tree.
+struct Placed {
+    /// Its instance and triangle in the scene; of others what comes behind these.
+    source: (u32, u32),
+    /// Its number in the table.
+    light: u32,
+    emitter: Emitter,
+}
+
 /// The lights of a scene but for its environment.
 #[derive(Debug, Default)]
 pub struct LightTable {
@@ -91,7 +100,10 @@ impl LightTable {
         }
         table.add_triangles(scene, bvh, materials, &mut emitters);
         table.add_punctual(&scene.lights, &mut emitters);
-        table.tree = light_tree::build(&emitters);
+        // In the scene's order, not the hierarchy's: which light a random number chooses is the same on every device.
+        emitters.sort_by_key(|emitter| emitter.source);
+        let numbered: Vec<_> = emitters.iter().map(|e| (e.light, e.emitter)).collect();
+        table.tree = light_tree::build(&numbered);
         for (place, node) in (0..).zip(&table.tree) {
             // The second record is no node.
             if place != 1
@@ -108,7 +120,7 @@ impl LightTable {
         scene: &Scene,
         bvh: &SceneBvh,
         materials: &[GpuMaterial],
-        emitters: &mut Vec<Emitter>,
+        emitters: &mut Vec<Placed>,
     ) {
         let radiance = |material: u32| materials[material as usize].light_radiance();
         for (place, &source) in (0..).zip(&bvh.instance_order) {
@@ -137,12 +149,16 @@ impl LightTable {
                 if !(area > 0.0 && intensity > 0.0 && intensity.is_finite()) {
                     continue;
                 }
-                emitters.push(Emitter::triangle(
-                    corners,
-                    normal.normalize_or(Vec3::Y) * handedness,
-                    intensity,
-                    scene.materials[material as usize].double_sided,
-                ));
+                emitters.push(Placed {
+                    source: (source, t),
+                    light: self.placed.len() as u32,
+                    emitter: Emitter::triangle(
+                        corners,
+                        normal.normalize_or(Vec3::Y) * handedness,
+                        intensity,
+                        scene.materials[material as usize].double_sided,
+                    ),
+                });
                 self.placed.push(GpuLight {
                     position: a,
                     kind: TRIANGLE,
@@ -156,9 +172,9 @@ impl LightTable {
         }
     }
 
-    fn add_punctual(&mut self, lights: &[PunctualLight], emitters: &mut Vec<Emitter>) {
+    fn add_punctual(&mut self, lights: &[PunctualLight], emitters: &mut Vec<Placed>) {
         let mut irradiances = Vec::new();
-        for light in lights {
+        for (number, light) in (0..).zip(lights) {
             let strength = luminance(light.intensity);
             if !(strength > 0.0 && strength.is_finite()) {
                 continue;
@@ -190,12 +206,11 @@ impl LightTable {
                     outer_angle
                 }
             };
-            emitters.push(Emitter::point(
-                light.position,
-                light.direction,
-                angle,
-                strength,
-            ));
+            emitters.push(Placed {
+                source: (u32::MAX, number),
+                light: self.placed.len() as u32,
+                emitter: Emitter::point(light.position, light.direction, angle, strength),
+            });
             self.placed.push(entry);
         }
         for (light, cell) in self.directional.iter_mut().zip(alias_table(&irradiances)) {

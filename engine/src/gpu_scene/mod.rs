@@ -11,13 +11,16 @@ pub mod lights;
 pub mod materials;
 mod update;
 
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Vec3};
 
-use device::{Device, DeviceError, Resources, Usage};
+use device::{Device, DeviceError, Resources, Usage, native::accel};
 
 use crate::{
     bvh::{BvhError, SceneBvh},
+    passes::traverse::host::{self, HostTraversal},
     scene::{Mesh, Scene},
     texturing::{ProgramTraits, TextureReads},
 };
@@ -40,6 +43,9 @@ pub enum GpuSceneError {
     /// No hierarchy.
     #[error(transparent)]
     Bvh(#[from] BvhError),
+    /// No hierarchy for rays that the program traces.
+    #[error(transparent)]
+    Rays(#[from] accel::BuildError),
     /// Too large, or refused by the driver.
     #[error(transparent)]
     Device(#[from] DeviceError),
@@ -171,7 +177,16 @@ impl GpuScene {
         if scene.materials.len() > MAX_MATERIALS {
             return Err(GpuSceneError::TooManyMaterials(scene.materials.len()));
         }
-        let mut bvh = SceneBvh::build(scene)?;
+        let calls_functions = gpu.traits().calls_functions;
+        let mut bvh = match calls_functions {
+            true => SceneBvh::in_scene_order(scene)?,
+            false => SceneBvh::build(scene)?,
+        };
+        if calls_functions {
+            let rules = ray_rules(scene, &program);
+            let traversal = HostTraversal::new(scene, &bvh, &rules, gpu.activity())?;
+            resources.set_function(host::FUNCTION, Arc::new(traversal));
+        }
         let (lo, hi) = scene.bounds().ok_or(BvhError::Empty)?;
         // The sum, the difference and its square may be out of range where the corners are not.
         let center = lo * 0.5 + hi * 0.5;
@@ -331,7 +346,7 @@ fn instances(scene: &Scene, bvh: &SceneBvh) -> Vec<GpuInstance> {
 }
 
 /// In double precision: strongly scaled instances would lose digits.
-fn inverse(transform: &Affine3A) -> Affine3A {
+pub(crate) fn inverse(transform: &Affine3A) -> Affine3A {
     let wide = glam::DAffine3::from_mat3_translation(
         glam::Mat3::from(transform.matrix3).as_dmat3(),
         Vec3::from(transform.translation).as_dvec3(),

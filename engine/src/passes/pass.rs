@@ -64,16 +64,21 @@ impl Pass {
     /// # Errors
     /// If the driver refuses it.
     pub fn kernel(&self, device: &Device, features: &SceneFeatures) -> Result<Kernel, DeviceError> {
-        let constants = [&features.constants()[..], &[ao_thread_per_hit(device)]].concat();
+        let constants = [&features.constants()[..], &ao_constants(device)].concat();
         let source = self.source(device);
         source.compile(device, self.name, Trust::All, &constants)
     }
 }
 
-/// The override constant that says whether a thread traces all rays of ambient occlusion of a hit, for the kernel that does it
-/// and the one that sizes its dispatch. A graphics card needs many threads, one for each ray. A processor has enough of them in
-/// the hits alone: there one thread traces all rays of a hit, in packets of four (`ao/packet.wgsl`).
-fn ao_thread_per_hit(device: &Device) -> (&'static str, f64) {
-    let is_packet = device.traits().traces_packets;
-    ("ao_thread_per_hit", f64::from(u8::from(is_packet)))
+/// The override constants that say whether a thread traces all rays of ambient occlusion of a hit, for the kernel that does it
+/// and the one that sizes its dispatch, and whether in packets of four (`ao/packet.wgsl`). A graphics card needs many threads,
+/// one for each ray. A processor has enough of them in the hits alone.
+fn ao_constants(device: &Device) -> [(&'static str, f64); 2] {
+    let traits = device.traits();
+    let per_hit = traits.traces_packets || traits.runs_threads_in_turn;
+    let value = |is: bool| f64::from(u8::from(is));
+    [
+        ("ao_thread_per_hit", value(per_hit)),
+        ("ao_packets", value(traits.traces_packets)),
+    ]
 }

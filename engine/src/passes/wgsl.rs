@@ -9,6 +9,7 @@ use std::{collections::HashSet, ops::Range};
 use device::{Device, DeviceError, Kernel, KernelSource, Text, Trust};
 use texgen::{GeneratedKernel, SourceMap};
 
+use super::traverse;
 use crate::material_record;
 
 /// A WGSL file: its path below `passes/`, by which others include it, and its text.
@@ -88,6 +89,7 @@ impl ComposedWgsl {
             entry,
             trust,
             constants,
+            host: &[traverse::host::FUNCTION],
         };
         compile(device, &source)
     }

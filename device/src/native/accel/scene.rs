@@ -126,6 +126,14 @@ impl Scene {
         self.kernel.trace::<true>(self, ray, None, &filter)
     }
 
+    /// [`closest`](Self::closest), or [`any`](Self::any), of all instances or of one, without a filter: each hit counts.
+    pub fn trace(&self, ray: &Ray, any: bool, only: Option<u32>) -> Option<Hit> {
+        match any {
+            true => self.kernel.trace::<true>(self, ray, only, &|_| true),
+            false => self.kernel.trace::<false>(self, ray, only, &|_| true),
+        }
+    }
+
     /// As [`any`](Self::any), but only one instance can be hit.
     #[inline]
     pub fn any_of_instance(

@@ -1,21 +1,26 @@
 //! Resources of a kernel: what it declares, and what it is given.
 
+use std::sync::Arc;
+
 use naga::ScalarKind;
 
 use super::{BoundKernel, Kernel};
-use crate::native::{
-    buffer::Buffer,
-    image::{Format, Image},
+use crate::{
+    HostFunction,
+    native::{
+        buffer::Buffer,
+        image::{Format, Image},
+    },
 };
 
-/// A global of the text that has to be bound.
+/// A global or a function of the text that has to be bound.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Binding {
     /// Its name in the text.
     pub name: String,
-    /// `@group`.
+    /// `@group`; 0 for a function.
     pub group: u32,
-    /// `@binding`.
+    /// `@binding`; 0 for a function.
     pub binding: u32,
     /// What it is.
     pub kind: BindingKind,
@@ -51,6 +56,11 @@ pub enum BindingKind {
         /// What a texel's numbers are.
         scalar: ScalarKind,
     },
+    /// A function that is called in place of the text's.
+    Function {
+        /// Words of its arguments and of its result.
+        words: [usize; 2],
+    },
 }
 
 /// What is bound.
@@ -67,6 +77,8 @@ pub enum Resource {
     },
     /// An image.
     Image(Image),
+    /// A function of the program.
+    Function(Arc<dyn HostFunction>),
 }
 
 impl From<Buffer> for Resource {
@@ -86,6 +98,12 @@ impl From<Image> for Resource {
     }
 }
 
+impl From<Arc<dyn HostFunction>> for Resource {
+    fn from(function: Arc<dyn HostFunction>) -> Self {
+        Self::Function(function)
+    }
+}
+
 /// Why a resource can't be bound.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -94,7 +112,8 @@ pub enum BindError {
     #[error("nothing is bound to `{0}`")]
     Missing(String),
     /// An image where a buffer is declared, or the other way around; or numbers of another kind; or an array of layers
-    /// where one image is declared; or a place that isn't a multiple of four or lies behind the buffer's end.
+    /// where one image is declared; or a place that isn't a multiple of four or lies behind the buffer's end; or a
+    /// function of other arguments.
     #[error("what is bound to `{0}` is not what it declares")]
     Mismatch(String),
     /// A buffer smaller than what is declared.
@@ -135,7 +154,7 @@ impl Kernel {
             check(binding, &found)?;
             resources.push(found);
         }
-        Ok(BoundKernel::new(self.clone(), resources))
+        Ok(BoundKernel::new(self.clone(), resources.into()))
     }
 }
 
@@ -170,6 +189,11 @@ fn check(binding: &Binding, resource: &Resource) -> Result<(), BindError> {
         ) => {
             let float = scalar == ScalarKind::Float;
             if image.format().is_float() != float || (!arrayed && image.size()[2] > 1) {
+                return Err(mismatch());
+            }
+        }
+        (BindingKind::Function { words }, Resource::Function(function)) => {
+            if words != function.words() {
                 return Err(mismatch());
             }
         }

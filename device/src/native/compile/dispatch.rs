@@ -18,8 +18,8 @@ pub struct BoundKernel {
 }
 
 struct Bound {
-    /// Keeps the memory alive that the context points to.
-    resources: Vec<Resource>,
+    /// Keeps the memory alive that the context points to; of functions, this is that memory.
+    resources: Box<[Resource]>,
     /// What machine code reads of the dispatch, see [`context`]; the numbers of workgroups are left open.
     context: Vec<u64>,
     _headers: Box<[ImageHeader]>,
@@ -35,10 +35,10 @@ pub(super) type EntryPoint = unsafe extern "C" fn(*const u64, *mut u64, u32, u32
 
 impl BoundKernel {
     /// `resources` fit the kernel's bindings, one by one.
-    pub(super) fn new(kernel: Kernel, resources: Vec<Resource>) -> Self {
+    pub(super) fn new(kernel: Kernel, resources: Box<[Resource]>) -> Self {
         let images = resources.iter().filter_map(|resource| match resource {
             Resource::Image(image) => Some(image),
-            Resource::Buffer { .. } => None,
+            Resource::Buffer { .. } | Resource::Function(_) => None,
         });
         let headers: Box<[ImageHeader]> = images
             .map(|image| {
@@ -79,6 +79,7 @@ impl BoundKernel {
                     let header = next_header.next().expect("one for each image");
                     (std::ptr::from_ref(header) as u64, 0)
                 }
+                Resource::Function(function) => (std::ptr::from_ref(function) as u64, 0),
             };
             context[context::binding(slot) as usize / 8] = address;
             context[context::last_index(slot) as usize / 8] = u64::from(last);

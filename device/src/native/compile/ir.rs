@@ -203,6 +203,8 @@ pub(super) enum Runtime {
     LoadTexel,
     /// (header, texel, source): from memory.
     StoreTexel,
+    /// (function, arguments, words of these, result, words of it): a function that was bound.
+    Host,
 }
 
 /// How memory is accessed.

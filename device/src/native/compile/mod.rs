@@ -43,6 +43,8 @@ pub struct Options<'a> {
     /// Functions that get machine code of their own, by name; the rest is inlined as far as that pays. With a
     /// [`Cache`], what these contain is compiled once, whatever changes around them.
     pub separate: &'a (dyn Fn(&str) -> bool + Sync),
+    /// Functions that aren't compiled, by name: what is bound to this name is called instead ([`Resource::Function`]).
+    pub host: &'a [&'static str],
     /// The most times that a loop's body runs, each time that the loop is entered; then it ends. For texts whose loops
     /// may not end.
     pub loop_limit: Option<u32>,
@@ -57,8 +59,9 @@ impl Default for Options<'_> {
     fn default() -> Self {
         Self {
             separate: &|_| false,
+            host: &[],
             loop_limit: None,
-            // Threads of rayon have 2 MiB.
+            // Threads of rayon have 2 MiB, and functions of the program need some of that, too.
             stack_limit: 512 << 10,
             cache: None,
         }
@@ -124,7 +127,7 @@ impl Kernel {
         })
     }
 
-    /// What has to be bound: the globals that the entry point uses, and no others.
+    /// What has to be bound: the globals that the entry point uses and the functions that it calls, and no others.
     pub fn bindings(&self) -> &[Binding] {
         &self.bindings
     }

@@ -1,6 +1,9 @@
 //! Functions that machine code calls. Those of numbers are `libm`'s: the same on every platform, so that pictures are.
 
+use std::sync::Arc;
+
 use super::{bind::ImageHeader, ir::Runtime};
+use crate::HostFunction;
 use crate::native::image::{Format, SRGB, srgb8, unorm8};
 
 /// The type of a parameter or result.
@@ -147,6 +150,26 @@ unsafe extern "C" fn store_texel(
     }
 }
 
+/// # Safety
+/// `function` is bound; `arguments` and `result` point to so many words, that nothing else uses.
+unsafe extern "C" fn host(
+    function: *const Arc<dyn HostFunction>,
+    arguments: *const u32,
+    argument_words: u32,
+    result: *mut u32,
+    result_words: u32,
+) {
+    // SAFETY: the caller's.
+    let (function, arguments, result) = unsafe {
+        (
+            &*function,
+            std::slice::from_raw_parts(arguments, argument_words as usize),
+            std::slice::from_raw_parts_mut(result, result_words as usize),
+        )
+    };
+    function.call(arguments, result);
+}
+
 impl Runtime {
     /// Where the function is, and what it takes and gives.
     pub(super) fn signature(self) -> Signature {
@@ -181,6 +204,11 @@ impl Runtime {
             Self::StoreTexel => (
                 store_texel as *const u8,
                 &[Pointer, I32, I32, I32, Pointer],
+                None,
+            ),
+            Self::Host => (
+                host as *const u8,
+                &[Pointer, Pointer, I32, Pointer, I32],
                 None,
             ),
         };

@@ -41,8 +41,14 @@ fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgrou
         asked += count;
         let site = occlusion_site(s, hit.instance, path, purpose, i);
         var traced = Occlusion(0u, 0u);
-        if (ao_thread_per_hit) {
+        if (ao_packets) {
             traced = occlusion_in_packets(site, count);
+        } else if (ao_thread_per_hit) {
+            for (var ray_of_hit = 0u; ray_of_hit < count; ray_of_hit++) {
+                let one = occlusion(site, ray_of_hit);
+                traced.occluded += one.occluded;
+                traced.free += one.free;
+            }
         } else if (sample < count) {
             traced = occlusion(site, sample);
         }

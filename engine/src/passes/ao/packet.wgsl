@@ -7,6 +7,9 @@
 
 const PACKET = 4u;
 
+// Whether rays are traced in packets at all.
+override ao_packets: bool = false;
+
 // Component i of each vector is that of ray i.
 struct Packet {
     origin: vec3f,

@@ -58,9 +58,10 @@ fn shade_vertex(slot: u32) {
         // Seen from behind the shading normal: nothing is reflected.
         return;
     }
+    let l = lobes(m.bsdf, wo);
     let origins = ray_origins(v, m.bsdf);
-    let has_shadow_ray = sample_direct_light(p, v, m, wo, origins);
-    if (!sample_indirect(p, v, m, wo, origins) && has_program_shadows && has_shadow_ray) {
+    let has_shadow_ray = sample_direct_light(p, v, m, l, wo, origins);
+    if (!sample_indirect(p, v, m, l, wo, origins) && has_program_shadows && has_shadow_ray) {
         wait_for_shadow_ray(p);
     }
 }

@@ -8,7 +8,7 @@ fn stretched_tangent(s: Surface, material: u32, instance: u32, normal: vec3f, an
     }
     let along = surface_tangent(s, instance, normal);
     let across = cross(normal, along.xyz) * along.w;
-    var direction = vec2f(cos(angle), sin(angle));
+    var direction = unit_circle(angle / (2.0 * PI));
     if ((materials[material].texture_mask & (1u << (FIRST_LAYER_TEXTURE + LAYER_ANISOTROPY))) != 0u) {
         let texel = map.xy * 2.0 - 1.0;
         direction = vec2f(direction.x * texel.x - direction.y * texel.y, direction.y * texel.x + direction.x * texel.y);

@@ -23,11 +23,17 @@ struct Passage {
     throughput: vec3f,
 }
 
+// A random number for a surface, by numbers of triangle and instance that no device's order changes.
+fn passage_coin(v: Vertex) -> f32 {
+    let instance = instances[v.instance].source;
+    return random_at(v.id, vertex_dimension(v.depth, DIMENSION_OPACITY), triangle_number(v.surface.triangle), instance);
+}
+
 // Whether the path passes the surface: by its opacity, because it is inside a body that counts more, or because the surface
 // is a thin clear wall.
 fn sample_passage(v: Vertex, throughput: vec3f) -> Passage {
     if (gives(v.slot, v.driven, OUTPUT_OPACITY)) {
-        let coin = random_at(v.id, vertex_dimension(v.depth, DIMENSION_OPACITY), v.hit_triangle, v.instance);
+        let coin = passage_coin(v);
         if (coin >= scalar_or(v.slot, v.driven, OUTPUT_OPACITY, 1.0)) {
             return Passage(true, throughput);
         }
@@ -41,7 +47,7 @@ fn sample_passage(v: Vertex, throughput: vec3f) -> Passage {
         let cosine = dot(v.surface.geometric_normal, v.surface.wo);
         let passing = clear_transmittance(v.material, v.surface.triangle, v.surface.weights, cosine);
         let chance = max_component(passing);
-        if (random_at(v.id, vertex_dimension(v.depth, DIMENSION_OPACITY), v.hit_triangle, v.instance) < chance) {
+        if (passage_coin(v) < chance) {
             return Passage(true, throughput * passing / chance);
         }
         return Passage(false, throughput / (1.0 - chance));

@@ -6,6 +6,9 @@
 // there aren't stopped by the coarseness of the mesh (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021,
 // chapter 4). Zero where the surface is flat or hollow.
 fn curved_lift(s: Surface, instance: u32) -> vec3f {
+    if (s.is_flat) {
+        return vec3f(0.0);
+    }
     let object_from_world = instances[instance].object_from_world;
     let p = transform_point(object_from_world, s.position);
     let side = select(-1.0, 1.0, s.front);
@@ -48,7 +51,7 @@ fn leaves(cosine: f32, side: f32, is_lifted: bool) -> bool {
 }
 
 // Next-event estimation: samples a light, and queues a shadow ray to it with what would arrive. Whether there is one.
-fn sample_direct_light(p: Path, v: Vertex, m: MaterialSample, wo: vec3f, origins: RayOrigins) -> bool {
+fn sample_direct_light(p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3f, origins: RayOrigins) -> bool {
     let s = v.surface;
     // Where a ray may dip below the triangle's plane, the shading normal's horizon is what counts.
     let facing = octahedral_encode(select(s.geometric_normal, m.frame.normal, origins.is_lifted));
@@ -63,7 +66,7 @@ fn sample_direct_light(p: Path, v: Vertex, m: MaterialSample, wo: vec3f, origins
     if (!(light.pdf > 0.0) || !leaves(wi.z, dot(light.wi, s.geometric_normal), origins.is_lifted)) {
         return false;
     }
-    let value = bsdf_eval(m.bsdf, wo, wi);
+    let value = bsdf_eval(m.bsdf, l, wo, wi);
     let weight = light_sample_weight(light.pdf, value.w, light.delta);
     var contribution = p.throughput * value.xyz * light.radiance * (weight / light.pdf);
     if (has_transmission && light.distance < FAR) {
@@ -105,9 +108,9 @@ fn russian_roulette(throughput: vec3f, depth: u32, density: f32, u: f32) -> vec3
 }
 
 // Samples the BSDF, and sends the path on. Whether it goes on.
-fn sample_indirect(p: Path, v: Vertex, m: MaterialSample, wo: vec3f, origins: RayOrigins) -> bool {
+fn sample_indirect(p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3f, origins: RayOrigins) -> bool {
     let numbers = random4(v.id, vertex_dimension(v.depth, DIMENSION_BSDF), GROUP_BSDF);
-    let sampled = bsdf_sample(m.bsdf, wo, numbers.xy, numbers.z);
+    let sampled = bsdf_sample(m.bsdf, l, wo, numbers.xy, numbers.z);
     let direction = to_world(m.frame, sampled.wi);
     let side = dot(direction, v.surface.geometric_normal);
     if (sampled.pdf <= 0.0 || !leaves(sampled.wi.z, side, origins.is_lifted)) {

@@ -37,7 +37,6 @@ struct Vertex {
     depth: u32,
     surface: Surface,
     instance: u32,
-    hit_triangle: u32, // of all of the scene's
     own_material: u32, // of the triangle
     material: u32, // after blends
     driven: u32, // the outputs that the texture program gave
@@ -57,7 +56,6 @@ fn vertex_at(p: Path, hit: RayHit) -> Vertex {
     v.depth = p.depth;
     v.surface = surface_at(hit);
     v.instance = hit.instance;
-    v.hit_triangle = hit.triangle;
     v.own_material = v.surface.triangle.w & TRIANGLE_MATERIAL;
     v.material = v.own_material;
     if (runs_program(materials[v.own_material].flags, p.depth)) {

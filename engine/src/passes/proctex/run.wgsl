@@ -189,7 +189,8 @@ fn run_textures(entry: u32, slot: u32) {
     var flags = head_word(material, HEAD_FLAGS);
     var choice: f32;
     if (is_shadow) {
-        choice = random_at(path, vertex_dimension(depth, DIMENSION_SHADOW_BLEND), hit.triangle, hit.instance);
+        choice = random_at(path, vertex_dimension(depth, DIMENSION_SHADOW_BLEND), triangle_number(surface.triangle),
+            instances[hit.instance].source);
     } else {
         choice = random2(path, vertex_dimension(depth, DIMENSION_BLEND)).x;
     }

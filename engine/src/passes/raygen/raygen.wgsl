@@ -4,6 +4,7 @@
 //!include shared/paths.wgsl
 //!include shared/queues.wgsl
 //!include shared/random.wgsl
+//!include shared/vectors.wgsl
 
 // Steps of each lobe in the table of distances: the positive lobe first, then the negative one. See `filter.rs`.
 const FILTER_SLOTS = 512u;
@@ -37,11 +38,9 @@ fn disk(u: vec2f) -> vec2f {
         return vec2f(0.0);
     }
     if (abs(a.x) > abs(a.y)) {
-        let phi = 0.78539816 * a.y / a.x;
-        return a.x * vec2f(cos(phi), sin(phi));
+        return a.x * unit_circle(0.125 * a.y / a.x);
     }
-    let phi = 1.57079633 - 0.78539816 * a.x / a.y;
-    return a.y * vec2f(cos(phi), sin(phi));
+    return a.y * unit_circle(0.25 - 0.125 * a.x / a.y);
 }
 
 // A point of the aperture, whose corners are at distance 1: one of the triangles between its centre and a side.
@@ -52,10 +51,8 @@ fn aperture(u: vec2f) -> vec2f {
     let blades = f32(frame.aperture_blades);
     let scaled = u.x * blades;
     let blade = min(floor(scaled), blades - 1.0);
-    let angle = 6.28318531 / blades;
-    let left = frame.aperture_rotation + blade * angle;
-    let right = left + angle;
-    let rim = mix(vec2f(cos(left), sin(left)), vec2f(cos(right), sin(right)), scaled - blade);
+    let turned = frame.aperture_rotation / 6.28318531;
+    let rim = mix(unit_circle(turned + blade / blades), unit_circle(turned + (blade + 1.0) / blades), scaled - blade);
     return sqrt(u.y) * rim;
 }
 

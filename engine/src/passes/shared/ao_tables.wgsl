@@ -13,7 +13,7 @@ const AO_BOTH = 2u; // every other ray goes inside
 
 @group(0) @binding(33) var<uniform> ao_tables: array<AoTable, 4>;
 
-// Whether one thread traces all rays of a hit, in packets, or each thread one.
+// Whether one thread traces all rays of a hit, or each thread one.
 override ao_thread_per_hit: bool = false;
 
 // Threads that a hit's rays need.

@@ -200,15 +200,11 @@ fn from_coat(b: Bsdf, w: vec3f) -> vec3f {
     return x * w.x + cross(b.coat_normal, x) * w.y + b.coat_normal * w.z;
 }
 
-// f |cos| and the pdf of sampling wi.
-fn bsdf_eval(b: Bsdf, wo: vec3f, wi: vec3f) -> vec4f {
+// f |cos| and the pdf of sampling wi. `l` is `lobes(b, wo)`.
+fn bsdf_eval(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
     if (wo.z <= 0.0) {
         return vec4f(0.0);
     }
-    return bsdf_eval_lobes(b, lobes(b, wo), wo, wi);
-}
-
-fn bsdf_eval_lobes(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
     if (wi.z > 0.0) {
         return eval_above(b, l, wo, wi);
     }
@@ -300,12 +296,12 @@ fn eval_below(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
     return vec4f(f, pdf);
 }
 
-fn bsdf_sample(b: Bsdf, wo: vec3f, u: vec2f, choice: f32) -> BsdfSample {
+// A direction. `l` is `lobes(b, wo)`.
+fn bsdf_sample(b: Bsdf, l: Lobes, wo: vec3f, u: vec2f, choice: f32) -> BsdfSample {
     let none = BsdfSample(vec3f(0.0), vec3f(0.0), 0.0);
     if (wo.z <= 0.0) {
         return none;
     }
-    let l = lobes(b, wo);
     var rest = choice - l.specular_p;
     var wi: vec3f;
     var side = 1.0; // where the lobe lies: a direction that misses its side isn't one of another lobe
@@ -338,7 +334,7 @@ fn bsdf_sample(b: Bsdf, wo: vec3f, u: vec2f, choice: f32) -> BsdfSample {
     if (wi.z * side <= 0.0) {
         return none;
     }
-    let value = bsdf_eval_lobes(b, l, wo, wi);
+    let value = bsdf_eval(b, l, wo, wi);
     if (value.w <= 0.0) {
         return none;
     }

@@ -78,9 +78,8 @@ fn environment_sample(u: vec2f) -> EnvironmentSample {
     }
     let chosen_cell = vec2u(cell % frame.distribution_size.x, cell / frame.distribution_size.x);
     let uv = (vec2f(chosen_cell) + vec2f(place, u.y)) / vec2f(frame.distribution_size);
-    let theta = uv.y * PI;
-    let phi = (uv.x - frame.environment_turn) * 2.0 * PI;
-    let sine = sin(theta);
-    let wi = vec3f(sine * sin(phi), cos(theta), -sine * cos(phi));
-    return EnvironmentSample(wi, environment_texel(uv), cell_pdf(chosen_cell, sine));
+    let polar = unit_circle(0.5 * uv.y);
+    let azimuth = unit_circle(uv.x - frame.environment_turn);
+    let wi = vec3f(polar.y * azimuth.y, polar.x, -polar.y * azimuth.x);
+    return EnvironmentSample(wi, environment_texel(uv), cell_pdf(chosen_cell, polar.y));
 }

@@ -13,6 +13,12 @@ const TRIANGLE_SINGLE_SIDED = 0x04000000u; // rays pass through its back
 const TRIANGLE_PROGRAM_ALPHA = 0x02000000u; // a texture program decides whether a hit counts
 const TRIANGLE_HAS_CUSTOM = 0x01000000u; // a vertex has custom attributes behind the others
 
+// A number by which random decisions know a triangle. Its place among the triangles is the hierarchy's business, and
+// differs from device to device.
+fn triangle_number(triangle: vec4u) -> u32 {
+    return triangle.x + triangle.y * 0x9e3779b1u + triangle.z * 0x85ebca77u;
+}
+
 // A vertex is one to three vec4u: position and octahedral normal; uv0, octahedral tangent, its handedness in bit 0 and
 // above it the place of the table of custom attributes; uv1 and colour (rgba16unorm). Then a vec4f for each custom
 // attribute that the mesh has. The table has a word for each attribute that textures read: the number of its record

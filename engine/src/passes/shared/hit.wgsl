@@ -1,7 +1,8 @@
 // What tracing a ray gives, and which triangles let it pass. `traversal.wgsl` traces in the hierarchy of our own,
 // `rayquery/queries.wgsl` in the hardware's; both define
-//   fn trace(origin, direction, t_min, t_max, any, only_instance) -> Hit
-// the closest hit, or with `any` some hit, between t_min and t_max; of one instance unless `only_instance` is MISS.
+//   fn trace(origin, direction, t_min, t_max, any, only_instance, coin) -> Hit
+// the closest hit, or with `any` some hit, between t_min and t_max; of one instance unless `only_instance` is MISS. `coin` is a
+// random number of the ray's for what it may pass.
 
 struct Hit {
     t: f32,
@@ -11,15 +12,12 @@ struct Hit {
 }
 
 // True where the surface lets the ray pass at this point: glTF's alpha mask, or a coin toss with its alpha.
-// The coin depends on ray and triangle alone, not on the order of traversal.
-fn is_transparent(triangle: vec4u, index: u32, barycentrics: vec2f, coin: u32) -> bool {
+// The coin depends on ray, triangle and instance alone: not on the order of traversal, nor on that of the triangles, nor on
+// the last bits of the ray.
+fn is_transparent(triangle: vec4u, instance: u32, barycentrics: vec2f, coin: u32) -> bool {
     let coverage = material_coverage(triangle.w & TRIANGLE_MATERIAL, triangle, barycentric_weights(barycentrics));
-    return f32(hash2(coin, index) >> 8u) * (1.0 / 16777216.0) >= coverage;
-}
-
-// The ray's part of that coin.
-fn alpha_coin(origin: vec3f, direction: vec3f) -> u32 {
-    return hash2(hash2(bitcast<u32>(direction.x), bitcast<u32>(direction.y)), bitcast<u32>(origin.x));
+    let tossed = hash2(hash2(coin, triangle_number(triangle)), instances[instance].source);
+    return f32(tossed >> 8u) * (1.0 / 16777216.0) >= coverage;
 }
 
 // Whether any surface of the scene may be transparent.

@@ -104,8 +104,8 @@ fn directional_sample(pick: f32, share: f32, salt: u32, u: vec2f) -> LightSample
     let sine = sqrt(height * (2.0 - height));
     let tangent = any_perpendicular(light.direction);
     let bitangent = cross(light.direction, tangent);
-    let turn = 2.0 * PI * u.y;
-    let wi = (tangent * cos(turn) + bitangent * sin(turn)) * sine - light.direction * (1.0 - height);
+    let turn = unit_circle(u.y);
+    let wi = (tangent * turn.x + bitangent * turn.y) * sine - light.direction * (1.0 - height);
     return LightSample(normalize(wi), FAR, light.intensity, probability * disk_pdf(extent), false, vec4u(MISS));
 }
 

@@ -86,24 +86,18 @@ fn ggx_reflection(wo: vec3f, wi: vec3f, h: vec3f, alpha: vec2f) -> f32 {
 // A visible normal (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023).
 fn sample_visible_normal(wo: vec3f, alpha: vec2f, u: vec2f) -> vec3f {
     let v = normalize(vec3f(wo.xy * alpha, wo.z));
-    let phi = 2.0 * PI * u.x;
     let z = (1.0 - u.y) * (1.0 + v.z) - v.z;
-    let s = sqrt(saturate(1.0 - z * z));
-    let h = vec3f(s * cos(phi), s * sin(phi), z) + v;
+    let h = vec3f(sqrt(saturate(1.0 - z * z)) * unit_circle(u.x), z) + v;
     return normalize(vec3f(h.xy * alpha, max(h.z, 1e-7)));
 }
 
 fn sample_cosine(u: vec2f) -> vec3f {
-    let r = sqrt(u.x);
-    let phi = 2.0 * PI * u.y;
-    return vec3f(r * cos(phi), r * sin(phi), sqrt(max(1.0 - u.x, 1e-12)));
+    return vec3f(sqrt(u.x) * unit_circle(u.y), sqrt(max(1.0 - u.x, 1e-12)));
 }
 
 fn sample_hemisphere(u: vec2f) -> vec3f {
     let z = max(u.x, 1e-6);
-    let r = sqrt(saturate(1.0 - z * z));
-    let phi = 2.0 * PI * u.y;
-    return vec3f(r * cos(phi), r * sin(phi), z);
+    return vec3f(sqrt(saturate(1.0 - z * z)) * unit_circle(u.y), z);
 }
 
 // Charlie's sheen without its colour (Estevez and Kulla, "Production Friendly Microfacet Sheen BRDF", 2017).

@@ -1,6 +1,7 @@
 // Rays of ambient occlusion.
 //!include shared/ao_tables.wgsl
 //!include shared/hit.wgsl
+//!include shared/vectors.wgsl
 
 // What the rays of one AO table at a surface have in common.
 struct OcclusionSite {
@@ -35,9 +36,9 @@ fn occlusion_ray(at: OcclusionSite, sample: u32) -> OcclusionRay {
     // Consecutive points of one sequence: well spread within a hit and over the samples of a pixel.
     let u = sobol2(at.first + sample, at.stream);
     let radius = sqrt(u.x);
-    let phi = 6.28318530718 * u.y;
+    let around = radius * unit_circle(u.y);
     let height = sqrt(max(1.0 - u.x, 1e-12));
-    var direction = at.tangent * (radius * cos(phi)) + at.bitangent * (radius * sin(phi)) + at.normal * height;
+    var direction = at.tangent * around.x + at.bitangent * around.y + at.normal * height;
     var normal = at.geometric_normal;
     if (at.table.direction == AO_INSIDE || (at.table.direction == AO_BOTH && (sample & 1u) == 1u)) {
         direction = -direction;
@@ -57,6 +58,7 @@ fn occlusion(at: OcclusionSite, sample: u32) -> Occlusion {
     if (ray.is_free) {
         return Occlusion(0u, 1u);
     }
-    let occluder = trace(ray.origin, ray.direction, 0.0, at.table.distance, true, at.only_instance);
+    let coin = hash2(at.stream, at.first + sample);
+    let occluder = trace(ray.origin, ray.direction, 0.0, at.table.distance, true, at.only_instance, coin);
     return Occlusion(select(0u, 1u, occluder.triangle != MISS), 0u);
 }

@@ -19,6 +19,7 @@ const DIMENSION_BSDF = 2u; // four: xy: direction; z: which lobe; w: Russian rou
 const GROUP_CAMERA = 0u;
 const GROUP_LIGHT = 1u;
 const GROUP_BSDF = 2u;
+const DIMENSION_ALPHA = 3u; // what the path's ray and its shadow ray pass by their alpha
 const DIMENSION_AO = 4u; // and the following, one for each AO table
 const DIMENSION_SHADOW_AO = 8u; // the same for what a shadow ray met
 const DIMENSION_OPACITY = 12u; // x: whether the path's ray passes, by opacity or through a clear wall
@@ -102,7 +103,8 @@ fn vertex_dimension(depth: u32, purpose: u32) -> u32 {
     return DIMENSION_VERTEX * (depth + 1u) + purpose;
 }
 
-// One number in [0, 1) for a purpose of a path and a triangle that one of its rays meets: a ray may meet many.
+// One number in [0, 1) for a purpose of a path and a triangle that one of its rays meets: a ray may meet many. Triangle
+// and instance are known by numbers that are the same on every device.
 fn random_at(path: PathId, dimension: u32, triangle: u32, instance: u32) -> f32 {
     let stream = hash2(path.key, dimension);
     return sobol2(path.sample, hash2(hash2(stream, triangle), instance)).x;

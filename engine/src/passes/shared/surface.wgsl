@@ -10,6 +10,7 @@ struct Surface {
     triangle: vec4u,
     front: bool, // the viewer is on the side that glTF calls front
     area_scale: f32, // twice the triangle's area in the world
+    is_flat: bool, // the vertices have one normal
 }
 
 fn surface_at(hit: RayHit) -> Surface {
@@ -30,8 +31,11 @@ fn surface_at(hit: RayHit) -> Surface {
         * instances[hit.instance].handedness;
     let area_scale = length(world_cross);
     var geometric = world_cross / max(area_scale, 1e-30);
-    let object_normal = octahedral_decode(va.w) * weights.x + octahedral_decode(vb.w) * weights.y
-        + octahedral_decode(vc.w) * weights.z;
+    let is_flat = va.w == vb.w && vb.w == vc.w;
+    var object_normal = octahedral_decode(va.w);
+    if (!is_flat) {
+        object_normal = object_normal * weights.x + octahedral_decode(vb.w) * weights.y + octahedral_decode(vc.w) * weights.z;
+    }
     var shading = transform_transposed(object_from_world, object_normal);
     let shading_length = length(shading);
     shading = select(geometric, shading / shading_length, shading_length > 1e-20);
@@ -41,7 +45,7 @@ fn surface_at(hit: RayHit) -> Surface {
         geometric = -geometric;
         shading = -shading;
     }
-    return Surface(position, wo, geometric, shading, weights, triangle, front, area_scale);
+    return Surface(position, wo, geometric, shading, weights, triangle, front, area_scale, is_flat);
 }
 
 // Unit tangent in the world and handedness of the bitangent, perpendicular to `normal`. For meshes without tangents

@@ -61,11 +61,10 @@ fn intersect_node(node: u32, origin: vec3f, inverse: vec3f, octant4: u32, t_min:
 // Alpha is looked up after traversal, not in its inner loop: there it would cost registers on a GPU, and on a software
 // driver, which runs both sides of a branch, the time of every triangle. A ray that meets a transparent point starts
 // again behind it.
-fn trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any: bool, only_instance: u32) -> Hit {
+fn trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any: bool, only_instance: u32, coin: u32) -> Hit {
     if (!has_alpha) {
         return trace_surfaces(origin, direction, t_min, t_max, any, only_instance);
     }
-    let coin = alpha_coin(origin, direction);
     var start = t_min;
     var hit: Hit;
     loop {
@@ -74,7 +73,7 @@ fn trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any: bool, onl
             break;
         }
         let triangle = triangles[hit.triangle];
-        if ((triangle.w & TRIANGLE_ALPHA) == 0u || !is_transparent(triangle, hit.triangle, hit.barycentrics, coin)) {
+        if ((triangle.w & TRIANGLE_ALPHA) == 0u || !is_transparent(triangle, hit.instance, hit.barycentrics, coin)) {
             break;
         }
         start = hit.t;

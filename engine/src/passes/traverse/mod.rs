@@ -1,4 +1,6 @@
-//! Rays against the scene: the seam behind which other implementations may stand. One thread per ray.
+//! Rays against the scene: the seam behind which other implementations may stand, as [`host`] does. One thread per ray.
+
+pub mod host;
 
 use crate::wave::Queue;
 
@@ -18,7 +20,19 @@ pub const CLOSEST: Pass = Pass {
     name: "traverse_closest",
     file: "traverse/entry.wgsl",
     work: Work::Queue(Queue::Active),
-    reads: GEOMETRY,
+    reads: &[
+        "frame",
+        "image_layers",
+        "image_layers_srgb",
+        "image_table",
+        "instances",
+        "materials",
+        "nodes",
+        "paths",
+        "queues",
+        "triangles",
+        "vertices",
+    ],
     writes: &["rays"],
     ..Pass::COMMON
 };
@@ -27,6 +41,7 @@ pub const CLOSEST: Pass = Pass {
 pub const OCCLUSION: Pass = Pass {
     name: "traverse_occlusion",
     work: Work::Queue(Queue::Shadow),
+    reads: GEOMETRY,
     writes: &["paths", "rays"],
     ..CLOSEST
 };

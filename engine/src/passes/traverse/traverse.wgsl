@@ -19,10 +19,21 @@ fn world_cosine(triangle: vec4u, instance: u32, direction: vec3f) -> f32 {
     return dot(normal, direction) * inverseSqrt(max(dot(normal, normal), 1e-37));
 }
 
+// A random number for what a ray of the path passes by its alpha.
+fn alpha_coin(slot: u32, is_shadow: bool) -> u32 {
+    if (!has_alpha) {
+        return 0u;
+    }
+    let path = path_id(slot);
+    let stream = hash2(path.key, vertex_dimension(path_depth(slot), DIMENSION_ALPHA));
+    return hash2(stream, 2u * path.sample + select(0u, 1u, is_shadow));
+}
+
 // The path's own ray, to its closest hit.
 fn find_closest(slot: u32) {
     let ray = own_ray(slot);
-    let hit = trace(rays[ray].origin, rays[ray].direction, rays[ray].t_min, rays[ray].t_max, false, MISS);
+    let hit = trace(rays[ray].origin, rays[ray].direction, rays[ray].t_min, rays[ray].t_max, false, MISS,
+        alpha_coin(slot, false));
     rays[ray].t_max = hit.t;
     rays[ray].barycentrics = hit.barycentrics;
     rays[ray].triangle = hit.triangle;
@@ -32,7 +43,8 @@ fn find_closest(slot: u32) {
 // Its shadow ray, to any hit.
 fn find_occluder(slot: u32) {
     let ray = shadow_ray(slot);
-    var hit = trace(rays[ray].origin, rays[ray].direction, rays[ray].t_min, rays[ray].t_max, true, MISS);
+    let coin = alpha_coin(slot, true);
+    var hit = trace(rays[ray].origin, rays[ray].direction, rays[ray].t_min, rays[ray].t_max, true, MISS, coin);
     if (has_clear) {
         // Clear walls are filters.
         var passing = vec3f(1.0);
@@ -44,7 +56,7 @@ fn find_occluder(slot: u32) {
             }
             let cosine = world_cosine(triangle, hit.instance, rays[ray].direction);
             passing *= clear_transmittance(material, triangle, barycentric_weights(hit.barycentrics), cosine);
-            hit = trace(rays[ray].origin, rays[ray].direction, hit.t, rays[ray].t_max, true, MISS);
+            hit = trace(rays[ray].origin, rays[ray].direction, hit.t, rays[ray].t_max, true, MISS, coin);
         }
         let light = path_words(PATH_LIGHT, slot);
         path_set_words(PATH_LIGHT, slot, vec4u(bitcast<vec3u>(bitcast<vec3f>(light.xyz) * passing), light.w));

@@ -123,7 +123,9 @@ fn parts_add_up_to_exactly_the_whole() {
 
 #[test]
 fn processors_render_the_picture_of_a_driver() {
-    let Some(gpu) = device::open() else { return };
+    let Some(gpu) = device::open_driver() else {
+        return;
+    };
     let native = DeviceChoice::Name("native".to_owned());
     let native = Device::open(&native).unwrap_or_else(|error| panic!("{error}"));
     let mut scene = varied_scene();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use ::device::{Device, DeviceError};
+use ::device::{Device, DeviceChoice, DeviceError};
 use engine::session::{Edit, SessionError};
 
 use super::look::{LOOK, SQUARES, TEXTURES};
@@ -16,11 +16,13 @@ fn edit() -> Edit {
 
 #[test]
 fn a_lost_device_is_replaced() {
-    if device::open().is_none() {
+    if device::open_driver().is_none() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
-    let mut session = stage.open("scene.look.toml");
+    let driver = || Device::open(&DeviceChoice::Driver);
+    let opened = stage.open_on("scene.look.toml", driver);
+    let mut session = opened.unwrap_or_else(|error| panic!("{error}"));
     session
         .edit(&edit())
         .unwrap_or_else(|error| panic!("{error}"));
@@ -69,7 +71,7 @@ fn a_lost_device_is_replaced() {
 
 #[test]
 fn where_no_device_is_left_the_look_is_kept() {
-    if device::open().is_none() {
+    if device::open_driver().is_none() {
         return;
     }
     let stage = Stage::new(LOOK, &TEXTURES);
@@ -78,7 +80,7 @@ fn where_no_device_is_left_the_look_is_kept() {
     let mut session = stage
         .open_on("scene.look.toml", move || {
             match switch.load(Ordering::Relaxed) {
-                true => Device::best(),
+                true => Device::open(&DeviceChoice::Driver),
                 false => Err(DeviceError::NoAdapter),
             }
         })

@@ -10,6 +10,8 @@ use engine::renderer::RenderSettings;
 use engine::session::{Inputs, Session, SessionError};
 use tempfile::TempDir;
 
+use crate::support::device;
+
 /// Two squares, a floor and a wall behind it, with texture coordinates, each of its own material, and a camera.
 const SCENE: &str = r#"{
   "asset": { "version": "2.0" },
@@ -91,7 +93,7 @@ impl Stage {
 
     /// Rendered live, with a look of that name.
     pub(crate) fn open(&self, look: &str) -> Session {
-        self.open_on(look, Device::best)
+        self.open_on(look, || Device::open(&device::choice()))
             .unwrap_or_else(|error| panic!("{error}"))
     }
 

@@ -1,14 +1,31 @@
 //! The device that tests render on, which a machine may lack.
 
-use ::device::Device;
+use ::device::{Device, DeviceChoice};
 
-/// Opens the best adapter; `None`, with a notice, where there is none: the test is to be skipped. Each test opens its
-/// own, so that one test's driver error or count of pipelines is not another's.
+/// The device that tests render on: `PATINA_DEVICE` names it, or it is the best that there is. So one suite is run on
+/// several devices.
+pub(crate) fn choice() -> DeviceChoice {
+    let name = std::env::var("PATINA_DEVICE");
+    name.map_or(DeviceChoice::Best, DeviceChoice::Name)
+}
+
+/// Opens the device of [`choice`]; `None`, with a notice, where there is none: the test is to be skipped. Each test opens
+/// its own, so that one test's driver error or count of pipelines is not another's.
 ///
 /// # Panics
 /// There is none although `PATINA_REQUIRE_DEVICE` is set: a run that must not skip anything.
 pub(crate) fn open() -> Option<Device> {
-    match Device::best() {
+    required(&choice())
+}
+
+/// As [`open`], a device with a driver, which may be one in software: for what the processor alone doesn't do, and to
+/// compare with.
+pub(crate) fn open_driver() -> Option<Device> {
+    required(&DeviceChoice::Driver)
+}
+
+fn required(choice: &DeviceChoice) -> Option<Device> {
+    match Device::open(choice) {
         Ok(gpu) => Some(gpu),
         Err(error) => {
             assert!(

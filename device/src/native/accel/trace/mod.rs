@@ -94,8 +94,8 @@ impl fmt::Display for Kernel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self.0 {
             #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => "AVX2",
-            Set::Portable => "portable",
+            Set::Avx2 => "vectors of 8 by AVX2",
+            Set::Portable => "vectors of 4",
         })
     }
 }

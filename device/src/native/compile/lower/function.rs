@@ -4,14 +4,14 @@ use naga::{Expression, Function, Handle, TypeInner, valid::FunctionInfo};
 
 use super::{
     Lowering,
-    emit::{Address, Operand},
+    emit::{Address, Operand, int},
     place::{Evaluated, Place},
     plan::InMemory,
     types::Part,
 };
 use crate::native::compile::{
     CompileError,
-    ir::{Instruction, Label, Memory, Type, Variable},
+    ir::{Instruction, Label, Memory, Runtime, Type, Variable, context},
 };
 
 /// Where a function's result goes.
@@ -102,9 +102,12 @@ impl<'m> Lowering<'m> {
             None => Vec::new(),
         };
         let mark = self.code.mark();
-        let results = match self.plan.separate.contains(&handle) {
-            true => self.call_apart(handle, arguments, &parts)?,
-            false => self.inline(handle, function, arguments, parts)?,
+        let results = if self.plan.host.contains(&handle) {
+            self.call_host(handle, arguments, &parts)?
+        } else if self.plan.separate.contains(&handle) {
+            self.call_apart(handle, arguments, &parts)?
+        } else {
+            self.inline(handle, function, arguments, parts)?
         };
         self.code.release(mark);
         Ok(results)
@@ -207,6 +210,43 @@ impl<'m> Lowering<'m> {
             arguments: flat,
         });
         self.load(Place::Memory(memory), &packed)
+    }
+
+    /// Calls what is bound in a function's place.
+    fn call_host(
+        &mut self,
+        handle: Handle<Function>,
+        arguments: Vec<Evaluated>,
+        parts: &[Part],
+    ) -> Result<Vec<Operand>, CompileError> {
+        let mut scalars = Vec::new();
+        for argument in arguments {
+            match argument {
+                Evaluated::Scalars(argument) => scalars.extend(argument),
+                Evaluated::Place(_) => {
+                    return Err(super::ErrorKind::unsupported(
+                        "a pointer as an argument of a function of the program",
+                    ));
+                }
+            }
+        }
+        let packed = packed(parts);
+        let words = [scalars.len(), packed.len()];
+        let entry = context::binding(self.host_binding(handle, words));
+        let entry = self.context_place(entry);
+        let function = self.code.load(entry, Type::Pointer);
+        let function = self.code.materialize(function);
+        let [from, to] = words.map(|words| self.code.allocate(4 * words as u64));
+        let dense = self.dense(&scalars);
+        self.store(Place::Memory(from), &dense, &scalars)?;
+        let [taken, given] = words.map(|words| {
+            self.code
+                .materialize(int(u32::try_from(words).unwrap_or(0)))
+        });
+        let (from, target) = (self.code.pointer(from), self.code.pointer(to));
+        let arguments = vec![function, from, taken, target, given];
+        self.code.runtime_memory(Runtime::Host, arguments);
+        self.load(Place::Memory(to), &packed)
     }
 
     /// Writes a function apart: context, private variables, place of the result, arguments.

@@ -1,8 +1,8 @@
 //! Where global variables lie.
 
 use naga::{
-    AddressSpace, ArraySize, Expression, GlobalVariable, Handle, ImageClass, ImageDimension,
-    Literal, ScalarKind, StorageAccess, TypeInner, valid::FunctionInfo,
+    AddressSpace, ArraySize, Expression, Function, GlobalVariable, Handle, ImageClass,
+    ImageDimension, Literal, ScalarKind, StorageAccess, TypeInner, valid::FunctionInfo,
 };
 
 use super::{
@@ -102,6 +102,24 @@ impl Lowering<'_> {
             kind,
         });
         Ok(place)
+    }
+
+    /// The number among the bindings of what is called in a function's place.
+    pub(super) fn host_binding(&mut self, function: Handle<Function>, words: [usize; 2]) -> usize {
+        let name = self.module.functions[function].name.as_deref();
+        let name = name.unwrap_or_default();
+        let kind = BindingKind::Function { words };
+        let mut known = self.bindings.iter();
+        let known = known.position(|known| known.kind == kind && known.name == name);
+        known.unwrap_or_else(|| {
+            self.bindings.push(Binding {
+                name: name.to_owned(),
+                group: 0,
+                binding: 0,
+                kind,
+            });
+            self.bindings.len() - 1
+        })
     }
 
     /// Where a runtime-sized array starts in a type, and bytes from element to element.

@@ -29,6 +29,8 @@ pub(super) struct InMemory {
 /// The decisions.
 pub(super) struct Plan {
     pub(super) separate: HashSet<Handle<Function>>,
+    /// Functions of the program that are called in place of the text's.
+    pub(super) host: HashSet<Handle<Function>>,
     pub(super) in_memory: HashMap<Handle<Function>, InMemory>,
     pub(super) entry_in_memory: InMemory,
     /// Private variables.
@@ -48,19 +50,33 @@ impl Plan {
         options: &Options<'_>,
         types: &Types<'_>,
     ) -> Self {
+        let is_host = |function: &Function| {
+            let name = function.name.as_deref();
+            name.is_some_and(|name| options.host.contains(&name))
+        };
+        let functions = module.functions.iter();
+        let host: HashSet<_> = functions
+            .filter(|(_, function)| is_host(function))
+            .map(|(handle, _)| handle)
+            .collect();
+        // What the program does in their place calls nothing of the text.
         let calls: HashMap<_, Calls> = module
             .functions
             .iter()
-            .map(|(handle, function)| (handle, calls_of(&function.body)))
+            .map(|(handle, function)| match host.contains(&handle) {
+                true => (handle, Calls::new()),
+                false => (handle, calls_of(&function.body)),
+            })
             .collect();
         let entry_calls = calls_of(&entry.function.body);
-        let separate = separate(module, info, &calls, &entry_calls, options);
+        let separate = separate(module, info, &calls, &entry_calls, &host, options);
         let mut plan = Self {
             in_memory: HashMap::new(),
             entry_in_memory: InMemory::default(),
             globals_in_memory: HashSet::new(),
             straight: HashSet::new(),
             separate,
+            host,
         };
         // Callees come before their callers in naga's arena.
         for (handle, function) in module.functions.iter() {
@@ -165,6 +181,7 @@ fn separate(
     info: &ModuleInfo,
     calls: &HashMap<Handle<Function>, Calls>,
     entry_calls: &Calls,
+    host: &HashSet<Handle<Function>>,
     options: &Options<'_>,
 ) -> HashSet<Handle<Function>> {
     let mut times: HashMap<Handle<Function>, usize> = HashMap::new();
@@ -186,6 +203,10 @@ fn separate(
     let mut sizes: HashMap<Handle<Function>, usize> = HashMap::new();
     let mut waits = HashSet::new();
     for (handle, function) in module.functions.iter() {
+        if host.contains(&handle) {
+            sizes.insert(handle, 5);
+            continue;
+        }
         let own = function.expressions.len();
         let below: usize = calls[&handle].iter().map(|call| sizes[&call.0]).sum();
         let size = own.saturating_add(below);
