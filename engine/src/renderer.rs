@@ -35,6 +35,7 @@ use crate::{
 use self::pipeline::{Bound, Kernels};
 use self::record::Recorder;
 
+pub use crate::film::MAX_SIDE;
 pub use crate::settings::RenderSettings;
 
 pub(crate) use self::edits::allocate as allocate_textures;
@@ -53,9 +54,6 @@ pub(crate) const LONGEST_WAVE: Duration = Duration::from_millis(1500);
 /// such surfaces ends there.
 const PASSAGES: u32 = 4;
 const MOST_PASSAGES: u32 = 2048;
-/// The largest side of a picture.
-pub const MAX_SIDE: u32 = 16384;
-
 /// Why rendering failed.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
@@ -133,7 +131,7 @@ pub(crate) fn allocate_picture(
     if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
         return Err(RenderError::Size { width, height });
     }
-    view::allocate_film(gpu, width, height, resources)?;
+    view::allocate_film(gpu, width, height, &settings.layers, resources)?;
     let filter = &FilterTable::of(settings.filter).distances;
     resources.set_buffer(
         "filter_table",
@@ -156,18 +154,23 @@ pub(crate) fn read_picture(
 ) -> Result<Film, DeviceError> {
     let (width, height) = (settings.width, settings.height);
     let bytes = u64::from(width) * u64::from(height) * 16;
-    let mut planes = [const { Vec::new() }; film::PLANES.len()];
-    for (plane, name) in planes.iter_mut().zip(film::PLANES) {
-        let buffer = resources.buffer(name);
-        *plane = bytemuck::pod_collect_to_vec(&gpu.read(buffer, 0, bytes)?);
-    }
-    Ok(Film::from_planes(width, height, planes))
+    let read = |name| {
+        let bytes = gpu.read(resources.buffer(name), 0, bytes)?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    };
+    let layers = settings.layers.clone();
+    let planes: Result<_, DeviceError> = layers.buffers().into_iter().map(read).collect();
+    Ok(Film::from_planes(width, height, layers, planes?))
 }
 
 /// Starts the film anew.
-pub(crate) fn clear_picture(gpu: &Device, resources: &Resources) -> Result<(), DeviceError> {
+pub(crate) fn clear_picture(
+    gpu: &Device,
+    settings: &RenderSettings,
+    resources: &Resources,
+) -> Result<(), DeviceError> {
     let mut recording = Recording::new("restart");
-    for name in film::PLANES {
+    for name in settings.layers.buffers() {
         recording.clear(resources.buffer(name));
     }
     gpu.start(&recording)
@@ -287,9 +290,13 @@ impl Renderer {
             &mut resources,
         )?;
         gpu_scene.features.energy_compensation = settings.energy_compensation;
+        let record_words = settings.layers.record_words();
+        gpu_scene.features.film_layers = record_words > 0;
         wave::allocate(gpu, capacity, procedural.result_words(), &mut resources)?;
+        wave::allocate_layer_samples(gpu, capacity, record_words, &mut resources)?;
         edits::allocate(gpu, procedural, form, &mut resources)?;
-        let kernels = Kernels::new(gpu, &gpu_scene.features, procedural, form)?;
+        let layers = &settings.layers;
+        let kernels = Kernels::new(gpu, &gpu_scene.features, layers, procedural, form)?;
         let bound = kernels.bind(gpu, &resources);
         gpu.check()?;
         Ok(Self {
@@ -460,7 +467,7 @@ impl Renderer {
 
     fn clear_stale_film(&mut self) -> Result<(), DeviceError> {
         if std::mem::take(&mut self.is_stale) {
-            clear_picture(&self.gpu, &self.resources)?;
+            clear_picture(&self.gpu, &self.settings, &self.resources)?;
             wave::clear_faults(&self.gpu, &self.resources);
         }
         Ok(())
@@ -472,7 +479,12 @@ impl Renderer {
     /// What the driver reports.
     pub fn film(&self) -> Result<Film, RenderError> {
         if self.is_stale {
-            return Ok(Film::new(self.settings.width, self.settings.height));
+            let (width, height) = (self.settings.width, self.settings.height);
+            return Ok(Film::with_layers(
+                width,
+                height,
+                self.settings.layers.clone(),
+            ));
         }
         Ok(read_picture(&self.gpu, &self.settings, &self.resources)?)
     }

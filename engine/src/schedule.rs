@@ -2,11 +2,12 @@
 //! next surface, and its shadow ray to the light.
 
 use crate::passes::{
-    accumulate, advance, ao, brdf, classify, pass::Pass, proctex, raygen, traverse,
+    accumulate, advance, ao, brdf, classify, film_layers, pass::Pass, proctex, raygen, traverse,
 };
 
-/// The passes of a wave, in the order in which they first run. Those of textures exist only where a material has a program.
-pub static WAVE: [&Pass; 11] = [
+/// The passes of a wave, in the order in which they first run. Those of textures exist only where a
+/// material has a program, those of layers where the film has more than the picture.
+pub static WAVE: [&Pass; 14] = [
     &raygen::PASS,
     &advance::AFTER_RAYGEN,
     &traverse::CLOSEST,
@@ -14,10 +15,13 @@ pub static WAVE: [&Pass; 11] = [
     &advance::AFTER_CLASSIFY,
     &ao::PASS,
     &proctex::PASS,
+    &film_layers::RECORD,
     &brdf::PASS,
     &advance::AFTER_BRDF,
     &traverse::OCCLUSION,
     &accumulate::PASS,
+    &film_layers::MEAN,
+    &film_layers::FIRST,
 ];
 
 /// What runs passes, or notes that they are to be run. A pass that the scene doesn't need is left out.
@@ -44,6 +48,7 @@ pub fn find_hits(wave: &mut impl Run) {
 /// Each path goes on to its next surface.
 pub fn round(wave: &mut impl Run) {
     find_hits(wave);
+    wave.run(&film_layers::RECORD);
     wave.run(&brdf::PASS);
     wave.run(&advance::AFTER_BRDF);
     wave.run(&traverse::OCCLUSION);
@@ -52,4 +57,6 @@ pub fn round(wave: &mut impl Run) {
 /// What the paths have gathered goes to the film.
 pub fn end(wave: &mut impl Run) {
     wave.run(&accumulate::PASS);
+    wave.run(&film_layers::MEAN);
+    wave.run(&film_layers::FIRST);
 }

@@ -17,13 +17,15 @@ use engine::{
     wave::{GpuAoTable, RayHit},
 };
 
-const KERNELS: [&str; 9] = [
+const KERNELS: [&str; 11] = [
     "raygen/entry.wgsl",
     "traverse/entry.wgsl",
     "classify/entry.wgsl",
     "ao/ao.wgsl",
     "brdf/entry.wgsl",
     "accumulate/entry.wgsl",
+    "film_layers/record.wgsl",
+    "film_layers/accumulate.wgsl",
     "advance/advance.wgsl",
     "display/display.wgsl",
     "guide/guide.wgsl",

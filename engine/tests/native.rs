@@ -78,6 +78,8 @@ fn every_kernel_compiles() {
         "ao/ao.wgsl",
         "brdf/entry.wgsl",
         "accumulate/entry.wgsl",
+        "film_layers/record.wgsl",
+        "film_layers/accumulate.wgsl",
         "guide/guide.wgsl",
         "display/display.wgsl",
     ] {

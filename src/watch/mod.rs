@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use device::{Device, DeviceOptions};
+use engine::fingerprint;
 use engine::live::{LiveInputs, LiveRender};
 use engine::load;
 use engine::renderer::RenderSettings;
@@ -17,7 +18,7 @@ use engine::scene::look::Look;
 use engine::stats::Doubt;
 
 use crate::exit::Failure;
-use crate::output::{self, Fact, Picture};
+use crate::output;
 use crate::progress::Bar;
 use crate::{cache, console, interrupt, library};
 
@@ -197,15 +198,10 @@ fn write(job: &WatchJob, live: &mut LiveRender, update: &Update) -> Result<(), F
     if most == 0 {
         return Ok(());
     }
-    let picture = Picture {
-        width: film.width,
-        height: film.height,
-        rgb: film.mean(),
-        facts: vec![("samplesPerPixel", Fact::Count(spp.into()))],
-    };
+    let origin = fingerprint::origin(live.renderer(), &job.scene, job.look.as_deref());
     let mut names = Vec::new();
     for output in &job.outputs {
-        match output::write(output, &picture, job.exposure) {
+        match output::write(output, &film, Some(&origin), job.exposure) {
             Ok(()) => names.push(output.path.display().to_string()),
             // A full disk may have room again at the next change.
             Err(error) => console::error(&error.to_string()),

@@ -4,18 +4,22 @@
 //! # Format
 //! Little-endian: the eight bytes `PATINAFM`, the length of the header (`u32`), the header (JSON: [`Origin`], size and
 //! ranges), five planes of four `u32` per pixel (see [`Film`]), and a checksum (`u64`) of all of it.
+//!
+//! A film with layers beside the picture begins with `PATINAFL`, so that nothing takes it for a shorter one. Its header
+//! lists their names, and their planes follow those of the picture.
 
 use std::io::{self, Read, Write};
 use std::ops::Range;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::fingerprint::Hash;
-use super::{Film, MAX_SAMPLES, PLANES};
-use crate::renderer::MAX_SIDE;
+use super::{Film, Hash, Layers, MAX_SAMPLES, MAX_SIDE, PICTURE_PLANES};
 
-/// What a file begins with; another layout gets another one.
+/// What a file of the picture alone begins with; another layout gets another one.
 const MAGIC: &[u8; 8] = b"PATINAFM";
+/// What one with further layers begins with.
+const MAGIC_LAYERS: &[u8; 8] = b"PATINAFL";
 /// Longest header that is believed.
 const MAX_HEADER: u32 = 1 << 20;
 
@@ -28,8 +32,36 @@ pub struct Origin {
     pub scene: String,
     /// Name of the look's file.
     pub look: Option<String>,
-    /// What must be the same in all parts of a picture: see [`super::fingerprint`].
+    /// What must be the same in all parts of a picture, by name.
     pub settings: Vec<(String, String)>,
+}
+
+impl Origin {
+    /// Of a scene and a look by their files, whose names are kept without their folders.
+    pub fn new(
+        device: &str,
+        scene: &Path,
+        look: Option<&Path>,
+        settings: Vec<(String, String)>,
+    ) -> Self {
+        let name = |path: &Path| {
+            let name = path.file_name().unwrap_or_default();
+            name.to_string_lossy().into_owned()
+        };
+        Self {
+            device: device.to_owned(),
+            scene: name(scene),
+            look: look.map(name),
+            settings,
+        }
+    }
+
+    /// A setting by name.
+    pub fn setting(&self, name: &str) -> Option<&str> {
+        let mut settings = self.settings.iter();
+        let found = settings.find(|(other, _)| other == name);
+        found.map(|(_, value)| value.as_str())
+    }
 }
 
 /// Some samples of every pixel of a picture.
@@ -81,7 +113,28 @@ struct Header {
     ranges: Vec<(u32, u32)>,
     #[serde(default, skip_serializing_if = "is_zero")]
     missing: u32,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    layers: Vec<String>,
     origin: Origin,
+}
+
+impl Header {
+    /// What the film has gathered; the names are as [`Part::write`] lists them, or the planes' order is unknown.
+    fn layers(&self) -> Result<Layers, PartError> {
+        let refused = PartError::Damaged("it has layers that this version of Patina doesn't know");
+        match Layers::named(self.layers.iter().map(String::as_str)) {
+            Ok(layers) if listed(&layers) == self.layers => Ok(layers),
+            _ => Err(refused),
+        }
+    }
+}
+
+/// The names of a film's layers as its header has them: none where there is the picture alone.
+fn listed(layers: &Layers) -> Vec<String> {
+    match layers.is_picture_alone() {
+        true => Vec::new(),
+        false => layers.iter().map(|layer| layer.name.to_owned()).collect(),
+    }
 }
 
 fn is_zero(count: &u32) -> bool {
@@ -107,20 +160,23 @@ impl Part {
         &self.ranges
     }
 
-    /// A setting of [`Origin::settings`] by name.
-    pub fn setting(&self, name: &str) -> Option<&str> {
-        let settings = self.origin.settings.iter();
-        settings
-            .into_iter()
-            .find(|(n, _)| n == name)
-            .map(|(_, value)| value.as_str())
-    }
-
     /// Adds another part of the same picture.
     ///
     /// # Errors
     /// It has samples that are here already, or was rendered from something else; then nothing is added.
     pub fn merge(&mut self, other: &Self) -> Result<(), PartError> {
+        let [here, there] = [other, self].map(|part| listed(part.film.layers()).join(","));
+        if here != there {
+            let named = |list: String| match list.is_empty() {
+                true => "the picture alone".to_owned(),
+                false => list,
+            };
+            return Err(PartError::Foreigner {
+                what: "the list of layers".to_owned(),
+                here: named(here),
+                there: named(there),
+            });
+        }
         let (here, there) = (&other.origin.settings, &self.origin.settings);
         if let Some(((what, here), (_, there))) =
             here.iter().zip(there).find(|(here, there)| here != there)
@@ -154,11 +210,16 @@ impl Part {
             height: self.film.height,
             ranges: self.ranges.iter().map(|r| (r.start, r.end)).collect(),
             missing: self.missing,
+            layers: listed(self.film.layers()),
             origin: self.origin.clone(),
+        };
+        let magic = match header.layers.is_empty() {
+            true => MAGIC,
+            false => MAGIC_LAYERS,
         };
         let header = serde_json::to_vec(&header)?;
         let mut hash = Hash::new();
-        file.write_all(MAGIC)?;
+        file.write_all(magic)?;
         file.write_all(&(header.len() as u32).to_le_bytes())?;
         file.write_all(&header)?;
         hash.bytes(&header);
@@ -181,9 +242,10 @@ impl Part {
         }
         file.read_exact(&mut start)?;
         let (magic, header_length) = start.split_at(8);
-        if magic != MAGIC {
+        if magic != MAGIC && magic != MAGIC_LAYERS {
             return Err(PartError::Foreign);
         }
+        let has_layers = magic == MAGIC_LAYERS;
         let header_length = header_length
             .iter()
             .rev()
@@ -202,11 +264,15 @@ impl Part {
         if width.clamp(1, MAX_SIDE) != width || height.clamp(1, MAX_SIDE) != height {
             return Err(PartError::Damaged("its size makes no sense"));
         }
+        let layers = header.layers()?;
+        if layers.is_picture_alone() == has_layers {
+            return Err(PartError::Damaged("its header makes no sense"));
+        }
         let pixels = u64::from(width) * u64::from(height);
-        if rest - u64::from(header_length) != pixels * 16 * PLANES.len() as u64 + 8 {
+        if rest - u64::from(header_length) != pixels * 16 * layers.plane_count() as u64 + 8 {
             return Err(PartError::Damaged("it has the wrong length"));
         }
-        let mut film = Film::new(width, height);
+        let mut film = Film::with_layers(width, height, layers);
         for plane in &mut film.planes {
             let words: &mut [u32] = bytemuck::cast_slice_mut(plane);
             file.read_exact(bytemuck::cast_slice_mut(words))?;
@@ -219,6 +285,9 @@ impl Part {
         file.read_exact(&mut checksum)?;
         if u64::from_le_bytes(checksum) != hash.value() {
             return Err(PartError::Damaged("its checksum is wrong"));
+        }
+        if !film.has_numbers() {
+            return Err(PartError::Damaged("its layers hold no numbers"));
         }
         let ranges: Vec<_> = header.ranges.iter().map(|&(a, b)| a..b).collect();
         let ranges = joined(ranges.iter())?;
@@ -243,12 +312,19 @@ pub fn sealed(file: &[u8]) -> Option<Vec<u8>> {
     let (rest, _) = file.split_last_chunk::<8>()?;
     let (length, data) = rest.get(MAGIC.len()..)?.split_first_chunk()?;
     let (header, planes) = data.split_at_checked(u32::from_le_bytes(*length) as usize)?;
-    if planes.is_empty() || !planes.len().is_multiple_of(PLANES.len()) {
+    let count = match file.starts_with(MAGIC_LAYERS) {
+        true => {
+            let header: Header = serde_json::from_slice(header).ok()?;
+            header.layers().ok()?.plane_count()
+        }
+        false => PICTURE_PLANES.len(),
+    };
+    if planes.is_empty() || !planes.len().is_multiple_of(count) {
         return None;
     }
     let mut hash = Hash::new();
     hash.bytes(header);
-    let planes = planes.chunks_exact(planes.len() / PLANES.len());
+    let planes = planes.chunks_exact(planes.len() / count);
     planes.for_each(|plane| hash.bytes(plane));
     Some([rest, &hash.value().to_le_bytes()].concat())
 }
@@ -300,6 +376,24 @@ mod tests {
             settings: vec![("seed".to_owned(), seed.to_owned())],
         };
         Part::new(film, samples, origin)
+    }
+
+    /// The same samples with what they saw.
+    fn part_with_layers(samples: Range<u32>, names: &[&str]) -> Part {
+        let part = part(samples.clone(), "0");
+        let layers = Layers::named(names.iter().copied()).expect("known");
+        let mut film = Film::with_layers(2, 1, layers);
+        for plane in 0..PICTURE_PLANES.len() {
+            film.planes[plane].clone_from(&part.film.planes[plane]);
+        }
+        for sample in samples {
+            // The first sample misses.
+            if sample > 0 {
+                let value = sample as f32;
+                film.add_surface(0, sample, |_| [value, -0.1 * value, 1e-7 * value]);
+            }
+        }
+        Part { film, ..part }
     }
 
     fn bytes(part: &Part) -> Vec<u8> {
@@ -363,6 +457,44 @@ mod tests {
             assert_eq!(merged, whole);
             assert_eq!(bytes(&merged), bytes(&whole));
         }
+    }
+
+    #[test]
+    fn layers_are_written_and_add_up_as_the_picture_does() {
+        let names = ["depth", "position", "normal", "variance"];
+        let part = |samples| part_with_layers(samples, &names);
+        let whole = part(0..20);
+        let file = bytes(&whole);
+        assert_eq!(read(&file).expect("whole"), whole);
+        for length in 0..file.len() {
+            assert!(read(&file[..length]).is_err(), "{length} bytes");
+        }
+        assert_eq!(sealed(&file).expect("it has planes"), file);
+        // Sums of floats would depend on the order.
+        for order in [[0, 1, 2], [2, 0, 1], [1, 2, 0]] {
+            let parts = [part(0..3), part(3..16), part(16..20)];
+            let mut merged = parts[order[0]].clone();
+            merged.merge(&parts[order[1]]).expect("they fit");
+            merged.merge(&parts[order[2]]).expect("they fit");
+            assert_eq!(bytes(&merged), file);
+        }
+        let values = |name| {
+            let layer = crate::film::Layer::named(name).expect("known");
+            whole.film.values(layer)
+        };
+        // Sample 1 is the first that meets something; the other pixel sees nothing.
+        assert_eq!(values("depth").expect("gathered")[0][0], 1.0);
+        assert_eq!(values("depth").expect("gathered")[1][0], 1e10);
+        assert_eq!(values("position").expect("gathered")[0], [1.0, -0.1, 1e-7]);
+        assert_eq!(values("normal").expect("gathered")[0][0], 190.0 / 20.0);
+        assert_eq!(values("uv"), None);
+        assert_eq!(values("combined").expect("always"), whole.film.mean());
+        let mut others = part_with_layers(20..21, &["depth"]);
+        let error = others.merge(&whole).expect_err("other layers").to_string();
+        assert!(
+            error.contains("layers is combined,depth,position"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -7,6 +7,8 @@ use std::{collections::HashSet, ops::Range};
 use device::{Device, DeviceError, Kernel, KernelSource, KernelText, Text, Trust};
 use texgen::{GeneratedKernel, SourceMap};
 
+use super::film_layers;
+
 /// The text of a kernel and where its lines came from.
 #[derive(Debug, Clone, Default)]
 pub struct Source {
@@ -92,8 +94,11 @@ impl Source {
         if !seen.insert(file.to_owned()) {
             return;
         }
-        let Some((_, text)) = FILES.iter().find(|(name, _)| *name == file) else {
-            panic!("`{file}` is not among the engine's WGSL files");
+        let written = FILES.iter().find(|(name, _)| *name == file);
+        let text = match written {
+            Some((_, text)) => text,
+            None if file == LAYER_TABLE => film_layers::table(),
+            None => panic!("`{file}` is not among the engine's WGSL files"),
         };
         for (number, line) in text.lines().enumerate() {
             if let Some(included) = line.strip_prefix("//!include ") {
@@ -158,13 +163,17 @@ macro_rules! files {
     };
 }
 
-/// Every WGSL file of the engine, by its path below `passes/`.
+/// The file that is made from the declarations of the film's layers.
+const LAYER_TABLE: &str = "film_layers/table.wgsl";
+
+/// Every other WGSL file of the engine, by its path below `passes/`.
 const FILES: &[(&str, &str)] = files![
     "shared/ao_tables.wgsl",
     "shared/appearance.wgsl",
     "shared/bsdf.wgsl",
     "shared/environment.wgsl",
     "shared/estimator.wgsl",
+    "shared/exact_sums.wgsl",
     "shared/filter.wgsl",
     "shared/frame.wgsl",
     "shared/geometry.wgsl",
@@ -199,6 +208,9 @@ const FILES: &[(&str, &str)] = files![
     "classify/classify.wgsl",
     "classify/entry.wgsl",
     "display/display.wgsl",
+    "film_layers/accumulate.wgsl",
+    "film_layers/record.wgsl",
+    "film_layers/samples.wgsl",
     "guide/guide.wgsl",
     "proctex/counted_ao.wgsl",
     "proctex/entry.wgsl",

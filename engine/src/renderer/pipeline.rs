@@ -7,9 +7,10 @@ use device::{BoundKernel, Device, DeviceError, Kernel, Resources};
 use texgen::GeneratedKernel;
 
 use crate::{
+    film::{Layers, layers::Plane},
     gpu_scene::SceneFeatures,
     passes::{
-        brdf,
+        brdf, film_layers,
         pass::Pass,
         proctex::{self, TextureForm},
     },
@@ -22,18 +23,28 @@ use super::{RenderError, culprit};
 /// The kernel of each pass that the scene needs, by the pass's name.
 #[derive(Debug)]
 pub(super) struct Kernels {
+    layers: Layers,
     by_name: BTreeMap<&'static str, Kernel>,
+    /// Those that add to the planes of the film's layers.
+    planes: Vec<(Plane, Kernel)>,
 }
 
 impl Kernels {
     pub(super) fn new(
         gpu: &Device,
         features: &SceneFeatures,
+        layers: &Layers,
         procedural: &Procedural,
         form: TextureForm,
     ) -> Result<Self, RenderError> {
+        let planes = layers.planes().into_iter().map(|plane| {
+            let kernel = film_layers::plane_kernel(gpu, &plane)?;
+            Ok((plane, kernel))
+        });
         let mut kernels = Self {
+            layers: layers.clone(),
             by_name: BTreeMap::new(),
+            planes: planes.collect::<Result<_, DeviceError>>()?,
         };
         kernels.compile_missing(gpu, features)?;
         if !procedural.is_empty() {
@@ -43,17 +54,19 @@ impl Kernels {
         Ok(kernels)
     }
 
-    /// Compiles the passes that scenes with these features need and that aren't there, all but the generated one.
+    /// Compiles the passes that scenes with these features need and that aren't there, all but the generated one and those
+    /// of the film's planes.
     fn compile_missing(
         &mut self,
         gpu: &Device,
         features: &SceneFeatures,
     ) -> Result<(), DeviceError> {
+        let apart = [proctex::PASS, film_layers::MEAN, film_layers::FIRST].map(|pass| pass.name);
+        let layers = film_layers::constants(&self.layers);
         for pass in schedule::WAVE {
-            let is_generated = pass.name == proctex::PASS.name;
-            let is_there = self.by_name.contains_key(pass.name);
-            if (pass.exists)(features) && !is_generated && !is_there {
-                let kernel = pass.kernel(gpu, features)?;
+            let is_there = self.by_name.contains_key(pass.name) || apart.contains(&pass.name);
+            if (pass.exists)(features) && !is_there {
+                let kernel = pass.kernel_with(gpu, features, &layers)?;
                 self.by_name.insert(pass.name, kernel);
             }
         }
@@ -80,10 +93,15 @@ impl Kernels {
         proctex: Kernel,
     ) -> Result<(), RenderError> {
         if !self.has_texture() {
-            // It was compiled without programs.
-            let brdf = brdf::PASS.kernel(gpu, features)?;
-            self.compile_missing(gpu, features)?;
-            self.by_name.insert(brdf::PASS.name, brdf);
+            // They were compiled without programs.
+            let former = self.by_name.clone();
+            for pass in [brdf::PASS, film_layers::RECORD] {
+                self.by_name.remove(pass.name);
+            }
+            if let Err(error) = self.compile_missing(gpu, features) {
+                self.by_name = former;
+                return Err(error.into());
+            }
         }
         self.by_name.insert(proctex::PASS.name, proctex);
         Ok(())
@@ -94,10 +112,19 @@ impl Kernels {
     }
 
     pub(super) fn bind(&self, gpu: &Device, resources: &Resources) -> Bound {
-        let bind = |(name, kernel): (&&'static str, &Kernel)| (*name, kernel.bind(gpu, resources));
-        Bound {
-            by_name: self.by_name.iter().map(bind).collect(),
+        let mut by_name = BTreeMap::<&'static str, Vec<BoundKernel>>::new();
+        for (name, kernel) in &self.by_name {
+            by_name.insert(name, vec![kernel.bind(gpu, resources)]);
         }
+        for (plane, kernel) in &self.planes {
+            let mut resources = resources.clone();
+            let buffer = resources.buffer(plane.name).clone();
+            resources.set_buffer(film_layers::PLANE, buffer);
+            let name = film_layers::pass_of(plane).name;
+            let bound = kernel.bind(gpu, &resources);
+            by_name.entry(name).or_default().push(bound);
+        }
+        Bound { by_name }
     }
 }
 
@@ -160,13 +187,14 @@ pub(super) fn program_words(
 /// The kernels with their resources.
 #[derive(Debug)]
 pub(super) struct Bound {
-    by_name: BTreeMap<&'static str, BoundKernel>,
+    by_name: BTreeMap<&'static str, Vec<BoundKernel>>,
 }
 
 impl Bound {
-    /// The kernel of a pass, if the scene needs it.
-    pub(super) fn get(&self, pass: &Pass) -> Option<&BoundKernel> {
-        self.by_name.get(pass.name)
+    /// The kernels of a pass, to be run one after the other: most have one, those of the film's layers one for each plane, and
+    /// a pass that the scene doesn't need none.
+    pub(super) fn get(&self, pass: &Pass) -> &[BoundKernel] {
+        self.by_name.get(pass.name).map_or(&[], Vec::as_slice)
     }
 
     /// Names in the order in which a wave runs them.

@@ -4,10 +4,10 @@ use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use engine::bench::sweeps::SweepReport;
 use engine::bench::textures::Absent;
+use engine::film::write;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::console;
-use crate::output::{self, Picture};
 
 use super::charts;
 use super::figures::{self, Figures, milliseconds, percent, value};
@@ -275,7 +275,8 @@ fn pictures(figures: &Figures) -> Result<Markup, PageError> {
                 && earlier.picture == row.picture
         });
         if is_new && !row.picture.is_empty() {
-            let jpeg = output::jpeg(&shrunk(&row.picture, size), stops)?;
+            let (size, rgb) = shrunk(&row.picture, size);
+            let jpeg = write::jpeg(size, &rgb, stops)?;
             let uri = format!("data:image/jpeg;base64,{}", BASE64_STANDARD.encode(jpeg));
             let caption = match row.texture {
                 "rust" => format!("{}, rust, {} AO rays", row.mode, row.ao_rays),
@@ -307,7 +308,7 @@ fn missing_stops(rgb: &[[f32; 3]]) -> f32 {
 }
 
 /// A picture at most [`THUMBNAIL`] pixels wide: each pixel is the mean of a block, what doesn't fill a block is cut off.
-fn shrunk(rgb: &[[f32; 3]], (width, height): (u32, u32)) -> Picture {
+fn shrunk(rgb: &[[f32; 3]], (width, height): (u32, u32)) -> ([u32; 2], Vec<[f32; 3]>) {
     let block = width.div_ceil(THUMBNAIL).max(1).min(height.max(1));
     let (columns, rows) = (width / block, height / block);
     let mean = |column: u32, row: u32| {
@@ -320,13 +321,7 @@ fn shrunk(rgb: &[[f32; 3]], (width, height): (u32, u32)) -> Picture {
         }
         sum.map(|sum| sum / (block * block) as f32)
     };
-    Picture {
-        width: columns,
-        height: rows,
-        rgb: (0..rows)
-            .flat_map(|row| (0..columns).map(move |column| (column, row)))
-            .map(|(column, row)| mean(column, row))
-            .collect(),
-        facts: Vec::new(),
-    }
+    let pixels = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+    let shrunk = pixels.map(|(column, row)| mean(column, row)).collect();
+    ([columns, rows], shrunk)
 }

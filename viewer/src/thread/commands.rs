@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use engine::display::DeviceFilm;
+use engine::fingerprint;
 use engine::live::{Edit, LiveError};
 use patina_panels::Change;
 
@@ -153,7 +154,10 @@ impl Render {
                 .snapshot()
                 .map_err(|error| publish::message(&error))?
                 .film;
-            return self.host.write_film(path, &film);
+            let inputs = live.inputs();
+            let origin =
+                fingerprint::origin(live.renderer(), &inputs.scene, inputs.look.as_deref());
+            return self.host.write_film(path, &film, &origin);
         }
         self.show().map_err(|error| publish::message(&error))?;
         let displays = self.display.as_ref().ok_or("there is no picture yet")?;

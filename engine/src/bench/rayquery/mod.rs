@@ -15,7 +15,7 @@ use crate::passes::wgsl::{Source, private_bytes};
 use device::{BoundKernel, Device, Extent, Kernel, KernelText, Recording, Resources, Trust, Usage};
 
 use crate::{
-    film::{self, Film},
+    film::{self, Film, Layers},
     frame::Frame,
     gpu_scene::GpuScene,
     passes::{proctex::TextureForm, rayquery},
@@ -60,6 +60,11 @@ impl RayQueryRenderer {
         if !gpu.has_ray_queries() {
             return Err(RenderError::NoRayQueries);
         }
+        // It has the passes' picture to be compared with, and nothing else of them.
+        let settings = &RenderSettings {
+            layers: Layers::default(),
+            ..settings.clone()
+        };
         let mut resources = Resources::default();
         allocate_picture(gpu, settings, &mut resources)?;
         let traits = |m| procedural.traits(m);
@@ -126,7 +131,7 @@ impl RayQueryRenderer {
     /// What the driver reports.
     pub fn restart(&mut self) -> Result<(), RenderError> {
         self.position = 0;
-        Ok(clear_picture(&self.gpu, &self.resources)?)
+        Ok(clear_picture(&self.gpu, &self.settings, &self.resources)?)
     }
 
     /// What has been gathered so far.
