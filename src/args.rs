@@ -40,6 +40,8 @@ Examples:
     patina render helmet.glb --look rust.look.toml --exposure 1 -o helmet.png -o helmet.exr
   Through a camera of the scene, direct light only, on the second device:
     patina render room.gltf --camera Door --max-depth 1 --device 1
+  The picture with depth and normals, in one EXR for compositing:
+    patina render room.glb --layers depth,normal -o room.exr
   Where the time goes, for people and for programs:
     patina render room.gltf --stats --stats-json room.json
 
@@ -195,6 +197,11 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "NAME", default_value = "sobol")]
     #[arg(value_parser = words(Sampler::ALL.map(Sampler::name)))]
     pub(crate) sampler: String,
+
+    /// What EXR and .patina-film files hold beside the picture, with commas between.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', action = ArgAction::Append)]
+    #[arg(value_parser = words(engine::film::layers::known()))]
+    pub(crate) layers: Vec<String>,
 
     /// Leave out what rough surfaces scatter more than once between their microfacets, as glTF's own formula does.
     #[arg(long)]

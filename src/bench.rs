@@ -50,7 +50,7 @@ fn edits_of_a_look(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), 
     let report = edit::measure(nodes, edits, device, || bar.stage("measuring"));
     let report = report.map_err(|error| match error {
         EditBenchError::Files(error) => Failure::because(error),
-        EditBenchError::Live(error) => error.into(),
+        EditBenchError::Session(error) => error.into(),
     })?;
     bar.finish();
     console::print(&report.table());

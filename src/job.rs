@@ -10,6 +10,8 @@ use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 use device::DeviceChoice;
+use engine::film::Layers;
+pub(crate) use engine::film::write::Format;
 use engine::filter::PixelFilter;
 use engine::settings::{Estimator, Sampler};
 
@@ -20,7 +22,7 @@ use crate::view::job::ViewJob;
 use crate::watch::job::WatchJob;
 
 pub(crate) use self::error::UsageError;
-use self::parse::{default_output, parse_decimal, parse_sample_range};
+use self::parse::{default_output, parse_decimal, parse_layers, parse_sample_range};
 pub(crate) use self::parse::{
     parse_device, parse_exposure, parse_number, parse_output, parse_size, parse_word,
     refuse_overwriting,
@@ -102,6 +104,8 @@ pub(crate) struct RenderJob {
     pub(crate) roulette: bool,
     /// Where random numbers come from.
     pub(crate) sampler: Sampler,
+    /// What the film gathers.
+    pub(crate) layers: Layers,
     /// Rough surfaces keep the energy that single scattering between microfacets loses.
     pub(crate) energy_compensation: bool,
     /// Seed of the random numbers.
@@ -179,17 +183,6 @@ pub(crate) struct Output {
     pub(crate) format: Format,
 }
 
-/// Picture formats, chosen by the file's extension.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Format {
-    /// 8-bit sRGB, exposed.
-    Png,
-    /// The same, compressed with loss: a noisy picture takes a tenth of the room.
-    Jpeg,
-    /// 32-bit linear Rec.709 floats, as rendered.
-    Exr,
-}
-
 impl Job {
     /// Validates a command line.
     ///
@@ -231,6 +224,7 @@ impl RenderJob {
             Some(range) => parse_sample_range(range)?,
             None => 0..parse_number("--spp", &args.spp, 1, MAX_SPP)?,
         };
+        let layers = parse_layers(&args.layers, &outputs)?;
         let filter = parse_word(
             "--filter",
             &args.filter,
@@ -244,6 +238,7 @@ impl RenderJob {
                 .flatten(),
         )?;
         Ok(Self {
+            layers,
             outputs,
             spp: NonZeroU32::new(samples.end - samples.start).expect("the range is not empty"),
             first_sample: samples.start,
@@ -334,6 +329,17 @@ mod tests {
         };
         assert_eq!(job.outputs.pictures, [expected]);
         assert!(job.outputs.films.is_empty());
+    }
+
+    #[test]
+    fn layers_go_to_files_that_can_hold_them() {
+        let job = render("render a.glb --layers normal,depth -o x.exr").unwrap();
+        let names: Vec<_> = job.layers.iter().map(|layer| layer.name).collect();
+        assert_eq!(names, ["combined", "depth", "normal"]);
+        assert!(render("render a.glb --layers depth -o x.patina-film").is_ok());
+        assert!(render("render a.glb --layers combined").is_ok());
+        let error = render("render a.glb --layers depth -o x.png").unwrap_err();
+        assert!(error.to_string().contains(".exr"), "{error}");
     }
 
     #[test]

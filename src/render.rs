@@ -1,11 +1,12 @@
 //! `patina render`: loads, renders, writes. Reads in the order things happen.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use device::{Device, DeviceOptions};
-use engine::film::{Origin, Part, fingerprint};
+use engine::film::{Origin, Part};
+use engine::fingerprint::fingerprint;
 use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::{Camera, Scene};
 use engine::session::{Inputs, Opening, Session, SessionError};
@@ -121,7 +122,8 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
     for doubt in stats.doubts() {
         console::warning(&doubt.to_string());
     }
-    let origin = origin(job, &gpu.description().name, settings_written);
+    let device = &gpu.description().name;
+    let origin = Origin::new(device, &job.scene, job.look.as_deref(), settings_written);
     let samples = job.first_sample..job.first_sample + most;
     let part = Part::new(film, samples, origin);
     let mut outcome = output::write_or_keep(&job.outputs, &part, job.exposure);
@@ -177,6 +179,7 @@ fn settings(job: &RenderJob, camera: &Camera) -> RenderSettings {
         estimator: job.estimator,
         roulette: job.roulette,
         sampler: job.sampler,
+        layers: job.layers.clone(),
         filter_width: job.filter_width,
         ..RenderSettings::new(job.width, job.height, camera)
     }
@@ -236,20 +239,6 @@ fn find_camera(scene: &Scene, wanted: &str) -> Result<Camera, Failure> {
             )
         })
     })
-}
-
-/// What was rendered, for the files' headers and for merging.
-fn origin(job: &RenderJob, device: &str, settings: Vec<(String, String)>) -> Origin {
-    let name = |path: &Path| {
-        let name = path.file_name().unwrap_or_default();
-        name.to_string_lossy().into_owned()
-    };
-    Origin {
-        device: device.to_owned(),
-        scene: name(&job.scene),
-        look: job.look.as_deref().map(name),
-        settings,
-    }
 }
 
 #[cfg(test)]

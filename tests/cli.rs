@@ -12,6 +12,8 @@ use tempfile::TempDir;
 #[cfg(unix)]
 #[path = "cli/endings.rs"]
 mod endings;
+#[path = "cli/layers.rs"]
+mod layers;
 #[path = "cli/lost_work.rs"]
 mod lost_work;
 

@@ -4,6 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use engine::film::LAYERS;
+
 /// README, changelog and everything in `docs/`.
 fn documents() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -75,6 +77,22 @@ fn the_tests_of_promises_exist() {
     }
     assert!(missing.is_empty(), "no such tests:\n{}", missing.join("\n"));
     assert!(promises > 20 && tests > 60, "{promises} promises, {tests}");
+}
+
+/// The page of the film's layers lists those that there are, as they are declared.
+#[test]
+fn the_page_of_layers_lists_them() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = fs::read_to_string(root.join("docs/layers.md")).expect("part of the project");
+    let rows = text.lines().filter(|line| line.starts_with("| `"));
+    let declared = LAYERS.iter().map(|layer| {
+        let mut letters = layer.channels.chars();
+        let first = letters.next().expect("it has a channel");
+        let others: String = letters.map(|letter| format!(" `.{letter}`")).collect();
+        let (name, pass, help) = (layer.name, layer.pass, layer.help);
+        format!("| `{name}` | `{pass}.{first}`{others} | {help} |")
+    });
+    assert_eq!(rows.collect::<Vec<_>>(), declared.collect::<Vec<_>>());
 }
 
 /// The commands that a document or a help text shows: lines of code that begin with the program's name, without what is

@@ -10,7 +10,7 @@ use device::{Device, DeviceChoice};
 use engine::aside::Leftover;
 use engine::renderer::RenderSettings;
 use engine::scene::look::{AoSettings, Value};
-use engine::session::{Edit, Inputs, Session};
+use engine::session::{Edit, Inputs, Session, SessionError};
 use texgen::{Interpolation, Ramp};
 
 /// Nodes of a material, each linked to the one before.
@@ -36,7 +36,7 @@ pub enum EditBenchError {
     Files(#[from] io::Error),
     /// The render, or an edit of it.
     #[error(transparent)]
-    Live(#[from] LiveError),
+    Session(#[from] SessionError),
 }
 
 /// Milliseconds of edits of one kind.

@@ -117,14 +117,14 @@ pub struct DisplaySettings {
     pub most_samples: u32,
 }
 
-/// A film on the device.
+/// The sums of a picture on the device.
 #[derive(Debug, Clone)]
 pub struct DeviceFilm {
     /// Columns.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    pub(crate) planes: [Buffer; film::PLANES.len()],
+    pub(crate) planes: [Buffer; film::PICTURE_PLANES.len()],
     pub(crate) guides: Option<Buffer>,
 }
 
@@ -259,7 +259,7 @@ impl Display {
             .write(&self.parameters, 0, bytemuck::bytes_of(&parameters));
         let mut resources = Resources::default();
         resources.set_buffer("display", self.parameters.clone());
-        for (name, plane) in film::PLANES.into_iter().zip(&film.planes) {
+        for (name, plane) in film::PICTURE_PLANES.into_iter().zip(&film.planes) {
             resources.set_buffer(name, plane.clone());
         }
         let guides = film.guides.as_ref().unwrap_or(&self.nothing);

@@ -1,5 +1,6 @@
-//! The film on the CPU: exact sums of samples and of their squares, so that films can be added and the error of each
-//! pixel is known.
+//! The film: exact sums of samples and of their squares, so that films can be added and the error of each pixel is known,
+//! and the [`layers`] that are gathered beside the picture; the files that films come from and go to ([`Part`], [`write`]).
+//! How samples come about is none of its business.
 //!
 //! A sum of floating-point numbers depends on their order. The film's sums are whole numbers of 96 bits, in units of
 //! 2^-44 for radiance and of 2^-36 for its square: a sample is rounded to a whole number of units once, and what is
@@ -14,25 +15,34 @@
 //! are clamped and counted ([`crate::stats::Stats::clamped_samples`]). Larger squares are clamped in silence: the
 //! picture stays as it is, and the error of such a pixel, which is enormous anyway, is underestimated.
 
-mod fingerprint;
+mod hash;
+pub mod layers;
 mod part;
+pub mod write;
 
-pub use fingerprint::fingerprint;
+pub(crate) use hash::Hash;
+pub use layers::{LAYERS, Layer, Layers};
 #[doc(hidden)]
 pub use part::sealed;
 pub use part::{Origin, Part, PartError};
 
+use layers::{MAX_CHANNELS, Rule};
+
+/// The largest side of a picture, pixels.
+pub const MAX_SIDE: u32 = 16384;
+
 /// Most samples of a pixel: more could leave the range of the sums.
 pub const MAX_SAMPLES: u32 = 1 << 20;
 
-/// Buffers of the film on the GPU, each with four words per pixel: so few that a picture of 3840 x 2160 pixels stays
-/// within the 128 MiB that every device can bind.
-pub(crate) const PLANES: [&str; 5] = ["film0", "film1", "film2", "film3", "film4"];
+/// Buffers of the picture's sums on a device, each with four words per pixel: so few that a picture of 3840 x 2160 pixels
+/// stays within the 128 MiB that every device can bind.
+pub(crate) const PICTURE_PLANES: [&str; 5] = ["film0", "film1", "film2", "film3", "film4"];
 
 /// Words before the sums of squares, and before the number of samples, in the order of the planes.
 const SQUARES: usize = 9;
 const COUNT: usize = 18;
-/// Bits behind the point, and the largest sample, of both kinds of sums. `accumulate.wgsl` has the same numbers.
+/// Bits behind the point, and the largest sample, of both kinds of sums. `exact_sums.wgsl` and `accumulate.wgsl` have the same
+/// numbers.
 const SUM_BITS: i32 = 44;
 const SQUARE_BITS: i32 = 36;
 const LARGEST: f32 = 2_147_483_520.0;
@@ -45,33 +55,47 @@ pub struct Film {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// As on the GPU: three words for each sum of red, green and blue, three for each of their squares, the least
-    /// significant one first, the number of samples, and a spare word.
-    planes: [Vec<[u32; 4]>; PLANES.len()],
+    layers: Layers,
+    /// As on the device. Those of the picture: three words for each sum of red, green and blue, three for each of their
+    /// squares, the least significant one first, the number of samples, and a spare word. Then those of the layers.
+    planes: Vec<Vec<[u32; 4]>>,
 }
 
 impl Film {
-    /// A film without samples.
+    /// A film of the picture alone, without samples.
     pub fn new(width: u32, height: u32) -> Self {
+        Self::with_layers(width, height, Layers::default())
+    }
+
+    /// A film without samples.
+    pub fn with_layers(width: u32, height: u32, layers: Layers) -> Self {
         let pixels = width as usize * height as usize;
         Self {
             width,
             height,
-            planes: std::array::from_fn(|_| vec![[0; 4]; pixels]),
+            planes: vec![vec![[0; 4]; pixels]; layers.plane_count()],
+            layers,
         }
     }
 
-    /// From the GPU's buffers, in the order of [`PLANES`].
+    /// From a device's buffers, in the order of [`Layers::buffers`].
     pub(crate) fn from_planes(
         width: u32,
         height: u32,
-        planes: [Vec<[u32; 4]>; PLANES.len()],
+        layers: Layers,
+        planes: Vec<Vec<[u32; 4]>>,
     ) -> Self {
         Self {
             width,
             height,
+            layers,
             planes,
         }
+    }
+
+    /// What it gathers.
+    pub fn layers(&self) -> &Layers {
+        &self.layers
     }
 
     /// Columns times rows.
@@ -96,12 +120,7 @@ impl Film {
 
     /// Sum of a pixel's radiance, linear Rec.709.
     pub fn sum(&self, pixel: usize) -> [f64; 3] {
-        std::array::from_fn(|c| {
-            let [low, middle, high] = self.words(pixel, 3 * c);
-            // The topmost word has the sign.
-            let whole = i128::from(high as i32) << 64 | i128::from(middle) << 32 | i128::from(low);
-            whole as f64 * f64::from(-SUM_BITS).exp2()
-        })
+        std::array::from_fn(|c| signed(self.words(pixel, 3 * c)))
     }
 
     /// Sum of a pixel's squared radiance.
@@ -115,32 +134,69 @@ impl Film {
 
     /// Mean radiance of each pixel; black where there is no sample.
     pub fn mean(&self) -> Vec<[f32; 3]> {
-        (0..self.pixels())
-            .map(|pixel| match self.samples(pixel) {
-                0 => [0.0; 3],
-                n => self.sum(pixel).map(|sum| (sum / f64::from(n)) as f32),
-            })
-            .collect()
+        (0..self.pixels()).map(|p| self.pixel_mean(p)).collect()
+    }
+
+    fn pixel_mean(&self, pixel: usize) -> [f32; 3] {
+        match self.samples(pixel) {
+            0 => [0.0; 3],
+            n => self.sum(pixel).map(|sum| (sum / f64::from(n)) as f32),
+        }
     }
 
     /// Standard error of each pixel's mean, from the spread of its samples; infinite below two samples.
     ///
     /// The samples are points of a low-discrepancy sequence, so this overestimates the error.
     pub fn standard_error(&self) -> Vec<[f32; 3]> {
-        let of = |pixel| {
-            let count = self.samples(pixel);
-            if count < 2 {
-                return [f32::INFINITY; 3];
+        (0..self.pixels()).map(|p| self.pixel_error(p)).collect()
+    }
+
+    fn pixel_error(&self, pixel: usize) -> [f32; 3] {
+        let count = self.samples(pixel);
+        if count < 2 {
+            return [f32::INFINITY; 3];
+        }
+        let n = f64::from(count);
+        let (sum, squares) = (self.sum(pixel), self.sum_squares(pixel));
+        std::array::from_fn(|c| {
+            let mean = sum[c] / n;
+            let variance = (squares[c] / n - mean * mean).max(0.0) * n / (n - 1.0);
+            (variance / n).sqrt() as f32
+        })
+    }
+
+    /// The values of a layer, pixel by pixel: as many of the three numbers as it has channels, the others are 0. `None` where
+    /// the film hasn't gathered it.
+    pub fn values(&self, layer: &Layer) -> Option<Vec<[f32; MAX_CHANNELS]>> {
+        let pixels = 0..self.pixels();
+        let first = self.layers.first_plane(layer);
+        let planes = || Some(&self.planes[first?..]);
+        Some(match layer.rule {
+            Rule::Derived(of) => pixels.map(|pixel| of(self, pixel)).collect(),
+            Rule::Mean(_) => {
+                let planes = &planes()?[..layer.channel_count()];
+                let mean = |pixel: usize| {
+                    let n = f64::from(self.samples(pixel).max(1));
+                    let mut means = [0.0; MAX_CHANNELS];
+                    for (mean, plane) in means.iter_mut().zip(planes) {
+                        let [low, middle, high, _] = plane[pixel];
+                        *mean = (signed([low, middle, high]) / n) as f32;
+                    }
+                    means
+                };
+                pixels.map(mean).collect()
             }
-            let n = f64::from(count);
-            let (sum, squares) = (self.sum(pixel), self.sum_squares(pixel));
-            std::array::from_fn(|c| {
-                let mean = sum[c] / n;
-                let variance = (squares[c] / n - mean * mean).max(0.0) * n / (n - 1.0);
-                (variance / n).sqrt() as f32
-            })
-        };
-        (0..self.pixels()).map(of).collect()
+            Rule::First { empty, .. } => {
+                let found = planes()?[0].iter().map(|&[sample, values @ ..]| {
+                    let mut shown = values.map(f32::from_bits);
+                    if sample == 0 {
+                        shown[..layer.channel_count()].fill(empty);
+                    }
+                    shown
+                });
+                found.collect()
+            }
+        })
     }
 
     /// Adds one sample to a pixel: the twin of `accumulate.wgsl`, for films that are made on the CPU.
@@ -155,15 +211,43 @@ impl Film {
         self.set_word(pixel, COUNT, count);
     }
 
-    /// Adds the samples of another film of the same size: exactly what one film with all of them would hold.
+    /// Adds to a pixel what the first surface of the sample of this number, counted from the first of the picture, gives to each
+    /// layer: the twin of `film_layers/accumulate.wgsl`.
+    pub fn add_surface(
+        &mut self,
+        pixel: usize,
+        sample: u32,
+        of: impl Fn(&Layer) -> [f32; MAX_CHANNELS],
+    ) {
+        let mut planes = self.planes[PICTURE_PLANES.len()..].iter_mut();
+        for layer in self.layers.iter().filter(|layer| layer.wgsl().is_some()) {
+            let values = of(layer);
+            match layer.rule {
+                Rule::Mean(_) => {
+                    for (value, plane) in values[..layer.channel_count()].iter().zip(&mut planes) {
+                        let value = value.clamp(-LARGEST, LARGEST);
+                        add_wide(&mut plane[pixel], words(whole(value, SUM_BITS)));
+                    }
+                }
+                Rule::First { .. } => {
+                    let [x, y, z] = values.map(f32::to_bits);
+                    let plane = planes.next().expect("a plane for each such layer");
+                    keep_first(&mut plane[pixel], [sample + 1, x, y, z]);
+                }
+                Rule::Derived(_) => {}
+            }
+        }
+    }
+
+    /// Adds the samples of another film of the same size and layers: exactly what one film with all of them would hold.
     ///
     /// # Panics
-    /// The films differ in size.
+    /// The films differ in size or layers.
     pub fn add(&mut self, other: &Self) {
         assert_eq!(
-            (self.width, self.height),
-            (other.width, other.height),
-            "films of one size are added"
+            (self.width, self.height, &self.layers),
+            (other.width, other.height, &other.layers),
+            "films of one size and the same layers are added"
         );
         for pixel in 0..self.pixels() {
             for first in (0..COUNT).step_by(3) {
@@ -172,6 +256,30 @@ impl Film {
             let count = self.samples(pixel).saturating_add(other.samples(pixel));
             self.set_word(pixel, COUNT, count);
         }
+        let first = PICTURE_PLANES.len();
+        let planes = self.planes[first..].iter_mut().zip(&other.planes[first..]);
+        for (of, (plane, other)) in self.layers.planes().iter().zip(planes) {
+            let is_first = matches!(of.layer.rule, Rule::First { .. });
+            for (here, there) in plane.iter_mut().zip(other) {
+                let [low, middle, high, _] = *there;
+                match is_first {
+                    true => keep_first(here, *there),
+                    false => add_wide(here, [low, middle, high]),
+                }
+            }
+        }
+    }
+
+    /// Whether the layers hold what samples can have given them: what is read from a file may not.
+    fn has_numbers(&self) -> bool {
+        let planes = self.layers.planes();
+        let planes = planes.iter().zip(&self.planes[PICTURE_PLANES.len()..]);
+        let mut firsts = planes.filter(|(of, _)| matches!(of.layer.rule, Rule::First { .. }));
+        firsts.all(|(_, plane)| {
+            plane.iter().all(|&[sample, values @ ..]| {
+                sample <= MAX_SAMPLES && values.iter().all(|&bits| f32::from_bits(bits).is_finite())
+            })
+        })
     }
 
     fn planes(&self) -> &[Vec<[u32; 4]>] {
@@ -198,6 +306,29 @@ impl Film {
             self.set_word(pixel, first + i, sum as u32);
             carry = sum >> 32;
         }
+    }
+}
+
+/// A sum of 96 bits, whose topmost word has the sign.
+fn signed([low, middle, high]: [u32; 3]) -> f64 {
+    let whole = i128::from(high as i32) << 64 | i128::from(middle) << 32 | i128::from(low);
+    whole as f64 * f64::from(-SUM_BITS).exp2()
+}
+
+/// Adds a number of 96 bits to the first three words.
+fn add_wide(words: &mut [u32; 4], summand: [u32; 3]) {
+    let mut carry = 0;
+    for (word, summand) in words.iter_mut().zip(summand) {
+        let sum = u64::from(*word) + u64::from(summand) + carry;
+        *word = sum as u32;
+        carry = sum >> 32;
+    }
+}
+
+/// Keeps of two samples that with the lower number; 0 is none.
+fn keep_first(here: &mut [u32; 4], there: [u32; 4]) {
+    if there[0] != 0 && (here[0] == 0 || there[0] < here[0]) {
+        *here = there;
     }
 }
 

@@ -43,6 +43,7 @@ pub mod display;
 pub mod evaluate;
 pub mod film;
 pub mod filter;
+pub mod fingerprint;
 pub mod frame;
 pub mod gpu_scene;
 pub mod isolated;

@@ -20,7 +20,7 @@ use crate::{
     gpu_scene::{GpuScene, GpuSceneError},
     procedural::{CompileError, Procedural},
     scene::Scene,
-    schedule::{Schedule, ScheduleError, Upload, Wavefront},
+    schedule::{self, Schedule, ScheduleError, Upload, Wavefront},
     stats::{NodeName, PassStats, Stats},
     system::System,
     wave::{self, PathBytes, Queue},
@@ -29,6 +29,7 @@ use crate::{
 use self::pipeline::{Bound, Kernels};
 use self::record::Recorder;
 
+pub use crate::film::MAX_SIDE;
 pub use crate::settings::RenderSettings;
 
 pub(crate) use self::pipeline::compiling;
@@ -46,9 +47,6 @@ const LONGEST_WAVE: Duration = Duration::from_millis(1500);
 /// such surfaces ends there.
 const PASSAGES: u32 = 4;
 const MOST_PASSAGES: u32 = 2048;
-/// The largest side of a picture.
-pub const MAX_SIDE: u32 = 16384;
-
 /// Why rendering failed.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
@@ -126,7 +124,7 @@ fn allocate_picture(
     if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
         return Err(RenderError::Size { width, height });
     }
-    view::allocate_film(gpu, width, height, resources)?;
+    view::allocate_film(gpu, width, height, &settings.layers, resources)?;
     let filter = &FilterTable::of(settings.filter).distances;
     resources.set_buffer(
         "filter_table",
@@ -149,18 +147,23 @@ fn read_picture(
 ) -> Result<Film, DeviceError> {
     let (width, height) = (settings.width, settings.height);
     let bytes = u64::from(width) * u64::from(height) * 16;
-    let mut planes = [const { Vec::new() }; film::PLANES.len()];
-    for (plane, name) in planes.iter_mut().zip(film::PLANES) {
-        let buffer = resources.buffer(name);
-        *plane = bytemuck::pod_collect_to_vec(&gpu.read(buffer, 0, bytes)?);
-    }
-    Ok(Film::from_planes(width, height, planes))
+    let read = |name| {
+        let bytes = gpu.read(resources.buffer(name), 0, bytes)?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    };
+    let layers = settings.layers.clone();
+    let planes: Result<_, DeviceError> = layers.buffers().into_iter().map(read).collect();
+    Ok(Film::from_planes(width, height, layers, planes?))
 }
 
 /// Starts the film anew.
-fn clear_picture(gpu: &Device, resources: &Resources) -> Result<(), DeviceError> {
+fn clear_picture(
+    gpu: &Device,
+    settings: &RenderSettings,
+    resources: &Resources,
+) -> Result<(), DeviceError> {
     let mut recording = Recording::new("restart");
-    for name in film::PLANES {
+    for name in settings.layers.buffers() {
         recording.clear(resources.buffer(name));
     }
     gpu.start(&recording)
@@ -261,6 +264,13 @@ impl Renderer {
             &mut resources,
         )?;
         gpu_scene.features.energy_compensation = settings.energy_compensation;
+        let layers = &settings.layers;
+        let record_words = layers.record_words();
+        if record_words > 0 && !schedule::records_layers(&*schedule) {
+            let reason = "this schedule gathers no layers beside the picture";
+            return Err(ScheduleError::Unsupported(reason).into());
+        }
+        gpu_scene.features.film_layers = record_words > 0;
         let upload = Upload {
             device: gpu,
             scene,
@@ -269,8 +279,10 @@ impl Renderer {
             capacity,
         };
         schedule.allocate(upload, &mut resources)?;
+        wave::allocate_layer_samples(gpu, capacity, record_words, &mut resources)?;
         edits::allocate(gpu, procedural, &*schedule, &mut resources)?;
-        let kernels = Kernels::new(gpu, &gpu_scene.features, procedural, &*schedule)?;
+        let features = &gpu_scene.features;
+        let kernels = Kernels::new(gpu, features, layers, procedural, &*schedule)?;
         let bound = kernels.bind(gpu, &resources);
         gpu.check()?;
         Ok(Self {
@@ -455,7 +467,7 @@ impl Renderer {
 
     fn clear_stale_film(&mut self) -> Result<(), DeviceError> {
         if std::mem::take(&mut self.is_stale) {
-            clear_picture(&self.gpu, &self.resources)?;
+            clear_picture(&self.gpu, &self.settings, &self.resources)?;
             wave::clear_faults(&self.gpu, &self.resources);
         }
         Ok(())
@@ -467,7 +479,12 @@ impl Renderer {
     /// What the driver reports.
     pub fn film(&self) -> Result<Film, RenderError> {
         if self.is_stale {
-            return Ok(Film::new(self.settings.width, self.settings.height));
+            let (width, height) = (self.settings.width, self.settings.height);
+            return Ok(Film::with_layers(
+                width,
+                height,
+                self.settings.layers.clone(),
+            ));
         }
         Ok(read_picture(&self.gpu, &self.settings, &self.resources)?)
     }

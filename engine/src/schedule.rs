@@ -12,14 +12,15 @@ use device::{Device, DeviceError, KernelText, Resources};
 
 use crate::gpu_scene::{GpuScene, SceneFeatures};
 use crate::passes::{
-    accumulate, advance, ao, brdf, classify, pass::Pass, proctex, raygen, traverse,
+    accumulate, advance, ao, brdf, classify, film_layers, pass::Pass, proctex, raygen, traverse,
 };
 use crate::procedural::{CompileError, Procedural};
 use crate::scene::Scene;
 use crate::wave;
 
-/// The passes of a wave, in the order in which they first run. Those of textures exist only where a material has a program.
-pub static WAVE: [&Pass; 11] = [
+/// The passes of a wave, in the order in which they first run. Those of textures exist only where a
+/// material has a program, those of layers where the film has more than the picture.
+pub static WAVE: [&Pass; 14] = [
     &raygen::PASS,
     &advance::AFTER_RAYGEN,
     &traverse::CLOSEST,
@@ -27,10 +28,13 @@ pub static WAVE: [&Pass; 11] = [
     &advance::AFTER_CLASSIFY,
     &ao::PASS,
     &proctex::PASS,
+    &film_layers::RECORD,
     &brdf::PASS,
     &advance::AFTER_BRDF,
     &traverse::OCCLUSION,
     &accumulate::PASS,
+    &film_layers::MEAN,
+    &film_layers::FIRST,
 ];
 
 /// What runs passes, or notes that they are to be run. A pass that the scene doesn't need is left out.
@@ -57,6 +61,7 @@ pub fn find_hits(wave: &mut dyn Run) {
 /// Each path goes on to its next surface.
 pub fn round(wave: &mut dyn Run) {
     find_hits(wave);
+    wave.run(&film_layers::RECORD);
     wave.run(&brdf::PASS);
     wave.run(&advance::AFTER_BRDF);
     wave.run(&traverse::OCCLUSION);
@@ -65,6 +70,15 @@ pub fn round(wave: &mut dyn Run) {
 /// What the paths have gathered goes to the film.
 pub fn end(wave: &mut dyn Run) {
     wave.run(&accumulate::PASS);
+    wave.run(&film_layers::MEAN);
+    wave.run(&film_layers::FIRST);
+}
+
+/// Whether what the film's layers show is recorded: where [`film_layers::RECORD`] is among the passes. The renderer makes the
+/// buffers for it.
+pub(crate) fn records_layers(schedule: &dyn Schedule) -> bool {
+    let mut passes = schedule.passes().iter();
+    passes.any(|pass| pass.name == film_layers::RECORD.name)
 }
 
 /// Why a schedule can't be played on a device.

@@ -1,5 +1,6 @@
 //! What is rendered and how: the settings of a render that are neither scene nor texture.
 
+use crate::film::Layers;
 use crate::filter::PixelFilter;
 use crate::scene::Camera;
 
@@ -36,6 +37,8 @@ pub struct RenderSettings {
     pub roulette: bool,
     /// Where random numbers come from.
     pub sampler: Sampler,
+    /// What the film gathers; the picture doesn't depend on it.
+    pub layers: Layers,
 }
 
 /// Where random numbers come from.
@@ -89,7 +92,7 @@ impl Estimator {
 
 impl RenderSettings {
     /// A picture of `width` x `height` pixels: nine vertices at most, seed 0, from the first sample on,
-    /// a box of one pixel as filter.
+    /// a box of one pixel as filter, no layers beside it.
     pub fn new(width: u32, height: u32, camera: &Camera) -> Self {
         Self {
             width,
@@ -105,6 +108,7 @@ impl RenderSettings {
             estimator: Estimator::Mis,
             roulette: true,
             sampler: Sampler::Sobol,
+            layers: Layers::default(),
         }
     }
 }

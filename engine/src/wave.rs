@@ -173,6 +173,25 @@ pub fn allocate(
     allocate_ao_tables(gpu, resources)
 }
 
+/// Creates what is recorded of each path of a wave for the film's layers: so many words, as `film_layers/samples.wgsl` lays
+/// them out. Nothing where there are none.
+///
+/// # Errors
+/// If they exceed what the device can bind.
+pub fn allocate_layer_samples(
+    gpu: &Device,
+    capacity: u32,
+    words: u32,
+    resources: &mut Resources,
+) -> Result<(), DeviceError> {
+    if words > 0 {
+        let bytes = 4 * u64::from(capacity) * u64::from(words);
+        let samples = gpu.buffer("layers of a wave", Usage::Storage, bytes)?;
+        resources.set_buffer("layer_samples", samples);
+    }
+    Ok(())
+}
+
 /// Creates the uniform with the AO tables.
 ///
 /// # Errors

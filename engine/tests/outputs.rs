@@ -1,11 +1,9 @@
 //! More outputs than one word has bits for: the kernels' own code stores the results of a hit and finds them again. It runs
 //! on the processor, for tables that nobody has yet.
 
-use device::{
-    Device, DeviceChoice, DeviceError, Extent, Recording, Resources, Trust, Usage, native,
-};
+use device::{Device, DeviceChoice, DeviceError, Extent, Recording, Resources, Trust, Usage};
 use engine::material_record::{Kind, Output, Outputs, output_wgsl};
-use engine::passes::wgsl::Source;
+use engine::passes::wgsl::ComposedWgsl;
 
 /// Fifteen more than there are.
 const COUNT: usize = Output::ALL.len() + 15;
@@ -110,8 +108,8 @@ fn sets() -> Vec<u64> {
     sets
 }
 
-fn run(text: Source, heads: &[[u32; 2]]) -> Result<Vec<[f32; 4]>, DeviceError> {
-    let device = Device::open(&DeviceChoice::Name(native::NAME.to_owned()))?;
+fn run(text: ComposedWgsl, heads: &[[u32; 2]]) -> Result<Vec<[f32; 4]>, DeviceError> {
+    let device = Device::open(&DeviceChoice::Name("native".to_owned()))?;
     let kernel = text.compile(&device, "outputs", Trust::Nothing, &[])?;
     let mut resources = Resources::default();
     let buffers: [(&str, Vec<u8>); 3] = [
@@ -142,11 +140,11 @@ fn results_beyond_the_first_word_are_found_again() {
     let named: Vec<_> = (table.iter())
         .map(|(key, kind)| (key.as_str(), *kind))
         .collect();
-    let mut source = Source::of("shared/outputs.wgsl");
+    let mut source = ComposedWgsl::of("shared/outputs.wgsl");
     let own = output_wgsl(None);
     assert!(source.text.contains(&own));
     source.text = source.text.replace(&own, &output_wgsl(Some(&named)));
-    let program = Source::of("proctex/run.wgsl").text;
+    let program = ComposedWgsl::of("proctex/run.wgsl").text;
     for name in ["is_driven", "store_outputs", "write_vector"] {
         source.text += function(&program, name);
     }

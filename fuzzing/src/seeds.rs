@@ -6,7 +6,7 @@ mod scenes;
 use std::fs;
 use std::path::Path;
 
-use engine::film::{Film, Origin, Part};
+use engine::film::{Film, Layers, Origin, Part};
 
 use crate::mutate::SEPARATOR;
 use crate::root;
@@ -120,7 +120,16 @@ pub fn films() -> Vec<Vec<u8>> {
     };
     let mut both = film((2, 2), 0..2, false);
     both.merge(&film((2, 2), 5..9, false)).expect("they fit");
-    [film((1, 1), 0..1, false), film((3, 2), 4..9, true), both]
+    let layers = Layers::named(["depth", "normal"]).expect("there are such layers");
+    let mut seen = Film::with_layers(2, 2, layers);
+    for pixel in 0..3 {
+        seen.add_sample(pixel, [0.5; 3]);
+        seen.add_surface(pixel, 7, |_| [pixel as f32, -0.25, 1e3]);
+    }
+    seen.add_sample(3, [0.25; 3]);
+    let seen = Part::new(seen, 7..8, both.origin.clone());
+    let one = film((1, 1), 0..1, false);
+    [one, film((3, 2), 4..9, true), both, seen]
         .map(|part| {
             let mut bytes = Vec::new();
             part.write(&mut bytes).expect("memory takes everything");

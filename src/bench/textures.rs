@@ -10,14 +10,13 @@ use engine::renderer::RenderSettings;
 use engine::scene::{Camera, Scene, default_camera};
 use patina_bench::forms::Form;
 use patina_bench::report::figures::Figures;
-use patina_bench::report::page::Thumbnail;
 use patina_bench::report::{charts, page, paper};
 use patina_bench::scenes::{self, MODEL};
 use patina_bench::textures::{self as bench, Absent, Setup};
 use patina_bench::{coverage, insert, sweeps};
 
 use crate::exit::Failure;
-use crate::output::{self, Picture};
+use crate::output;
 use crate::progress::Bar;
 use crate::{console, library};
 
@@ -116,7 +115,7 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     report::write(&job.effort, &figures)?;
     for report in &job.reports {
         let text = match report.format {
-            ReportFormat::Html => page::html(&figures, &jpeg).map_err(Failure::because)?,
+            ReportFormat::Html => page::html(&figures).map_err(Failure::because)?,
             ReportFormat::Json => figures.json().map_err(Failure::because)?,
             ReportFormat::Svg => charts::increases(&figures).map_err(Failure::because)?,
         };
@@ -200,15 +199,4 @@ fn prepare(
             }
         }
     })
-}
-
-/// A picture of the page as a JPEG, so many stops brighter.
-fn jpeg(picture: Thumbnail, stops: f32) -> std::io::Result<Vec<u8>> {
-    let picture = Picture {
-        width: picture.width,
-        height: picture.height,
-        rgb: picture.rgb,
-        facts: Vec::new(),
-    };
-    output::jpeg(&picture, stops)
 }

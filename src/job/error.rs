@@ -111,6 +111,12 @@ pub(crate) enum UsageError {
         /// As typed.
         given: String,
     },
+    /// Layers beside the picture, and only files of pictures.
+    #[error(
+        "--layers: PNG and JPEG files hold the picture alone; name a file that ends in .exr or .patina-film as well, as in \
+         -o room.exr"
+    )]
+    NoFileOfLayers,
     /// Not `NAME=VALUE`.
     #[error("{flag} {given}: write NAME=VALUE, as in {example}")]
     Pair {

@@ -4,8 +4,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use device::DeviceChoice;
+use engine::film::{Layers, layers};
 
-use super::{Format, MAX_EXPOSURE, MAX_PIXELS, MAX_SIDE, MAX_SPP, Output, UsageError};
+use super::{Format, MAX_EXPOSURE, MAX_PIXELS, MAX_SIDE, MAX_SPP, Output, Outputs, UsageError};
 
 pub(super) fn parse_sample_range(given: &str) -> Result<Range<u32>, UsageError> {
     let range = given.split_once("..").and_then(|(first, end)| {
@@ -120,16 +121,26 @@ pub(crate) fn parse_device(given: Option<&str>) -> Result<DeviceChoice, UsageErr
 }
 
 pub(crate) fn parse_output(path: PathBuf) -> Result<Output, UsageError> {
-    let extension = path
-        .extension()
-        .map(|extension| extension.to_ascii_lowercase());
-    let format = match extension.as_ref().and_then(|extension| extension.to_str()) {
-        Some("png") => Format::Png,
-        Some("jpg" | "jpeg") => Format::Jpeg,
-        Some("exr") => Format::Exr,
-        _ => return Err(UsageError::Extension { path }),
+    match Format::of(&path) {
+        Some(format) => Ok(Output { path, format }),
+        None => Err(UsageError::Extension { path }),
+    }
+}
+
+/// Layers by name, for which there must be a file that can hold them.
+pub(super) fn parse_layers(names: &[String], outputs: &Outputs) -> Result<Layers, UsageError> {
+    let unknown = |error: layers::UnknownLayer| UsageError::Word {
+        flag: "--layers",
+        given: error.name,
+        known: layers::known(),
     };
-    Ok(Output { path, format })
+    let layers = Layers::named(names.iter().map(String::as_str)).map_err(unknown)?;
+    let mut pictures = outputs.pictures.iter();
+    let is_kept = !outputs.films.is_empty() || pictures.any(|output| output.format == Format::Exr);
+    match layers.is_picture_alone() || is_kept {
+        true => Ok(layers),
+        false => Err(UsageError::NoFileOfLayers),
+    }
 }
 
 /// `SCENE-render.png`: not `SCENE.png`, which may well be a texture of the scene.

@@ -9,7 +9,7 @@ use engine::preview::Preview;
 use engine::scene::look::Look;
 
 use crate::exit::Failure;
-use crate::output::{self, Picture};
+use crate::output;
 use crate::progress::Bar;
 use crate::{console, interrupt};
 
@@ -74,13 +74,7 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
     interrupt::writes_results();
     bar.finish();
 
-    let picture = Picture {
-        width: film.width,
-        height: film.height,
-        rgb: film.mean(),
-        facts: Vec::new(),
-    };
-    output::write(&job.output, &picture, 0.0).map_err(Failure::because)?;
+    output::write(&job.output, &film, None, 0.0).map_err(Failure::because)?;
     console::note(&format!("wrote {}", job.output.path.display()));
     match is_complete {
         true => Ok(()),

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use device::{Device, DeviceChoice, DeviceError, DeviceOptions};
-use engine::film::Film;
+use engine::film::{Film, Origin};
 use patina_viewer::host::{Changes, Host};
 use patina_viewer::link::Files;
 use patina_viewer::shell::{self, WindowError, WindowOptions};
@@ -15,7 +15,7 @@ use patina_viewer::thread::RenderOptions;
 
 use crate::exit::Failure;
 use crate::job::{Output, parse_output};
-use crate::output::{self, Fact, Picture};
+use crate::output;
 use crate::watch::files::Watcher;
 use crate::{cache, console, library};
 
@@ -202,16 +202,9 @@ impl Host for ProgramHost {
         })
     }
 
-    fn write_film(&self, path: &Path, film: &Film) -> Result<(), String> {
-        let (spp, _) = film.sample_bounds();
-        let picture = Picture {
-            width: film.width,
-            height: film.height,
-            rgb: film.mean(),
-            facts: vec![("samplesPerPixel", Fact::Count(spp.into()))],
-        };
+    fn write_film(&self, path: &Path, film: &Film, origin: &Origin) -> Result<(), String> {
         let output = self.output(path)?;
-        output::write(&output, &picture, 0.0).map_err(|error| error.to_string())
+        output::write(&output, film, Some(origin), 0.0).map_err(|error| error.to_string())
     }
 
     fn write_shown(&self, path: &Path, size: [u32; 2], rgba: &[u8]) -> Result<(), String> {

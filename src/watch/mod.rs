@@ -17,7 +17,7 @@ use engine::session::{Inputs, Session};
 use engine::stats::Doubt;
 
 use crate::exit::Failure;
-use crate::output::{self, Fact, Picture};
+use crate::output;
 use crate::progress::Bar;
 use crate::{cache, console, interrupt, library};
 
@@ -201,15 +201,10 @@ fn write(job: &WatchJob, session: &mut Session, update: &Update) -> Result<(), F
     if most == 0 {
         return Ok(());
     }
-    let picture = Picture {
-        width: film.width,
-        height: film.height,
-        rgb: film.mean(),
-        facts: vec![("samplesPerPixel", Fact::Count(spp.into()))],
-    };
+    let origin = session.origin();
     let mut names = Vec::new();
     for output in &job.outputs {
-        match output::write(output, &picture, job.exposure) {
+        match output::write(output, &film, Some(&origin), job.exposure) {
             Ok(()) => names.push(output.path.display().to_string()),
             // A full disk may have room again at the next change.
             Err(error) => console::error(&error.to_string()),

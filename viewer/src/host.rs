@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use engine::film::Film;
+use engine::film::{Film, Origin};
 
 /// What of the files that are rendered has changed.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -38,11 +38,11 @@ pub trait Host: Send {
     /// What has changed since the last call. Returns at once.
     fn changes(&mut self) -> Changes;
 
-    /// Writes a film as linear radiance (.exr).
+    /// Writes a film as linear radiance (.exr), and where it came from.
     ///
     /// # Errors
     /// The text is for people.
-    fn write_film(&self, path: &Path, film: &Film) -> Result<(), String>;
+    fn write_film(&self, path: &Path, film: &Film, origin: &Origin) -> Result<(), String>;
 
     /// Writes 8-bit RGBA as it is shown on screen (.png, .jpg).
     ///

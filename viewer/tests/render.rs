@@ -9,7 +9,7 @@ use device::{Device, DeviceChoice};
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use engine::film::Film;
+use engine::film::{Film, Origin};
 use engine::scene::look::Value;
 use engine::session::Edit;
 use patina_viewer::host::{Changes, Host};
@@ -53,7 +53,7 @@ impl Host for TestHost {
         self.changes.try_recv().unwrap_or_default()
     }
 
-    fn write_film(&self, path: &Path, film: &Film) -> Result<(), String> {
+    fn write_film(&self, path: &Path, film: &Film, _: &Origin) -> Result<(), String> {
         let text = format!("film of {} x {}", film.width, film.height);
         fs::write(path, text).map_err(|error| error.to_string())
     }

@@ -4,6 +4,7 @@ use crate::sweeps::SweepReport;
 use crate::textures::Absent;
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
+use engine::film::write;
 use engine::stats::grouped;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -36,27 +37,13 @@ pub enum PageError {
     Picture(#[from] std::io::Error),
 }
 
-/// A picture of the page, linear Rec.709.
-#[derive(Debug)]
-pub struct Thumbnail {
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Row 0 on top; `width * height` pixels.
-    pub rgb: Vec<[f32; 3]>,
-}
-
-/// Encodes a picture as a JPEG, so many stops brighter.
-pub type EncodeJpeg<'a> = &'a dyn Fn(Thumbnail, f32) -> std::io::Result<Vec<u8>>;
-
 /// The whole page.
 ///
 /// # Errors
 /// A chart can't be drawn, a picture not encoded.
-pub fn html(figures: &Figures, jpeg: EncodeJpeg<'_>) -> Result<String, PageError> {
+pub fn html(figures: &Figures) -> Result<String, PageError> {
     let chart = PreEscaped(charts::increases(figures)?);
-    let pictures = pictures(figures, jpeg)?;
+    let pictures = pictures(figures)?;
     let sweeps = figures.sweeps.iter().map(sweep);
     let sweeps = sweeps.collect::<Result<Vec<Markup>, _>>()?;
     let title = "What procedural textures cost";
@@ -278,7 +265,7 @@ fn sweep(sweep: &SweepReport) -> Result<Markup, PageError> {
 }
 
 /// The picture of each form and texture, once.
-fn pictures(figures: &Figures, jpeg: EncodeJpeg<'_>) -> Result<Markup, PageError> {
+fn pictures(figures: &Figures) -> Result<Markup, PageError> {
     let size = (figures.conditions.width, figures.conditions.height);
     let first = figures.results.first();
     let stops = first.map_or(0.0, |row| missing_stops(&row.picture));
@@ -290,7 +277,8 @@ fn pictures(figures: &Figures, jpeg: EncodeJpeg<'_>) -> Result<Markup, PageError
                 && earlier.picture == row.picture
         });
         if is_new && !row.picture.is_empty() {
-            let jpeg = jpeg(shrunk(&row.picture, size), stops)?;
+            let (size, rgb) = shrunk(&row.picture, size);
+            let jpeg = write::jpeg(size, &rgb, stops)?;
             let uri = format!("data:image/jpeg;base64,{}", BASE64_STANDARD.encode(jpeg));
             let caption = match row.texture {
                 "rust" => format!("{}, rust, {} AO rays", row.mode, row.ao_rays),
@@ -322,7 +310,7 @@ fn missing_stops(rgb: &[[f32; 3]]) -> f32 {
 }
 
 /// A picture at most [`THUMBNAIL`] pixels wide: each pixel is the mean of a block, what doesn't fill a block is cut off.
-fn shrunk(rgb: &[[f32; 3]], (width, height): (u32, u32)) -> Thumbnail {
+fn shrunk(rgb: &[[f32; 3]], (width, height): (u32, u32)) -> ([u32; 2], Vec<[f32; 3]>) {
     let block = width.div_ceil(THUMBNAIL).max(1).min(height.max(1));
     let (columns, rows) = (width / block, height / block);
     let mean = |column: u32, row: u32| {
@@ -335,12 +323,7 @@ fn shrunk(rgb: &[[f32; 3]], (width, height): (u32, u32)) -> Thumbnail {
         }
         sum.map(|sum| sum / (block * block) as f32)
     };
-    Thumbnail {
-        width: columns,
-        height: rows,
-        rgb: (0..rows)
-            .flat_map(|row| (0..columns).map(move |column| (column, row)))
-            .map(|(column, row)| mean(column, row))
-            .collect(),
-    }
+    let pixels = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+    let shrunk = pixels.map(|(column, row)| mean(column, row)).collect();
+    ([columns, rows], shrunk)
 }

@@ -8,13 +8,7 @@ use engine::stats::DeviceFacts;
 
 use super::conditions::Conditions;
 use super::figures::Figures;
-use super::page::Thumbnail;
 use super::{charts, page, paper};
-
-/// In the place of a JPEG.
-fn encoded(_: Thumbnail, _: f32) -> std::io::Result<Vec<u8>> {
-    Ok(vec![0xff, 0xd8])
-}
 
 /// A number that no other place has, with one digit behind the point.
 fn number(place: u32) -> f64 {
@@ -148,7 +142,7 @@ fn check_tags(text: &str) {
 
 #[test]
 fn the_page_is_well_formed_and_needs_no_other_file() {
-    let page = page::html(&figures(), &encoded).expect("it is written");
+    let page = page::html(&figures()).expect("it is written");
     check_tags(&page);
     for outside in ["src=\"http", "href=", "@import", "url(", "<script"] {
         assert!(!page.contains(outside), "{outside}");
@@ -164,27 +158,27 @@ fn the_page_is_well_formed_and_needs_no_other_file() {
 #[test]
 fn what_a_driver_tells_of_kernels_has_columns_where_it_does() {
     let mut figures = figures();
-    let page = page::html(&figures, &encoded).expect("it is written");
+    let page = page::html(&figures).expect("it is written");
     assert!(!page.contains(">registers<"));
     figures.statistics_device = Some("A <driver>".to_owned());
     figures.results[1].registers = Some(128.0);
     figures.results[1].stack_bytes = Some(640.0);
     figures.results[1].spills = Some(0.5);
-    let page = page::html(&figures, &encoded).expect("it is written");
+    let page = page::html(&figures).expect("it is written");
     check_tags(&page);
     for text in [">registers<", ">128<", ">640<", ">0.5<", "A &lt;driver&gt;"] {
         assert!(page.contains(text), "{text}");
     }
     figures.statistics_device = None;
     figures.statistics_absent = Some("it says nothing".to_owned());
-    let page = page::html(&figures, &encoded).expect("it is written");
+    let page = page::html(&figures).expect("it is written");
     assert!(page.contains("it says nothing"));
 }
 
 #[test]
 fn every_figure_is_in_the_page() {
     let figures = figures();
-    let page = page::html(&figures, &encoded).expect("it is written");
+    let page = page::html(&figures).expect("it is written");
     let contains = |text: String| assert!(page.contains(&text), "{text}");
     for row in figures.results.iter() {
         contains(format!(

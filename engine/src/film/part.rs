@@ -4,18 +4,22 @@
 //! # Format
 //! Little-endian: the eight bytes `PATINAFM`, the length of the header (`u32`), the header (JSON: [`Origin`], size and
 //! ranges), five planes of four `u32` per pixel (see [`Film`]), and a checksum (`u64`) of all of it.
+//!
+//! A film with layers beside the picture begins with `PATINAFL`, so that nothing takes it for a shorter one. Its header
+//! lists their names, and their planes follow those of the picture.
 
 use std::io::{self, Read, Write};
 use std::ops::Range;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::fingerprint::Hash;
-use super::{Film, MAX_SAMPLES, PLANES};
-use crate::renderer::MAX_SIDE;
+use super::{Film, Hash, Layers, MAX_SAMPLES, MAX_SIDE, PICTURE_PLANES};
 
-/// What a file begins with; another layout gets another one.
+/// What a file of the picture alone begins with; another layout gets another one.
 const MAGIC: &[u8; 8] = b"PATINAFM";
+/// What one with further layers begins with.
+const MAGIC_LAYERS: &[u8; 8] = b"PATINAFL";
 /// Longest header that is believed.
 const MAX_HEADER: u32 = 1 << 20;
 
@@ -28,8 +32,36 @@ pub struct Origin {
     pub scene: String,
     /// Name of the look's file.
     pub look: Option<String>,
-    /// What must be the same in all parts of a picture: see [`super::fingerprint`].
+    /// What must be the same in all parts of a picture, by name.
     pub settings: Vec<(String, String)>,
+}
+
+impl Origin {
+    /// Of a scene and a look by their files, whose names are kept without their folders.
+    pub fn new(
+        device: &str,
+        scene: &Path,
+        look: Option<&Path>,
+        settings: Vec<(String, String)>,
+    ) -> Self {
+        let name = |path: &Path| {
+            let name = path.file_name().unwrap_or_default();
+            name.to_string_lossy().into_owned()
+        };
+        Self {
+            device: device.to_owned(),
+            scene: name(scene),
+            look: look.map(name),
+            settings,
+        }
+    }
+
+    /// A setting by name.
+    pub fn setting(&self, name: &str) -> Option<&str> {
+        let mut settings = self.settings.iter();
+        let found = settings.find(|(other, _)| other == name);
+        found.map(|(_, value)| value.as_str())
+    }
 }
 
 /// Some samples of every pixel of a picture.
@@ -81,7 +113,28 @@ struct Header {
     ranges: Vec<(u32, u32)>,
     #[serde(default, skip_serializing_if = "is_zero")]
     missing: u32,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    layers: Vec<String>,
     origin: Origin,
+}
+
+impl Header {
+    /// What the film has gathered; the names are as [`Part::write`] lists them, or the planes' order is unknown.
+    fn layers(&self) -> Result<Layers, PartError> {
+        let refused = PartError::Damaged("it has layers that this version of Patina doesn't know");
+        match Layers::named(self.layers.iter().map(String::as_str)) {
+            Ok(layers) if listed(&layers) == self.layers => Ok(layers),
+            _ => Err(refused),
+        }
+    }
+}
+
+/// The names of a film's layers as its header has them: none where there is the picture alone.
+fn listed(layers: &Layers) -> Vec<String> {
+    match layers.is_picture_alone() {
+        true => Vec::new(),
+        false => layers.iter().map(|layer| layer.name.to_owned()).collect(),
+    }
 }
 
 fn is_zero(count: &u32) -> bool {
@@ -107,20 +160,23 @@ impl Part {
         &self.ranges
     }
 
-    /// A setting of [`Origin::settings`] by name.
-    pub fn setting(&self, name: &str) -> Option<&str> {
-        let settings = self.origin.settings.iter();
-        settings
-            .into_iter()
-            .find(|(n, _)| n == name)
-            .map(|(_, value)| value.as_str())
-    }
-
     /// Adds another part of the same picture.
     ///
     /// # Errors
     /// It has samples that are here already, or was rendered from something else; then nothing is added.
     pub fn merge(&mut self, other: &Self) -> Result<(), PartError> {
+        let [here, there] = [other, self].map(|part| listed(part.film.layers()).join(","));
+        if here != there {
+            let named = |list: String| match list.is_empty() {
+                true => "the picture alone".to_owned(),
+                false => list,
+            };
+            return Err(PartError::Foreigner {
+                what: "the list of layers".to_owned(),
+                here: named(here),
+                there: named(there),
+            });
+        }
         let (here, there) = (&other.origin.settings, &self.origin.settings);
         if let Some(((what, here), (_, there))) =
             here.iter().zip(there).find(|(here, there)| here != there)
@@ -154,11 +210,16 @@ impl Part {
             height: self.film.height,
             ranges: self.ranges.iter().map(|r| (r.start, r.end)).collect(),
             missing: self.missing,
+            layers: listed(self.film.layers()),
             origin: self.origin.clone(),
+        };
+        let magic = match header.layers.is_empty() {
+            true => MAGIC,
+            false => MAGIC_LAYERS,
         };
         let header = serde_json::to_vec(&header)?;
         let mut hash = Hash::new();
-        file.write_all(MAGIC)?;
+        file.write_all(magic)?;
         file.write_all(&(header.len() as u32).to_le_bytes())?;
         file.write_all(&header)?;
         hash.bytes(&header);
@@ -181,9 +242,10 @@ impl Part {
         }
         file.read_exact(&mut start)?;
         let (magic, header_length) = start.split_at(8);
-        if magic != MAGIC {
+        if magic != MAGIC && magic != MAGIC_LAYERS {
             return Err(PartError::Foreign);
         }
+        let has_layers = magic == MAGIC_LAYERS;
         let header_length = header_length
             .iter()
             .rev()
@@ -202,11 +264,15 @@ impl Part {
         if width.clamp(1, MAX_SIDE) != width || height.clamp(1, MAX_SIDE) != height {
             return Err(PartError::Damaged("its size makes no sense"));
         }
+        let layers = header.layers()?;
+        if layers.is_picture_alone() == has_layers {
+            return Err(PartError::Damaged("its header makes no sense"));
+        }
         let pixels = u64::from(width) * u64::from(height);
-        if rest - u64::from(header_length) != pixels * 16 * PLANES.len() as u64 + 8 {
+        if rest - u64::from(header_length) != pixels * 16 * layers.plane_count() as u64 + 8 {
             return Err(PartError::Damaged("it has the wrong length"));
         }
-        let mut film = Film::new(width, height);
+        let mut film = Film::with_layers(width, height, layers);
         for plane in &mut film.planes {
             let words: &mut [u32] = bytemuck::cast_slice_mut(plane);
             file.read_exact(bytemuck::cast_slice_mut(words))?;
@@ -219,6 +285,9 @@ impl Part {
         file.read_exact(&mut checksum)?;
         if u64::from_le_bytes(checksum) != hash.value() {
             return Err(PartError::Damaged("its checksum is wrong"));
+        }
+        if !film.has_numbers() {
+            return Err(PartError::Damaged("its layers hold no numbers"));
         }
         let ranges: Vec<_> = header.ranges.iter().map(|&(a, b)| a..b).collect();
         let ranges = joined(ranges.iter())?;
@@ -243,12 +312,19 @@ pub fn sealed(file: &[u8]) -> Option<Vec<u8>> {
     let (rest, _) = file.split_last_chunk::<8>()?;
     let (length, data) = rest.get(MAGIC.len()..)?.split_first_chunk()?;
     let (header, planes) = data.split_at_checked(u32::from_le_bytes(*length) as usize)?;
-    if planes.is_empty() || !planes.len().is_multiple_of(PLANES.len()) {
+    let count = match file.starts_with(MAGIC_LAYERS) {
+        true => {
+            let header: Header = serde_json::from_slice(header).ok()?;
+            header.layers().ok()?.plane_count()
+        }
+        false => PICTURE_PLANES.len(),
+    };
+    if planes.is_empty() || !planes.len().is_multiple_of(count) {
         return None;
     }
     let mut hash = Hash::new();
     hash.bytes(header);
-    let planes = planes.chunks_exact(planes.len() / PLANES.len());
+    let planes = planes.chunks_exact(planes.len() / count);
     planes.for_each(|plane| hash.bytes(plane));
     Some([rest, &hash.value().to_le_bytes()].concat())
 }
@@ -283,98 +359,4 @@ fn joined<'a>(ranges: impl Iterator<Item = &'a Range<u32>>) -> Result<Vec<Range<
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn part(samples: Range<u32>, seed: &str) -> Part {
-        let mut film = Film::new(2, 1);
-        for sample in samples.clone() {
-            let value = 0.1 + (sample as f32).sin().abs();
-            film.add_sample(0, [value, 1e-6 * value, 1e6 * value]);
-            film.add_sample(1, [2.0 * value; 3]);
-        }
-        let origin = Origin {
-            device: "device".to_owned(),
-            scene: "scene.glb".to_owned(),
-            look: None,
-            settings: vec![("seed".to_owned(), seed.to_owned())],
-        };
-        Part::new(film, samples, origin)
-    }
-
-    fn bytes(part: &Part) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        part.write(&mut bytes).expect("memory takes everything");
-        bytes
-    }
-
-    fn read(bytes: &[u8]) -> Result<Part, PartError> {
-        Part::read(&mut &bytes[..], bytes.len() as u64)
-    }
-
-    #[test]
-    fn a_part_is_read_as_it_was_written_or_not_at_all() {
-        let part = part(3..10, "0");
-        let whole = bytes(&part);
-        assert_eq!(read(&whole).expect("whole"), part);
-        for length in 0..whole.len() {
-            assert!(read(&whole[..length]).is_err(), "{length} bytes");
-        }
-        assert!(read(&[&whole[..], b"x"].concat()).is_err());
-        for at in 0..whole.len() {
-            let mut changed = whole.clone();
-            changed[at] ^= 4;
-            assert!(read(&changed).is_err(), "byte {at}");
-            // The checksum itself, and nothing else, can be mended.
-            let mended = sealed(&changed).is_some_and(|sealed| sealed == whole);
-            assert_eq!(mended, at >= whole.len() - 8, "byte {at}");
-        }
-        assert!(matches!(read(b"something else"), Err(PartError::Foreign)));
-    }
-
-    #[test]
-    fn a_render_that_was_ended_within_a_sample_can_be_kept_and_continued() {
-        let whole = part(0..6, "0");
-        let mut ended = part(0..3, "0");
-        ended.film.add_sample(0, [0.5; 3]);
-        let mut ended = Part::new(ended.film, 0..4, ended.origin);
-        assert_eq!(read(&bytes(&ended)).expect("whole"), ended);
-        ended.merge(&part(4..6, "0")).expect("they fit");
-        assert_eq!(ended.ranges(), whole.ranges());
-        assert_eq!(read(&bytes(&ended)).expect("whole"), ended);
-        // What doesn't say so has all samples.
-        let lying = Part {
-            missing: 0,
-            ..ended
-        };
-        assert!(read(&bytes(&lying)).is_err());
-    }
-
-    #[test]
-    fn parts_add_up_to_the_whole_in_any_order() {
-        let whole = part(0..20, "0");
-        for order in [[0, 1, 2], [2, 0, 1], [1, 2, 0]] {
-            let parts = [part(0..3, "0"), part(3..16, "0"), part(16..20, "0")];
-            let mut merged = parts[order[0]].clone();
-            merged.merge(&parts[order[1]]).expect("they fit");
-            let gaps = merged.ranges().len();
-            assert_eq!(gaps, if order[0] == 2 { 2 } else { 1 });
-            merged.merge(&parts[order[2]]).expect("they fit");
-            assert_eq!(merged, whole);
-            assert_eq!(bytes(&merged), bytes(&whole));
-        }
-    }
-
-    #[test]
-    fn what_does_not_belong_together_is_refused() {
-        let mut merged = part(0..10, "0");
-        let before = merged.clone();
-        match merged.merge(&part(8..12, "0")) {
-            Err(PartError::Overlap(samples)) => assert_eq!(samples, 8..10),
-            other => panic!("{other:?}"),
-        }
-        let error = merged.merge(&part(10..12, "1")).expect_err("another seed");
-        assert!(error.to_string().contains("seed is 1"), "{error}");
-        assert_eq!(merged, before);
-    }
-}
+mod tests;

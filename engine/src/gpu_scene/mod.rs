@@ -102,6 +102,8 @@ pub struct SceneFeatures {
     pub layers: bool,
     /// Rough surfaces give back what single scattering loses: no property of the scene, but of what is asked for.
     pub energy_compensation: bool,
+    /// The film has layers beside the picture: asked for as well.
+    pub film_layers: bool,
     /// Some material has a texture program.
     pub programs: bool,
     /// A texture program decides about the opacity or the light of some surface, so that shadow rays need it too.
@@ -267,6 +269,7 @@ impl GpuScene {
                     .zip(&scene.materials)
                     .any(|(i, m)| materials::has_layers(m) || program(i).has_layers),
                 energy_compensation: true,
+                film_layers: false,
                 programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
                 program_shadows: shadows.by_program,
                 clear: shadows.clear,

@@ -8,6 +8,7 @@ pub mod ao;
 pub mod brdf;
 pub mod classify;
 pub mod display;
+pub mod film_layers;
 pub mod guide;
 pub mod pass;
 pub mod proctex;

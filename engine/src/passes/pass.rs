@@ -64,7 +64,21 @@ impl Pass {
     /// # Errors
     /// If the driver refuses it.
     pub fn kernel(&self, device: &Device, features: &SceneFeatures) -> Result<Kernel, DeviceError> {
-        let constants = [&features.constants()[..], &ao_constants(device)].concat();
+        self.kernel_with(device, features, &[])
+    }
+
+    /// As [`Self::kernel`], with values of further `override` constants; those that it doesn't declare are left out.
+    ///
+    /// # Errors
+    /// If the driver refuses it.
+    pub(crate) fn kernel_with(
+        &self,
+        device: &Device,
+        features: &SceneFeatures,
+        more: &[(&'static str, f64)],
+    ) -> Result<Kernel, DeviceError> {
+        let own = ao_constants(device);
+        let constants = [&features.constants()[..], &own, more].concat();
         let source = self.source(device);
         source.compile(device, self.name, Trust::All, &constants)
     }

@@ -12,6 +12,8 @@ use texgen::{GeneratedKernel, SourceMap};
 use super::traverse;
 use crate::material_record;
 
+use super::film_layers;
+
 /// A WGSL file: its path below `passes/`, by which others include it, and its text.
 pub type File = (&'static str, &'static str);
 
@@ -173,11 +175,12 @@ pub fn compile(device: &Device, source: &KernelSource<'_>) -> Result<Kernel, Dev
     }
 }
 
-/// What is made from the tables of materials.
+/// What is made from the tables of materials and of the film's layers.
 fn generated(file: &str) -> Option<String> {
     match file {
         "generated/material.wgsl" => Some(material_record::material_wgsl()),
         "generated/outputs.wgsl" => Some(material_record::output_wgsl(None)),
+        "generated/film_layers.wgsl" => Some(film_layers::layers_wgsl()),
         _ => None,
     }
 }

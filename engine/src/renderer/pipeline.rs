@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use device::{BoundKernel, Device, DeviceError, Kernel, Resources};
 
 use crate::{
+    film::{Layers, layers::Plane},
     gpu_scene::SceneFeatures,
-    passes::{brdf, pass::Pass, proctex, wgsl},
+    passes::{brdf, film_layers, pass::Pass, proctex, wgsl},
     procedural::Procedural,
     schedule::Schedule,
 };
@@ -16,23 +17,33 @@ use super::{RenderError, culprit};
 /// The kernel of each pass that the scene needs, by the pass's name.
 #[derive(Debug)]
 pub(super) struct Kernels {
+    layers: Layers,
     by_name: BTreeMap<&'static str, Kernel>,
     passes: &'static [&'static Pass],
     /// The pass that the users' functions are in.
     texture: &'static str,
+    /// Those that add to the planes of the film's layers.
+    planes: Vec<(Plane, Kernel)>,
 }
 
 impl Kernels {
     pub(super) fn new(
         gpu: &Device,
         features: &SceneFeatures,
+        layers: &Layers,
         procedural: &Procedural,
         schedule: &dyn Schedule,
     ) -> Result<Self, RenderError> {
+        let planes = layers.planes().into_iter().map(|plane| {
+            let kernel = film_layers::plane_kernel(gpu, &plane)?;
+            Ok((plane, kernel))
+        });
         let mut kernels = Self {
+            layers: layers.clone(),
             by_name: BTreeMap::new(),
             passes: schedule.passes(),
             texture: schedule.texture_pass().name,
+            planes: planes.collect::<Result<_, DeviceError>>()?,
         };
         kernels.compile_missing(gpu, features)?;
         if let Some(kernel) = texture_kernel(gpu, features, procedural, schedule)? {
@@ -41,17 +52,23 @@ impl Kernels {
         Ok(kernels)
     }
 
-    /// Compiles the passes that scenes with these features need and that aren't there, all but the generated one.
+    /// Compiles the passes that scenes with these features need and that aren't there, all but the generated one and those
+    /// of the film's planes.
     fn compile_missing(
         &mut self,
         gpu: &Device,
         features: &SceneFeatures,
     ) -> Result<(), DeviceError> {
+        let apart = [
+            self.texture,
+            film_layers::MEAN.name,
+            film_layers::FIRST.name,
+        ];
+        let layers = film_layers::constants(&self.layers);
         for pass in self.passes {
-            let is_generated = pass.name == self.texture;
-            let is_there = self.by_name.contains_key(pass.name);
-            if (pass.exists)(features) && !is_generated && !is_there {
-                let kernel = pass.kernel(gpu, features)?;
+            let is_there = self.by_name.contains_key(pass.name) || apart.contains(&pass.name);
+            if (pass.exists)(features) && !is_there {
+                let kernel = pass.kernel_with(gpu, features, &layers)?;
                 self.by_name.insert(pass.name, kernel);
             }
         }
@@ -80,10 +97,15 @@ impl Kernels {
         kernel: Kernel,
     ) -> Result<(), RenderError> {
         if !self.has_texture() {
-            // It was compiled without programs.
-            let brdf = brdf::PASS.kernel(gpu, features)?;
-            self.compile_missing(gpu, features)?;
-            self.by_name.insert(brdf::PASS.name, brdf);
+            // They were compiled without programs.
+            let former = self.by_name.clone();
+            for pass in [brdf::PASS, film_layers::RECORD] {
+                self.by_name.remove(pass.name);
+            }
+            if let Err(error) = self.compile_missing(gpu, features) {
+                self.by_name = former;
+                return Err(error.into());
+            }
         }
         self.by_name.insert(self.texture, kernel);
         Ok(())
@@ -94,9 +116,20 @@ impl Kernels {
     }
 
     pub(super) fn bind(&self, gpu: &Device, resources: &Resources) -> Bound {
-        let bind = |(name, kernel): (&&'static str, &Kernel)| (*name, kernel.bind(gpu, resources));
+        let mut by_name = BTreeMap::<&'static str, Vec<BoundKernel>>::new();
+        for (name, kernel) in &self.by_name {
+            by_name.insert(name, vec![kernel.bind(gpu, resources)]);
+        }
+        for (plane, kernel) in &self.planes {
+            let mut resources = resources.clone();
+            let buffer = resources.buffer(plane.name).clone();
+            resources.set_buffer(film_layers::PLANE, buffer);
+            let name = film_layers::pass_of(plane).name;
+            let bound = kernel.bind(gpu, &resources);
+            by_name.entry(name).or_default().push(bound);
+        }
         Bound {
-            by_name: self.by_name.iter().map(bind).collect(),
+            by_name,
             passes: self.passes,
         }
     }
@@ -139,14 +172,15 @@ pub(crate) fn compiling(procedural: &Procedural) -> String {
 /// The kernels with their resources.
 #[derive(Debug)]
 pub(super) struct Bound {
-    by_name: BTreeMap<&'static str, BoundKernel>,
+    by_name: BTreeMap<&'static str, Vec<BoundKernel>>,
     passes: &'static [&'static Pass],
 }
 
 impl Bound {
-    /// The kernel of a pass, if the scene needs it.
-    pub(super) fn get(&self, pass: &Pass) -> Option<&BoundKernel> {
-        self.by_name.get(pass.name)
+    /// The kernels of a pass, to be run one after the other: most have one, those of the film's layers one for each plane, and
+    /// a pass that the scene doesn't need none.
+    pub(super) fn get(&self, pass: &Pass) -> &[BoundKernel] {
+        self.by_name.get(pass.name).map_or(&[], Vec::as_slice)
     }
 
     /// Names in the order in which a wave runs them.

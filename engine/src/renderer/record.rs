@@ -45,7 +45,7 @@ impl<'a> Recorder<'a> {
 
 impl Run for Recorder<'_> {
     fn run(&mut self, pass: &'static Pass) {
-        if let Some(kernel) = self.bound.get(pass) {
+        for kernel in self.bound.get(pass) {
             self.run_kernel(kernel, pass.work);
         }
     }

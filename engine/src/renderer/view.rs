@@ -7,7 +7,7 @@ use device::{Buffer, Device, DeviceError, Kernel, Resources, Usage};
 
 use crate::{
     display::DeviceFilm,
-    film,
+    film::{Layers, PICTURE_PLANES},
     frame::Frame,
     gpu_scene::SceneFeatures,
     passes::guide,
@@ -31,14 +31,16 @@ pub(super) fn allocate_film(
     gpu: &Device,
     width: u32,
     height: u32,
+    layers: &Layers,
     resources: &mut Resources,
 ) -> Result<(), DeviceError> {
     let bytes = u64::from(width) * u64::from(height) * 16;
-    let planes: Vec<_> = film::PLANES
+    let names = layers.buffers();
+    let planes: Vec<_> = names
         .iter()
         .map(|_| gpu.buffer("the picture", Usage::Storage, bytes))
         .collect::<Result<_, _>>()?;
-    for (name, plane) in film::PLANES.into_iter().zip(planes) {
+    for (name, plane) in names.into_iter().zip(planes) {
         resources.set_buffer(name, plane);
     }
     Ok(())
@@ -53,7 +55,8 @@ impl Renderer {
         if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
             return Err(RenderError::Size { width, height });
         }
-        allocate_film(&self.gpu, width, height, &mut self.resources)?;
+        let layers = &self.settings.layers;
+        allocate_film(&self.gpu, width, height, layers, &mut self.resources)?;
         (self.settings.width, self.settings.height) = (width, height);
         self.bound = self.kernels.bind(&self.gpu, &self.resources);
         self.region = None;
@@ -103,7 +106,7 @@ impl Renderer {
         Ok(DeviceFilm {
             width: self.settings.width,
             height: self.settings.height,
-            planes: film::PLANES.map(|name| self.resources.buffer(name).clone()),
+            planes: PICTURE_PLANES.map(|name| self.resources.buffer(name).clone()),
             guides: self.guides.as_ref().and_then(|g| g.buffer.clone()),
         })
     }

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use texgen::{Diagnostic, Diagnostics};
 
+use crate::film::Origin;
+use crate::fingerprint;
 use crate::load;
 use crate::procedural::{SourcesError, TextureSources};
 use crate::scene::look::Look;
@@ -89,6 +91,12 @@ impl Session {
     /// What is rendered.
     pub fn inputs(&self) -> &Inputs {
         &self.inputs
+    }
+
+    /// Where the picture comes from, for the headers of its files.
+    pub fn origin(&self) -> Origin {
+        let Inputs { scene, look, .. } = &self.inputs;
+        fingerprint::origin(self.device(), self.settings(), scene, look.as_deref())
     }
 
     /// The look's file may have changed. Its text replaces that of the look, edits that were not saved included.

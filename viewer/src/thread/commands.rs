@@ -155,7 +155,7 @@ impl Render {
                 .snapshot()
                 .map_err(|error| publish::message(&error))?
                 .film;
-            return self.host.write_film(path, &film);
+            return self.host.write_film(path, &film, &session.origin());
         }
         self.show().map_err(|error| publish::message(&error))?;
         let displays = self.display.as_ref().ok_or("there is no picture yet")?;

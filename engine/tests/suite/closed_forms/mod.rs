@@ -10,6 +10,7 @@ mod direct;
 mod disk;
 mod environment;
 mod estimators;
+mod film_layers;
 mod filters;
 mod furnace;
 mod non_finite;

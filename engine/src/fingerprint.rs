@@ -1,7 +1,11 @@
 //! What a film was rendered from, as a list of named texts: films with different ones don't add up to a picture.
 
-use bytemuck::NoUninit;
+use std::path::Path;
 
+use bytemuck::NoUninit;
+use device::Device;
+
+use crate::film::{Hash, Origin};
 use crate::procedural::Procedural;
 use crate::scene::{Camera, Environment, Scene};
 use crate::settings::RenderSettings;
@@ -13,6 +17,35 @@ pub fn fingerprint(
     procedural: &Procedural,
     settings: &RenderSettings,
 ) -> Vec<(String, String)> {
+    let mut hash = Contents(Hash::new());
+    hash.scene(scene);
+    let scene = hash.0.finish();
+    let mut hash = Contents(Hash::new());
+    hash.procedural(procedural);
+    let mut list = named(settings);
+    list.push(("scene".to_owned(), scene));
+    list.push(("textures".to_owned(), hash.0.finish()));
+    // What is gathered beside the picture changes no sample of it, and the files of pictures alone say nothing of it.
+    if !settings.layers.is_picture_alone() {
+        let names: Vec<_> = settings.layers.iter().map(|layer| layer.name).collect();
+        list.push(("layers".to_owned(), names.join(",")));
+    }
+    list
+}
+
+/// Where a picture of these settings comes from, for the headers of files that nothing is added to: without the hashes, which
+/// take as long as reading the scene once more.
+pub fn origin(
+    device: &Device,
+    settings: &RenderSettings,
+    scene: &Path,
+    look: Option<&Path>,
+) -> Origin {
+    Origin::new(&device.description().name, scene, look, named(settings))
+}
+
+/// The settings alone, by name.
+fn named(settings: &RenderSettings) -> Vec<(String, String)> {
     // Without `..`, so that a new setting can't be forgotten here.
     let RenderSettings {
         width,
@@ -28,12 +61,8 @@ pub fn fingerprint(
         estimator,
         roulette,
         sampler,
+        layers: _,
     } = settings;
-    let mut hash = Hash::new();
-    hash.scene(scene);
-    let scene = hash.finish();
-    let mut hash = Hash::new();
-    hash.procedural(procedural);
     let Camera {
         name: _,
         transform,
@@ -62,52 +91,22 @@ pub fn fingerprint(
         ("estimator", estimator.name().to_owned()),
         ("roulette", roulette.to_string()),
         ("sampler", sampler.name().to_owned()),
-        ("scene", scene),
-        ("textures", hash.finish()),
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into()
 }
 
-/// FNV-1a over words of 64 bits: eight times as fast as over bytes, and as good at telling accidents apart.
-#[derive(Debug)]
-pub(super) struct Hash(u64);
+/// A hash of plain data.
+struct Contents(Hash);
 
-impl Hash {
-    pub(super) fn new() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-
-    pub(super) fn bytes(&mut self, bytes: &[u8]) {
-        let mut add = |word: u64| {
-            // The rotation lets the high bits of a word reach the low ones.
-            self.0 = (self.0 ^ word)
-                .wrapping_mul(0x0100_0000_01b3)
-                .rotate_left(29);
-        };
-        let (words, rest) = bytes.as_chunks::<8>();
-        words.iter().for_each(|word| add(u64::from_le_bytes(*word)));
-        let mut last = [0; 8];
-        last[..rest.len()].copy_from_slice(rest);
-        add(u64::from_le_bytes(last));
-        add(bytes.len() as u64);
-    }
-
-    pub(super) fn value(&self) -> u64 {
-        self.0
-    }
-
-    fn finish(&self) -> String {
-        format!("{:016x}", self.0)
-    }
-
+impl Contents {
     fn list<T: NoUninit>(&mut self, list: &[T]) {
-        self.bytes(bytemuck::cast_slice(list));
+        self.0.bytes(bytemuck::cast_slice(list));
     }
 
     /// The text of plain data. Numbers are written with all the digits that tell them apart.
     fn text(&mut self, value: &impl std::fmt::Debug) {
-        self.bytes(format!("{value:?}").as_bytes());
+        self.0.bytes(format!("{value:?}").as_bytes());
     }
 
     fn scene(&mut self, scene: &Scene) {
@@ -127,7 +126,7 @@ impl Hash {
         }
         for image in &scene.images {
             self.text(&(image.width, image.height, image.srgb));
-            self.bytes(&image.rgba8);
+            self.0.bytes(&image.rgba8);
         }
         self.text(&(&scene.instances, &scene.materials, &scene.lights));
         match &scene.environment {
@@ -144,37 +143,9 @@ impl Hash {
     }
 
     fn procedural(&mut self, procedural: &Procedural) {
-        self.bytes(procedural.kernel().wgsl.as_bytes());
+        self.0.bytes(procedural.kernel().wgsl.as_bytes());
         self.list(procedural.args());
         self.list(procedural.programs());
         self.text(&(procedural.ao(), procedural.textures()));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn hashes_tell_apart_what_differs() {
-        let of = |pieces: &[&[u8]]| {
-            let mut hash = Hash::new();
-            pieces.iter().for_each(|piece| hash.bytes(piece));
-            hash.value()
-        };
-        let all = [
-            of(&[]),
-            of(&[b""]),
-            of(&[b"\0"]),
-            of(&[b"a"]),
-            of(&[b"abcdefgh"]),
-            of(&[b"abcdefghi"]),
-            of(&[b"abcdefgh", b"i"]),
-            of(&[b"\x80bcdefgh"]),
-        ];
-        for (i, a) in all.iter().enumerate() {
-            assert!(all[..i].iter().all(|b| a != b), "{i}");
-        }
-        assert_eq!(of(&[b"abcdefghi"]), of(&[b"abcdefghi"]));
     }
 }

@@ -1,0 +1,219 @@
+//! Films as files: PNG and JPEG to look at (8-bit sRGB, exposed), EXR to work with (linear floats, as rendered, every
+//! layer). Every picture of a film is written here, whoever asks for it.
+
+mod exr;
+
+use std::io::{self, Seek, Write};
+use std::path::Path;
+
+use image::codecs::jpeg::JpegEncoder;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+
+use super::{Film, Origin};
+use crate::aside;
+
+/// Of 100: artefacts are below the noise of a render.
+const JPEG_QUALITY: u8 = 90;
+
+/// Picture formats, chosen by a file's ending.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// 8-bit sRGB, exposed.
+    Png,
+    /// The same, compressed with loss: a noisy picture takes a tenth of the room.
+    Jpeg,
+    /// 32-bit linear Rec.709 floats, as rendered.
+    Exr,
+}
+
+impl Format {
+    /// That of a file by its ending, in upper or lower case.
+    pub fn of(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_ascii_lowercase();
+        match ending.to_str()? {
+            "png" => Some(Self::Png),
+            "jpg" | "jpeg" => Some(Self::Jpeg),
+            "exr" => Some(Self::Exr),
+            _ => None,
+        }
+    }
+}
+
+/// How a picture came about, as named facts: they go into the headers of EXR files.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Metadata {
+    facts: Vec<(&'static str, Fact)>,
+}
+
+/// A value of an EXR header.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Fact {
+    /// A whole number; what exceeds the format's 31 bits is clamped.
+    Count(u64),
+    /// A text; what the format can't hold (beyond Latin-1) becomes `?`.
+    Text(String),
+}
+
+impl Metadata {
+    /// Of a film and where it came from.
+    pub fn new(film: &Film, origin: &Origin) -> Self {
+        let setting = |name| origin.setting(name).unwrap_or_default();
+        let (lowest, _) = film.sample_bounds();
+        let mut facts = vec![
+            ("samplesPerPixel", Fact::Count(u64::from(lowest))),
+            (
+                "maxDepth",
+                Fact::Count(setting("max-depth").parse().unwrap_or_default()),
+            ),
+            // Text, as a seed may exceed the format's signed integers.
+            ("seed", Fact::Text(setting("seed").to_owned())),
+            ("device", Fact::Text(origin.device.clone())),
+            ("scene", Fact::Text(origin.scene.clone())),
+        ];
+        facts.extend(origin.look.clone().map(|look| ("look", Fact::Text(look))));
+        Self { facts }
+    }
+}
+
+/// Writes a film: the picture, `exposure` stops brighter, as PNG or JPEG, or all of its layers and how it came about as
+/// EXR, without exposure.
+///
+/// # Errors
+/// What the system says, or a picture that is too large for the format.
+pub fn write(
+    file: impl Write + Seek,
+    format: Format,
+    film: &Film,
+    metadata: &Metadata,
+    exposure: f32,
+) -> io::Result<()> {
+    match format {
+        Format::Exr => exr::write(file, film, metadata),
+        Format::Png | Format::Jpeg => {
+            let size = [film.width, film.height];
+            encode(file, format, size, &srgb(&film.mean(), exposure))
+        }
+    }
+}
+
+/// As [`write()`] to a file that is the old one or the new one, never half of either: see [`aside`].
+///
+/// # Errors
+/// As [`write()`]; an older file is then untouched.
+pub fn save(
+    path: &Path,
+    format: Format,
+    film: &Film,
+    metadata: &Metadata,
+    exposure: f32,
+) -> io::Result<()> {
+    aside::replace(path, |file| write(file, format, film, metadata, exposure))
+}
+
+/// Saves 8-bit RGBA that is encoded as it is to be shown, row 0 on top, without its alpha. EXR files hold radiance: none is
+/// written.
+///
+/// # Errors
+/// As [`save`].
+pub fn save_shown(path: &Path, format: Format, size: [u32; 2], rgba: &[u8]) -> io::Result<()> {
+    let pixels = rgba.chunks_exact(4);
+    let rgb: Vec<u8> = pixels.flat_map(|pixel| &pixel[..3]).copied().collect();
+    aside::replace(path, |file| encode(file, format, size, &rgb))
+}
+
+/// Linear Rec.709 radiance, row 0 on top, as a JPEG file in memory, brighter by `exposure` stops.
+///
+/// # Errors
+/// It is too large for the format.
+pub fn jpeg(size: [u32; 2], rgb: &[[f32; 3]], exposure: f32) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    encode(&mut bytes, Format::Jpeg, size, &srgb(rgb, exposure))?;
+    Ok(bytes)
+}
+
+fn encode(
+    file: impl Write,
+    format: Format,
+    [width, height]: [u32; 2],
+    rgb: &[u8],
+) -> io::Result<()> {
+    let color = ExtendedColorType::Rgb8;
+    let encoded = match format {
+        Format::Png => PngEncoder::new(file).write_image(rgb, width, height, color),
+        Format::Jpeg => {
+            JpegEncoder::new_with_quality(file, JPEG_QUALITY).write_image(rgb, width, height, color)
+        }
+        Format::Exr => {
+            let what = "what is shown on a screen is no radiance";
+            return Err(io::Error::other(what));
+        }
+    };
+    encoded.map_err(io::Error::other)
+}
+
+fn srgb(rgb: &[[f32; 3]], exposure: f32) -> Vec<u8> {
+    let gain = exposure.exp2();
+    let values = rgb.iter().flatten();
+    values.map(|&value| srgb8(value * gain)).collect()
+}
+
+/// A linear value in [0, 1] as an 8-bit sRGB code (IEC 61966-2-1); what lies outside is clamped, NaN is black.
+fn srgb8(linear: f32) -> u8 {
+    let linear = linear.clamp(0.0, 1.0);
+    let encoded = if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    };
+    // `as` saturates and turns NaN into 0.
+    (encoded * 255.0 + 0.5) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_png_is_srgb_with_exposure() {
+        let mut film = Film::new(3, 2);
+        let samples = [
+            [0.0, 0.5, 1.0],
+            [2.0, -1.0, 0.0],
+            [0.25; 3],
+            [1.0e-3, 0.0, 0.0],
+            [1.0e30, 0.0, 0.0],
+            [0.215_86, 0.0, 100.0],
+        ];
+        for (pixel, sample) in samples.into_iter().enumerate() {
+            film.add_sample(pixel, sample);
+        }
+        let read = |exposure| {
+            let mut file = io::Cursor::new(Vec::new());
+            let metadata = Metadata::default();
+            write(&mut file, Format::Png, &film, &metadata, exposure).expect("written");
+            let picture = image::load_from_memory(&file.into_inner()).expect("a picture");
+            picture.to_rgb8()
+        };
+        let picture = read(0.0);
+        assert_eq!(picture.dimensions(), (3, 2));
+        assert_eq!(picture.get_pixel(0, 0).0, [0, 188, 255]);
+        assert_eq!(picture.get_pixel(1, 0).0, [255, 0, 0]);
+        assert_eq!(picture.get_pixel(2, 1).0, [128, 0, 255]);
+        assert_eq!(read(1.0).get_pixel(2, 0).0, [188; 3]);
+        assert_eq!(srgb8(f32::NAN), 0);
+    }
+
+    #[test]
+    fn formats_follow_the_ending_in_any_case() {
+        for (name, format) in [
+            ("x.PNG", Some(Format::Png)),
+            ("a/y.jpeg", Some(Format::Jpeg)),
+            ("y.exr", Some(Format::Exr)),
+            ("x.gif", None),
+            (".png", None),
+        ] {
+            assert_eq!(Format::of(Path::new(name)), format, "{name}");
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! OpenEXR: 32-bit floats, compressed without loss. A film of the picture alone has the channels R, G and B; one with
+//! layers is one part whose channels have the names that Blender 5 gives them.
+
+use std::io::{self, Seek, SeekFrom, Write};
+
+use exr::error::Error;
+use exr::image::write::WritableImage;
+use exr::image::write::layers::WritableLayers;
+use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, SpecificChannels};
+use exr::math::Vec2;
+use exr::meta::attribute::{self, AttributeValue, Chromaticities, Text};
+use exr::meta::header::{Header, LayerAttributes};
+
+use super::{Fact, Metadata};
+use crate::film::Film;
+
+/// What red, green, blue and white are.
+const REC709: Chromaticities = Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.30, 0.60),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.3290),
+};
+
+/// Writes all layers of a film.
+pub(super) fn write(file: impl Write + Seek, film: &Film, metadata: &Metadata) -> io::Result<()> {
+    let (width, height) = (film.width as usize, film.height as usize);
+    let encoding = Encoding::SMALL_LOSSLESS;
+    if film.layers().is_picture_alone() {
+        let mean = film.mean();
+        let pixel = |Vec2(x, y): Vec2<usize>| {
+            let [r, g, b] = mean[y * width + x];
+            (r, g, b)
+        };
+        let channels = SpecificChannels::rgb(pixel);
+        let layer = Layer::new((width, height), attributes(metadata), encoding, channels);
+        let mut image = Image::from_layer(layer);
+        image.attributes.chromaticities = Some(REC709);
+        return write_image(file, &image);
+    }
+    let mut channels = Vec::new();
+    for layer in film.layers().iter() {
+        let values = film.values(layer).unwrap_or_default();
+        for (channel, name) in layer.channel_names().enumerate() {
+            let values = values.iter().map(|values| values[channel]).collect();
+            channels.push(AnyChannel::new(latin1(&name), FlatSamples::F32(values)));
+        }
+    }
+    // The format wants them sorted.
+    let channels = AnyChannels::sort(channels.into_iter().collect());
+    let layer = Layer::new((width, height), attributes(metadata), encoding, channels);
+    let mut image = Image::from_layer(layer);
+    image.attributes.chromaticities = Some(REC709);
+    write_image(file, &image)
+}
+
+fn attributes(metadata: &Metadata) -> LayerAttributes {
+    let mut attributes = LayerAttributes {
+        software_name: Some(latin1(concat!("patina ", env!("CARGO_PKG_VERSION")))),
+        ..LayerAttributes::default()
+    };
+    for (name, fact) in &metadata.facts {
+        let value = match fact {
+            Fact::Count(count) => AttributeValue::I32(i32::try_from(*count).unwrap_or(i32::MAX)),
+            Fact::Text(text) => AttributeValue::Text(latin1(text)),
+        };
+        attributes.other.insert(latin1(name), value);
+    }
+    attributes
+}
+
+fn write_image<'l, L: WritableLayers<'l>>(
+    mut file: impl Write + Seek,
+    image: &'l Image<L>,
+) -> io::Result<()> {
+    let refused = |error| match error {
+        Error::Io(error) => error,
+        other => io::Error::other(other.to_string()),
+    };
+    image.write().to_buffered(&mut file).map_err(refused)?;
+    let headers = image.write().infer_meta_data();
+    let attributes = sorted_attributes(&headers[0]).map_err(refused)?;
+    // They begin behind the magic number and the version. Their order doesn't change how long they are.
+    file.seek(SeekFrom::Start(8))?;
+    file.write_all(&attributes)
+}
+
+/// The attributes of a header as they lie in a file, by name: the crate keeps ours in a hash map and writes them in another
+/// order each time, but the same picture is to be the same file.
+fn sorted_attributes(header: &Header) -> exr::error::Result<Vec<u8>> {
+    let mut attributes: Vec<_> = header.all_named_attributes().collect();
+    attributes.sort_by_key(|(name, _)| *name);
+    let mut bytes = Vec::new();
+    for (name, value) in &attributes {
+        attribute::write(name, value, &mut bytes)?;
+    }
+    Ok(bytes)
+}
+
+fn latin1(text: &str) -> Text {
+    let is_latin1 = |c: char| u8::try_from(u32::from(c)).is_ok();
+    let shown = |c| if is_latin1(c) { c } else { '?' };
+    Text::new_or_none(text.chars().map(shown).collect::<String>()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::film::Layers;
+
+    fn film(layers: Layers) -> Film {
+        let mut film = Film::with_layers(3, 2, layers);
+        for pixel in 0..6 {
+            let value = 0.1 + pixel as f32;
+            film.add_sample(pixel, [value, -1.0, 1e-3 * value]);
+            if pixel != 2 {
+                film.add_surface(pixel, 0, |_| [2.0 * value, 0.5, -value]);
+            }
+        }
+        film
+    }
+
+    fn metadata() -> Metadata {
+        let names = ["maxDepth", "seed", "scene", "look", "a", "b", "c", "d"];
+        let text = |name: &str| Fact::Text(name.to_owned());
+        let mut facts: Vec<_> = names.into_iter().map(|name| (name, text(name))).collect();
+        facts.push(("samplesPerPixel", Fact::Count(64)));
+        facts.push(("device", text("Gerät 世")));
+        Metadata { facts }
+    }
+
+    fn written(film: &Film) -> Vec<u8> {
+        let mut file = io::Cursor::new(Vec::new());
+        write(&mut file, film, &metadata()).expect("memory takes everything");
+        file.into_inner()
+    }
+
+    /// The channels of a file by name, and its facts.
+    fn read(bytes: &[u8]) -> (BTreeMap<String, Vec<f32>>, LayerAttributes) {
+        use exr::prelude::{ReadChannels, ReadLayers};
+        let read = exr::prelude::read();
+        let read = read.no_deep_data().largest_resolution_level();
+        let read = read.all_channels().first_valid_layer().all_attributes();
+        let image = read.from_buffered(io::Cursor::new(bytes)).expect("read");
+        let layer = image.layer_data;
+        let channels = layer.channel_data.list.into_iter().map(|channel| {
+            let values = channel.sample_data.values_as_f32().collect();
+            (channel.name.to_string(), values)
+        });
+        (channels.collect(), layer.attributes)
+    }
+
+    #[test]
+    fn a_picture_keeps_every_bit_and_says_how_it_was_made() {
+        let film = film(Layers::default());
+        let (channels, attributes) = read(&written(&film));
+        let names: Vec<_> = channels.keys().map(String::as_str).collect();
+        assert_eq!(names, ["B", "G", "R"]);
+        for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
+            let expected: Vec<_> = film.mean().iter().map(|rgb| rgb[channel]).collect();
+            assert_eq!(channels[name], expected, "{name}");
+        }
+        let facts = attributes.other;
+        assert_eq!(facts.len(), metadata().facts.len());
+        let fact = |name| facts.get(&Text::from(name));
+        assert_eq!(fact("samplesPerPixel"), Some(&AttributeValue::I32(64)));
+        let device = AttributeValue::Text(latin1("Gerät ?"));
+        assert_eq!(fact("device"), Some(&device));
+    }
+
+    #[test]
+    fn layers_have_the_names_of_blender() {
+        let film = film(Layers::all());
+        let (channels, attributes) = read(&written(&film));
+        assert_eq!(attributes.other.len(), metadata().facts.len());
+        let count: usize = film
+            .layers()
+            .iter()
+            .map(|layer| layer.channel_count())
+            .sum();
+        assert_eq!(channels.len(), count);
+        for (layer, names) in [
+            ("combined", &["Combined.R", "Combined.G", "Combined.B"][..]),
+            ("depth", &["Depth.Z"]),
+            ("position", &["Position.X", "Position.Y", "Position.Z"]),
+            ("normal", &["Normal.X", "Normal.Y", "Normal.Z"]),
+            ("uv", &["UV.U", "UV.V", "UV.A"]),
+            ("samples", &["Debug Sample Count.X"]),
+        ] {
+            let layer = crate::film::Layer::named(layer).expect("known");
+            let values = film.values(layer).expect("gathered");
+            for (channel, name) in names.iter().enumerate() {
+                let expected: Vec<_> = values.iter().map(|v| v[channel]).collect();
+                assert_eq!(channels[&format!("ViewLayer.{name}")], expected, "{name}");
+            }
+        }
+        assert_eq!(channels["ViewLayer.Depth.Z"][2], 1e10, "nothing was hit");
+    }
+
+    #[test]
+    fn the_same_picture_is_the_same_file() {
+        for layers in [Layers::default(), Layers::all()] {
+            let film = film(layers);
+            let first = written(&film);
+            assert!((0..4).all(|_| written(&film) == first));
+        }
+    }
+}

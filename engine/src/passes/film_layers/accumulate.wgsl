@@ -1,0 +1,87 @@
+// Adds what was recorded of the paths of a wave to one plane of a layer. One thread owns a pixel.
+//!include shared/frame.wgsl
+//!include shared/random.wgsl
+//!include shared/filter.wgsl
+//!include shared/exact_sums.wgsl
+//!include film_layers/samples.wgsl
+
+// Of each pixel a sum of 96 bits and a spare word, or a sample's number plus 1, 0 for none, and its numbers.
+@group(0) @binding(43) var<storage, read_write> layer_film: array<vec4u>;
+
+// Where the plane's numbers lie in a path's record, and how many there are.
+override plane_word: u32 = 1u;
+override plane_channels: u32 = 1u;
+
+// A number that isn't finite would spoil its pixel for good.
+fn finite_sample(word: u32, slot: u32) -> f32 {
+    let value = layer_sample(word, slot);
+    let is_finite = (bitcast<u32>(value) & 0x7f800000u) != 0x7f800000u;
+    return select(0.0, value, is_finite);
+}
+
+// The pixel of a thread, or NO_PIXEL if it has none to work on.
+fn own_pixel(first: u32) -> u32 {
+    if (first >= min(frame.wave_size, frame.padded_pixels)) {
+        return NO_PIXEL;
+    }
+    let pixel = pixel_coordinates(path_id(first).pixel);
+    return select(NO_PIXEL, pixel.y * frame.width + pixel.x, is_rendered(pixel));
+}
+
+const NO_PIXEL = 0xffffffffu;
+
+@compute @workgroup_size(64)
+fn accumulate_mean(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+                   @builtin(local_invocation_index) local: u32) {
+    let first = thread_index(workgroup, workgroups, local);
+    let at = own_pixel(first);
+    if (at == NO_PIXEL) {
+        return;
+    }
+    var words = layer_film[at];
+    for (var slot = first; slot < frame.wave_size; slot += frame.padded_pixels) {
+        let path = path_id(slot);
+        if (path.sample >= frame.sample_limit) {
+            break;
+        }
+        if (layer_sample(0u, slot) == 0.0) {
+            continue;
+        }
+        var value = finite_sample(plane_word, slot);
+        if (frame.filter_positive < 1.0) {
+            value *= filter_weight(random4(path, DIMENSION_CAMERA, GROUP_CAMERA).xy);
+        }
+        let units = fixed_point(clamp(value, -LARGEST, LARGEST), SUM_BITS);
+        words = vec4u(add_wide(words.xyz, units), words.w);
+    }
+    layer_film[at] = words;
+}
+
+@compute @workgroup_size(64)
+fn accumulate_first(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+                    @builtin(local_invocation_index) local: u32) {
+    let first = thread_index(workgroup, workgroups, local);
+    let at = own_pixel(first);
+    if (at == NO_PIXEL) {
+        return;
+    }
+    var words = layer_film[at];
+    for (var slot = first; slot < frame.wave_size; slot += frame.padded_pixels) {
+        let number = path_id(slot).sample + 1u;
+        if (number > frame.sample_limit) {
+            break;
+        }
+        if (layer_sample(0u, slot) == 0.0 || (words.x != 0u && words.x < number)) {
+            continue;
+        }
+        var values = vec3f(finite_sample(plane_word, slot), 0.0, 0.0);
+        if (plane_channels > 1u) {
+            values.y = finite_sample(plane_word + 1u, slot);
+        }
+        if (plane_channels > 2u) {
+            values.z = finite_sample(plane_word + 2u, slot);
+        }
+        words = vec4u(number, bitcast<vec3u>(values));
+    }
+    layer_film[at] = words;
+}

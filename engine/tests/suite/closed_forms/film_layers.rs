@@ -1,0 +1,307 @@
+//! Layers of the film: each against what is known of its scene, and with the same exactness as the picture.
+
+use ::device::Device;
+use engine::film::{Film, LAYERS, Layer, Layers};
+use engine::procedural::{Procedural, TextureSources};
+use engine::renderer::Renderer;
+use engine::scene::{AlphaMode, Camera, Material, Projection, Scene};
+use engine::settings::RenderSettings;
+use glam::{Vec2, Vec3};
+
+use crate::support::device;
+use crate::support::scenes::{
+    Shot, camera, faceted_sphere, floor, floor_point, from_above, lambert, lamp, no_textures, quad,
+    scene, settings, textured, unlit,
+};
+
+const SHOT: Shot = Shot {
+    size: (24, 24),
+    max_depth: 2,
+    spp: 16,
+};
+
+/// Paths of a wave: less than a sample of each pixel.
+const SMALL: u32 = 320;
+
+fn with_layers(camera: &Camera, shot: Shot, layers: &Layers) -> RenderSettings {
+    RenderSettings {
+        layers: layers.clone(),
+        ..settings(camera, shot)
+    }
+}
+
+fn film(
+    gpu: &Device,
+    scene: &Scene,
+    procedural: &Procedural,
+    settings: &RenderSettings,
+    (capacity, spp): (u32, u32),
+) -> Film {
+    let renderer = Renderer::with_capacity(gpu, scene, procedural, settings, capacity);
+    let mut renderer = renderer.unwrap_or_else(|error| panic!("{error}"));
+    let rendered = renderer.render(spp).and_then(|()| renderer.film());
+    rendered.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// All layers of a scene without textures.
+fn seen(gpu: &Device, scene: &mut Scene, camera: &Camera, shot: Shot) -> Film {
+    let procedural = no_textures(scene);
+    let settings = with_layers(camera, shot, &Layers::all());
+    film(gpu, scene, &procedural, &settings, (1 << 14, shot.spp))
+}
+
+fn values(film: &Film, name: &str) -> Vec<Vec3> {
+    let layer = Layer::named(name).expect("there is such a layer");
+    let values = film.values(layer).expect("it was asked for");
+    values.into_iter().map(Vec3::from).collect()
+}
+
+fn mean(values: &[Vec3]) -> Vec3 {
+    values.iter().sum::<Vec3>() / values.len() as f32
+}
+
+/// The middle of a pixel, in 0 to 1 from the upper left corner.
+fn middle(film: &Film, pixel: usize) -> Vec2 {
+    let (x, y) = (pixel as u32 % film.width, pixel as u32 / film.width);
+    Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / Vec2::new(film.width as f32, film.height as f32)
+}
+
+#[test]
+fn a_floor_from_above_is_known_in_all_layers() {
+    let Some(gpu) = device::open() else { return };
+    let (color, emission) = (Vec3::new(0.2, 0.4, 0.8), Vec3::new(3.0, 2.0, 1.0));
+    let surface = Material {
+        emission,
+        ..lambert(color)
+    };
+    let mut scene = scene([(floor(2.0), surface)], Vec3::ONE);
+    let film = seen(&gpu, &mut scene, &from_above(3.0, 1.0), SHOT);
+    let near = |a: Vec3, b: Vec3, what: &str| assert!((a - b).length() < 1e-4, "{what}: {a} {b}");
+    // Half a pixel, and the corner of it.
+    let pixel = 1.0 / 24.0 * std::f32::consts::SQRT_2 + 1e-5;
+    let positions = values(&film, "position");
+    for (at, &position) in positions.iter().enumerate() {
+        let expected = floor_point(1.0, middle(&film, at));
+        assert!(
+            (position - expected).length() < pixel,
+            "{position} {expected}"
+        );
+        assert!(position.y.abs() < 1e-5);
+        // The floor is four metres wide; its first corner is at the left and near the viewer, that is below.
+        let uv = Vec3::new(
+            (position.x + 2.0) / 4.0,
+            1.0 - (2.0 - position.z) / 4.0,
+            1.0,
+        );
+        near(values(&film, "uv")[at], uv, "uv");
+    }
+    for at in 0..film.pixels() {
+        near(values(&film, "depth")[at], Vec3::X * 3.0, "depth");
+        near(values(&film, "normal")[at], Vec3::Y, "normal");
+        near(values(&film, "albedo")[at], color, "albedo");
+        near(values(&film, "emission")[at], emission, "emission");
+        near(values(&film, "samples")[at], Vec3::X * 16.0, "samples");
+        let variance = film.standard_error()[at].map(|error| error * error);
+        near(values(&film, "variance")[at], variance.into(), "variance");
+        near(
+            values(&film, "combined")[at],
+            film.mean()[at].into(),
+            "combined",
+        );
+    }
+}
+
+#[test]
+fn depth_is_measured_from_the_plane_of_the_camera() {
+    let Some(gpu) = device::open() else { return };
+    let mut scene = scene([(floor(50.0), lambert(Vec3::ONE))], Vec3::ONE);
+    let perspective = Projection::Perspective { y_fov: 1.0 };
+    // Straight down, all of a floor is as far away.
+    let down = camera(Vec3::Y * 4.0, Vec3::ZERO, Vec3::NEG_Z, perspective);
+    let film = seen(&gpu, &mut scene, &down, SHOT);
+    for depth in values(&film, "depth") {
+        assert!((depth.x - 4.0).abs() < 1e-4, "{depth}");
+    }
+    // Seen along it, it is as far as the place of the same sample says; the sky is beyond everything.
+    let eye = Vec3::new(0.0, 1.0, 8.0);
+    let along = camera(eye, Vec3::new(0.0, 1.0, 0.0), Vec3::Y, perspective);
+    let film = seen(&gpu, &mut scene, &along, SHOT);
+    let (depths, positions) = (values(&film, "depth"), values(&film, "position"));
+    for (at, (depth, position)) in depths.iter().zip(positions).enumerate() {
+        match middle(&film, at).y < 0.45 {
+            true => assert_eq!((depth.x, position), (1e10, Vec3::ZERO)),
+            false if middle(&film, at).y > 0.55 => {
+                let expected = eye.z - position.z;
+                assert!(
+                    (depth.x - expected).abs() < 1e-3 * expected,
+                    "{depth} {expected}"
+                );
+            }
+            false => {}
+        }
+    }
+    let normals = values(&film, "normal");
+    assert_eq!(normals[0], Vec3::ZERO, "the sky has none");
+    assert!((normals[film.pixels() - 1] - Vec3::Y).length() < 1e-4);
+}
+
+#[test]
+fn what_a_path_passes_is_not_its_first_surface() {
+    let Some(gpu) = device::open() else { return };
+    let shot = Shot { spp: 256, ..SHOT };
+    let (above, below) = (Vec3::new(0.9, 0.1, 0.5), Vec3::new(0.1, 0.8, 0.2));
+    let roof = || quad(Vec3::new(-2.0, 1.0, 2.0), Vec3::X * 4.0, Vec3::NEG_Z * 4.0);
+    let veil = Material {
+        alpha_mode: AlphaMode::Blend,
+        ..unlit(above.extend(0.3))
+    };
+    let pane = Material {
+        base_color: Vec3::ONE.extend(1.0),
+        metallic: 0.0,
+        roughness: 0.0,
+        transmission: 1.0,
+        double_sided: true,
+        ..Material::default()
+    };
+    // A pane of glass reflects a twenty-fifth straight on, and lets the rest pass.
+    for (what, material, own, share) in
+        [("veil", veil, above, 0.3), ("pane", pane, Vec3::ONE, 0.04)]
+    {
+        let objects = [(floor(2.0), lambert(below)), (roof(), material)];
+        let mut scene = scene(objects, Vec3::ONE);
+        let film = seen(&gpu, &mut scene, &from_above(3.0, 1.0), shot);
+        let expected = own * share + below * (1.0 - share);
+        let albedo = mean(&values(&film, "albedo"));
+        // Of 576 pixels with 256 samples each, six deviations of whether a path passes.
+        assert!(
+            (albedo - expected).length() < 0.012,
+            "{what}: {albedo} {expected}"
+        );
+        let depths = values(&film, "depth");
+        let of_floor = depths.iter().filter(|d| (d.x - 3.0).abs() < 1e-4).count();
+        let of_roof = depths.iter().filter(|d| (d.x - 2.0).abs() < 1e-4).count();
+        assert_eq!(of_floor + of_roof, depths.len(), "{what}: one or the other");
+        let part = of_roof as f32 / depths.len() as f32;
+        // One sample of each pixel, four deviations.
+        assert!(
+            (part - share).abs() < 4.0 * (share / 576.0).sqrt(),
+            "{what}: {part}"
+        );
+    }
+}
+
+#[test]
+fn textures_are_part_of_what_is_seen() {
+    let Some(gpu) = device::open() else { return };
+    let mut scene = scene([(floor(2.0), lambert(Vec3::ONE))], Vec3::ONE);
+    let mut sources = TextureSources::default();
+    let text = "fn userProc(value: vec3f) -> vec3f { return value; }";
+    sources.insert("three", text);
+    let name = scene.materials[0].name.clone();
+    let look = format!(
+        "[node.color]\ntexture = \"three\"\nvalue = [0.25, 0.5, 0.75]\n\
+         [node.light]\ntexture = \"three\"\nvalue = [4.0, 5.0, 6.0]\n\
+         [material.\"{name}\"]\nbase_color = \"color\"\nemission = \"light\"\n"
+    );
+    let procedural = textured(&mut scene, &look, &sources);
+    let settings = with_layers(&from_above(3.0, 1.0), SHOT, &Layers::all());
+    let film = film(&gpu, &scene, &procedural, &settings, (1 << 14, 4));
+    for (name, expected) in [
+        ("albedo", Vec3::new(0.25, 0.5, 0.75)),
+        ("emission", Vec3::new(4.0, 5.0, 6.0)),
+    ] {
+        let values = values(&film, name);
+        let is_right = |value: &Vec3| (*value - expected).length() < 1e-5;
+        assert!(values.iter().all(is_right), "{name}: {}", values[0]);
+    }
+}
+
+/// Something in front of a sky, with edges, light and a veil.
+fn varied() -> (Scene, Camera) {
+    let veil = Material {
+        alpha_mode: AlphaMode::Blend,
+        base_color: Vec3::new(0.9, 0.3, 0.1).extend(0.5),
+        ..lambert(Vec3::ONE)
+    };
+    let objects = [
+        (floor(3.0), lambert(Vec3::splat(0.7))),
+        (faceted_sphere(8), lambert(Vec3::new(0.3, 0.6, 0.9))),
+        (
+            quad(Vec3::new(-0.5, 3.0, -0.5), Vec3::X, Vec3::Z),
+            lamp(Vec3::splat(6.0)),
+        ),
+        (
+            quad(Vec3::new(-2.0, 0.0, 1.5), Vec3::X * 2.0, Vec3::Y),
+            veil,
+        ),
+    ];
+    let perspective = Projection::Perspective { y_fov: 0.9 };
+    let eye = Vec3::new(0.5, 2.0, 5.0);
+    (
+        scene(objects, Vec3::new(0.1, 0.2, 0.3)),
+        camera(eye, Vec3::Y * 0.3, Vec3::Y, perspective),
+    )
+}
+
+#[test]
+fn layers_are_as_exact_as_the_picture_and_do_not_change_it() {
+    let Some(gpu) = device::open() else { return };
+    let (mut scene, camera) = varied();
+    let procedural = no_textures(&mut scene);
+    let shot = Shot {
+        size: (37, 21),
+        ..SHOT
+    };
+    for filter in [
+        engine::filter::PixelFilter::Box,
+        engine::filter::PixelFilter::Mitchell,
+    ] {
+        let of = |layers: &Layers, first_sample, cut| {
+            let settings = RenderSettings {
+                first_sample,
+                filter,
+                filter_width: filter.default_width(),
+                ..with_layers(&camera, shot, layers)
+            };
+            film(&gpu, &scene, &procedural, &settings, cut)
+        };
+        let whole = of(&Layers::all(), 0, (1 << 16, 12));
+        assert!(whole == of(&Layers::all(), 0, (SMALL, 12)), "smaller waves");
+        let alone = of(&Layers::default(), 0, (1 << 16, 12));
+        assert_eq!(alone.mean(), whole.mean());
+        assert_eq!(alone.standard_error(), whole.standard_error());
+        // Each layer is what it is with all others.
+        for layer in &LAYERS {
+            let layers = Layers::named([layer.name]).expect("it is one of them");
+            let film = of(&layers, 0, (1 << 14, 12));
+            assert_eq!(film.values(layer), whole.values(layer), "{}", layer.name);
+        }
+        // Parts in any order.
+        let mut merged = Film::with_layers(whole.width, whole.height, Layers::all());
+        for (first, cut) in [(7, (640, 5)), (0, (1 << 14, 1)), (1, (SMALL, 6))] {
+            assert!(merged != whole);
+            merged.add(&of(&Layers::all(), first, cut));
+        }
+        assert!(merged == whole, "merged");
+    }
+}
+
+#[test]
+fn layers_follow_a_render_that_begins_anew() {
+    let Some(gpu) = device::open() else { return };
+    let (mut scene, camera) = varied();
+    let procedural = no_textures(&mut scene);
+    let settings = with_layers(&camera, SHOT, &Layers::all());
+    let mut renderer =
+        Renderer::new(&gpu, &scene, &procedural, &settings).unwrap_or_else(|e| panic!("{e}"));
+    let mut film = || {
+        let rendered = renderer.render(3).and_then(|()| renderer.film());
+        let film = rendered.unwrap_or_else(|error| panic!("{error}"));
+        renderer.restart();
+        let empty = renderer.film().unwrap_or_else(|error| panic!("{error}"));
+        let fresh = Film::with_layers(film.width, film.height, Layers::all());
+        assert!(empty == fresh, "nothing is left");
+        film
+    };
+    assert!(film() == film());
+}

@@ -1,0 +1,112 @@
+//! Layers of the film on the command line, and what the headers of EXR files say whoever wrote them.
+
+use super::*;
+
+use exr::prelude::{ReadChannels, ReadLayers};
+
+/// The names of an EXR file's channels, and those of the facts in its header.
+fn contents(path: &Path) -> (Vec<String>, Vec<String>) {
+    let read = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level();
+    let read = read.all_channels().first_valid_layer().all_attributes();
+    let image = read.from_file(path).expect("an EXR file");
+    let layer = image.layer_data;
+    let channels = layer.channel_data.list.iter();
+    let channels = channels.map(|channel| channel.name.to_string()).collect();
+    let facts = layer.attributes.other.keys();
+    let mut facts: Vec<String> = facts.map(ToString::to_string).collect();
+    facts.sort();
+    (channels, facts)
+}
+
+#[test]
+fn layers_are_named_on_the_command_line() {
+    let bench = Bench::new();
+    bench
+        .run("render triangle.gltf --layers deep -o a.exr")
+        .expect_error(2, "depth");
+    bench
+        .run("render triangle.gltf --layers depth -o a.png")
+        .expect_error(2, ".exr");
+}
+
+#[test]
+fn layers_are_written_and_merged_to_exactly_the_whole() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let render = |flags: &str| {
+        let line = format!("render triangle.gltf --size 33x17 --max-depth 2 {flags}");
+        bench.run(&line).expect_code(0)
+    };
+    let layers = "--layers depth,normal,variance";
+    render(&format!(
+        "{layers} --spp 11 -o whole.exr -o whole.patina-film -o whole.png"
+    ));
+    render("--spp 11 -o alone.exr -o alone.png");
+    for (name, range) in [("a", "0..2"), ("b", "2..9"), ("c", "9..11")] {
+        render(&format!(
+            "{layers} --sample-range {range} -o {name}.patina-film"
+        ));
+    }
+    render("--sample-range 9..11 -o alone.patina-film");
+    let merged =
+        "merge c.patina-film a.patina-film b.patina-film -o m.exr -o m.patina-film -o m.png";
+    bench.run(merged).expect_code(0);
+    let bytes = |name: &str| fs::read(bench.path(name)).expect("it was written");
+    for kind in ["exr", "patina-film", "png"] {
+        let same = bytes(&format!("whole.{kind}")) == bytes(&format!("m.{kind}"));
+        assert!(same, "{kind}");
+    }
+    assert!(bytes("whole.png") == bytes("alone.png"));
+    let (channels, facts) = contents(&bench.path("whole.exr"));
+    let expected = [
+        "Combined.B",
+        "Combined.G",
+        "Combined.R",
+        "Depth.Z",
+        "Normal.X",
+        "Normal.Y",
+        "Normal.Z",
+        "Variance.B",
+        "Variance.G",
+        "Variance.R",
+    ];
+    assert_eq!(channels, expected.map(|name| format!("ViewLayer.{name}")));
+    let (channels, alone) = contents(&bench.path("alone.exr"));
+    assert_eq!(channels, ["B", "G", "R"]);
+    assert_eq!(facts, alone);
+    bench
+        .run("merge a.patina-film b.patina-film alone.patina-film -o refused.exr")
+        .expect_error(1, "layers");
+}
+
+#[cfg(unix)]
+#[test]
+fn what_watch_writes_says_how_it_was_made() {
+    use std::time::{Duration, Instant};
+
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let line = "render triangle.gltf --size 16x16 --spp 1 -o render.exr";
+    bench.run(line).expect_code(0);
+    let line = "watch triangle.gltf --size 16x16 --spp 1 -o watch.exr";
+    let mut command = bench.command(line);
+    let mut child = command
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("patina starts");
+    let start = Instant::now();
+    while !bench.path("watch.exr").exists() && start.elapsed() < Duration::from_secs(120) {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    child.kill().expect("it is ours");
+    child.wait().expect("it ends");
+    let [by_render, by_watch] = ["render.exr", "watch.exr"].map(|name| contents(&bench.path(name)));
+    assert_eq!(by_watch, by_render);
+    assert!(by_watch.1.iter().any(|fact| fact == "device"));
+}
