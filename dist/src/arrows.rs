@@ -10,7 +10,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("scene", &["texgen"]),
     ("engine", &["texgen", "device", "scene"]),
     ("patina-bench", &["texgen", "device", "scene", "engine"]),
-    ("patina-panels", &["texgen", "scene", "engine"]),
+    ("patina-panels", &["texgen", "device", "scene", "engine"]),
     (
         "patina-viewer",
         &["texgen", "device", "scene", "engine", "patina-panels"],
