@@ -31,6 +31,12 @@ pub trait Text: Debug {
         naga::valid::Capabilities::empty()
     }
 
+    /// Functions of the text that are done by a [`HostFunction`](crate::HostFunction) of this name where the device
+    /// offers that; those that the text doesn't declare are left out.
+    fn host_functions(&self) -> &[&'static str] {
+        &[]
+    }
+
     /// Rewrites what compilers are known not to take, before the module is validated.
     fn adapt(&self, _module: &mut naga::Module) {}
 }
@@ -57,9 +63,6 @@ pub struct KernelSource<'a> {
     pub trust: Trust,
     /// Values of `override` constants by name; those that the text doesn't declare are left out.
     pub constants: &'a [(&'static str, f64)],
-    /// Functions of the text that are done by a [`HostFunction`](crate::HostFunction) of this name where the device
-    /// offers that; those that the text doesn't declare are left out.
-    pub host: &'a [&'static str],
 }
 
 impl<'a> KernelSource<'a> {
@@ -70,7 +73,6 @@ impl<'a> KernelSource<'a> {
             entry,
             trust,
             constants: &[],
-            host: &[],
         }
     }
 
@@ -104,7 +106,6 @@ impl KernelText {
             entry: self.entry,
             trust: self.trust,
             constants: &self.constants,
-            host: &[],
         }
     }
 }

@@ -148,7 +148,7 @@ impl Processor {
         let options = Options {
             // A user's functions, so that what others contain needn't be compiled again.
             separate: &|name| name.ends_with("userProc"),
-            host: source.host,
+            host: source.text.host_functions(),
             loop_limit: (source.trust == Trust::Nothing).then_some(LOOP_LIMIT),
             cache: Some(&self.shared.functions),
             ..Options::default()

@@ -1,10 +1,11 @@
 //! Functions of the program in place of functions of the text.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use device::{
-    Device, DeviceChoice, Extent, HostFunction, Kernel, KernelSource, Recording, Resources, Trust,
-    Usage,
+    Device, DeviceChoice, Extent, HostFunction, Kernel, KernelSource, Recording, Resources, Text,
+    Trust, Usage,
     native::{
         buffer::Buffer,
         compile::{BindError, Options, Resource},
@@ -50,16 +51,32 @@ const TEXT: &str = "
     @compute @workgroup_size(4)
     fn main(@builtin(global_invocation_id) id: vec3u) { numbers[id.x] = twice(id.x); }";
 
+/// The text, of which the program does these functions.
+#[derive(Debug)]
+struct Calling(&'static [&'static str]);
+
+impl Text for Calling {
+    fn wgsl(&self) -> &str {
+        TEXT
+    }
+
+    fn locate(&self, span: Range<usize>, message: &str) -> Option<String> {
+        TEXT.locate(span, message)
+    }
+
+    fn host_functions(&self) -> &[&'static str] {
+        self.0
+    }
+}
+
 #[test]
 fn a_function_of_the_program_is_called() {
     let native = DeviceChoice::Name("native".to_owned());
     let device = Device::open(&native).expect("it is always there");
     assert!(device.traits().calls_functions);
-    let ran = |host: &[&'static str]| -> Vec<u32> {
-        let source = KernelSource {
-            host,
-            ..KernelSource::new(&TEXT, "main", Trust::All)
-        };
+    let ran = |host: &'static [&'static str]| -> Vec<u32> {
+        let text = Calling(host);
+        let source = KernelSource::new(&text, "main", Trust::All);
         let kernel = Kernel::new(&device, &source).unwrap_or_else(|error| panic!("{error}"));
         let mut resources = Resources::default();
         let buffer = device.buffer("numbers", Usage::Storage, 16);

@@ -170,11 +170,13 @@ fn far_and_tiny_geometry_is_built() {
             .map(|_| [0; 3].map(|_| Vec3::from([0; 3].map(|_| any_finite(&mut random)))))
             .collect(),
     );
-    // An ordinary triangle among them is found.
+    // An ordinary triangle among them is found, and beside one that reaches to the end of the numbers.
     let mut triangles = vec![TRIANGLE];
     triangles.extend(
         (0..300).map(|i| TRIANGLE.map(|p| p * 1e3 + Vec3::new(1e38, 1e36 * i as f32, -1e38))),
     );
+    triangles
+        .push([Vec3::X, Vec3::X * f32::MAX, Vec3::NEG_Z * f32::MAX].map(|p| p + 2.0 * Vec3::Y));
     let down = Ray {
         origin: [0.01, 0.02, 3.0],
         direction: [0.0, 0.0, -1.0],

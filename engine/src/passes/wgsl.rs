@@ -91,7 +91,6 @@ impl ComposedWgsl {
             entry,
             trust,
             constants,
-            host: &[traverse::host::FUNCTION],
         };
         compile(device, &source)
     }
@@ -127,6 +126,10 @@ impl ComposedWgsl {
 impl Text for ComposedWgsl {
     fn capabilities(&self) -> naga::valid::Capabilities {
         texgen::CAPABILITIES
+    }
+
+    fn host_functions(&self) -> &[&'static str] {
+        &[traverse::host::FUNCTION]
     }
 
     fn adapt(&self, module: &mut naga::Module) {

@@ -3,10 +3,14 @@
 
 use std::sync::Arc;
 
+use ::device::{Device, DeviceError, Extent, Recording, Resources, Trust, Usage};
+use engine::passes::wgsl::ComposedWgsl;
 use texgen::{
     Graph, HOST_STUB, Interpolation, Library, NodeId, Ramp, SourceFile, Swizzle, TextureType,
     Value, emit_inlined,
 };
+
+use crate::support::device;
 
 const TEXTURES: &[(&str, &str)] = &[
     (
@@ -346,15 +350,7 @@ enum Form {
 /// Runs the program of all expected nodes in one thread; their results, and the kernel's `patina_overrun` and
 /// `patina_non_finite`. The graph is data, or pasted into the kernel.
 fn run(case: &Case, form: Form) -> Option<(Vec<[f32; 4]>, [f32; 2])> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let Ok(adapter) = wait(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-    else {
-        eprintln!("skipped: there is no adapter");
-        return None;
-    };
-    let (device, queue) = wait(adapter.request_device(&wgpu::DeviceDescriptor::default()))
-        .expect("an adapter gives a device");
-
+    let device = device::open()?;
     let roots: Vec<NodeId> = case.expected.iter().map(|&(node, _)| node).collect();
     let program = case.graph.compile(&roots).expect("no image is missing");
     let library = case.graph.library();
@@ -374,76 +370,35 @@ fn run(case: &Case, form: Form) -> Option<(Vec<[f32; 4]>, [f32; 2])> {
         Form::Inlined => (0..roots.len() as u32).collect(),
         _ => program.results.clone(),
     };
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: None,
-        source: wgpu::ShaderSource::Wgsl(host(&kernel.wgsl, &slots).into()),
-    });
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: None,
-        layout: None,
-        module: &module,
-        entry_point: Some("main"),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    });
-
+    let mut text = ComposedWgsl::default();
+    text.text.push_str(&host(&kernel.wgsl, &slots));
     let size = 16 * (roots.len() as u64 + 1);
-    let buffer = |size: u64, usage| {
-        device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size,
-            usage,
-            mapped_at_creation: false,
-        })
-    };
-    let upload = |words: &[u32]| {
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-        let uploaded = buffer(4 * words.len() as u64, usage);
-        queue.write_buffer(&uploaded, 0, bytemuck::cast_slice(words));
-        uploaded
-    };
-    let (words, args) = (upload(&program.words), upload(case.graph.args()));
-    let results = buffer(
-        size,
-        wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
-    );
-    let readable = buffer(
-        size,
-        wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-    );
-    let entries: Vec<wgpu::BindGroupEntry<'_>> = [&words, &args, &results]
-        .iter()
-        .zip(0..)
-        .map(|(buffer, binding)| wgpu::BindGroupEntry {
-            binding,
-            resource: buffer.as_entire_binding(),
-        })
-        .collect();
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &entries,
-    });
-    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-    pass.set_pipeline(&pipeline);
-    pass.set_bind_group(0, &group, &[]);
-    pass.dispatch_workgroups(1, 1, 1);
-    drop(pass);
-    encoder.copy_buffer_to_buffer(&results, 0, &readable, 0, size);
-    queue.submit([encoder.finish()]);
-
-    readable.slice(..).map_async(wgpu::MapMode::Read, |_| {});
-    device
-        .poll(wgpu::PollType::wait_indefinitely())
-        .expect("the device answers");
-    let mapped = readable
-        .slice(..)
-        .get_mapped_range()
-        .expect("mapping has ended");
-    let mut rows: Vec<[f32; 4]> = bytemuck::cast_slice(&mapped).to_vec();
+    let results = read_back(&device, &text, &program.words, case.graph.args(), size);
+    let mut rows = results.unwrap_or_else(|error| panic!("{error}"));
     let [overrun, non_finite, ..] = rows.pop().expect("one row more than roots");
     Some((rows, [overrun, non_finite]))
+}
+
+/// Runs the kernel in one thread; the `size` bytes of its results.
+fn read_back(
+    device: &Device,
+    text: &ComposedWgsl,
+    program: &[u32],
+    args: &[u32],
+    size: u64,
+) -> Result<Vec<[f32; 4]>, DeviceError> {
+    let kernel = text.compile(device, "main", Trust::Loops, &[])?;
+    let mut resources = Resources::default();
+    for (name, words) in [("program", program), ("args", args)] {
+        let bytes = bytemuck::cast_slice(words);
+        resources.set_buffer(name, device.filled_buffer(name, Usage::Storage, bytes)?);
+    }
+    resources.set_buffer("results", device.buffer("results", Usage::Storage, size)?);
+    let mut recording = Recording::new("textures");
+    recording.dispatch(&kernel.bind(device, &resources), Extent::One);
+    device.play(&recording)?;
+    let bytes = device.read(resources.buffer("results"), 0, size)?;
+    Ok(bytemuck::pod_collect_to_vec(&bytes))
 }
 
 /// The kernel with a host that reads the two buffers, gives slot numbers as AO, and stores all results.
@@ -483,16 +438,4 @@ fn host(kernel: &str, results: &[u32]) -> String {
 }}",
         results.len()
     )
-}
-
-/// wgpu's futures are ready at once on native devices.
-fn wait<F: Future>(future: F) -> F::Output {
-    let mut future = std::pin::pin!(future);
-    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
-    loop {
-        if let std::task::Poll::Ready(output) = future.as_mut().poll(&mut context) {
-            return output;
-        }
-        std::thread::yield_now();
-    }
 }

@@ -46,8 +46,9 @@ impl Instance {
                     + (row[2] * p[2]).abs()
                     + row[3].abs();
                 let slack = size * 1e-6;
-                world[0][axis] = world[0][axis].min(at - slack);
-                world[1][axis] = world[1][axis].max(at + slack);
+                // What reaches to the end of the numbers ends there.
+                world[0][axis] = world[0][axis].min((at - slack).max(-f32::MAX));
+                world[1][axis] = world[1][axis].max((at + slack).min(f32::MAX));
                 // Else a NaN would be lost by `min` and `max`.
                 if !at.is_finite() {
                     world[0][axis] = f32::NAN;

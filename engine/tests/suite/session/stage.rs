@@ -121,9 +121,18 @@ impl Stage {
 
     /// The film of a look by a renderer that knew no other.
     pub(crate) fn fresh(&self, look: &str) -> Film {
+        self.fresh_on(look, || Device::open(&device::choice()))
+    }
+
+    /// The same on a device of one's own.
+    pub(crate) fn fresh_on(
+        &self,
+        look: &str,
+        device: impl Fn() -> Result<Device, DeviceError> + Send + Sync + 'static,
+    ) -> Film {
         self.write("fresh.look.toml", look);
-        let mut session = self.open("fresh.look.toml");
-        film(&mut session)
+        let session = self.open_on("fresh.look.toml", device);
+        film(&mut session.unwrap_or_else(|error| panic!("{error}")))
     }
 }
 
