@@ -134,16 +134,18 @@ fn processors_render_the_picture_of_a_driver() {
         film(&mut renderer, 16)
     });
     let sum = |film: &Film| film.mean().as_flattened().iter().sum::<f32>();
-    let pairs = one.mean().into_iter().zip(other.mean());
-    let apart = pairs.flat_map(|(a, b)| (0..3).map(move |i| (a[i] - b[i]).abs()));
-    let (apart, of) = (apart.sum::<f32>(), sum(&one));
-    // Sines of drivers are off by 2e-4, and where a number is next to a threshold, a path goes another way.
-    assert!(apart < 0.02 * of, "{apart} of {of}");
-    assert!(
-        (sum(&other) - of).abs() < 0.005 * of,
-        "{} and {of}",
-        sum(&other)
-    );
+    let apart: Vec<(f32, f32)> = (one.mean().into_iter().zip(other.mean()))
+        .map(|(a, b)| {
+            let apart = (0..3).map(|i| (a[i] - b[i]).abs()).sum::<f32>();
+            (apart, a.iter().sum())
+        })
+        .collect();
+    let same = apart.iter().filter(|(apart, of)| *apart <= 1e-3 * of);
+    let same = same.count() as f64 / apart.len() as f64;
+    let total = apart.iter().map(|(apart, _)| apart).sum::<f32>() / sum(&one);
+    eprintln!("{same} of the pixels are the same, {total} of the light is elsewhere");
+    // Where a number is next to a threshold, rounding sends a path another way.
+    assert!(same > 0.99 && total < 1e-3, "{same}, {total}");
 }
 
 #[test]

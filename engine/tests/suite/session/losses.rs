@@ -65,7 +65,7 @@ fn a_lost_device_is_replaced() {
     assert!(session.problems().is_empty(), "{}", session.problems());
     assert!(is_same(
         &film(&mut session),
-        &stage.fresh(&session.look_text())
+        &stage.fresh_on(&session.look_text(), driver)
     ));
 }
 
