@@ -1,5 +1,5 @@
 //! The film: exact sums of samples and of their squares, so that films can be added and the error of each pixel is known,
-//! and the [`layers`] that are gathered beside the picture; the files that films come from and go to ([`Part`], [`write`]).
+//! and the [`layers`] that are gathered beside the picture; the files that films come from and go to ([`Part`], [`mod@write`]).
 //! How samples come about is none of its business.
 //!
 //! A sum of floating-point numbers depends on their order. The film's sums are whole numbers of 96 bits, in units of

@@ -1,5 +1,5 @@
 //! What kernels know of materials: the record of a material in memory, its flags, its textures, and what texture programs
-//! can drive. All of it follows from [`PARAMETERS`], and so does its WGSL ([`wgsl`]); nothing of it is written twice.
+//! can drive. All of it follows from [`PARAMETERS`], and so does its WGSL (`wgsl.rs`); nothing of it is written twice.
 
 mod output;
 mod wgsl;

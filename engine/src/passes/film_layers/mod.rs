@@ -1,7 +1,7 @@
 //! The layers of a film beside the picture: what the first surface of each path gives to them is recorded in each round,
 //! and added to their planes at the end of a wave, plane by plane. One thread per path.
 //!
-//! What a layer is, its declaration says ([`crate::film::layers`]): [`layers_wgsl`] makes WGSL of all of them, and constants tell a
+//! What a layer is, its declaration says ([`crate::film::layers`]): `layers_wgsl` makes WGSL of all of them, and constants tell a
 //! kernel which are asked for.
 
 use std::sync::LazyLock;
