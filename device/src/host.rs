@@ -5,7 +5,7 @@ use std::fmt::Debug;
 /// Does what a function of a kernel's text does, on devices that run kernels in this program's memory
 /// ([`Traits::calls_functions`](crate::Traits::calls_functions)). Others run the text.
 ///
-/// Kernels name such functions in [`KernelSource::host`](crate::KernelSource::host), and find them among the
+/// Kernels name such functions in [`Text::host_functions`](crate::Text::host_functions), and find them among the
 /// [`Resources`](crate::Resources) like buffers.
 pub trait HostFunction: Debug + Send + Sync {
     /// Words of the arguments and of the result: all scalars in the order of the text, each in a word of its own, bools

@@ -29,8 +29,8 @@
 //!
 //! Around that:
 //!
-//! - [`session`] opens, edits, renders and saves: what programs use, and nothing below it needs be known for that; [`display`] and [`pick`] are what a window wants
-//!   besides.
+//! - [`session`] opens, edits, renders and saves: what programs use, who need nothing below it. [`display`] and [`pick`]
+//!   are what a window wants besides.
 //! - [`evaluate`], [`preview`] and [`isolated`] are about one texture, or one node of a look, without its scene.
 //! - [`wave`], [`frame`] and [`texturing`] are what passes, uploads and texture programs hand each other.
 //!
