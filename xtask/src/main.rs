@@ -267,7 +267,7 @@ fn render(scene: &str, look: &str, size: &str, spp: &str, outputs: &[&str]) -> R
 /// Looks for a driver's device in the list of `patina devices`. A driver may be installed and still find none (a GPU's
 /// driver in a container without that GPU): Mesa's software driver is then added.
 fn ensure_driver(devices: impl Fn() -> Result<String>) -> Result<()> {
-    let is_there = || Ok::<_, anyhow::Error>(devices()?.contains("Vulkan"));
+    let is_there = || Ok::<_, anyhow::Error>(devices()?.contains("vulkan"));
     if cfg!(target_os = "linux") && !is_there()? {
         vulkan::install()?;
         if !is_there()? {
