@@ -25,16 +25,33 @@ pub(crate) fn check(program: &Path, paths: &[&str]) -> Result<()> {
     }
 }
 
-/// The first place with this path.
-fn find(bytes: &[u8], path: &str) -> Option<String> {
-    let at = bytes
-        .windows(path.len().max(1))
-        .position(|window| window == path.as_bytes())?;
-    let end = (at + path.len() + AROUND).min(bytes.len());
+/// The first place with a path below this folder.
+fn find(bytes: &[u8], folder: &str) -> Option<String> {
+    let inside = entries(Path::new(folder));
+    let is_path = |rest: &[u8]| match &inside {
+        Some(names) => names.iter().any(|name| rest.starts_with(name)),
+        None => true,
+    };
+    let length = folder.len().max(1);
+    let at = (bytes.windows(length).enumerate())
+        .find(|&(at, window)| window == folder.as_bytes() && is_path(&bytes[at + length..]))?
+        .0;
+    let end = (at + folder.len() + AROUND).min(bytes.len());
     let text = bytes[at..end]
         .split(|byte| !(32..127).contains(byte))
         .next();
     Some(String::from_utf8_lossy(text.unwrap_or_default()).into_owned())
+}
+
+/// What lies in a folder. Short names of folders are also parts of other texts (`/root/` is a home, and a part of names on
+/// a desktop's bus), but these don't go on with one of its entries. `None` where that can't be known.
+fn entries(folder: &Path) -> Option<Vec<Vec<u8>>> {
+    let entries = fs::read_dir(folder).ok()?.flatten();
+    Some(
+        entries
+            .map(|entry| entry.file_name().into_encoded_bytes())
+            .collect(),
+    )
 }
 
 #[cfg(test)]
@@ -47,6 +64,16 @@ mod tests {
         let found = find(bytes, "/home/me/");
         assert_eq!(found.as_deref(), Some("/home/me/patina/src/a.rs"));
         assert_eq!(find(bytes, "/home/you/"), None);
+
+        // A folder of this machine's, and a text that only looks like it.
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::create_dir(folder.path().join("src")).expect("created");
+        let name = format!("{}/", folder.path().display());
+        let text = format!("bus{name}org/a11y\0{name}src/lib.rs\0");
+        let found = find(text.as_bytes(), &name);
+        assert_eq!(found, Some(format!("{name}src/lib.rs")));
+        assert_eq!(find(format!("{name}org").as_bytes(), &name), None);
+
         let file = tempfile::NamedTempFile::new().expect("a file");
         fs::write(&file, bytes).expect("written");
         assert!(check(file.path(), &["/home/you/", "/build/"]).is_ok());
