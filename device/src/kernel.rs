@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::{Device, DeviceError, Resources, device::Kind, gpu, native};
+use crate::{Device, DeviceError, Resources, device::Kind, gpu, native, native::compile::Ahead};
 
 /// Whether a kernel's indices and loops are to be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,6 +34,12 @@ pub trait Text: Debug {
     /// Functions of the text that are done by a [`HostFunction`](crate::HostFunction) of this name where the device
     /// offers that; those that the text doesn't declare are left out.
     fn host_functions(&self) -> &[&'static str] {
+        &[]
+    }
+
+    /// Kernels that were compiled with the program, for processors: one that computes the same as an entry point of this
+    /// text stands for it.
+    fn ahead(&self) -> &'static [Ahead] {
         &[]
     }
 

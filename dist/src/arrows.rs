@@ -6,9 +6,11 @@ use crate::metadata::Metadata;
 /// measures is never below what makes pictures, and nothing is below the crates of plain data but the language.
 const ARROWS: &[(&str, &[&str])] = &[
     ("texgen", &[]),
-    ("device", &[]),
+    ("kernel_ir", &[]),
+    ("device", &["kernel_ir"]),
+    ("kernels", &["kernel_ir", "device"]),
     ("scene", &["texgen"]),
-    ("engine", &["texgen", "device", "scene"]),
+    ("engine", &["texgen", "device", "kernels", "scene"]),
     ("patina-bench", &["texgen", "device", "scene", "engine"]),
     ("patina-panels", &["texgen", "device", "scene", "engine"]),
     (

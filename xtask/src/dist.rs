@@ -54,7 +54,7 @@ pub(crate) fn dependencies(full: bool) -> Result<()> {
     check().args(["licenses", "bans", "sources"]).run()?;
     // The list of advisories is fetched from another place than packages, which not every machine reaches.
     match cargo(["deny", "--locked", "fetch", "db"]).succeeds() {
-        true => check().args(["--disable-fetch", "advisories"]).run(),
+        true => cargo(["deny", "--frozen", "check", "advisories"]).run(),
         false => {
             println!("the list of advisories can't be fetched: they are not checked");
             Ok(())

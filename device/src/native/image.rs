@@ -2,36 +2,9 @@
 
 use std::sync::LazyLock;
 
+pub use kernel_ir::Format;
+
 use super::buffer::{Buffer, OutOfMemory};
-
-/// How a texel is stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[repr(u32)]
-pub enum Format {
-    /// Four floats.
-    Rgba32Float,
-    /// Four unsigned integers.
-    Rgba32Uint,
-    /// A byte for each of red, green, blue, alpha, the first lowest: 255 is 1.
-    Rgba8Unorm,
-    /// The same, colours encoded as sRGB.
-    Rgba8UnormSrgb,
-}
-
-impl Format {
-    /// Bytes of a texel.
-    pub fn texel_bytes(self) -> u32 {
-        match self {
-            Self::Rgba32Float | Self::Rgba32Uint => 16,
-            Self::Rgba8Unorm | Self::Rgba8UnormSrgb => 4,
-        }
-    }
-
-    /// Whether kernels see floats; else unsigned integers.
-    pub fn is_float(self) -> bool {
-        self != Self::Rgba32Uint
-    }
-}
 
 /// A two-dimensional image, or several layers of the same size. Clones share the texels.
 #[derive(Debug, Clone)]

@@ -151,6 +151,7 @@ impl Processor {
             host: source.text.host_functions(),
             loop_limit: (source.trust == Trust::Nothing).then_some(LOOP_LIMIT),
             cache: Some(&self.shared.functions),
+            ahead: source.text.ahead(),
             ..Options::default()
         };
         self.shared.shader_modules.fetch_add(1, Ordering::Relaxed);

@@ -1,4 +1,4 @@
-//! The tables as WGSL.
+//! The tables as WGSL: the files of `passes/generated`, which a test below keeps.
 
 use std::fmt::Write as _;
 
@@ -97,4 +97,32 @@ pub fn output_wgsl(outputs: Option<&[(&str, Kind)]>) -> String {
     }
     let _ = writeln!(text, "const HAS_MORE_OUTPUTS = {has_more};");
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file that doesn't fit the tables is written anew; the test has to be run again then.
+    #[test]
+    fn generated_files_are_what_the_tables_say() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/passes/generated");
+        let files = [
+            ("material.wgsl", material_wgsl()),
+            ("outputs.wgsl", output_wgsl(None)),
+        ];
+        let mut changed = Vec::new();
+        for (name, text) in files {
+            let text = format!("// From the tables of `material_record`; `cargo test -p engine generated` writes it.\n{text}");
+            let path = std::path::Path::new(folder).join(name);
+            // Git may have changed the ends of lines.
+            let is_same = std::fs::read_to_string(&path)
+                .is_ok_and(|found| found.replace("\r\n", "\n") == text);
+            if !is_same {
+                std::fs::write(&path, text).expect("the file can be written");
+                changed.push(name);
+            }
+        }
+        assert!(changed.is_empty(), "written anew: {}", changed.join(", "));
+    }
 }

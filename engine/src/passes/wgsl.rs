@@ -1,16 +1,16 @@
 //! Composes kernels from the engine's WGSL files: `//!include FILE` lines are replaced by the file, each file once.
-//! Files below `generated/` are made from tables.
+//! Files below `generated/` are made from tables: those of materials by a test of `material_record`, which holds them to it.
 //!
 //! A source map remembers where each line came from, so that an error points at the file that was written. Every file below
 //! `passes/` is there to be included: the build puts them into the program, there is no list to keep.
 
 use std::{collections::HashSet, ops::Range};
 
+use device::native::compile::Ahead;
 use device::{Device, DeviceError, Kernel, KernelSource, Text, Trust};
 use texgen::{GeneratedKernel, SourceMap};
 
 use super::traverse;
-use crate::material_record;
 
 use super::film_layers;
 
@@ -132,6 +132,10 @@ impl Text for ComposedWgsl {
         &[traverse::host::FUNCTION]
     }
 
+    fn ahead(&self) -> &'static [Ahead] {
+        kernels::all()
+    }
+
     fn adapt(&self, module: &mut naga::Module) {
         texgen::copy_pointer_arguments(module);
     }
@@ -178,11 +182,9 @@ pub fn compile(device: &Device, source: &KernelSource<'_>) -> Result<Kernel, Dev
     }
 }
 
-/// What is made from the tables of materials and of the film's layers.
+/// What is made from the table of the film's layers when the program runs.
 fn generated(file: &str) -> Option<String> {
     match file {
-        "generated/material.wgsl" => Some(material_record::material_wgsl()),
-        "generated/outputs.wgsl" => Some(material_record::output_wgsl(None)),
         "generated/film_layers.wgsl" => Some(film_layers::layers_wgsl()),
         _ => None,
     }

@@ -2,66 +2,13 @@
 
 use std::sync::Arc;
 
-use naga::ScalarKind;
+use kernel_ir::{Binding, BindingKind};
 
 use super::{BoundKernel, Kernel};
 use crate::{
     HostFunction,
-    native::{
-        buffer::Buffer,
-        image::{Format, Image},
-    },
+    native::{buffer::Buffer, image::Image},
 };
-
-/// A global or a function of the text that has to be bound.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Binding {
-    /// Its name in the text.
-    pub name: String,
-    /// `@group`; 0 for a function.
-    pub group: u32,
-    /// `@binding`; 0 for a function.
-    pub binding: u32,
-    /// What it is.
-    pub kind: BindingKind,
-}
-
-/// What kernels do with a resource.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Access {
-    /// It is read only.
-    Read,
-    /// It may be written.
-    Write,
-}
-
-/// What a binding takes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum BindingKind {
-    /// Storage or uniform.
-    Buffer {
-        /// Whether the text may write it.
-        access: Access,
-        /// The fewest bytes that it must have; with a runtime-sized array that is one element of it.
-        least_bytes: u32,
-        /// Of a runtime-sized array: the byte at which it starts, and bytes from element to element.
-        array: Option<(u32, u32)>,
-    },
-    /// A two-dimensional texture, sampled or storage.
-    Image {
-        /// Whether the text may write it.
-        access: Access,
-        /// Whether it has layers.
-        arrayed: bool,
-        /// What a texel's numbers are.
-        scalar: ScalarKind,
-    },
-    /// A function that is called in place of the text's.
-    Function {
-        /// Words of its arguments and of its result.
-        words: [usize; 2],
-    },
-}
 
 /// What is bound.
 #[derive(Debug, Clone)]
@@ -128,16 +75,6 @@ pub enum BindError {
     },
 }
 
-/// What machine code knows of an image; the offsets are those of `lower::image`.
-#[repr(C)]
-pub(super) struct ImageHeader {
-    pub(super) width: u32,
-    pub(super) height: u32,
-    pub(super) layers: u32,
-    pub(super) format: Format,
-    pub(super) texels: *mut u32,
-}
-
 impl Kernel {
     /// Looks up a resource for each binding. The same memory may be bound more than once.
     ///
@@ -187,7 +124,7 @@ fn check(binding: &Binding, resource: &Resource) -> Result<(), BindError> {
             },
             Resource::Image(image),
         ) => {
-            let float = scalar == ScalarKind::Float;
+            let float = scalar == naga::ScalarKind::Float;
             if image.format().is_float() != float || (!arrayed && image.size()[2] > 1) {
                 return Err(mismatch());
             }

@@ -4,11 +4,7 @@ use std::{fmt, ptr::null_mut, sync::Arc};
 
 use rayon::prelude::*;
 
-use super::{
-    Kernel, Resource,
-    bind::{BindingKind, ImageHeader},
-    ir::context,
-};
+use super::{BindingKind, ImageHeader, Kernel, Resource, ir::context};
 
 /// A kernel with its resources. Clones share both.
 #[derive(Clone)]
@@ -30,8 +26,9 @@ unsafe impl Send for Bound {}
 // SAFETY: as above.
 unsafe impl Sync for Bound {}
 
-/// The machine code of an entry point: context, scratch memory, the workgroup's place.
-pub(super) type EntryPoint = unsafe extern "C" fn(*const u64, *mut u64, u32, u32, u32);
+/// The machine code of an entry point. It runs the invocations of one workgroup: context of the dispatch, scratch memory, the
+/// workgroup's place.
+pub type EntryPoint = unsafe extern "C" fn(*const u64, *mut u64, u32, u32, u32);
 
 impl BoundKernel {
     /// `resources` fit the kernel's bindings, one by one.

@@ -1,9 +1,6 @@
 //! WGSL to machine code.
 //!
-//! `naga::Module` → (`lower`) → a small linear, scalar representation (`ir`) → (`generate`) →
-//! machine code by Cranelift. Composites are taken apart into scalars, variables become values wherever their elements
-//! aren't chosen at run time, conditions that override constants decide leave no code, and functions are inlined, but
-//! for those that [`Options::separate`] names and those that are large and called often.
+//! `naga::Module` → ([`kernel_ir`]) → linear code over scalars → (`generate`) → machine code by Cranelift.
 //!
 //! **Safety.** A kernel touches nothing but its stack, the dispatch's scratch memory, and the resources that were bound:
 //! every index is restricted to its array as WebGPU's implementations do it, and [`Kernel::bind`] refuses a resource
@@ -11,27 +8,23 @@
 //! (`cranelift-jit` writes it to fresh pages, which then become executable and read-only), and what a chain of
 //! functions takes of the stack is summed up and limited when they are compiled; none of them can call itself.
 
+mod ahead;
 mod bind;
 mod cache;
 mod dispatch;
-mod error;
 #[cfg_attr(
     target_family = "wasm",
     expect(dead_code, reason = "nothing is linked")
 )]
 mod generate;
-mod ir;
-mod lower;
-#[cfg_attr(
-    target_family = "wasm",
-    expect(dead_code, reason = "nothing is linked")
-)]
-mod runtime;
+pub mod runtime;
 
-pub use bind::{Access, BindError, Binding, BindingKind, Resource};
+pub use ahead::Ahead;
+pub use bind::{BindError, Resource};
 pub use cache::Cache;
-pub use dispatch::BoundKernel;
-pub use error::{CompileError, ErrorKind};
+pub use dispatch::{BoundKernel, EntryPoint};
+pub use kernel_ir::{Access, Binding, BindingKind, CompileError, ErrorKind};
+use kernel_ir::{ImageHeader, ir};
 
 use std::{sync::Arc, time::Duration};
 
@@ -53,6 +46,8 @@ pub struct Options<'a> {
     pub stack_limit: u32,
     /// Where machine code of functions is looked up and kept.
     pub cache: Option<&'a Cache>,
+    /// Kernels that were compiled before: one that computes the same is taken instead of compiling.
+    pub ahead: &'static [Ahead],
 }
 
 impl Default for Options<'_> {
@@ -64,6 +59,7 @@ impl Default for Options<'_> {
             // Threads of rayon have 2 MiB, and functions of the program need some of that, too.
             stack_limit: 512 << 10,
             cache: None,
+            ahead: &[],
         }
     }
 }
@@ -85,10 +81,26 @@ pub struct Statistics {
     pub generation: Duration,
 }
 
+/// Where machine code came from.
+#[derive(Debug, Clone)]
+enum Machine {
+    Compiled(Arc<Code>),
+    Ahead(EntryPoint),
+}
+
+impl Machine {
+    fn entry(&self) -> EntryPoint {
+        match self {
+            Self::Compiled(code) => code.entry(),
+            Self::Ahead(entry) => *entry,
+        }
+    }
+}
+
 /// An entry point as machine code. Clones share it.
 #[derive(Debug, Clone)]
 pub struct Kernel {
-    code: Arc<Code>,
+    code: Machine,
     bindings: Arc<[Binding]>,
     workgroup_size: [u32; 3],
     /// Bytes of scratch memory that a workgroup needs: workgroup variables, and what waits at barriers.
@@ -111,15 +123,26 @@ impl Kernel {
         options: &Options<'_>,
     ) -> Result<Self, CompileError> {
         let start = std::time::Instant::now();
-        let (module, info) = lower::with_constants(module, info, entry, constants)?;
-        let program = lower::lower(&module, &info, entry, options)?;
+        let (module, info) = kernel_ir::with_constants(module, info, entry, constants)?;
+        let lowered = kernel_ir::Options {
+            separate: options.separate,
+            host: options.host,
+            loop_limit: options.loop_limit,
+        };
+        let program = kernel_ir::lower(&module, &info, entry, &lowered)?;
         let lowering = start.elapsed();
         let start = std::time::Instant::now();
-        let (code, mut statistics) = generate::compile(&program, options)?;
+        let (code, mut statistics) = match ahead::find(&program, options.ahead) {
+            Some(entry) => (Machine::Ahead(entry), Statistics::default()),
+            None => {
+                let (code, statistics) = generate::compile(&program, options)?;
+                (Machine::Compiled(Arc::new(code)), statistics)
+            }
+        };
         statistics.lowering = lowering;
         statistics.generation = start.elapsed();
         Ok(Self {
-            code: Arc::new(code),
+            code,
             bindings: program.bindings.into(),
             workgroup_size: program.workgroup_size,
             scratch_bytes: program.scratch_bytes,
@@ -135,6 +158,11 @@ impl Kernel {
     /// Invocations of a workgroup along each axis.
     pub fn workgroup_size(&self) -> [u32; 3] {
         self.workgroup_size
+    }
+
+    /// Whether it was compiled before, see [`Options::ahead`].
+    pub fn is_ahead(&self) -> bool {
+        matches!(self.code, Machine::Ahead(_))
     }
 
     /// What compiling it cost.

@@ -1,8 +1,10 @@
-//! Functions that machine code calls. Those of numbers are `libm`'s: the same on every platform, so that pictures are.
+//! Functions that compiled kernels call. Those of numbers are `libm`'s: the same on every platform, so that pictures are.
+//!
+//! Public for code that is compiled ahead of time ([`Ahead`](super::Ahead)); whoever writes it keeps their contracts.
 
 use std::sync::Arc;
 
-use super::{bind::ImageHeader, ir::Runtime};
+use super::{ImageHeader, ir::Runtime};
 use crate::HostFunction;
 use crate::native::image::{Format, SRGB, srgb8, unorm8};
 
@@ -23,7 +25,8 @@ pub(super) struct Signature {
 
 macro_rules! functions {
     ($($name:ident($($parameter:ident),+) = $function:path;)+) => {
-        $(extern "C" fn $name($($parameter: f32),+) -> f32 {
+        $(#[doc = concat!("`", stringify!($name), "` of WGSL.")]
+        pub extern "C" fn $name($($parameter: f32),+) -> f32 {
             $function($($parameter),+)
         })+
     };
@@ -54,43 +57,54 @@ functions! {
     nearest(x) = libm::rintf;
 }
 
-extern "C" fn ldexp(x: f32, exponent: i32) -> f32 {
+/// `ldexp` of WGSL.
+pub extern "C" fn ldexp(x: f32, exponent: i32) -> f32 {
     libm::ldexpf(x, exponent)
 }
 
-extern "C" fn frexp_fraction(x: f32) -> f32 {
+/// The fraction of `frexp` of WGSL.
+pub extern "C" fn frexp_fraction(x: f32) -> f32 {
     libm::frexpf(x).0
 }
 
-extern "C" fn frexp_exponent(x: f32) -> i32 {
+/// The exponent of `frexp` of WGSL.
+pub extern "C" fn frexp_exponent(x: f32) -> i32 {
     libm::frexpf(x).1
 }
 
-extern "C" fn float_to_half(x: f32) -> u32 {
+/// The bits of a half.
+pub extern "C" fn float_to_half(x: f32) -> u32 {
     u32::from(half::f16::from_f32(x).to_bits())
 }
 
-extern "C" fn half_to_float(bits: u32) -> f32 {
+/// A float, from the bits of a half.
+pub extern "C" fn half_to_float(bits: u32) -> f32 {
     half::f16::from_bits(bits as u16).to_f32()
 }
 
+/// Fills with zeros.
+///
 /// # Safety
 /// `target` points to so many bytes that nothing else uses.
-unsafe extern "C" fn zero(target: *mut u8, bytes: u32) {
+pub unsafe extern "C" fn zero(target: *mut u8, bytes: u32) {
     // SAFETY: the caller's.
     unsafe { target.write_bytes(0, bytes as usize) };
 }
 
+/// Copies.
+///
 /// # Safety
 /// Both point to so many bytes, apart from each other, that nothing else writes.
-unsafe extern "C" fn copy(target: *mut u8, source: *const u8, bytes: u32) {
+pub unsafe extern "C" fn copy(target: *mut u8, source: *const u8, bytes: u32) {
     // SAFETY: the caller's.
     unsafe { target.copy_from_nonoverlapping(source, bytes as usize) };
 }
 
+/// A texel as four words.
+///
 /// # Safety
 /// `header` is that of an image whose texels live, `texel` is one of them, and `target` has room for four words.
-unsafe extern "C" fn load_texel(header: *const ImageHeader, texel: u32, target: *mut [u32; 4]) {
+pub unsafe extern "C" fn load_texel(header: *const ImageHeader, texel: u32, target: *mut [u32; 4]) {
     // SAFETY: the caller's.
     let header = unsafe { &*header };
     let words = match header.format {
@@ -115,11 +129,11 @@ unsafe extern "C" fn load_texel(header: *const ImageHeader, texel: u32, target: 
     unsafe { target.write(words) };
 }
 
-/// What lies outside of the image is lost.
+/// Stores four words as a texel. What lies outside of the image is lost.
 ///
 /// # Safety
 /// `header` is that of an image whose texels live, and `source` points to four words.
-unsafe extern "C" fn store_texel(
+pub unsafe extern "C" fn store_texel(
     header: *const ImageHeader,
     x: u32,
     y: u32,
@@ -150,9 +164,11 @@ unsafe extern "C" fn store_texel(
     }
 }
 
+/// Calls a function that was bound.
+///
 /// # Safety
 /// `function` is bound; `arguments` and `result` point to so many words, that nothing else uses.
-unsafe extern "C" fn host(
+pub unsafe extern "C" fn host(
     function: *const Arc<dyn HostFunction>,
     arguments: *const u32,
     argument_words: u32,
@@ -170,53 +186,51 @@ unsafe extern "C" fn host(
     function.call(arguments, result);
 }
 
-impl Runtime {
-    /// Where the function is, and what it takes and gives.
-    pub(super) fn signature(self) -> Signature {
-        use Kind::{F32, I32, Pointer};
-        let (address, parameters, result): (*const u8, &'static [Kind], _) = match self {
-            Self::Sin => (sin as *const u8, &[F32], Some(F32)),
-            Self::Cos => (cos as *const u8, &[F32], Some(F32)),
-            Self::Tan => (tan as *const u8, &[F32], Some(F32)),
-            Self::Asin => (asin as *const u8, &[F32], Some(F32)),
-            Self::Acos => (acos as *const u8, &[F32], Some(F32)),
-            Self::Atan => (atan as *const u8, &[F32], Some(F32)),
-            Self::Atan2 => (atan2 as *const u8, &[F32, F32], Some(F32)),
-            Self::Sinh => (sinh as *const u8, &[F32], Some(F32)),
-            Self::Cosh => (cosh as *const u8, &[F32], Some(F32)),
-            Self::Tanh => (tanh as *const u8, &[F32], Some(F32)),
-            Self::Asinh => (asinh as *const u8, &[F32], Some(F32)),
-            Self::Acosh => (acosh as *const u8, &[F32], Some(F32)),
-            Self::Atanh => (atanh as *const u8, &[F32], Some(F32)),
-            Self::Exp => (exp as *const u8, &[F32], Some(F32)),
-            Self::Exp2 => (exp2 as *const u8, &[F32], Some(F32)),
-            Self::Log => (log as *const u8, &[F32], Some(F32)),
-            Self::Log2 => (log2 as *const u8, &[F32], Some(F32)),
-            Self::Pow => (pow as *const u8, &[F32, F32], Some(F32)),
-            Self::FrexpFraction => (frexp_fraction as *const u8, &[F32], Some(F32)),
-            Self::FrexpExponent => (frexp_exponent as *const u8, &[F32], Some(I32)),
-            Self::Ldexp => (ldexp as *const u8, &[F32, I32], Some(F32)),
-            Self::FloatToHalf => (float_to_half as *const u8, &[F32], Some(I32)),
-            Self::HalfToFloat => (half_to_float as *const u8, &[I32], Some(F32)),
-            Self::Zero => (zero as *const u8, &[Pointer, I32], None),
-            Self::Copy => (copy as *const u8, &[Pointer, Pointer, I32], None),
-            Self::LoadTexel => (load_texel as *const u8, &[Pointer, I32, Pointer], None),
-            Self::StoreTexel => (
-                store_texel as *const u8,
-                &[Pointer, I32, I32, I32, Pointer],
-                None,
-            ),
-            Self::Host => (
-                host as *const u8,
-                &[Pointer, Pointer, I32, Pointer, I32],
-                None,
-            ),
-        };
-        Signature {
-            address,
-            parameters,
-            result,
-        }
+/// Where a function is, and what it takes and gives.
+pub(super) fn signature(function: Runtime) -> Signature {
+    use Kind::{F32, I32, Pointer};
+    let (address, parameters, result): (*const u8, &'static [Kind], _) = match function {
+        Runtime::Sin => (sin as *const u8, &[F32], Some(F32)),
+        Runtime::Cos => (cos as *const u8, &[F32], Some(F32)),
+        Runtime::Tan => (tan as *const u8, &[F32], Some(F32)),
+        Runtime::Asin => (asin as *const u8, &[F32], Some(F32)),
+        Runtime::Acos => (acos as *const u8, &[F32], Some(F32)),
+        Runtime::Atan => (atan as *const u8, &[F32], Some(F32)),
+        Runtime::Atan2 => (atan2 as *const u8, &[F32, F32], Some(F32)),
+        Runtime::Sinh => (sinh as *const u8, &[F32], Some(F32)),
+        Runtime::Cosh => (cosh as *const u8, &[F32], Some(F32)),
+        Runtime::Tanh => (tanh as *const u8, &[F32], Some(F32)),
+        Runtime::Asinh => (asinh as *const u8, &[F32], Some(F32)),
+        Runtime::Acosh => (acosh as *const u8, &[F32], Some(F32)),
+        Runtime::Atanh => (atanh as *const u8, &[F32], Some(F32)),
+        Runtime::Exp => (exp as *const u8, &[F32], Some(F32)),
+        Runtime::Exp2 => (exp2 as *const u8, &[F32], Some(F32)),
+        Runtime::Log => (log as *const u8, &[F32], Some(F32)),
+        Runtime::Log2 => (log2 as *const u8, &[F32], Some(F32)),
+        Runtime::Pow => (pow as *const u8, &[F32, F32], Some(F32)),
+        Runtime::FrexpFraction => (frexp_fraction as *const u8, &[F32], Some(F32)),
+        Runtime::FrexpExponent => (frexp_exponent as *const u8, &[F32], Some(I32)),
+        Runtime::Ldexp => (ldexp as *const u8, &[F32, I32], Some(F32)),
+        Runtime::FloatToHalf => (float_to_half as *const u8, &[F32], Some(I32)),
+        Runtime::HalfToFloat => (half_to_float as *const u8, &[I32], Some(F32)),
+        Runtime::Zero => (zero as *const u8, &[Pointer, I32], None),
+        Runtime::Copy => (copy as *const u8, &[Pointer, Pointer, I32], None),
+        Runtime::LoadTexel => (load_texel as *const u8, &[Pointer, I32, Pointer], None),
+        Runtime::StoreTexel => (
+            store_texel as *const u8,
+            &[Pointer, I32, I32, I32, Pointer],
+            None,
+        ),
+        Runtime::Host => (
+            host as *const u8,
+            &[Pointer, Pointer, I32, Pointer, I32],
+            None,
+        ),
+    };
+    Signature {
+        address,
+        parameters,
+        result,
     }
 }
 

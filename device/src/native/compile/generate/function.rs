@@ -19,7 +19,7 @@ use crate::native::compile::{
         AtomicOperation, Binary, Comparison, Function, Instruction, Memory, Program, Runtime, Type,
         Unary, Value,
     },
-    runtime::Kind,
+    runtime::{self, Kind},
 };
 
 fn type_of(ty: Type) -> ir::Type {
@@ -344,7 +344,7 @@ impl Writer<'_> {
     }
 
     fn call_runtime(&mut self, to: Option<Value>, function: Runtime, arguments: &[Value]) {
-        let called = function.signature();
+        let called = runtime::signature(function);
         let kind = |kind| {
             AbiParam::new(match kind {
                 Kind::F32 => F32,

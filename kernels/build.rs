@@ -1,0 +1,149 @@
+//! Compiles the passes' WGSL to Rust, see `src/lib.rs`.
+
+use std::collections::{HashMap, HashSet};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+use anyhow::{Context as _, Result, bail};
+
+/// Where the WGSL is, seen from this crate.
+const PASSES: &str = "../engine/src/passes";
+
+/// Entry points and the files that their texts begin with.
+const KERNELS: &[(&str, &str)] = &[
+    ("accumulate", "accumulate/entry.wgsl"),
+    ("brdf", "brdf/entry.wgsl"),
+    ("raygen", "raygen/entry.wgsl"),
+    ("traverse_closest", "traverse/entry.wgsl"),
+    ("traverse_occlusion", "traverse/entry.wgsl"),
+];
+
+/// The function that the engine has in Rust.
+const HOST: &[&str] = &["trace_surfaces"];
+
+/// Override constants that say what a scene has, all false but those of a set.
+const FEATURES: &[&str] = &[
+    "has_alpha",
+    "has_textures",
+    "has_environment",
+    "has_transmission",
+    "has_clear",
+    "has_layers",
+    "energy_compensation",
+    "has_programs",
+    "has_program_shadows",
+];
+
+/// The sets of features that are compiled: those of common scenes, and one with all that there is.
+const SETS: &[&[&str]] = &[
+    // Plain surfaces under lamps, such as a Cornell box.
+    &[],
+    &["energy_compensation"],
+    // Textured scenes under a sky.
+    &["has_textures", "has_environment", "energy_compensation"],
+    &["has_alpha", "has_textures", "has_environment", "energy_compensation"],
+    // The same with what textures drive.
+    &[
+        "has_textures",
+        "has_environment",
+        "energy_compensation",
+        "has_programs",
+    ],
+    FEATURES,
+];
+
+/// What the functions may use of a processor; `src/lib.rs` asks whether it is there.
+const X86_64: &str = r#"#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]"#;
+
+fn main() -> Result<()> {
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed={PASSES}");
+    let architecture = env::var("CARGO_CFG_TARGET_ARCH").unwrap_or_default();
+    let attributes = match architecture.as_str() {
+        "x86_64" => X86_64,
+        _ => "",
+    };
+    let mut modules = String::new();
+    let mut list = String::new();
+    let mut keys = HashSet::new();
+    let mut texts = HashMap::new();
+    // Nothing is linked for browsers, and what isn't used needn't be compiled.
+    let kernels = if architecture == "wasm32" { &[] } else { KERNELS };
+    for &(entry, file) in kernels {
+        if !texts.contains_key(file) {
+            texts.insert(file, Text::read(file)?);
+        }
+        for set in SETS {
+            let program = texts[file].program(entry, set)?;
+            let key = program.key();
+            if !keys.insert(key) {
+                continue;
+            }
+            let Some(rust) = kernel_ir::rust::module(&program, attributes) else {
+                bail!("{entry} can't be written as Rust");
+            };
+            let name = format!("{entry}_{}", keys.len());
+            let _ = writeln!(modules, "mod {name} {{\nuse super::*;\n{rust}}}");
+            // Of the lint's opinion this is for the reader of the generator to judge.
+            let _ = writeln!(list, "unsafe {{ Ahead::new({key:#034x}, {name}::entry) }},");
+        }
+    }
+    let _ = writeln!(modules, "pub static ALL: [Ahead; {}] = [\n{list}];", keys.len());
+    let out = env::var_os("OUT_DIR").map(PathBuf::from).context("Cargo names no OUT_DIR")?;
+    fs::write(out.join("kernels.rs"), modules)?;
+    Ok(())
+}
+
+/// A valid text with all that it includes.
+struct Text {
+    module: naga::Module,
+    info: naga::valid::ModuleInfo,
+}
+
+impl Text {
+    fn read(file: &str) -> Result<Self> {
+        let mut text = String::new();
+        include(file, &mut HashSet::new(), &mut text)?;
+        let module = naga::front::wgsl::parse_str(&text)
+            .map_err(|error| anyhow::anyhow!("{file}: {}", error.emit_to_string(&text)))?;
+        let capabilities = naga::valid::Capabilities::all();
+        let flags = naga::valid::ValidationFlags::all();
+        let info = naga::valid::Validator::new(flags, capabilities)
+            .validate(&module)
+            .map_err(|error| anyhow::anyhow!("{file}: {}", error.emit_to_string(&text)))?;
+        Ok(Self { module, info })
+    }
+
+    fn program(&self, entry: &str, set: &[&str]) -> Result<kernel_ir::ir::Program> {
+        let value = |feature| f64::from(u8::from(set.contains(&feature)));
+        let constants: Vec<(&str, f64)> =
+            (FEATURES.iter()).map(|&feature| (feature, value(feature))).collect();
+        let (module, info) =
+            kernel_ir::with_constants(&self.module, &self.info, entry, &constants)?;
+        let options = kernel_ir::Options {
+            host: HOST,
+            ..kernel_ir::Options::default()
+        };
+        Ok(kernel_ir::lower(&module, &info, entry, &options)?)
+    }
+}
+
+/// Puts a file into a text, and what its `//!include` lines name, each file once: as `engine/src/passes/wgsl.rs` does.
+fn include(file: &str, seen: &mut HashSet<String>, text: &mut String) -> Result<()> {
+    if !seen.insert(file.to_owned()) {
+        return Ok(());
+    }
+    let path = Path::new(PASSES).join(file);
+    let own = fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    for line in own.lines() {
+        match line.strip_prefix("//!include ") {
+            Some(included) => include(included.trim(), seen, text)?,
+            None => {
+                text.push_str(line);
+                text.push('\n');
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,40 @@
+//! The engine's kernels as machine code that comes with the program.
+//!
+//! The build ([`kernels/build.rs`]) takes the passes' WGSL, the same files that are put into the program, and turns it into
+//! Rust by way of [`kernel_ir`](https://docs.rs/naga)'s programs: once for each of the few sets of features that scenes have.
+//! A device for processors looks a kernel up by what its text comes down to ([`Ahead`]), so nothing here has to be kept in
+//! step: a text that was changed at run time, or a set of features that isn't here, is compiled when it is needed, and gives
+//! the same bits, only slower.
+
+use device::native::compile::Ahead;
+
+mod compiled {
+    use core::sync::atomic::{AtomicI32, AtomicU32, Ordering::Relaxed};
+
+    use device::native::compile::{Ahead, runtime};
+
+    include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
+}
+
+/// All that this processor can run: none on one of x86-64 without AVX2.
+pub fn all() -> &'static [Ahead] {
+    match is_supported() {
+        true => &compiled::ALL,
+        false => &[],
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn is_supported() -> bool {
+    // What `build.rs` asks for.
+    is_x86_feature_detected!("avx2")
+        && is_x86_feature_detected!("bmi1")
+        && is_x86_feature_detected!("bmi2")
+        && is_x86_feature_detected!("lzcnt")
+        && is_x86_feature_detected!("popcnt")
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn is_supported() -> bool {
+    true
+}
