@@ -9,10 +9,7 @@ use std::{collections::HashSet, ops::Range};
 use device::{Device, DeviceError, Kernel, KernelSource, Text, Trust};
 use texgen::{GeneratedKernel, SourceMap};
 
-use super::traverse;
-use crate::material_record;
-
-use super::film_layers;
+use crate::{film::layers_wgsl, gpu_scene::host_traversal, material_record};
 
 /// A WGSL file: its path below `passes/`, by which others include it, and its text.
 pub type File = (&'static str, &'static str);
@@ -48,18 +45,6 @@ impl ComposedWgsl {
         let mut source = Self::default();
         source.include(file, files, &mut HashSet::new());
         source
-    }
-
-    /// Reads what the files declare as a uniform from a storage buffer instead.
-    ///
-    /// # Panics
-    /// There is no uniform of this name.
-    pub fn with_storage(mut self, name: &str) -> Self {
-        let uniform = format!("var<uniform> {name}:");
-        assert!(self.text.contains(&uniform), "no uniform `{name}`");
-        let storage = format!("var<storage, read> {name}:");
-        self.text = self.text.replace(&uniform, &storage);
-        self
     }
 
     /// Appends a constant that the files leave open.
@@ -129,7 +114,7 @@ impl Text for ComposedWgsl {
     }
 
     fn host_functions(&self) -> &[&'static str] {
-        &[traverse::host::FUNCTION]
+        &[host_traversal::FUNCTION]
     }
 
     fn adapt(&self, module: &mut naga::Module) {
@@ -183,7 +168,7 @@ fn generated(file: &str) -> Option<String> {
     match file {
         "generated/material.wgsl" => Some(material_record::material_wgsl()),
         "generated/outputs.wgsl" => Some(material_record::output_wgsl(None)),
-        "generated/film_layers.wgsl" => Some(film_layers::layers_wgsl()),
+        "generated/film_layers.wgsl" => Some(layers_wgsl::record_wgsl()),
         _ => None,
     }
 }
