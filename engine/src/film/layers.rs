@@ -159,11 +159,13 @@ impl Layer {
     /// The names of its channels in EXR files, in the order of its values.
     pub fn channel_names(&self) -> impl Iterator<Item = String> {
         // Two ids with their shares have four letters: `00.r` is the first id, `00.g` its share.
-        let passes = match self.rule {
-            Rule::Ids(_) => (0..ids::IDS / 2).map(|pair| format!("{}{pair:02}", self.pass)),
-            _ => (0..1).map(|_| self.pass.to_owned()),
+        let passes: Vec<String> = match self.rule {
+            Rule::Ids(_) => (0..ids::IDS / 2)
+                .map(|pair| format!("{}{pair:02}", self.pass))
+                .collect(),
+            _ => vec![self.pass.to_owned()],
         };
-        passes.flat_map(|pass| {
+        passes.into_iter().flat_map(|pass| {
             let letters = self.channels.chars();
             letters.map(move |letter| format!("ViewLayer.{pass}.{letter}"))
         })

@@ -1,18 +1,13 @@
 //! The layers of a film beside the picture: what the first surface of each path gives to them is recorded in each round,
 //! and added to their planes at the end of a wave, sum by sum. One thread per path.
 //!
-//! What a layer is, its declaration says ([`crate::film::layers`]): `layers_wgsl` makes WGSL of all of them, and constants tell a
-//! kernel which are asked for.
-
-use std::sync::LazyLock;
+//! What a layer is, its declaration says ([`crate::film::layers`]): the film makes WGSL of all of them, and constants tell a kernel
+//! which are asked for.
 
 use device::{Device, DeviceError, Kernel, Trust};
 
 use crate::{
-    film::{
-        LAYERS, Layers,
-        layers::{Rule, Sum},
-    },
+    film::layers::{Rule, Sum},
     wave::Queue,
 };
 

@@ -1,6 +1,5 @@
 // Which pixel a thread adds the samples of a wave to: it owns it, and goes through the wave sample by sample.
 //!include shared/frame.wgsl
-//!include shared/random.wgsl
 
 const NO_PIXEL = 0xffffffffu;
 
