@@ -498,7 +498,7 @@ impl Renderer {
         }
         let features = &self.scene.features;
         let schedule = &self.schedule;
-        Ok(schedule.texture_kernel(&self.gpu, features, &self.procedural)?)
+        Ok(schedule.texture_kernel(features, &self.procedural)?)
     }
 
     /// GPU memory of one path.

@@ -128,7 +128,6 @@ pub trait Schedule: fmt::Debug + Send + Sync {
     /// Programs that can't be in this form.
     fn texture_kernel(
         &self,
-        device: &Device,
         features: &SceneFeatures,
         procedural: &Procedural,
     ) -> Result<Option<KernelText>, CompileError>;
@@ -197,7 +196,6 @@ pub struct Wavefront;
 impl Schedule for Wavefront {
     fn texture_kernel(
         &self,
-        device: &Device,
         features: &SceneFeatures,
         procedural: &Procedural,
     ) -> Result<Option<KernelText>, CompileError> {

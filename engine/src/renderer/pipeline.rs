@@ -145,7 +145,7 @@ pub(super) fn texture_kernel(
     procedural: &Procedural,
     schedule: &dyn Schedule,
 ) -> Result<Option<Kernel>, RenderError> {
-    let Some(text) = schedule.texture_kernel(gpu, features, procedural)? else {
+    let Some(text) = schedule.texture_kernel(features, procedural)? else {
         return Ok(None);
     };
     let _busy = (gpu.activity()).begin(|| compiling(procedural));
