@@ -2,8 +2,6 @@
 //!
 //! Whether the values make sense together, and what they mean, is [`crate::job`]'s business.
 
-pub(crate) mod common;
-
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -13,11 +11,10 @@ use engine::settings::{Estimator, Sampler};
 
 use crate::bench::args::BenchCommand;
 use crate::console::MessageFormat;
+use crate::flags::{CommonArgs, words};
 use crate::texture::args::TextureCommand;
 use crate::view::args::ViewArgs;
 use crate::watch::args::WatchArgs;
-
-use self::common::{CommonArgs, words};
 
 const EXAMPLES: &str = "\
 Examples:

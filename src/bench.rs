@@ -14,7 +14,7 @@ use patina_bench::edit::{self, EditBenchError};
 use patina_bench::{scenes, traverse as rays};
 
 use crate::console;
-use crate::exit::Failure;
+use crate::failure::Failure;
 use crate::progress::Bar;
 
 use self::job::{BenchJob, TraverseJob};

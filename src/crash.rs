@@ -5,9 +5,8 @@
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use device::gpu::fnv1a;
 use device::{Device, DeviceChoice, DeviceDescription};
@@ -16,8 +15,8 @@ use engine::procedural::{Procedural, TextureSources};
 use engine::renderer::{RenderSettings, Renderer};
 use texgen::SourceFile;
 
-use crate::exit::Failure;
-use crate::interrupt;
+use crate::failure::Failure;
+use crate::{interrupt, probe};
 
 /// What is said when a marker is found.
 pub(crate) const SUSPICION: &str = "the last run with these textures ended without a word while their kernel was built; \
@@ -82,20 +81,6 @@ impl Drop for Marker {
     }
 }
 
-/// The process that builds a texture alone, while there is one.
-static PROBE: Mutex<Option<Child>> = Mutex::new(None);
-
-/// Ends the process that builds a texture alone, if there is one: this program is about to end.
-pub(crate) fn end_probe() {
-    let mut probe = PROBE.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(child) = probe.as_mut() {
-        // It may have ended just now.
-        let _ = child.kill();
-    }
-    // None is started any more.
-    std::mem::forget(probe);
-}
-
 /// Builds each texture of a kernel in a process of its own, and tells before each which one it is.
 ///
 /// # Errors
@@ -140,8 +125,7 @@ fn problems<'p>(
             Ok(child) => child,
             Err(error) => return Some(format!("{path}: can't be built alone: {error}")),
         };
-        *PROBE.lock().unwrap_or_else(PoisonError::into_inner) = Some(child);
-        match wait(&PROBE, PATIENCE) {
+        match probe::wait(child, PATIENCE) {
             Some(status) if status.success() => None,
             // A device that refuses it says so itself when the kernel is built.
             Some(status) if status.code() == Some(1) => None,
@@ -157,25 +141,6 @@ fn problems<'p>(
         }
     };
     paths.filter_map(verdict).collect()
-}
-
-/// How a process ended; none that took too long, and is ended then.
-fn wait(child: &Mutex<Option<Child>>, patience: Duration) -> Option<ExitStatus> {
-    let start = Instant::now();
-    let lock = || child.lock().unwrap_or_else(PoisonError::into_inner);
-    while start.elapsed() < patience {
-        let ended = lock().as_mut().map(Child::try_wait);
-        if let Some(Ok(Some(status))) = ended {
-            *lock() = None;
-            return Some(status);
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    let mut child = lock().take()?;
-    // It may have ended just now; nothing is wrong with that.
-    let _ = child.kill();
-    let _ = child.wait();
-    None
 }
 
 /// `patina probe-texture`: builds one texture alone and runs it.
@@ -252,8 +217,5 @@ mod tests {
             Command::new("no-such-program-here")
         });
         assert!(missing[0].contains("can't be built alone"), "{missing:?}");
-        let slow = Command::new("sleep").arg("30").spawn().expect("sleep");
-        let slow = Mutex::new(Some(slow));
-        assert!(wait(&slow, Duration::from_millis(50)).is_none());
     }
 }

@@ -6,8 +6,8 @@ use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::time::Duration;
 
-use crate::exit::Failure;
-use crate::{console, crash, progress};
+use crate::failure::Failure;
+use crate::{console, probe, progress};
 
 /// So long a driver may take to come back, so that results can be written.
 const PATIENCE: Duration = Duration::from_secs(4);
@@ -96,7 +96,7 @@ fn end_if_stuck() {
 
 /// Ends the program with the code of the signal that came. Threads that are in a driver are not waited for.
 pub(crate) fn leave() -> ! {
-    crash::end_probe();
+    probe::end();
     engine::aside::discard_all();
     let _ = io::stdout().flush();
     system::exit(CODE + SIGNAL.load(Ordering::SeqCst))

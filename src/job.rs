@@ -3,45 +3,27 @@
 //! Everything that can be refused without touching a file or a device is refused here, as a [`UsageError`]. Nothing
 //! is opened, read or written here.
 
-mod error;
-mod parse;
-
 use std::num::NonZeroU32;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use device::DeviceChoice;
 use engine::film::Layers;
-pub(crate) use engine::film::write::Format;
 use engine::filter::PixelFilter;
 use engine::settings::{Estimator, Sampler};
 
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
 use crate::bench::job::BenchJob;
 use crate::texture::job::TextureJob;
+use crate::usage::UsageError;
 use crate::view::job::ViewJob;
 use crate::watch::job::WatchJob;
-
-pub(crate) use self::error::UsageError;
-use self::parse::{default_output, parse_decimal, parse_layers, parse_sample_range};
-pub(crate) use self::parse::{
-    parse_device, parse_exposure, parse_number, parse_output, parse_size, parse_word,
-    refuse_overwriting,
+use crate::words::{
+    MAX_DEPTH, MAX_SPP, Outputs, parse_decimal, parse_device, parse_exposure, parse_layers,
+    parse_number, parse_sample_range, parse_size, parse_word, refuse_overwriting,
 };
 
-/// Longest side of a picture, pixels.
-pub(crate) const MAX_SIDE: u32 = engine::renderer::MAX_SIDE;
-/// Most pixels of a picture. The film keeps 80 bytes for each.
-pub(crate) const MAX_PIXELS: u64 = 1 << 26;
-/// Most samples per pixel, and the end of the last range of samples.
-pub(crate) const MAX_SPP: u32 = engine::film::MAX_SAMPLES;
-/// What the name of a film's file ends in.
-pub(crate) const FILM_EXTENSION: &str = "patina-film";
-/// Most scattering vertices of a path.
-pub(crate) const MAX_DEPTH: u32 = 255;
 /// Most threads that are asked for.
 const MOST_THREADS: u32 = 1024;
-/// Strongest exposure in stops, either way.
-pub(crate) const MAX_EXPOSURE: f32 = 32.0;
 
 /// What is to be done.
 #[derive(Debug, PartialEq)]
@@ -133,54 +115,6 @@ pub(crate) struct MergeJob {
     pub(crate) outputs: Outputs,
     /// Stops; EXR keeps the radiance.
     pub(crate) exposure: f32,
-}
-
-/// The files to write; at least one, no two alike.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct Outputs {
-    /// Pictures.
-    pub(crate) pictures: Vec<Output>,
-    /// Exact sums of samples.
-    pub(crate) films: Vec<PathBuf>,
-}
-
-impl Outputs {
-    /// By their endings. Where nothing is given, the usual picture of `scene`.
-    pub(crate) fn from_paths(
-        mut paths: Vec<PathBuf>,
-        scene: Option<&Path>,
-    ) -> Result<Self, UsageError> {
-        if let (true, Some(scene)) = (paths.is_empty(), scene) {
-            paths.push(default_output(scene));
-        }
-        let is_film = |path: &PathBuf| {
-            let extension = path.extension();
-            extension.is_some_and(|e| e.eq_ignore_ascii_case(FILM_EXTENSION))
-        };
-        let (films, pictures): (Vec<_>, Vec<_>) = paths.into_iter().partition(is_film);
-        Ok(Self {
-            pictures: pictures
-                .into_iter()
-                .map(parse_output)
-                .collect::<Result<_, _>>()?,
-            films,
-        })
-    }
-
-    /// All files.
-    pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        let pictures = self.pictures.iter().map(|output| &output.path);
-        pictures.chain(&self.films)
-    }
-}
-
-/// A picture file to write.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Output {
-    /// Where.
-    pub(crate) path: PathBuf,
-    /// What.
-    pub(crate) format: Format,
 }
 
 impl Job {
@@ -301,6 +235,7 @@ impl MergeJob {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::words::{Format, Output};
     use clap::Parser;
     use std::path::Path;
 

@@ -10,27 +10,32 @@ mod console;
 mod crash;
 mod devices;
 mod exit;
+mod failure;
 mod fault;
+mod flags;
 mod interrupt;
 mod job;
 mod library;
 mod manuals;
 mod merge;
 mod output;
+mod probe;
 mod progress;
 mod render;
 mod report;
 mod texture;
 mod threads;
+mod usage;
 mod view;
 mod watch;
+mod words;
 
 use std::process::ExitCode;
 
 use clap::Parser;
 
 use args::Args;
-use exit::Failure;
+use failure::Failure;
 use job::Job;
 
 fn main() -> ExitCode {

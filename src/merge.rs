@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use engine::film::{Part, PartError};
 use engine::input;
 
-use crate::exit::Failure;
+use crate::failure::Failure;
 use crate::job::MergeJob;
 use crate::{console, interrupt, output};
 

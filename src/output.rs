@@ -18,8 +18,8 @@ use thiserror::Error;
 
 pub(crate) use self::identity::refuse_overwriting;
 use crate::console;
-use crate::exit::Failure;
-use crate::job::{Output, Outputs};
+use crate::failure::Failure;
+use crate::words::{Output, Outputs};
 
 /// A file that cannot be written.
 #[derive(Debug, Error)]

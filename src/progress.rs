@@ -313,7 +313,7 @@ mod tests {
             activity: None,
             done: Some((
                 90_000.0,
-                f64::from(crate::job::MAX_SPP),
+                f64::from(crate::words::MAX_SPP),
                 Unit::SamplesPerPixel,
             )),
             said: since,

@@ -12,7 +12,7 @@ use engine::scene::{Camera, Scene};
 use engine::session::{Inputs, Opening, Session, SessionError};
 use engine::system::System;
 
-use crate::exit::Failure;
+use crate::failure::Failure;
 use crate::job::RenderJob;
 use crate::output;
 use crate::progress::Bar;

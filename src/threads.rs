@@ -5,7 +5,7 @@ use std::sync::mpsc::channel;
 use std::thread::{self, JoinHandle};
 
 use crate::console;
-use crate::exit::Failure;
+use crate::failure::Failure;
 
 /// Beside those that compute: signals, progress, files that are watched, kernels that are built, and what drivers start.
 const OTHERS: usize = 8;

@@ -5,16 +5,10 @@
 pub struct Traits {
     /// Threads of a dispatch.
     pub waves: WaveSizes,
-    /// A thread that has several rays to trace does so faster than as many threads with one ray each.
-    pub traces_packets: bool,
     /// The threads of a workgroup run one after the other: what several of them have in common each works out again.
     pub runs_threads_in_turn: bool,
     /// Functions of kernels may be the program's own: see [`HostFunction`](crate::HostFunction).
     pub calls_functions: bool,
-    /// All sides of a branch are run, whatever its threads need: a `switch` costs the sum of its cases.
-    pub runs_all_cases: bool,
-    /// Kernels are compiled again for other values of small uniforms.
-    pub specialises_uniforms: bool,
     /// A kernel is compiled when it runs for the first time, in seconds rather than moments.
     pub compiles_slowly: bool,
     /// It works with the processor's cores, which a window and everything else need, too.

@@ -7,6 +7,7 @@ mod licences;
 mod metadata;
 mod paths;
 mod policy;
+mod rooms;
 
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -17,7 +18,7 @@ use metadata::Metadata;
 use policy::Policy;
 
 const USAGE: &str = "\
-Usage: dist check                  Hold all dependencies to deny.toml, and crates to their arrows
+Usage: dist check                  Hold all dependencies to deny.toml, and crates and modules to their arrows
        dist pack PROGRAM FOLDER    Pack a program that has been built into FOLDER/patina-VERSION-PLATFORM.tar.gz
        dist paths PROGRAM PATH...  Fail where a program holds one of these paths of this machine";
 
@@ -50,9 +51,13 @@ fn check() -> Result<()> {
         bail!("deny.toml forbids:\n  {}", violations.join("\n  "));
     }
     let wrong = arrows::wrong_arrows(&metadata);
+    if !wrong.is_empty() {
+        bail!("crates know what they must not:\n  {}", wrong.join("\n  "));
+    }
+    let wrong = rooms::wrong_rooms(&metadata)?;
     match wrong.is_empty() {
         true => Ok(()),
-        false => bail!("crates know what they must not:\n  {}", wrong.join("\n  ")),
+        false => bail!("modules know what they must not:\n  {}", wrong.join("\n  ")),
     }
 }
 

@@ -16,7 +16,9 @@
 //! picture stays as it is, and the error of such a pixel, which is enormous anyway, is underestimated.
 
 mod hash;
+pub mod ids;
 pub mod layers;
+pub(crate) mod layers_wgsl;
 mod part;
 pub mod write;
 
@@ -26,6 +28,7 @@ pub use layers::{LAYERS, Layer, Layers};
 pub use part::sealed;
 pub use part::{Origin, Part, PartError};
 
+use ids::{Counts, Coverage, IDS};
 use layers::{MAX_CHANNELS, Rule};
 
 /// The largest side of a picture, pixels.
@@ -166,7 +169,7 @@ impl Film {
     }
 
     /// The values of a layer, pixel by pixel: as many of the three numbers as it has channels, the others are 0. `None` where
-    /// the film hasn't gathered it.
+    /// the film hasn't gathered it, and for layers of ids ([`Self::coverage`]).
     pub fn values(&self, layer: &Layer) -> Option<Vec<[f32; MAX_CHANNELS]>> {
         let pixels = 0..self.pixels();
         let first = self.layers.first_plane(layer);
@@ -196,7 +199,42 @@ impl Film {
                 });
                 found.collect()
             }
+            Rule::Ids(_) => return None,
         })
+    }
+
+    /// What the pixels of a layer of ids show, what covers most first. `None` where the film hasn't gathered it, and for other
+    /// layers.
+    pub fn coverage(&self, layer: &Layer) -> Option<Vec<[Coverage; IDS]>> {
+        let Rule::Ids(_) = layer.rule else {
+            return None;
+        };
+        let planes = &self.planes[self.layers.first_plane(layer)?..];
+        let ranked = |pixel| Counts::of(planes, pixel).ranked(self.samples(pixel));
+        Some((0..self.pixels()).map(ranked).collect())
+    }
+
+    /// The numbers of a layer as files have them, channel by channel ([`Layer::channel_names`]); ids as the bits of floats.
+    /// `None` where the film hasn't gathered it.
+    pub fn channels(&self, layer: &Layer) -> Option<Vec<Vec<f32>>> {
+        let count = 0..layer.channel_count();
+        if let Rule::Ids(_) = layer.rule {
+            let pixels = self.coverage(layer)?;
+            let number = |of: &Coverage, is_share| match is_share {
+                true => of.share,
+                false => f32::from_bits(of.id),
+            };
+            let channel = |at: usize| {
+                let numbers = pixels
+                    .iter()
+                    .map(|ranked| number(&ranked[at / 2], at % 2 == 1));
+                numbers.collect()
+            };
+            return Some(count.map(channel).collect());
+        }
+        let pixels = self.values(layer)?;
+        let channel = |at: usize| pixels.iter().map(|values| values[at]).collect();
+        Some(count.map(channel).collect())
     }
 
     /// Adds one sample to a pixel: the twin of `accumulate.wgsl`, for films that are made on the CPU.
@@ -212,27 +250,32 @@ impl Film {
     }
 
     /// Adds to a pixel what the first surface of the sample of this number, counted from the first of the picture, gives to each
-    /// layer: the twin of `film_layers/accumulate.wgsl`.
+    /// layer, ids as the bits of the first number: the twin of `film_layers/accumulate.wgsl` and `accumulate_ids.wgsl`.
     pub fn add_surface(
         &mut self,
         pixel: usize,
         sample: u32,
         of: impl Fn(&Layer) -> [f32; MAX_CHANNELS],
     ) {
-        let mut planes = self.planes[PICTURE_PLANES.len()..].iter_mut();
         for layer in self.layers.iter().filter(|layer| layer.wgsl().is_some()) {
             let values = of(layer);
+            let first = self.layers.first_plane(layer);
+            let planes = &mut self.planes[first.expect("layers with WGSL have planes")..];
             match layer.rule {
                 Rule::Mean(_) => {
-                    for (value, plane) in values[..layer.channel_count()].iter().zip(&mut planes) {
+                    for (value, plane) in values[..layer.channel_count()].iter().zip(planes) {
                         let value = value.clamp(-LARGEST, LARGEST);
                         add_wide(&mut plane[pixel], words(whole(value, SUM_BITS)));
                     }
                 }
                 Rule::First { .. } => {
                     let [x, y, z] = values.map(f32::to_bits);
-                    let plane = planes.next().expect("a plane for each such layer");
-                    keep_first(&mut plane[pixel], [sample + 1, x, y, z]);
+                    keep_first(&mut planes[0][pixel], [sample + 1, x, y, z]);
+                }
+                Rule::Ids(_) => {
+                    let mut counts = Counts::of(planes, pixel);
+                    counts.add(values[0].to_bits(), 1);
+                    counts.store(planes, pixel);
                 }
                 Rule::Derived(_) => {}
             }
@@ -256,15 +299,32 @@ impl Film {
             let count = self.samples(pixel).saturating_add(other.samples(pixel));
             self.set_word(pixel, COUNT, count);
         }
-        let first = PICTURE_PLANES.len();
-        let planes = self.planes[first..].iter_mut().zip(&other.planes[first..]);
-        for (of, (plane, other)) in self.layers.planes().iter().zip(planes) {
-            let is_first = matches!(of.layer.rule, Rule::First { .. });
-            for (here, there) in plane.iter_mut().zip(other) {
-                let [low, middle, high, _] = *there;
-                match is_first {
-                    true => keep_first(here, *there),
-                    false => add_wide(here, [low, middle, high]),
+        for layer in self.layers.iter() {
+            let Some(first) = self.layers.first_plane(layer) else {
+                continue; // the picture
+            };
+            let (here, there) = (&mut self.planes[first..], &other.planes[first..]);
+            match layer.rule {
+                Rule::Derived(_) => {}
+                Rule::Mean(_) => {
+                    let planes = here.iter_mut().zip(there).take(layer.channel_count());
+                    for (here, &[low, middle, high, _]) in
+                        planes.flat_map(|(a, b)| a.iter_mut().zip(b))
+                    {
+                        add_wide(here, [low, middle, high]);
+                    }
+                }
+                Rule::First { .. } => {
+                    for (here, there) in here[0].iter_mut().zip(&there[0]) {
+                        keep_first(here, *there);
+                    }
+                }
+                Rule::Ids(_) => {
+                    for pixel in 0..there[0].len() {
+                        let mut counts = Counts::of(here, pixel);
+                        counts.add_all(&Counts::of(there, pixel));
+                        counts.store(here, pixel);
+                    }
                 }
             }
         }
@@ -272,13 +332,22 @@ impl Film {
 
     /// Whether the layers hold what samples can have given them: what is read from a file may not.
     fn has_numbers(&self) -> bool {
-        let planes = self.layers.planes();
-        let planes = planes.iter().zip(&self.planes[PICTURE_PLANES.len()..]);
-        let mut firsts = planes.filter(|(of, _)| matches!(of.layer.rule, Rule::First { .. }));
-        firsts.all(|(_, plane)| {
-            plane.iter().all(|&[sample, values @ ..]| {
-                sample <= MAX_SAMPLES && values.iter().all(|&bits| f32::from_bits(bits).is_finite())
-            })
+        let is_first = |&[sample, values @ ..]: &[u32; 4]| {
+            sample <= MAX_SAMPLES && values.iter().all(|&bits| f32::from_bits(bits).is_finite())
+        };
+        self.layers.iter().all(|layer| {
+            let Some(first) = self.layers.first_plane(layer) else {
+                return true; // the picture
+            };
+            let planes = &self.planes[first..];
+            match layer.rule {
+                Rule::Derived(_) | Rule::Mean(_) => true,
+                Rule::First { .. } => planes[0].iter().all(is_first),
+                Rule::Ids(_) => {
+                    let is_right = |p| Counts::of(planes, p).is_of(self.samples(p));
+                    (0..self.pixels()).all(is_right)
+                }
+            }
         })
     }
 

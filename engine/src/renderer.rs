@@ -14,7 +14,7 @@ use std::{sync::Arc, time::Duration};
 use device::{Device, DeviceError, KernelText, Recording, Resources, Timer, Usage};
 
 use crate::{
-    film::{self, Film},
+    film::{self, Film, MAX_SIDE},
     filter::FilterTable,
     frame::Frame,
     gpu_scene::{GpuScene, GpuSceneError},
@@ -29,7 +29,6 @@ use crate::{
 use self::pipeline::{Bound, Kernels};
 use self::record::Recorder;
 
-pub use crate::film::MAX_SIDE;
 pub use crate::settings::RenderSettings;
 
 pub(crate) use self::pipeline::compiling;
@@ -499,7 +498,7 @@ impl Renderer {
         }
         let features = &self.scene.features;
         let schedule = &self.schedule;
-        Ok(schedule.texture_kernel(&self.gpu, features, &self.procedural)?)
+        Ok(schedule.texture_kernel(features, &self.procedural)?)
     }
 
     /// GPU memory of one path.

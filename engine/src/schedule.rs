@@ -20,7 +20,7 @@ use crate::wave;
 
 /// The passes of a wave, in the order in which they first run. Those of textures exist only where a
 /// material has a program, those of layers where the film has more than the picture.
-pub static WAVE: [&Pass; 14] = [
+pub static WAVE: [&Pass; 15] = [
     &raygen::PASS,
     &advance::AFTER_RAYGEN,
     &traverse::CLOSEST,
@@ -35,6 +35,7 @@ pub static WAVE: [&Pass; 14] = [
     &accumulate::PASS,
     &film_layers::MEAN,
     &film_layers::FIRST,
+    &film_layers::IDS,
 ];
 
 /// What runs passes, or notes that they are to be run. A pass that the scene doesn't need is left out.
@@ -72,6 +73,7 @@ pub fn end(wave: &mut dyn Run) {
     wave.run(&accumulate::PASS);
     wave.run(&film_layers::MEAN);
     wave.run(&film_layers::FIRST);
+    wave.run(&film_layers::IDS);
 }
 
 /// Whether what the film's layers show is recorded: where [`film_layers::RECORD`] is among the passes. The renderer makes the
@@ -126,7 +128,6 @@ pub trait Schedule: fmt::Debug + Send + Sync {
     /// Programs that can't be in this form.
     fn texture_kernel(
         &self,
-        device: &Device,
         features: &SceneFeatures,
         procedural: &Procedural,
     ) -> Result<Option<KernelText>, CompileError>;
@@ -195,19 +196,14 @@ pub struct Wavefront;
 impl Schedule for Wavefront {
     fn texture_kernel(
         &self,
-        device: &Device,
         features: &SceneFeatures,
         procedural: &Procedural,
     ) -> Result<Option<KernelText>, CompileError> {
         if procedural.is_empty() {
             return Ok(None);
         }
-        let generated = match device.traits().runs_all_cases {
-            true => procedural.kernel_in_rounds()?,
-            false => procedural.kernel(),
-        };
         Ok(Some(KernelText {
-            text: Arc::new(proctex::text(&generated)),
+            text: Arc::new(proctex::text(&procedural.kernel())),
             entry: proctex::PASS.name,
             trust: proctex::TRUST,
             constants: features.constants().to_vec(),

@@ -5,48 +5,33 @@
 
 use std::any::Any;
 use std::fmt::Debug;
-use std::io::{self, Write as _};
+use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 
-use crate::aside;
-use crate::procedural::{SourcesError, TextureSources};
 use crate::scene::import::{ImportError, Imported, Importer};
-use crate::scene::look::{Look, LookError};
+
+pub use crate::input::{Disk, Files};
 
 /// Parsing, by naga too, recurses along a texture's expressions.
 const STACK_BYTES: usize = 8 << 20;
 
-/// The files that a picture is made of.
-pub trait Files: Debug + Send + Sync {
-    /// The scene at a path.
+/// What a picture is made of: files, and scenes that may be none.
+pub trait Assets: Files {
+    /// The scene at a path: the file there, unless one has it otherwise.
     ///
     /// # Errors
     /// It can't be read, or is wrong.
-    fn scene(&self, importer: &mut Importer, path: &Path) -> Result<Imported, ImportError>;
-
-    /// The text of the look at a path.
-    ///
-    /// # Errors
-    /// It can't be read.
-    fn look(&self, path: &Path) -> Result<String, LookError>;
-
-    /// Writes the text of a look: all of it, or none.
-    ///
-    /// # Errors
-    /// It can't be written; what was there is untouched then.
-    fn save_look(&self, path: &Path, text: &str) -> io::Result<()>;
-
-    /// The textures that there are in some folders, the earlier ones first, and behind them.
-    ///
-    /// # Errors
-    /// A folder can't be listed.
-    fn textures(&self, folders: &[PathBuf]) -> Result<TextureSources, SourcesError>;
+    fn scene(&self, importer: &mut Importer, path: &Path) -> Result<Imported, ImportError> {
+        importer.load(path)
+    }
 }
+
+impl Assets for Disk {}
 
 /// The time since some moment.
 pub trait Clock: Debug + Send + Sync {
@@ -67,7 +52,7 @@ pub trait Threads: Debug + Send + Sync {
 #[derive(Debug, Clone)]
 pub struct System {
     /// Files.
-    pub files: Arc<dyn Files>,
+    pub files: Arc<dyn Assets>,
     /// The time.
     pub clock: Arc<dyn Clock>,
     /// Threads.
@@ -82,28 +67,6 @@ impl Default for System {
             clock: Arc::new(SystemClock),
             threads: Arc::new(SystemThreads),
         }
-    }
-}
-
-/// Files by their paths, and the standard textures behind those of folders.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Disk;
-
-impl Files for Disk {
-    fn scene(&self, importer: &mut Importer, path: &Path) -> Result<Imported, ImportError> {
-        importer.load(path)
-    }
-
-    fn look(&self, path: &Path) -> Result<String, LookError> {
-        Look::read_text(path)
-    }
-
-    fn save_look(&self, path: &Path, text: &str) -> io::Result<()> {
-        aside::replace(path, |file| file.write_all(text.as_bytes()))
-    }
-
-    fn textures(&self, folders: &[PathBuf]) -> Result<TextureSources, SourcesError> {
-        TextureSources::search(folders)
     }
 }
 

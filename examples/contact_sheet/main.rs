@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let environment = match rest.first() {
         Some(path) => Environment::Image {
-            image: load_environment_image(Path::new(path))?.0,
+            image: load_environment_image(&engine::input::Disk, Path::new(path))?.0,
             rotation: 0.0,
             intensity: INTENSITY,
         },

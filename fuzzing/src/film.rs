@@ -43,9 +43,9 @@ fn check(data: &[u8]) -> bool {
             .all(|v| !v.is_nan())
     );
     for layer in part.film.layers().iter() {
-        let values = part.film.values(layer).expect("it was gathered");
+        let channels = part.film.channels(layer).expect("it was gathered");
         // An error of less than two samples is infinite.
-        assert!(values.iter().flatten().all(|v| !v.is_nan()));
+        assert!(channels.iter().flatten().all(|v| !v.is_nan()));
     }
     let mut merged = part.clone();
     assert!(merged.merge(&read_again).is_err(), "each sample once");

@@ -14,7 +14,7 @@ const MANY: usize = 200_000;
 pub(crate) fn run(data: &[u8]) -> bool {
     let path = file("input.gltf", data);
     let imported = memory::within(data.len(), SLACK, || import::load(&path));
-    import::referenced_files(&path);
+    import::referenced_files(&engine::input::Disk, &path);
     match imported {
         Ok(imported) => {
             check(&imported.scene);

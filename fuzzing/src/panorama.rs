@@ -10,7 +10,9 @@ const SLACK: usize = 256 << 20;
 
 pub(crate) fn run(data: &[u8]) -> bool {
     let path = file("input.picture", data);
-    match memory::within(data.len(), SLACK, || load_environment_image(&path)) {
+    match memory::within(data.len(), SLACK, || {
+        load_environment_image(&engine::input::Disk, &path)
+    }) {
         Ok((image, warnings)) => {
             assert_eq!(
                 image.rgb.len(),

@@ -7,6 +7,7 @@ use engine::scene::Material;
 use engine::session::{Document, Edit};
 
 use crate::Textures;
+use crate::edits;
 use crate::model::Model;
 use crate::preview::Previews;
 use crate::rename::Renaming;
@@ -98,6 +99,12 @@ impl<'a> Context<'a> {
     /// Whether a material is one of the scene's files.
     pub(crate) fn is_own(&self, material: &str) -> bool {
         own_names(self.scene).any(|own| own == material)
+    }
+
+    /// Takes away the materials that nothing uses any more once `material` is a blend of `sides`.
+    pub(crate) fn remove_unused(&self, material: &str, sides: &[&str]) -> Vec<Edit> {
+        let is_own = |name: &str| self.is_own(name);
+        edits::remove_unused(self.document, self.model, is_own, material, sides)
     }
 
     /// A menu by right click on a row that takes back what was set.

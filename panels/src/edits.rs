@@ -5,7 +5,6 @@ use engine::scene::look::{Section, Value};
 use engine::session::{Document, Edit};
 use texgen::Swizzle;
 
-use crate::context::Context;
 use crate::model::{Model, Target};
 
 /// `node` or `node.xyz`, as a look writes a link.
@@ -118,12 +117,18 @@ pub(crate) fn make_blend(material: &str, over: &str) -> Vec<Edit> {
 }
 
 /// Takes away the materials that only the look has and that nothing uses any more once `material` is a blend of
-/// `sides`: the look may not have them then.
-pub(crate) fn remove_unused(cx: &Context<'_>, material: &str, sides: &[&str]) -> Vec<Edit> {
-    let names = cx.document.look().materials.iter();
+/// `sides`: the look may not have them then. `is_own` tells those of the scene's files.
+pub(crate) fn remove_unused(
+    document: &Document,
+    model: &Model,
+    is_own: impl Fn(&str) -> bool,
+    material: &str,
+    sides: &[&str],
+) -> Vec<Edit> {
+    let names = document.look().materials.iter();
     let names: Vec<&str> = names.map(|table| table.name.value.as_str()).collect();
     let used = |sides_of: &dyn Fn(&str) -> Vec<String>| {
-        let own = names.iter().filter(|name| cx.is_own(name));
+        let own = names.iter().filter(|name| is_own(name));
         let mut used: Vec<String> = own.map(|&name| name.to_owned()).collect();
         let mut next = 0;
         while let Some(name) = used.get(next).cloned() {
@@ -137,7 +142,7 @@ pub(crate) fn remove_unused(cx: &Context<'_>, material: &str, sides: &[&str]) ->
         used
     };
     let written = |name: &str| -> Vec<String> {
-        let sides = cx.model.sides(name).into_iter().flatten();
+        let sides = model.sides(name).into_iter().flatten();
         sides.map(str::to_owned).collect()
     };
     let before = used(&written);
@@ -147,7 +152,7 @@ pub(crate) fn remove_unused(cx: &Context<'_>, material: &str, sides: &[&str]) ->
     });
     let gone = names.iter().filter(|&&name| {
         let has = |used: &[String]| used.iter().any(|other| other == name);
-        !cx.is_own(name) && has(&before) && !has(&after)
+        !is_own(name) && has(&before) && !has(&after)
     });
     let gone = gone.map(|name| Edit::Remove {
         section: Section::Material((*name).to_owned()),

@@ -94,7 +94,7 @@ fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
                 "blend.base" => [other.as_str(), &over],
                 _ => [&base, other.as_str()],
             };
-            let mut edits = edits::remove_unused(cx, material, &sides);
+            let mut edits = cx.remove_unused(material, &sides);
             edits.insert(0, Edit::set(section(), key, Value::Text(other)));
             cx.edit(&label, edits, None);
         }
@@ -119,7 +119,7 @@ fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
     let button = ui.button("Take blend away");
     name(&button, &format!("Take blend of {material} away"));
     if button.clicked() {
-        let mut edits = edits::remove_unused(cx, material, &[]);
+        let mut edits = cx.remove_unused(material, &[]);
         edits.insert(0, Edit::reset_material(material, "blend"));
         cx.edit("take blend away", edits, None);
     }

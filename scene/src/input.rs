@@ -1,12 +1,82 @@
-//! Opening what a user names. Every file that is read as an input comes in through here: it is a regular file (links are
-//! followed), it is no larger than its reader allows, and never more of it is read than was there when it was opened.
+//! Opening what a user names. Every file that is read as an input comes in through here, by [`Files`], which are handed in:
+//! a program whose files come over a wire, or lie in its memory, hands in its own.
 //!
-//! A named pipe would wait for a writer that never comes, and a device may never end: both are refused before they
-//! are opened.
+//! The functions, and [`Disk`], which is made of them, are the operating system's: what they open is a regular file (links are
+//! followed), it is no larger than its reader allows, and never more of it is read than was there when it was opened. A named pipe would wait for a writer that never comes, and a device may never end: both are refused before they are opened.
 
+use std::fmt::Debug;
 use std::fs::{File, Metadata};
-use std::io::{self, Read as _};
+use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
+
+use crate::aside;
+
+/// Files by their paths.
+pub trait Files: Debug + Send + Sync {
+    /// The first `length` bytes of a file, or all of a shorter one.
+    ///
+    /// # Errors
+    /// It isn't there, or can't be read.
+    fn read_start(&self, path: &Path, length: u64) -> io::Result<Vec<u8>>;
+
+    /// A whole file of at most `limit` bytes.
+    ///
+    /// # Errors
+    /// As [`Self::read_start`], and [`io::ErrorKind::FileTooLarge`].
+    fn read(&self, path: &Path, limit: u64) -> io::Result<Vec<u8>>;
+
+    /// Whether there is a file at a path.
+    fn has(&self, path: &Path) -> bool;
+
+    /// The files of a folder, in any order, without those below it.
+    ///
+    /// # Errors
+    /// There is no such folder, or it can't be listed.
+    fn list(&self, folder: &Path) -> io::Result<Vec<PathBuf>>;
+
+    /// Writes a file: all of it, or nothing.
+    ///
+    /// # Errors
+    /// It can't be written; what was there is untouched then.
+    fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
+
+    /// What tells a file from all others: its path, where it has one name only.
+    fn id(&self, path: &Path) -> FileId {
+        FileId::named(path)
+    }
+}
+
+/// The operating system's files.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Disk;
+
+impl Files for Disk {
+    fn read_start(&self, path: &Path, length: u64) -> io::Result<Vec<u8>> {
+        read_start(path, length)
+    }
+
+    fn read(&self, path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+        read(path, limit)
+    }
+
+    fn has(&self, path: &Path) -> bool {
+        path.is_file()
+    }
+
+    fn list(&self, folder: &Path) -> io::Result<Vec<PathBuf>> {
+        let entries = std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
+        let paths: io::Result<Vec<PathBuf>> = entries.collect();
+        Ok(paths?.into_iter().filter(|path| path.is_file()).collect())
+    }
+
+    fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        aside::replace(path, |file| file.write_all(bytes))
+    }
+
+    fn id(&self, path: &Path) -> FileId {
+        FileId::of(path)
+    }
+}
 
 /// Opens a regular file and tells its length in bytes.
 ///
@@ -51,9 +121,9 @@ pub fn read_start(path: &Path, length: u64) -> io::Result<Vec<u8>> {
 /// Reads a text of at most `limit` bytes.
 ///
 /// # Errors
-/// As [`read`], and where it isn't UTF-8.
-pub fn read_text(path: &Path, limit: u64) -> io::Result<String> {
-    String::from_utf8(read(path, limit)?).map_err(|error| {
+/// As [`Files::read`], and where it isn't UTF-8.
+pub fn read_text(files: &dyn Files, path: &Path, limit: u64) -> io::Result<String> {
+    String::from_utf8(files.read(path, limit)?).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let problem = format!("it is not UTF-8 text (byte {at} is not); save it as UTF-8");
         io::Error::new(io::ErrorKind::InvalidData, problem)
@@ -72,6 +142,11 @@ enum Id {
 }
 
 impl FileId {
+    /// Of a file that has one name only.
+    pub fn named(path: &Path) -> Self {
+        Self(Id::Path(path.to_owned()))
+    }
+
     /// Of the file that is at `path` now; of the path itself where there is none.
     pub fn of(path: &Path) -> Self {
         #[cfg(unix)]
@@ -152,10 +227,10 @@ mod tests {
             error.contains("100 bytes") && error.contains("99 bytes"),
             "{error}"
         );
-        assert!(read_text(&path, 100).is_ok());
+        assert!(read_text(&Disk, &path, 100).is_ok());
         std::fs::write(&path, [b'a', 0xFF]).expect("written");
         assert!(
-            read_text(&path, 100)
+            read_text(&Disk, &path, 100)
                 .expect_err("no text")
                 .to_string()
                 .contains("byte 1")
@@ -181,7 +256,7 @@ mod tests {
             for result in [
                 read(&path, u64::MAX).map(drop),
                 read_start(&path, 10).map(drop),
-                read_text(&path, 10).map(drop),
+                read_text(&Disk, &path, 10).map(drop),
             ] {
                 let error = result.expect_err("no file").to_string();
                 assert!(error.contains(word), "{error}");
@@ -190,7 +265,10 @@ mod tests {
         std::fs::write(at("file"), "text").expect("written");
         std::os::unix::fs::symlink(at("file"), at("other")).expect("a link");
         std::fs::hard_link(at("file"), at("third")).expect("a link");
-        assert_eq!(read_text(&at("other"), 10).expect("the file"), "text");
+        assert_eq!(
+            read_text(&Disk, &at("other"), 10).expect("the file"),
+            "text"
+        );
         for name in ["other", "third"] {
             assert_eq!(FileId::of(&at("file")), FileId::of(&at(name)));
         }

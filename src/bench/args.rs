@@ -6,7 +6,7 @@ use clap::{ArgAction, Args, Subcommand};
 use patina_bench::forms::Form;
 use patina_bench::sweeps::Sweep;
 
-use crate::args::common::words;
+use crate::flags::words;
 
 /// All sweeps.
 pub(super) const ALL: &str = "all";

@@ -6,9 +6,9 @@ use device::DeviceChoice;
 use patina_bench::forms::Form;
 use patina_bench::sweeps::Sweep;
 
-use crate::job::{
-    MAX_DEPTH, MAX_SPP, UsageError, parse_device, parse_number, parse_size, parse_word,
-    refuse_overwriting,
+use crate::usage::UsageError;
+use crate::words::{
+    MAX_DEPTH, MAX_SPP, parse_device, parse_number, parse_size, parse_word, refuse_overwriting,
 };
 
 use super::args::{ALL, BenchCommand, EffortArgs, RenderArgs, TexturesArgs};

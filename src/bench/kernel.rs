@@ -6,7 +6,7 @@ use device::{Device, DeviceChoice};
 use engine::procedural::TextureSources;
 use patina_bench::kernel;
 
-use crate::exit::Failure;
+use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::{console, library};
 

@@ -12,7 +12,7 @@ use patina_bench::render::{self as bench, Workload};
 use patina_bench::report::renders::RenderFigures;
 use patina_bench::scenes;
 
-use crate::exit::Failure;
+use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::{console, library};
 

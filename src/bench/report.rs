@@ -10,7 +10,7 @@ use engine::stats::DeviceFacts;
 use patina_bench::report::conditions::{self, Conditions};
 use serde::Serialize;
 
-use crate::exit::Failure;
+use crate::failure::Failure;
 use crate::output;
 
 use super::job::{Amount, Effort};

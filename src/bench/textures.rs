@@ -15,7 +15,7 @@ use patina_bench::scenes::{self, MODEL};
 use patina_bench::textures::{self as bench, Absent, Setup};
 use patina_bench::{coverage, insert, sweeps};
 
-use crate::exit::Failure;
+use crate::failure::Failure;
 use crate::output;
 use crate::progress::Bar;
 use crate::{console, library};

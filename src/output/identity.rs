@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use engine::aside;
 
-use crate::job::UsageError;
+use crate::usage::UsageError;
 
 /// A file. Two paths that lead to one file, by links, hard links or other spellings, have one identity.
 #[derive(Debug, PartialEq, Eq)]

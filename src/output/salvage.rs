@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use engine::aside;
 use engine::film::Part;
 
-use crate::job::FILM_EXTENSION;
+use crate::words::FILM_EXTENSION;
 
 /// Names that are tried in a folder.
 const MOST_NAMES: u32 = 100;

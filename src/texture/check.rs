@@ -6,7 +6,7 @@ use engine::procedural::TextureSources;
 use texgen::{Diagnostic, Diagnostics, Severity, SourceFile, TextureType};
 
 use crate::console;
-use crate::exit::Failure;
+use crate::failure::Failure;
 
 use super::counted;
 use super::job::CheckJob;

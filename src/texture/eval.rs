@@ -6,7 +6,7 @@ use engine::isolated::{Isolated, Subject};
 use engine::scene::look::Look;
 
 use crate::console;
-use crate::exit::Failure;
+use crate::failure::Failure;
 use crate::progress::Bar;
 
 use super::job::{EvalJob, TargetJob};

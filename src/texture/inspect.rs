@@ -13,7 +13,7 @@ use engine::scene::{AlphaMode, Material, Scene};
 use texgen::{Library, PrivateMemory};
 
 use crate::console;
-use crate::exit::Failure;
+use crate::failure::Failure;
 
 use super::args::Part;
 use super::job::{InspectJob, Inspected};

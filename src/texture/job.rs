@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use device::DeviceChoice;
 
-use crate::job::{Output, UsageError, parse_device, parse_number, parse_output};
+use crate::usage::UsageError;
+use crate::words::{Output, parse_device, parse_number, parse_output};
 
 use super::args::{EvalArgs, Folders, InspectArgs, Part, PreviewArgs, Target, TextureCommand};
 

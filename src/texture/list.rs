@@ -7,7 +7,7 @@ use serde::Serialize;
 use texgen::{Parameter, TextureType, Widget};
 
 use crate::console;
-use crate::exit::Failure;
+use crate::failure::Failure;
 
 use super::written;
 

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use engine::procedural::{SourcesError, TextureSources};
 use texgen::{Diagnostic, Diagnostics, SourceFile, did_you_mean};
 
-use crate::exit::Failure;
+use crate::failure::Failure;
 use crate::library;
 
 use job::TextureJob;

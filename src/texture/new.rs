@@ -6,7 +6,7 @@ use std::io::{ErrorKind, Write};
 use engine::aside;
 
 use crate::console;
-use crate::exit::Failure;
+use crate::failure::Failure;
 
 use super::job::NewJob;
 

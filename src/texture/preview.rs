@@ -8,7 +8,7 @@ use engine::isolated::Subject;
 use engine::preview::Preview;
 use engine::scene::look::Look;
 
-use crate::exit::Failure;
+use crate::failure::Failure;
 use crate::output;
 use crate::progress::Bar;
 use crate::{console, interrupt};

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::args::common::CommonArgs;
+use crate::flags::CommonArgs;
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:

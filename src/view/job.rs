@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use device::DeviceChoice;
 
-use crate::job::{
-    Format, MAX_DEPTH, MAX_SPP, Output, UsageError, parse_device, parse_number, parse_output,
+use crate::usage::UsageError;
+use crate::words::{
+    Format, MAX_DEPTH, MAX_SPP, Output, parse_device, parse_number, parse_output,
     refuse_overwriting,
 };
 

@@ -13,10 +13,10 @@ use patina_viewer::link::Files;
 use patina_viewer::shell::{self, WindowError, WindowOptions};
 use patina_viewer::thread::RenderOptions;
 
-use crate::exit::Failure;
-use crate::job::{Output, parse_output};
+use crate::failure::Failure;
 use crate::output;
 use crate::watch::files::Watcher;
+use crate::words::{Output, parse_output};
 use crate::{cache, console, library};
 
 use job::ViewJob;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::ArgAction;
 
-use crate::args::common::CommonArgs;
+use crate::flags::CommonArgs;
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant, SystemTime};
 use engine::aside;
 use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
 
-use crate::exit::Failure;
+use crate::failure::Failure;
 
 /// A burst is over when nothing has come for so long: an editor has written the rest of the file.
 const QUIET: Duration = Duration::from_millis(40);

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 
 use device::DeviceChoice;
 
-use crate::job::{
-    MAX_DEPTH, MAX_SPP, Output, Outputs, UsageError, parse_device, parse_exposure, parse_number,
-    parse_size, refuse_overwriting,
+use crate::usage::UsageError;
+use crate::words::{
+    MAX_DEPTH, MAX_SPP, Output, Outputs, parse_device, parse_exposure, parse_number, parse_size,
+    refuse_overwriting,
 };
 
 use super::args::WatchArgs;

@@ -16,7 +16,7 @@ use engine::scene::look::Look;
 use engine::session::{Inputs, Session};
 use engine::stats::Doubt;
 
-use crate::exit::Failure;
+use crate::failure::Failure;
 use crate::output;
 use crate::progress::Bar;
 use crate::{cache, console, interrupt, library};

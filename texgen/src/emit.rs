@@ -36,55 +36,24 @@ const RUNTIME: &str = include_str!("runtime.wgsl");
 /// Iterations that the loops of one node may use at one hit.
 pub const LOOP_LIMIT: u32 = 16_384;
 
-/// How the loop over a program's instructions comes to the textures' calls.
-enum Dispatch<'a> {
-    /// A switch for each instruction.
-    Switch,
-    /// All textures in this order, each for the instructions whose turn it is.
-    Rounds(&'a [usize]),
-}
-
 impl Library {
     /// The kernel's text for programs that need at most `stack_slots` slots (at least one is made).
     pub fn emit(&self, stack_slots: u32) -> GeneratedKernel {
-        emit(self, stack_slots, &Dispatch::Switch)
-    }
-
-    /// The same for drivers that run all sides of a branch: instead of a switch for each instruction the kernel goes
-    /// through all textures in `order` again and again, and each one takes the instructions whose turn it is. Any order
-    /// gives the same results; the one in which programs use the textures takes the fewest rounds. Textures that
-    /// `order` leaves out come last.
-    pub fn emit_in_rounds(&self, stack_slots: u32, order: &[usize]) -> GeneratedKernel {
-        let all = 0..self.textures().len();
-        let mut whole: Vec<usize> = Vec::with_capacity(all.len());
-        for number in order.iter().copied().chain(all.clone()) {
-            if all.contains(&number) && !whole.contains(&number) {
-                whole.push(number);
-            }
+        let mut emitter = Emitter::new(self, stack_slots);
+        let names = section_names(self);
+        for (texture, name) in self.textures().iter().zip(&names) {
+            emitter.section(texture, name);
+            emitter.line("");
+            emitter.call(texture, name);
         }
-        emit(self, stack_slots, &Dispatch::Rounds(&whole))
-    }
-}
-
-fn emit(library: &Library, stack_slots: u32, dispatch: &Dispatch<'_>) -> GeneratedKernel {
-    let mut emitter = Emitter::new(library, stack_slots);
-    emitter.in_rounds = matches!(dispatch, Dispatch::Rounds(_));
-    let names = section_names(library);
-    for (texture, name) in library.textures().iter().zip(&names) {
-        emitter.section(texture, name);
         emitter.line("");
-        emitter.call(texture, name);
+        emitter.line("// ==== programs ====");
+        emitter.line("");
+        emitter.line("// Runs the program at word `offset` of the program buffer: one instruction after the other, each one");
+        emitter.line("// texture with its arguments, its result into a slot of the stack.");
+        emitter.run(self, &names);
+        emitter.finish()
     }
-    emitter.line("");
-    emitter.line("// ==== programs ====");
-    emitter.line("");
-    emitter.line("// Runs the program at word `offset` of the program buffer: one instruction after the other, each one");
-    emitter.line("// texture with its arguments, its result into a slot of the stack.");
-    match dispatch {
-        Dispatch::Switch => emitter.run_by_switch(library, &names),
-        Dispatch::Rounds(order) => emitter.run_in_rounds(library, &names, order),
-    }
-    emitter.finish()
 }
 
 /// A WGSL name for each texture's section: letters, digits and single underscores. A name is followed by two
@@ -127,8 +96,6 @@ pub(crate) fn section_names(library: &Library) -> Vec<String> {
 pub(crate) struct Emitter {
     text: String,
     source_map: SourceMap,
-    /// As [`Dispatch::Rounds`].
-    in_rounds: bool,
 }
 
 impl Emitter {
@@ -137,7 +104,6 @@ impl Emitter {
         let mut emitter = Self {
             text: String::new(),
             source_map: SourceMap::default(),
-            in_rounds: false,
         };
         emitter.runtime(stack_slots);
         emitter.array_readers(library);
@@ -313,23 +279,6 @@ impl Emitter {
             self.line("    *at += 1u;");
         }
         for (word, group) in linkable.chunks(32).enumerate() {
-            if self.in_rounds {
-                self.line(&format!("    var rest{word} = links{word};"));
-                self.line(&format!("    while rest{word} != 0u {{"));
-                self.line(&format!(
-                    "        let parameter = firstTrailingBit(rest{word});"
-                ));
-                self.line(&format!("        rest{word} &= rest{word} - 1u;"));
-                self.line("        let link = patina_next_link(at);");
-                for (bit, &i) in group.iter().enumerate() {
-                    let value = linked("link", texture.parameters()[i].ty);
-                    self.line(&format!(
-                        "        if parameter == {bit}u {{ p{i} = {value}; }}"
-                    ));
-                }
-                self.line("    }");
-                continue;
-            }
             self.line(&format!("    if links{word} != 0u {{"));
             for (bit, &i) in group.iter().enumerate() {
                 let value = linked("patina_next_link(at)", texture.parameters()[i].ty);
@@ -362,7 +311,7 @@ impl Emitter {
         self.line("}");
     }
 
-    fn run_by_switch(&mut self, library: &Library, names: &[String]) {
+    fn run(&mut self, library: &Library, names: &[String]) {
         self.line("fn patina_run_program(offset: u32) {");
         self.line("    var at = offset + 1u;");
         self.line(
@@ -378,7 +327,7 @@ impl Emitter {
             self.line(&format!(
                 "                result = patina_call_{name}(args, &at);"
             ));
-            self.report_overrun(texture, number, "                ");
+            self.report_overrun(texture, number);
             self.line("            }");
         }
         self.line("            default: {}");
@@ -389,48 +338,11 @@ impl Emitter {
         self.line("}");
     }
 
-    /// A software driver runs every case of a switch for every instruction, so that n instructions cost n times all
-    /// textures. Here a round costs all textures once, and a program whose textures come in the rounds' order takes
-    /// one round.
-    fn run_in_rounds(&mut self, library: &Library, names: &[String], order: &[usize]) {
-        self.line("fn patina_run_program(offset: u32) {");
-        self.line("    var at = offset + 1u;");
-        self.line("    var remaining = patina_program_word(offset);");
-        // The condition is at the end: such a driver runs the body of a `while` once more than there are rounds.
-        self.line("    loop {");
-        self.line("        let before = remaining;");
-        for &number in order {
-            let (texture, name) = (&library.textures()[number], &names[number]);
-            self.line("        {");
-            self.line("            let head = patina_program_word(at);");
-            self.line(&format!(
-                "            if remaining > 0u && (head & 0xffffu) == {number}u {{"
-            ));
-            self.line("                let args = patina_program_word(at + 1u);");
-            self.line("                at += 2u;");
-            self.line(&format!(
-                "                let result = patina_call_{name}(args, &at);"
-            ));
-            self.report_overrun(texture, number, "                ");
-            self.line("                patina_check(result, args);");
-            self.line("                patina_stack[head >> 16u] = result;");
-            self.line("                remaining -= 1u;");
-            self.line("            }");
-            self.line("        }");
-        }
-        self.line("        continuing {");
-        // An instruction that nobody knows would never be done.
-        self.line("            break if remaining == 0u || remaining == before;");
-        self.line("        }");
-        self.line("    }");
-        self.line("}");
-    }
-
-    fn report_overrun(&mut self, texture: &TextureType, number: usize, indent: &str) {
+    fn report_overrun(&mut self, texture: &TextureType, number: usize) {
         if texture.rewrite().guards_loops {
             let number = number + 1;
             self.line(&format!(
-                "{indent}if patina_loops > patina_loop_limit {{ patina_overrun = {number}u; }}"
+                "                if patina_loops > patina_loop_limit {{ patina_overrun = {number}u; }}"
             ));
         }
     }

@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use device::{Device, KernelText};
+use device::KernelText;
 use engine::{
     gpu_scene::SceneFeatures,
     passes::{proctex, wgsl::ComposedWgsl},
@@ -31,7 +31,6 @@ pub fn text(generated: &GeneratedKernel) -> ComposedWgsl {
 impl Schedule for Inlined {
     fn texture_kernel(
         &self,
-        _: &Device,
         features: &SceneFeatures,
         procedural: &Procedural,
     ) -> Result<Option<KernelText>, CompileError> {

@@ -88,7 +88,6 @@ impl Schedule for RayQueries {
     /// It is there without textures too: it is all there is.
     fn texture_kernel(
         &self,
-        _: &Device,
         features: &SceneFeatures,
         procedural: &Procedural,
     ) -> Result<Option<KernelText>, CompileError> {

@@ -154,12 +154,8 @@ impl Gpu {
                     most: 1 << 20,
                 },
             },
-            traces_packets: is_software,
             runs_threads_in_turn: false,
             calls_functions: false,
-            // Mesa's software driver runs threads in the lanes of vectors, and specialises to uniforms.
-            runs_all_cases: is_software,
-            specialises_uniforms: is_software,
             compiles_slowly: is_software,
             shares_the_processor: is_software,
         }

@@ -93,11 +93,8 @@ impl Processor {
                 first: 1 << 14,
                 most: 1 << 16,
             },
-            traces_packets: false,
             runs_threads_in_turn: true,
             calls_functions: true,
-            runs_all_cases: false,
-            specialises_uniforms: false,
             compiles_slowly: false,
             shares_the_processor: true,
         }

@@ -6,9 +6,9 @@
 
 use std::sync::LazyLock;
 
-use super::{Film, PICTURE_PLANES};
+use super::{Film, PICTURE_PLANES, ids};
 
-/// Most channels of a layer.
+/// Most numbers of a pixel in a layer that isn't one of ids.
 pub const MAX_CHANNELS: usize = 3;
 
 /// A layer's declaration.
@@ -18,7 +18,8 @@ pub struct Layer {
     pub name: &'static str,
     /// Its name in EXR files of several layers, after that of the view layer: as Blender 5 calls it.
     pub pass: &'static str,
-    /// A letter for each of its channels in EXR files, in the order of its values; at most [`MAX_CHANNELS`].
+    /// A letter for each of its channels in EXR files, in the order of its values; at most [`MAX_CHANNELS`]. For layers of ids the
+    /// four letters of each pair of ranks.
     pub channels: &'static str,
     /// What is kept of it.
     pub rule: Rule,
@@ -28,7 +29,7 @@ pub struct Layer {
 
 /// How a layer comes about from samples.
 ///
-/// Where WGSL is asked for, it is an expression: `f32`, `vec2f` or `vec3f`, as many as there are channels. It is evaluated
+/// Where WGSL is asked for, it is an expression: `f32`, `vec2f` or `vec3f`, as many as there are channels, or `u32` for ids. It is evaluated
 /// for the first surface that a path doesn't pass through, once its texture program has run, and may name `at`, a
 /// `FirstSurface`, `frame`, and the functions of `passes/film_layers/record.wgsl`.
 #[derive(Debug)]
@@ -46,10 +47,13 @@ pub enum Rule {
         /// In pixels that see no surface.
         empty: f32,
     },
+    /// How many samples meet what, by ids that are normal numbers as the bits of a float: see [`ids`]. Every sample counts
+    /// as one, whatever the weight that the pixel filter gives it.
+    Ids(&'static str),
 }
 
 /// All layers. The picture itself is the first and always there.
-pub static LAYERS: [Layer; 9] = [
+pub static LAYERS: [Layer; 11] = [
     Layer {
         name: "combined",
         pass: "Combined",
@@ -109,6 +113,20 @@ pub static LAYERS: [Layer; 9] = [
         help: "radiance that the surface emits towards the viewer",
     },
     Layer {
+        name: "crypto_object",
+        pass: "CryptoObject",
+        channels: "rgba",
+        rule: Rule::Ids("instances[at.instance].id"),
+        help: "Cryptomatte: hashes of the names of objects, and how much of the pixel each covers",
+    },
+    Layer {
+        name: "crypto_material",
+        pass: "CryptoMaterial",
+        channels: "rgba",
+        rule: Rule::Ids("materials[at.material].id"),
+        help: "Cryptomatte: the same of materials",
+    },
+    Layer {
         name: "samples",
         pass: "Debug Sample Count",
         channels: "X",
@@ -140,29 +158,51 @@ impl Layer {
 
     /// The names of its channels in EXR files, in the order of its values.
     pub fn channel_names(&self) -> impl Iterator<Item = String> {
-        let letters = self.channels.chars();
-        letters.map(|letter| format!("ViewLayer.{}.{letter}", self.pass))
+        // Two ids with their shares have four letters: `00.r` is the first id, `00.g` its share.
+        let passes: Vec<String> = match self.rule {
+            Rule::Ids(_) => (0..ids::IDS / 2)
+                .map(|pair| format!("{}{pair:02}", self.pass))
+                .collect(),
+            _ => vec![self.pass.to_owned()],
+        };
+        passes.into_iter().flat_map(|pass| {
+            let letters = self.channels.chars();
+            letters.map(move |letter| format!("ViewLayer.{pass}.{letter}"))
+        })
     }
 
     /// What the first surface of a path gives, where anything is kept of it.
     pub fn wgsl(&self) -> Option<&'static str> {
         match self.rule {
             Rule::Derived(_) => None,
-            Rule::Mean(wgsl) | Rule::First { wgsl, .. } => Some(wgsl),
+            Rule::Mean(wgsl) | Rule::First { wgsl, .. } | Rule::Ids(wgsl) => Some(wgsl),
         }
     }
 
-    /// How many channels it has.
+    /// How many channels it has in files.
     pub fn channel_count(&self) -> usize {
-        self.channels.len()
+        match self.rule {
+            Rule::Ids(_) => 2 * ids::IDS,
+            _ => self.channels.len(),
+        }
+    }
+
+    /// Words of what is recorded of a path.
+    fn word_count(&self) -> usize {
+        match self.rule {
+            Rule::Derived(_) => 0,
+            Rule::Ids(_) => 1,
+            Rule::Mean(_) | Rule::First { .. } => self.channels.len(),
+        }
     }
 
     /// Planes of the film that it takes.
     fn plane_count(&self) -> usize {
         match self.rule {
             Rule::Derived(_) => 0,
-            Rule::Mean(_) => self.channel_count(),
+            Rule::Mean(_) => self.channels.len(),
             Rule::First { .. } => 1,
+            Rule::Ids(_) => ids::PLANES,
         }
     }
 }
@@ -223,36 +263,41 @@ impl Layers {
         self.others.is_empty()
     }
 
-    /// The film's planes beside those of the picture, in their order.
-    pub(crate) fn planes(&self) -> Vec<Plane> {
-        let mut planes = Vec::new();
+    /// What the samples of a wave are added to beside the picture, in the order of the film's planes: one kernel each.
+    pub(crate) fn sums(&self) -> Vec<Sum> {
+        let mut sums = Vec::new();
         // The first word of a path's record says whether it met anything.
         let mut word = 1;
         for &layer in self.others.iter().filter(|layer| layer.wgsl().is_some()) {
-            let channels = layer.channel_count() / layer.plane_count();
-            for index in 0..layer.plane_count() {
-                planes.push(Plane {
-                    name: plane_name(layer, index),
+            // A mean is a plane for each channel, each by itself; anything else goes to all of its planes at once.
+            let count = match layer.rule {
+                Rule::Mean(_) => layer.plane_count(),
+                _ => 1,
+            };
+            let (planes, words) = (layer.plane_count() / count, layer.word_count() / count);
+            for index in 0..count {
+                let planes = index * planes..(index + 1) * planes;
+                sums.push(Sum {
+                    planes: planes.map(|plane| plane_name(layer, plane)).collect(),
                     layer,
                     word,
-                    channels: channels as u32,
+                    words: words as u32,
                 });
-                word += channels as u32;
+                word += words as u32;
             }
         }
-        planes
+        sums
     }
 
     /// Words of what is recorded of a path; none where nothing is.
     pub(crate) fn record_words(&self) -> u32 {
-        let last = self.planes().pop();
-        last.map_or(0, |plane| plane.word + plane.channels)
+        let last = self.sums().pop();
+        last.map_or(0, |sum| sum.word + sum.words)
     }
 
     /// Names of the buffers that hold the film on a device, in the order of its planes.
     pub(crate) fn buffers(&self) -> Vec<&'static str> {
-        let others = self.planes();
-        let others = others.iter().map(|plane| plane.name);
+        let others = self.sums().into_iter().flat_map(|sum| sum.planes);
         PICTURE_PLANES.into_iter().chain(others).collect()
     }
 
@@ -270,23 +315,29 @@ impl Layers {
     }
 }
 
-/// Four words per pixel of a layer: a sum of 96 bits and a spare word ([`Rule::Mean`], a plane for each channel), or the
-/// number of a sample plus 1 and up to three numbers ([`Rule::First`]; 0: no sample).
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Plane {
-    /// Name of its buffer.
-    pub(crate) name: &'static str,
+/// What is added to one or more planes of the film. A plane has four words per pixel: a sum of 96 bits and a spare word
+/// ([`Rule::Mean`], a plane for each channel), the number of a sample plus 1 and up to three numbers ([`Rule::First`]; 0: no
+/// sample), or two ids with their numbers of samples ([`Rule::Ids`]).
+#[derive(Debug, Clone)]
+pub(crate) struct Sum {
+    /// Names of the planes' buffers.
+    pub(crate) planes: Vec<&'static str>,
     /// The layer that it is of.
     pub(crate) layer: &'static Layer,
     /// Its first word in what is recorded of a path.
     pub(crate) word: u32,
     /// How many of these words it takes.
-    pub(crate) channels: u32,
+    pub(crate) words: u32,
 }
 
 fn plane_name(layer: &Layer, index: usize) -> &'static str {
-    static NAMES: LazyLock<Vec<[String; MAX_CHANNELS]>> = LazyLock::new(|| {
-        let of = |layer: &Layer| std::array::from_fn(|i| format!("layer {} {i}", layer.name));
+    static NAMES: LazyLock<Vec<Vec<String>>> = LazyLock::new(|| {
+        let of = |layer: &Layer| {
+            let planes = 0..layer.plane_count();
+            planes
+                .map(|i| format!("layer {} {i}", layer.name))
+                .collect()
+        };
         LAYERS.iter().map(of).collect()
     });
     let at = LAYERS.iter().position(|other| other == layer);
@@ -306,33 +357,42 @@ mod tests {
                     .iter()
                     .all(|b| b.name != layer.name && b.pass != layer.pass)
             );
-            assert!((1..=MAX_CHANNELS).contains(&layer.channel_count()));
-            assert!(layer.name.chars().all(|c| c.is_ascii_lowercase()));
+            let most = match layer.rule {
+                Rule::Ids(_) => 4,
+                _ => MAX_CHANNELS,
+            };
+            assert!((1..=most).contains(&layer.channels.len()));
+            assert_eq!(layer.channel_names().count(), layer.channel_count());
+            // It is part of names in WGSL.
+            let mut letters = layer.name.chars();
+            assert!(letters.all(|c| c.is_ascii_lowercase() || c == '_'));
         }
         assert_eq!(LAYERS[0].name, "combined");
     }
 
     #[test]
     fn layers_are_named_in_any_order() {
-        let layers = Layers::named(["normal", "depth", "combined", "depth"]).expect("known");
+        let layers = Layers::named(["crypto_object", "normal", "depth", "combined", "depth"])
+            .expect("known");
         let names: Vec<_> = layers.iter().map(|layer| layer.name).collect();
-        assert_eq!(names, ["combined", "depth", "normal"]);
-        let planes = layers.planes();
-        let words: Vec<_> = planes
+        assert_eq!(names, ["combined", "depth", "normal", "crypto_object"]);
+        let sums = layers.sums();
+        let words: Vec<_> = sums
             .iter()
-            .map(|p| (p.name, p.word, p.channels))
+            .map(|sum| (sum.planes[0], sum.planes.len(), sum.word, sum.words))
             .collect();
         assert_eq!(
             words,
             [
-                ("layer depth 0", 1, 1),
-                ("layer normal 0", 2, 1),
-                ("layer normal 1", 3, 1),
-                ("layer normal 2", 4, 1)
+                ("layer depth 0", 1, 1, 1),
+                ("layer normal 0", 1, 2, 1),
+                ("layer normal 1", 1, 3, 1),
+                ("layer normal 2", 1, 4, 1),
+                ("layer crypto_object 0", ids::PLANES, 5, 1),
             ]
         );
-        assert_eq!(layers.record_words(), 5);
-        assert_eq!(layers.plane_count(), PICTURE_PLANES.len() + planes.len());
+        assert_eq!(layers.record_words(), 6);
+        assert_eq!(layers.plane_count(), layers.buffers().len());
         assert_eq!(Layers::default().record_words(), 0);
         let error = Layers::named(["deep"]).expect_err("unknown").to_string();
         assert!(error.contains("deep") && error.contains("depth"), "{error}");

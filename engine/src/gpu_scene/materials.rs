@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::material_record::{self, PLACES, ROWS, flag, place_of};
 use crate::scene::material_parameters::{Feature, Field, PARAMETERS};
-use crate::scene::{AlphaMode, Filter, Material, Sampler, TEXTURES, TextureRef, Wrap};
+use crate::scene::{AlphaMode, Filter, Material, Sampler, TEXTURES, TextureRef, Wrap, name_id};
 use crate::texturing::ProgramTraits;
 
 /// No texture.
@@ -98,6 +98,7 @@ impl GpuMaterial {
             material.iridescence_thickness,
         );
         record.set_word(const { place_of("flags") }, flags(material, program));
+        record.set_word(const { place_of("id") }, name_id(&material.name));
         let texture_mask = (0..textures.len())
             .filter(|&i| textures[i].is_some())
             .fold(0, |mask, i| mask | 1 << i);

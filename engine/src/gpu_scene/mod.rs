@@ -4,6 +4,7 @@
 pub mod albedo;
 pub mod environment;
 mod geometry;
+pub mod host_traversal;
 pub mod images;
 mod levels;
 pub mod light_tree;
@@ -20,14 +21,13 @@ use device::{Device, DeviceError, Resources, Usage, native::accel};
 
 use crate::{
     bvh::{BvhError, SceneBvh},
-    passes::traverse::host::{self, HostTraversal},
-    scene::{Mesh, Scene},
+    scene::{Mesh, Scene, name_id},
     texturing::{ProgramTraits, TextureReads},
 };
 
 use self::{
-    environment::GpuEnvironment, geometry::geometry, images::GpuImages, lights::LightTable,
-    materials::GpuMaterial, update::Uploaded,
+    environment::GpuEnvironment, geometry::geometry, host_traversal::HostTraversal,
+    images::GpuImages, lights::LightTable, materials::GpuMaterial, update::Uploaded,
 };
 
 use self::geometry::TRIANGLE_ALPHA;
@@ -62,7 +62,7 @@ pub struct GpuInstance {
     object_from_world: [[f32; 4]; 3],
     root: u32,
     handedness: f32,
-    random: f32,
+    id: u32,
     source: u32,
 }
 
@@ -77,7 +77,7 @@ impl GpuInstance {
             object_from_world,
             root,
             handedness,
-            random,
+            id,
             source
         ]
     }
@@ -187,7 +187,7 @@ impl GpuScene {
         if calls_functions {
             let rules = ray_rules(scene, &program);
             let traversal = HostTraversal::new(scene, &bvh, &rules, gpu.activity())?;
-            resources.set_function(host::FUNCTION, Arc::new(traversal));
+            resources.set_function(host_traversal::FUNCTION, Arc::new(traversal));
         }
         let (lo, hi) = scene.bounds().ok_or(BvhError::Empty)?;
         // The sum, the difference and its square may be out of range where the corners are not.
@@ -341,7 +341,7 @@ fn instances(scene: &Scene, bvh: &SceneBvh) -> Vec<GpuInstance> {
                 // Instances of empty meshes are not in the order.
                 root: bvh.mesh_roots[instance.mesh as usize].unwrap_or(0),
                 handedness: lights::handedness(&glam::Mat3::from(instance.transform.matrix3)),
-                random: object_random(source),
+                id: name_id(&instance.name),
                 source,
             }
         })
@@ -363,12 +363,4 @@ pub fn rows(a: &Affine3A) -> [[f32; 4]; 3] {
     let m = a.matrix3;
     let t = a.translation;
     std::array::from_fn(|i| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]])
-}
-
-/// A number in [0, 1) that belongs to an instance.
-fn object_random(index: u32) -> f32 {
-    let mut v = index.wrapping_mul(0x9e37_79b9).wrapping_add(0x7f4a_7c15);
-    v = (v ^ (v >> 16)).wrapping_mul(0x7feb_352d);
-    v = (v ^ (v >> 15)).wrapping_mul(0x846c_a68b);
-    ((v ^ (v >> 16)) >> 8) as f32 / (1 << 24) as f32
 }

@@ -5,12 +5,18 @@ use std::path::{Path, PathBuf};
 
 use crate::scene::import::referenced_files;
 use crate::scene::look::{EnvironmentLook, Field, Look, Value};
+use crate::system::{Disk, Files};
 
 /// The scene and all files that it and the look name, whether or not they exist; not the look itself, nor textures in
 /// WGSL.
 pub fn files(scene: &Path, look: Option<&Look>) -> Vec<PathBuf> {
+    files_from(&Disk, scene, look)
+}
+
+/// As [`files`], from files of one's own.
+pub fn files_from(files: &dyn Files, scene: &Path, look: Option<&Look>) -> Vec<PathBuf> {
     let mut found = vec![scene.to_owned()];
-    found.extend(referenced_files(scene));
+    found.extend(referenced_files(files, scene));
     let Some(look) = look else {
         return found;
     };
@@ -19,7 +25,7 @@ pub fn files(scene: &Path, look: Option<&Look>) -> Vec<PathBuf> {
         .collect();
     for file in included {
         let path = look.resolve(file);
-        found.extend(referenced_files(&path));
+        found.extend(referenced_files(files, &path));
         found.push(path);
     }
     if let Some(environment) = &look.environment
@@ -32,7 +38,7 @@ pub fn files(scene: &Path, look: Option<&Look>) -> Vec<PathBuf> {
         image_names(&field.value.value, &mut names);
     }
     found.extend(names.iter().map(|name| look.resolve(name)));
-    found.extend(other_texts(look).filter(|path| path.is_file()));
+    found.extend(other_texts(look).filter(|path| files.has(path)));
     found.sort();
     found.dedup();
     found

@@ -8,6 +8,7 @@ mod include;
 mod light;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::Vec3;
 use texgen::{Diagnostic, Diagnostics, SourceFile, did_you_mean};
@@ -16,9 +17,9 @@ use crate::procedural::{Procedural, SourcesError, TextureSources};
 use crate::scene::import::{self, ImportError, Imported, Importer};
 use crate::scene::look::{EnvironmentLook, Look, LookError, Spanned};
 use crate::scene::{Camera, Environment, Material, Scene, default_camera};
-use crate::system::{Disk, Files};
+use crate::system::{Assets, Disk, Files};
 
-pub use files::files;
+pub use files::{files, files_from};
 
 /// After so many includes that can't be read the others aren't tried.
 const MAX_BAD_INCLUDES: usize = 10;
@@ -86,34 +87,34 @@ pub fn load_with(
     look: Option<Look>,
     textures: &[PathBuf],
 ) -> Result<Loaded, LoadError> {
-    load_from(&Disk, path, look, textures)
+    let disk: Arc<dyn Assets> = Arc::new(Disk);
+    load_from(&disk, path, look, textures)
 }
 
-/// As [`load_with`], with scene and textures from files of one's own. What they and the look name beside them (buffers,
-/// pictures, includes) is read from the disk.
+/// As [`load_with`], from files of one's own: scene and textures, and what they and the look name (buffers, pictures, includes).
 ///
 /// # Errors
 /// As [`load`].
 pub fn load_from(
-    files: &dyn Files,
+    files: &Arc<dyn Assets>,
     path: &Path,
     look: Option<Look>,
     textures: &[PathBuf],
 ) -> Result<Loaded, LoadError> {
     let uses_textures = look.as_ref().is_some_and(|look| !look.nodes.is_empty());
     let sources = if uses_textures {
-        files.textures(textures)?
+        TextureSources::search_from(files.clone(), textures)?
     } else {
         TextureSources::default()
     };
-    let mut importer = Importer::new();
+    let mut importer = Importer::from_files(files.clone());
     let Imported {
         mut scene,
         mut warnings,
     } = files.scene(&mut importer, path)?;
 
     let camera = match &look {
-        Some(look) => apply(look, &mut importer, &mut scene, &mut warnings)?,
+        Some(look) => apply(&**files, look, &mut importer, &mut scene, &mut warnings)?,
         None => first_camera(&scene),
     };
     if scene.instances.is_empty() {
@@ -149,9 +150,9 @@ pub fn load_from(
 impl Loaded {
     /// All files that it was made of: the scene, what it and the look name, the textures in use.
     ///
-    /// `scene` and `look` are as they were given to [`load()`].
-    pub fn files(&self, scene: &Path, look: Option<&Path>) -> Vec<PathBuf> {
-        let mut found = files(scene, self.look.as_ref());
+    /// `files`, `scene` and `look` are as they were given to [`load_from`].
+    pub fn files(&self, files: &dyn Files, scene: &Path, look: Option<&Path>) -> Vec<PathBuf> {
+        let mut found = files_from(files, scene, self.look.as_ref());
         found.extend(look.map(Path::to_owned));
         let textures = self.procedural.graph().library().textures();
         found.extend(textures.iter().map(|texture| texture.file().path().into()));
@@ -173,6 +174,7 @@ impl Loaded {
 
 /// Everything of the look that is not a material: includes, environment, lights, camera.
 fn apply(
+    files: &dyn Files,
     look: &Look,
     importer: &mut Importer,
     scene: &mut Scene,
@@ -190,7 +192,7 @@ fn apply(
         }
     }
     if let Some(environment) = &look.environment {
-        match set_environment(look, environment, scene) {
+        match set_environment(files, look, environment, scene) {
             Ok(more) => warnings.extend(more),
             Err(problem) => problems.push(problem),
         }
@@ -210,6 +212,7 @@ fn apply(
 
 /// Gives the scene the look's environment; returns warnings.
 fn set_environment(
+    files: &dyn Files,
     look: &Look,
     environment: &Spanned<EnvironmentLook>,
     scene: &mut Scene,
@@ -223,7 +226,7 @@ fn set_environment(
             intensity,
         } => {
             let path = look.resolve(&image.value);
-            let loaded = import::load_environment_image(&path).map_err(|error| {
+            let loaded = import::load_environment_image(files, &path).map_err(|error| {
                 Diagnostic::error(error.to_string()).with_label(&look.file, image.span.clone(), "")
             })?;
             warnings = loaded.1;

@@ -1,6 +1,7 @@
 //! Loading as users see it: the demo, and looks that name what isn't there.
 
-use std::fs;
+use std::collections::BTreeMap;
+use std::{fs, io};
 
 use super::*;
 
@@ -222,4 +223,105 @@ fn a_scene_without_triangles_is_an_error() {
     let error = load(&path, None, &[]).unwrap_err();
     fs::remove_dir_all(&folder).unwrap();
     assert!(matches!(error, LoadError::Empty { .. }), "{error}");
+}
+
+/// Files in memory, and nothing but them.
+#[derive(Debug)]
+struct InMemory(BTreeMap<PathBuf, Vec<u8>>);
+
+impl Files for InMemory {
+    fn read_start(&self, path: &Path, length: u64) -> io::Result<Vec<u8>> {
+        let mut bytes = self.read(path, u64::MAX)?;
+        bytes.truncate(usize::try_from(length).unwrap_or(usize::MAX));
+        Ok(bytes)
+    }
+
+    fn read(&self, path: &Path, _: u64) -> io::Result<Vec<u8>> {
+        let bytes = self.0.get(path).cloned();
+        bytes.ok_or_else(|| io::ErrorKind::NotFound.into())
+    }
+
+    fn has(&self, path: &Path) -> bool {
+        self.0.contains_key(path)
+    }
+
+    fn list(&self, folder: &Path) -> io::Result<Vec<PathBuf>> {
+        let paths = self.0.keys().filter(|path| path.parent() == Some(folder));
+        Ok(paths.cloned().collect())
+    }
+
+    fn write(&self, _: &Path, _: &[u8]) -> io::Result<()> {
+        Err(io::ErrorKind::ReadOnlyFilesystem.into())
+    }
+}
+
+impl Assets for InMemory {}
+
+/// A triangle whose positions and picture are files beside it.
+const TRIANGLE: &str = r#"{
+    "asset": { "version": "2.0" },
+    "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+    "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+    "materials": [{ "name": "Plain", "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],
+    "textures": [{ "source": 0 }], "images": [{ "uri": "a%20picture.png" }],
+    "buffers": [{ "uri": "corners.bin", "byteLength": 36 }],
+    "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+    "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+        "min": [0, 0, 0], "max": [1, 1, 0] }]
+}"#;
+
+#[test]
+fn everything_that_a_picture_is_made_of_may_lie_in_memory() {
+    let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let mut png = io::Cursor::new(Vec::new());
+    let picture = image::RgbaImage::from_pixel(2, 2, image::Rgba([200, 100, 50, 255]));
+    let written = picture.write_to(&mut png, image::ImageFormat::Png);
+    written.expect("memory takes everything");
+    let look = "environment = { image = 'sky.png' }\n[[include]]\nfile = 'more/triangle.gltf'\n\
+                [node.shown]\ntexture = 'show'\npicture = 'painted.png'\n\
+                [material.Plain]\nroughness = 'shown.x'\n";
+    let texture =
+        "fn userProc(picture: sam2D) -> vec4f { return tex2D(picture, vec2f(0.5)); }".to_owned();
+    let corners: Vec<u8> = corners.into_iter().flat_map(f32::to_le_bytes).collect();
+    let png = png.into_inner();
+    let files: Arc<dyn Assets> = Arc::new(InMemory(
+        [
+            ("here/triangle.gltf", TRIANGLE.as_bytes().to_vec()),
+            ("here/corners.bin", corners.clone()),
+            ("here/a picture.png", png.clone()),
+            ("here/more/triangle.gltf", TRIANGLE.as_bytes().to_vec()),
+            ("here/more/corners.bin", corners),
+            ("here/more/a picture.png", png.clone()),
+            ("here/sky.png", png.clone()),
+            ("here/painted.png", png),
+            ("here/textures/show.wgsl", texture.into_bytes()),
+        ]
+        .map(|(path, bytes)| (PathBuf::from(path), bytes))
+        .into(),
+    ));
+    let scene = Path::new("here/triangle.gltf");
+    let look = Look::parse(Path::new("here/a.look.toml"), look).unwrap_or_else(|e| panic!("{e}"));
+    let loaded = load_from(&files, scene, Some(look), &["here/textures".into()]);
+    let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(loaded.scene.instances.len(), 2);
+    // Of the two triangles, each its own, and that of the node.
+    assert_eq!(loaded.scene.images.len(), 3);
+    assert!(matches!(
+        loaded.scene.environment,
+        Environment::Image { .. }
+    ));
+    assert!(loaded.procedural.graph().library().get("show").is_some());
+    let found = loaded.files(&*files, scene, None);
+    for name in [
+        "corners.bin",
+        "a picture.png",
+        "more/corners.bin",
+        "sky.png",
+        "painted.png",
+        "textures/show.wgsl",
+    ] {
+        assert!(found.contains(&Path::new("here").join(name)), "{name}");
+    }
+    let missing = load_from(&files, Path::new("elsewhere.glb"), None, &[]);
+    assert!(matches!(missing, Err(LoadError::Import(_))));
 }

@@ -76,10 +76,11 @@ const FIRST: [(&str, Type); 6] = [
 ];
 
 /// The same, behind them.
-const LAST: [(&str, Type); 3] = [
+const LAST: [(&str, Type); 4] = [
     ("absorption", Type::Vec3), // 1/metres
     ("coat_normal_scale", Type::F32),
     ("iridescence_thickness", Type::Vec2), // nanometres, where its texture is 0 and 1
+    ("id", Type::U32),                     // of its name
 ];
 
 const COUNT: usize = FIRST.len() + recorded_parameters() + LAST.len();

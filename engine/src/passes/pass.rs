@@ -32,8 +32,6 @@ pub struct Pass {
     pub writes: &'static [&'static str],
     /// Whether scenes with these features need it.
     pub exists: fn(&SceneFeatures) -> bool,
-    /// Much of it depends on the frame's settings: see [`device::Traits::specialises_uniforms`].
-    pub branches_on_frame: bool,
 }
 
 impl Pass {
@@ -45,18 +43,11 @@ impl Pass {
         reads: &[],
         writes: &[],
         exists: |_| true,
-        branches_on_frame: false,
     };
 
-    /// Its text for a device.
-    pub fn source(&self, device: &Device) -> ComposedWgsl {
-        let source = ComposedWgsl::of(self.file);
-        // Sampler, filter and lens are branches on uniforms: a driver that specialises kernels to their values compiles
-        // such a kernel again for each dispatch. It leaves storage buffers alone.
-        match self.branches_on_frame && device.traits().specialises_uniforms {
-            true => source.with_storage("frame"),
-            false => source,
-        }
+    /// Its text.
+    pub fn source(&self) -> ComposedWgsl {
+        ComposedWgsl::of(self.file)
     }
 
     /// Compiles it for what a scene uses.
@@ -77,22 +68,17 @@ impl Pass {
         features: &SceneFeatures,
         more: &[(&'static str, f64)],
     ) -> Result<Kernel, DeviceError> {
-        let own = ao_constants(device);
+        let own = [ao_constant(device)];
         let constants = [&features.constants()[..], &own, more].concat();
-        let source = self.source(device);
+        let source = self.source();
         source.compile(device, self.name, Trust::All, &constants)
     }
 }
 
-/// The override constants that say whether a thread traces all rays of ambient occlusion of a hit, for the kernel that does it
-/// and the one that sizes its dispatch, and whether in packets of four (`ao/packet.wgsl`). A graphics card needs many threads,
-/// one for each ray. A processor has enough of them in the hits alone.
-fn ao_constants(device: &Device) -> [(&'static str, f64); 2] {
-    let traits = device.traits();
-    let per_hit = traits.traces_packets || traits.runs_threads_in_turn;
-    let value = |is: bool| f64::from(u8::from(is));
-    [
-        ("ao_thread_per_hit", value(per_hit)),
-        ("ao_packets", value(traits.traces_packets)),
-    ]
+/// The override constant that says whether a thread traces all rays of ambient occlusion of a hit, for the kernel that does it
+/// and the one that sizes its dispatch. A graphics card needs many threads, one for each ray. A processor has enough of them in the
+/// hits alone, and looks up each hit once.
+fn ao_constant(device: &Device) -> (&'static str, f64) {
+    let per_hit = device.traits().runs_threads_in_turn;
+    ("ao_thread_per_hit", f64::from(u8::from(per_hit)))
 }

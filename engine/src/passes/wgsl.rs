@@ -10,9 +10,7 @@ use device::native::compile::Ahead;
 use device::{Device, DeviceError, Kernel, KernelSource, Text, Trust};
 use texgen::{GeneratedKernel, SourceMap};
 
-use super::traverse;
-
-use super::film_layers;
+use crate::{film::layers_wgsl, gpu_scene::host_traversal};
 
 /// A WGSL file: its path below `passes/`, by which others include it, and its text.
 pub type File = (&'static str, &'static str);
@@ -48,18 +46,6 @@ impl ComposedWgsl {
         let mut source = Self::default();
         source.include(file, files, &mut HashSet::new());
         source
-    }
-
-    /// Reads what the files declare as a uniform from a storage buffer instead.
-    ///
-    /// # Panics
-    /// There is no uniform of this name.
-    pub fn with_storage(mut self, name: &str) -> Self {
-        let uniform = format!("var<uniform> {name}:");
-        assert!(self.text.contains(&uniform), "no uniform `{name}`");
-        let storage = format!("var<storage, read> {name}:");
-        self.text = self.text.replace(&uniform, &storage);
-        self
     }
 
     /// Appends a constant that the files leave open.
@@ -129,7 +115,7 @@ impl Text for ComposedWgsl {
     }
 
     fn host_functions(&self) -> &[&'static str] {
-        &[traverse::host::FUNCTION]
+        &[host_traversal::FUNCTION]
     }
 
     fn ahead(&self) -> &'static [Ahead] {
@@ -185,7 +171,7 @@ pub fn compile(device: &Device, source: &KernelSource<'_>) -> Result<Kernel, Dev
 /// What is made from the table of the film's layers when the program runs.
 fn generated(file: &str) -> Option<String> {
     match file {
-        "generated/film_layers.wgsl" => Some(film_layers::layers_wgsl()),
+        "generated/film_layers.wgsl" => Some(layers_wgsl::record_wgsl()),
         _ => None,
     }
 }

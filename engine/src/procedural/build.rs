@@ -9,6 +9,7 @@ use texgen::{
     Parameter, TextureType, did_you_mean,
 };
 
+use crate::input::Files;
 use crate::scene::Scene;
 use crate::scene::look::{
     AoSettings, Field, Input, Look, MAX_AO, NodeLook, Span, Spanned, misplaced_key, unquoted,
@@ -37,6 +38,7 @@ impl Procedural {
             look,
             problems: Diagnostics::new(),
             warnings: Diagnostics::new(),
+            files: Arc::clone(textures.files()),
             images: Images::default(),
         };
         let library = builder.library(textures);
@@ -67,6 +69,7 @@ impl Procedural {
             scene_materials: resolved.in_scene,
             images_with_levels: builder.images.with_levels.into_iter().collect(),
             textures: builder.images.textures,
+            files: builder.files,
             stack_slots: MIN_STACK_SLOTS,
             changed_args: RangeSet::default(),
             changed_ao: false,
@@ -150,6 +153,7 @@ struct Builder<'a> {
     look: &'a Look,
     problems: Diagnostics,
     warnings: Diagnostics,
+    files: Arc<dyn Files>,
     images: Images,
 }
 
@@ -413,7 +417,8 @@ impl<'a> Builder<'a> {
     ) -> Option<u32> {
         let path = self.look.resolve(&image.file.value);
         let srgb = image.srgb.unwrap_or(!parameter.is_data);
-        match self.images.handle(scene, &path, srgb, image.sampler) {
+        let files = &*self.files;
+        match (self.images).handle(files, scene, &path, srgb, image.sampler) {
             Ok(handle) => Some(handle),
             Err(error) => {
                 let message = format!("the image {}: {error}", path.display());

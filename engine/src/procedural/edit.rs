@@ -5,7 +5,7 @@ use texgen::{Edit, GraphError, NodeId, Value, did_you_mean};
 
 use crate::scene::look::{AoSettings, Link, link_text};
 
-use super::wiring::{CompileError, Compiled, Mask, Wiring, check_driver};
+use super::wiring::{CompileError, Compiled, Wiring, check_driver};
 use super::{Kind, NodeOutput, Output, Procedural};
 
 /// Why an edit was refused. Nothing has changed then.
@@ -37,13 +37,11 @@ pub enum EditError {
     /// AO settings out of range.
     #[error("AO needs a distance greater than 0 and 1 to 255 samples")]
     AoSettings,
-    /// The material is a blend and has no surface, or isn't one and has no mask.
-    #[error("`{material}` is {}", if *.is_blend { "a blend: drive the materials it is made of" } else { "not a blend: it has no mask" })]
+    /// The material is a blend and has no surface.
+    #[error("`{material}` is a blend: drive the materials it is made of")]
     Blend {
         /// The material.
         material: String,
-        /// What it is.
-        is_blend: bool,
     },
     /// The graph refused it.
     #[error(transparent)]
@@ -125,15 +123,6 @@ impl Procedural {
     }
 
     /// Chooses the AO tables that a node's texture reads as `AO` and `AO1`.
-    ///
-    /// # Errors
-    /// Unknown node or table.
-    pub fn set_occlusion(&mut self, node: &str, tables: [&str; 2]) -> Result<(), EditError> {
-        let node = self.node(node)?;
-        let slots = [self.ao_slot(tables[0])?, self.ao_slot(tables[1])?];
-        self.set_occlusion_slots(node, slots)
-    }
-
     pub(super) fn set_occlusion_slots(
         &mut self,
         node: NodeId,
@@ -161,33 +150,12 @@ impl Procedural {
         if self.wiring[index as usize].blend.is_some() {
             return Err(EditError::Blend {
                 material: material.to_owned(),
-                is_blend: true,
             });
         }
         let source = link
             .map(|link| self.driver(link, output.kind()))
             .transpose()?;
         self.rewire(index, |wiring| wiring.set_output(output, source))
-    }
-
-    /// Drives the mask of a blend by a node's result.
-    ///
-    /// # Errors
-    /// Unknown names; a type that doesn't fit; the material is no blend.
-    pub fn set_mask_link(&mut self, material: &str, link: &str) -> Result<(), EditError> {
-        let index = self.material(material)?;
-        if self.wiring[index as usize].blend.is_none() {
-            return Err(EditError::Blend {
-                material: material.to_owned(),
-                is_blend: false,
-            });
-        }
-        let source = self.driver(link, Kind::Scalar)?;
-        self.rewire(index, |wiring| {
-            if let Some(blend) = &mut wiring.blend {
-                blend.mask = Mask::Driven(source);
-            }
-        })
     }
 
     pub(super) fn node(&self, name: &str) -> Result<NodeId, EditError> {

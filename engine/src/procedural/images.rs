@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use crate::input::FileId;
+use crate::input::{FileId, Files};
 use crate::scene::import::load_picture;
 use crate::scene::{Sampler, Scene, TextureRef};
 
@@ -28,17 +28,18 @@ impl Images {
     /// The handle of an image read in a certain way; the image is added to the scene where it isn't there yet.
     pub(super) fn handle(
         &mut self,
+        files: &dyn Files,
         scene: &mut Scene,
         path: &Path,
         srgb: bool,
         sampler: Sampler,
     ) -> Result<u32, String> {
-        let key = (FileId::of(path), srgb);
+        let key = (files.id(path), srgb);
         let image = match self.by_file.get(&key) {
             Some(&image) => image,
             None => {
                 let image = scene.images.len() as u32;
-                let picture = load_picture(path, srgb, &scene.images)?;
+                let picture = load_picture(files, path, srgb, &scene.images)?;
                 scene.images.push(picture);
                 self.by_file.insert(key, image);
                 image

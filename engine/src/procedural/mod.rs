@@ -47,7 +47,6 @@ mod probe;
 mod reads;
 mod reload;
 mod remarks;
-mod rounds;
 mod sketch;
 mod sources;
 mod standard;
@@ -65,6 +64,7 @@ use std::sync::Arc;
 
 use texgen::{Diagnostics, GeneratedKernel, Graph, NodeId, Swizzle};
 
+use crate::input::Files;
 use crate::scene::look::{AoSettings, MAX_AO};
 use crate::scene::{Material, TextureRef};
 use crate::texturing::ProgramTraits;
@@ -111,6 +111,8 @@ pub struct Procedural {
     /// So many of them are the scene's; the look added the rest.
     scene_materials: usize,
     textures: Vec<TextureRef>,
+    /// Where images are that are set later.
+    files: Arc<dyn Files>,
     /// Of the scene's images, ascending.
     images_with_levels: Vec<u32>,
     /// As [`texgen::Library::custom_attributes`].
@@ -184,17 +186,6 @@ impl Procedural {
     /// The generated kernel's text, for programs that need at most [`Self::stack_slots`] slots.
     pub fn kernel(&self) -> GeneratedKernel {
         self.graph.library().emit(self.stack_slots)
-    }
-
-    /// The same kernel for drivers that run all sides of a branch, with the textures in the order in which the programs
-    /// use them now: see [`texgen::Library::emit_in_rounds`].
-    ///
-    /// # Errors
-    /// As an edit that makes a program which can't be.
-    pub fn kernel_in_rounds(&self) -> Result<GeneratedKernel, CompileError> {
-        let order = rounds::order(&self.graph, self.wiring.iter())?;
-        let library = self.graph.library();
-        Ok(library.emit_in_rounds(self.stack_slots, &order))
     }
 
     /// So many materials are those of the scene's files, its first ones; the look has added the others.

@@ -3,20 +3,34 @@
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use texgen::SourceFile;
 
 use super::standard;
-use crate::input;
+use crate::input::{self, Disk, Files};
 
 /// A texture larger than this is not read.
 const MAX_BYTES: u64 = 4 << 20;
 
 /// User textures by name. Where two directories hold a texture of one name, the directory named first wins.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct TextureSources {
+    /// Where the directories are, and the images that looks name.
+    files: Arc<dyn Files>,
     by_name: BTreeMap<String, TextureOrigin>,
     directories: Vec<PathBuf>,
+}
+
+impl Default for TextureSources {
+    /// None; images are on the disk.
+    fn default() -> Self {
+        Self {
+            files: Arc::new(Disk),
+            by_name: BTreeMap::new(),
+            directories: Vec::new(),
+        }
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -54,21 +68,30 @@ pub enum SourcesError {
 }
 
 impl TextureSources {
-    /// Lists the `.wgsl` files of some directories, without those below them. No file is opened yet.
+    /// Lists the `.wgsl` files of some directories on the disk, without those below them. No file is opened yet.
     ///
     /// # Errors
     /// A directory can't be listed.
     pub fn scan<P: AsRef<Path>>(directories: &[P]) -> Result<Self, SourcesError> {
-        let mut sources = Self::default();
+        Self::scan_from(Arc::new(Disk), directories)
+    }
+
+    fn scan_from<P: AsRef<Path>>(
+        files: Arc<dyn Files>,
+        directories: &[P],
+    ) -> Result<Self, SourcesError> {
+        let mut sources = Self {
+            files,
+            ..Self::default()
+        };
         for directory in directories.iter().map(AsRef::as_ref) {
             let error = |source| SourcesError::Directory {
                 path: directory.to_owned(),
                 source,
             };
             sources.directories.push(directory.to_owned());
-            for entry in std::fs::read_dir(directory).map_err(error)? {
-                let path = entry.map_err(error)?.path();
-                let is_wgsl = path.extension().is_some_and(|e| e == "wgsl") && path.is_file();
+            for path in sources.files.list(directory).map_err(error)? {
+                let is_wgsl = path.extension().is_some_and(|e| e == "wgsl");
                 if let (true, Some(name)) = (is_wgsl, path.file_stem().and_then(|s| s.to_str())) {
                     let known = sources.by_name.entry(name.to_owned());
                     known.or_insert(TextureOrigin::File(path));
@@ -83,7 +106,18 @@ impl TextureSources {
     /// # Errors
     /// As [`scan`](Self::scan).
     pub fn search<P: AsRef<Path>>(directories: &[P]) -> Result<Self, SourcesError> {
-        let mut sources = Self::scan(directories)?;
+        Self::search_from(Arc::new(Disk), directories)
+    }
+
+    /// As [`search`](Self::search), in files of one's own. Images that looks name are read from them, too.
+    ///
+    /// # Errors
+    /// As [`scan`](Self::scan).
+    pub fn search_from<P: AsRef<Path>>(
+        files: Arc<dyn Files>,
+        directories: &[P],
+    ) -> Result<Self, SourcesError> {
+        let mut sources = Self::scan_from(files, directories)?;
         for file in standard::files() {
             let known = sources.by_name.entry(file.name().to_owned());
             known.or_insert(TextureOrigin::BuiltIn(file));
@@ -98,7 +132,7 @@ impl TextureSources {
             .insert(name.to_owned(), TextureOrigin::Text(file));
     }
 
-    /// Adds a texture from a file anywhere, in place of one of that name, and returns its name. It is read now.
+    /// Adds a texture from a file anywhere on the disk, in place of one of that name, and returns its name. It is read now.
     ///
     /// # Errors
     /// The file can't be read, or is no text.
@@ -126,11 +160,16 @@ impl TextureSources {
     pub fn read(&self, name: &str) -> Option<Result<SourceFile, SourcesError>> {
         Some(match self.by_name.get(name)? {
             TextureOrigin::Text(file) | TextureOrigin::BuiltIn(file) => Ok(file.clone()),
-            TextureOrigin::File(path) => read_file(name, path),
+            TextureOrigin::File(path) => read_file(&*self.files, name, path),
         })
     }
 
-    /// Reads a texture from a file anywhere; its name is that of the file without the ending. A standard texture's
+    /// The files that it reads from.
+    pub(super) fn files(&self) -> &Arc<dyn Files> {
+        &self.files
+    }
+
+    /// Reads a texture from a file anywhere on the disk; its name is that of the file without the ending. A standard texture's
     /// path, as messages have it, gives that texture.
     ///
     /// # Errors
@@ -140,7 +179,7 @@ impl TextureSources {
             return Ok(file);
         }
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        read_file(&name, path)
+        read_file(&Disk, &name, path)
     }
 
     /// The file of a texture, where it comes from one.
@@ -157,12 +196,12 @@ impl TextureSources {
     }
 }
 
-fn read_file(name: &str, path: &Path) -> Result<SourceFile, SourcesError> {
+fn read_file(files: &dyn Files, name: &str, path: &Path) -> Result<SourceFile, SourcesError> {
     let error = |source| SourcesError::File {
         path: path.to_owned(),
         source,
     };
-    let text = input::read_text(path, MAX_BYTES).map_err(|source| match source.kind() {
+    let text = input::read_text(files, path, MAX_BYTES).map_err(|source| match source.kind() {
         ErrorKind::FileTooLarge => SourcesError::TooLarge {
             path: path.to_owned(),
         },

@@ -246,7 +246,11 @@ blend = { base='C', over='B', mask='b' }
     assert_eq!(ao(&procedural, 2), 0b111);
     assert_eq!(ao(&procedural, 0), 0b111);
 
-    procedural.set_occlusion("a", ["far", "far"]).unwrap();
+    let (node, far) = (procedural.node("a"), procedural.ao_slot("far"));
+    let far = far.unwrap();
+    procedural
+        .set_occlusion_slots(node.unwrap(), [far; 2])
+        .unwrap();
     assert_eq!(ao(&procedural, 1), 0b010);
     assert_eq!(ao(&procedural, 0), 0b111);
     procedural.take_changes();
@@ -597,9 +601,6 @@ fn a_refused_edit_changes_nothing() {
     assert!(
         message(procedural.set_output_link("D", Output::ROUGHNESS, None)).contains("no material")
     );
-    assert!(message(procedural.set_mask_link("A", "level")).contains("not a blend"));
-    procedural.set_mask_link("B", "paint.z").unwrap();
-    procedural.set_mask_link("B", "level").unwrap();
     procedural
         .set_output_link("B", Output::METALLIC, Some("level"))
         .unwrap();

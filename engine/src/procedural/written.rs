@@ -55,7 +55,7 @@ impl Procedural {
                 std::mem::swap(&mut images.textures, &mut self.textures);
                 let path = Path::new(&image.file.value);
                 let srgb = image.srgb.unwrap_or(!is_data);
-                let handle = images.handle(scene, path, srgb, image.sampler);
+                let handle = images.handle(&*self.files, scene, path, srgb, image.sampler);
                 std::mem::swap(&mut images.textures, &mut self.textures);
                 let handle = handle.map_err(refused)?;
                 let image = self.textures[handle as usize].image;

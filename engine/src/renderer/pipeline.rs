@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use device::{BoundKernel, Device, DeviceError, Kernel, Resources};
 
 use crate::{
-    film::{Layers, layers::Plane},
+    film::{Layers, layers::Sum, layers_wgsl},
     gpu_scene::SceneFeatures,
     passes::{brdf, film_layers, pass::Pass, proctex, wgsl},
     procedural::Procedural,
@@ -23,7 +23,7 @@ pub(super) struct Kernels {
     /// The pass that the users' functions are in.
     texture: &'static str,
     /// Those that add to the planes of the film's layers.
-    planes: Vec<(Plane, Kernel)>,
+    sums: Vec<(Sum, Kernel)>,
 }
 
 impl Kernels {
@@ -34,16 +34,16 @@ impl Kernels {
         procedural: &Procedural,
         schedule: &dyn Schedule,
     ) -> Result<Self, RenderError> {
-        let planes = layers.planes().into_iter().map(|plane| {
-            let kernel = film_layers::plane_kernel(gpu, &plane)?;
-            Ok((plane, kernel))
+        let sums = layers.sums().into_iter().map(|sum| {
+            let kernel = film_layers::sum_kernel(gpu, &sum)?;
+            Ok((sum, kernel))
         });
         let mut kernels = Self {
             layers: layers.clone(),
             by_name: BTreeMap::new(),
             passes: schedule.passes(),
             texture: schedule.texture_pass().name,
-            planes: planes.collect::<Result<_, DeviceError>>()?,
+            sums: sums.collect::<Result<_, DeviceError>>()?,
         };
         kernels.compile_missing(gpu, features)?;
         if let Some(kernel) = texture_kernel(gpu, features, procedural, schedule)? {
@@ -53,7 +53,7 @@ impl Kernels {
     }
 
     /// Compiles the passes that scenes with these features need and that aren't there, all but the generated one and those
-    /// of the film's planes.
+    /// that add to the film's layers.
     fn compile_missing(
         &mut self,
         gpu: &Device,
@@ -63,8 +63,9 @@ impl Kernels {
             self.texture,
             film_layers::MEAN.name,
             film_layers::FIRST.name,
+            film_layers::IDS.name,
         ];
-        let layers = film_layers::constants(&self.layers);
+        let layers = layers_wgsl::record_constants(&self.layers);
         for pass in self.passes {
             let is_there = self.by_name.contains_key(pass.name) || apart.contains(&pass.name);
             if (pass.exists)(features) && !is_there {
@@ -120,11 +121,13 @@ impl Kernels {
         for (name, kernel) in &self.by_name {
             by_name.insert(name, vec![kernel.bind(gpu, resources)]);
         }
-        for (plane, kernel) in &self.planes {
+        for (sum, kernel) in &self.sums {
             let mut resources = resources.clone();
-            let buffer = resources.buffer(plane.name).clone();
-            resources.set_buffer(film_layers::PLANE, buffer);
-            let name = film_layers::pass_of(plane).name;
+            for (name, plane) in film_layers::PLANES.into_iter().zip(&sum.planes) {
+                let buffer = resources.buffer(plane).clone();
+                resources.set_buffer(name, buffer);
+            }
+            let name = film_layers::pass_of(sum).name;
             let bound = kernel.bind(gpu, &resources);
             by_name.entry(name).or_default().push(bound);
         }
@@ -142,7 +145,7 @@ pub(super) fn texture_kernel(
     procedural: &Procedural,
     schedule: &dyn Schedule,
 ) -> Result<Option<Kernel>, RenderError> {
-    let Some(text) = schedule.texture_kernel(gpu, features, procedural)? else {
+    let Some(text) = schedule.texture_kernel(features, procedural)? else {
         return Ok(None);
     };
     let _busy = (gpu.activity()).begin(|| compiling(procedural));
@@ -177,7 +180,7 @@ pub(super) struct Bound {
 }
 
 impl Bound {
-    /// The kernels of a pass, to be run one after the other: most have one, those of the film's layers one for each plane, and
+    /// The kernels of a pass, to be run one after the other: most have one, those of the film's layers one for each sum, and
     /// a pass that the scene doesn't need none.
     pub(super) fn get(&self, pass: &Pass) -> &[BoundKernel] {
         self.by_name.get(pass.name).map_or(&[], Vec::as_slice)

@@ -7,14 +7,14 @@ use device::{Buffer, Device, DeviceError, Kernel, Resources, Usage};
 
 use crate::{
     display::DeviceFilm,
-    film::{Layers, PICTURE_PLANES},
+    film::{Layers, MAX_SIDE, PICTURE_PLANES},
     frame::Frame,
     gpu_scene::SceneFeatures,
     passes::guide,
     schedule::{self, ScheduleError},
 };
 
-use super::{MAX_SIDE, RenderError, Renderer};
+use super::{RenderError, Renderer};
 
 /// The guides of a picture: see `guide.wgsl`.
 #[derive(Debug)]

@@ -1,13 +1,15 @@
 //! What is built on threads of its own while the old picture goes on: texture kernels, and whole renderers where a
 //! change reaches what is made once.
 
+use std::sync::Arc;
+
 use texgen::{Diagnostic, Diagnostics};
 
 use crate::load::{self, LoadError, Loaded};
 use crate::procedural::SourcesError;
 use crate::renderer::{Reload, ReloadError, Renderer};
 use crate::scene::look::{Look, LookError, Section, Value, find, placed_fields};
-use crate::system::{Files, Task};
+use crate::system::{Assets, Task};
 
 use super::difference::TableChange;
 use super::{Inputs, Session, SessionError};
@@ -29,7 +31,11 @@ pub(super) struct Rebuilt {
 }
 
 /// Loads scene, textures, and a look of this text.
-pub(super) fn load(files: &dyn Files, inputs: &Inputs, text: &str) -> Result<Loaded, LoadError> {
+pub(super) fn load(
+    files: &Arc<dyn Assets>,
+    inputs: &Inputs,
+    text: &str,
+) -> Result<Loaded, LoadError> {
     let look = match &inputs.look {
         Some(path) => Some(Look::parse(path, text).map_err(LookError::from)?),
         // Edits of a look without a file.
@@ -120,7 +126,7 @@ impl Session {
         let gpu = self.renderer.gpu().clone();
         let (make_settings, look) = (self.make_settings.clone(), text.clone());
         let build = move || {
-            let loaded = load(&*system.files, &inputs, &look)?;
+            let loaded = load(&system.files, &inputs, &look)?;
             let settings = make_settings(loaded.camera.clone());
             let renderer = Renderer::new(&gpu, &loaded.scene, &loaded.procedural, &settings)?;
             let renderer = renderer.in_system(&system);

@@ -26,11 +26,7 @@ impl Session {
     pub fn save(&mut self, path: Option<&Path>) -> Result<(), SessionError> {
         let own = self.inputs.look.as_deref();
         if let (None, Some(own)) = (path, own)
-            && self
-                .system
-                .files
-                .look(own)
-                .is_ok_and(|text| text != self.saved)
+            && Look::read_text(&*self.system.files, own).is_ok_and(|text| text != self.saved)
         {
             let path = own.to_owned();
             return Err(SessionError::Changed { path });
@@ -38,7 +34,7 @@ impl Session {
         let path = path.or(own);
         let path = path.ok_or(SessionError::NoFile)?.to_owned();
         let text = self.document.text();
-        match self.system.files.save_look(&path, &text) {
+        match self.system.files.write(&path, text.as_bytes()) {
             Ok(()) => {
                 self.saved = text;
                 Ok(())
@@ -76,14 +72,15 @@ impl Session {
     /// # Errors
     /// A folder can't be listed.
     pub fn textures(&self) -> Result<TextureSources, SourcesError> {
-        self.system.files.textures(&self.inputs.textures)
+        let files = self.system.files.clone();
+        TextureSources::search_from(files, &self.inputs.textures)
     }
 
     /// The files to be watched: scene, look, images. Those of textures lie in [`Inputs::textures`].
     pub fn files(&self) -> Vec<PathBuf> {
         let path = self.look_path();
         let look = Look::parse(&path, &self.document.text()).ok();
-        let mut files = load::files(&self.inputs.scene, look.as_ref());
+        let mut files = load::files_from(&*self.system.files, &self.inputs.scene, look.as_ref());
         files.extend(self.inputs.look.clone());
         files
     }
@@ -104,7 +101,7 @@ impl Session {
         let Some(path) = self.inputs.look.clone() else {
             return;
         };
-        let text = match self.system.files.look(&path) {
+        let text = match Look::read_text(&*self.system.files, &path) {
             Ok(text) => text,
             Err(error) => {
                 self.problems.file = Diagnostic::error(error.to_string()).into();

@@ -8,7 +8,7 @@ use device::{Device, DeviceError};
 use crate::load::{LoadError, Loaded};
 use crate::renderer::{RenderError, RenderSettings, Renderer};
 use crate::scene::Camera;
-use crate::scene::look::{LookDocument, LookError};
+use crate::scene::look::{Look, LookDocument, LookError};
 use crate::system::System;
 
 use super::{Again, Problems, Session, SessionError, background, parse_look};
@@ -49,10 +49,10 @@ impl Opening {
     /// As [`crate::load::load`], and where there is no camera of the name that is asked for.
     pub fn read(inputs: Inputs, system: System) -> Result<Self, SessionError> {
         let text = match &inputs.look {
-            Some(path) => system.files.look(path).map_err(LoadError::from)?,
+            Some(path) => Look::read_text(&*system.files, path).map_err(LoadError::from)?,
             None => String::new(),
         };
-        let loaded = background::load(&*system.files, &inputs, &text)?;
+        let loaded = background::load(&system.files, &inputs, &text)?;
         let document =
             parse_look(&inputs, &text).map_err(|e| LoadError::from(LookError::from(e)))?;
         Ok(Self {
@@ -71,7 +71,8 @@ impl Opening {
 
     /// All files that it was read from, textures included.
     pub fn files(&self) -> Vec<PathBuf> {
-        (self.loaded).files(&self.inputs.scene, self.inputs.look.as_deref())
+        let (files, inputs) = (&*self.system.files, &self.inputs);
+        (self.loaded).files(files, &inputs.scene, inputs.look.as_deref())
     }
 
     /// Begins with this camera in place of the look's.

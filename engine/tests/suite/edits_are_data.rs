@@ -195,7 +195,7 @@ fn fresh(gpu: &Device, state: &State) -> Film {
 }
 
 fn opened(gpu: &Device, state: &State) -> Session {
-    InMemory::new(bare_scene(), view(), &state.look(), sources()).open(gpu, SHOT)
+    InMemory::new(bare_scene(), view(), &state.look(), &sources()).open(gpu, SHOT)
 }
 
 fn picture(session: &mut Session) -> Film {

@@ -14,6 +14,8 @@ mod khronos;
 mod layouts;
 mod lights;
 mod looks;
+mod native;
+mod outputs;
 mod references;
 mod session;
 mod statistics;

@@ -262,7 +262,7 @@ fn programs_compute_what_the_language_promises() {
     case.link(outer, "x", inner, "");
     case.expect(outer, [2310.0; 4]);
 
-    for form in [Form::Switch, Form::Rounds, Form::Inlined] {
+    for form in [Form::Stack, Form::Inlined] {
         check(&case, form);
     }
 }
@@ -277,7 +277,7 @@ fn pointers_to_parts_of_variables_change_those_parts() {
     }
     let elements = case.node("elements", [0, 0], &[("x", Value::F32(1.0))]);
     case.expect(elements, [104.0, 108.0, 106.0, 104.0]);
-    for form in [Form::Switch, Form::Rounds, Form::Inlined] {
+    for form in [Form::Stack, Form::Inlined] {
         check(&case, form);
     }
 }
@@ -307,7 +307,7 @@ fn an_endless_loop_is_cut_and_reported() {
     case.expect(endless, [0.0; 4]);
     let after = case.node("one", [0, 0], &[("x", Value::F32(3.0))]);
     case.expect(after, [3.0; 4]);
-    let Some((results, [overrun, _])) = run(&case, Form::Switch) else {
+    let Some((results, [overrun, _])) = run(&case, Form::Stack) else {
         return;
     };
     assert_eq!(
@@ -329,7 +329,7 @@ fn the_first_node_whose_result_is_not_finite_is_told() {
         case.link(reader, "a", sound, "");
         case.link(reader, "b", broken, "");
         case.expect(reader, [0.0; 4]);
-        for form in [Form::Switch, Form::Rounds, Form::Inlined] {
+        for form in [Form::Stack, Form::Inlined] {
             let Some((_, [_, told])) = run(&case, form) else {
                 return;
             };
@@ -342,8 +342,7 @@ fn the_first_node_whose_result_is_not_finite_is_told() {
 /// How the kernel comes to the textures.
 #[derive(Clone, Copy, Debug)]
 enum Form {
-    Switch,
-    Rounds,
+    Stack,
     Inlined,
 }
 
@@ -355,12 +354,7 @@ fn run(case: &Case, form: Form) -> Option<(Vec<[f32; 4]>, [f32; 2])> {
     let program = case.graph.compile(&roots).expect("no image is missing");
     let library = case.graph.library();
     let kernel = match form {
-        Form::Switch => library.emit(program.slots_needed),
-        // Back to front, so that many rounds are needed.
-        Form::Rounds => {
-            let order: Vec<usize> = (0..library.textures().len()).rev().collect();
-            library.emit_in_rounds(program.slots_needed, &order)
-        }
+        Form::Stack => library.emit(program.slots_needed),
         Form::Inlined => {
             let kernel = emit_inlined(&case.graph, std::slice::from_ref(&roots));
             kernel.expect("no image is missing")

@@ -107,7 +107,7 @@ fn picture(renderer: &mut Renderer) -> Film {
 const TEXTURES: [(&str, &str); 2] = [("rings", RINGS), ("tint", TINT)];
 
 fn in_memory(look: &str) -> Arc<InMemory> {
-    InMemory::new(bare_scene(), view(), look, sources(&TEXTURES))
+    InMemory::new(bare_scene(), view(), look, &sources(&TEXTURES))
 }
 
 fn shown(session: &mut Session) -> Film {

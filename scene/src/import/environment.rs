@@ -3,7 +3,7 @@
 use super::error::ImportError;
 use super::panorama;
 use crate::FloatImage;
-use crate::input;
+use crate::input::Files;
 use std::path::Path;
 
 /// Largest file (4 GiB).
@@ -15,11 +15,16 @@ const MAX_FILE: u64 = 4 << 30;
 ///
 /// # Errors
 /// Where the file can't be read, is damaged, or is larger than 2^27 texels.
-pub fn load_environment_image(path: &Path) -> Result<(FloatImage, Vec<String>), ImportError> {
-    let bytes = input::read(path, MAX_FILE).map_err(|source| ImportError::Read {
-        path: path.to_owned(),
-        source,
-    })?;
+pub fn load_environment_image(
+    files: &dyn Files,
+    path: &Path,
+) -> Result<(FloatImage, Vec<String>), ImportError> {
+    let bytes = files
+        .read(path, MAX_FILE)
+        .map_err(|source| ImportError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
     // The decoders are foreign code fed with foreign bytes: a panic in one must not end the program.
     let decoded = texgen::guarded(|| panorama::decode(bytes))
         .unwrap_or_else(|_| Err("the decoder gave up on it".into()));

@@ -4,6 +4,7 @@ use super::budget::Budget;
 use super::error::ImportError;
 use super::pictures::Pictures;
 use crate::Scene;
+use crate::input::Files;
 use glam::DAffine3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,11 +16,13 @@ pub(super) trait Format {
     fn read(&self, request: Request<'_>) -> Result<Imported, ImportError>;
 
     /// The files beside it that it names; none where it can't be understood.
-    fn referenced_files(&self, path: &Path) -> Vec<PathBuf>;
+    fn referenced_files(&self, files: &dyn Files, path: &Path) -> Vec<PathBuf>;
 }
 
 /// What is to be read, and for whom.
 pub(super) struct Request<'a> {
+    /// Where it lies, and what it names.
+    pub(super) files: &'a Arc<dyn Files>,
     pub(super) path: &'a Path,
     /// The file's world in that of the scene.
     pub(super) placement: DAffine3,

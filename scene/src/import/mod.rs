@@ -24,6 +24,7 @@ pub use format::Imported;
 pub use merge::Appended;
 pub use pictures::load_picture;
 
+use crate::input::{Disk, Files};
 use crate::{Mesh, Scene};
 use budget::Budget;
 use format::{Format, Request};
@@ -54,11 +55,12 @@ pub fn is_scene(path: &Path) -> bool {
 
 /// The files beside a scene file that it names, for those who watch them; none where it can't be understood. Nothing of
 /// it is checked: importing does that.
-pub fn referenced_files(path: &Path) -> Vec<PathBuf> {
-    reader_of(path).referenced_files(path)
+pub fn referenced_files(files: &dyn Files, path: &Path) -> Vec<PathBuf> {
+    reader_of(path).referenced_files(files, path)
 }
 
-/// Reads a scene file with all its buffers and pictures: the default scene, at rest.
+/// Reads a scene file with all its buffers and pictures from the disk: the default scene, at rest. [`Importer::from_files`] has
+/// other files.
 ///
 /// A file without triangles gives a scene without instances; that is not an error here.
 ///
@@ -85,6 +87,7 @@ pub fn append(
 /// there once.
 #[derive(Debug)]
 pub struct Importer {
+    files: Arc<dyn Files>,
     budget: Arc<Budget>,
     pictures: Pictures,
     held: Held,
@@ -105,9 +108,15 @@ impl Default for Importer {
 }
 
 impl Importer {
-    /// For a new scene.
+    /// For a new scene, from the disk.
     pub fn new() -> Self {
+        Self::from_files(Arc::new(Disk))
+    }
+
+    /// For a new scene, from files of one's own.
+    pub fn from_files(files: Arc<dyn Files>) -> Self {
         Self {
+            files,
             budget: Arc::new(Budget::for_geometry()),
             pictures: Pictures::default(),
             held: Held::default(),
@@ -120,6 +129,7 @@ impl Importer {
     /// As [`load`].
     pub fn load(&mut self, path: &Path) -> Result<Imported, ImportError> {
         reader_of(path).read(Request {
+            files: &self.files,
             path,
             placement: DAffine3::IDENTITY,
             scene: &Scene::default(),
@@ -166,6 +176,7 @@ impl Importer {
             scene: added,
             warnings,
         } = reader_of(path).read(Request {
+            files: &self.files,
             path,
             placement: world,
             scene,

@@ -3,7 +3,7 @@
 use super::budget::Budget;
 use super::error::{Fault, ImportError};
 use crate::Image;
-use crate::input::{self, FileId};
+use crate::input::{FileId, Files};
 use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -133,8 +133,15 @@ fn load(
 ///
 /// # Errors
 /// One sentence without the path.
-pub fn load_picture(path: &Path, srgb: bool, held: &[Image]) -> Result<Image, String> {
-    let bytes = input::read(path, MAX_FILE).map_err(|error| format!("cannot read it: {error}"))?;
+pub fn load_picture(
+    files: &dyn Files,
+    path: &Path,
+    srgb: bool,
+    held: &[Image],
+) -> Result<Image, String> {
+    let bytes = files
+        .read(path, MAX_FILE)
+        .map_err(|error| format!("cannot read it: {error}"))?;
     let decoded = decode_guarded(&bytes, &budget(held))?;
     Ok(Image {
         name: path.display().to_string(),

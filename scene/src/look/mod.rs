@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use glam::{Affine3A, Vec3};
 use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle};
 
-use crate::input;
+use crate::input::{self, Disk, Files};
 use crate::sky::Sky;
 
 pub use document::{Kept, LookDocument, Section};
@@ -249,20 +249,20 @@ pub enum LookError {
 }
 
 impl Look {
-    /// Reads and parses a look file.
+    /// Reads and parses a look file of the disk.
     ///
     /// # Errors
     /// The file can't be read, or its mistakes, all of them.
     pub fn load(path: &Path) -> Result<Self, LookError> {
-        Ok(Self::parse(path, &Self::read_text(path)?)?)
+        Ok(Self::parse(path, &Self::read_text(&Disk, path)?)?)
     }
 
     /// Reads the text of a look file.
     ///
     /// # Errors
     /// It is no regular file, no text, too large, or can't be read.
-    pub fn read_text(path: &Path) -> Result<String, LookError> {
-        input::read_text(path, parse::MAX_BYTES as u64).map_err(|source| LookError::Read {
+    pub fn read_text(files: &dyn Files, path: &Path) -> Result<String, LookError> {
+        input::read_text(files, path, parse::MAX_BYTES as u64).map_err(|source| LookError::Read {
             path: path.to_owned(),
             source,
         })

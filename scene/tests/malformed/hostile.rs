@@ -35,7 +35,7 @@ fn one_buffer_a_thousand_times(folder: &Path) {
     });
     assert_eq!(loaded.unwrap().scene.instances.len(), 1);
     let files = within("its files", 1 << 20, move || {
-        import::referenced_files(&path)
+        import::referenced_files(&scene::input::Disk, &path)
     });
     assert_eq!(files.len(), 1001);
 }
@@ -126,7 +126,7 @@ fn files_larger_than_they_are(folder: &Path) {
     let picture = folder.join("sparse.hdr");
     File::create(&picture).unwrap().set_len(64 << 30).unwrap();
     let refused = within("a picture of 64 GiB", 0, move || {
-        import::load_environment_image(&picture)
+        import::load_environment_image(&scene::input::Disk, &picture)
     });
     let refused = refused.map(drop).unwrap_err().to_string();
     assert!(refused.contains("4.0 GiB"), "{refused}");

@@ -274,7 +274,9 @@ fn damaged_pictures(folder: &Path) {
             continue;
         }
         let copy = path.clone();
-        match bounded(&path, move || load_environment_image(&copy)) {
+        match bounded(&path, move || {
+            load_environment_image(&scene::input::Disk, &copy)
+        }) {
             Ok((image, warnings)) => {
                 eprintln!("  {name}: {} x {} {warnings:?}", image.width, image.height);
                 assert!(

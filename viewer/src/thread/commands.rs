@@ -23,7 +23,7 @@ impl Render {
                 self.pending.since.get_or_insert_with(Instant::now);
             }
             Command::Size(size) => {
-                *lock_size(&self.size) = size.map(|side| side.clamp(1, engine::renderer::MAX_SIDE));
+                *lock_size(&self.size) = size.map(|side| side.clamp(1, engine::film::MAX_SIDE));
                 // Until there is one of its shape, the former picture is stretched.
                 self.motion = Some(Instant::now());
             }

@@ -12,7 +12,7 @@ use exr::meta::attribute::{self, AttributeValue, Chromaticities, Text};
 use exr::meta::header::{Header, LayerAttributes};
 
 use super::{Fact, Metadata};
-use crate::film::Film;
+use crate::film::{self, Film, layers::Rule};
 
 /// What red, green, blue and white are.
 const REC709: Chromaticities = Chromaticities {
@@ -40,18 +40,41 @@ pub(super) fn write(file: impl Write + Seek, film: &Film, metadata: &Metadata) -
     }
     let mut channels = Vec::new();
     for layer in film.layers().iter() {
-        let values = film.values(layer).unwrap_or_default();
-        for (channel, name) in layer.channel_names().enumerate() {
-            let values = values.iter().map(|values| values[channel]).collect();
+        let values = film.channels(layer).unwrap_or_default();
+        for (name, values) in layer.channel_names().zip(values) {
             channels.push(AnyChannel::new(latin1(&name), FlatSamples::F32(values)));
         }
     }
     // The format wants them sorted.
     let channels = AnyChannels::sort(channels.into_iter().collect());
-    let layer = Layer::new((width, height), attributes(metadata), encoding, channels);
+    let mut attributes = attributes(metadata);
+    attributes
+        .other
+        .extend(film.layers().iter().flat_map(cryptomatte));
+    let layer = Layer::new((width, height), attributes, encoding, channels);
     let mut image = Image::from_layer(layer);
     image.attributes.chromaticities = Some(REC709);
     write_image(file, &image)
+}
+
+/// What the specification of Cryptomatte asks for in a header, for layers of ids. The manifest, which lists the names, is
+/// optional.
+fn cryptomatte(layer: &film::Layer) -> Vec<(Text, AttributeValue)> {
+    let Rule::Ids(_) = layer.rule else {
+        return Vec::new();
+    };
+    let name = format!("ViewLayer.{}", layer.pass);
+    let key = format!("{:08x}", scene::murmur3(name.as_bytes()));
+    let facts = [
+        ("name", name.as_str()),
+        ("hash", "MurmurHash3_32"),
+        ("conversion", "uint32_to_float32"),
+    ];
+    let facts = facts.map(|(fact, value)| {
+        let name = latin1(&format!("cryptomatte/{}/{fact}", &key[..7]));
+        (name, AttributeValue::Text(latin1(value)))
+    });
+    facts.into()
 }
 
 fn attributes(metadata: &Metadata) -> LayerAttributes {
@@ -174,7 +197,9 @@ mod tests {
     fn layers_have_the_names_of_blender() {
         let film = film(Layers::all());
         let (channels, attributes) = read(&written(&film));
-        assert_eq!(attributes.other.len(), metadata().facts.len());
+        let layers_of_ids = 2;
+        let facts = metadata().facts.len() + 3 * layers_of_ids;
+        assert_eq!(attributes.other.len(), facts);
         let count: usize = film
             .layers()
             .iter()
@@ -197,6 +222,25 @@ mod tests {
             }
         }
         assert_eq!(channels["ViewLayer.Depth.Z"][2], 1e10, "nothing was hit");
+    }
+
+    #[test]
+    fn ids_have_the_names_of_cryptomatte() {
+        let mut film = film(Layers::named(["crypto_object"]).expect("known"));
+        let [often, seldom] = ["often", "seldom"].map(scene::name_id);
+        for (sample, id) in [seldom, often, often].into_iter().enumerate() {
+            film.add_sample(2, [0.0; 3]);
+            film.add_surface(2, sample as u32, |_| [f32::from_bits(id), 0.0, 0.0]);
+        }
+        let (channels, attributes) = read(&written(&film));
+        let at = |channel: &str| channels[&format!("ViewLayer.CryptoObject{channel}")][2];
+        assert_eq!((at("00.r").to_bits(), at("00.g")), (often, 0.5));
+        assert_eq!((at("00.b").to_bits(), at("00.a")), (seldom, 0.25));
+        assert_eq!((at("03.b"), at("03.a")), (0.0, 0.0));
+        let key = format!("{:08x}", scene::murmur3(b"ViewLayer.CryptoObject"));
+        let name = Text::from(&*format!("cryptomatte/{}/name", &key[..7]));
+        let expected = AttributeValue::Text(Text::from("ViewLayer.CryptoObject"));
+        assert_eq!(attributes.other.get(&name), Some(&expected));
     }
 
     #[test]

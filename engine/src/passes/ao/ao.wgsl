@@ -9,7 +9,6 @@
 //!include shared/surface.wgsl
 //!include shared/traversal.wgsl
 //!include shared/occlusion.wgsl
-//!include ao/packet.wgsl
 
 @compute @workgroup_size(64)
 fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
@@ -41,9 +40,7 @@ fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgrou
         asked += count;
         let site = occlusion_site(s, hit.instance, path, purpose, i);
         var traced = Occlusion(0u, 0u);
-        if (ao_packets) {
-            traced = occlusion_in_packets(site, count);
-        } else if (ao_thread_per_hit) {
+        if (ao_thread_per_hit) {
             for (var ray_of_hit = 0u; ray_of_hit < count; ray_of_hit++) {
                 let one = occlusion(site, ray_of_hit);
                 traced.occluded += one.occluded;

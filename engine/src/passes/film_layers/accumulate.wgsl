@@ -4,13 +4,15 @@
 //!include shared/filter.wgsl
 //!include shared/exact_sums.wgsl
 //!include film_layers/samples.wgsl
+//!include film_layers/pixel.wgsl
 
-// Of each pixel a sum of 96 bits and a spare word, or a sample's number plus 1, 0 for none, and its numbers.
+// Of each pixel a sum of 96 bits and a spare word, or a sample's number plus 1, 0 for none, and its numbers. Ids have a
+// kernel of their own.
 @group(0) @binding(43) var<storage, read_write> layer_film: array<vec4u>;
 
-// Where the plane's numbers lie in a path's record, and how many there are.
-override plane_word: u32 = 1u;
-override plane_channels: u32 = 1u;
+// Where its numbers lie in a path's record, and how many there are.
+override sum_word: u32 = 1u;
+override sum_words: u32 = 1u;
 
 // A number that isn't finite would spoil its pixel for good.
 fn finite_sample(word: u32, slot: u32) -> f32 {
@@ -18,17 +20,6 @@ fn finite_sample(word: u32, slot: u32) -> f32 {
     let is_finite = (bitcast<u32>(value) & 0x7f800000u) != 0x7f800000u;
     return select(0.0, value, is_finite);
 }
-
-// The pixel of a thread, or NO_PIXEL if it has none to work on.
-fn own_pixel(first: u32) -> u32 {
-    if (first >= min(frame.wave_size, frame.padded_pixels)) {
-        return NO_PIXEL;
-    }
-    let pixel = pixel_coordinates(path_id(first).pixel);
-    return select(NO_PIXEL, pixel.y * frame.width + pixel.x, is_rendered(pixel));
-}
-
-const NO_PIXEL = 0xffffffffu;
 
 @compute @workgroup_size(64)
 fn accumulate_mean(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
@@ -47,7 +38,7 @@ fn accumulate_mean(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgro
         if (layer_sample(0u, slot) == 0.0) {
             continue;
         }
-        var value = finite_sample(plane_word, slot);
+        var value = finite_sample(sum_word, slot);
         if (frame.filter_positive < 1.0) {
             value *= filter_weight(random4(path, DIMENSION_CAMERA, GROUP_CAMERA).xy);
         }
@@ -74,12 +65,12 @@ fn accumulate_first(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
         if (layer_sample(0u, slot) == 0.0 || (words.x != 0u && words.x < number)) {
             continue;
         }
-        var values = vec3f(finite_sample(plane_word, slot), 0.0, 0.0);
-        if (plane_channels > 1u) {
-            values.y = finite_sample(plane_word + 1u, slot);
+        var values = vec3f(finite_sample(sum_word, slot), 0.0, 0.0);
+        if (sum_words > 1u) {
+            values.y = finite_sample(sum_word + 1u, slot);
         }
-        if (plane_channels > 2u) {
-            values.z = finite_sample(plane_word + 2u, slot);
+        if (sum_words > 2u) {
+            values.z = finite_sample(sum_word + 2u, slot);
         }
         words = vec4u(number, bitcast<vec3u>(values));
     }

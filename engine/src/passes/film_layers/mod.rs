@@ -1,18 +1,13 @@
 //! The layers of a film beside the picture: what the first surface of each path gives to them is recorded in each round,
-//! and added to their planes at the end of a wave, plane by plane. One thread per path.
+//! and added to their planes at the end of a wave, sum by sum. One thread per path.
 //!
-//! What a layer is, its declaration says ([`crate::film::layers`]): `layers_wgsl` makes WGSL of all of them, and constants tell a
-//! kernel which are asked for.
-
-use std::sync::LazyLock;
+//! What a layer is, its declaration says ([`crate::film::layers`]): the film makes WGSL of all of them, and constants tell a kernel
+//! which are asked for.
 
 use device::{Device, DeviceError, Kernel, Trust};
 
 use crate::{
-    film::{
-        LAYERS, Layers,
-        layers::{Plane, Rule},
-    },
+    film::layers::{Rule, Sum},
     wave::Queue,
 };
 
@@ -58,74 +53,37 @@ pub const FIRST: Pass = Pass {
     ..MEAN
 };
 
-/// Name of the plane that [`MEAN`] and [`FIRST`] write: each is bound to several planes, one after the other.
-pub const PLANE: &str = "layer_film";
+/// Counts them by ids, in all planes of a layer.
+pub const IDS: Pass = Pass {
+    name: "accumulate_ids",
+    file: "film_layers/accumulate_ids.wgsl",
+    writes: &PLANES,
+    ..MEAN
+};
 
-/// The pass that adds to a plane.
-pub(crate) fn pass_of(plane: &Plane) -> &'static Pass {
-    match plane.layer.rule {
+/// Names by which these passes know the planes that they write, as many as they need: each is bound to several layers, one after
+/// the other.
+pub const PLANES: [&str; 4] = ["layer_film", "layer_film1", "layer_film2", "layer_film3"];
+
+/// The pass that adds to a layer's planes.
+pub(crate) fn pass_of(sum: &Sum) -> &'static Pass {
+    match sum.layer.rule {
+        Rule::Ids(_) => &IDS,
         Rule::First { .. } => &FIRST,
         Rule::Mean(_) | Rule::Derived(_) => &MEAN,
     }
 }
 
-/// Compiles the kernel that adds to a plane.
+/// Compiles the kernel that adds to a layer's planes.
 ///
 /// # Errors
 /// If the driver refuses it.
-pub(crate) fn plane_kernel(device: &Device, plane: &Plane) -> Result<Kernel, DeviceError> {
-    let pass = pass_of(plane);
+pub(crate) fn sum_kernel(device: &Device, sum: &Sum) -> Result<Kernel, DeviceError> {
+    let pass = pass_of(sum);
     let constants = [
-        ("plane_word", f64::from(plane.word)),
-        ("plane_channels", f64::from(plane.channels)),
+        ("sum_word", f64::from(sum.word)),
+        ("sum_words", f64::from(sum.words)),
     ];
-    let source = pass.source(device);
+    let source = pass.source();
     source.compile(device, pass.name, Trust::All, &constants)
-}
-
-/// Constants that tell [`RECORD`] where the values of these layers go.
-pub(crate) fn constants(layers: &Layers) -> Vec<(&'static str, f64)> {
-    let mut constants: Vec<(&'static str, f64)> = Vec::new();
-    for plane in layers.planes() {
-        let name = word_name(plane.layer.name);
-        // The first plane of a layer is where it begins.
-        if constants.last().is_none_or(|&(last, _)| last != name) {
-            constants.push((name, f64::from(plane.word)));
-        }
-    }
-    constants
-}
-
-/// The constant with the first word of a layer.
-fn word_name(layer: &str) -> &'static str {
-    static NAMES: LazyLock<Vec<String>> = LazyLock::new(|| {
-        let names = LAYERS.iter().map(|layer| format!("word_{}", layer.name));
-        names.collect()
-    });
-    let at = LAYERS.iter().position(|other| other.name == layer);
-    &NAMES[at.expect("one of the table")]
-}
-
-/// `generated/film_layers.wgsl`: a function that records all layers that are asked for.
-pub(super) fn layers_wgsl() -> String {
-    let (mut words, mut body) = (String::new(), String::new());
-    for layer in &LAYERS {
-        let Some(wgsl) = layer.wgsl() else { continue };
-        let word = word_name(layer.name);
-        words += &format!("override {word}: u32 = 0u;\n");
-        let (kind, parts) = match layer.channel_count() {
-            1 => ("f32", &[""][..]),
-            2 => ("vec2f", &[".x", ".y"][..]),
-            _ => ("vec3f", &[".x", ".y", ".z"][..]),
-        };
-        body += &format!("    if ({word} != 0u) {{\n        let value: {kind} = {wgsl};\n");
-        for (at, part) in parts.iter().enumerate() {
-            body += &format!("        layer_sample_set({word} + {at}u, at.slot, value{part});\n");
-        }
-        body += "    }\n";
-    }
-    format!(
-        "// Where the values of each layer lie in what is recorded of a path; 0: it is not asked for.\n{words}\n\
-         fn record_each(at: FirstSurface) {{\n{body}}}\n"
-    )
 }

@@ -119,7 +119,8 @@ fn patina_attr_InstanceId() -> vec4f {
 }
 
 fn patina_attr_ObjectRandom() -> vec4f {
-    let x = instances[site.instance].random;
+    let number = hash(instances[site.instance].source * 0x9e3779b9u + 0x7f4a7c15u);
+    let x = f32(number >> 8u) * (1.0 / 16777216.0);
     let y = hash(bitcast<u32>(x));
     let z = hash(y);
     return vec4f(x, vec3f(vec3u(y, z, hash(z)) >> vec3u(8u)) * (1.0 / 16777216.0));

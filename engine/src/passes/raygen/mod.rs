@@ -9,6 +9,5 @@ pub const PASS: Pass = Pass {
     work: Work::Paths,
     reads: &["filter_table", "frame"],
     writes: &["paths", "queues", "rays"],
-    branches_on_frame: true,
     ..Pass::COMMON
 };

@@ -31,7 +31,7 @@ struct Instance {
     object_from_world: array<vec4f, 3>,
     root: u32, // BLAS root in `nodes`
     handedness: f32, // sign of the determinant
-    random: f32, // in [0, 1), the same in every run
+    id: u32, // of its name
     source: u32, // index of the instance in the scene
 }
 

@@ -1,6 +1,5 @@
-//! Rays against the scene: the seam behind which other implementations may stand, as [`host`] does. One thread per ray.
-
-pub mod host;
+//! Rays against the scene: the seam behind which other implementations may stand, as
+//! [`host_traversal`](crate::gpu_scene::host_traversal) does. One thread per ray.
 
 use crate::wave::Queue;
 

@@ -159,7 +159,8 @@ fn a_real_environment_lights_a_floor_as_its_integral_says() {
         return;
     };
     let Some(gpu) = device::open() else { return };
-    let (image, _) = load_environment_image(&file).unwrap_or_else(|error| panic!("{error}"));
+    let (image, _) = load_environment_image(&engine::input::Disk, &file)
+        .unwrap_or_else(|error| panic!("{error}"));
     let expected = (irradiance(&image) * 0.5 / PI).as_vec3();
     let ground = scene([(floor(5.0), lambert(Vec3::splat(0.5)))], Vec3::ZERO);
     let mut scene = with_environment(ground, image, -70.0, 1.0);

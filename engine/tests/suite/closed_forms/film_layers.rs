@@ -1,6 +1,7 @@
 //! Layers of the film: each against what is known of its scene, and with the same exactness as the picture.
 
 use ::device::Device;
+use engine::film::ids::{Coverage, IDS};
 use engine::film::{Film, Layer, Layers};
 use engine::procedural::{Procedural, TextureSources};
 use engine::renderer::Renderer;
@@ -307,4 +308,107 @@ fn layers_follow_a_render_that_begins_anew() {
         film
     };
     assert!(film() == film());
+}
+
+/// Stripes side by side, each with a name of its own, and nothing to their right.
+fn stripes(names: &[String], width: f32) -> Scene {
+    let stripe = |at: usize| {
+        let left = Vec3::new(-1.0 + width * at as f32, 0.0, 1.0);
+        let stripe = quad(left, Vec3::X * width, Vec3::NEG_Z * 2.0);
+        (stripe, lambert(Vec3::splat(0.5)))
+    };
+    let mut scene = scene((0..names.len()).map(stripe), Vec3::ONE);
+    for (instance, name) in scene.instances.iter_mut().zip(names) {
+        instance.name.clone_from(name);
+    }
+    // Two stripes are of one material each.
+    for (at, material) in scene.materials.iter_mut().enumerate() {
+        material.name = format!("of {}", at / 2);
+    }
+    scene
+}
+
+fn covered(film: &Film, layer: &str) -> Vec<[Coverage; IDS]> {
+    let layer = Layer::named(layer).expect("there is such a layer");
+    film.coverage(layer).expect("it was asked for")
+}
+
+#[test]
+fn ids_cover_what_they_are_known_to_cover() {
+    let Some(gpu) = device::open() else { return };
+    // Five stripes across the left eight tenths of four pixels: their edges lie within pixels.
+    let names: Vec<String> = (0..5).map(|i| format!("stripe {i}")).collect();
+    let width = 1.6 / 5.0;
+    let mut scene = stripes(&names, width);
+    let shot = Shot {
+        size: (4, 4),
+        max_depth: 1,
+        spp: 1024,
+    };
+    let film = seen(&gpu, &mut scene, &from_above(3.0, 1.0), shot);
+    let share = |stripe: usize, column: usize| {
+        let (left, right) = (0.5 * column as f32, 0.5 * (column + 1) as f32);
+        let (from, to) = (width * stripe as f32, width * (stripe + 1) as f32);
+        ((to.min(right) - from.max(left)) / 0.5).max(0.0)
+    };
+    for (pixel, found) in covered(&film, "crypto_object").iter().enumerate() {
+        assert!(found.is_sorted_by(|a, b| a.share >= b.share), "by rank");
+        for (stripe, name) in names.iter().enumerate() {
+            let id = engine::scene::name_id(name);
+            let found: f32 = (found.iter().filter(|c| c.id == id).map(|c| c.share)).sum();
+            let expected = share(stripe, pixel % 4);
+            // Sobol points: an edge that runs through the pixel from top to bottom is met to about one in so many.
+            assert!(
+                (found - expected).abs() <= 4.0 / 1024.0,
+                "{name}, pixel {pixel}: {found} {expected}"
+            );
+        }
+    }
+    for (pixel, found) in covered(&film, "crypto_material").iter().enumerate() {
+        for material in 0..3 {
+            let id = engine::scene::name_id(&format!("of {material}"));
+            let found: f32 = (found.iter().filter(|c| c.id == id).map(|c| c.share)).sum();
+            let stripes = (2 * material..5).take(2);
+            let expected: f32 = stripes.map(|stripe| share(stripe, pixel % 4)).sum();
+            assert!((found - expected).abs() <= 4.0 / 1024.0, "{material}");
+        }
+    }
+}
+
+#[test]
+fn what_a_pixel_shows_too_much_of_is_dropped_the_same_way_however_it_is_cut() {
+    let Some(gpu) = device::open() else { return };
+    let names: Vec<String> = (0..40).map(|i| format!("blade {i}")).collect();
+    let mut scene = stripes(&names, 2.0 / 40.0);
+    let procedural = no_textures(&mut scene);
+    let layers = Layers::named(["crypto_object"]).expect("known");
+    let shot = Shot {
+        size: (2, 2),
+        max_depth: 1,
+        spp: 96,
+    };
+    let of = |first_sample, cut| {
+        let settings = RenderSettings {
+            first_sample,
+            ..with_layers(&from_above(3.0, 1.0), shot, &layers)
+        };
+        film(&gpu, &scene, &procedural, &settings, cut)
+    };
+    let whole = of(0, (1 << 14, 96));
+    assert!(whole == of(0, (64, 96)), "smaller waves");
+    // Each pixel sees twenty of them, and keeps those with the lowest ids.
+    for (pixel, found) in covered(&whole, "crypto_object").iter().enumerate() {
+        let seen = &names[20 * (pixel % 2)..][..20];
+        let mut ids: Vec<u32> = seen.iter().map(|n| engine::scene::name_id(n)).collect();
+        ids.sort_unstable();
+        let mut found: Vec<u32> = found.iter().map(|coverage| coverage.id).collect();
+        found.sort_unstable();
+        assert_eq!(found, ids[..IDS]);
+    }
+    let mut merged = Film::with_layers(2, 2, layers.clone());
+    for (first, cut) in [(60, (128, 36)), (0, (1 << 14, 1)), (1, (64, 59))] {
+        assert!(merged != whole);
+        merged.add(&of(first, cut));
+    }
+    assert!(merged == whole, "merged");
 }

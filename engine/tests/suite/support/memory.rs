@@ -1,5 +1,6 @@
-//! Sessions of what is in memory: no file is read, and work aside may wait until a test says so.
+//! Sessions of what is in memory: no file of the disk is read, and work aside may wait until a test says so.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,12 +8,11 @@ use std::sync::{Arc, Mutex};
 
 use ::device::Device;
 use engine::film::Film;
-use engine::procedural::{SourcesError, TextureSources};
+use engine::procedural::TextureSources;
 use engine::scene::import::{ImportError, Imported, Importer};
-use engine::scene::look::LookError;
 use engine::scene::{Camera, Scene};
 use engine::session::{Inputs, Opening, Session};
-use engine::system::{Files, System, Threads};
+use engine::system::{Assets, Files, System, Threads};
 
 use super::scenes::{Shot, settings};
 
@@ -20,8 +20,15 @@ use super::scenes::{Shot, settings};
 #[derive(Debug)]
 pub(crate) struct InMemory {
     scene: Scene,
-    look: Mutex<String>,
-    textures: Mutex<TextureSources>,
+    /// The look, and the textures of a folder.
+    texts: Mutex<BTreeMap<PathBuf, String>>,
+}
+
+const LOOK: &str = "look.toml";
+const TEXTURES: &str = "textures";
+
+fn texture_path(name: &str) -> PathBuf {
+    Path::new(TEXTURES).join(format!("{name}.wgsl"))
 }
 
 impl InMemory {
@@ -30,19 +37,32 @@ impl InMemory {
         mut scene: Scene,
         view: Camera,
         look: &str,
-        textures: TextureSources,
+        textures: &TextureSources,
     ) -> Arc<Self> {
         scene.cameras = vec![view];
+        let text = |name| {
+            let file = textures.read(name).expect("it is one of theirs");
+            let file = file.unwrap_or_else(|error| panic!("{error}"));
+            (texture_path(name), file.text().to_owned())
+        };
+        let mut texts: BTreeMap<PathBuf, String> = textures.names().map(text).collect();
+        texts.insert(LOOK.into(), look.to_owned());
         Arc::new(Self {
             scene,
-            look: Mutex::new(look.to_owned()),
-            textures: Mutex::new(textures),
+            texts: Mutex::new(texts),
         })
+    }
+
+    fn text(&self, path: &Path) -> io::Result<Vec<u8>> {
+        let texts = self.texts.lock().expect("unharmed");
+        let text = texts.get(path).ok_or(io::ErrorKind::NotFound)?;
+        Ok(text.clone().into_bytes())
     }
 
     /// Saves a texture, as in an editor.
     pub(crate) fn save_texture(&self, name: &str, text: &str) {
-        self.textures.lock().expect("unharmed").insert(name, text);
+        let mut texts = self.texts.lock().expect("unharmed");
+        texts.insert(texture_path(name), text.to_owned());
     }
 
     /// Rendered on a device.
@@ -61,14 +81,14 @@ impl InMemory {
         threads: Arc<dyn Threads>,
     ) -> Session {
         let system = System {
-            files: Arc::clone(self) as Arc<dyn Files>,
+            files: Arc::clone(self) as Arc<dyn Assets>,
             threads,
             ..System::default()
         };
         let inputs = Inputs {
             scene: PathBuf::from("scene in memory"),
-            look: Some(PathBuf::from("look.toml")),
-            textures: Vec::new(),
+            look: Some(PathBuf::from(LOOK)),
+            textures: vec![PathBuf::from(TEXTURES)],
             camera: None,
         };
         let gpu = gpu.clone();
@@ -84,24 +104,40 @@ impl InMemory {
 }
 
 impl Files for InMemory {
+    fn read_start(&self, path: &Path, length: u64) -> io::Result<Vec<u8>> {
+        let mut text = self.text(path)?;
+        text.truncate(length as usize);
+        Ok(text)
+    }
+
+    fn read(&self, path: &Path, _: u64) -> io::Result<Vec<u8>> {
+        self.text(path)
+    }
+
+    fn has(&self, path: &Path) -> bool {
+        self.text(path).is_ok()
+    }
+
+    fn list(&self, folder: &Path) -> io::Result<Vec<PathBuf>> {
+        let texts = self.texts.lock().expect("unharmed");
+        let paths = texts.keys().filter(|path| path.parent() == Some(folder));
+        Ok(paths.cloned().collect())
+    }
+
+    fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        let text = String::from_utf8(bytes.to_vec()).map_err(io::Error::other)?;
+        let mut texts = self.texts.lock().expect("unharmed");
+        texts.insert(path.to_owned(), text);
+        Ok(())
+    }
+}
+
+impl Assets for InMemory {
     fn scene(&self, _: &mut Importer, _: &Path) -> Result<Imported, ImportError> {
         Ok(Imported {
             scene: self.scene.clone(),
             warnings: Vec::new(),
         })
-    }
-
-    fn look(&self, _: &Path) -> Result<String, LookError> {
-        Ok(self.look.lock().expect("unharmed").clone())
-    }
-
-    fn save_look(&self, _: &Path, text: &str) -> io::Result<()> {
-        text.clone_into(&mut self.look.lock().expect("unharmed"));
-        Ok(())
-    }
-
-    fn textures(&self, _: &[PathBuf]) -> Result<TextureSources, SourcesError> {
-        Ok(self.textures.lock().expect("unharmed").clone())
     }
 }
 

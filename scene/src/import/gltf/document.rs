@@ -7,7 +7,7 @@ use super::files::{self, UriTarget};
 use super::json_text::{self, JsonError, Parsed};
 use crate::import::budget::Budget;
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
-use crate::input::{self, FileId};
+use crate::input::{FileId, Files};
 use gltf::json;
 use json::validation::USize64;
 use serde_json::Value;
@@ -51,6 +51,8 @@ pub(super) struct Document {
     pub(super) root: json::Root,
     /// `extras.environment` of each scene.
     pub(super) environments: Vec<Option<Value>>,
+    /// Where it lies.
+    pub(super) files: Arc<dyn Files>,
     /// What decoding may still take.
     pub(super) budget: Arc<Budget>,
     id: FileId,
@@ -76,6 +78,7 @@ enum BufferSource {
 impl Document {
     /// Understands the bytes of a file and reads all its buffers. What decoding takes comes out of `budget`.
     pub(super) fn new(
+        files: &Arc<dyn Files>,
         path: &Path,
         file: Vec<u8>,
         budget: &Arc<Budget>,
@@ -104,11 +107,12 @@ impl Document {
         let length = file.len() as u64;
         check_version(&root).at(path, || "asset".into())?;
         let mut document = Self {
+            files: Arc::clone(files),
             path: path.to_owned(),
             root,
             environments,
             budget: Arc::clone(budget),
-            id: FileId::of(path),
+            id: files.id(path),
             // Without a binary chunk nothing in it is needed any more.
             file: if parts.bin.is_some() {
                 file
@@ -237,7 +241,7 @@ impl Document {
                     let file = match read.get(&id) {
                         Some(file) => Arc::clone(file),
                         None => {
-                            let file = input::read_start(&path, wanted[&id])
+                            let file = (self.files.read_start(&path, wanted[&id]))
                                 .map_err(|source| ImportError::Read { path, source })?;
                             Arc::clone(read.entry(id).or_insert(Arc::new(file)))
                         }
@@ -269,9 +273,9 @@ impl Document {
             };
             let place = || format!("buffer {index}");
             Ok(Some(
-                match files::resolve(self.folder(), uri).at(&self.path, place)? {
+                match files::resolve(&*self.files, self.folder(), uri).at(&self.path, place)? {
                     UriTarget::Data(bytes) => BufferSource::Data(bytes),
-                    UriTarget::File(path) => BufferSource::File(FileId::of(&path), path),
+                    UriTarget::File(path) => BufferSource::File(self.files.id(&path), path),
                 },
             ))
         };
@@ -337,11 +341,11 @@ impl Document {
 }
 
 /// Reads a `.glb` as far as its header says, or a `.gltf`, which is all JSON.
-pub(super) fn read(path: &Path) -> io::Result<Vec<u8>> {
-    let start = input::read_start(path, container::HEADER)?;
+pub(super) fn read(files: &dyn Files, path: &Path) -> io::Result<Vec<u8>> {
+    let start = files.read_start(path, container::HEADER)?;
     match container::length(&start) {
-        Some(length) => input::read_start(path, length),
-        None => input::read(path, MAX_JSON_BYTES),
+        Some(length) => files.read_start(path, length),
+        None => files.read(path, MAX_JSON_BYTES),
     }
 }
 

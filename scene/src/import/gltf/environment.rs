@@ -47,11 +47,12 @@ pub(super) fn of_scene(
     let Some(uri) = uri else {
         return Err("has neither \"constant\" nor \"uri\"".to_owned()).at(&document.path, place);
     };
-    let UriTarget::File(path) = files::resolve(document.folder(), uri).at(&document.path, place)?
+    let UriTarget::File(path) =
+        files::resolve(&*document.files, document.folder(), uri).at(&document.path, place)?
     else {
         return Err("must be a file".to_owned()).at(&document.path, place);
     };
-    let (image, image_warnings) = load_environment_image(&path)?;
+    let (image, image_warnings) = load_environment_image(&*document.files, &path)?;
     image_warnings
         .into_iter()
         .for_each(|warning| warnings.push(warning));

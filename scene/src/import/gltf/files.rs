@@ -1,8 +1,9 @@
 //! URIs of a glTF file: bytes of `data:` URIs and of files beside it.
 //!
-//! Nothing is opened here: see [`crate::input`].
+//! Nothing is opened here: see [`crate::input`], whose files are asked what there is.
 
 use crate::import::error::Fault;
+use crate::input::Files;
 use base64::Engine as _;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use std::borrow::Cow;
@@ -19,7 +20,7 @@ pub(super) enum UriTarget {
 
 /// Resolves `uri`, written in a glTF file in `folder`. Does not look whether a file exists, except to choose between
 /// the percent-decoded and the literal spelling.
-pub(super) fn resolve(folder: &Path, uri: &str) -> Result<UriTarget, Fault> {
+pub(super) fn resolve(files: &dyn Files, folder: &Path, uri: &str) -> Result<UriTarget, Fault> {
     if let Some(data) = uri.strip_prefix("data:") {
         return decode_data_uri(data).map(UriTarget::Data);
     }
@@ -38,7 +39,7 @@ pub(super) fn resolve(folder: &Path, uri: &str) -> Result<UriTarget, Fault> {
     let path = folder.join(&decoded);
     // Some exporters write names with a '%' as they are.
     let literal = folder.join(uri);
-    if decoded != uri && !path.exists() && literal.exists() {
+    if decoded != uri && !files.has(&path) && files.has(&literal) {
         return Ok(UriTarget::File(literal));
     }
     Ok(UriTarget::File(path))
@@ -102,9 +103,10 @@ fn percent_decode(text: &str) -> Cow<'_, [u8]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::Disk;
 
     fn data(uri: &str) -> Result<Vec<u8>, Fault> {
-        match resolve(Path::new("."), uri)? {
+        match resolve(&Disk, Path::new("."), uri)? {
             UriTarget::Data(bytes) => Ok(bytes),
             UriTarget::File(path) => panic!("{} is not data", path.display()),
         }
@@ -125,7 +127,7 @@ mod tests {
     #[test]
     fn names_with_spaces_and_unicode_become_paths() {
         for uri in ["a%20b%E2%9D%A4.bin", "a b❤.bin"] {
-            match resolve(Path::new("dir"), uri).unwrap() {
+            match resolve(&Disk, Path::new("dir"), uri).unwrap() {
                 UriTarget::File(path) => assert_eq!(path, Path::new("dir/a b❤.bin")),
                 UriTarget::Data(_) => panic!("{uri} is not data"),
             }
@@ -134,7 +136,7 @@ mod tests {
 
     #[test]
     fn the_network_is_not_touched() {
-        let message = resolve(Path::new("."), "https://example.com/a.bin").unwrap_err();
+        let message = resolve(&Disk, Path::new("."), "https://example.com/a.bin").unwrap_err();
         assert!(message.contains("https:"), "{message}");
     }
 }

@@ -4,7 +4,6 @@ use super::document::{Document, offset};
 use super::files::{self, UriTarget};
 use crate::import::error::Fault;
 use crate::import::pictures::{Album, Key, MAX_FILE};
-use crate::input::{self, FileId};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -19,8 +18,8 @@ impl Album for Document {
             return entry();
         };
         match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => match files::resolve(self.folder(), uri) {
-                Ok(UriTarget::File(path)) => Key::File(FileId::of(&path)),
+            (Some(uri), _) => match files::resolve(&*self.files, self.folder(), uri) {
+                Ok(UriTarget::File(path)) => Key::File(self.files.id(&path)),
                 _ => entry(),
             },
             (None, Some(view)) => match self.root.buffer_views.get(view.value()) {
@@ -51,9 +50,9 @@ impl Album for Document {
     fn bytes(&self, index: usize) -> Result<Cow<'_, [u8]>, Fault> {
         let source = &self.root.images[index];
         if let Some(uri) = &source.uri {
-            return match files::resolve(self.folder(), uri)? {
+            return match files::resolve(&*self.files, self.folder(), uri)? {
                 UriTarget::Data(bytes) => Ok(Cow::Owned(bytes)),
-                UriTarget::File(path) => input::read(&path, MAX_FILE)
+                UriTarget::File(path) => (self.files.read(&path, MAX_FILE))
                     .map(Cow::Owned)
                     .map_err(|error| format!("cannot read {}: {error}", path.display())),
             };

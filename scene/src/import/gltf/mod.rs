@@ -29,6 +29,7 @@ use super::budget::Budget;
 use super::error::{ImportError, Warnings};
 use super::format::{Format, Imported, Request};
 use super::merge::make_names_unique;
+use crate::input::Files;
 use crate::{Environment, Scene};
 use document::Document;
 use std::collections::HashSet;
@@ -41,21 +42,26 @@ pub(super) struct Gltf;
 impl Format for Gltf {
     fn read(&self, request: Request<'_>) -> Result<Imported, ImportError> {
         let path = request.path;
-        let file = document::read(path).map_err(|source| ImportError::Read {
+        let file = document::read(&**request.files, path).map_err(|source| ImportError::Read {
             path: path.to_owned(),
             source,
         })?;
-        assemble(&parse(path, file, request.budget)?, request)
+        assemble(&parse(request.files, path, file, request.budget)?, request)
     }
 
-    fn referenced_files(&self, path: &Path) -> Vec<PathBuf> {
-        referenced::referenced_files(path)
+    fn referenced_files(&self, files: &dyn Files, path: &Path) -> Vec<PathBuf> {
+        referenced::referenced_files(files, path)
     }
 }
 
 /// The bytes of a file as a document all of whose data can be read.
-fn parse(path: &Path, file: Vec<u8>, budget: &Arc<Budget>) -> Result<Document, ImportError> {
-    let mut document = Document::new(path, file, budget)?;
+fn parse(
+    files: &Arc<dyn Files>,
+    path: &Path,
+    file: Vec<u8>,
+    budget: &Arc<Budget>,
+) -> Result<Document, ImportError> {
+    let mut document = Document::new(files, path, file, budget)?;
     document.decompress()?;
     document.check_layout()?;
     Ok(document)

@@ -8,6 +8,7 @@ use serde::de::{Deserializer, SeqAccess, Visitor};
 
 use super::document::read;
 use super::{container, files};
+use crate::input::Files;
 
 /// The members of a file that name others.
 #[derive(Deserialize)]
@@ -50,16 +51,16 @@ impl<'de> Deserialize<'de> for Uris {
 }
 
 /// The buffers and images beside a glTF file that its JSON names; none where the file can't be understood.
-pub(super) fn referenced_files(path: &Path) -> Vec<PathBuf> {
+pub(super) fn referenced_files(from: &dyn Files, path: &Path) -> Vec<PathBuf> {
     let names = || -> Option<Vec<PathBuf>> {
-        let bytes = read(path).ok()?;
+        let bytes = read(from, path).ok()?;
         let parts = container::split(&bytes).ok()?;
         let text = bytes.get(parts.json)?;
         let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
         let Names { buffers, images } = serde_json::from_slice(text).ok()?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let uris = buffers.0.iter().chain(&images.0);
-        let files = uris.filter_map(|uri| match files::resolve(folder, uri).ok()? {
+        let files = uris.filter_map(|uri| match files::resolve(from, folder, uri).ok()? {
             files::UriTarget::File(path) => Some(path),
             files::UriTarget::Data(_) => None,
         });

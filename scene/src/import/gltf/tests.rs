@@ -3,6 +3,7 @@
 use super::{Budget, ImportError, Imported, Request, assemble, parse};
 use crate::import::merge::merge;
 use crate::import::pictures::Pictures;
+use crate::input::{Disk, Files};
 use crate::{AlphaMode, Environment, LightKind, Projection, Scene};
 use base64::Engine as _;
 use glam::{DAffine3, Vec3};
@@ -17,7 +18,9 @@ pub(super) fn import(tree: Value) -> Result<Imported, ImportError> {
     let text = serde_json::to_vec(&tree).unwrap();
     let path = Path::new("dir/test.gltf");
     let budget = Arc::new(Budget::for_geometry());
+    let files: Arc<dyn Files> = Arc::new(Disk);
     let request = Request {
+        files: &files,
         path,
         placement: DAffine3::IDENTITY,
         scene: &Scene::default(),
@@ -25,7 +28,7 @@ pub(super) fn import(tree: Value) -> Result<Imported, ImportError> {
         budget: &budget,
         pictures: &mut Pictures::default(),
     };
-    assemble(&parse(path, text, &budget)?, request)
+    assemble(&parse(&files, path, text, &budget)?, request)
 }
 
 fn scene(tree: Value) -> Scene {
@@ -537,7 +540,8 @@ fn broken_json_says_where() {
     let text = b"{\n  \"asset\": { \"version\": \"2.0\" },\n  \"nodes\": [ { \"mesh\": true } ]\n}"
         .to_vec();
     let budget = Arc::new(Budget::for_geometry());
-    let Err(error) = parse(Path::new("test.gltf"), text, &budget) else {
+    let files: Arc<dyn Files> = Arc::new(Disk);
+    let Err(error) = parse(&files, Path::new("test.gltf"), text, &budget) else {
         panic!("must be refused");
     };
     assert!(error.to_string().contains("line 3"), "{error}");

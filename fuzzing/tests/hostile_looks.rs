@@ -1,16 +1,14 @@
 //! Looks made here to take more than they need: memory stays within a few times of what they hold.
 
-#[path = "../../../scene/tests/malformed/bounded.rs"]
+#[path = "../../scene/tests/malformed/bounded.rs"]
 mod bounded;
-#[path = "../../../fuzzing/src/memory.rs"]
-#[expect(dead_code, unreachable_pub, reason = "it is a part of another crate")]
-mod memory;
 
 use std::io::Cursor;
 use std::path::Path;
 
 use bounded::{corners, mib, triangle, within, write};
 use engine::load;
+use fuzzing::memory;
 use serde_json::json;
 
 #[global_allocator]

@@ -11,10 +11,11 @@ use rayon::prelude::*;
 
 use crate::{
     bvh::SceneBvh,
-    gpu_scene::{RayRules, inverse, rows},
     scene::{self, Scene},
     wave::RayHit,
 };
+
+use super::{RayRules, inverse, rows};
 
 /// The function of the text that this stands for.
 pub const FUNCTION: &str = "trace_surfaces";

@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::{MAX_EXPOSURE, MAX_SPP};
+/// Most samples per pixel, and the end of the last range of samples.
+pub(crate) const MAX_SPP: u32 = engine::film::MAX_SAMPLES;
+/// Strongest exposure in stops, either way.
+pub(crate) const MAX_EXPOSURE: f32 = 32.0;
 
 /// A command line that makes no sense.
 #[derive(Debug, Error, PartialEq)]

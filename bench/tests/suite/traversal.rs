@@ -2,10 +2,6 @@
 //! rays through Sponza, and a million through a mesh of awkward triangles placed by awkward transforms. Then scenes whose
 //! hierarchies are hard to build: where everything is in the same place, and where numbers leave the range of single precision.
 
-#[path = "../engine/tests/suite/support/mod.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 use std::time::Duration;
 
 use ::device::Device;
@@ -21,8 +17,8 @@ use obvhs::triangle::Triangle;
 use patina_bench::traverse::{Tracer, camera_rays};
 use rayon::prelude::*;
 
-use support::normal::Normal;
-use support::{device, scenes, shared};
+use crate::support::normal::Normal;
+use crate::support::{device, scenes, shared};
 
 const RAYS: usize = 1_000_000;
 /// Share of the rays that may disagree. The kernel works in object space and single precision: a ray within a few ulps

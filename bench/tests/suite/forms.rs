@@ -2,10 +2,6 @@
 //! queries. They give the picture of the usual form, with ambient occlusion, blends, bumps and opacity. Skipped with a
 //! notice where there is no adapter, or none with ray queries.
 
-#[path = "../../engine/tests/suite/support/mod.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod support;
-
 use std::path::Path;
 
 use ::device::{Device, DeviceChoice, DeviceOptions};
@@ -18,12 +14,12 @@ use patina_bench::forms::Form;
 use patina_bench::inspect::{Inspection, private_bytes};
 use texgen::Value;
 
-use support::device;
-use support::estimate::Estimate;
-use support::scenes::{
+use crate::support::device;
+use crate::support::estimate::Estimate;
+use crate::support::scenes::{
     Shot, add, camera, faceted_sphere, floor, lambert, lamp, quad, scene, settings, textured,
 };
-use support::stats::ZTest;
+use crate::support::stats::ZTest;
 
 const LOOK: &str = r#"
 [ao.near]

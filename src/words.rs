@@ -1,14 +1,73 @@
-//! Words of the command line as numbers, names and files.
+//! Words of the command line as numbers, names and files, and their limits: what all jobs are made with. Nothing is opened here.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use device::DeviceChoice;
+pub(crate) use engine::film::write::Format;
 use engine::film::{Layers, layers};
 
-use super::{Format, MAX_EXPOSURE, MAX_PIXELS, MAX_SIDE, MAX_SPP, Output, Outputs, UsageError};
+use crate::usage::{MAX_EXPOSURE, UsageError};
 
-pub(super) fn parse_sample_range(given: &str) -> Result<Range<u32>, UsageError> {
+pub(crate) use crate::usage::MAX_SPP;
+
+/// Longest side of a picture, pixels.
+pub(crate) const MAX_SIDE: u32 = engine::film::MAX_SIDE;
+/// Most pixels of a picture. The film keeps 80 bytes for each.
+pub(crate) const MAX_PIXELS: u64 = 1 << 26;
+/// What the name of a film's file ends in.
+pub(crate) const FILM_EXTENSION: &str = "patina-film";
+/// Most scattering vertices of a path.
+pub(crate) const MAX_DEPTH: u32 = 255;
+/// The files to write; at least one, no two alike.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Outputs {
+    /// Pictures.
+    pub(crate) pictures: Vec<Output>,
+    /// Exact sums of samples.
+    pub(crate) films: Vec<PathBuf>,
+}
+
+impl Outputs {
+    /// By their endings. Where nothing is given, the usual picture of `scene`.
+    pub(crate) fn from_paths(
+        mut paths: Vec<PathBuf>,
+        scene: Option<&Path>,
+    ) -> Result<Self, UsageError> {
+        if let (true, Some(scene)) = (paths.is_empty(), scene) {
+            paths.push(default_output(scene));
+        }
+        let is_film = |path: &PathBuf| {
+            let extension = path.extension();
+            extension.is_some_and(|e| e.eq_ignore_ascii_case(FILM_EXTENSION))
+        };
+        let (films, pictures): (Vec<_>, Vec<_>) = paths.into_iter().partition(is_film);
+        Ok(Self {
+            pictures: pictures
+                .into_iter()
+                .map(parse_output)
+                .collect::<Result<_, _>>()?,
+            films,
+        })
+    }
+
+    /// All files.
+    pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        let pictures = self.pictures.iter().map(|output| &output.path);
+        pictures.chain(&self.films)
+    }
+}
+
+/// A picture file to write.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Output {
+    /// Where.
+    pub(crate) path: PathBuf,
+    /// What.
+    pub(crate) format: Format,
+}
+
+pub(crate) fn parse_sample_range(given: &str) -> Result<Range<u32>, UsageError> {
     let range = given.split_once("..").and_then(|(first, end)| {
         let range = first.trim().parse().ok()?..end.trim().parse().ok()?;
         (range.start < range.end && range.end <= MAX_SPP).then_some(range)
@@ -35,7 +94,7 @@ pub(crate) fn parse_word<T: Copy>(
 }
 
 /// A finite number that is accepted.
-pub(super) fn parse_decimal(
+pub(crate) fn parse_decimal(
     flag: &'static str,
     given: &str,
     range: &'static str,
@@ -128,7 +187,7 @@ pub(crate) fn parse_output(path: PathBuf) -> Result<Output, UsageError> {
 }
 
 /// Layers by name, for which there must be a file that can hold them.
-pub(super) fn parse_layers(names: &[String], outputs: &Outputs) -> Result<Layers, UsageError> {
+pub(crate) fn parse_layers(names: &[String], outputs: &Outputs) -> Result<Layers, UsageError> {
     let unknown = |error: layers::UnknownLayer| UsageError::Word {
         flag: "--layers",
         given: error.name,
@@ -144,7 +203,7 @@ pub(super) fn parse_layers(names: &[String], outputs: &Outputs) -> Result<Layers
 }
 
 /// `SCENE-render.png`: not `SCENE.png`, which may well be a texture of the scene.
-pub(super) fn default_output(scene: &Path) -> PathBuf {
+fn default_output(scene: &Path) -> PathBuf {
     let mut name = scene
         .file_stem()
         .map_or_else(|| "scene".into(), ToOwned::to_owned);

@@ -1,0 +1,53 @@
+//! The declarations of layers as WGSL: what a kernel calls to record them, and its constants.
+
+use std::sync::LazyLock;
+
+use super::layers::{LAYERS, Layers, Rule};
+
+/// Constants that tell `film_layers/record.wgsl` where the values of these layers go.
+pub(crate) fn record_constants(layers: &Layers) -> Vec<(&'static str, f64)> {
+    let mut constants: Vec<(&'static str, f64)> = Vec::new();
+    for sum in layers.sums() {
+        let name = word_name(sum.layer.name);
+        // The first of a layer is where it begins.
+        if constants.last().is_none_or(|&(last, _)| last != name) {
+            constants.push((name, f64::from(sum.word)));
+        }
+    }
+    constants
+}
+
+/// The constant with the first word of a layer.
+fn word_name(layer: &str) -> &'static str {
+    static NAMES: LazyLock<Vec<String>> = LazyLock::new(|| {
+        let names = LAYERS.iter().map(|layer| format!("word_{}", layer.name));
+        names.collect()
+    });
+    let at = LAYERS.iter().position(|other| other.name == layer);
+    &NAMES[at.expect("one of the table")]
+}
+
+/// `generated/film_layers.wgsl`: a function that records all layers that are asked for.
+pub(crate) fn record_wgsl() -> String {
+    let (mut words, mut body) = (String::new(), String::new());
+    for layer in &LAYERS {
+        let Some(wgsl) = layer.wgsl() else { continue };
+        let word = word_name(layer.name);
+        words += &format!("override {word}: u32 = 0u;\n");
+        let (kind, values) = match (&layer.rule, layer.channel_count()) {
+            (Rule::Ids(_), _) => ("u32", &["bitcast<f32>(value)"][..]),
+            (_, 1) => ("f32", &["value"][..]),
+            (_, 2) => ("vec2f", &["value.x", "value.y"][..]),
+            _ => ("vec3f", &["value.x", "value.y", "value.z"][..]),
+        };
+        body += &format!("    if ({word} != 0u) {{\n        let value: {kind} = {wgsl};\n");
+        for (at, value) in values.iter().enumerate() {
+            body += &format!("        layer_sample_set({word} + {at}u, at.slot, {value});\n");
+        }
+        body += "    }\n";
+    }
+    format!(
+        "// Where the values of each layer lie in what is recorded of a path; 0: it is not asked for.\n{words}\n\
+         fn record_each(at: FirstSurface) {{\n{body}}}\n"
+    )
+}
