@@ -17,7 +17,7 @@ use crate::texture::args::TextureCommand;
 use crate::view::args::ViewArgs;
 use crate::watch::args::WatchArgs;
 
-use self::common::{CommonArgs, words};
+use self::common::{CommonArgs, scene_help, words};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -134,7 +134,7 @@ pub(crate) enum Command {
 /// Flags of `patina render`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RenderArgs {
-    /// The scene: a glTF 2.0 file (.gltf or .glb).
+    #[arg(help = scene_help())]
     pub(crate) scene: PathBuf,
 
     /// The look: a TOML file with procedural textures, environment and overrides.
