@@ -11,7 +11,7 @@ use engine::settings::{Estimator, Sampler};
 
 use crate::bench::args::BenchCommand;
 use crate::console::MessageFormat;
-use crate::flags::{CommonArgs, words};
+use crate::flags::{CommonArgs, scene_help, words};
 use crate::texture::args::TextureCommand;
 use crate::view::args::ViewArgs;
 use crate::watch::args::WatchArgs;
@@ -131,7 +131,7 @@ pub(crate) enum Command {
 /// Flags of `patina render`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RenderArgs {
-    /// The scene: a glTF 2.0 file (.gltf or .glb).
+    #[arg(help = scene_help())]
     pub(crate) scene: PathBuf,
 
     /// The look: a TOML file with procedural textures, environment and overrides.

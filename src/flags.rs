@@ -31,3 +31,8 @@ pub(crate) struct CommonArgs {
 pub(crate) fn words(all: impl IntoIterator<Item = &'static str>) -> PossibleValuesParser {
     PossibleValuesParser::new(all)
 }
+
+/// What the file may be that is rendered.
+pub(crate) fn scene_help() -> String {
+    format!("The scene: {}", engine::scene::import::known_formats())
+}

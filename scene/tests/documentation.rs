@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use scene::import::FORMATS;
 use scene::look::Look;
 use scene::material_parameters::PARAMETERS;
 
@@ -85,4 +86,21 @@ fn the_table_of_materials_is_that_of_the_reader() {
         return;
     }
     assert_eq!(table, expected, "UPDATE_SNAPSHOTS=1 writes the table anew");
+}
+
+#[test]
+fn the_page_of_formats_lists_them() {
+    let page = page().with_file_name("formats.md");
+    let text = std::fs::read_to_string(page).expect("the documentation is part of the project");
+    let rows = text.lines().filter(|line| line.starts_with("| "));
+    let known = FORMATS.iter().map(|format| {
+        let endings: Vec<_> = format.endings.iter().map(|e| format!("`.{e}`")).collect();
+        format!(
+            "| {} | {} | {} |",
+            format.name,
+            endings.join(" "),
+            format.help
+        )
+    });
+    assert_eq!(rows.skip(1).collect::<Vec<_>>(), known.collect::<Vec<_>>());
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::flags::CommonArgs;
+use crate::flags::{CommonArgs, scene_help};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -21,7 +21,7 @@ Exit codes: 0 closed, 1 failed, 2 wrong usage.";
 /// Flags of `patina view`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct ViewArgs {
-    /// The scene: a glTF 2.0 file (.gltf or .glb); without it, the last one.
+    #[arg(help = format!("{}; without it, the last one", scene_help()))]
     pub(crate) scene: Option<PathBuf>,
 
     /// The look: a TOML file with procedural textures, environment and overrides.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::ArgAction;
 
-use crate::flags::CommonArgs;
+use crate::flags::{CommonArgs, scene_help};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -20,7 +20,7 @@ Exit codes: 1 failed, 2 wrong usage, 130 ended by Ctrl-C (143 by SIGTERM, 129 by
 /// Flags of `patina watch`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct WatchArgs {
-    /// The scene: a glTF 2.0 file (.gltf or .glb).
+    #[arg(help = scene_help())]
     pub(crate) scene: PathBuf,
 
     /// The look: a TOML file with procedural textures, environment and overrides.

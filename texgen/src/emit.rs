@@ -14,7 +14,7 @@ use crate::source_map::{Segment, SourceMap};
 use crate::texture::TextureType;
 use crate::value::{ElementType, OutputType, ParameterType};
 
-/// WGSL text without bindings, to be put into one module with the host's functions (see [`HOST_STUB`]).
+/// WGSL text without bindings, to be put into one module with the host's functions (see [`HOST_STUB`](crate::HOST_STUB)).
 #[derive(Clone, Debug)]
 pub struct GeneratedKernel {
     /// The text. Its interface to the host: `fn patina_run_program(offset: u32)` runs the program that begins at
@@ -25,10 +25,6 @@ pub struct GeneratedKernel {
     /// From places in the text to places in the users' files.
     pub source_map: SourceMap,
 }
-
-/// What the host must supply in the same module, with bodies that do nothing: tests put it beside a generated
-/// kernel to validate the whole.
-pub const HOST_STUB: &str = include_str!("host_stub.wgsl");
 
 /// The part of the kernel that is the same for all libraries.
 const RUNTIME: &str = include_str!("runtime.wgsl");

@@ -13,37 +13,10 @@ fn patina_sample_image(image: u32, uv: vec2f) -> vec4f { return vec4f(1.0); }
 fn patina_sample_image_lod(image: u32, uv: vec2f, lod: f32) -> vec4f { return vec4f(1.0); }
 fn patina_image_size(image: u32) -> vec2f { return vec2f(1.0); }
 
-// Attributes of the current hit. `AO` and `AO1` are one function of the AO slot that the node asks for.
-fn patina_attr_WorldPos() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_LocalPos() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_Normal() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_GeomNormal() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_LocalNormal() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_Tangent() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_Bitangent() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_TexCoord0() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_TexCoord1() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_Color0() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_ViewDir() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
+// `AO` and `AO1` are one function of the AO slot that the node asks for.
 fn patina_attr_AO(slot: u32) -> vec4f { return vec4f(0.0); }
-fn patina_attr_Curvature() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_Footprint() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_InstanceId() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_ObjectRandom() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_MaterialId() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_FrontFacing() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_Bounce() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_RayKind() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_attr_Time() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
 
 // Custom mesh attributes, by their index in `Library::custom_attributes`.
 fn patina_attr_custom(index: u32) -> vec4f { return vec4f(0.0); }
 
-// Settings of the render.
-fn patina_global_Time() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_global_FrameIndex() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_global_SampleIndex() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_global_Resolution() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_global_CameraPos() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_global_SceneMin() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
-fn patina_global_SceneMax() -> vec4f { return vec4f(0.0, 0.0, 0.0, 1.0); }
+// The other attributes of the current hit, and settings of the render: from the tables of `attribute.rs`.

@@ -8,13 +8,11 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
 use crate::habits::Habit;
+use crate::prelude::PRELUDE;
 use crate::problem::Problem;
 use crate::recover::Attempt;
 use crate::scope::Outline;
 use crate::validation;
-
-/// The published prelude: with it in front, a texture is a complete WGSL module.
-pub const PRELUDE: &str = include_str!("prelude.wgsl");
 
 /// No more errors of naga's than this are looked for in one file: each costs a parse.
 const MAX_ERRORS: usize = 20;

@@ -5,8 +5,8 @@
 
 use std::collections::HashMap;
 
-use crate::attribute::{BUILTIN_ATTRIBUTES, BuiltinAttribute, GLOBALS, Global};
 use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
+use crate::prelude::is_prelude_name;
 use crate::scope::{GlobalDecl, GlobalKind, Outline, Role};
 use crate::tokens::TokenKind;
 
@@ -19,36 +19,6 @@ const MAX_CHAIN: usize = 1000;
 
 /// Most tokens of a texture once all calls are expanded. A file of some lines can hold 2^30 calls without a loop.
 const MAX_EXPANDED: u64 = 200_000;
-
-/// Functions and types of the prelude.
-pub(crate) const PRELUDE_NAMES: &[&str] = &[
-    "sam2D",
-    "ramp1D",
-    "readAttr",
-    "readGlobal",
-    "tex2D",
-    "tex2DLod",
-    "texSize",
-    "rampEval",
-];
-
-/// Whether the prelude declares this name.
-pub(crate) fn is_prelude_name(name: &str) -> bool {
-    PRELUDE_NAMES.contains(&name)
-        || BuiltinAttribute::from_name(name).is_some()
-        || Global::from_name(name).is_some()
-}
-
-/// All names the prelude declares.
-pub(crate) fn prelude_names() -> impl Iterator<Item = &'static str> {
-    let attributes = BUILTIN_ATTRIBUTES.iter().map(|attribute| attribute.name());
-    let globals = GLOBALS.iter().map(|global| global.name());
-    PRELUDE_NAMES
-        .iter()
-        .copied()
-        .chain(attributes)
-        .chain(globals)
-}
 
 /// Finds all refused constructs of a file.
 pub(crate) fn refused(file: &SourceFile, outline: &Outline<'_>) -> Diagnostics {

@@ -5,8 +5,8 @@ use naga::back::spv;
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::valid::{ValidationFlags, Validator};
 
+use crate::attribute::HOST_STUB;
 use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
-use crate::emit::HOST_STUB;
 use crate::guard::guarded;
 use crate::library::Library;
 use crate::parse::{self, CAPABILITIES};

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::habits::instead_of;
-use crate::refuse::prelude_names;
+use crate::prelude::prelude_names;
 use crate::scope::{Outline, Role};
 use crate::suggest::did_you_mean;
 

@@ -38,7 +38,7 @@ impl Point {
         let Some((_, components)) = given else {
             return plain;
         };
-        if let ([number], true) = (components.as_slice(), is_uniform(name)) {
+        if let ([number], true) = (components.as_slice(), is_number(name)) {
             return [*number; 4];
         }
         let mut value = plain;
@@ -50,25 +50,9 @@ impl Point {
 }
 
 /// Whether an attribute or global has one number in every component.
-fn is_uniform(name: &str) -> bool {
-    use BuiltinAttribute as A;
-    let attribute = BuiltinAttribute::from_name(name).is_some_and(|attribute| {
-        matches!(
-            attribute,
-            A::AO
-                | A::AO1
-                | A::Curvature
-                | A::InstanceId
-                | A::MaterialId
-                | A::FrontFacing
-                | A::Bounce
-                | A::RayKind
-                | A::Time
-        )
-    });
-    let global = Global::from_name(name)
-        .is_some_and(|global| matches!(global, Global::FrameIndex | Global::SampleIndex));
-    attribute || global
+fn is_number(name: &str) -> bool {
+    BuiltinAttribute::from_name(name).is_some_and(BuiltinAttribute::is_number)
+        || Global::from_name(name).is_some_and(Global::is_number)
 }
 
 /// Where the values of a point lie, one `vec4` each: attributes, globals, custom attributes.

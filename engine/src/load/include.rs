@@ -1,4 +1,4 @@
-//! `[[include]]`: the contents of another glTF file, put into the scene.
+//! `[[include]]`: the contents of another file, put into the scene.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;

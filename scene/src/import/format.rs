@@ -6,11 +6,12 @@ use super::pictures::Pictures;
 use crate::Scene;
 use crate::input::Files;
 use glam::DAffine3;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What a format of scene files has to bring.
-pub(super) trait Format {
+pub(super) trait Format: fmt::Debug + Sync {
     /// Reads a file, with all that it refers to: what it adds to a scene. Its materials refer to images by where they
     /// will stand in `Scene::images`; all other indices begin at 0.
     fn read(&self, request: Request<'_>) -> Result<Imported, ImportError>;

@@ -4,9 +4,9 @@
 //! size of the files, and no path of a file leads to a panic. What can't be rendered is left out with a warning; what
 //! would change the picture beyond recognition is an error.
 //!
-//! A format is a folder that implements `Format`, and an arm of `format_of`. What formats have in common stands beside
-//! the folders: pictures (each decoded once), meshes (triangles that can be rendered, tangents), budgets of memory,
-//! errors.
+//! A format is a folder that implements `Format`, and a row of [`FORMATS`]. What formats have in common stands beside the
+//! folders: pictures (each decoded once), meshes (triangles that can be rendered, normals, tangents), their places, budgets of
+//! memory, errors.
 
 mod budget;
 mod environment;
@@ -17,6 +17,7 @@ mod merge;
 mod mesh;
 mod panorama;
 mod pictures;
+mod place;
 
 pub use environment::load_environment_image;
 pub use error::ImportError;
@@ -34,23 +35,49 @@ use pictures::Pictures;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The format that a file's name stands for; `None` where it isn't known.
-fn format_of(path: &Path) -> Option<&'static dyn Format> {
-    let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-    match ending.as_str() {
-        "glb" | "gltf" => Some(&gltf::Gltf),
-        _ => None,
-    }
+/// A format of scene files.
+#[derive(Debug)]
+pub struct SceneFormat {
+    /// What people call it.
+    pub name: &'static str,
+    /// How names of such files end, without the dot, in small letters.
+    pub endings: &'static [&'static str],
+    /// What is taken from them, for people.
+    pub help: &'static str,
+    reader: &'static dyn Format,
 }
 
-/// The format by which a file is read: what is called otherwise may still be glTF, and says so itself.
+/// All formats of scene files. What names none of them may still be of the first, and says so itself.
+pub static FORMATS: [SceneFormat; 1] = [SceneFormat {
+    name: "glTF 2.0",
+    endings: &["gltf", "glb"],
+    help: "meshes, instances, materials with their textures, lights, cameras; the default scene, at rest",
+    reader: &gltf::Gltf,
+}];
+
+/// The format that a file's name stands for; `None` where it isn't known.
+fn format_of(path: &Path) -> Option<&'static SceneFormat> {
+    let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+    let is_of = |format: &&SceneFormat| format.endings.contains(&ending.as_str());
+    FORMATS.iter().find(is_of)
+}
+
 fn reader_of(path: &Path) -> &'static dyn Format {
-    format_of(path).unwrap_or(&gltf::Gltf)
+    format_of(path).unwrap_or(&FORMATS[0]).reader
 }
 
 /// Whether a file is a scene by its name.
 pub fn is_scene(path: &Path) -> bool {
     format_of(path).is_some()
+}
+
+/// What a scene file may be, for people: `a glTF 2.0 file (.gltf or .glb)`.
+pub fn known_formats() -> String {
+    let shown = |format: &SceneFormat| {
+        let endings: Vec<_> = format.endings.iter().map(|e| format!(".{e}")).collect();
+        format!("a {} file ({})", format.name, endings.join(" or "))
+    };
+    FORMATS.iter().map(shown).collect::<Vec<_>>().join(" or ")
 }
 
 /// The files beside a scene file that it names, for those who watch them; none where it can't be understood. Nothing of

@@ -1,7 +1,7 @@
 //! `docs/texture-language.md` tells the truth: its examples are compiled, its tables compared with the code.
 
 use crate::common::{errors_of, parse, shipped, validate};
-use texgen::{BUILTIN_ATTRIBUTES, GLOBALS, PRELUDE, TextureType};
+use texgen::{BUILTIN_ATTRIBUTES, GLOBALS, HOST_STUB, Library, PRELUDE, TextureType};
 
 fn page() -> String {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/texture-language.md");
@@ -89,22 +89,49 @@ fn the_prelude_has_the_names_and_sentences_of_the_code() {
     }
 }
 
+/// Heads of the prelude's functions, as `tex2D(image: sam2D, uv: vec2f) -> vec4f`.
+fn functions() -> impl Iterator<Item = &'static str> {
+    let functions = PRELUDE.lines().filter_map(|line| line.strip_prefix("fn "));
+    functions.filter_map(|function| Some(function.split_once(" {")?.0))
+}
+
+/// What reads by name has sections of its own, and becomes a call of the host's functions.
+fn reads_by_name(function: &str) -> bool {
+    ["readAttr(", "readGlobal("]
+        .iter()
+        .any(|reader| function.starts_with(reader))
+}
+
+#[test]
+fn the_table_of_functions_is_that_of_the_prelude() {
+    let page = page();
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| `"));
+    let listed = rows.filter_map(|row| Some(row.split_once("` |")?.0));
+    let listed: Vec<&str> = listed.filter(|name| name.contains(") -> ")).collect();
+    let declared: Vec<&str> = functions().filter(|f| !reads_by_name(f)).collect();
+    assert_eq!(listed, declared);
+}
+
+#[test]
+fn the_runtime_has_every_function_of_the_prelude() {
+    let kernel = Library::default().emit(1).wgsl;
+    for function in functions().filter(|f| !reads_by_name(f)) {
+        assert!(kernel.contains(&format!("fn {function} {{")), "{function}");
+    }
+}
+
 #[test]
 fn the_host_stub_has_a_function_for_every_name() {
-    for name in BUILTIN_ATTRIBUTES
-        .iter()
-        .map(|a| a.name())
-        .filter(|name| !name.starts_with("AO"))
-    {
-        assert!(
-            texgen::HOST_STUB.contains(&format!("fn patina_attr_{name}() -> vec4f")),
-            "{name}"
-        );
+    let host = validate(HOST_STUB).unwrap_or_else(|problem| panic!("{problem}"));
+    let functions = host.functions.iter();
+    let found: Vec<&str> = functions.filter_map(|(_, f)| f.name.as_deref()).collect();
+    let attributes = BUILTIN_ATTRIBUTES.iter().map(|a| a.name());
+    // `AO1` is another slot of `AO`.
+    for name in attributes.filter(|&name| name != "AO1") {
+        assert!(found.contains(&format!("patina_attr_{name}").as_str()));
     }
     for global in GLOBALS {
-        assert!(
-            texgen::HOST_STUB.contains(&format!("fn patina_global_{}() -> vec4f", global.name()))
-        );
+        assert!(found.contains(&format!("patina_global_{}", global.name()).as_str()));
     }
 }
 

@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use crate::common::{errors, library, parse, shipped, valid_kernel};
-use texgen::{ElementType, Library, ParameterType, TextureType, Value, Widget};
+use texgen::{ElementType, Library, PRELUDE, ParameterType, TextureType, Value, Widget};
 
 /// Types that an array parameter may hold, with an expression that makes a number of one.
 const ELEMENTS: [(ElementType, &str); 9] = [
@@ -66,14 +66,8 @@ fn arrays_may_have_any_size_and_a_constant_for_it() {
     }
 }
 
-/// Names of the language, of WGSL and of what the kernel calls behind the user's back.
+/// Names of the language beside its functions, of WGSL and of what the kernel calls behind the user's back.
 const TAKEN: &[&str] = &[
-    "readAttr",
-    "readGlobal",
-    "tex2D",
-    "tex2DLod",
-    "texSize",
-    "rampEval",
     "sam2D",
     "ramp1D",
     "WorldPos",
@@ -121,7 +115,9 @@ const TAKEN: &[&str] = &[
 
 #[test]
 fn any_name_may_be_shadowed() {
-    for name in TAKEN {
+    let functions = PRELUDE.lines().filter_map(|line| line.strip_prefix("fn "));
+    let functions = functions.filter_map(|function| Some(function.split_once('(')?.0));
+    for name in functions.chain(TAKEN.iter().copied()) {
         let declared = format!(
             "const SIZE = 4; alias Real = f32; struct Pair {{ a: Real, b: Real }}
 fn helper(x: Real) -> Pair {{ return Pair(x, x); }}

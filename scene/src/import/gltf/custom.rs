@@ -4,16 +4,13 @@ use super::accessor::Accessor;
 use super::attributes::Attributes;
 use super::document::Document;
 use crate::import::error::Fault;
-use crate::import::mesh::Dropped;
+use crate::import::mesh::{Dropped, VALUE_BYTES};
 use crate::{CustomAttribute, Mesh};
 use glam::Vec4;
 use gltf::json::accessor::Type;
 use gltf::json::mesh::Semantic;
 use gltf::json::validation::Checked;
 use std::collections::BTreeSet;
-
-/// Bytes of a value.
-pub(super) const VALUE_BYTES: u64 = 16;
 
 /// All custom attributes of the vertices `used`, sorted by name.
 pub(super) fn read(

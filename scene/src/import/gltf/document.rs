@@ -5,6 +5,7 @@
 use super::container;
 use super::files::{self, UriTarget};
 use super::json_text::{self, JsonError, Parsed};
+use super::layers;
 use crate::import::budget::Budget;
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
 use crate::input::{FileId, Files};
@@ -17,27 +18,31 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Extensions that are read. `KHR_mesh_quantization` needs nothing but an accessor reader that takes integers.
+/// Extensions that are read, but for those of [`layers`]. `KHR_mesh_quantization` needs nothing but an accessor reader that
+/// takes integers.
 const SUPPORTED_EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
-    "KHR_materials_iridescence",
-    "KHR_materials_sheen",
     "KHR_materials_specular",
-    "KHR_materials_transmission",
     "KHR_materials_unlit",
-    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];
+
+/// The extensions that are read.
+fn supported_extensions() -> impl Iterator<Item = &'static str> {
+    let others = SUPPORTED_EXTENSIONS.iter().copied();
+    others.chain(layers::names())
+}
+
+/// Whether an extension is read.
+fn is_read(name: &str) -> bool {
+    supported_extensions().any(|known| known == name)
+}
 
 /// Extensions that never change a picture at rest.
 const INVISIBLE_EXTENSIONS: &[&str] = &["KHR_animation_pointer", "KHR_xmp", "KHR_xmp_json_ld"];
@@ -90,7 +95,6 @@ impl Document {
                 problem: "has more than 512 MiB of JSON; save it as .glb, or with its buffers in files of their own".into(),
             });
         }
-        let is_read = |name: &str| SUPPORTED_EXTENSIONS.contains(&name);
         let Parsed { root, environments } =
             json_text::parse(&file[parts.json.clone()], is_read).map_err(|error| match error {
                 JsonError::Invalid(source) => ImportError::Json {
@@ -287,7 +291,7 @@ impl Document {
             .root
             .extensions_required
             .iter()
-            .find(|name| !SUPPORTED_EXTENSIONS.contains(&name.as_str()));
+            .find(|name| !is_read(name));
         match unsupported {
             None => Ok(()),
             Some(name) => Err(self.unsupported(name)),
@@ -305,9 +309,7 @@ impl Document {
             .flat_map(|extensions| extensions.others.keys())
             .chain(&self.root.extensions_used)
             .map(String::as_str)
-            .filter(|name| {
-                !SUPPORTED_EXTENSIONS.contains(name) && !INVISIBLE_EXTENSIONS.contains(name)
-            })
+            .filter(|name| !is_read(name) && !INVISIBLE_EXTENSIONS.contains(name))
             .collect();
         names.sort_unstable();
         names.dedup();
@@ -379,5 +381,21 @@ fn check_version(root: &json::Root) -> Result<(), Fault> {
             Err(format!("needs glTF {least}, 2.0 is supported"))
         }
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_page_of_formats_lists_the_extensions() {
+        let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/formats.md");
+        let page = std::fs::read_to_string(page).expect("part of the project");
+        let lines = page.lines().filter_map(|line| line.strip_prefix("- `"));
+        let listed: Vec<_> = lines.map(|line| line.trim_end_matches('`')).collect();
+        let mut read: Vec<_> = supported_extensions().collect();
+        read.sort_unstable();
+        assert_eq!(listed, read);
     }
 }

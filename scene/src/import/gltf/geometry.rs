@@ -9,19 +9,14 @@ use super::deform::{self, Pose};
 use super::document::Document;
 use super::indices::Indices;
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
-use crate::import::mesh::Dropped;
-use crate::import::mesh::join::{merge, reorder};
-use crate::import::mesh::split::split_vertices;
-use crate::import::mesh::{tangents, triangles};
+use crate::import::mesh::join::merge;
+use crate::import::mesh::{Dropped, VERTEX_BYTES, normals, tangents, triangles};
 use crate::{Material, Mesh};
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec4};
 use gltf::json;
 use json::mesh::{Mode, Semantic};
 use json::validation::Checked;
 use rayon::prelude::*;
-
-/// What a vertex costs with all its attributes but the custom ones.
-const VERTEX_BYTES: u64 = 72;
 
 /// What all meshes are built from.
 pub(super) struct Builder<'a> {
@@ -174,11 +169,11 @@ impl Builder<'_> {
         mesh: &mut Mesh,
         dropped: &mut Dropped,
     ) -> Result<(), Fault> {
-        let Some(normals) = attributes.get(Semantic::Normals, &[3])? else {
-            return self.flat_normals(mesh);
+        let Some(given) = attributes.get(Semantic::Normals, &[3])? else {
+            return normals::make_flat(mesh, &self.document.budget);
         };
-        mesh.normals = source.normals(&normals, used)?;
-        repair_normals(mesh, dropped);
+        mesh.normals = source.normals(&given, used)?;
+        normals::repair(mesh, dropped);
         if let Some(tangents) = attributes.get(Semantic::Tangents, &[4])? {
             mesh.tangents = source
                 .tangents(&tangents, used)?
@@ -187,24 +182,6 @@ impl Builder<'_> {
                 .map(|(tangent, &normal)| tangents::sanitize(tangent, normal))
                 .collect();
         }
-        Ok(())
-    }
-
-    /// glTF 2.0, section 3.7.2.1: without normals, shading is flat.
-    fn flat_normals(&self, mesh: &mut Mesh) -> Result<(), Fault> {
-        let normals: Vec<Vec3> = mesh
-            .triangles
-            .iter()
-            .map(|&triangle| triangles::cross(triangle, &mesh.positions).normalize_or(Vec3::Z))
-            .collect();
-        self.document
-            .budget
-            .take(3 * normals.len() as u64, vertex_bytes(mesh))?;
-        let mut list = std::mem::take(&mut mesh.triangles);
-        let (sources, normals) = split_vertices(mesh.positions.len(), &mut list, |t, _| normals[t]);
-        reorder(mesh, &sources);
-        mesh.normals = normals;
-        mesh.triangles = list;
         Ok(())
     }
 
@@ -219,29 +196,13 @@ impl Builder<'_> {
         let Some(texture) = normal_map.filter(|_| mesh.tangents.is_empty()) else {
             return Ok(());
         };
-        let uv = if texture.uv_set == 0 {
-            &mesh.uv0
-        } else {
-            &mesh.uv1
-        };
-        if uv.is_empty() {
+        if !tangents::make(mesh, texture.uv_set, &self.document.budget)? {
             warnings.push(format!(
                 "{}: has a normal map but no TEXCOORD_{} to place it",
                 place(),
                 texture.uv_set
             ));
-            let along = |&normal: &Vec3| tangents::sanitize(Vec4::ZERO, normal);
-            mesh.tangents = mesh.normals.iter().map(along).collect();
-            return Ok(());
         }
-        self.document
-            .budget
-            .take(3 * mesh.triangles.len() as u64, vertex_bytes(mesh))?;
-        let mut list = std::mem::take(&mut mesh.triangles);
-        let (sources, tangents) = tangents::generate(&mesh.positions, &mesh.normals, uv, &mut list);
-        reorder(mesh, &sources);
-        mesh.tangents = tangents;
-        mesh.triangles = list;
         Ok(())
     }
 }
@@ -287,33 +248,4 @@ fn read_attributes(
     }
     mesh.custom = custom::read(attributes, used, dropped)?;
     Ok(())
-}
-
-fn vertex_bytes(mesh: &Mesh) -> u64 {
-    VERTEX_BYTES + custom::VALUE_BYTES * mesh.custom.len() as u64
-}
-
-/// Makes normals unit length; one that has no direction becomes that of the triangles around it.
-fn repair_normals(mesh: &mut Mesh, dropped: &mut Dropped) {
-    let mut bad = Vec::new();
-    for (vertex, normal) in mesh.normals.iter_mut().enumerate() {
-        *normal = normal.normalize_or_zero();
-        if *normal == Vec3::ZERO {
-            bad.push(vertex);
-        }
-    }
-    if bad.is_empty() {
-        return;
-    }
-    dropped.bad_values += bad.len() as u64;
-    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
-    for &triangle in &mesh.triangles {
-        let normal = triangles::cross(triangle, &mesh.positions).normalize_or_zero();
-        for vertex in triangle {
-            sums[vertex as usize] += normal;
-        }
-    }
-    for vertex in bad {
-        mesh.normals[vertex] = sums[vertex].normalize_or(Vec3::Z);
-    }
 }

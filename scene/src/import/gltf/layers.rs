@@ -11,75 +11,135 @@ use crate::{Material, TextureRef, absorption};
 
 type Extension<'e> = &'e Map<String, Value>;
 
+/// Takes from an extension what it says of a material.
+type Read = fn(&mut Reader<'_>, Extension<'_>, &mut Material) -> Result<(), Fault>;
+
+/// The extensions, and what reads each.
+const EXTENSIONS: [(&str, Read); 8] = [
+    ("KHR_materials_transmission", transmission),
+    ("KHR_materials_volume", volume),
+    ("KHR_materials_dispersion", dispersion),
+    ("KHR_materials_diffuse_transmission", diffuse_transmission),
+    ("KHR_materials_sheen", sheen),
+    ("KHR_materials_clearcoat", coat),
+    ("KHR_materials_anisotropy", anisotropy),
+    ("KHR_materials_iridescence", iridescence),
+];
+
+/// The names of the extensions that are read here.
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    EXTENSIONS.iter().map(|(name, _)| *name)
+}
+
 /// Reads what a material's extensions say.
 pub(super) fn read(
     reader: &mut Reader<'_>,
     extensions: Extension<'_>,
     material: &mut Material,
 ) -> Result<(), Fault> {
-    let find = |name: &str| extensions.get(name).and_then(Value::as_object);
-    if let Some(e) = find("KHR_materials_transmission") {
-        material.transmission = reader.share(e, "transmissionFactor", 0.0);
-        material.transmission_texture = reader.picture(e, "transmissionTexture", false)?;
-    }
-    if let Some(e) = find("KHR_materials_volume") {
-        material.is_solid = reader.number(e, "thicknessFactor", 0.0) > 0.0;
-        let color = reader.color(e, "attenuationColor", Vec3::ONE);
-        let distance = reader.number(e, "attenuationDistance", f32::INFINITY);
-        if distance > 0.0 && distance.is_finite() {
-            material.absorption = absorption(color, distance);
+    for (name, read) in EXTENSIONS {
+        if let Some(extension) = extensions.get(name).and_then(Value::as_object) {
+            read(reader, extension, material)?;
         }
     }
-    if let Some(e) = find("KHR_materials_dispersion") {
-        let dispersion = reader.number(e, "dispersion", 0.0);
-        material.dispersion = reader.within("dispersion", dispersion, 0.0, 1e3, 0.0);
+    Ok(())
+}
+
+fn transmission(
+    reader: &mut Reader<'_>,
+    e: Extension<'_>,
+    material: &mut Material,
+) -> Result<(), Fault> {
+    material.transmission = reader.share(e, "transmissionFactor", 0.0);
+    material.transmission_texture = reader.picture(e, "transmissionTexture", false)?;
+    Ok(())
+}
+
+fn volume(reader: &mut Reader<'_>, e: Extension<'_>, material: &mut Material) -> Result<(), Fault> {
+    material.is_solid = reader.number(e, "thicknessFactor", 0.0) > 0.0;
+    let color = reader.color(e, "attenuationColor", Vec3::ONE);
+    let distance = reader.number(e, "attenuationDistance", f32::INFINITY);
+    if distance > 0.0 && distance.is_finite() {
+        material.absorption = absorption(color, distance);
     }
-    if let Some(e) = find("KHR_materials_diffuse_transmission") {
-        material.diffuse_transmission = reader.share(e, "diffuseTransmissionFactor", 0.0);
-        material.diffuse_transmission_texture =
-            reader.picture(e, "diffuseTransmissionTexture", false)?;
-        material.diffuse_transmission_color =
-            reader.color(e, "diffuseTransmissionColorFactor", Vec3::ONE);
-        material.diffuse_transmission_color_texture =
-            reader.picture(e, "diffuseTransmissionColorTexture", true)?;
+    Ok(())
+}
+
+fn dispersion(
+    reader: &mut Reader<'_>,
+    e: Extension<'_>,
+    material: &mut Material,
+) -> Result<(), Fault> {
+    let dispersion = reader.number(e, "dispersion", 0.0);
+    material.dispersion = reader.within("dispersion", dispersion, 0.0, 1e3, 0.0);
+    Ok(())
+}
+
+fn diffuse_transmission(
+    reader: &mut Reader<'_>,
+    e: Extension<'_>,
+    material: &mut Material,
+) -> Result<(), Fault> {
+    material.diffuse_transmission = reader.share(e, "diffuseTransmissionFactor", 0.0);
+    material.diffuse_transmission_texture =
+        reader.picture(e, "diffuseTransmissionTexture", false)?;
+    material.diffuse_transmission_color =
+        reader.color(e, "diffuseTransmissionColorFactor", Vec3::ONE);
+    material.diffuse_transmission_color_texture =
+        reader.picture(e, "diffuseTransmissionColorTexture", true)?;
+    Ok(())
+}
+
+fn sheen(reader: &mut Reader<'_>, e: Extension<'_>, material: &mut Material) -> Result<(), Fault> {
+    material.sheen_color = reader.color(e, "sheenColorFactor", Vec3::ZERO);
+    material.sheen_color_texture = reader.picture(e, "sheenColorTexture", true)?;
+    material.sheen_roughness = reader.share(e, "sheenRoughnessFactor", 0.0);
+    material.sheen_roughness_texture = reader.picture(e, "sheenRoughnessTexture", false)?;
+    Ok(())
+}
+
+fn coat(reader: &mut Reader<'_>, e: Extension<'_>, material: &mut Material) -> Result<(), Fault> {
+    material.coat = reader.share(e, "clearcoatFactor", 0.0);
+    material.coat_texture = reader.picture(e, "clearcoatTexture", false)?;
+    material.coat_roughness = reader.share(e, "clearcoatRoughnessFactor", 0.0);
+    material.coat_roughness_texture = reader.picture(e, "clearcoatRoughnessTexture", false)?;
+    material.coat_normal_texture = reader.picture(e, "clearcoatNormalTexture", false)?;
+    if let Some(normal) = e.get("clearcoatNormalTexture").and_then(Value::as_object) {
+        material.coat_normal_scale = reader.number(normal, "scale", 1.0);
     }
-    if let Some(e) = find("KHR_materials_sheen") {
-        material.sheen_color = reader.color(e, "sheenColorFactor", Vec3::ZERO);
-        material.sheen_color_texture = reader.picture(e, "sheenColorTexture", true)?;
-        material.sheen_roughness = reader.share(e, "sheenRoughnessFactor", 0.0);
-        material.sheen_roughness_texture = reader.picture(e, "sheenRoughnessTexture", false)?;
-    }
-    if let Some(e) = find("KHR_materials_clearcoat") {
-        material.coat = reader.share(e, "clearcoatFactor", 0.0);
-        material.coat_texture = reader.picture(e, "clearcoatTexture", false)?;
-        material.coat_roughness = reader.share(e, "clearcoatRoughnessFactor", 0.0);
-        material.coat_roughness_texture = reader.picture(e, "clearcoatRoughnessTexture", false)?;
-        material.coat_normal_texture = reader.picture(e, "clearcoatNormalTexture", false)?;
-        if let Some(normal) = e.get("clearcoatNormalTexture").and_then(Value::as_object) {
-            material.coat_normal_scale = reader.number(normal, "scale", 1.0);
-        }
-    }
-    if let Some(e) = find("KHR_materials_anisotropy") {
-        material.anisotropy = reader.share(e, "anisotropyStrength", 0.0);
-        material.anisotropy_rotation = reader.number(e, "anisotropyRotation", 0.0);
-        material.anisotropy_texture = reader.picture(e, "anisotropyTexture", false)?;
-    }
-    if let Some(e) = find("KHR_materials_iridescence") {
-        material.iridescence = reader.share(e, "iridescenceFactor", 0.0);
-        material.iridescence_texture = reader.picture(e, "iridescenceTexture", false)?;
-        let ior = reader.number(e, "iridescenceIor", 1.3);
-        material.iridescence_ior = reader.within("iridescenceIor", ior, 1.0, 100.0, 1.3);
-        let mut thickness = |name: &str, default: f32| {
-            let given = reader.number(e, name, default);
-            reader.within(name, given, 0.0, 1e6, default)
-        };
-        material.iridescence_thickness = [
-            thickness("iridescenceThicknessMinimum", 100.0),
-            thickness("iridescenceThicknessMaximum", 400.0),
-        ];
-        material.iridescence_thickness_texture =
-            reader.picture(e, "iridescenceThicknessTexture", false)?;
-    }
+    Ok(())
+}
+
+fn anisotropy(
+    reader: &mut Reader<'_>,
+    e: Extension<'_>,
+    material: &mut Material,
+) -> Result<(), Fault> {
+    material.anisotropy = reader.share(e, "anisotropyStrength", 0.0);
+    material.anisotropy_rotation = reader.number(e, "anisotropyRotation", 0.0);
+    material.anisotropy_texture = reader.picture(e, "anisotropyTexture", false)?;
+    Ok(())
+}
+
+fn iridescence(
+    reader: &mut Reader<'_>,
+    e: Extension<'_>,
+    material: &mut Material,
+) -> Result<(), Fault> {
+    material.iridescence = reader.share(e, "iridescenceFactor", 0.0);
+    material.iridescence_texture = reader.picture(e, "iridescenceTexture", false)?;
+    let ior = reader.number(e, "iridescenceIor", 1.3);
+    material.iridescence_ior = reader.within("iridescenceIor", ior, 1.0, 100.0, 1.3);
+    let mut thickness = |name: &str, default: f32| {
+        let given = reader.number(e, name, default);
+        reader.within(name, given, 0.0, 1e6, default)
+    };
+    material.iridescence_thickness = [
+        thickness("iridescenceThicknessMinimum", 100.0),
+        thickness("iridescenceThicknessMaximum", 400.0),
+    ];
+    material.iridescence_thickness_texture =
+        reader.picture(e, "iridescenceThicknessTexture", false)?;
     Ok(())
 }
 

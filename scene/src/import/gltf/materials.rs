@@ -4,9 +4,11 @@ use super::document::Document;
 use super::layers;
 use super::reader::{ImageRequests, Reader, other_transform};
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
+use crate::import::pictures::Album as _;
 use crate::{AlphaMode, Material};
 use gltf::json;
 use json::validation::Checked;
+use std::collections::HashMap;
 
 /// Name of the material of primitives that have none.
 const DEFAULT_NAME: &str = "default";
@@ -16,7 +18,7 @@ pub(super) fn read(
     document: &Document,
     warnings: &mut Warnings,
 ) -> Result<(Vec<Material>, ImageRequests), ImportError> {
-    let mut reader = Reader::new(document, warnings);
+    let mut reader = Reader::new(&document.root, first_uses(document), warnings);
     let mut materials = Vec::with_capacity(document.root.materials.len() + 1);
     for (index, source) in document.root.materials.iter().enumerate() {
         let name = source.name.clone().filter(|name| !name.is_empty());
@@ -32,6 +34,14 @@ pub(super) fn read(
         ..Material::default()
     });
     Ok((materials, reader.requests))
+}
+
+/// For each image of the file the first one with the same bytes.
+fn first_uses(document: &Document) -> Vec<usize> {
+    let mut firsts = HashMap::new();
+    (0..document.root.images.len())
+        .map(|index| *firsts.entry(document.key(index)).or_insert(index))
+        .collect()
 }
 
 fn material(reader: &mut Reader<'_>, source: &json::Material) -> Result<Material, Fault> {

@@ -37,6 +37,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// `.gltf` and `.glb`.
+#[derive(Debug)]
 pub(super) struct Gltf;
 
 impl Format for Gltf {

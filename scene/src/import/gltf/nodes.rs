@@ -6,15 +6,13 @@ use super::geometry::{Builder, Built};
 use super::hierarchy::{Nodes, describe, unit_quaternion};
 use super::lights_cameras;
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
-use crate::import::mesh::Dropped;
+use crate::import::mesh::warn_of_dropped;
+use crate::import::place::{MAX_INSTANCES, check_count, invertible};
 use crate::{Camera, Instance, Material, Mesh, PunctualLight};
 use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A};
 use gltf::json;
 use rayon::prelude::*;
 use std::collections::HashMap;
-
-/// Instances of a scene at most.
-const MAX_INSTANCES: usize = 1 << 22;
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
@@ -49,7 +47,8 @@ pub(super) fn instances(
         })
         .collect::<Result<Vec<Built>, _>>()?;
     warn_of_poses(&requests, &document.root, warnings);
-    warn_of_dropped(&built, warnings);
+    let dropped = built.iter().map(|b| (b.mesh.name.as_str(), b.dropped));
+    warn_of_dropped(dropped, warnings);
 
     // Meshes of which nothing is left go, and their instances with them.
     let mut renumbered = Vec::with_capacity(built.len());
@@ -104,14 +103,7 @@ fn list(
         if usable.is_empty() {
             continue;
         }
-        if before + instances.len() + usable.len() > MAX_INSTANCES {
-            return Err(ImportError::TooLarge {
-                path: document.path.clone(),
-                problem: format!(
-                    "the scene would have more than {MAX_INSTANCES} instances; join meshes or split the scene"
-                ),
-            });
-        }
+        check_count(&document.path, before + instances.len() + usable.len())?;
         let name = node.name.clone().unwrap_or_else(|| format!("node {index}"));
         document
             .budget
@@ -262,22 +254,6 @@ fn placements(
         .collect())
 }
 
-/// The transform in single precision, where it has an inverse there.
-fn invertible(world: &DAffine3) -> Option<Affine3A> {
-    let transform = Affine3A {
-        matrix3: Mat3A::from_cols(
-            world.matrix3.x_axis.as_vec3().into(),
-            world.matrix3.y_axis.as_vec3().into(),
-            world.matrix3.z_axis.as_vec3().into(),
-        ),
-        translation: world.translation.as_vec3().into(),
-    };
-    let usable = transform.is_finite()
-        && transform.matrix3.determinant() != 0.0
-        && transform.inverse().is_finite();
-    usable.then_some(transform)
-}
-
 /// Bits of the morph weights of a node, where they differ from those of its mesh.
 fn own_weights(root: &json::Root, node: &json::Node, mesh: usize) -> Option<Vec<u32>> {
     let own = node.weights.as_ref()?;
@@ -363,30 +339,4 @@ fn warn_of_poses(requests: &[Request], root: &json::Root, warnings: &mut Warning
     if requests.iter().any(morphs) {
         warnings.push("morph targets are shown at their default weights");
     }
-}
-
-/// One warning for each kind of what was left out, with the number and the first mesh concerned.
-fn warn_of_dropped(built: &[Built], warnings: &mut Warnings) {
-    let mut warn = |count: &dyn Fn(&Dropped) -> u64, what: &str| {
-        let total: u64 = built.iter().map(|built| count(&built.dropped)).sum();
-        let first = built.iter().find(|built| count(&built.dropped) > 0);
-        if let Some(first) = first {
-            warnings.push(format!(
-                "{total} {what} (first in mesh \"{}\")",
-                first.mesh.name
-            ));
-        }
-    };
-    warn(
-        &|d| d.degenerate,
-        "degenerate triangles (without area) were left out",
-    );
-    warn(
-        &|d| d.non_finite,
-        "triangles with infinite or NaN positions were left out",
-    );
-    warn(
-        &|d| d.bad_values,
-        "normals, colours or texture coordinates could not be used and were replaced",
-    );
 }

@@ -1,9 +1,7 @@
 //! What all materials of a file are read with: texture references, factors within their ranges, and the list of
 //! pictures that is needed.
 
-use super::document::Document;
 use crate::import::error::{Fault, Warnings};
-use crate::import::pictures::Album as _;
 use crate::{Filter, Sampler, TextureRef, Wrap};
 use glam::{Vec3, Vec4};
 use gltf::json;
@@ -27,12 +25,13 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(document: &'a Document, warnings: &'a mut Warnings) -> Self {
+    /// `first` says of each image of the file which one is the first with the same bytes.
+    pub(super) fn new(root: &'a json::Root, first: Vec<usize>, warnings: &'a mut Warnings) -> Self {
         Self {
-            root: &document.root,
+            root,
             requests: Vec::new(),
             found: HashMap::new(),
-            first: first_uses(document),
+            first,
             warnings,
             place: String::new(),
         }
@@ -198,13 +197,6 @@ impl<'a> Reader<'a> {
     fn warn(&mut self, what: String) {
         self.warnings.push(format!("{}: {what}", self.place));
     }
-}
-
-fn first_uses(document: &Document) -> Vec<usize> {
-    let mut firsts = HashMap::new();
-    (0..document.root.images.len())
-        .map(|index| *firsts.entry(document.key(index)).or_insert(index))
-        .collect()
 }
 
 pub(super) fn other_transform(

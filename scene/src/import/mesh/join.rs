@@ -1,30 +1,9 @@
-//! Vertex attributes of a mesh as one: renumbered together, and joined with those of another.
+//! Meshes joined to one.
 
 use super::tangents;
 use crate::{CustomAttribute, Mesh};
 use glam::{Vec2, Vec3, Vec4};
 use std::collections::BTreeSet;
-
-/// Makes vertex `i` of all attributes a copy of the old vertex `sources[i]`.
-pub(in crate::import) fn reorder(mesh: &mut Mesh, sources: &[u32]) {
-    fn pick<T: Copy>(values: &mut Vec<T>, sources: &[u32]) {
-        if !values.is_empty() {
-            *values = sources
-                .iter()
-                .map(|&source| values[source as usize])
-                .collect();
-        }
-    }
-    pick(&mut mesh.positions, sources);
-    pick(&mut mesh.normals, sources);
-    pick(&mut mesh.tangents, sources);
-    pick(&mut mesh.uv0, sources);
-    pick(&mut mesh.uv1, sources);
-    pick(&mut mesh.colors, sources);
-    for attribute in &mut mesh.custom {
-        pick(&mut attribute.values, sources);
-    }
-}
 
 /// Joins the primitives of a mesh. An attribute that only some of them have gets its neutral value in the others.
 pub(in crate::import) fn merge(mut parts: Vec<Mesh>) -> Mesh {

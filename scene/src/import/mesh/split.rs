@@ -2,6 +2,8 @@
 //!
 //! Flat normals and MikkTSpace tangents belong to corners, not to vertices. A vertex whose corners agree stays one.
 
+use crate::Mesh;
+
 /// Longest list of copies of one vertex that is searched for an equal one. A vertex with more different values just
 /// gets more copies, so that the time stays linear for any input.
 const MAX_SEARCH: usize = 16;
@@ -45,6 +47,27 @@ pub(in crate::import) fn split_vertices<T: Copy + PartialEq>(
         }
     }
     (sources, values)
+}
+
+/// Makes vertex `i` of all attributes a copy of the old vertex `sources[i]`.
+pub(in crate::import) fn reorder(mesh: &mut Mesh, sources: &[u32]) {
+    fn pick<T: Copy>(values: &mut Vec<T>, sources: &[u32]) {
+        if !values.is_empty() {
+            *values = sources
+                .iter()
+                .map(|&source| values[source as usize])
+                .collect();
+        }
+    }
+    pick(&mut mesh.positions, sources);
+    pick(&mut mesh.normals, sources);
+    pick(&mut mesh.tangents, sources);
+    pick(&mut mesh.uv0, sources);
+    pick(&mut mesh.uv1, sources);
+    pick(&mut mesh.colors, sources);
+    for attribute in &mut mesh.custom {
+        pick(&mut attribute.values, sources);
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,10 @@
 //! Tangents by MikkTSpace, which glTF prescribes where a normal map has none (glTF 2.0, section 3.7.2.1).
 
-use super::split::split_vertices;
+use super::split::{reorder, split_vertices};
+use super::vertex_bytes;
+use crate::Mesh;
+use crate::import::budget::Budget;
+use crate::import::error::Fault;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{Vec2, Vec3, Vec4};
 use std::collections::HashMap;
@@ -61,9 +65,34 @@ impl Geometry for Corners<'_> {
     }
 }
 
+/// Gives a mesh with a normal map on set `uv_set` of its texture coordinates tangents. Returns whether it has that set;
+/// without it they are some directions along the surface.
+pub(in crate::import) fn make(
+    mesh: &mut Mesh,
+    uv_set: u32,
+    budget: &Budget,
+) -> Result<bool, Fault> {
+    let uv = match uv_set {
+        0 => &mesh.uv0,
+        _ => &mesh.uv1,
+    };
+    if uv.is_empty() {
+        let along = |&normal: &Vec3| sanitize(Vec4::ZERO, normal);
+        mesh.tangents = mesh.normals.iter().map(along).collect();
+        return Ok(false);
+    }
+    budget.take(3 * mesh.triangles.len() as u64, vertex_bytes(mesh))?;
+    let mut list = std::mem::take(&mut mesh.triangles);
+    let (sources, tangents) = generate(&mesh.positions, &mesh.normals, uv, &mut list);
+    reorder(mesh, &sources);
+    mesh.tangents = tangents;
+    mesh.triangles = list;
+    Ok(true)
+}
+
 /// Computes tangents and splits vertices where corners disagree. Returns, for each new vertex, the old vertex that it
 /// is a copy of, and its tangent. `triangles` is rewritten to the new vertices.
-pub(in crate::import) fn generate(
+fn generate(
     positions: &[Vec3],
     normals: &[Vec3],
     uv: &[Vec2],
