@@ -6,7 +6,15 @@ use std::path::{Path, PathBuf};
 use device::DeviceChoice;
 use engine::film::{Layers, layers};
 
-use super::{Format, MAX_EXPOSURE, MAX_PIXELS, MAX_SIDE, MAX_SPP, Output, Outputs, UsageError};
+use super::{
+    Devices, Format, MAX_EXPOSURE, MAX_PIXELS, MAX_SIDE, MAX_SPP, MOST_THREADS, Output, Outputs,
+    UsageError,
+};
+
+/// The processor without a driver.
+const NATIVE: &str = "native";
+/// Every device that a picture is rendered faster with.
+const ALL_DEVICES: &str = "all";
 
 pub(super) fn parse_sample_range(given: &str) -> Result<Range<u32>, UsageError> {
     let range = given.split_once("..").and_then(|(first, end)| {
@@ -113,11 +121,44 @@ pub(crate) fn parse_device(given: Option<&str>) -> Result<DeviceChoice, UsageErr
     match given.map(str::trim) {
         None => Ok(DeviceChoice::Best),
         Some("") => Err(UsageError::EmptyDevice),
-        Some(text) => Ok(match text.parse() {
-            Ok(index) => DeviceChoice::Index(index),
-            Err(_) => DeviceChoice::Name(text.to_owned()),
+        Some(text) => Ok(match (text.parse(), text.split_once(':')) {
+            (Ok(index), _) => DeviceChoice::Index(index),
+            (_, Some((name, threads))) if name.eq_ignore_ascii_case(NATIVE) => {
+                DeviceChoice::Native(parse_number("--device native:N", threads, 1, MOST_THREADS)?)
+            }
+            _ => DeviceChoice::Name(text.to_owned()),
         }),
     }
+}
+
+/// The devices that render together: those of each list, whose words have commas between.
+pub(crate) fn parse_devices(given: &[String]) -> Result<Devices, UsageError> {
+    let mut devices = Devices::default();
+    for word in given.iter().flat_map(|list| words_of(list)) {
+        if word.trim().eq_ignore_ascii_case(ALL_DEVICES) {
+            devices.all = true;
+            continue;
+        }
+        let device = parse_device(Some(word))?;
+        // Of the processor there may be several, each with its own threads.
+        let is_one = !matches!(device, DeviceChoice::Native(_));
+        if is_one && devices.named.contains(&device) {
+            let given = word.trim().to_owned();
+            return Err(UsageError::DeviceTwice { given });
+        }
+        devices.named.push(device);
+    }
+    Ok(devices)
+}
+
+/// The words of a list. Names of devices may have commas in parentheses.
+fn words_of(list: &str) -> Vec<&str> {
+    let mut depth = 0_i32;
+    let is_between = |c: char| {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        c == ',' && depth <= 0
+    };
+    list.split(is_between).collect()
 }
 
 pub(crate) fn parse_output(path: PathBuf) -> Result<Output, UsageError> {
