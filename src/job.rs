@@ -485,7 +485,7 @@ mod tests {
         assert!(!found.all);
         let found = devices("all;native:1,native:1").unwrap();
         assert!(found.all);
-        assert_eq!(found.named, [DeviceChoice::Native(1); 2]);
+        assert_eq!(found.named, vec![DeviceChoice::Native(1); 2]);
         let twice = devices("llvmpipe,llvmpipe").unwrap_err();
         assert!(matches!(twice, UsageError::DeviceTwice { .. }), "{twice}");
         assert_eq!(devices("native,"), Err(UsageError::EmptyDevice));

@@ -235,7 +235,7 @@ impl ScalingFigures {
     pub fn svg(&self) -> Result<String, ChartError> {
         let sides = self.sides();
         charts::draw(SIZE, |area| {
-            let (left, right) = area.split_horizontally(SIZE.0 / 2);
+            let (left, right) = area.split_horizontally((SIZE.0 / 2) as i32);
             let lines = sides.iter().map(|&side| {
                 let points = self.report.threads.iter().filter(move |p| p.side == side);
                 let line = points.map(|p| {

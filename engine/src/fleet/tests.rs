@@ -152,7 +152,7 @@ fn what_a_failing_device_had_is_rendered_by_the_others() {
     let broken = &outcome.devices[0];
     assert!(broken.failure.is_some() && broken.samples == 0);
     // The third needn't have been tried yet.
-    fleet.shared.wait_until(State::is_deserted);
+    drop(fleet.shared.wait_until(State::is_deserted));
     let mut losses = fleet.losses();
     losses.sort_by(|a, b| a.device.cmp(&b.device));
     assert_eq!(losses.len(), 2, "{losses:?}");
