@@ -42,7 +42,12 @@ const SETS: &[&[&str]] = &[
     &["energy_compensation"],
     // Textured scenes under a sky.
     &["has_textures", "has_environment", "energy_compensation"],
-    &["has_alpha", "has_textures", "has_environment", "energy_compensation"],
+    &[
+        "has_alpha",
+        "has_textures",
+        "has_environment",
+        "energy_compensation",
+    ],
     // The same with what textures drive.
     &[
         "has_textures",
@@ -69,7 +74,11 @@ fn main() -> Result<()> {
     let mut keys = HashSet::new();
     let mut texts = HashMap::new();
     // Nothing is linked for browsers, and what isn't used needn't be compiled.
-    let kernels = if architecture == "wasm32" { &[] } else { KERNELS };
+    let kernels = if architecture == "wasm32" {
+        &[]
+    } else {
+        KERNELS
+    };
     for &(entry, file) in kernels {
         if !texts.contains_key(file) {
             texts.insert(file, Text::read(file)?);
@@ -89,8 +98,14 @@ fn main() -> Result<()> {
             let _ = writeln!(list, "unsafe {{ Ahead::new({key:#034x}, {name}::entry) }},");
         }
     }
-    let _ = writeln!(modules, "pub static ALL: [Ahead; {}] = [\n{list}];", keys.len());
-    let out = env::var_os("OUT_DIR").map(PathBuf::from).context("Cargo names no OUT_DIR")?;
+    let _ = writeln!(
+        modules,
+        "pub static ALL: [Ahead; {}] = [\n{list}];",
+        keys.len()
+    );
+    let out = env::var_os("OUT_DIR")
+        .map(PathBuf::from)
+        .context("Cargo names no OUT_DIR")?;
     fs::write(out.join("kernels.rs"), modules)?;
     Ok(())
 }
@@ -117,8 +132,9 @@ impl Text {
 
     fn program(&self, entry: &str, set: &[&str]) -> Result<kernel_ir::ir::Program> {
         let value = |feature| f64::from(u8::from(set.contains(&feature)));
-        let constants: Vec<(&str, f64)> =
-            (FEATURES.iter()).map(|&feature| (feature, value(feature))).collect();
+        let constants: Vec<(&str, f64)> = (FEATURES.iter())
+            .map(|&feature| (feature, value(feature)))
+            .collect();
         let (module, info) =
             kernel_ir::with_constants(&self.module, &self.info, entry, &constants)?;
         let options = kernel_ir::Options {
@@ -135,7 +151,8 @@ fn include(file: &str, seen: &mut HashSet<String>, text: &mut String) -> Result<
         return Ok(());
     }
     let path = Path::new(PASSES).join(file);
-    let own = fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let own =
+        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
     for line in own.lines() {
         match line.strip_prefix("//!include ") {
             Some(included) => include(included.trim(), seen, text)?,

@@ -37,6 +37,9 @@ Examples:
     patina render helmet.glb --look rust.look.toml --exposure 1 -o helmet.png -o helmet.exr
   Through a camera of the scene, direct light only, on the second device:
     patina render room.gltf --camera Door --max-depth 1 --device 1
+  On all GPUs and the processor together, and on two devices by name:
+    patina render room.gltf --device all
+    patina render room.gltf --device native,llvmpipe
   The picture with depth and normals, in one EXR for compositing:
     patina render room.glb --layers depth,normal -o room.exr
   Where the time goes, for people and for programs:
@@ -207,6 +210,11 @@ pub(crate) struct RenderArgs {
     /// What all renders can choose.
     #[command(flatten)]
     pub(crate) common: CommonArgs,
+
+    /// Devices by number or by part of their names, as `patina devices` lists them; `native:N` is the processor with N threads of
+    /// its own. Several, with commas between, render one picture together; `all` is every device that this gains from.
+    #[arg(long = "device", value_name = "NAME|N|all", action = ArgAction::Append)]
+    pub(crate) devices: Vec<String>,
 
     /// Threads of the device `native` and of all else that the program computes by itself; without it one for each processor.
     #[arg(long, value_name = "N")]

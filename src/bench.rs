@@ -5,6 +5,7 @@ pub(crate) mod job;
 mod kernel;
 mod render;
 mod report;
+mod scaling;
 mod textures;
 
 use device::{Device, DeviceChoice};
@@ -36,6 +37,7 @@ pub(crate) fn run(job: &BenchJob) -> Result<(), Failure> {
             device,
         } => edits_of_a_look(*nodes, *edits, device),
         BenchJob::Render(job) => render::run(job),
+        BenchJob::Scaling(job) => scaling::run(job),
         BenchJob::Textures(job) => textures::run(job),
         BenchJob::Traverse(job) => traverse(job),
     }

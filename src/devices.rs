@@ -1,14 +1,58 @@
-//! `patina devices`: what can be rendered on, and the limits that matter.
+//! `patina devices`: what can be rendered on, and the limits that matter; and how those are opened that `--device` names.
 
 use std::fmt::Write;
 
-use device::{Device, DeviceDescription};
+use device::{Device, DeviceChoice, DeviceDescription, DeviceError, DeviceOptions};
 
-use crate::console;
+use crate::failure::Failure;
+use crate::progress::Bar;
+use crate::words::Devices;
+use crate::{cache, console};
 
 /// Prints the list.
 pub(crate) fn run() {
-    console::print(&list(&Device::all()));
+    let together: Vec<usize> = Device::together().iter().map(|d| d.index).collect();
+    console::print(&list(&Device::all(), &together));
+}
+
+/// The devices that are wanted, one by one; none where nothing is said.
+pub(crate) fn choices(wanted: &Devices) -> Vec<DeviceChoice> {
+    let all = match wanted.all {
+        true => Device::together(),
+        false => Vec::new(),
+    };
+    let all = all.iter().map(|device| DeviceChoice::Index(device.index));
+    all.chain(wanted.named.iter().cloned()).collect()
+}
+
+/// Opens devices that render together. One of several that can't be opened is left out, with a warning.
+///
+/// # Errors
+/// A name or a number that no device has, or none can be opened.
+pub(crate) fn open(wanted: &Devices, bar: &Bar) -> Result<Vec<Device>, Failure> {
+    let mut choices = choices(wanted);
+    if choices.is_empty() {
+        choices.push(DeviceChoice::Best);
+    }
+    let cache = cache::folder();
+    let mut opened = Vec::new();
+    let mut refused = Vec::new();
+    for choice in &choices {
+        let options = DeviceOptions::new(choice).with_cache(cache.as_deref());
+        match Device::open_with(&options) {
+            Ok(device) => opened.push(device),
+            Err(error @ DeviceError::NotFound { .. }) => return Err(Failure::because(error)),
+            Err(error) => refused.push(error.to_string()),
+        }
+    }
+    if opened.is_empty() {
+        return Err(Failure::Failed(refused.join("\n")));
+    }
+    for reason in refused {
+        let text = format!("{reason}; the other devices render without it");
+        bar.suspend(|| console::warning(&text));
+    }
+    Ok(opened)
 }
 
 /// The parts that are not empty; drivers don't tell everything.
@@ -21,7 +65,8 @@ fn known(parts: &[&str]) -> String {
     known.join(", ")
 }
 
-fn list(adapters: &[DeviceDescription]) -> String {
+/// `together` are the numbers of those that `--device all` takes.
+fn list(adapters: &[DeviceDescription], together: &[usize]) -> String {
     let mut text = String::new();
     for adapter in adapters {
         let facts = [
@@ -50,6 +95,9 @@ fn list(adapters: &[DeviceDescription]) -> String {
             (
                 "usable",
                 match &adapter.usable {
+                    Ok(()) if together.contains(&adapter.index) => {
+                        "yes, by `--device all` too".to_owned()
+                    }
                     Ok(()) => "yes".to_owned(),
                     Err(reason) => format!("no: {reason}"),
                 },
@@ -84,7 +132,7 @@ mod tests {
             ray_queries: false,
             usable: Err("4 storage buffers per stage, 8 are needed".into()),
         };
-        let text = list(&[adapter]);
+        let text = list(&[adapter], &[]);
         assert!(text.starts_with("3: Old GPU\n"), "{text}");
         assert!(text.contains("Vulkan, IntegratedGpu\n"), "{text}");
         assert!(text.contains("128.0 MiB per storage binding"), "{text}");

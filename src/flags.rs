@@ -18,10 +18,6 @@ pub(crate) struct CommonArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) seed: String,
 
-    /// Device by number or by part of its name, as `patina devices` lists them.
-    #[arg(long, value_name = "NAME|N")]
-    pub(crate) device: Option<String>,
-
     /// Folder with textures (.wgsl), searched before all others. May be given several times.
     #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
     pub(crate) texture_dirs: Vec<PathBuf>,

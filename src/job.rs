@@ -18,12 +18,10 @@ use crate::usage::UsageError;
 use crate::view::job::ViewJob;
 use crate::watch::job::WatchJob;
 use crate::words::{
-    MAX_DEPTH, MAX_SPP, Outputs, parse_decimal, parse_device, parse_exposure, parse_layers,
-    parse_number, parse_sample_range, parse_size, parse_word, refuse_overwriting,
+    Devices, MAX_DEPTH, MAX_SPP, MOST_THREADS, Outputs, parse_decimal, parse_device, parse_devices,
+    parse_exposure, parse_layers, parse_number, parse_sample_range, parse_size, parse_word,
+    refuse_overwriting,
 };
-
-/// Most threads that are asked for.
-const MOST_THREADS: u32 = 1024;
 
 /// What is to be done.
 #[derive(Debug, PartialEq)]
@@ -92,8 +90,8 @@ pub(crate) struct RenderJob {
     pub(crate) energy_compensation: bool,
     /// Seed of the random numbers.
     pub(crate) seed: u32,
-    /// Device to render on.
-    pub(crate) device: DeviceChoice,
+    /// Devices to render on.
+    pub(crate) devices: Devices,
     /// Threads that compute, if not one for each processor.
     pub(crate) threads: Option<u32>,
     /// Folders the user named, searched first.
@@ -202,7 +200,7 @@ impl RenderJob {
             energy_compensation: !args.no_energy_compensation,
             max_depth: parse_number("--max-depth", &args.common.max_depth, 1, MAX_DEPTH)?,
             seed: parse_number("--seed", &args.common.seed, 0, u32::MAX)?,
-            device: parse_device(args.common.device.as_deref())?,
+            devices: parse_devices(&args.devices)?,
             threads: (args.threads.as_deref())
                 .map(|threads| parse_number("--threads", threads, 1, MOST_THREADS))
                 .transpose()?,
@@ -256,7 +254,7 @@ mod tests {
         let job = render("render some/where/helmet.glb").unwrap();
         assert_eq!((job.width, job.height), (1280, 720));
         assert_eq!((job.spp.get(), job.max_depth, job.seed), (64, 9, 0));
-        assert_eq!(job.device, DeviceChoice::Best);
+        assert_eq!(job.devices, Devices::default());
         assert_eq!(job.first_sample, 0);
         let expected = Output {
             path: "helmet-render.png".into(),
@@ -390,6 +388,33 @@ mod tests {
             Ok(DeviceChoice::Name("llvmpipe".into()))
         );
         assert_eq!(parse_device(Some(" ")), Err(UsageError::EmptyDevice));
+        assert_eq!(parse_device(Some("native:3")), Ok(DeviceChoice::Native(3)));
+        let error = parse_device(Some("native:0")).unwrap_err().to_string();
+        assert!(error.contains("from 1 to 1024"), "{error}");
+    }
+
+    #[test]
+    fn several_devices_are_a_list() {
+        let devices = |line: &str| {
+            let given: Vec<String> = line.split(';').map(str::to_owned).collect();
+            parse_devices(&given)
+        };
+        let named = |name: &str| DeviceChoice::Name(name.to_owned());
+        let found = devices("native, 1,llvmpipe (LLVM 15.0.6, 256 bits)").unwrap();
+        let llvmpipe = named("llvmpipe (LLVM 15.0.6, 256 bits)");
+        assert_eq!(
+            found.named,
+            [named("native"), DeviceChoice::Index(1), llvmpipe]
+        );
+        assert!(!found.all);
+        let found = devices("all;native:1,native:1").unwrap();
+        assert!(found.all);
+        assert_eq!(found.named, vec![DeviceChoice::Native(1); 2]);
+        let twice = devices("llvmpipe,llvmpipe").unwrap_err();
+        assert!(matches!(twice, UsageError::DeviceTwice { .. }), "{twice}");
+        assert_eq!(devices("native,"), Err(UsageError::EmptyDevice));
+        let job = render("render a.glb --device native --device 1").unwrap();
+        assert_eq!(job.devices.named.len(), 2);
     }
 
     #[test]

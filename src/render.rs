@@ -1,15 +1,20 @@
 //! `patina render`: loads, renders, writes. Reads in the order things happen.
 
-use std::path::PathBuf;
-use std::sync::Arc;
+mod alone;
+mod together;
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use device::{Device, DeviceOptions};
-use engine::film::{Origin, Part};
-use engine::fingerprint::fingerprint;
+use device::Device;
+use engine::film::{Film, Origin, Part};
+use engine::fleet::{DeviceShare, Fleet};
+use engine::procedural::Procedural;
 use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::{Camera, Scene};
 use engine::session::{Inputs, Opening, Session, SessionError};
+use engine::stats::{DeviceFacts, Stats};
 use engine::system::System;
 
 use crate::failure::Failure;
@@ -17,7 +22,7 @@ use crate::job::RenderJob;
 use crate::output;
 use crate::progress::Bar;
 use crate::report::{Report, Seconds};
-use crate::{cache, console, crash, interrupt, library};
+use crate::{console, crash, devices, interrupt, library};
 
 /// Most of the time that goes into measuring textures, where figures are asked for.
 const COSTS: Duration = Duration::from_secs(5);
@@ -57,96 +62,132 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
     let load_seconds = clock.elapsed().as_secs_f64();
 
     bar.stage("preparing the device");
-    let clock = Instant::now();
-    let cache = cache::folder();
-    let gpu = Device::open_with(&DeviceOptions::new(&job.device).with_cache(cache.as_deref()))
-        .map_err(Failure::because)?;
-    bar.follow(&gpu);
-    let mut marker = None;
-    let procedural = &opening.loaded().procedural;
-    if !procedural.is_empty() {
-        let kernel = procedural.kernel().wgsl;
-        let (own, has_crashed) = crash::Marker::set(cache.as_deref(), &kernel, gpu.description());
-        if has_crashed {
-            bar.suspend(|| console::warning(crash::SUSPICION));
-            let tell = |texture: &str| bar.stage(&format!("building {texture} alone"));
-            crash::find(procedural, gpu.description().index, tell)?;
-            bar.stage("preparing the device");
-        }
-        marker = own;
-    }
-    // Nobody waits for a render that would begin anew on another device.
-    let (own, settings) = (gpu.clone(), settings(job, &opening.loaded().camera));
-    let mut session = opening
-        .start(
-            Arc::new(move || own.check().map(|()| own.clone())),
-            Arc::new(move |camera| RenderSettings {
-                camera,
-                ..settings.clone()
-            }),
-        )
-        .map_err(failure)?;
-    let settings_written = fingerprint(session.scene(), session.procedural(), session.settings());
-    if job.stats || job.stats_json.is_some() {
-        session.time_passes().map_err(failure)?;
-    }
-    let prepare_seconds = clock.elapsed().as_secs_f64();
-
-    let clock = Instant::now();
-    let first = || {
-        // Some drivers compile a kernel when it runs for the first time.
-        drop(marker.take());
-        interrupt::has_results();
-        // A cache that can't be written costs time at the next start, nothing else.
-        let _ = gpu.save_cache();
+    let devices = devices::open(&job.devices, &bar)?;
+    let rendered = match <[Device; 1]>::try_from(devices) {
+        Ok([device]) => alone::render(job, opening, &device, &bar)?,
+        Err(devices) => together::render(job, opening.into_loaded(), &devices, &bar)?,
     };
-    let complete = accumulate(&mut session, job.spp.get(), &bar, first)?;
-    let mut film = session.snapshot().map_err(failure)?.film;
-    interrupt::writes_results();
-    if !complete && !job.outputs.films.is_empty() {
-        let (_, most) = film.sample_bounds();
-        complete_sample(&mut session, most)?;
-        film = session.snapshot().map_err(failure)?.film;
-    }
-    let render_seconds = clock.elapsed().as_secs_f64();
     bar.finish();
+    write(job, rendered, load_seconds)
+}
 
-    let (lowest, most) = film.sample_bounds();
-    if !complete {
+/// A picture, complete or not, and what is known of how it came about.
+struct Rendered {
+    film: Film,
+    /// The numbers of the samples that pixels may have.
+    samples: Range<u32>,
+    /// Why it isn't complete, if it isn't.
+    ended: Option<Ended>,
+    /// Names of the devices.
+    device: String,
+    facts: DeviceFacts,
+    /// Each one's part, where there are several.
+    shares: Vec<DeviceShare>,
+    settings: Vec<(String, String)>,
+    stats: Stats,
+    /// Opening the device, acceleration structures and kernels.
+    prepare_seconds: f64,
+    render_seconds: f64,
+    /// What goes on after the picture.
+    rest: Rest,
+}
+
+/// Why a picture isn't complete.
+enum Ended {
+    /// A signal came.
+    Interrupted,
+    /// There is no device left.
+    Failed(String),
+}
+
+/// What rendered, while it is still there.
+enum Rest {
+    /// Costs of textures can be measured.
+    Alone(Box<Session>),
+    Together(Fleet),
+}
+
+/// Writes the pictures, and tells what is to be told.
+fn write(job: &RenderJob, rendered: Rendered, load_seconds: f64) -> Result<(), Failure> {
+    let (lowest, _) = rendered.film.sample_bounds();
+    if let Some(Ended::Interrupted) = &rendered.ended {
         console::warning(&format!(
             "interrupted: every pixel has at least {lowest} of {} samples",
             job.spp
         ));
     }
-    let stats = session.stats().map_err(failure)?;
+    let stats = rendered.stats;
     for doubt in stats.doubts() {
         console::warning(&doubt.to_string());
     }
-    let device = &gpu.description().name;
-    let origin = Origin::new(device, &job.scene, job.look.as_deref(), settings_written);
-    let samples = job.first_sample..job.first_sample + most;
-    let part = Part::new(film, samples, origin);
+    let look = job.look.as_deref();
+    let origin = Origin::new(&rendered.device, &job.scene, look, rendered.settings);
+    let part = Part::new(rendered.film, rendered.samples, origin);
     let mut outcome = output::write_or_keep(&job.outputs, &part, job.exposure);
 
     if job.stats || job.stats_json.is_some() {
         let seconds = Seconds {
             load: load_seconds,
-            prepare: prepare_seconds,
-            render: render_seconds,
+            prepare: rendered.prepare_seconds,
+            render: rendered.render_seconds,
         };
-        let textures = texture_costs(&mut session)?;
-        let report = Report::new(job, gpu.description(), &part.film, seconds, stats, textures);
+        let mut rest = rendered.rest;
+        let textures = match &mut rest {
+            Rest::Alone(session) => texture_costs(session)?,
+            Rest::Together(_) => TextureCosts::default(),
+        };
+        let (facts, shares) = (rendered.facts, rendered.shares);
+        let report = Report::new(job, facts, shares, &part.film, seconds, stats, textures);
         if job.stats {
             console::print(&report.table());
         }
         if let Some(path) = &job.stats_json {
             outcome = outcome.and(report.write_json(path).map_err(Failure::because));
         }
+        end(rest);
+    } else {
+        end(rendered.rest);
     }
-    match complete {
-        true => outcome,
-        false => outcome.and(Err(Failure::Interrupted)),
+    match rendered.ended {
+        None => outcome,
+        Some(Ended::Interrupted) => outcome.and(Err(Failure::Interrupted)),
+        Some(Ended::Failed(reason)) => outcome.and(Err(Failure::Failed(reason))),
     }
+}
+
+/// Waits for threads that are still in a driver: the program's end would pull that away from under them. Whoever has interrupted
+/// the program doesn't wait, and that end comes without cleaning up.
+fn end(rest: Rest) {
+    if let Rest::Together(fleet) = rest
+        && !interrupt::requested()
+    {
+        fleet.join();
+    }
+}
+
+/// Sets a marker for the time in which kernels are built for a device. If there is one of a process that is gone, the
+/// textures are built one by one before.
+///
+/// # Errors
+/// Names the textures that the driver doesn't survive.
+fn mark(
+    procedural: &Procedural,
+    gpu: &Device,
+    folder: Option<&Path>,
+    bar: &Bar,
+) -> Result<Option<crash::Marker>, Failure> {
+    if procedural.is_empty() {
+        return Ok(None);
+    }
+    let kernel = procedural.kernel().wgsl;
+    let (marker, has_crashed) = crash::Marker::set(folder, &kernel, gpu.description());
+    if has_crashed {
+        bar.suspend(|| console::warning(crash::SUSPICION));
+        let tell = |texture: &str| bar.stage(&format!("building {texture} alone"));
+        crash::find(procedural, gpu.description().index, tell)?;
+        bar.stage("preparing the device");
+    }
+    Ok(marker)
 }
 
 /// A session's failure, but that no look is kept when the device is lost: none was edited.
@@ -183,41 +224,6 @@ fn settings(job: &RenderJob, camera: &Camera) -> RenderSettings {
         filter_width: job.filter_width,
         ..RenderSettings::new(job.width, job.height, camera)
     }
-}
-
-/// Renders wave by wave, with something to do after the first; returns whether all samples were taken before the user asked to stop.
-fn accumulate(
-    session: &mut Session,
-    spp: u32,
-    bar: &Bar,
-    after_first: impl FnOnce(),
-) -> Result<bool, Failure> {
-    let mut after_first = Some(after_first);
-    loop {
-        let progress = session.step(spp).map_err(failure)?;
-        if let Some(after_first) = after_first.take() {
-            after_first();
-        }
-        bar.update(&progress, spp);
-        if progress.samples_done >= progress.samples_total {
-            return Ok(true);
-        }
-        if interrupt::requested() {
-            return Ok(false);
-        }
-    }
-}
-
-/// Gives all pixels the same samples, as a film that is to be merged should have: if that is a matter of moments, because
-/// whoever ends a render doesn't wait for long.
-fn complete_sample(session: &mut Session, spp: u32) -> Result<(), Failure> {
-    let clock = Instant::now();
-    while clock.elapsed() < FAREWELL {
-        if session.step(spp).map_err(failure)?.is_done() {
-            break;
-        }
-    }
-    Ok(())
 }
 
 /// The camera of that name, or the one of that number where no name fits.

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
-use device::DeviceDescription;
 use engine::film::Film;
+use engine::fleet::DeviceShare;
 use engine::renderer::TextureCosts;
 use engine::stats::{DeviceFacts, Stats};
 use serde::Serialize;
@@ -27,6 +27,9 @@ pub(crate) struct Report {
     /// The look file.
     look: Option<String>,
     device: DeviceFacts,
+    /// Each one's part, where several devices rendered together.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    devices: Vec<DeviceShare>,
     /// Pixels.
     width: u32,
     /// Pixels.
@@ -58,7 +61,8 @@ impl Report {
     /// Collects the figures of a finished (or interrupted) render.
     pub(crate) fn new(
         job: &RenderJob,
-        device: &DeviceDescription,
+        device: DeviceFacts,
+        devices: Vec<DeviceShare>,
         film: &Film,
         seconds: Seconds,
         stats: Stats,
@@ -68,7 +72,8 @@ impl Report {
             patina: env!("CARGO_PKG_VERSION"),
             scene: job.scene.display().to_string(),
             look: job.look.as_ref().map(|look| look.display().to_string()),
-            device: DeviceFacts::new(device),
+            device,
+            devices,
             width: film.width,
             height: film.height,
             samples_per_pixel: job.spp.get(),
@@ -114,6 +119,7 @@ impl Report {
             );
         }
         self.add_textures(&mut text);
+        self.add_devices(&mut text);
         let Seconds {
             load,
             prepare,
@@ -144,6 +150,34 @@ impl Report {
             parts.join(", ")
         );
         text
+    }
+
+    /// Who rendered how much.
+    fn add_devices(&self, text: &mut String) {
+        if self.devices.is_empty() {
+            return;
+        }
+        let _ = writeln!(
+            text,
+            "\n{:<36}{:>9}{:>12}{:>10}{:>8}",
+            "device", "share", "samples/s", "time, s", "ranges"
+        );
+        for share in &self.devices {
+            let _ = writeln!(
+                text,
+                "{:<36}{:>8.1}%{:>12}{:>10.2}{:>8}{}",
+                share.device.name,
+                share.share * 100.0,
+                console::grouped(share.samples_per_second as u64),
+                share.seconds,
+                share.ranges,
+                if share.failure.is_some() {
+                    "  failed"
+                } else {
+                    ""
+                }
+            );
+        }
     }
 
     /// The textures that take longest.

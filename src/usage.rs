@@ -58,6 +58,12 @@ pub(crate) enum UsageError {
         /// As typed.
         path: PathBuf,
     },
+    /// A piece that would cut blocks of pixels.
+    #[error("--tiles {given}: the side of a piece must be a multiple of 8 pixels")]
+    Tile {
+        /// As typed.
+        given: String,
+    },
     /// Nothing says what is to be textured.
     #[error(
         "--scene {}: say what is textured: --material NAME for a material of the scene, or --insert FILE for a model",
@@ -157,4 +163,10 @@ pub(crate) enum UsageError {
     /// `--device ''`.
     #[error("--device: the name is empty; `patina devices` lists names and numbers")]
     EmptyDevice,
+    /// A device that is to render beside itself.
+    #[error("--device: {given} is given twice; each device renders once")]
+    DeviceTwice {
+        /// As typed.
+        given: String,
+    },
 }

@@ -9,6 +9,11 @@ use engine::film::{Layers, layers};
 
 use crate::usage::{MAX_EXPOSURE, UsageError};
 
+/// The processor without a driver.
+const NATIVE: &str = "native";
+/// Every device that a picture is rendered faster with.
+const ALL_DEVICES: &str = "all";
+
 pub(crate) use crate::usage::MAX_SPP;
 
 /// Longest side of a picture, pixels.
@@ -19,6 +24,18 @@ pub(crate) const MAX_PIXELS: u64 = 1 << 26;
 pub(crate) const FILM_EXTENSION: &str = "patina-film";
 /// Most scattering vertices of a path.
 pub(crate) const MAX_DEPTH: u32 = 255;
+/// Most threads that are asked for.
+pub(crate) const MOST_THREADS: u32 = 1024;
+
+/// Which devices render a picture; where none are named, the best one.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Devices {
+    /// Every one that a picture is rendered faster with.
+    pub(crate) all: bool,
+    /// And these.
+    pub(crate) named: Vec<DeviceChoice>,
+}
+
 /// The files to write; at least one, no two alike.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Outputs {
@@ -172,11 +189,44 @@ pub(crate) fn parse_device(given: Option<&str>) -> Result<DeviceChoice, UsageErr
     match given.map(str::trim) {
         None => Ok(DeviceChoice::Best),
         Some("") => Err(UsageError::EmptyDevice),
-        Some(text) => Ok(match text.parse() {
-            Ok(index) => DeviceChoice::Index(index),
-            Err(_) => DeviceChoice::Name(text.to_owned()),
+        Some(text) => Ok(match (text.parse(), text.split_once(':')) {
+            (Ok(index), _) => DeviceChoice::Index(index),
+            (_, Some((name, threads))) if name.eq_ignore_ascii_case(NATIVE) => {
+                DeviceChoice::Native(parse_number("--device native:N", threads, 1, MOST_THREADS)?)
+            }
+            _ => DeviceChoice::Name(text.to_owned()),
         }),
     }
+}
+
+/// The devices that render together: those of each list, whose words have commas between.
+pub(crate) fn parse_devices(given: &[String]) -> Result<Devices, UsageError> {
+    let mut devices = Devices::default();
+    for word in given.iter().flat_map(|list| words_of(list)) {
+        if word.trim().eq_ignore_ascii_case(ALL_DEVICES) {
+            devices.all = true;
+            continue;
+        }
+        let device = parse_device(Some(word))?;
+        // Of the processor there may be several, each with its own threads.
+        let is_one = !matches!(device, DeviceChoice::Native(_));
+        if is_one && devices.named.contains(&device) {
+            let given = word.trim().to_owned();
+            return Err(UsageError::DeviceTwice { given });
+        }
+        devices.named.push(device);
+    }
+    Ok(devices)
+}
+
+/// The words of a list. Names of devices may have commas in parentheses.
+fn words_of(list: &str) -> Vec<&str> {
+    let mut depth = 0_i32;
+    let is_between = |c: char| {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        c == ',' && depth <= 0
+    };
+    list.split(is_between).collect()
 }
 
 pub(crate) fn parse_output(path: PathBuf) -> Result<Output, UsageError> {

@@ -9,6 +9,8 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
+#[path = "cli/devices.rs"]
+mod devices;
 #[cfg(unix)]
 #[path = "cli/endings.rs"]
 mod endings;

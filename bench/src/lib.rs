@@ -14,6 +14,7 @@
 //! | [`render`] | whole renders: samples and rays per second, the time of each pass |
 //! | [`textures`], [`sweeps`] | what textures cost over plain grey in each form, and what changes that |
 //! | [`kernel`] | building the texture kernel, and a hit beside unused textures |
+//! | [`scaling`] | how rendering scales with threads, sizes of pieces, and devices that render together |
 //! | [`edit`] | live edits of a look of a thousand nodes |
 //! | [`traverse`] | rays per second of the traversal kernel |
 //! | [`traffic`] | bytes that each pass reads and writes: no measurement, but held to the kernels by tests |
@@ -35,6 +36,7 @@ pub mod kernel;
 pub mod rayquery;
 pub mod render;
 pub mod report;
+pub mod scaling;
 pub mod scenes;
 pub mod spread;
 pub mod sweeps;

@@ -52,6 +52,8 @@ pub enum DeviceChoice {
     Index(usize),
     /// The best whose name contains this, letter case ignored.
     Name(String),
+    /// The processor without a driver, with so many threads of its own.
+    Native(u32),
 }
 
 impl DeviceChoice {
@@ -60,6 +62,8 @@ impl DeviceChoice {
         let is_meant = match self {
             Self::Best | Self::Driver => true,
             Self::Index(index) => device.index == *index,
+            // No driver's.
+            Self::Native(_) => false,
             Self::Name(name) => device.name.to_lowercase().contains(&name.to_lowercase()),
         };
         is_meant && device.usable.is_ok()
@@ -73,6 +77,7 @@ impl std::fmt::Display for DeviceChoice {
             Self::Driver => f.write_str("any with a driver"),
             Self::Index(index) => write!(f, "{index}"),
             Self::Name(name) => f.write_str(name),
+            Self::Native(threads) => write!(f, "native:{threads}"),
         }
     }
 }

@@ -81,6 +81,24 @@ impl Device {
         all
     }
 
+    /// Those that render one image together where nothing else is said, as [`Self::all`] lists them: every GPU, and the
+    /// processor without a driver. Drivers in software are left out, for they would do with the same cores what these do without;
+    /// and of a GPU that several interfaces offer, all but the first.
+    pub fn together() -> Vec<DeviceDescription> {
+        let mut chosen: Vec<DeviceDescription> = Vec::new();
+        for device in Self::all() {
+            let is_own = device.name == native::NAME;
+            let is_known = |other: &DeviceDescription| {
+                other.name == device.name && other.backend != device.backend
+            };
+            let is_left_out = device.is_processor && !is_own;
+            if device.usable.is_ok() && !is_left_out && !chosen.iter().any(is_known) {
+                chosen.push(device);
+            }
+        }
+        chosen
+    }
+
     /// Opens a device with everything that it offers.
     ///
     /// # Errors
@@ -97,7 +115,12 @@ impl Device {
         let drivers = Gpu::all();
         let own = own(&drivers);
         let is_gpu = |device: &DeviceDescription| !device.is_processor && device.usable.is_ok();
+        let mut threads = None;
         let is_meant = match &options.choice {
+            DeviceChoice::Native(count) => {
+                threads = Some(*count);
+                true
+            }
             DeviceChoice::Best => !options.ray_queries && !drivers.iter().any(is_gpu),
             DeviceChoice::Driver => false,
             DeviceChoice::Index(index) => *index == own.index,
@@ -105,7 +128,7 @@ impl Device {
         };
         Ok(Self {
             kind: match is_meant {
-                true => Kind::Native(Processor::open(own)),
+                true => Kind::Native(Processor::open(own, threads)?),
                 false => Kind::Gpu(Gpu::open(options)?),
             },
         })

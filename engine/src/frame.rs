@@ -134,6 +134,12 @@ const ROULETTE_START: u32 = 4;
 /// Pixels along the side of a block.
 const BLOCK: u32 = 8;
 
+/// Paths of one sample of every pixel of a picture, with those that fill up blocks at its border.
+pub(crate) fn paths_per_sample(width: u32, height: u32) -> u64 {
+    let blocks = |side: u32| u64::from(side.div_ceil(BLOCK));
+    blocks(width) * blocks(height) * u64::from(BLOCK * BLOCK)
+}
+
 impl Frame {
     /// Without a lens.
     pub(crate) fn set_pinhole(&mut self) {
@@ -187,7 +193,7 @@ impl Frame {
             first_pixel: 0,
             first_sample: 0,
             wave_size: 0,
-            padded_pixels: blocks.0 * blocks.1 * BLOCK * BLOCK,
+            padded_pixels: paths_per_sample(width, height) as u32,
             seed: settings.seed,
             max_depth: settings.max_depth,
             light_count: scene.light_count,

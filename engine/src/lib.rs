@@ -31,6 +31,7 @@
 //!
 //! - [`session`] opens, edits, renders and saves: what programs use, who need nothing below it. [`display`] and [`pick`]
 //!   are what a window wants besides.
+//! - [`fleet`] has several devices render one picture.
 //! - [`evaluate`], [`preview`] and [`isolated`] are about one texture, or one node of a look, without its scene.
 //! - [`wave`], [`frame`] and [`texturing`] are what passes, uploads and texture programs hand each other.
 //!
@@ -44,6 +45,7 @@ pub mod evaluate;
 pub mod film;
 pub mod filter;
 pub mod fingerprint;
+pub mod fleet;
 pub mod frame;
 pub mod gpu_scene;
 pub mod isolated;

@@ -3,6 +3,7 @@
 mod costs;
 pub(crate) mod culprit;
 mod edits;
+mod paths;
 mod pipeline;
 mod record;
 mod reload;
@@ -186,6 +187,8 @@ pub struct Renderer {
     wave_size: u32,
     /// Paths started, padding included, in the order sample by sample.
     position: u64,
+    /// Paths that are in the film, padding included.
+    rendered: u64,
     timer: Timer,
     seconds: f64,
     longest_wave: Duration,
@@ -298,6 +301,7 @@ impl Renderer {
             capacity,
             wave_size: first_wave(gpu, capacity),
             position: 0,
+            rendered: 0,
             timer: Timer::counting(),
             seconds: 0.0,
             longest_wave: LONGEST_WAVE,
@@ -343,20 +347,9 @@ impl Renderer {
         let padded = u64::from(self.frame.padded_pixels);
         let total = padded * u64::from(target_spp);
         if self.position < total {
-            // A window that shares the device may have a frame under way: that is no time of the wave's.
-            self.gpu.wait()?;
-            let start = self.system.clock.now();
-            self.clear_stale_film()?;
-            let wave = self.wave_size.max(self.smallest_wave).min(self.capacity);
-            let wave = u64::from(wave).min(total - self.position);
-            let frame = &mut self.frame;
-            frame.set_wave(self.position, wave as u32, first, target_spp);
-            self.render_wave()?;
-            self.is_warm = true;
+            let wave = u64::from(self.next_wave_size()).min(total - self.position);
+            self.wave_at(self.position, wave as u32, target_spp)?;
             self.position += wave;
-            let took = self.system.clock.now() - start;
-            self.wave_size = next_wave(self.wave_size, self.capacity, took, self.longest_wave);
-            self.seconds += took.as_secs_f64();
         }
         let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
         let done =
@@ -365,6 +358,28 @@ impl Renderer {
             samples_done: done(self.position),
             samples_total: done(total),
         })
+    }
+
+    /// Most paths of the next wave.
+    fn next_wave_size(&self) -> u32 {
+        (self.wave_size.max(self.smallest_wave)).min(self.capacity)
+    }
+
+    /// Renders a wave from a path on, of a picture of so many samples per pixel.
+    fn wave_at(&mut self, position: u64, paths: u32, spp: u32) -> Result<(), RenderError> {
+        // A window that shares the device may have a frame under way: that is no time of the wave's.
+        self.gpu.wait()?;
+        let start = self.system.clock.now();
+        self.clear_stale_film()?;
+        let first = self.settings.first_sample;
+        self.frame.set_wave(position, paths, first, spp);
+        self.render_wave()?;
+        self.is_warm = true;
+        self.rendered += u64::from(paths);
+        let took = self.system.clock.now() - start;
+        self.wave_size = next_wave(self.wave_size, self.capacity, took, self.longest_wave);
+        self.seconds += took.as_secs_f64();
+        Ok(())
     }
 
     /// Renders up to `target_spp` samples per pixel.
@@ -461,6 +476,7 @@ impl Renderer {
         self.forget_guides();
         self.survey = None;
         self.position = 0;
+        self.rendered = 0;
         self.gpu.flush();
     }
 
@@ -549,7 +565,7 @@ impl Renderer {
         };
         let padded = u64::from(self.frame.padded_pixels);
         let samples =
-            self.position * u64::from(self.settings.width) * u64::from(self.settings.height)
+            self.rendered * u64::from(self.settings.width) * u64::from(self.settings.height)
                 / padded;
         let mut memory: Vec<(String, u64)> = self
             .resources

@@ -46,7 +46,7 @@ pub struct PassStats {
 }
 
 /// Figures of a render so far.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Stats {
     /// Passes in the order in which a wave runs them.
     pub passes: Vec<PassStats>,
@@ -117,6 +117,52 @@ impl Doubt {
 }
 
 impl Stats {
+    /// Figures of several devices that work at the same time, in one: counts, times of passes and memory are added up. What
+    /// follows from the time on the wall, `seconds` and `samples_per_second`, is left at 0.
+    pub fn together<'a>(all: impl IntoIterator<Item = &'a Self>) -> Self {
+        let mut sum = Self::default();
+        for stats in all {
+            for pass in &stats.passes {
+                match sum.passes.iter_mut().find(|known| known.name == pass.name) {
+                    Some(known) => {
+                        known.milliseconds += pass.milliseconds;
+                        known.dispatches += pass.dispatches;
+                    }
+                    None => sum.passes.push(pass.clone()),
+                }
+            }
+            for (name, bytes) in &stats.memory {
+                match sum.memory.iter_mut().find(|(known, _)| known == name) {
+                    Some((_, known)) => *known += bytes,
+                    None => sum.memory.push((name.clone(), *bytes)),
+                }
+            }
+            sum.rays += stats.rays;
+            sum.shadow_rays += stats.shadow_rays;
+            sum.ao_rays += stats.ao_rays;
+            sum.mrays_per_second += stats.mrays_per_second;
+            sum.invalid_samples += stats.invalid_samples;
+            sum.clamped_samples += stats.clamped_samples;
+            sum.non_finite_hits += stats.non_finite_hits;
+            sum.pipelines_created += stats.pipelines_created;
+            sum.shader_modules_created += stats.shader_modules_created;
+            sum.timestamps |= stats.timestamps;
+            let texture = stats.endless_texture.clone();
+            sum.endless_texture = sum.endless_texture.take().or(texture);
+            let node = stats.non_finite_node.clone();
+            sum.non_finite_node = sum.non_finite_node.take().or(node);
+        }
+        let milliseconds: f64 = sum.passes.iter().map(|pass| pass.milliseconds).sum();
+        for pass in &mut sum.passes {
+            pass.share = match milliseconds > 0.0 {
+                true => pass.milliseconds / milliseconds,
+                false => 0.0,
+            };
+        }
+        sum.memory.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+        sum
+    }
+
     /// What is wrong with the picture so far.
     pub fn doubts(&self) -> Vec<Doubt> {
         let mut doubts = Vec::new();

@@ -17,6 +17,15 @@ Examples:
   patina bench render a.glb b.glb --runs 5           two scenes in turn, five times each
   patina bench render a.glb --look a.look.toml --json a.json";
 
+const SCALING_EXAMPLES: &str = "\
+Examples:
+  patina bench scaling                               the built-in Cornell box, ten minutes at most
+  patina bench scaling --sizes 256,512 --tiles 32,128,512 --minutes 2
+  patina bench scaling --device native,llvmpipe -o scaling.html -o scaling.json
+  patina bench scaling Sponza.gltf --threads 1,2,4,8 --spp 16
+
+What the tables say: docs/devices.md.";
+
 const TEXTURES_EXAMPLES: &str = "\
 Examples:
   patina bench textures                              the built-in scene, a table
@@ -79,6 +88,10 @@ pub(crate) enum BenchCommand {
     /// Whole renders: samples and rays per second, time of each pass, for several scenes in turn.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArgs),
+    /// How rendering scales: with threads of the processor, with the size of the pieces of a picture (ranges and tiles of 32x32 to
+    /// 2048x2048 pixels), and with devices that render together.
+    #[command(after_help = SCALING_EXAMPLES)]
+    Scaling(Box<ScalingArgs>),
     /// What procedural textures cost: time over plain grey of rust and of scratches, for each form of the texture kernel.
     #[command(after_help = TEXTURES_EXAMPLES)]
     Textures(Box<TexturesArgs>),
@@ -149,6 +162,85 @@ pub(crate) struct TexturesArgs {
     /// How it is measured.
     #[command(flatten)]
     pub(crate) effort: EffortArgs,
+}
+
+/// Flags of `patina bench scaling`.
+#[derive(Debug, Args)]
+pub(crate) struct ScalingArgs {
+    /// A glTF file; without it the built-in Cornell box.
+    pub(crate) scene: Option<PathBuf>,
+
+    /// A look for it.
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    pub(crate) look: Option<PathBuf>,
+
+    /// Columns of pixels of the pictures, which have as many rows, with commas between.
+    #[arg(long, value_name = "LIST", default_value = "256,512,1024,2048")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) sizes: String,
+
+    /// Sides of the pieces, multiples of 8 pixels, with commas between; no piece is larger than the picture.
+    #[arg(
+        long,
+        value_name = "LIST",
+        default_value = "32,64,128,256,512,1024,2048"
+    )]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) tiles: String,
+
+    /// Numbers of threads, with commas between; without it 1, 2, 4 and so on up to one for each processor.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub(crate) threads: Option<String>,
+
+    /// Devices that render one picture together, as `patina render` takes them; without it, as many of the processor's with one
+    /// thread each as there are processors.
+    #[arg(long = "device", value_name = "NAME|N|all", action = ArgAction::Append)]
+    pub(crate) devices: Vec<String>,
+
+    /// Samples (camera paths) per pixel of each run.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "4",
+        allow_hyphen_values = true
+    )]
+    pub(crate) spp: String,
+
+    /// Timed runs of each case, in turn. One more comes first and isn't counted.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "2",
+        allow_hyphen_values = true
+    )]
+    pub(crate) runs: String,
+
+    /// Largest path depth: at most N surface points scatter light along a path.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "9",
+        allow_hyphen_values = true
+    )]
+    pub(crate) max_depth: String,
+
+    /// What would take longer than this altogether is left out, and named.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "10",
+        allow_hyphen_values = true
+    )]
+    pub(crate) minutes: String,
+
+    /// Report to write: .html (a page to read), .json (figures for programs) or .svg (the charts). May be given several
+    /// times.
+    #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append)]
+    pub(crate) outputs: Vec<PathBuf>,
+
+    /// Folder with textures (.wgsl), searched before all others. May be given several times.
+    #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
+    pub(crate) texture_dirs: Vec<PathBuf>,
 }
 
 /// Flags of `patina bench render`.

@@ -8,13 +8,19 @@ use patina_bench::sweeps::Sweep;
 
 use crate::usage::UsageError;
 use crate::words::{
-    MAX_DEPTH, MAX_SPP, parse_device, parse_number, parse_size, parse_word, refuse_overwriting,
+    Devices, MAX_DEPTH, MAX_SIDE, MAX_SPP, MOST_THREADS, parse_device, parse_devices, parse_number,
+    parse_size, parse_word, refuse_overwriting,
 };
 
-use super::args::{ALL, BenchCommand, EffortArgs, RenderArgs, TexturesArgs};
+use super::args::{ALL, BenchCommand, EffortArgs, RenderArgs, ScalingArgs, TexturesArgs};
 
 /// Most timed runs of a scene.
 const MAX_RUNS: u32 = 1000;
+
+/// Longest side of a picture whose scaling is measured: 64 million pixels.
+const MOST_SCALED_SIDE: u32 = 8192;
+/// Longest limit: a week.
+const MOST_MINUTES: u32 = 7 * 24 * 60;
 
 /// What is to be measured.
 #[derive(Debug, PartialEq)]
@@ -39,6 +45,8 @@ pub(crate) enum BenchJob {
     },
     /// Whole renders.
     Render(RenderJob),
+    /// Threads, pieces and devices.
+    Scaling(ScalingJob),
     /// What textures cost.
     Textures(TexturesJob),
     /// The traversal kernel.
@@ -54,6 +62,35 @@ pub(crate) struct RenderJob {
     pub(crate) look: Option<PathBuf>,
     /// How it is measured.
     pub(crate) effort: Effort,
+}
+
+/// A measurement of how rendering scales.
+#[derive(Debug, PartialEq)]
+pub(crate) struct ScalingJob {
+    /// The glTF file; `None` is the built-in scene.
+    pub(crate) scene: Option<PathBuf>,
+    /// A look for it.
+    pub(crate) look: Option<PathBuf>,
+    /// Sides of the pictures, ascending.
+    pub(crate) sides: Vec<u32>,
+    /// Sides of the pieces, ascending.
+    pub(crate) tiles: Vec<u32>,
+    /// Numbers of threads, ascending; those that suit the machine if none were named.
+    pub(crate) threads: Option<Vec<u32>>,
+    /// Devices that render together; the processor's if none were named.
+    pub(crate) devices: Devices,
+    /// Samples per pixel of a run.
+    pub(crate) spp: u32,
+    /// Timed runs of each case.
+    pub(crate) runs: u32,
+    /// Most scattering vertices of a path.
+    pub(crate) max_depth: u32,
+    /// Most minutes of all.
+    pub(crate) minutes: u32,
+    /// Reports to write; no two alike.
+    pub(crate) reports: Vec<ReportFile>,
+    /// Folders the user named, searched first.
+    pub(crate) texture_dirs: Vec<PathBuf>,
 }
 
 /// A measurement of what textures cost.
@@ -174,6 +211,7 @@ impl BenchJob {
                 device: parse_device(device.as_deref())?,
             },
             BenchCommand::Render(args) => Self::Render(RenderJob::from_args(args)?),
+            BenchCommand::Scaling(args) => Self::Scaling(ScalingJob::from_args(*args)?),
             BenchCommand::Textures(args) => Self::Textures(TexturesJob::from_args(*args)?),
             BenchCommand::Traverse { scene, device } => Self::Traverse(TraverseJob {
                 scene,
@@ -191,6 +229,40 @@ impl RenderJob {
             effort: Effort::from_args(args.effort)?,
             scenes: args.scenes,
             look: args.look,
+        })
+    }
+}
+
+impl ScalingJob {
+    fn from_args(args: ScalingArgs) -> Result<Self, UsageError> {
+        let read = args.scene.iter().chain(&args.look);
+        refuse_overwriting(args.outputs.iter(), read)?;
+        let reports = args.outputs.into_iter().map(ReportFile::from_path);
+        let numbers = |flag: &'static str, list: &str, most: u32| {
+            let mut numbers = parse_all(list.split(','), |word| parse_number(flag, word, 1, most))?;
+            numbers.sort_unstable();
+            Ok(numbers)
+        };
+        let tiles = numbers("--tiles", &args.tiles, MAX_SIDE)?;
+        if let Some(tile) = tiles.iter().find(|tile| !tile.is_multiple_of(8)) {
+            let given = tile.to_string();
+            return Err(UsageError::Tile { given });
+        }
+        let threads = args.threads.as_deref();
+        let threads = threads.map(|list| numbers("--threads", list, MOST_THREADS));
+        Ok(Self {
+            sides: numbers("--sizes", &args.sizes, MOST_SCALED_SIDE)?,
+            tiles,
+            threads: threads.transpose()?,
+            devices: parse_devices(&args.devices)?,
+            spp: parse_number("--spp", &args.spp, 1, MAX_SPP)?,
+            runs: parse_number("--runs", &args.runs, 1, MAX_RUNS)?,
+            max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
+            minutes: parse_number("--minutes", &args.minutes, 1, MOST_MINUTES)?,
+            reports: reports.collect::<Result<_, _>>()?,
+            scene: args.scene,
+            look: args.look,
+            texture_dirs: args.texture_dirs,
         })
     }
 }
@@ -324,6 +396,17 @@ mod tests {
         assert_eq!((effort.spp, effort.size, effort.runs), (None, None, None));
     }
 
+    #[test]
+    fn scaling_is_measured_in_ascending_steps() {
+        let Ok(BenchJob::Scaling(job)) = job("scaling --threads 4,1,2 --sizes 64,32,64") else {
+            panic!("all of it makes sense");
+        };
+        assert_eq!(job.threads, Some(vec![1, 2, 4]));
+        assert_eq!(job.sides, [32, 64]);
+        assert_eq!(job.tiles, [32, 64, 128, 256, 512, 1024, 2048]);
+        assert_eq!(job.devices, Devices::default());
+    }
+
     fn textures(line: &str) -> Result<TexturesJob, UsageError> {
         job(&format!("textures {line}")).map(|job| match job {
             BenchJob::Textures(job) => job,
@@ -369,6 +452,12 @@ mod tests {
             ("render --spp x", "--spp x"),
             ("render --size 3", "--size 3"),
             ("render a.glb --json a.glb", "input"),
+            ("scaling --sizes 256,0", "--sizes 0"),
+            ("scaling --sizes 9000", "from 1 to 8192"),
+            ("scaling --tiles 32,33", "multiple of 8"),
+            ("scaling --threads 2,x", "--threads x"),
+            ("scaling --minutes 0", "--minutes 0"),
+            ("scaling -o scaling.txt", ".html"),
             ("textures --ao-rays 4,256", "--ao-rays 256"),
             ("textures --ao-rays -4", "from 1 to 255"),
             ("textures -o report.pdf", ".html"),

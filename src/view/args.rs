@@ -41,6 +41,10 @@ pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) common: CommonArgs,
 
+    /// Device by number or by part of its name, as `patina devices` lists them.
+    #[arg(long, value_name = "NAME|N")]
+    pub(crate) device: Option<String>,
+
     /// Write a picture of the window (.png or .jpg) and close it.
     #[arg(long, value_name = "FILE")]
     pub(crate) screenshot: Option<PathBuf>,

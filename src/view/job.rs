@@ -64,7 +64,7 @@ impl ViewJob {
             camera: args.camera,
             max_depth: parse_number("--max-depth", &args.common.max_depth, 1, MAX_DEPTH)?,
             seed: parse_number("--seed", &args.common.seed, 0, u32::MAX)?,
-            device: parse_device(args.common.device.as_deref())?,
+            device: parse_device(args.device.as_deref())?,
             texture_dirs: args.common.texture_dirs,
             screenshot,
         })

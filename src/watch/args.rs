@@ -51,6 +51,10 @@ pub(crate) struct WatchArgs {
     #[command(flatten)]
     pub(crate) common: CommonArgs,
 
+    /// Device by number or by part of its name, as `patina devices` lists them.
+    #[arg(long, value_name = "NAME|N")]
+    pub(crate) device: Option<String>,
+
     /// Brightness of PNG and JPEG files in stops.
     #[arg(long, value_name = "STOPS", default_value = "0")]
     #[arg(allow_hyphen_values = true)]

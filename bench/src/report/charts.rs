@@ -13,7 +13,7 @@ use super::figures::{self, Figures};
 /// Why there is no chart.
 pub type ChartError = DrawingAreaErrorKind<io::Error>;
 
-type Chart<'a, 'b> = ChartContext<
+pub(super) type Chart<'a, 'b> = ChartContext<
     'a,
     SVGBackend<'b>,
     Cartesian2d<plotters::coord::types::RangedCoordf64, plotters::coord::types::RangedCoordf64>,
@@ -169,7 +169,7 @@ fn groups(figures: &Figures) -> Vec<Group> {
 }
 
 /// Runs `fill` on an empty picture.
-fn draw(
+pub(super) fn draw(
     size: (u32, u32),
     fill: impl FnOnce(&DrawingArea<SVGBackend<'_>, plotters::coord::Shift>) -> Result<(), ChartError>,
 ) -> Result<String, ChartError> {
@@ -184,7 +184,7 @@ fn draw(
 }
 
 /// Axes with percent on the left; below, there is room for labels.
-fn chart<'a, 'b>(
+pub(super) fn chart<'a, 'b>(
     area: &'a DrawingArea<SVGBackend<'b>, plotters::coord::Shift>,
     caption: &str,
     x: std::ops::Range<f64>,
@@ -208,7 +208,7 @@ fn chart<'a, 'b>(
     Ok(chart)
 }
 
-fn whisker(
+pub(super) fn whisker(
     chart: &mut Chart<'_, '_>,
     x: f64,
     spread: &Spread,
@@ -221,7 +221,7 @@ fn whisker(
 }
 
 /// A text in the middle of a point, so many pixels below it.
-fn label(
+pub(super) fn label(
     chart: &mut Chart<'_, '_>,
     at: (f64, f64),
     text: &str,

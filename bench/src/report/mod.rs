@@ -6,6 +6,7 @@ pub mod figures;
 pub mod page;
 pub mod paper;
 pub mod renders;
+pub mod scaling;
 
 #[cfg(test)]
 mod tests;

@@ -15,7 +15,7 @@ use super::paper;
 /// Widest picture of the page, pixels.
 const THUMBNAIL: u32 = 320;
 
-const STYLE: &str = "\
+pub(super) const STYLE: &str = "\
 body { font: 15px/1.5 system-ui, sans-serif; color: #222; max-width: 1100px; margin: 2em auto; padding: 0 1em; }
 h1 { font-size: 1.7em; } h2 { font-size: 1.25em; margin-top: 2em; }
 table { border-collapse: collapse; margin: 0.8em 0; font-variant-numeric: tabular-nums; }

@@ -1,5 +1,6 @@
 //! Reports of made-up figures: whether every number arrives, and whether what is written is well-formed.
 
+use crate::scaling::{Piece, PiecePoint, ScalingReport, Team, ThreadPoint, TogetherPoint};
 use crate::spread::Spread;
 use crate::sweeps::{LeftOut, SweepPoint, SweepReport};
 use crate::textures::{Absent, TextureResult};
@@ -8,6 +9,7 @@ use engine::stats::DeviceFacts;
 
 use super::conditions::Conditions;
 use super::figures::Figures;
+use super::scaling::ScalingFigures;
 use super::{charts, page, paper};
 
 /// A number that no other place has, with one digit behind the point.
@@ -307,4 +309,85 @@ fn the_table_shows_forms_that_are_absent_and_values_left_out() {
     ] {
         assert!(table.contains(words), "{words}:\n{table}");
     }
+}
+
+fn scaling() -> ScalingFigures {
+    let spread = |value: f64| Spread::of([value, 1.1 * value]);
+    let of_threads = |side: u32, threads: u32| ThreadPoint {
+        side,
+        threads,
+        seconds: spread(8.0 / f64::from(threads)),
+        samples_per_second: 1e5 * f64::from(threads),
+        speedup: spread(f64::from(threads)),
+        efficiency: 1.0,
+    };
+    let of_pieces = |side: u32, tile: u32, piece: Piece, team: Team| PiecePoint {
+        side,
+        tile,
+        piece,
+        team,
+        seconds: spread(1.0),
+        samples_per_second: 1e5,
+    };
+    ScalingFigures {
+        patina: "0.0.0",
+        commit: "0123456789ab",
+        date: "2026-01-02T03:04Z".to_owned(),
+        device: figures().conditions.device,
+        scene: "<box> & more".to_owned(),
+        triangles: 36,
+        samples_per_pixel: 4,
+        max_depth: 9,
+        runs: 2,
+        report: ScalingReport {
+            threads: vec![of_threads(256, 1), of_threads(256, 2)],
+            together: vec![TogetherPoint {
+                side: 256,
+                devices: vec!["native:1".to_owned(), "a & b".to_owned()],
+                alone: vec![1e5, 3e5],
+                together: 3.9e5,
+                of_sum: spread(0.97),
+                one: None,
+                of_one: None,
+                shares: vec![0.25, 0.75],
+            }],
+            pieces: vec![
+                of_pieces(256, 32, Piece::Range, Team::Beside),
+                of_pieces(512, 32, Piece::Range, Team::Beside),
+                of_pieces(512, 64, Piece::Range, Team::Beside),
+                of_pieces(512, 64, Piece::Tile, Team::Inside),
+            ],
+            left_out: vec![left_out()],
+        },
+    }
+}
+
+fn left_out() -> crate::scaling::LeftOut {
+    crate::scaling::LeftOut {
+        case: "pieces of 2048x2048, 2048x2048".to_owned(),
+        reason: "it would take <long>".to_owned(),
+    }
+}
+
+#[test]
+fn a_report_of_scaling_is_whole_in_all_forms() {
+    let figures = scaling();
+    let table = figures.table();
+    for words in [
+        "speed-up",
+        "native:1 100,000 (25 %)",
+        "0.97",
+        "left out",
+        "by ranges",
+    ] {
+        assert!(table.contains(words), "{words}:\n{table}");
+    }
+    check_tags(&figures.svg().expect("a chart"));
+    let page = figures.html().expect("a page");
+    check_tags(&page);
+    assert!(page.contains("&lt;box&gt; &amp; more"));
+    let json = figures.json().expect("it is JSON");
+    let value: serde_json::Value = serde_json::from_str(&json).expect("it is JSON");
+    assert_eq!(value["pieces"][3]["piece"], "tile");
+    assert_eq!(value["threads"][1]["threads"], 2);
 }

@@ -8,6 +8,8 @@ use std::{
     time::Instant,
 };
 
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
 use crate::{
     Activity, Command, Counts, DeviceDescription, DeviceError, Extent, Format, KernelSource,
     Limits, Recording, Timer, Traits, Trust, WaveSizes,
@@ -41,19 +43,26 @@ struct Shared {
     activity: Activity,
     /// Machine code by content, so that a changed texture compiles one function.
     functions: Cache,
+    /// Threads of its own; without them it works on those of the program.
+    threads: Option<ThreadPool>,
+}
+
+/// How it is driven, with so many threads.
+fn driver(threads: usize) -> String {
+    let threads = match threads {
+        1 => "1 thread".to_owned(),
+        threads => format!("{threads} threads"),
+    };
+    format!("{threads}, {}", super::accel::Kernel::best())
 }
 
 /// What it is, as the device of this number.
 pub(crate) fn describe(index: usize) -> DeviceDescription {
-    let threads = match rayon::current_num_threads() {
-        1 => "1 thread".to_owned(),
-        threads => format!("{threads} threads"),
-    };
     DeviceDescription {
         index,
         name: NAME.to_owned(),
         backend: "no driver".to_owned(),
-        driver: format!("{threads}, {}", super::accel::Kernel::best()),
+        driver: driver(rayon::current_num_threads()),
         device_type: "CPU".to_owned(),
         is_processor: true,
         max_storage_binding: u64::from(u32::MAX),
@@ -67,16 +76,32 @@ pub(crate) fn describe(index: usize) -> DeviceDescription {
 }
 
 impl Processor {
-    pub(crate) fn open(description: DeviceDescription) -> Self {
-        Self {
+    /// With so many threads of its own, or with those of the program.
+    pub(crate) fn open(
+        mut description: DeviceDescription,
+        threads: Option<u32>,
+    ) -> Result<Self, DeviceError> {
+        let pool = |count: u32| {
+            let pool = ThreadPoolBuilder::new().num_threads(count.max(1) as usize);
+            pool.build().map_err(|error| DeviceError::Open {
+                name: format!("{NAME}:{count}"),
+                reason: error.to_string(),
+            })
+        };
+        let threads = threads.map(pool).transpose()?;
+        if let Some(pool) = &threads {
+            description.driver = driver(pool.current_num_threads());
+        }
+        Ok(Self {
             shared: Arc::new(Shared {
+                threads,
                 description,
                 shader_modules: AtomicU64::new(0),
                 pipelines: AtomicU64::new(0),
                 activity: Activity::default(),
                 functions: Cache::new(),
             }),
-        }
+        })
     }
 
     pub(crate) fn description(&self) -> &DeviceDescription {
@@ -171,26 +196,34 @@ impl Processor {
     }
 
     /// Does what is recorded, one after the other, and returns when it is done.
-    pub(crate) fn play(&self, recording: &Recording, mut timer: Option<&mut Timer>) {
-        for command in recording.commands() {
-            match command {
-                Command::Dispatch(kernel, extent) => {
-                    let Bound::Native(bound) = &kernel.bound else {
-                        unreachable!("kernels are bound to the device that plays them");
-                    };
-                    let start = Instant::now();
-                    bound.dispatch(workgroups(extent));
-                    if let Some(timer) = &mut timer {
-                        timer.add(kernel.label(), start.elapsed());
-                    }
+    pub(crate) fn play(&self, recording: &Recording, timer: Option<&mut Timer>) {
+        match &self.shared.threads {
+            Some(own) => own.install(|| run(recording, timer)),
+            None => run(recording, timer),
+        }
+    }
+}
+
+/// Does what is recorded on the threads of the pool that it is called in.
+fn run(recording: &Recording, mut timer: Option<&mut Timer>) {
+    for command in recording.commands() {
+        match command {
+            Command::Dispatch(kernel, extent) => {
+                let Bound::Native(bound) = &kernel.bound else {
+                    unreachable!("kernels are bound to the device that plays them");
+                };
+                let start = Instant::now();
+                bound.dispatch(workgroups(extent));
+                if let Some(timer) = &mut timer {
+                    timer.add(kernel.label(), start.elapsed());
                 }
-                Command::Clear(buffer) => {
-                    let buffer = buffer.native();
-                    buffer.clear(0, buffer.size());
-                }
-                Command::Copy { from, to, bytes } => {
-                    from.native().copy_to(0, to.native(), 0, *bytes);
-                }
+            }
+            Command::Clear(buffer) => {
+                let buffer = buffer.native();
+                buffer.clear(0, buffer.size());
+            }
+            Command::Copy { from, to, bytes } => {
+                from.native().copy_to(0, to.native(), 0, *bytes);
             }
         }
     }

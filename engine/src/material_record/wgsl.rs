@@ -113,7 +113,9 @@ mod tests {
         ];
         let mut changed = Vec::new();
         for (name, text) in files {
-            let text = format!("// From the tables of `material_record`; `cargo test -p engine generated` writes it.\n{text}");
+            let text = format!(
+                "// From the tables of `material_record`; `cargo test -p engine generated` writes it.\n{text}"
+            );
             let path = std::path::Path::new(folder).join(name);
             // Git may have changed the ends of lines.
             let is_same = std::fs::read_to_string(&path)

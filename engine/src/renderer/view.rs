@@ -63,6 +63,7 @@ impl Renderer {
         self.forget_guides();
         self.frame = self.fresh_frame();
         self.position = 0;
+        self.rendered = 0;
         self.is_stale = false;
         Ok(())
     }

@@ -75,6 +75,11 @@ impl Opening {
         (self.loaded).files(files, &inputs.scene, inputs.look.as_deref())
     }
 
+    /// What was read, for those who render it otherwise than in a session.
+    pub fn into_loaded(self) -> Loaded {
+        self.loaded
+    }
+
     /// Begins with this camera in place of the look's.
     #[must_use]
     pub fn seen_by(mut self, camera: Camera) -> Self {

@@ -7,6 +7,7 @@ mod closed_forms;
 mod custom_attributes;
 mod driven_surfaces;
 mod edits_are_data;
+mod fleet;
 mod footprint;
 mod gallery;
 mod image_arguments;

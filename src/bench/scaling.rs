@@ -1,0 +1,131 @@
+//! `patina bench scaling`: how rendering scales with threads, sizes of pieces, and devices, as tables and report files.
+
+use std::io::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use device::{Device, DeviceChoice};
+use engine::load;
+use engine::procedural::{Procedural, TextureSources};
+use engine::scene::look::{Look, LookError};
+use engine::scene::{Camera, Scene, default_camera};
+use engine::stats::DeviceFacts;
+use patina_bench::report::conditions;
+use patina_bench::report::scaling::ScalingFigures;
+use patina_bench::scaling::{self as bench, Setup};
+use patina_bench::scenes;
+
+use crate::failure::Failure;
+use crate::progress::Bar;
+use crate::{console, devices, library, output};
+
+use super::job::{ReportFormat, ScalingJob};
+use super::report;
+
+/// What is rendered.
+struct Prepared {
+    name: String,
+    scene: Scene,
+    procedural: Procedural,
+    camera: Camera,
+}
+
+/// Measures, prints the tables and writes the reports.
+///
+/// # Errors
+/// A scene or look that can't be loaded or rendered, a device that isn't there, a file that can't be written.
+pub(super) fn run(job: &ScalingJob) -> Result<(), Failure> {
+    let written: Vec<_> = job
+        .reports
+        .iter()
+        .map(|report| report.path.clone())
+        .collect();
+    let scenes: Vec<_> = job.scene.iter().collect();
+    report::check(&written, &scenes, job.look.as_deref())?;
+    let bar = Bar::new("loading the scene");
+    let prepared = prepare(job, &bar)?;
+    let threads = job.threads.clone().unwrap_or_else(usual_threads);
+    let most = threads.last().copied().unwrap_or(1);
+    let together = devices::choices(&job.devices);
+    let setup = Setup {
+        scene: Arc::new(prepared.scene),
+        procedural: Arc::new(prepared.procedural),
+        camera: prepared.camera,
+        max_depth: job.max_depth,
+        spp: job.spp,
+        sides: job.sides.clone(),
+        tiles: job.tiles.clone(),
+        devices: match together.is_empty() {
+            true => vec![DeviceChoice::Native(1); most as usize],
+            false => together,
+        },
+        threads,
+        runs: job.runs,
+        limit: Duration::from_secs(60 * u64::from(job.minutes)),
+    };
+    let processor = Device::open(&DeviceChoice::Native(most)).map_err(Failure::because)?;
+    let measured = bench::measure(&setup, |case| bar.stage(&format!("measuring: {case}")));
+    let measured = measured.map_err(Failure::because)?;
+    bar.finish();
+
+    let figures = ScalingFigures {
+        patina: env!("CARGO_PKG_VERSION"),
+        commit: env!("PATINA_COMMIT"),
+        date: conditions::date(),
+        device: DeviceFacts::new(processor.description()),
+        scene: prepared.name,
+        triangles: setup.scene.instanced_triangles(),
+        samples_per_pixel: job.spp,
+        max_depth: job.max_depth,
+        runs: job.runs,
+        report: measured,
+    };
+    console::print(&figures.table());
+    for report in &job.reports {
+        let text = match report.format {
+            ReportFormat::Html => figures.html().map_err(Failure::because)?,
+            ReportFormat::Json => figures.json().map_err(Failure::because)?,
+            ReportFormat::Svg => figures.svg().map_err(Failure::because)?,
+        };
+        output::write_aside(&report.path, |file| file.write_all(text.as_bytes()))
+            .map_err(Failure::because)?;
+        console::note(&format!("wrote {}", report.path.display()));
+    }
+    Ok(())
+}
+
+/// 1, 2, 4 and so on, and as many as there are.
+fn usual_threads() -> Vec<u32> {
+    let most = std::thread::available_parallelism().map_or(1, |count| count.get() as u32);
+    let powers = std::iter::successors(Some(1), |count: &u32| Some(2 * count));
+    powers
+        .take_while(|&count| count < most)
+        .chain([most])
+        .collect()
+}
+
+fn prepare(job: &ScalingJob, bar: &Bar) -> Result<Prepared, Failure> {
+    let Some(path) = &job.scene else {
+        let mut scene = scenes::cornell_box();
+        let nothing = Look::parse(Path::new(""), "")?;
+        let procedural = Procedural::build(&nothing, &mut scene, &TextureSources::default())
+            .map_err(LookError::from)?;
+        let camera = scene.cameras.first().cloned();
+        return Ok(Prepared {
+            name: "Cornell box".to_owned(),
+            camera: camera.unwrap_or_else(|| default_camera(&scene)),
+            procedural,
+            scene,
+        });
+    };
+    let texture_dirs = library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
+    let loaded = load::load(path, job.look.as_deref(), &texture_dirs)?;
+    bar.suspend(|| console::diagnostics(&loaded.warnings));
+    Ok(Prepared {
+        name: path.display().to_string(),
+        scene: loaded.scene,
+        procedural: loaded.procedural,
+        camera: loaded.camera,
+    })
+}

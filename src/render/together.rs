@@ -1,0 +1,175 @@
+//! A picture by several devices: see [`engine::fleet`].
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use device::Device;
+use engine::fingerprint::fingerprint;
+use engine::fleet::{Fleet, Plan, Recruit};
+use engine::load::Loaded;
+use engine::stats::DeviceFacts;
+use engine::system::System;
+
+use crate::failure::Failure;
+use crate::job::RenderJob;
+use crate::progress::Bar;
+use crate::{cache, console, interrupt};
+
+use super::{Ended, FAREWELL, Rendered, Rest, mark, settings};
+
+/// How often a signal is looked for where nothing else happens.
+const TICK: Duration = Duration::from_millis(100);
+
+/// Renders until all samples are there, a signal comes, or no device is left.
+///
+/// # Errors
+/// There is no device that renders any of it.
+pub(super) fn render(
+    job: &RenderJob,
+    loaded: Loaded,
+    devices: &[Device],
+    bar: &Bar,
+) -> Result<Rendered, Failure> {
+    let clock = Instant::now();
+    if let Some(first) = devices.first() {
+        bar.follow(first);
+    }
+    let plan = Plan {
+        settings: settings(job, &loaded.camera),
+        scene: Arc::new(loaded.scene),
+        procedural: Arc::new(loaded.procedural),
+        spp: job.spp.get(),
+        times_passes: job.stats || job.stats_json.is_some(),
+        system: System::default(),
+    };
+    let fleet = Fleet::start(&plan, recruits(&plan, devices, bar)?);
+    let settings_written = fingerprint(&plan.scene, &plan.procedural, &plan.settings);
+    while !fleet.is_ready() {
+        fleet.wait(TICK);
+    }
+    let prepare_seconds = clock.elapsed().as_secs_f64();
+
+    let clock = Instant::now();
+    let mut losses = Vec::new();
+    let is_interrupted = follow(&fleet, job.spp.get(), bar, &mut losses);
+    interrupt::writes_results();
+    if is_interrupted && !job.outputs.films.is_empty() {
+        // All pixels get the same samples, as a film that is to be merged should have, if that is a matter of moments.
+        fleet.stop_after_sample();
+        let farewell = Instant::now();
+        while !fleet.is_over() && farewell.elapsed() < FAREWELL {
+            fleet.wait(TICK);
+        }
+    }
+    if is_interrupted {
+        fleet.stop();
+    }
+    let outcome = fleet.outcome();
+    let render_seconds = clock.elapsed().as_secs_f64();
+    tell(&fleet, bar, &mut losses);
+    for device in devices {
+        // A cache that can't be written costs time at the next start, nothing else.
+        let _ = device.save_cache();
+    }
+
+    let (lowest, _) = outcome.film.sample_bounds();
+    let ended = match (outcome.is_complete, is_interrupted) {
+        (_, true) => Some(Ended::Interrupted),
+        (true, false) => None,
+        (false, false) => {
+            let reason = format!(
+                "no device is left to finish the picture:\n{}",
+                losses.join("\n")
+            );
+            if lowest == 0 {
+                return Err(Failure::Failed(reason));
+            }
+            let had = format!(
+                "{reason}\nevery pixel has at least {lowest} of {} samples",
+                job.spp
+            );
+            Some(Ended::Failed(had))
+        }
+    };
+    let title = |list: Vec<&str>| list.join("\n");
+    let used = outcome.devices.iter().filter(|share| share.is_used());
+    let joined = |of: fn(&DeviceFacts) -> &str| {
+        let mut words: Vec<&str> = outcome.devices.iter().map(|s| of(&s.device)).collect();
+        words.dedup();
+        words.join(" + ")
+    };
+    let facts = DeviceFacts {
+        title: title(used.map(|share| share.device.title.as_str()).collect()),
+        name: joined(|facts| &facts.name),
+        backend: joined(|facts| &facts.backend),
+        driver: joined(|facts| &facts.driver),
+    };
+    Ok(Rendered {
+        device: outcome.device_names(),
+        film: outcome.film,
+        samples: outcome.samples,
+        ended,
+        facts,
+        shares: outcome.devices,
+        settings: settings_written,
+        stats: outcome.stats,
+        prepare_seconds,
+        render_seconds,
+        rest: Rest::Together(fleet),
+    })
+}
+
+/// The devices with what is to be done once each is ready. One whose driver doesn't survive a texture is left out.
+fn recruits(plan: &Plan, devices: &[Device], bar: &Bar) -> Result<Vec<Recruit>, Failure> {
+    let folder = cache::folder();
+    let mut recruits = Vec::new();
+    let mut reasons = Vec::new();
+    for device in devices {
+        let marker = match mark(&plan.procedural, device, folder.as_deref(), bar) {
+            Ok(marker) => marker,
+            Err(failure) => {
+                let text = format!("{}: {failure}", device.description().title());
+                bar.suspend(|| console::warning(&format!("{text}; the others render without it")));
+                reasons.push(text);
+                continue;
+            }
+        };
+        recruits.push(plan.recruit(device).wrapped(move |worker| {
+            drop(marker);
+            worker
+        }));
+    }
+    match recruits.is_empty() {
+        true => Err(Failure::Failed(reasons.join("\n"))),
+        false => Ok(recruits),
+    }
+}
+
+/// Shows how far the picture is until it is done, or no device is left. Whether a signal came before.
+fn follow(fleet: &Fleet, spp: u32, bar: &Bar, losses: &mut Vec<String>) -> bool {
+    while !fleet.is_over() {
+        let progress = fleet.wait(TICK);
+        tell(fleet, bar, losses);
+        if progress.samples_done > 0 {
+            interrupt::has_results();
+        }
+        bar.update(&progress, spp);
+        if interrupt::requested() {
+            return !fleet.is_over();
+        }
+    }
+    false
+}
+
+/// Tells which devices have failed.
+fn tell(fleet: &Fleet, bar: &Bar, losses: &mut Vec<String>) {
+    for loss in fleet.losses() {
+        let text = format!("{}: {}", loss.device, loss.reason);
+        if !fleet.is_over() {
+            bar.suspend(|| {
+                console::warning(&format!("{text}; the other devices finish the picture"));
+            });
+        }
+        losses.push(text);
+    }
+}
