@@ -22,40 +22,41 @@ const KERNELS: &[(&str, &str)] = &[
 /// The function that the engine has in Rust.
 const HOST: &[&str] = &["trace_surfaces"];
 
-/// Override constants that say what a scene has, all false but those of a set.
-const FEATURES: &[&str] = &[
+/// Override constants that only leave out what a scene doesn't have.
+const OMISSIONS: &[&str] = &[
     "has_alpha",
     "has_textures",
     "has_environment",
     "has_transmission",
     "has_clear",
     "has_layers",
-    "energy_compensation",
-    "has_programs",
-    "has_program_shadows",
 ];
 
-/// The sets of features that are compiled: those of common scenes, and one with all that there is.
-const SETS: &[&[&str]] = &[
+/// The others, by which a kernel does something else.
+const OTHERS: &[&str] = &["energy_compensation", "has_programs", "has_program_shadows"];
+
+/// What is set, for each set of features that is compiled: those of common scenes, and those with all that may be left out,
+/// which stand for the rest.
+const SETS: &[(&[&str], &[&str])] = &[
     // Plain surfaces under lamps, such as a Cornell box.
-    &[],
-    &["energy_compensation"],
-    // Textured scenes under a sky.
-    &["has_textures", "has_environment", "energy_compensation"],
-    &[
-        "has_alpha",
-        "has_textures",
-        "has_environment",
-        "energy_compensation",
-    ],
-    // The same with what textures drive.
-    &[
-        "has_textures",
-        "has_environment",
-        "energy_compensation",
-        "has_programs",
-    ],
-    FEATURES,
+    (&[], &["energy_compensation"]),
+    // Textures under a sky, cut-outs among them.
+    (
+        &["has_textures", "has_environment"],
+        &["energy_compensation"],
+    ),
+    (
+        &["has_alpha", "has_textures", "has_environment"],
+        &["energy_compensation"],
+    ),
+    // Plain surfaces that texture programs drive, under a sky.
+    (
+        &["has_environment"],
+        &["energy_compensation", "has_programs"],
+    ),
+    (OMISSIONS, &["energy_compensation"]),
+    (OMISSIONS, &["energy_compensation", "has_programs"]),
+    (OMISSIONS, OTHERS),
 ];
 
 /// What the functions may use of a processor; `src/lib.rs` asks whether it is there.
@@ -83,8 +84,8 @@ fn main() -> Result<()> {
         if !texts.contains_key(file) {
             texts.insert(file, Text::read(file)?);
         }
-        for set in SETS {
-            let program = texts[file].program(entry, set)?;
+        for (has, does) in SETS {
+            let program = texts[file].program(entry, &[*has, *does].concat())?;
             let key = program.key();
             if !keys.insert(key) {
                 continue;
@@ -94,10 +95,11 @@ fn main() -> Result<()> {
             };
             let name = format!("{entry}_{}", keys.len());
             let _ = writeln!(modules, "mod {name} {{\nuse super::*;\n{rust}}}");
-            // Of the lint's opinion this is for the reader of the generator to judge.
+            // As `Ahead::new` wants it: the module was made of the program with this key.
             let _ = writeln!(list, "unsafe {{ Ahead::new({key:#034x}, {name}::entry) }},");
         }
     }
+    let _ = writeln!(modules, "pub const OMISSIONS: &[&str] = &{OMISSIONS:?};");
     let _ = writeln!(
         modules,
         "pub static ALL: [Ahead; {}] = [\n{list}];",
@@ -131,10 +133,9 @@ impl Text {
     }
 
     fn program(&self, entry: &str, set: &[&str]) -> Result<kernel_ir::ir::Program> {
-        let value = |feature| f64::from(u8::from(set.contains(&feature)));
-        let constants: Vec<(&str, f64)> = (FEATURES.iter())
-            .map(|&feature| (feature, value(feature)))
-            .collect();
+        let value = |name: &str| f64::from(u8::from(set.contains(&name)));
+        let names = OMISSIONS.iter().chain(OTHERS);
+        let constants: Vec<(&str, f64)> = names.map(|&name| (name, value(name))).collect();
         let (module, info) =
             kernel_ir::with_constants(&self.module, &self.info, entry, &constants)?;
         let options = kernel_ir::Options {

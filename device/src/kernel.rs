@@ -43,6 +43,12 @@ pub trait Text: Debug {
         &[]
     }
 
+    /// Override constants by which a kernel leaves out what isn't needed, and does the same as with them set: so a kernel
+    /// that was compiled with all of them may stand for one without some.
+    fn omissions(&self) -> &'static [&'static str] {
+        &[]
+    }
+
     /// Rewrites what compilers are known not to take, before the module is validated.
     fn adapt(&self, _module: &mut naga::Module) {}
 }

@@ -1,7 +1,7 @@
 //! The engine's kernels as machine code that comes with the program.
 //!
-//! The build ([`kernels/build.rs`]) takes the passes' WGSL, the same files that are put into the program, and turns it into
-//! Rust by way of [`kernel_ir`](https://docs.rs/naga)'s programs: once for each of the few sets of features that scenes have.
+//! The build (`kernels/build.rs`) takes the passes' WGSL, the same files that are put into the program, and turns it into
+//! Rust by way of the programs of the crate `kernel_ir`: once for each of the few sets of features that scenes have.
 //! A device for processors looks a kernel up by what its text comes down to ([`Ahead`]), so nothing here has to be kept in
 //! step: a text that was changed at run time, or a set of features that isn't here, is compiled when it is needed, and gives
 //! the same bits, only slower.
@@ -15,6 +15,10 @@ mod compiled {
 
     include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
 }
+
+/// Override constants by which a kernel leaves out what a scene doesn't have, and does the same as with them set. What is
+/// compiled with all of them stands for sets of features that aren't here.
+pub const OMISSIONS: &[&str] = compiled::OMISSIONS;
 
 /// All that this processor can run: none on one of x86-64 without AVX2.
 pub fn all() -> &'static [Ahead] {

@@ -174,6 +174,7 @@ impl Processor {
             loop_limit: (source.trust == Trust::Nothing).then_some(LOOP_LIMIT),
             cache: Some(&self.shared.functions),
             ahead: source.text.ahead(),
+            omissions: source.text.omissions(),
             ..Options::default()
         };
         self.shared.shader_modules.fetch_add(1, Ordering::Relaxed);

@@ -122,6 +122,10 @@ impl Text for ComposedWgsl {
         kernels::all()
     }
 
+    fn omissions(&self) -> &'static [&'static str] {
+        kernels::OMISSIONS
+    }
+
     fn adapt(&self, module: &mut naga::Module) {
         texgen::copy_pointer_arguments(module);
     }

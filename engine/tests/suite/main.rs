@@ -1,5 +1,6 @@
 //! The engine's tests that need nothing of a process of their own, as one program: linked once, with one support.
 
+mod ahead;
 mod support;
 
 mod bsdf;

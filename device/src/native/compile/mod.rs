@@ -48,6 +48,8 @@ pub struct Options<'a> {
     pub cache: Option<&'a Cache>,
     /// Kernels that were compiled before: one that computes the same is taken instead of compiling.
     pub ahead: &'static [Ahead],
+    /// Override constants that only leave out what isn't needed: what was compiled before with all of them set will do.
+    pub omissions: &'static [&'static str],
 }
 
 impl Default for Options<'_> {
@@ -60,6 +62,7 @@ impl Default for Options<'_> {
             stack_limit: 512 << 10,
             cache: None,
             ahead: &[],
+            omissions: &[],
         }
     }
 }
@@ -79,6 +82,13 @@ pub struct Statistics {
     pub lowering: Duration,
     /// Time for machine code.
     pub generation: Duration,
+}
+
+/// The constants with these set.
+fn with_all<'a>(constants: &[(&'a str, f64)], set: &[&'static str]) -> Vec<(&'a str, f64)> {
+    (constants.iter())
+        .map(|&(name, value)| (name, if set.contains(&name) { 1.0 } else { value }))
+        .collect()
 }
 
 /// Where machine code came from.
@@ -123,16 +133,27 @@ impl Kernel {
         options: &Options<'_>,
     ) -> Result<Self, CompileError> {
         let start = std::time::Instant::now();
-        let (module, info) = kernel_ir::with_constants(module, info, entry, constants)?;
-        let lowered = kernel_ir::Options {
-            separate: options.separate,
-            host: options.host,
-            loop_limit: options.loop_limit,
+        let lowered = |constants: &[(&str, f64)]| {
+            let (module, info) = kernel_ir::with_constants(module, info, entry, constants)?;
+            let options = kernel_ir::Options {
+                separate: options.separate,
+                host: options.host,
+                loop_limit: options.loop_limit,
+            };
+            kernel_ir::lower(&module, &info, entry, &options)
         };
-        let program = kernel_ir::lower(&module, &info, entry, &lowered)?;
+        let mut program = lowered(constants)?;
+        let mut found = ahead::find(&program, options.ahead);
+        if found.is_none() && !options.omissions.is_empty() && !options.ahead.is_empty() {
+            let all = lowered(&with_all(constants, options.omissions))?;
+            found = ahead::find(&all, options.ahead);
+            if found.is_some() {
+                program = all;
+            }
+        }
         let lowering = start.elapsed();
         let start = std::time::Instant::now();
-        let (code, mut statistics) = match ahead::find(&program, options.ahead) {
+        let (code, mut statistics) = match found {
             Some(entry) => (Machine::Ahead(entry), Statistics::default()),
             None => {
                 let (code, statistics) = generate::compile(&program, options)?;
