@@ -59,24 +59,25 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
     bar.stage("preparing the device");
     let clock = Instant::now();
     let cache = cache::folder();
-    let gpu = Device::open_with(&DeviceOptions::new(&job.device).with_cache(cache.as_deref()))
+    let device = Device::open_with(&DeviceOptions::new(&job.device).with_cache(cache.as_deref()))
         .map_err(Failure::because)?;
-    bar.follow(&gpu);
+    bar.follow(&device);
     let mut marker = None;
     let procedural = &opening.loaded().procedural;
     if !procedural.is_empty() {
         let kernel = procedural.kernel().wgsl;
-        let (own, has_crashed) = crash::Marker::set(cache.as_deref(), &kernel, gpu.description());
+        let (own, has_crashed) =
+            crash::Marker::set(cache.as_deref(), &kernel, device.description());
         if has_crashed {
             bar.suspend(|| console::warning(crash::SUSPICION));
             let tell = |texture: &str| bar.stage(&format!("building {texture} alone"));
-            crash::find(procedural, gpu.description().index, tell)?;
+            crash::find(procedural, device.description().index, tell)?;
             bar.stage("preparing the device");
         }
         marker = own;
     }
     // Nobody waits for a render that would begin anew on another device.
-    let (own, settings) = (gpu.clone(), settings(job, &opening.loaded().camera));
+    let (own, settings) = (device.clone(), settings(job, &opening.loaded().camera));
     let mut session = opening
         .start(
             Arc::new(move || own.check().map(|()| own.clone())),
@@ -98,7 +99,7 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
         drop(marker.take());
         interrupt::has_results();
         // A cache that can't be written costs time at the next start, nothing else.
-        let _ = gpu.save_cache();
+        let _ = device.save_cache();
     };
     let complete = accumulate(&mut session, job.spp.get(), &bar, first)?;
     let mut film = session.snapshot().map_err(failure)?.film;
@@ -122,8 +123,8 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
     for doubt in stats.doubts() {
         console::warning(&doubt.to_string());
     }
-    let device = &gpu.description().name;
-    let origin = Origin::new(device, &job.scene, job.look.as_deref(), settings_written);
+    let name = &device.description().name;
+    let origin = Origin::new(name, &job.scene, job.look.as_deref(), settings_written);
     let samples = job.first_sample..job.first_sample + most;
     let part = Part::new(film, samples, origin);
     let mut outcome = output::write_or_keep(&job.outputs, &part, job.exposure);
@@ -135,7 +136,14 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
             render: render_seconds,
         };
         let textures = texture_costs(&mut session)?;
-        let report = Report::new(job, gpu.description(), &part.film, seconds, stats, textures);
+        let report = Report::new(
+            job,
+            device.description(),
+            &part.film,
+            seconds,
+            stats,
+            textures,
+        );
         if job.stats {
             console::print(&report.table());
         }
