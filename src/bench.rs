@@ -73,9 +73,9 @@ fn traverse(job: &TraverseJob) -> Result<(), Failure> {
         None => ("built-in scene".to_owned(), scenes::tunnel()),
     };
     bar.stage("measuring");
-    let gpu = Device::open(&job.device).map_err(Failure::because)?;
-    bar.follow(&gpu);
-    let report = rays::traverse(&gpu, &scene).map_err(Failure::because)?;
+    let device = Device::open(&job.device).map_err(Failure::because)?;
+    bar.follow(&device);
+    let report = rays::traverse(&device, &scene).map_err(Failure::because)?;
     bar.finish();
 
     console::print(&format!(
@@ -84,7 +84,7 @@ fn traverse(job: &TraverseJob) -> Result<(), Failure> {
          bounce rays    {:8.2} Mrays/s\n\
          shadow rays    {:8.2} Mrays/s",
         console::grouped(scene.instanced_triangles()),
-        gpu.description().title(),
+        device.description().title(),
         report.primary,
         report.bounce,
         report.shadow

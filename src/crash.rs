@@ -151,12 +151,12 @@ pub(crate) fn probe(path: &Path, device: &DeviceChoice) -> Result<(), Failure> {
     let file = TextureSources::open(path).map_err(Failure::because)?;
     let file = SourceFile::new("probe", file.path(), file.text());
     let (scene, procedural) = Procedural::probe(&file).map_err(Failure::because)?;
-    let gpu = Device::open(device).map_err(Failure::because)?;
+    let device = Device::open(device).map_err(Failure::because)?;
     let settings = RenderSettings {
         max_depth: 1,
         ..RenderSettings::new(8, 8, &engine::scene::default_camera(&scene))
     };
-    Renderer::new(&gpu, &scene, &procedural, &settings)
+    Renderer::new(&device, &scene, &procedural, &settings)
         .and_then(|mut renderer| renderer.render(1))
         .map_err(Failure::because)
 }

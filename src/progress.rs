@@ -128,8 +128,8 @@ impl Bar {
     }
 
     /// Names from now on what the device compiles.
-    pub(crate) fn follow(&self, gpu: &Device) {
-        self.shared.lock().activity = Some(gpu.activity().clone());
+    pub(crate) fn follow(&self, device: &Device) {
+        self.shared.lock().activity = Some(device.activity().clone());
     }
 
     /// Runs `print` with the bar out of the way of other lines.

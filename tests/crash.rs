@@ -98,10 +98,10 @@ fn compiled_pipelines_are_kept_where_the_device_offers_it() {
         let options = DeviceOptions::new(&DeviceChoice::Driver).with_cache(Some(folder.path()));
         Device::open_with(&options).expect("there is one")
     };
-    let gpu = cached();
-    gpu.save_cache().expect("the folder can be written");
+    let device = cached();
+    device.save_cache().expect("the folder can be written");
     let files = names(folder.path());
-    if !gpu.has_cache() {
+    if !device.has_cache() {
         assert!(files.is_empty(), "{files:?}");
         return;
     }
@@ -115,8 +115,8 @@ fn compiled_pipelines_are_kept_where_the_device_offers_it() {
         whole[..whole.len() / 2].to_vec(),
     ] {
         std::fs::write(&file, broken).expect("written");
-        let gpu = cached();
-        gpu.save_cache().expect("the folder can be written");
+        let device = cached();
+        device.save_cache().expect("the folder can be written");
         assert_eq!(std::fs::read(&file).expect("there").len(), whole.len());
     }
     let off = Device::open(&DeviceChoice::Driver).expect("there is one");

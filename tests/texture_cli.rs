@@ -387,13 +387,14 @@ fn many_points_are_evaluated_at_once_by_the_library() {
         "square.wgsl",
         "fn userProc(k: f32) -> f32 { let x = readAttr(TexCoord0).x; return k * x * x; }",
     );
-    let gpu = Device::best().expect("there is a device");
-    let mut square = Evaluator::of_file(&gpu, &desk.path("square.wgsl")).expect("a good texture");
+    let device = Device::best().expect("there is a device");
+    let mut square =
+        Evaluator::of_file(&device, &desk.path("square.wgsl")).expect("a good texture");
     square.set("k", "2").expect("a number");
     let points: Vec<Point> = (0..70_000)
         .map(|i| Point::new().with("TexCoord0", &[i as f32]))
         .collect();
-    let before = gpu.counts().pipelines;
+    let before = device.counts().pipelines;
     let values = square.evaluate(&points).expect("values");
     assert_eq!(values.len(), points.len());
     for (i, value) in values.iter().enumerate() {
@@ -406,7 +407,7 @@ fn many_points_are_evaluated_at_once_by_the_library() {
     let again = square.evaluate(&points[..3]).expect("values");
     assert_eq!(again[2], [12.0; 4]);
     assert_eq!(
-        gpu.counts().pipelines,
+        device.counts().pipelines,
         before + 1,
         "one kernel does for all"
     );

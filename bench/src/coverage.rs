@@ -27,7 +27,7 @@ const SPP: u32 = 4;
 /// # Errors
 /// The device.
 pub fn measure(
-    gpu: &Device,
+    device: &Device,
     scene: &Scene,
     material: &str,
     settings: &RenderSettings,
@@ -60,7 +60,7 @@ pub fn measure(
         max_depth: 1,
         ..settings.clone()
     };
-    let mut renderer = Renderer::new(gpu, &scene, &procedural, &settings)?;
+    let mut renderer = Renderer::new(device, &scene, &procedural, &settings)?;
     renderer.render(SPP)?;
     let film = renderer.film()?;
     let sum: f64 = film.mean().iter().map(|rgb| f64::from(rgb[0])).sum();

@@ -123,8 +123,8 @@ pub fn measure(
     )?;
     prepared();
     session.step(1)?;
-    let gpu = session.device().clone();
-    let before = gpu.counts();
+    let device = session.device().clone();
+    let before = device.counts();
     let mut kinds = Vec::new();
     for (what, make) in KINDS {
         let mut milliseconds = Vec::new();
@@ -151,9 +151,9 @@ pub fn measure(
         session.snapshot()?;
         milliseconds.push(clock.elapsed().as_secs_f64() * 1e3);
     }
-    let after = gpu.counts();
+    let after = device.counts();
     Ok(EditReport {
-        device: gpu.description().title(),
+        device: device.description().title(),
         nodes,
         materials,
         edits: kinds,

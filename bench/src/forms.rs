@@ -49,11 +49,11 @@ impl Form {
     /// As [`Renderer::with_schedule`].
     pub fn renderer(
         self,
-        gpu: &Device,
+        device: &Device,
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
     ) -> Result<Renderer, RenderError> {
-        Renderer::with_schedule(gpu, scene, procedural, settings, self.schedule())
+        Renderer::with_schedule(device, scene, procedural, settings, self.schedule())
     }
 }

@@ -38,7 +38,7 @@ impl Case {
     /// # Errors
     /// [`TextureBenchError::Render`] if the device can't run the form, anything else if the look is at fault.
     pub(crate) fn new(
-        gpu: &Device,
+        device: &Device,
         scene: &Scene,
         look: &str,
         sources: &TextureSources,
@@ -50,7 +50,7 @@ impl Case {
         let procedural = Procedural::build(&look, &mut scene, sources).map_err(LookError::from)?;
         Ok(Self {
             form,
-            renderer: form.renderer(gpu, &scene, &procedural, settings)?,
+            renderer: form.renderer(device, &scene, &procedural, settings)?,
             times: Vec::new(),
         })
     }

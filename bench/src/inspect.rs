@@ -13,8 +13,8 @@ pub struct Inspection {
 impl Inspection {
     /// For kernels of this device. `other`: of another Vulkan device, by a part of its name. Its driver compiles the same
     /// kernels; some drivers do so for hardware that isn't there.
-    pub fn new(gpu: &Device, other: Option<&str>) -> Self {
-        let own = gpu.description();
+    pub fn new(device: &Device, other: Option<&str>) -> Self {
+        let own = device.description();
         let is_vulkan = own.backend.eq_ignore_ascii_case("vulkan");
         Self {
             inspector: match other {

@@ -100,7 +100,7 @@ pub struct HitCost {
 /// # Errors
 /// The textures are wrong, or the device.
 pub fn rebuild(
-    gpu: &Device,
+    device: &Device,
     sources: &TextureSources,
     textures: usize,
 ) -> Result<Rebuild, KernelBenchError> {
@@ -117,9 +117,9 @@ pub fn rebuild(
         all.insert(file.name(), file.text());
         node(&mut look, number, file.name(), number + 1);
     }
-    let mut renderer = renderer(gpu, &look, &all, textures, 64)?;
+    let mut renderer = renderer(device, &look, &all, textures, 64)?;
     let lines = renderer.procedural().kernel().wgsl.lines().count();
-    let is_run = !gpu.traits().compiles_slowly || textures <= MOST_RUN_ON_CPU;
+    let is_run = !device.traits().compiles_slowly || textures <= MOST_RUN_ON_CPU;
     if is_run {
         wave(&mut renderer)?;
     }
@@ -158,11 +158,11 @@ pub fn rebuild(
 /// # Errors
 /// The textures of the measured material (`rust_color`, `rust_mask`, `mix_color`) are missing or wrong, or the device.
 pub fn hits(
-    gpu: &Device,
+    device: &Device,
     sources: &TextureSources,
     most_textures: usize,
 ) -> Result<Vec<HitCost>, KernelBenchError> {
-    let can_run = if gpu.traits().compiles_slowly {
+    let can_run = if device.traits().compiles_slowly {
         MOST_RUN_ON_CPU
     } else {
         OTHERS
@@ -200,7 +200,7 @@ pub fn hits(
     ];
     let mut renderers = Vec::new();
     for (_, look, textures) in cases {
-        let mut renderer = renderer(gpu, look, textures, OTHERS, SIDE)?;
+        let mut renderer = renderer(device, look, textures, OTHERS, SIDE)?;
         time_hits(&mut renderer)?; // compiles what isn't compiled yet
         renderers.push(renderer);
     }
@@ -324,7 +324,7 @@ pub(super) fn fresh_number() -> u64 {
 
 /// A square that fills the picture, and small ones behind the camera for the other materials.
 fn renderer(
-    gpu: &Device,
+    device: &Device,
     look: &str,
     sources: &TextureSources,
     others: usize,
@@ -383,7 +383,7 @@ fn renderer(
         max_depth: 1,
         ..RenderSettings::new(side, side, &camera)
     };
-    Ok(Renderer::new(gpu, &scene, &procedural, &settings)?)
+    Ok(Renderer::new(device, &scene, &procedural, &settings)?)
 }
 
 fn median_time(times: &[BuildTime]) -> BuildTime {

@@ -118,7 +118,7 @@ impl Run {
 /// # Errors
 /// As [`Renderer::new`] and [`Renderer::render`].
 pub fn render(
-    gpu: &Device,
+    device: &Device,
     workloads: &[Workload<'_>],
     spp: u32,
     runs: u32,
@@ -126,8 +126,12 @@ pub fn render(
 ) -> Result<Vec<RenderReport>, RenderError> {
     let mut renderers = Vec::new();
     for workload in workloads {
-        let mut renderer =
-            Renderer::new(gpu, workload.scene, workload.procedural, &workload.settings)?;
+        let mut renderer = Renderer::new(
+            device,
+            workload.scene,
+            workload.procedural,
+            &workload.settings,
+        )?;
         renderer.time_passes()?;
         renderers.push(renderer);
     }

@@ -148,7 +148,7 @@ pub struct SweepReport {
 /// # Errors
 /// As [`crate::textures::compare`].
 pub fn sweep(
-    gpu: &Device,
+    device: &Device,
     setup: &Setup<'_>,
     what: Sweep,
     mut progress: impl FnMut(),
@@ -164,7 +164,7 @@ pub fn sweep(
     };
     let mut grays = Vec::new();
     for &setting in what.settings() {
-        let step = match Step::new(gpu, setup, what, setting)? {
+        let step = match Step::new(device, setup, what, setting)? {
             Ok(step) => step,
             Err(left_out) => {
                 report.left_out.push(left_out);
@@ -175,12 +175,12 @@ pub fn sweep(
             let gray = Texture::Gray.look(setup.material, 1);
             (grays, report.absent) = in_turn::of_each_form(setup.forms, |form| {
                 let sources = setup.sources;
-                let gray = Case::new(gpu, setup.scene, &gray, sources, &step.settings, form)?;
+                let gray = Case::new(device, setup.scene, &gray, sources, &step.settings, form)?;
                 Ok(vec![gray])
             })?;
         }
         let made: Result<Vec<Case>, _> = (grays.iter())
-            .map(|gray: &Case| step.case(gpu, gray.form))
+            .map(|gray: &Case| step.case(device, gray.form))
             .collect();
         let mut textured = made?;
         // Each beside its gray.
@@ -224,7 +224,7 @@ struct Step {
 impl Step {
     /// The inner error is the reason why this value can't be measured here, though others can.
     fn new(
-        gpu: &Device,
+        device: &Device,
         setup: &Setup<'_>,
         what: Sweep,
         setting: f32,
@@ -247,7 +247,7 @@ impl Step {
         match what {
             Sweep::Nodes => step.look = chain(setup.material, number),
             Sweep::Textures => {
-                if gpu.traits().compiles_slowly && number as usize > MOST_RUN_ON_CPU {
+                if device.traits().compiles_slowly && number as usize > MOST_RUN_ON_CPU {
                     let reason = "a software driver compiles a kernel of so many textures for minutes or longer";
                     return left_out(step.value, reason);
                 }
@@ -267,16 +267,16 @@ impl Step {
                     Some(camera) => step.settings.camera = camera,
                     None => return left_out(step.value, "the camera can't be turned to the model"),
                 }
-                let share = coverage::measure(gpu, setup.scene, setup.material, &step.settings)?;
+                let share = coverage::measure(device, setup.scene, setup.material, &step.settings)?;
                 step.value = share * 100.0;
             }
         }
         Ok(Ok(step))
     }
 
-    fn case(&self, gpu: &Device, form: Form) -> Result<Case, TextureBenchError> {
+    fn case(&self, device: &Device, form: Form) -> Result<Case, TextureBenchError> {
         Case::new(
-            gpu,
+            device,
             &self.scene,
             &self.look,
             &self.sources,

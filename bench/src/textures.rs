@@ -134,7 +134,7 @@ impl TexturedCase {
 /// # Errors
 /// The device; textures that don't fit; forms that show different pictures.
 pub fn compare(
-    gpu: &Device,
+    device: &Device,
     setup: &Setup<'_>,
     mut progress: impl FnMut(),
 ) -> Result<Comparison, TextureBenchError> {
@@ -145,7 +145,7 @@ pub fn compare(
             Ok(TexturedCase {
                 texture,
                 ao_rays,
-                case: setup.case(gpu, &look, form)?,
+                case: setup.case(device, &look, form)?,
             })
         };
         TexturedCase::all(setup.ao_rays).map(textured).collect()
@@ -153,7 +153,7 @@ pub fn compare(
     let mut cases: Vec<&mut Case> = all.iter_mut().map(|s| &mut s.case).collect();
     in_turn::run(&mut cases, setup.spp, setup.runs, &mut progress)?;
     same_pictures(&all)?;
-    let inspection = Inspection::new(gpu, setup.statistics_device);
+    let inspection = Inspection::new(device, setup.statistics_device);
     let mut measured = Vec::new();
     let mut gray = Vec::new();
     for textured in &mut all {
@@ -161,7 +161,7 @@ pub fn compare(
         if textured.texture == Texture::Gray {
             gray.clone_from(&textured.case.times);
         }
-        measured.push(result(gpu, setup, textured, &gray, &inspection)?);
+        measured.push(result(device, setup, textured, &gray, &inspection)?);
         progress();
     }
     let mut results = Vec::new();
@@ -207,13 +207,13 @@ impl Setup<'_> {
         Err(TextureBenchError::NoMaterial { name, remedy })
     }
 
-    fn case(&self, gpu: &Device, look: &str, form: Form) -> Result<Case, TextureBenchError> {
-        Case::new(gpu, self.scene, look, self.sources, &self.settings, form)
+    fn case(&self, device: &Device, look: &str, form: Form) -> Result<Case, TextureBenchError> {
+        Case::new(device, self.scene, look, self.sources, &self.settings, form)
     }
 }
 
 fn result(
-    gpu: &Device,
+    device: &Device,
     setup: &Setup<'_>,
     textured: &mut TexturedCase,
     gray: &[f64],
@@ -227,7 +227,7 @@ fn result(
     let usual = image(&mut case.renderer)?;
     let (mut edit_ms, mut pipelines_created, mut builds) = (0.0, 0, [0.0; 3]);
     if let Some((node, parameter, value)) = texture.edited() {
-        let before = gpu.counts().pipelines;
+        let before = device.counts().pipelines;
         let start = Instant::now();
         // A number that no cache has seen, in case it is pasted into a kernel.
         let value = value + (kernel::fresh_number() % 0xffff) as f32 * 1e-6;
@@ -235,7 +235,7 @@ fn result(
             .edit_graph(|graph| graph.set_value(node, parameter, Value::F32(value)))?;
         first_image(&mut case.renderer)?;
         edit_ms = start.elapsed().as_secs_f64() * 1e3;
-        pipelines_created = gpu.counts().pipelines - before;
+        pipelines_created = device.counts().pipelines - before;
         // A source that nobody has seen, another one, and the first again. Nodes are named after their textures.
         let library = std::sync::Arc::clone(case.renderer.procedural().graph().library());
         if let Some(texture) = library.textures().iter().find(|t| t.name() == node) {

@@ -27,7 +27,7 @@ const SIDE: u32 = 1024;
 /// Traces rays through the kernels of a device.
 #[derive(Debug)]
 pub struct Tracer {
-    gpu: Device,
+    device: Device,
     scene: GpuScene,
     resources: Resources,
     closest: BoundKernel,
@@ -39,31 +39,31 @@ impl Tracer {
     ///
     /// # Errors
     /// If it is empty or does not fit the device.
-    pub fn new(gpu: &Device, scene: &Scene) -> Result<Self, RenderError> {
+    pub fn new(device: &Device, scene: &Scene) -> Result<Self, RenderError> {
         let mut resources = Resources::default();
         let gpu_scene = GpuScene::new(
-            gpu,
+            device,
             scene,
             &TextureReads::default(),
             |_| Default::default(),
             &mut resources,
         )?;
-        wave::allocate(gpu, BATCH, 0, &mut resources)?;
+        wave::allocate(device, BATCH, 0, &mut resources)?;
         let camera = engine::scene::default_camera(scene);
         let frame = Frame::new(&RenderSettings::new(1, 1, &camera), BATCH, &gpu_scene);
         resources.set_buffer(
             "frame",
-            gpu.buffer("frame", Usage::Uniform, size_of::<Frame>() as u64)?,
+            device.buffer("frame", Usage::Uniform, size_of::<Frame>() as u64)?,
         );
-        gpu.write(resources.buffer("frame"), 0, bytemuck::bytes_of(&frame));
+        device.write(resources.buffer("frame"), 0, bytemuck::bytes_of(&frame));
         let closest = traverse::CLOSEST
-            .kernel(gpu, &gpu_scene.features)?
-            .bind(gpu, &resources);
+            .kernel(device, &gpu_scene.features)?
+            .bind(device, &resources);
         let occlusion = traverse::OCCLUSION
-            .kernel(gpu, &gpu_scene.features)?
-            .bind(gpu, &resources);
+            .kernel(device, &gpu_scene.features)?
+            .bind(device, &resources);
         Ok(Self {
-            gpu: gpu.clone(),
+            device: device.clone(),
             scene: gpu_scene,
             resources,
             closest,
@@ -112,24 +112,24 @@ impl Tracer {
         words[3] = count;
         let slots: Vec<u32> = (0..count).collect();
         let write = |name: &str, at: u64, bytes: &[u8]| {
-            self.gpu.write(self.resources.buffer(name), at, bytes);
+            self.device.write(self.resources.buffer(name), at, bytes);
         };
         write("queues", 0, bytemuck::cast_slice(&words));
         let at = (wave::QUEUE_HEADER + list * u64::from(BATCH)) * 4;
         write("queues", at, bytemuck::cast_slice(&slots));
         let offset = first_slot * size_of::<RayHit>() as u64;
         write("rays", offset, bytemuck::cast_slice(batch));
-        self.gpu.flush();
-        self.gpu.wait()?;
+        self.device.flush();
+        self.device.wait()?;
 
         let start = Instant::now();
         let mut recording = Recording::new("trace");
         recording.dispatch(kernel, Extent::Threads(count));
-        self.gpu.play(&recording)?;
+        self.device.play(&recording)?;
         let seconds = start.elapsed().as_secs_f64();
         let rays = self.resources.buffer("rays");
         let bytes = u64::from(count) * size_of::<RayHit>() as u64;
-        let bytes = self.gpu.read(rays, offset, bytes)?;
+        let bytes = self.device.read(rays, offset, bytes)?;
         Ok((bytemuck::pod_collect_to_vec(&bytes), seconds))
     }
 }
@@ -149,8 +149,8 @@ pub struct TraverseReport {
 ///
 /// # Errors
 /// If the scene is empty or does not fit the device.
-pub fn traverse(gpu: &Device, scene: &Scene) -> Result<TraverseReport, RenderError> {
-    let tracer = Tracer::new(gpu, scene)?;
+pub fn traverse(device: &Device, scene: &Scene) -> Result<TraverseReport, RenderError> {
+    let tracer = Tracer::new(device, scene)?;
     let camera = scene
         .cameras
         .first()

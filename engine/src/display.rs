@@ -133,11 +133,11 @@ impl DeviceFilm {
     ///
     /// # Errors
     /// The device has no room for it.
-    pub fn copy(&self, gpu: &Device) -> Result<Self, DeviceError> {
+    pub fn copy(&self, device: &Device) -> Result<Self, DeviceError> {
         let label = "a copy of the film";
         let mut recording = Recording::new(label);
         let mut copy = |buffer: &Buffer| {
-            let copy = gpu.buffer(label, Usage::Storage, buffer.size())?;
+            let copy = device.buffer(label, Usage::Storage, buffer.size())?;
             recording.copy(buffer, &copy);
             Ok(copy)
         };
@@ -147,7 +147,7 @@ impl DeviceFilm {
             .map(&mut copy)
             .collect::<Result<_, DeviceError>>()?;
         let guides = self.guides.as_ref().map(&mut copy).transpose()?;
-        gpu.start(&recording)?;
+        device.start(&recording)?;
         let planes = planes.try_into().expect("as many as there were");
         Ok(Self {
             planes,
@@ -193,7 +193,7 @@ impl GpuDisplay {
 /// Shows films of one device in a texture.
 #[derive(Debug)]
 pub struct Display {
-    gpu: Device,
+    device: Device,
     kernel: Kernel,
     parameters: Buffer,
     /// In place of guides that aren't there.
@@ -213,13 +213,13 @@ impl Display {
     ///
     /// # Errors
     /// What the driver reports.
-    pub fn new(gpu: &Device) -> Result<Self, DeviceError> {
+    pub fn new(device: &Device) -> Result<Self, DeviceError> {
         let bytes = size_of::<GpuDisplay>() as u64;
         Ok(Self {
-            gpu: gpu.clone(),
-            kernel: passes::display::kernel(gpu)?,
-            parameters: gpu.buffer("display", Usage::Storage, bytes)?,
-            nothing: gpu.filled_buffer("no guides", Usage::Storage, &[])?,
+            device: device.clone(),
+            kernel: passes::display::kernel(device)?,
+            parameters: device.buffer("display", Usage::Storage, bytes)?,
+            nothing: device.filled_buffer("no guides", Usage::Storage, &[])?,
             target: None,
         })
     }
@@ -238,7 +238,7 @@ impl Display {
         let former = self.target.take().filter(|target| target.size == size);
         let target = match former {
             Some(target) => target,
-            None => Target::new(&self.gpu, size)?,
+            None => Target::new(&self.device, size)?,
         };
         let target = self.target.insert(target);
         let channel = match settings.channel.needs_guides() && film.guides.is_none() {
@@ -255,7 +255,7 @@ impl Display {
             most_samples: settings.most_samples as f32,
             spare: 0,
         };
-        self.gpu
+        self.device
             .write(&self.parameters, 0, bytemuck::bytes_of(&parameters));
         let mut resources = Resources::default();
         resources.set_buffer("display", self.parameters.clone());
@@ -266,10 +266,10 @@ impl Display {
         resources.set_buffer("guides", guides.clone());
         resources.set_buffer("error_sums", target.error_sums.clone());
         resources.set_image("picture", target.image.clone());
-        let bound = self.kernel.bind(&self.gpu, &resources);
+        let bound = self.kernel.bind(&self.device, &resources);
         let mut recording = Recording::new("display");
         recording.dispatch(&bound, Extent::Threads(film.width * film.height));
-        self.gpu.start(&recording)?;
+        self.device.start(&recording)?;
         Ok(&target.image)
     }
 
@@ -283,7 +283,7 @@ impl Display {
             return Ok(None);
         };
         let buffer = &target.error_sums;
-        let bytes = self.gpu.read(buffer, 0, buffer.size())?;
+        let bytes = self.device.read(buffer, 0, buffer.size())?;
         let sums = bytemuck::pod_collect_to_vec::<_, [f32; 4]>(&bytes);
         let total = |i: usize| sums.iter().map(|sum| f64::from(sum[i])).sum::<f64>();
         Ok((total(2) > 0.0).then(|| total(0) / total(1).max(1e-12)))
@@ -295,26 +295,26 @@ impl Display {
     /// What the driver reports.
     pub fn read(&self) -> Result<Vec<u8>, DeviceError> {
         match &self.target {
-            Some(target) => target.image.read(&self.gpu),
+            Some(target) => target.image.read(&self.device),
             None => Ok(Vec::new()),
         }
     }
 }
 
 impl Target {
-    fn new(gpu: &Device, size: [u32; 2]) -> Result<Self, DeviceError> {
+    fn new(device: &Device, size: [u32; 2]) -> Result<Self, DeviceError> {
         let [width, height] = size;
         // As many workgroups as `Extent::Threads` makes, those that fill its last row included.
         let groups = (width * height).div_ceil(64);
         let groups = groups.min(32768) * groups.div_ceil(32768);
         let size_in_layers = [width, height, 1];
         let shown = ImageUse::Shown;
-        let image = gpu.image("what is shown", shown, size_in_layers, Format::Rgba8Unorm)?;
+        let image = device.image("what is shown", shown, size_in_layers, Format::Rgba8Unorm)?;
         let bytes = u64::from(groups) * 16;
         Ok(Self {
             size,
             image,
-            error_sums: gpu.buffer("error sums", Usage::Storage, bytes)?,
+            error_sums: device.buffer("error sums", Usage::Storage, bytes)?,
         })
     }
 }

@@ -92,7 +92,7 @@ impl Preview {
     ///
     /// # Errors
     /// An image parameter is not set, or the device refuses.
-    pub fn renderer(&self, gpu: &Device, width: u32) -> Result<Renderer, PreviewError> {
+    pub fn renderer(&self, device: &Device, width: u32) -> Result<Renderer, PreviewError> {
         let mut procedural = self.isolated.procedural.clone();
         procedural.set_output_link(SHOWN, Output::BASE_COLOR, Some(&self.display))?;
         let settings = RenderSettings {
@@ -101,7 +101,7 @@ impl Preview {
             ..RenderSettings::new(width, (width * 2 / 5).max(1), &camera())
         };
         Ok(Renderer::new(
-            gpu,
+            device,
             &self.isolated.scene,
             &procedural,
             &settings,

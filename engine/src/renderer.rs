@@ -89,16 +89,16 @@ impl Progress {
 }
 
 /// Most paths of a wave.
-fn default_capacity(gpu: &Device) -> u32 {
-    gpu.traits().waves.most
+fn default_capacity(device: &Device) -> u32 {
+    device.traits().waves.most
 }
 
 /// Fewer paths would take hardly less time.
 const SMALLEST_WAVE: u32 = 256;
 
 /// Paths of the first wave, whose speed nobody knows.
-fn first_wave(gpu: &Device, capacity: u32) -> u32 {
-    capacity.min(gpu.traits().waves.first)
+fn first_wave(device: &Device, capacity: u32) -> u32 {
+    capacity.min(device.traits().waves.first)
 }
 
 /// Paths of the wave after one that took so long: longer waves keep the device busy, shorter ones keep each dispatch short.
@@ -116,7 +116,7 @@ fn next_wave(wave_size: u32, capacity: u32, took: Duration, longest: Duration) -
 
 /// Creates the film, the table of the pixel filter and the frame's uniform.
 fn allocate_picture(
-    gpu: &Device,
+    device: &Device,
     settings: &RenderSettings,
     resources: &mut Resources,
 ) -> Result<(), RenderError> {
@@ -124,31 +124,31 @@ fn allocate_picture(
     if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
         return Err(RenderError::Size { width, height });
     }
-    view::allocate_film(gpu, width, height, &settings.layers, resources)?;
+    view::allocate_film(device, width, height, &settings.layers, resources)?;
     let filter = &FilterTable::of(settings.filter).distances;
     resources.set_buffer(
         "filter_table",
-        gpu.filled_buffer(
+        device.filled_buffer(
             "the pixel filter",
             Usage::Storage,
             bytemuck::cast_slice(filter),
         )?,
     );
     let bytes = size_of::<Frame>() as u64;
-    resources.set_buffer("frame", gpu.buffer("frame", Usage::Uniform, bytes)?);
+    resources.set_buffer("frame", device.buffer("frame", Usage::Uniform, bytes)?);
     Ok(())
 }
 
 /// The film as it is now.
 fn read_picture(
-    gpu: &Device,
+    device: &Device,
     settings: &RenderSettings,
     resources: &Resources,
 ) -> Result<Film, DeviceError> {
     let (width, height) = (settings.width, settings.height);
     let bytes = u64::from(width) * u64::from(height) * 16;
     let read = |name| {
-        let bytes = gpu.read(resources.buffer(name), 0, bytes)?;
+        let bytes = device.read(resources.buffer(name), 0, bytes)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     };
     let layers = settings.layers.clone();
@@ -158,7 +158,7 @@ fn read_picture(
 
 /// Starts the film anew.
 fn clear_picture(
-    gpu: &Device,
+    device: &Device,
     settings: &RenderSettings,
     resources: &Resources,
 ) -> Result<(), DeviceError> {
@@ -166,13 +166,13 @@ fn clear_picture(
     for name in settings.layers.buffers() {
         recording.clear(resources.buffer(name));
     }
-    gpu.start(&recording)
+    device.start(&recording)
 }
 
 /// Renders one scene progressively.
 #[derive(Debug)]
 pub struct Renderer {
-    gpu: Device,
+    device: Device,
     system: System,
     settings: RenderSettings,
     procedural: Procedural,
@@ -209,12 +209,12 @@ impl Renderer {
     /// # Errors
     /// If the scene is empty, too large for the device, or a kernel (a user's texture) does not build.
     pub fn new(
-        gpu: &Device,
+        device: &Device,
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
     ) -> Result<Self, RenderError> {
-        Self::with_schedule(gpu, scene, procedural, settings, Box::new(Wavefront))
+        Self::with_schedule(device, scene, procedural, settings, Box::new(Wavefront))
     }
 
     /// As [`Self::new`] by another schedule than the usual one. The picture does not depend on it.
@@ -222,14 +222,14 @@ impl Renderer {
     /// # Errors
     /// As [`Self::new`]; a device that can't run its kernels.
     pub fn with_schedule(
-        gpu: &Device,
+        device: &Device,
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
         schedule: Box<dyn Schedule>,
     ) -> Result<Self, RenderError> {
-        let capacity = default_capacity(gpu);
-        Self::build(gpu, scene, procedural, settings, capacity, schedule)
+        let capacity = default_capacity(device);
+        Self::build(device, scene, procedural, settings, capacity, schedule)
     }
 
     /// As [`Self::new`] with waves of at most `capacity` paths. The picture does not depend on it.
@@ -237,18 +237,18 @@ impl Renderer {
     /// # Errors
     /// As [`Self::new`].
     pub fn with_capacity(
-        gpu: &Device,
+        device: &Device,
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
         capacity: u32,
     ) -> Result<Self, RenderError> {
         let schedule = Box::new(Wavefront);
-        Self::build(gpu, scene, procedural, settings, capacity, schedule)
+        Self::build(device, scene, procedural, settings, capacity, schedule)
     }
 
     fn build(
-        gpu: &Device,
+        device: &Device,
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
@@ -257,9 +257,9 @@ impl Renderer {
     ) -> Result<Self, RenderError> {
         let capacity = capacity.next_multiple_of(64).max(64);
         let mut resources = Resources::default();
-        allocate_picture(gpu, settings, &mut resources)?;
+        allocate_picture(device, settings, &mut resources)?;
         let mut gpu_scene = GpuScene::new(
-            gpu,
+            device,
             scene,
             &procedural.reads(),
             |m| procedural.traits(m),
@@ -274,21 +274,21 @@ impl Renderer {
         }
         gpu_scene.features.film_layers = record_words > 0;
         let upload = Upload {
-            device: gpu,
+            device,
             scene,
             gpu_scene: &gpu_scene,
             procedural,
             capacity,
         };
         schedule.allocate(upload, &mut resources)?;
-        wave::allocate_layer_samples(gpu, capacity, record_words, &mut resources)?;
-        edits::allocate(gpu, procedural, &*schedule, &mut resources)?;
+        wave::allocate_layer_samples(device, capacity, record_words, &mut resources)?;
+        edits::allocate(device, procedural, &*schedule, &mut resources)?;
         let features = &gpu_scene.features;
-        let kernels = Kernels::new(gpu, features, layers, procedural, &*schedule)?;
-        let bound = kernels.bind(gpu, &resources);
-        gpu.check()?;
+        let kernels = Kernels::new(device, features, layers, procedural, &*schedule)?;
+        let bound = kernels.bind(device, &resources);
+        device.check()?;
         Ok(Self {
-            gpu: gpu.clone(),
+            device: device.clone(),
             system: System::default(),
             settings: settings.clone(),
             procedural: procedural.clone(),
@@ -299,7 +299,7 @@ impl Renderer {
             kernels,
             bound,
             capacity,
-            wave_size: first_wave(gpu, capacity),
+            wave_size: first_wave(device, capacity),
             position: 0,
             rendered: 0,
             timer: Timer::counting(),
@@ -326,7 +326,7 @@ impl Renderer {
     /// # Errors
     /// If the device is out of memory.
     pub fn time_passes(&mut self) -> Result<(), RenderError> {
-        self.timer = Timer::timing(&self.gpu)?;
+        self.timer = Timer::timing(&self.device)?;
         Ok(())
     }
 
@@ -368,7 +368,7 @@ impl Renderer {
     /// Renders a wave from a path on, of a picture of so many samples per pixel.
     fn wave_at(&mut self, position: u64, paths: u32, spp: u32) -> Result<(), RenderError> {
         // A window that shares the device may have a frame under way: that is no time of the wave's.
-        self.gpu.wait()?;
+        self.device.wait()?;
         let start = self.system.clock.now();
         self.clear_stale_film()?;
         let first = self.settings.first_sample;
@@ -425,7 +425,7 @@ impl Renderer {
         let schedule = Arc::clone(&self.schedule);
         for _ in 0..MOST_PASSAGES / PASSAGES {
             let queues = self.resources.buffer("queues");
-            let active = self.gpu.read(queues, Queue::Active.length_offset(), 4)?;
+            let active = self.device.read(queues, Queue::Active.length_offset(), 4)?;
             if active.iter().all(|&byte| byte == 0) {
                 break;
             }
@@ -449,7 +449,7 @@ impl Renderer {
         record(&mut recorder);
         let recording = recorder.finish();
         if self.is_warm {
-            return self.gpu.play_timed(&recording, &mut self.timer);
+            return self.device.play_timed(&recording, &mut self.timer);
         }
         let procedural = &self.procedural;
         let textures = self.schedule.texture_pass().name;
@@ -457,13 +457,13 @@ impl Renderer {
             true => pipeline::compiling(procedural),
             false => format!("compiling the kernel {label}"),
         };
-        self.gpu.play_apart(&recording, &mut self.timer, say)
+        self.device.play_apart(&recording, &mut self.timer, say)
     }
 
     /// Writes what a wave begins with.
     fn begin_wave(&self, frame: &Frame) {
         let write =
-            |name: &str, bytes: &[u8]| self.gpu.write(self.resources.buffer(name), 0, bytes);
+            |name: &str, bytes: &[u8]| self.device.write(self.resources.buffer(name), 0, bytes);
         write("frame", bytemuck::bytes_of(frame));
         write("queues", bytemuck::cast_slice(&wave::fresh_queues()));
     }
@@ -477,13 +477,13 @@ impl Renderer {
         self.survey = None;
         self.position = 0;
         self.rendered = 0;
-        self.gpu.flush();
+        self.device.flush();
     }
 
     fn clear_stale_film(&mut self) -> Result<(), DeviceError> {
         if std::mem::take(&mut self.is_stale) {
-            clear_picture(&self.gpu, &self.settings, &self.resources)?;
-            wave::clear_faults(&self.gpu, &self.resources);
+            clear_picture(&self.device, &self.settings, &self.resources)?;
+            wave::clear_faults(&self.device, &self.resources);
         }
         Ok(())
     }
@@ -501,7 +501,7 @@ impl Renderer {
                 self.settings.layers.clone(),
             ));
         }
-        Ok(read_picture(&self.gpu, &self.settings, &self.resources)?)
+        Ok(read_picture(&self.device, &self.settings, &self.resources)?)
     }
 
     /// The text of the texture kernel, for tools. None where there is no such kernel.
@@ -528,7 +528,7 @@ impl Renderer {
     /// What the driver reports.
     pub fn stats(&self) -> Result<Stats, RenderError> {
         let bytes = self
-            .gpu
+            .device
             .read(self.resources.buffer("queues"), 0, wave::QUEUE_HEADER * 4)?;
         let mut totals = wave::Totals::new(&bytemuck::pod_collect_to_vec::<_, u32>(&bytes));
         if self.is_stale {
@@ -574,7 +574,7 @@ impl Renderer {
             .collect();
         memory.push(("image layers".to_owned(), self.scene.image_bytes));
         memory.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
-        let counts = self.gpu.counts();
+        let counts = self.device.counts();
         Ok(Stats {
             passes,
             rays,

@@ -136,7 +136,7 @@ fn path_bytes(capacity: u32, result_words: u32) -> u64 {
 /// # Errors
 /// If it exceeds what the device can bind.
 pub fn grow_results(
-    gpu: &Device,
+    device: &Device,
     capacity: u32,
     result_words: u32,
     resources: &mut Resources,
@@ -145,7 +145,7 @@ pub fn grow_results(
     if resources.buffer("paths").size() >= bytes {
         return Ok(false);
     }
-    let paths = gpu.buffer("paths", Usage::Storage, bytes)?;
+    let paths = device.buffer("paths", Usage::Storage, bytes)?;
     resources.set_buffer("paths", paths);
     Ok(true)
 }
@@ -155,22 +155,22 @@ pub fn grow_results(
 /// # Errors
 /// If they exceed what the device can bind.
 pub fn allocate(
-    gpu: &Device,
+    device: &Device,
     capacity: u32,
     result_words: u32,
     resources: &mut Resources,
 ) -> Result<(), DeviceError> {
     let paths = path_bytes(capacity, result_words);
-    let paths = gpu.buffer("paths", Usage::Storage, paths)?;
+    let paths = device.buffer("paths", Usage::Storage, paths)?;
     resources.set_buffer("paths", paths);
     let capacity = u64::from(capacity);
     let rays = 2 * capacity * size_of::<RayHit>() as u64;
-    resources.set_buffer("rays", gpu.buffer("rays", Usage::Storage, rays)?);
+    resources.set_buffer("rays", device.buffer("rays", Usage::Storage, rays)?);
     let queues = (QUEUE_HEADER + capacity * QUEUE_LISTS) * 4;
-    resources.set_buffer("queues", gpu.buffer("queues", Usage::Storage, queues)?);
-    let sizes = gpu.buffer("dispatch sizes", Usage::Indirect, QUEUE_COUNT * 12)?;
+    resources.set_buffer("queues", device.buffer("queues", Usage::Storage, queues)?);
+    let sizes = device.buffer("dispatch sizes", Usage::Indirect, QUEUE_COUNT * 12)?;
     resources.set_buffer("dispatch_sizes", sizes);
-    allocate_ao_tables(gpu, resources)
+    allocate_ao_tables(device, resources)
 }
 
 /// Creates what is recorded of each path of a wave for the film's layers: so many words, as `film_layers/samples.wgsl` lays
@@ -179,14 +179,14 @@ pub fn allocate(
 /// # Errors
 /// If they exceed what the device can bind.
 pub fn allocate_layer_samples(
-    gpu: &Device,
+    device: &Device,
     capacity: u32,
     words: u32,
     resources: &mut Resources,
 ) -> Result<(), DeviceError> {
     if words > 0 {
         let bytes = 4 * u64::from(capacity) * u64::from(words);
-        let samples = gpu.buffer("layers of a wave", Usage::Storage, bytes)?;
+        let samples = device.buffer("layers of a wave", Usage::Storage, bytes)?;
         resources.set_buffer("layer_samples", samples);
     }
     Ok(())
@@ -196,9 +196,9 @@ pub fn allocate_layer_samples(
 ///
 /// # Errors
 /// The device.
-pub fn allocate_ao_tables(gpu: &Device, resources: &mut Resources) -> Result<(), DeviceError> {
+pub fn allocate_ao_tables(device: &Device, resources: &mut Resources) -> Result<(), DeviceError> {
     let bytes = 4 * size_of::<GpuAoTable>() as u64;
-    let tables = gpu.buffer("AO tables", Usage::Uniform, bytes)?;
+    let tables = device.buffer("AO tables", Usage::Uniform, bytes)?;
     resources.set_buffer("ao_tables", tables);
     Ok(())
 }
@@ -214,11 +214,11 @@ pub fn fresh_queues() -> [u32; 9] {
 const FAULTS: [std::ops::Range<u64>; 3] = [11..13, 15..16, 20..23];
 
 /// Forgets what was wrong with the picture.
-pub fn clear_faults(gpu: &Device, resources: &Resources) {
+pub fn clear_faults(device: &Device, resources: &Resources) {
     for words in FAULTS {
         let zeros = vec![0_u32; (words.end - words.start) as usize];
         let queues = resources.buffer("queues");
-        gpu.write(queues, 4 * words.start, bytemuck::cast_slice(&zeros));
+        device.write(queues, 4 * words.start, bytemuck::cast_slice(&zeros));
     }
 }
 

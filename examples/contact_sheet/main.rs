@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         None => Environment::Constant(Vec3::splat(INTENSITY)),
     };
     let spp = rest.get(1).map_or(Ok(64), |spp| spp.parse())?;
-    let gpu = Device::best()?;
+    let device = Device::best()?;
     let models = models(Path::new(folder))?;
     let rows = (models.len() as u32).div_ceil(COLUMNS);
     let mut picture = RgbImage::new(COLUMNS * TILE, rows * (TILE + STRIP));
@@ -64,7 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .collect();
         label::write(&mut picture, corner.0 + 2, corner.1 + TILE + 2, &label);
         let clock = Instant::now();
-        match render(&gpu, file, &environment, spp) {
+        match render(&device, file, &environment, spp) {
             Ok(shot) => {
                 invalid += shot.invalid;
                 println!(
@@ -126,7 +126,7 @@ struct Shot {
 }
 
 fn render(
-    gpu: &Device,
+    device: &Device,
     file: &Path,
     environment: &Environment,
     spp: u32,
@@ -134,7 +134,7 @@ fn render(
     let mut loaded = load(file, None, &[])?;
     loaded.scene.environment = environment.clone();
     let settings = RenderSettings::new(TILE, TILE, &view(&loaded.scene));
-    let mut renderer = Renderer::new(gpu, &loaded.scene, &loaded.procedural, &settings)?;
+    let mut renderer = Renderer::new(device, &loaded.scene, &loaded.procedural, &settings)?;
     renderer.render(spp)?;
     let mean = renderer.film()?.mean();
     Ok(Shot {

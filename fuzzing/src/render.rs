@@ -17,10 +17,10 @@ const MANY_TRIANGLES: usize = 50_000;
 const MANY_LIGHTS: usize = 10_000;
 
 /// The device, opened once.
-fn gpu() -> Option<&'static Device> {
+fn device() -> Option<&'static Device> {
     static GPU: OnceLock<Option<Device>> = OnceLock::new();
     let open = || match Device::best() {
-        Ok(gpu) => Some(gpu),
+        Ok(device) => Some(device),
         Err(error) => {
             let is_required = std::env::var_os("PATINA_REQUIRE_DEVICE").is_some();
             assert!(!is_required, "PATINA_REQUIRE_DEVICE is set, but: {error}");
@@ -32,7 +32,7 @@ fn gpu() -> Option<&'static Device> {
 }
 
 pub(crate) fn run(data: &[u8]) -> bool {
-    let Some(gpu) = gpu() else { return false };
+    let Some(device) = device() else { return false };
     let (scene, look) = split(data);
     let path = file("rendered.gltf", scene);
     let look = match str::from_utf8(look) {
@@ -48,7 +48,7 @@ pub(crate) fn run(data: &[u8]) -> bool {
         return false;
     }
     let settings = RenderSettings::new(SIDE, SIDE, &loaded.camera);
-    let mut renderer = match Renderer::new(gpu, scene, &loaded.procedural, &settings) {
+    let mut renderer = match Renderer::new(device, scene, &loaded.procedural, &settings) {
         Ok(renderer) => renderer,
         Err(RenderError::Scene(error)) => {
             check_message(&error.to_string());
@@ -58,7 +58,7 @@ pub(crate) fn run(data: &[u8]) -> bool {
     };
     renderer.render(1).unwrap_or_else(|error| panic!("{error}"));
     let film = renderer.film().unwrap_or_else(|error| panic!("{error}"));
-    gpu.check().unwrap_or_else(|error| panic!("{error}"));
+    device.check().unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(film.sample_bounds(), (1, 1), "each pixel has its sample");
     assert!(film.mean().iter().flatten().all(|v| v.is_finite()));
     true

@@ -14,7 +14,7 @@ use texgen::{Library, SourceFile, TextureType};
 
 #[test]
 fn what_texgen_accepts_the_device_accepts() {
-    let Some(gpu) = opened::open() else {
+    let Some(device) = opened::open() else {
         return;
     };
     let seeds = (WGSL.seeds)();
@@ -45,7 +45,7 @@ fn what_texgen_accepts_the_device_accepts() {
         let textures = std::mem::take(&mut together);
         let library = Library::new(textures).unwrap_or_else(|problem| panic!("{problem}"));
         let kernel = library.emit(4);
-        if let Err(error) = proctex::kernel(&gpu, &kernel, &features) {
+        if let Err(error) = proctex::kernel(&device, &kernel, &features) {
             let texts = library.textures().iter().map(|t| t.file().text());
             panic!("{error}\n{}", texts.collect::<Vec<_>>().join("\n// ----\n"));
         }

@@ -214,7 +214,7 @@ fn work(
     requests: &Receiver<Wanted>,
     results: &Sender<Made>,
 ) {
-    let Ok(gpu) = open() else {
+    let Ok(device) = open() else {
         return;
     };
     let mut kernels: Vec<(BTreeSet<String>, Evaluator)> = Vec::new();
@@ -226,7 +226,7 @@ fn work(
             waiting.push(wanted);
         }
         for wanted in waiting {
-            let picture = picture(&gpu, &mut kernels, &wanted);
+            let picture = picture(&device, &mut kernels, &wanted);
             let Wanted { node, hash, .. } = wanted;
             let made = Made {
                 node,
@@ -242,7 +242,7 @@ fn work(
 }
 
 fn picture(
-    gpu: &Device,
+    device: &Device,
     kernels: &mut Vec<(BTreeSet<String>, Evaluator)>,
     wanted: &Wanted,
 ) -> Result<ColorImage, String> {
@@ -263,7 +263,7 @@ fn picture(
             if kernels.len() >= MAX_KERNELS {
                 kernels.remove(0);
             }
-            kernels.push((names, Evaluator::new(gpu, isolated)));
+            kernels.push((names, Evaluator::new(device, isolated)));
             kernels.last_mut()
         }
     };
@@ -351,7 +351,7 @@ mod tests {
 
     #[test]
     fn values_are_changed_without_a_kernel() {
-        let Ok(gpu) = Device::best() else {
+        let Ok(device) = Device::best() else {
             eprintln!("skipped: there is no device");
             return;
         };
@@ -364,14 +364,14 @@ mod tests {
                 look: Arc::new(document(text).look().clone()),
                 sources: Arc::new(textures.sources.clone()),
             };
-            picture(&gpu, &mut kernels, &wanted)
+            picture(&device, &mut kernels, &wanted)
         };
         let first = make("b", LOOK).expect("a picture");
         let (left, right) = (first.pixels[0], first.pixels[SIZE - 1]);
         assert!(left.g() < 60 && right.g() > 250 && left.b() == 0);
-        let made = gpu.counts().pipelines;
+        let made = device.counts().pipelines;
         let second = make("b", &LOOK.replace("0.5", "0.0")).expect("a picture");
-        assert_eq!(gpu.counts().pipelines, made);
+        assert_eq!(device.counts().pipelines, made);
         assert_eq!(second.pixels[0].r(), 0);
         assert_eq!(second.pixels[9].g(), first.pixels[9].g());
         assert!(make("c", LOOK).is_err());

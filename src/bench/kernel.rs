@@ -25,15 +25,15 @@ pub(crate) fn run(
     let bar = Bar::new("measuring");
     let folders = library::texture_dirs(texture_dirs, None)?;
     let sources = TextureSources::search(&folders).map_err(Failure::because)?;
-    let gpu = Device::open(device).map_err(Failure::because)?;
-    bar.follow(&gpu);
-    bar.suspend(|| console::print(&gpu.description().title()));
+    let device = Device::open(device).map_err(Failure::because)?;
+    bar.follow(&device);
+    bar.suspend(|| console::print(&device.description().title()));
 
     let head =
         "textures   lines   cold: build, s   + first wave, s   warm: build, s   + first wave, s";
     bar.suspend(|| console::print(&format!("\n{head}")));
     for count in COUNTS.into_iter().filter(|&count| count <= most) {
-        let row = kernel::rebuild(&gpu, &sources, count).map_err(Failure::because)?;
+        let row = kernel::rebuild(&device, &sources, count).map_err(Failure::because)?;
         let wave = |seconds: Option<f64>| {
             seconds.map_or("not run".to_owned(), |seconds| format!("{seconds:.3}"))
         };
@@ -49,7 +49,7 @@ pub(crate) fn run(
         bar.suspend(|| console::print(&line));
     }
 
-    let rows = kernel::hits(&gpu, &sources, most).map_err(Failure::because)?;
+    let rows = kernel::hits(&device, &sources, most).map_err(Failure::because)?;
     bar.finish();
     console::print("\nbesides                              textures    lines   ns/hit    ratio");
     for row in rows {

@@ -63,8 +63,8 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
     let bar = Bar::new("loading the scenes");
     let prepared = prepare(job, &bar)?;
     bar.stage("measuring");
-    let gpu = Device::open(&job.effort.device).map_err(Failure::because)?;
-    bar.follow(&gpu);
+    let device = Device::open(&job.effort.device).map_err(Failure::because)?;
+    bar.follow(&device);
     let amount = job.effort.amount(USUAL);
     let workloads: Vec<Workload<'_>> = prepared
         .iter()
@@ -79,12 +79,12 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
         })
         .collect();
     bar.count(workloads.len() as u64 * (u64::from(amount.runs) + 1));
-    let scenes = bench::render(&gpu, &workloads, amount.spp, amount.runs, |_| bar.step())
+    let scenes = bench::render(&device, &workloads, amount.spp, amount.runs, |_| bar.step())
         .map_err(Failure::because)?;
     bar.finish();
 
     let report = RenderFigures {
-        conditions: report::conditions(&job.effort, amount, &gpu),
+        conditions: report::conditions(&job.effort, amount, &device),
         scenes,
     };
     console::print(&report.table());

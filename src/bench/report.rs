@@ -16,12 +16,12 @@ use crate::output;
 use super::job::{Amount, Effort};
 
 /// Under which conditions whole renders are measured.
-pub(super) fn conditions(effort: &Effort, amount: Amount, gpu: &Device) -> Conditions {
+pub(super) fn conditions(effort: &Effort, amount: Amount, device: &Device) -> Conditions {
     Conditions {
         patina: env!("CARGO_PKG_VERSION"),
         commit: env!("PATINA_COMMIT"),
         date: conditions::date(),
-        device: DeviceFacts::new(gpu.description()),
+        device: DeviceFacts::new(device.description()),
         width: amount.width,
         height: amount.height,
         samples_per_pixel: amount.spp,

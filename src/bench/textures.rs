@@ -64,9 +64,9 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     let folders = library::texture_dirs(&job.effort.texture_dirs, None)?;
     let sources = TextureSources::search(&folders).map_err(Failure::because)?;
     let prepared = prepare(job, &folders, &bar)?;
-    let (gpu, forms, left_out) = open(job)?;
-    bar.follow(&gpu);
-    let usual = match gpu.traits().compiles_slowly {
+    let (device, forms, left_out) = open(job)?;
+    bar.follow(&device);
+    let usual = match device.traits().compiles_slowly {
         true => USUAL_ON_CPU,
         false => USUAL_ON_GPU,
     };
@@ -88,18 +88,18 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     bar.stage("measuring");
     let of_sweeps = job.sweeps.iter().map(|&what| sweeps::steps(&setup, what));
     bar.count(bench::steps(&setup) + of_sweeps.sum::<u64>());
-    let compared = bench::compare(&gpu, &setup, || bar.step()).map_err(Failure::because)?;
-    let share = coverage::measure(&gpu, setup.scene, setup.material, &setup.settings);
+    let compared = bench::compare(&device, &setup, || bar.step()).map_err(Failure::because)?;
+    let share = coverage::measure(&device, setup.scene, setup.material, &setup.settings);
     let coverage = share.map_err(Failure::because)?;
     let swept = job.sweeps.iter().map(|&what| {
         bar.stage(what.name());
-        sweeps::sweep(&gpu, &setup, what, || bar.step()).map_err(Failure::because)
+        sweeps::sweep(&device, &setup, what, || bar.step()).map_err(Failure::because)
     });
     let swept = swept.collect::<Result<Vec<_>, _>>()?;
     bar.finish();
 
     let figures = Figures {
-        conditions: report::conditions(&job.effort, amount, &gpu),
+        conditions: report::conditions(&job.effort, amount, &device),
         triangles: prepared.scene.instanced_triangles(),
         scene: prepared.name,
         material: prepared.material,
@@ -139,13 +139,13 @@ fn open(job: &TexturesJob) -> Result<(Device, Vec<Form>, Option<Absent>), Failur
         return Ok((open(forms)?, forms.clone(), None));
     }
     let all = Form::ALL.to_vec();
-    let gpu = open(&all)?;
-    if !gpu.traits().compiles_slowly {
-        return Ok((gpu, all, None));
+    let device = open(&all)?;
+    if !device.traits().compiles_slowly {
+        return Ok((device, all, None));
     }
     let absent = Absent {
         mode: Form::RayQuery.name(),
-        reason: match gpu.has_ray_queries() {
+        reason: match device.has_ray_queries() {
             true => "a software driver compiles its kernels for minutes; `--modes rayquery` measures it nevertheless",
             false => "the device has no ray queries",
         }

@@ -41,14 +41,14 @@ pub(crate) fn run(job: &EvalJob) -> Result<(), Failure> {
     let components = isolated.output().components();
 
     let bar = Bar::new("preparing the device");
-    let gpu = Device::open(device).map_err(Failure::because)?;
-    bar.follow(&gpu);
+    let device = Device::open(device).map_err(Failure::because)?;
+    bar.follow(&device);
     let point = |values: &Vec<(String, Vec<f32>)>| {
         let point = Point::new();
         (values.iter()).fold(point, |point, (name, value)| point.with(name, value))
     };
     let points: Vec<Point> = job.points.iter().map(point).collect();
-    let values = Evaluator::new(&gpu, isolated).evaluate(&points)?;
+    let values = Evaluator::new(&device, isolated).evaluate(&points)?;
     bar.finish();
     for value in values {
         console::print(&line(&value[..components]));

@@ -53,9 +53,11 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
     }
 
     let bar = Bar::new("preparing the device");
-    let gpu = Device::open(&target.device).map_err(Failure::because)?;
-    bar.follow(&gpu);
-    let mut renderer = preview.renderer(&gpu, job.size).map_err(Failure::because)?;
+    let device = Device::open(&target.device).map_err(Failure::because)?;
+    bar.follow(&device);
+    let mut renderer = preview
+        .renderer(&device, job.size)
+        .map_err(Failure::because)?;
     let mut is_complete = true;
     loop {
         let progress = renderer.step(MAX_SPP).map_err(Failure::because)?;

@@ -47,11 +47,11 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
     library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
     let folder = cache::folder();
     // A window shows what drivers make.
-    let device = match &job.device {
+    let choice = match &job.device {
         DeviceChoice::Best => &DeviceChoice::Driver,
         named => named,
     };
-    let gpu = Device::open_with(&DeviceOptions::new(device).with_cache(folder.as_deref()))
+    let device = Device::open_with(&DeviceOptions::new(choice).with_cache(folder.as_deref()))
         .map_err(|error| match error {
             DeviceError::NoAdapter => Failure::because(WindowError::NoDriver),
             error => Failure::because(error),
@@ -69,15 +69,15 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
             seed: job.seed,
             size: FIRST_SIZE,
         },
-        preview_device: device.clone(),
+        preview_device: choice.clone(),
         picture_at_spp: job.screenshot.as_ref().map(|(_, spp)| *spp),
     };
-    let outcome = shell::run(&gpu, options, Box::new(host)).map_err(|error| match error {
+    let outcome = shell::run(&device, options, Box::new(host)).map_err(|error| match error {
         WindowError::System(_) => no_window(&without_places(&error.to_string())),
         WindowError::NoDriver | WindowError::Lost(_) => Failure::because(error),
     });
     // Nothing depends on it but the time of the next start.
-    let _ = gpu.save_cache();
+    let _ = device.save_cache();
     match (outcome?, &job.screenshot) {
         (Some(picture), Some((output, _))) => {
             output::write_shown(output, picture.size, &picture.rgba).map_err(Failure::because)?;

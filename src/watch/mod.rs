@@ -127,7 +127,7 @@ fn open(job: &WatchJob, bar: &Arc<Bar>) -> Result<Session, Failure> {
         inputs,
         Arc::new(move || {
             Device::open_with(&DeviceOptions::new(&device).with_cache(folder.as_deref()))
-                .inspect(|gpu| bar.follow(gpu))
+                .inspect(|device| bar.follow(device))
         }),
         Arc::new(move |camera| RenderSettings {
             max_depth,

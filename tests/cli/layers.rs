@@ -83,6 +83,39 @@ fn layers_are_written_and_merged_to_exactly_the_whole() {
         .expect_error(1, "layers");
 }
 
+#[test]
+fn ids_are_the_same_for_any_number_of_threads_and_parts() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let render = |flags: &str| {
+        let line = "render triangle.gltf --size 33x17 --max-depth 1";
+        let layers = "--layers crypto_object,crypto_material";
+        bench
+            .run(&format!("{line} {layers} {flags}"))
+            .expect_code(0)
+    };
+    render("--threads 1 --spp 11 -o one.exr -o one.patina-film");
+    render("--threads 3 --spp 11 -o three.exr -o three.patina-film");
+    render("--threads 2 --sample-range 4..11 -o a.patina-film");
+    render("--threads 1 --sample-range 0..4 -o b.patina-film");
+    let merge = "merge a.patina-film b.patina-film -o merged.exr -o merged.patina-film";
+    bench.run(merge).expect_code(0);
+    let bytes = |name: &str| fs::read(bench.path(name)).expect("it was written");
+    for kind in ["exr", "patina-film"] {
+        let one = bytes(&format!("one.{kind}"));
+        assert!(one == bytes(&format!("three.{kind}")), "threads, {kind}");
+        assert!(one == bytes(&format!("merged.{kind}")), "parts, {kind}");
+    }
+    let (channels, facts) = contents(&bench.path("one.exr"));
+    for name in ["CryptoObject00.r", "CryptoObject03.a", "CryptoMaterial00.g"] {
+        assert!(channels.contains(&format!("ViewLayer.{name}")), "{name}");
+    }
+    let of_ids = facts.iter().filter(|fact| fact.starts_with("cryptomatte/"));
+    assert_eq!(of_ids.count(), 6);
+}
+
 #[cfg(unix)]
 #[test]
 fn what_watch_writes_says_how_it_was_made() {

@@ -67,11 +67,11 @@ pub enum WindowError {
 /// # Errors
 /// There is no window system, or the device was lost.
 pub fn run(
-    gpu: &Device,
+    device: &Device,
     options: WindowOptions,
     host: Box<dyn Host>,
 ) -> Result<Option<WindowPicture>, WindowError> {
-    let driver = gpu.gpu().ok_or(WindowError::NoDriver)?;
+    let driver = device.gpu().ok_or(WindowError::NoDriver)?;
     let setup = WgpuSetupExisting {
         instance: driver.instance().clone(),
         adapter: driver.adapter().clone(),
@@ -94,19 +94,19 @@ pub fn run(
         // A screenshot looks the same whatever the last window was.
         persist_window: !is_screenshot,
         // Nobody sees it in flat panels, and a software driver pays for each pixel.
-        dithering: !gpu.traits().shares_the_processor,
+        dithering: !device.traits().shares_the_processor,
         ..eframe::NativeOptions::default()
     };
     let lost = Arc::new(Mutex::new(None));
     let running = Arc::new(Mutex::new(None));
-    let (device, kept) = (gpu.clone(), Taken::clone(&taken));
+    let (own, kept) = (device.clone(), Taken::clone(&taken));
     let (why, thread) = (Arc::clone(&lost), Arc::clone(&running));
     let window = AssertUnwindSafe(move || {
         eframe::run_native(
             "Patina",
             native,
             Box::new(move |context| {
-                let mut shell = Shell::new(context, device, options, host, kept)?;
+                let mut shell = Shell::new(context, own, options, host, kept)?;
                 *lock(&thread) = lock(&shell.thread).take();
                 (shell.lost, shell.thread) = (why, thread);
                 Ok(Box::new(shell))
@@ -116,7 +116,7 @@ pub fn run(
     // egui panics where it meets a device that is lost, before or after the render has noticed.
     match std::panic::catch_unwind(window) {
         Ok(outcome) => outcome?,
-        Err(_) if gpu.is_lost() => {
+        Err(_) if device.is_lost() => {
             let thread = lock(&running).take();
             return Err(WindowError::Lost(thread.map_or_else(String::new, farewell)));
         }
@@ -153,7 +153,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 struct Shell {
-    gpu: Device,
+    device: Device,
     link: Link,
     viewer: Viewer,
     thread: Arc<Mutex<Option<RenderThread>>>,
@@ -171,7 +171,7 @@ struct Shell {
 impl Shell {
     fn new(
         context: &eframe::CreationContext<'_>,
-        gpu: Device,
+        device: Device,
         options: WindowOptions,
         host: Box<dyn Host>,
         taken: Taken,
@@ -187,14 +187,14 @@ impl Shell {
         let files = options.files.or_else(last);
         let ctx = context.egui_ctx.clone();
         let wake = Box::new(move || ctx.request_repaint());
-        let thread = RenderThread::start(gpu.clone(), files, options.render, host, wake)?;
+        let thread = RenderThread::start(device.clone(), files, options.render, host, wake)?;
         let mut viewer = Viewer::new(thread.link.clone(), preferences);
         // A device of their own, so that they don't keep the render waiting.
-        let device = options.preview_device;
-        let open = move || Device::open(&device);
+        let choice = options.preview_device;
+        let open = move || Device::open(&choice);
         viewer.set_previews(Previews::start(&context.egui_ctx, open));
         Ok(Self {
-            gpu,
+            device,
             link: thread.link.clone(),
             viewer,
             thread: Arc::new(Mutex::new(Some(thread))),
@@ -250,7 +250,7 @@ impl Shell {
     /// Without its device the window can show nothing, not even that: it closes, and who opened it tells why.
     fn end_if_lost(&self, ui: &Ui) {
         if let Some(why) = self.viewer.status().fatal.as_ref()
-            && self.gpu.is_lost()
+            && self.device.is_lost()
         {
             lock(&self.lost).get_or_insert_with(|| why.clone());
             ui.ctx().send_viewport_cmd(ViewportCommand::Close);

@@ -52,7 +52,7 @@ impl RenderThread {
     /// # Errors
     /// The system has no room for a thread.
     pub fn start(
-        gpu: Device,
+        device: Device,
         files: Option<Files>,
         options: RenderOptions,
         host: Box<dyn Host>,
@@ -60,7 +60,7 @@ impl RenderThread {
     ) -> std::io::Result<Self> {
         let (sender, commands) = channel();
         let board = Arc::new(Mutex::new(Board::default()));
-        lock(&board).status.device = gpu.description().name.clone();
+        lock(&board).status.device = device.description().name.clone();
         let link = Link::new(sender, Arc::clone(&board));
         let thread = std::thread::Builder::new()
             .name("render".to_owned())
@@ -68,9 +68,9 @@ impl RenderThread {
             .spawn(move || {
                 let full = options.size;
                 let size = Arc::new(Mutex::new(full));
-                let pace = Pace::of(gpu.traits().shares_the_processor);
+                let pace = Pace::of(device.traits().shares_the_processor);
                 let mut render = Render {
-                    gpu,
+                    device,
                     options,
                     host,
                     wake,
@@ -110,7 +110,7 @@ impl RenderThread {
 
 /// Everything that the thread works on.
 struct Render {
-    gpu: Device,
+    device: Device,
     options: RenderOptions,
     host: Box<dyn Host>,
     wake: Box<dyn Fn() + Send>,
@@ -269,13 +269,13 @@ impl Render {
             camera: files.camera.clone(),
         };
         // The window shows what lies on its own device: there can be no other one.
-        let (gpu, is_first) = (self.gpu.clone(), Mutex::new(true));
+        let (device, is_first) = (self.device.clone(), Mutex::new(true));
         let open_device = move || {
             let mut is_first = is_first
                 .lock()
                 .map_err(|e| DeviceError::Lost(e.to_string()))?;
             match std::mem::replace(&mut *is_first, false) {
-                true => Ok(gpu.clone()),
+                true => Ok(device.clone()),
                 false => Err(DeviceError::Lost(
                     "the window has to be opened again".to_owned(),
                 )),

@@ -72,7 +72,7 @@ impl Host for TestHost {
 }
 
 struct Stage {
-    gpu: Device,
+    device: Device,
     folder: TempDir,
     harness: Harness<'static, Viewer>,
     thread: RenderThread,
@@ -81,8 +81,8 @@ struct Stage {
 
 impl Stage {
     fn new() -> Option<Self> {
-        let gpu = match Device::open(&DeviceChoice::Driver) {
-            Ok(gpu) => gpu,
+        let device = match Device::open(&DeviceChoice::Driver) {
+            Ok(device) => device,
             Err(error) => {
                 assert!(
                     std::env::var_os("PATINA_REQUIRE_DEVICE").is_none(),
@@ -113,7 +113,8 @@ impl Stage {
         let (sender, changes) = std::sync::mpsc::channel();
         let textures = folder.path().to_owned();
         let host = Box::new(TestHost { changes, textures });
-        let thread = RenderThread::start(gpu.clone(), Some(files), options, host, Box::new(|| {}));
+        let thread =
+            RenderThread::start(device.clone(), Some(files), options, host, Box::new(|| {}));
         let thread = thread.expect("a thread");
         let preferences = Preferences {
             // Small pictures are enough.
@@ -125,7 +126,7 @@ impl Stage {
             .with_size([900.0, 400.0])
             .build_ui_state(|ui, viewer: &mut Viewer| viewer.ui(ui), viewer);
         let mut stage = Self {
-            gpu,
+            device,
             folder,
             harness,
             thread,
@@ -173,7 +174,7 @@ fn edits_are_seen_without_pipelines_and_saved_with_comments() {
     let Some(mut stage) = Stage::new() else {
         return;
     };
-    let pipelines = stage.gpu.counts().pipelines;
+    let pipelines = stage.device.counts().pipelines;
     stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
     assert_eq!(
         stage.read("scene.look.toml"),
@@ -192,7 +193,7 @@ fn edits_are_seen_without_pipelines_and_saved_with_comments() {
         let status = stage.harness.state().status();
         status.spp >= 4.0 && status.latency.is_some() && status.error.is_some()
     });
-    assert_eq!(stage.gpu.counts().pipelines, pipelines);
+    assert_eq!(stage.device.counts().pipelines, pipelines);
     let status = stage.harness.state().status();
     assert_eq!(status.pipelines, pipelines);
     assert!(status.memory > 0);
@@ -325,7 +326,7 @@ fn a_lost_device_ends_the_render_and_keeps_the_edits() {
     // More than will be done before the device is gone.
     stage.thread.link.send(Command::Target(1 << 20));
     stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
-    stage.gpu.gpu().expect("a driver").device().destroy();
+    stage.device.gpu().expect("a driver").device().destroy();
     stage.wait("message", |stage| {
         stage.harness.state().status().fatal.is_some()
     });

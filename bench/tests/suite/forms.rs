@@ -110,8 +110,8 @@ fn view() -> RenderSettings {
     settings(&camera, shot)
 }
 
-fn renderer(gpu: &Device, (scene, procedural): &(Scene, Procedural), form: Form) -> Renderer {
-    form.renderer(gpu, scene, procedural, &view())
+fn renderer(device: &Device, (scene, procedural): &(Scene, Procedural), form: Form) -> Renderer {
+    form.renderer(device, scene, procedural, &view())
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -140,16 +140,16 @@ fn assert_same(name: &str, tested: &Film, reference: &Film) {
 
 #[test]
 fn the_inlined_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
-    let Some(gpu) = device::open() else { return };
-    if gpu.description().storage_buffers_per_stage < 10 {
+    let Some(device) = device::open() else { return };
+    if device.description().storage_buffers_per_stage < 10 {
         eprintln!("skipped: the inlined form needs ten storage buffers per stage");
         return;
     }
-    let mut stack = renderer(&gpu, &room(), Form::Stack);
-    let mut inlined = renderer(&gpu, &room(), Form::Inlined);
+    let mut stack = renderer(&device, &room(), Form::Stack);
+    let mut inlined = renderer(&device, &room(), Form::Inlined);
     assert_same("inlined form", &film(&mut inlined), &film(&mut stack));
 
-    let pipelines = gpu.counts().pipelines;
+    let pipelines = device.counts().pipelines;
     let edit = |renderer: &mut Renderer| {
         renderer
             .edit_graph(|graph| graph.set_value("mask", "amount", Value::F32(0.7)))
@@ -159,9 +159,9 @@ fn the_inlined_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
             .unwrap_or_else(|error| panic!("{error}"));
     };
     edit(&mut stack);
-    assert_eq!(gpu.counts().pipelines, pipelines, "edits are data");
+    assert_eq!(device.counts().pipelines, pipelines, "edits are data");
     edit(&mut inlined);
-    assert_eq!(gpu.counts().pipelines, pipelines + 2, "edits are code");
+    assert_eq!(device.counts().pipelines, pipelines + 2, "edits are code");
     assert_same(
         "inlined form, edited",
         &film(&mut inlined),
@@ -177,14 +177,14 @@ fn open_with_ray_queries() -> Option<Device> {
         eprintln!("skipped: a software driver takes minutes for these kernels; set PATINA_FULL");
         return None;
     }
-    let has_them = |gpu: &Device| gpu.has_ray_queries();
-    let gpu = Device::open_with(&DeviceOptions::new(&DeviceChoice::Best).with_ray_queries())
+    let has_them = |device: &Device| device.has_ray_queries();
+    let device = Device::open_with(&DeviceOptions::new(&DeviceChoice::Best).with_ray_queries())
         .ok()
         .filter(has_them);
-    if gpu.is_none() {
+    if device.is_none() {
         eprintln!("skipped: the device has no ray queries");
     }
-    gpu
+    device
 }
 
 #[track_caller]
@@ -197,23 +197,23 @@ fn assert_same_picture(name: &str, tested: &Film, reference: &Film) {
 
 #[test]
 fn the_ray_query_form_gives_the_same_picture_and_is_built_again_for_an_edit() {
-    let Some(gpu) = open_with_ray_queries() else {
+    let Some(device) = open_with_ray_queries() else {
         return;
     };
-    let mut stack = renderer(&gpu, &room(), Form::Stack);
-    let mut queries = renderer(&gpu, &room(), Form::RayQuery);
+    let mut stack = renderer(&device, &room(), Form::Stack);
+    let mut queries = renderer(&device, &room(), Form::RayQuery);
     assert_same_picture("ray queries", &film(&mut queries), &film(&mut stack));
     // The stack of our own traversal is not in it; the state of a path is.
-    let inlined = private_bytes(&renderer(&gpu, &room(), Form::Inlined));
+    let inlined = private_bytes(&renderer(&device, &room(), Form::Inlined));
     assert!(private_bytes(&stack) < inlined);
     assert!(private_bytes(&queries) > 256);
 
     let edit = |renderer: &mut Renderer| {
-        let before = gpu.counts().pipelines;
+        let before = device.counts().pipelines;
         renderer
             .edit_graph(|graph| graph.set_value("mask", "amount", Value::F32(0.9)))
             .unwrap_or_else(|error| panic!("{error}"));
-        gpu.counts().pipelines - before
+        device.counts().pipelines - before
     };
     assert_eq!((edit(&mut stack), edit(&mut queries)), (0, 1));
     assert_same_picture(
@@ -297,14 +297,14 @@ fn hall(has_glass: bool) -> (Scene, Procedural) {
 
 #[test]
 fn ray_queries_meet_what_the_traversal_kernel_meets() {
-    let Some(gpu) = open_with_ray_queries() else {
+    let Some(device) = open_with_ray_queries() else {
         return;
     };
     // Rays pass the back of every triangle, or of all but those of the glass.
     for (name, has_glass) in [("single-sided", false), ("with glass", true)] {
         let hall = hall(has_glass);
-        let mut passes = renderer(&gpu, &hall, Form::Stack);
-        let mut queries = renderer(&gpu, &hall, Form::RayQuery);
+        let mut passes = renderer(&device, &hall, Form::Stack);
+        let mut queries = renderer(&device, &hall, Form::RayQuery);
         assert_same_picture(name, &film(&mut queries), &film(&mut passes));
     }
 }
@@ -318,13 +318,13 @@ fn a_driver_that_tells_registers_tells_them_of_every_form() {
         return;
     }
     // Kernels are compiled, none is run.
-    let gpu = Device::open_with(&DeviceOptions::new(&DeviceChoice::Best).with_ray_queries())
+    let device = Device::open_with(&DeviceOptions::new(&DeviceChoice::Best).with_ray_queries())
         .unwrap_or_else(|error| panic!("{error}"));
     for form in Form::ALL {
-        if form == Form::RayQuery && !gpu.has_ray_queries() {
+        if form == Form::RayQuery && !device.has_ray_queries() {
             continue;
         }
-        let said = inspection.of(&renderer(&gpu, &room(), form));
+        let said = inspection.of(&renderer(&device, &room(), form));
         eprintln!("{}: {:?}", form.name(), said.all);
         assert!(said.registers.is_some_and(|count| count >= 8.0));
     }

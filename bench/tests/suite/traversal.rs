@@ -177,8 +177,8 @@ fn is_right(tracer: &Tracer, scene: &Scene, hit: &RayHit, expected: f64) -> bool
 
 /// Compares both kinds of rays with the reference.
 fn compare(scene: &Scene) {
-    let Some(gpu) = device::open() else { return };
-    let tracer = Tracer::new(&gpu, scene).unwrap_or_else(|error| panic!("{error}"));
+    let Some(device) = device::open() else { return };
+    let tracer = Tracer::new(&device, scene).unwrap_or_else(|error| panic!("{error}"));
     let reference = Reference::new(scene);
     let rays = rays(scene);
     let expected: Vec<f64> = rays.par_iter().map(|ray| reference.closest(ray)).collect();
@@ -265,8 +265,8 @@ fn squares(transforms: impl IntoIterator<Item = Affine3A>) -> Scene {
 }
 
 /// Distances along rays from z = 5 towards points of the square; infinite where nothing was hit.
-fn distances_to_square(gpu: &Device, scene: &Scene) -> Vec<f32> {
-    let tracer = Tracer::new(gpu, scene).unwrap_or_else(|error| panic!("{error}"));
+fn distances_to_square(device: &Device, scene: &Scene) -> Vec<f32> {
+    let tracer = Tracer::new(device, scene).unwrap_or_else(|error| panic!("{error}"));
     let mut random = Normal::new(4);
     let rays: Vec<RayHit> = (0..1000)
         .map(|_| {
@@ -289,14 +289,14 @@ fn distances_to_square(gpu: &Device, scene: &Scene) -> Vec<f32> {
 /// Were the time quadratic, these would take minutes.
 #[test]
 fn instances_in_the_same_place_are_hit() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let same = squares(vec![Affine3A::IDENTITY; 20_000]);
     let bvh = SceneBvh::build(&same).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(bvh.instance_order.len(), 20_000);
     let coincident = squares(vec![Affine3A::IDENTITY; 300]);
     let concentric = squares((0..1000).map(|i| Affine3A::from_scale(Vec3::splat(1.0 + i as f32))));
     for scene in [coincident, concentric] {
-        for distance in distances_to_square(&gpu, &scene) {
+        for distance in distances_to_square(&device, &scene) {
             assert!((distance - 5.0).abs() < 1e-4, "{distance}");
         }
     }
@@ -304,7 +304,7 @@ fn instances_in_the_same_place_are_hit() {
 
 #[test]
 fn what_is_far_away_hides_nothing_that_is_near() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     for far in [1e10, 3.7e19, 1.7e38, -3.4e38, f32::MAX] {
         for axis in Vec3::AXES {
             // Behind the square, or beside it.
@@ -318,7 +318,7 @@ fn what_is_far_away_hides_nothing_that_is_near() {
             mesh.triangles.push([first, first + 1, first + 2]);
             mesh.normals.resize(mesh.positions.len(), Vec3::Z);
             mesh.triangle_materials.push(0);
-            for distance in distances_to_square(&gpu, &scene) {
+            for distance in distances_to_square(&device, &scene) {
                 assert!((distance - 5.0).abs() < 1e-4, "{far} {axis}: {distance}");
             }
         }
@@ -330,7 +330,7 @@ fn hostile_scenes_have_hierarchies() {
     let Some(folder) = shared::find("trials/reliability") else {
         return;
     };
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     for name in [
         "dup300",
         "nested1000",
@@ -342,7 +342,7 @@ fn hostile_scenes_have_hierarchies() {
     ] {
         let imported = import::load(&folder.join(name).with_added_extension("glb"));
         let scene = imported.unwrap_or_else(|error| panic!("{error}")).scene;
-        let tracer = Tracer::new(&gpu, &scene).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let tracer = Tracer::new(&device, &scene).unwrap_or_else(|error| panic!("{name}: {error}"));
         let camera = scene.cameras.first().cloned();
         let camera = camera.unwrap_or_else(|| default_camera(&scene));
         let traced = tracer.trace(&camera_rays(&camera, 16), Rays::Closest);

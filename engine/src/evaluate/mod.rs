@@ -106,7 +106,7 @@ impl From<GraphError> for EvaluateError {
 /// Evaluates one texture or node.
 #[derive(Debug)]
 pub struct Evaluator {
-    gpu: Device,
+    device: Device,
     isolated: Isolated,
     layout: Layout,
     kernel: Option<Made>,
@@ -124,10 +124,10 @@ struct Made {
 
 impl Evaluator {
     /// Evaluates `isolated`.
-    pub fn new(gpu: &Device, isolated: Isolated) -> Self {
+    pub fn new(device: &Device, isolated: Isolated) -> Self {
         let library = isolated.procedural.graph().library();
         Self {
-            gpu: gpu.clone(),
+            device: device.clone(),
             layout: Layout::new(library.custom_attributes()),
             isolated,
             kernel: None,
@@ -147,11 +147,11 @@ impl Evaluator {
     ///
     /// # Errors
     /// The file can't be read; every mistake in it.
-    pub fn of_file(gpu: &Device, path: &Path) -> Result<Self, EvaluateError> {
+    pub fn of_file(device: &Device, path: &Path) -> Result<Self, EvaluateError> {
         let mut sources = TextureSources::default();
         let name = sources.add_file(path)?;
         let isolated = Isolated::new(Subject::Texture(&name), &sources)?;
-        Ok(Self::new(gpu, isolated))
+        Ok(Self::new(device, isolated))
     }
 
     /// Sets a parameter to what a text says: `3`, `[1, 0.5, 0]`, `#c46a2a`, the path of an image.
@@ -197,14 +197,14 @@ impl Evaluator {
         let [first, second] = graph.occlusion(node);
         self.compile(program.slots_needed, (first != second).then_some(second))?;
         let scene = &self.isolated.scene;
-        let images = GpuImages::new(&self.gpu, scene, &self.isolated.procedural.reads())?;
+        let images = GpuImages::new(&self.device, scene, &self.isolated.procedural.reads())?;
         let user_base = images.user_base;
         let mut resources = Resources::default();
         resources.set_image("image_table", images.table);
         resources.set_image("image_layers", images.layers);
         resources.set_image("image_layers_srgb", images.layers_srgb);
         for (name, words) in [("programs", &program.words), ("args", &args)] {
-            let buffer = self.gpu.filled_buffer(
+            let buffer = self.device.filled_buffer(
                 name,
                 Usage::Storage,
                 bytemuck::cast_slice(words.as_slice()),
@@ -250,8 +250,9 @@ impl Evaluator {
         let source = host::source(&self.layout, second_occlusion, &generated);
         let is_same = |made: &Made| made.text == source.text;
         if !self.kernel.as_ref().is_some_and(is_same) {
-            let kernel =
-                |source: &ComposedWgsl| source.compile(&self.gpu, "evaluate", Trust::Nothing, &[]);
+            let kernel = |source: &ComposedWgsl| {
+                source.compile(&self.device, "evaluate", Trust::Nothing, &[])
+            };
             let library = self.isolated.procedural.graph().library();
             let kernel = kernel(&source).map_err(|error| {
                 culprit::named(error, library, |alone| {
@@ -276,19 +277,20 @@ impl Evaluator {
         count: usize,
     ) -> Result<Vec<[f32; 4]>, EvaluateError> {
         let Made { kernel, .. } = self.kernel.as_ref().expect("it was made before");
-        let gpu = &self.gpu;
+        let device = &self.device;
         let bytes = 16 * count as u64;
-        let points = gpu.filled_buffer("points", Usage::Storage, bytemuck::cast_slice(points))?;
+        let points =
+            device.filled_buffer("points", Usage::Storage, bytemuck::cast_slice(points))?;
         resources.set_buffer("points", points);
-        resources.set_buffer("values", gpu.buffer("values", Usage::Storage, bytes)?);
-        resources.set_buffer("overrun", gpu.buffer("overrun", Usage::Storage, 4)?);
+        resources.set_buffer("values", device.buffer("values", Usage::Storage, bytes)?);
+        resources.set_buffer("overrun", device.buffer("overrun", Usage::Storage, 4)?);
         let mut recording = Recording::new("evaluate");
-        let bound = kernel.bind(gpu, resources);
+        let bound = kernel.bind(device, resources);
         recording.dispatch(&bound, Extent::Threads(count as u32));
         // Some drivers compile a kernel when it runs for the first time.
-        let _busy = (gpu.activity()).begin(|| compiling(&self.isolated.procedural));
-        gpu.play(&recording)?;
-        let overrun = gpu.read(resources.buffer("overrun"), 0, 4)?;
+        let _busy = (device.activity()).begin(|| compiling(&self.isolated.procedural));
+        device.play(&recording)?;
+        let overrun = device.read(resources.buffer("overrun"), 0, 4)?;
         let overrun: Vec<u32> = bytemuck::pod_collect_to_vec(&overrun);
         if overrun[0] != 0 {
             let textures = self.isolated.procedural.graph().library().textures();
@@ -297,7 +299,7 @@ impl Evaluator {
                 texture: texture.map_or_else(String::new, |texture| texture.name().to_owned()),
             });
         }
-        let values = gpu.read(resources.buffer("values"), 0, bytes)?;
+        let values = device.read(resources.buffer("values"), 0, bytes)?;
         Ok(bytemuck::pod_collect_to_vec(&values))
     }
 }

@@ -26,11 +26,11 @@ const MIN_ALPHA: f32 = 0.001;
 ///
 /// # Errors
 /// The device is out of memory.
-pub fn upload(gpu: &Device) -> Result<Image, DeviceError> {
+pub fn upload(device: &Device) -> Result<Image, DeviceError> {
     // The same for every scene.
     static TABLE: OnceLock<Vec<[f32; 4]>> = OnceLock::new();
     filled_image(
-        gpu,
+        device,
         "albedo table",
         [SIDE, SIDE * (1 + GLASS_BLOCKS)],
         Format::Rgba32Float,

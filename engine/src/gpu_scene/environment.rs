@@ -38,7 +38,7 @@ impl GpuEnvironment {
     ///
     /// # Errors
     /// If the picture is larger than the device allows.
-    pub fn new(gpu: &Device, environment: &Environment) -> Result<Self, DeviceError> {
+    pub fn new(device: &Device, environment: &Environment) -> Result<Self, DeviceError> {
         match environment {
             Environment::Constant(radiance) => {
                 let white = FloatImage {
@@ -51,7 +51,7 @@ impl GpuEnvironment {
                     .collect();
                 let emits = radiance.max_element() > 0.0;
                 Self::upload(
-                    gpu,
+                    device,
                     &white,
                     [1, CONSTANT_ROWS],
                     &weights,
@@ -65,7 +65,7 @@ impl GpuEnvironment {
                 rotation,
                 intensity,
             } => {
-                let limit = gpu.limits().image_side;
+                let limit = device.limits().image_side;
                 if image.width.max(image.height) > limit {
                     return Err(DeviceError::TooLarge {
                         what: "the environment picture's side".to_owned(),
@@ -78,7 +78,7 @@ impl GpuEnvironment {
                 let weights = table_weights(image, table);
                 let emits = *intensity > 0.0 && weights.iter().any(|&w| w > 0.0);
                 Self::upload(
-                    gpu,
+                    device,
                     image,
                     table,
                     &weights,
@@ -111,7 +111,7 @@ impl GpuEnvironment {
     }
 
     fn upload(
-        gpu: &Device,
+        device: &Device,
         image: &FloatImage,
         table_size: [u32; 2],
         weights: &[f64],
@@ -133,14 +133,14 @@ impl GpuEnvironment {
             .collect();
         Ok(Self {
             image: filled_image(
-                gpu,
+                device,
                 "environment image",
                 [image.width, image.height],
                 Format::Rgba32Float,
                 bytemuck::cast_slice(&texels),
             )?,
             table: filled_image(
-                gpu,
+                device,
                 "environment table",
                 table_size,
                 Format::Rgba32Uint,

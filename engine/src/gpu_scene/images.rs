@@ -41,8 +41,12 @@ impl GpuImages {
     ///
     /// # Errors
     /// If the images need more layers than the device has, or the driver is out of memory.
-    pub fn new(gpu: &Device, scene: &Scene, reads: &TextureReads<'_>) -> Result<Self, DeviceError> {
-        let limits = gpu.limits();
+    pub fn new(
+        device: &Device,
+        scene: &Scene,
+        reads: &TextureReads<'_>,
+    ) -> Result<Self, DeviceError> {
+        let limits = device.limits();
         let fitted: Vec<std::borrow::Cow<'_, scene::Image>> = scene
             .images
             .iter()
@@ -66,13 +70,13 @@ impl GpuImages {
             });
         }
         let (usage, size) = (ImageUse::ReadLayers, [side, side, layers]);
-        let layered = gpu.image("image layers", usage, size, Format::Rgba8Unorm)?;
+        let layered = device.image("image layers", usage, size, Format::Rgba8Unorm)?;
         let send = |number: usize, bytes: &[u8]| {
             let (width, height) = sizes[number];
             let Place { layer, x, y } = places[number];
-            layered.write(gpu, [x, y, layer], [width, height], bytes);
+            layered.write(device, [x, y, layer], [width, height], bytes);
             // Lets the driver take over the staged texels instead of keeping all images twice.
-            gpu.flush();
+            device.flush();
         };
         for (number, image) in fitted.iter().enumerate() {
             send(number, &image.rgba8);
@@ -103,7 +107,7 @@ impl GpuImages {
             let below = levels::levels_below(sizes[image]) as usize;
             rows.extend((first..first + below).map(|n| row(sizes[n], places[n], srgb)));
         }
-        let table = upload_table(gpu, &mut rows)?;
+        let table = upload_table(device, &mut rows)?;
         Ok(Self {
             table,
             layers_srgb: layered.as_srgb(),
@@ -211,11 +215,11 @@ fn place_on(sizes: &[(u32, u32)], side: u32) -> (u32, Vec<Place>) {
     (layer + 1, places)
 }
 
-fn upload_table(gpu: &Device, rows: &mut Vec<[u32; 4]>) -> Result<Image, DeviceError> {
+fn upload_table(device: &Device, rows: &mut Vec<[u32; 4]>) -> Result<Image, DeviceError> {
     let height = (rows.len() as u32).div_ceil(TABLE_WIDTH).max(1);
     rows.resize((height * TABLE_WIDTH) as usize, [0, 1 | 1 << 16, 0, 0]);
     filled_image(
-        gpu,
+        device,
         "image table",
         [TABLE_WIDTH, height],
         Format::Rgba32Uint,
@@ -225,15 +229,15 @@ fn upload_table(gpu: &Device, rows: &mut Vec<[u32; 4]>) -> Result<Image, DeviceE
 
 /// An image that kernels read texel by texel, with contents.
 pub(super) fn filled_image(
-    gpu: &Device,
+    device: &Device,
     label: &str,
     size: [u32; 2],
     format: Format,
     texels: &[u8],
 ) -> Result<Image, DeviceError> {
     let [width, height] = size;
-    let image = gpu.image(label, ImageUse::Read, [width, height, 1], format)?;
-    image.write(gpu, [0; 3], size, texels);
+    let image = device.image(label, ImageUse::Read, [width, height, 1], format)?;
+    image.write(device, [0; 3], size, texels);
     Ok(image)
 }
 

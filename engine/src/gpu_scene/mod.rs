@@ -170,7 +170,7 @@ impl GpuScene {
     /// # Errors
     /// If the scene is empty or exceeds what the device can bind.
     pub fn new(
-        gpu: &Device,
+        device: &Device,
         scene: &Scene,
         reads: &TextureReads<'_>,
         program: impl Fn(u32) -> ProgramTraits,
@@ -179,14 +179,14 @@ impl GpuScene {
         if scene.materials.len() > MAX_MATERIALS {
             return Err(GpuSceneError::TooManyMaterials(scene.materials.len()));
         }
-        let calls_functions = gpu.traits().calls_functions;
+        let calls_functions = device.traits().calls_functions;
         let mut bvh = match calls_functions {
             true => SceneBvh::in_scene_order(scene)?,
             false => SceneBvh::build(scene)?,
         };
         if calls_functions {
             let rules = ray_rules(scene, &program);
-            let traversal = HostTraversal::new(scene, &bvh, &rules, gpu.activity())?;
+            let traversal = HostTraversal::new(scene, &bvh, &rules, device.activity())?;
             resources.set_function(host_traversal::FUNCTION, Arc::new(traversal));
         }
         let (lo, hi) = scene.bounds().ok_or(BvhError::Empty)?;
@@ -203,12 +203,12 @@ impl GpuScene {
             .collect();
         let lights = LightTable::gather(scene, &bvh, &program, &mut materials);
         let (triangles, vertices) = geometry(scene, &bvh, &program, reads.attributes);
-        let images = GpuImages::new(gpu, scene, reads)?;
-        let environment = GpuEnvironment::new(gpu, &scene.environment)?;
+        let images = GpuImages::new(device, scene, reads)?;
+        let environment = GpuEnvironment::new(device, &scene.environment)?;
 
         resources.set_buffer(
             "nodes",
-            gpu.filled_buffer(
+            device.filled_buffer(
                 "the geometry's hierarchy",
                 Usage::Storage,
                 bytemuck::cast_slice(&bvh.nodes),
@@ -216,7 +216,7 @@ impl GpuScene {
         );
         resources.set_buffer(
             "triangles",
-            gpu.filled_buffer(
+            device.filled_buffer(
                 "triangles",
                 Usage::Storage,
                 bytemuck::cast_slice(&triangles),
@@ -224,11 +224,11 @@ impl GpuScene {
         );
         resources.set_buffer(
             "vertices",
-            gpu.filled_buffer("vertices", Usage::Storage, bytemuck::cast_slice(&vertices))?,
+            device.filled_buffer("vertices", Usage::Storage, bytemuck::cast_slice(&vertices))?,
         );
         resources.set_buffer(
             "instances",
-            gpu.filled_buffer(
+            device.filled_buffer(
                 "instances",
                 Usage::Storage,
                 bytemuck::cast_slice(&instances(scene, &bvh)),
@@ -236,7 +236,7 @@ impl GpuScene {
         );
         resources.set_buffer(
             "materials",
-            gpu.filled_buffer(
+            device.filled_buffer(
                 "materials",
                 Usage::Storage,
                 bytemuck::cast_slice(&materials),
@@ -244,12 +244,12 @@ impl GpuScene {
         );
         resources.set_buffer(
             "lights",
-            gpu.filled_buffer("lights", Usage::Storage, &lights.bytes())?,
+            device.filled_buffer("lights", Usage::Storage, &lights.bytes())?,
         );
         resources.set_image("image_table", images.table.clone());
         resources.set_image("image_layers", images.layers.clone());
         resources.set_image("image_layers_srgb", images.layers_srgb.clone());
-        resources.set_image("albedo_table", albedo::upload(gpu)?);
+        resources.set_image("albedo_table", albedo::upload(device)?);
         resources.set_image("environment_image", environment.image.clone());
         resources.set_image("environment_table", environment.table.clone());
         let shadows = Shadows::of(scene, &program);

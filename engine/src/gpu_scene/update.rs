@@ -90,7 +90,7 @@ impl GpuScene {
     /// The device has no room for the lights.
     pub(crate) fn update_materials(
         &mut self,
-        gpu: &Device,
+        device: &Device,
         scene: &Scene,
         program: impl Fn(u32) -> ProgramTraits,
         resources: &mut Resources,
@@ -120,11 +120,11 @@ impl GpuScene {
             }
             let bytes = &lights.bytes()[..];
             if resources.buffer("lights").size() >= bytes.len() as u64 {
-                gpu.write(resources.buffer("lights"), 0, bytes);
+                device.write(resources.buffer("lights"), 0, bytes);
             } else {
                 resources.set_buffer(
                     "lights",
-                    gpu.filled_buffer("lights", Usage::Storage, bytes)?,
+                    device.filled_buffer("lights", Usage::Storage, bytes)?,
                 );
                 is_moved = true;
             }
@@ -136,7 +136,7 @@ impl GpuScene {
             if bytemuck::bytes_of(record) != bytemuck::bytes_of(former) {
                 let buffer = resources.buffer("materials");
                 let bytes = bytemuck::bytes_of(record);
-                gpu.write(buffer, (i * size) as u64, bytes);
+                device.write(buffer, (i * size) as u64, bytes);
             }
         }
         self.uploaded.materials = records;

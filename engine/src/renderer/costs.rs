@@ -140,7 +140,7 @@ impl Renderer {
 
     /// The whole picture in fewer pixels, whose textures are seen as finely as in the real one.
     fn small_frame(&self) -> Frame {
-        let most = match self.gpu.traits().shares_the_processor {
+        let most = match self.device.traits().shares_the_processor {
             true => PIXELS_ON_CPU,
             false => PIXELS_ON_GPU,
         };
@@ -189,7 +189,7 @@ impl Renderer {
 
     fn restore_totals(&self, totals: &[u32]) {
         let (queues, at) = (self.resources.buffer("queues"), 4 * wave::TOTALS.start);
-        self.gpu.write(queues, at, bytemuck::cast_slice(totals));
+        self.device.write(queues, at, bytemuck::cast_slice(totals));
     }
 
     fn queue_length(&self, queue: Queue) -> Result<u32, DeviceError> {
@@ -201,7 +201,7 @@ impl Renderer {
         if count == 0 {
             return Ok(Vec::new());
         }
-        let bytes = self.gpu.read(from, at, 4 * count)?;
+        let bytes = self.device.read(from, at, 4 * count)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 
@@ -277,7 +277,7 @@ impl Renderer {
 
     fn write_programs(&self, words: &[u32]) {
         let buffer = self.resources.buffer("programs");
-        self.gpu.write(buffer, 0, bytemuck::cast_slice(words));
+        self.device.write(buffer, 0, bytemuck::cast_slice(words));
     }
 
     fn restore_programs(&self) {
@@ -292,13 +292,13 @@ impl Renderer {
         record: impl FnOnce(&mut Recorder<'_>),
     ) -> Result<f64, DeviceError> {
         // Its own timer: these passes are no part of the render.
-        let mut timer = Timer::timing(&self.gpu)?;
+        let mut timer = Timer::timing(&self.device)?;
         let sizes = self.resources.buffer("dispatch_sizes");
         let mut recorder = Recorder::new(&self.bound, sizes, paths);
         record(&mut recorder);
         let recording = recorder.finish();
         let start = self.system.clock.now();
-        self.gpu.play_timed(&recording, &mut timer)?;
+        self.device.play_timed(&recording, &mut timer)?;
         let took = self.system.clock.now() - start;
         Ok(match timer.is_timing() {
             true => timer.totals().get(label).map_or(0.0, |(ms, _)| ms * 1e6),

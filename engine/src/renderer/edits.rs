@@ -27,7 +27,7 @@ pub enum RenderEditError {
 
 /// Creates the buffers of programs, arguments and AO tables, with room to grow.
 pub(super) fn allocate(
-    gpu: &Device,
+    device: &Device,
     procedural: &Procedural,
     schedule: &dyn Schedule,
     resources: &mut Resources,
@@ -37,22 +37,22 @@ pub(super) fn allocate(
         ("args", procedural.args()),
     ] {
         let bytes = (words.len() as u64 * 4 * 3 / 2).max(1024);
-        let buffer = gpu.buffer(name, Usage::Storage, bytes)?;
-        gpu.write(&buffer, 0, bytemuck::cast_slice(words));
+        let buffer = device.buffer(name, Usage::Storage, bytes)?;
+        device.write(&buffer, 0, bytemuck::cast_slice(words));
         resources.set_buffer(name, buffer);
     }
-    write_ao(gpu, procedural, resources);
+    write_ao(device, procedural, resources);
     Ok(())
 }
 
-fn write_ao(gpu: &Device, procedural: &Procedural, resources: &Resources) {
+fn write_ao(device: &Device, procedural: &Procedural, resources: &Resources) {
     let mut tables = [GpuAoTable::default(); 4];
     // A look without tables still has its default one, which nodes that read AO use.
     let used = procedural.ao_count().max(1);
     for (table, settings) in tables.iter_mut().zip(procedural.ao()).take(used) {
         *table = ao_table(settings);
     }
-    gpu.write(
+    device.write(
         resources.buffer("ao_tables"),
         0,
         bytemuck::cast_slice(&tables),
@@ -103,14 +103,14 @@ impl Renderer {
         if needs_kernels {
             self.scene.features.programs = true;
             self.kernels.rebuild_texture(
-                &self.gpu,
+                &self.device,
                 &self.scene.features,
                 &self.procedural,
                 &*self.schedule,
             )?;
         }
         let grown = self.schedule.grow_results(
-            &self.gpu,
+            &self.device,
             self.capacity,
             self.procedural.result_words(),
             &mut self.resources,
@@ -124,21 +124,21 @@ impl Renderer {
             || !fits("args", self.procedural.args())
         {
             allocate(
-                &self.gpu,
+                &self.device,
                 &self.procedural,
                 &*self.schedule,
                 &mut self.resources,
             )?;
-            self.bound = self.kernels.bind(&self.gpu, &self.resources);
+            self.bound = self.kernels.bind(&self.device, &self.resources);
         } else {
             self.write_ranges("programs", self.procedural.programs(), &changes.programs);
             self.write_ranges("args", self.procedural.args(), &changes.args);
             if needs_kernels {
-                self.bound = self.kernels.bind(&self.gpu, &self.resources);
+                self.bound = self.kernels.bind(&self.device, &self.resources);
             }
         }
         if changes.ao {
-            write_ao(&self.gpu, &self.procedural, &self.resources);
+            write_ao(&self.device, &self.procedural, &self.resources);
         }
         self.restart();
         Ok(())
@@ -147,7 +147,7 @@ impl Renderer {
     fn write_ranges(&self, name: &str, words: &[u32], ranges: &[Range<u32>]) {
         for range in ranges {
             let words = &words[range.start as usize..range.end as usize];
-            self.gpu.write(
+            self.device.write(
                 self.resources.buffer(name),
                 u64::from(range.start) * 4,
                 bytemuck::cast_slice(words),

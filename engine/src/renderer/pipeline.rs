@@ -28,14 +28,14 @@ pub(super) struct Kernels {
 
 impl Kernels {
     pub(super) fn new(
-        gpu: &Device,
+        device: &Device,
         features: &SceneFeatures,
         layers: &Layers,
         procedural: &Procedural,
         schedule: &dyn Schedule,
     ) -> Result<Self, RenderError> {
         let sums = layers.sums().into_iter().map(|sum| {
-            let kernel = film_layers::sum_kernel(gpu, &sum)?;
+            let kernel = film_layers::sum_kernel(device, &sum)?;
             Ok((sum, kernel))
         });
         let mut kernels = Self {
@@ -45,8 +45,8 @@ impl Kernels {
             texture: schedule.texture_pass().name,
             sums: sums.collect::<Result<_, DeviceError>>()?,
         };
-        kernels.compile_missing(gpu, features)?;
-        if let Some(kernel) = texture_kernel(gpu, features, procedural, schedule)? {
+        kernels.compile_missing(device, features)?;
+        if let Some(kernel) = texture_kernel(device, features, procedural, schedule)? {
             kernels.by_name.insert(kernels.texture, kernel);
         }
         Ok(kernels)
@@ -56,7 +56,7 @@ impl Kernels {
     /// that add to the film's layers.
     fn compile_missing(
         &mut self,
-        gpu: &Device,
+        device: &Device,
         features: &SceneFeatures,
     ) -> Result<(), DeviceError> {
         let apart = [
@@ -69,7 +69,7 @@ impl Kernels {
         for pass in self.passes {
             let is_there = self.by_name.contains_key(pass.name) || apart.contains(&pass.name);
             if (pass.exists)(features) && !is_there {
-                let kernel = pass.kernel_with(gpu, features, &layers)?;
+                let kernel = pass.kernel_with(device, features, &layers)?;
                 self.by_name.insert(pass.name, kernel);
             }
         }
@@ -79,13 +79,13 @@ impl Kernels {
     /// Replaces the one generated kernel, or makes the texture kernels if a program is there for the first time.
     pub(super) fn rebuild_texture(
         &mut self,
-        gpu: &Device,
+        device: &Device,
         features: &SceneFeatures,
         procedural: &Procedural,
         schedule: &dyn Schedule,
     ) -> Result<(), RenderError> {
-        match texture_kernel(gpu, features, procedural, schedule)? {
-            Some(kernel) => self.set_texture(gpu, features, kernel),
+        match texture_kernel(device, features, procedural, schedule)? {
+            Some(kernel) => self.set_texture(device, features, kernel),
             None => Ok(()),
         }
     }
@@ -93,7 +93,7 @@ impl Kernels {
     /// Takes a generated kernel that has been built elsewhere, in place of the one that is there, if one is.
     pub(super) fn set_texture(
         &mut self,
-        gpu: &Device,
+        device: &Device,
         features: &SceneFeatures,
         kernel: Kernel,
     ) -> Result<(), RenderError> {
@@ -103,7 +103,7 @@ impl Kernels {
             for pass in [brdf::PASS, film_layers::RECORD] {
                 self.by_name.remove(pass.name);
             }
-            if let Err(error) = self.compile_missing(gpu, features) {
+            if let Err(error) = self.compile_missing(device, features) {
                 self.by_name = former;
                 return Err(error.into());
             }
@@ -116,10 +116,10 @@ impl Kernels {
         self.by_name.contains_key(self.texture)
     }
 
-    pub(super) fn bind(&self, gpu: &Device, resources: &Resources) -> Bound {
+    pub(super) fn bind(&self, device: &Device, resources: &Resources) -> Bound {
         let mut by_name = BTreeMap::<&'static str, Vec<BoundKernel>>::new();
         for (name, kernel) in &self.by_name {
-            by_name.insert(name, vec![kernel.bind(gpu, resources)]);
+            by_name.insert(name, vec![kernel.bind(device, resources)]);
         }
         for (sum, kernel) in &self.sums {
             let mut resources = resources.clone();
@@ -128,7 +128,7 @@ impl Kernels {
                 resources.set_buffer(name, buffer);
             }
             let name = film_layers::pass_of(sum).name;
-            let bound = kernel.bind(gpu, &resources);
+            let bound = kernel.bind(device, &resources);
             by_name.entry(name).or_default().push(bound);
         }
         Bound {
@@ -140,7 +140,7 @@ impl Kernels {
 
 /// Builds the generated kernel, if it is needed. Where the driver refuses it, the textures that it refuses alone are named.
 pub(super) fn texture_kernel(
-    gpu: &Device,
+    device: &Device,
     features: &SceneFeatures,
     procedural: &Procedural,
     schedule: &dyn Schedule,
@@ -148,11 +148,11 @@ pub(super) fn texture_kernel(
     let Some(text) = schedule.texture_kernel(features, procedural)? else {
         return Ok(None);
     };
-    let _busy = (gpu.activity()).begin(|| compiling(procedural));
-    let kernel = wgsl::compile(gpu, &text.source()).map_err(|error| {
+    let _busy = (device.activity()).begin(|| compiling(procedural));
+    let kernel = wgsl::compile(device, &text.source()).map_err(|error| {
         let library = procedural.graph().library();
         let build =
-            |alone: &texgen::Library| proctex::kernel(gpu, &alone.emit(1), features).map(|_| ());
+            |alone: &texgen::Library| proctex::kernel(device, &alone.emit(1), features).map(|_| ());
         culprit::named(error, library, build)
     })?;
     Ok(Some(kernel))

@@ -67,12 +67,12 @@ impl Renderer {
     /// once; rendering and edits go on with the old kernel. Hand the result to [`Self::finish_reload`] when it
     /// [is finished](Reload::is_finished).
     pub fn begin_reload(&self, files: Vec<SourceFile>) -> Reload {
-        let (gpu, procedural) = (self.gpu.clone(), self.procedural.clone());
+        let (device, procedural) = (self.device.clone(), self.procedural.clone());
         let (features, schedule) = (self.scene.features, Arc::clone(&self.schedule));
         Reload {
             base: Arc::clone(procedural.graph().library()),
             task: Task::start(&*self.system.threads, "texture kernel", move || {
-                build(&gpu, &procedural, &features, &*schedule, files)
+                build(&device, &procedural, &features, &*schedule, files)
             })
             .map_err(|error| ReloadError::Thread(error.to_string())),
         }
@@ -96,7 +96,7 @@ impl Renderer {
         let kernel = match built.kernel.filter(fits) {
             Some(kernel) if !procedural.is_empty() => Some(kernel),
             _ => texture_kernel(
-                &self.gpu,
+                &self.device,
                 &self.scene.features,
                 &procedural,
                 &*self.schedule,
@@ -106,25 +106,25 @@ impl Renderer {
         let mut resources = self.resources.clone();
         let words = procedural.result_words();
         self.schedule
-            .grow_results(&self.gpu, self.capacity, words, &mut resources)
+            .grow_results(&self.device, self.capacity, words, &mut resources)
             .map_err(RenderError::from)?;
-        edits::allocate(&self.gpu, &procedural, &*self.schedule, &mut resources)?;
+        edits::allocate(&self.device, &procedural, &*self.schedule, &mut resources)?;
         if let Some(kernel) = kernel {
             self.kernels
-                .set_texture(&self.gpu, &self.scene.features, kernel)?;
+                .set_texture(&self.device, &self.scene.features, kernel)?;
         }
         self.resources = resources;
         self.procedural = procedural;
-        self.bound = self.kernels.bind(&self.gpu, &self.resources);
+        self.bound = self.kernels.bind(&self.device, &self.resources);
         self.restart();
-        self.gpu.check().map_err(RenderError::from)?;
+        self.device.check().map_err(RenderError::from)?;
         Ok(self.procedural.warnings().clone())
     }
 }
 
 /// What the thread does.
 fn build(
-    gpu: &Device,
+    device: &Device,
     procedural: &Procedural,
     features: &SceneFeatures,
     schedule: &dyn Schedule,
@@ -134,7 +134,7 @@ fn build(
     let procedural = procedural.with_library(Arc::clone(&library))?;
     let kernel = match schedule.edits_are_code() {
         true => None,
-        false => texture_kernel(gpu, features, &procedural, schedule)?,
+        false => texture_kernel(device, features, &procedural, schedule)?,
     };
     Ok(Built {
         library,

@@ -44,7 +44,7 @@ impl Renderer {
         if touched.materials {
             let procedural = &self.procedural;
             let update = self.scene.update_materials(
-                &self.gpu,
+                &self.device,
                 scene,
                 |m| procedural.traits(m),
                 &mut self.resources,
@@ -55,7 +55,7 @@ impl Renderer {
                     return Ok(false);
                 }
                 Update::Written { is_moved: true } => {
-                    self.bound = self.kernels.bind(&self.gpu, &self.resources);
+                    self.bound = self.kernels.bind(&self.device, &self.resources);
                 }
                 Update::Written { is_moved: false } => {}
             }
@@ -84,7 +84,7 @@ impl Renderer {
     }
 
     /// The device.
-    pub fn gpu(&self) -> &device::Device {
-        &self.gpu
+    pub fn device(&self) -> &device::Device {
+        &self.device
     }
 }

@@ -28,7 +28,7 @@ pub(super) struct Guides {
 
 /// Makes the film's buffers.
 pub(super) fn allocate_film(
-    gpu: &Device,
+    device: &Device,
     width: u32,
     height: u32,
     layers: &Layers,
@@ -38,7 +38,7 @@ pub(super) fn allocate_film(
     let names = layers.buffers();
     let planes: Vec<_> = names
         .iter()
-        .map(|_| gpu.buffer("the picture", Usage::Storage, bytes))
+        .map(|_| device.buffer("the picture", Usage::Storage, bytes))
         .collect::<Result<_, _>>()?;
     for (name, plane) in names.into_iter().zip(planes) {
         resources.set_buffer(name, plane);
@@ -56,9 +56,9 @@ impl Renderer {
             return Err(RenderError::Size { width, height });
         }
         let layers = &self.settings.layers;
-        allocate_film(&self.gpu, width, height, layers, &mut self.resources)?;
+        allocate_film(&self.device, width, height, layers, &mut self.resources)?;
         (self.settings.width, self.settings.height) = (width, height);
-        self.bound = self.kernels.bind(&self.gpu, &self.resources);
+        self.bound = self.kernels.bind(&self.device, &self.resources);
         self.region = None;
         self.forget_guides();
         self.frame = self.fresh_frame();
@@ -127,7 +127,7 @@ impl Renderer {
         let guides = match former.filter(|guides| guides.features == features) {
             Some(guides) => guides,
             None => Guides {
-                kernel: guide::PASS.kernel(&self.gpu, &features)?,
+                kernel: guide::PASS.kernel(&self.device, &features)?,
                 features,
                 buffer: None,
             },
@@ -137,10 +137,10 @@ impl Renderer {
             return Ok(());
         }
         let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
-        let buffer = self.gpu.buffer("guides", Usage::Storage, pixels * 32)?;
+        let buffer = self.device.buffer("guides", Usage::Storage, pixels * 32)?;
         let mut resources = self.resources.clone();
         resources.set_buffer("guides", buffer.clone());
-        let kernel = guides.kernel.bind(&self.gpu, &resources);
+        let kernel = guides.kernel.bind(&self.device, &resources);
         let mut frame = Frame::new(&self.settings, self.capacity, &self.scene);
         frame.set_pinhole();
         frame.sample_limit = 1;

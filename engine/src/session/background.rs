@@ -123,12 +123,12 @@ impl Session {
         }
         let text = self.document.text();
         let (inputs, system) = (self.inputs.clone(), self.system.clone());
-        let gpu = self.renderer.gpu().clone();
+        let device = self.renderer.device().clone();
         let (make_settings, look) = (self.make_settings.clone(), text.clone());
         let build = move || {
             let loaded = load(&system.files, &inputs, &look)?;
             let settings = make_settings(loaded.camera.clone());
-            let renderer = Renderer::new(&gpu, &loaded.scene, &loaded.procedural, &settings)?;
+            let renderer = Renderer::new(&device, &loaded.scene, &loaded.procedural, &settings)?;
             let renderer = renderer.in_system(&system);
             Ok(Box::new(Rebuilt { loaded, renderer }))
         };
@@ -179,7 +179,7 @@ impl Session {
             }
             Err(ReloadError::Stale) => self.again.sources = true,
             // The next step finds out and opens another device.
-            Err(_) if self.renderer.gpu().is_lost() => self.again.sources = true,
+            Err(_) if self.renderer.device().is_lost() => self.again.sources = true,
             Err(ReloadError::Textures(problems)) => self.problems.sources = problems,
             Err(error) => self.problems.sources = Diagnostic::error(error.to_string()).into(),
         }
@@ -202,7 +202,7 @@ impl Session {
                 self.shown = Some(placed_fields(&text));
                 self.catch_up();
             }
-            Err(_) if self.renderer.gpu().is_lost() => self.again.rebuild = true,
+            Err(_) if self.renderer.device().is_lost() => self.again.rebuild = true,
             Err(SessionError::Load(LoadError::Look(LookError::Invalid(problems)))) => {
                 self.problems.look = problems;
             }

@@ -132,7 +132,7 @@ impl Session {
         self.poll()?;
         match self.renderer.step(target_spp) {
             Ok(progress) => Ok(progress),
-            Err(_) if self.renderer.gpu().is_lost() => {
+            Err(_) if self.renderer.device().is_lost() => {
                 self.recover()?;
                 Ok(self.renderer.step(target_spp)?)
             }
@@ -147,7 +147,7 @@ impl Session {
     /// The device was lost, and there is no other.
     pub fn poll(&mut self) -> Result<(), SessionError> {
         // Before anything is built for a device that is gone.
-        if self.renderer.gpu().is_lost() {
+        if self.renderer.device().is_lost() {
             self.recover()?;
         }
         self.swap();
@@ -160,7 +160,7 @@ impl Session {
     /// The device; a lost one is opened again, and the film is empty.
     pub fn snapshot(&mut self) -> Result<Snapshot, SessionError> {
         let film = match self.renderer.film() {
-            Err(_) if self.renderer.gpu().is_lost() => {
+            Err(_) if self.renderer.device().is_lost() => {
                 self.recover()?;
                 self.renderer.film()?
             }
@@ -211,7 +211,7 @@ impl Session {
 
     /// The device that renders; another one once this one was lost.
     pub fn device(&self) -> &Device {
-        self.renderer.gpu()
+        self.renderer.device()
     }
 
     /// How it is rendered, with the camera of now.
@@ -253,7 +253,7 @@ impl Session {
 
     /// Another device in place of the one that was lost, with everything on it again.
     fn recover(&mut self) -> Result<(), SessionError> {
-        let gpu = (self.open_device)().map_err(|e| SessionError::Lost(e.into()))?;
+        let device = (self.open_device)().map_err(|e| SessionError::Lost(e.into()))?;
         // What was being built belongs to the lost device.
         match self.job.take() {
             Some(Job::Kernel(_)) => self.again.sources = true,
@@ -262,7 +262,7 @@ impl Session {
         }
         let procedural = self.renderer.procedural();
         let settings = self.renderer.settings();
-        let renderer = Renderer::new(&gpu, &self.scene, procedural, settings);
+        let renderer = Renderer::new(&device, &self.scene, procedural, settings);
         let renderer = renderer.map_err(SessionError::Lost)?;
         self.renderer = renderer.in_system(&self.system);
         self.generation += 1;

@@ -96,7 +96,7 @@ impl Opening {
         open_device: Arc<OpenDevice>,
         make_settings: Arc<MakeSettings>,
     ) -> Result<Session, SessionError> {
-        let gpu = open_device().map_err(RenderError::from)?;
+        let device = open_device().map_err(RenderError::from)?;
         let Loaded {
             scene,
             procedural,
@@ -105,7 +105,8 @@ impl Opening {
             ..
         } = self.loaded;
         let settings = make_settings(camera.clone());
-        let renderer = Renderer::new(&gpu, &scene, &procedural, &settings)?.in_system(&self.system);
+        let renderer =
+            Renderer::new(&device, &scene, &procedural, &settings)?.in_system(&self.system);
         let mut session = Session {
             was_without_lamp: false,
             inputs: self.inputs,

@@ -98,7 +98,9 @@ impl Session {
     /// As [`Self::device_film`].
     pub fn keep_film(&mut self, guides: bool) -> Result<DeviceFilm, SessionError> {
         let film = self.device_film(guides)?;
-        Ok(film.copy(self.renderer.gpu()).map_err(RenderError::from)?)
+        Ok(film
+            .copy(self.renderer.device())
+            .map_err(RenderError::from)?)
     }
 
     /// The surface that is seen at a place of the picture, (0, 0) its upper left corner and (1, 1) its lower right one.

@@ -91,7 +91,7 @@ fn sample(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
 ";
 
 struct Harness {
-    gpu: Device,
+    device: Device,
     evaluate: Kernel,
     sample: Kernel,
     albedo_table: Image,
@@ -99,7 +99,7 @@ struct Harness {
 
 impl Harness {
     fn open(energy_compensation: bool) -> Option<Self> {
-        let gpu = device::open()?;
+        let device = device::open()?;
         let mut source = ComposedWgsl::of("shared/bsdf.wgsl");
         source.text.push_str(HARNESS);
         let constants = [(
@@ -108,13 +108,13 @@ impl Harness {
         )];
         let kernel = |entry| {
             source
-                .compile(&gpu, entry, Trust::Nothing, &constants)
+                .compile(&device, entry, Trust::Nothing, &constants)
                 .unwrap_or_else(|error| panic!("{error}"))
         };
         let (evaluate, sample) = (kernel("evaluate"), kernel("sample"));
-        let albedo_table = albedo::upload(&gpu).unwrap_or_else(|error| panic!("{error}"));
+        let albedo_table = albedo::upload(&device).unwrap_or_else(|error| panic!("{error}"));
         Some(Self {
-            gpu,
+            device,
             evaluate,
             sample,
             albedo_table,
@@ -133,17 +133,19 @@ impl Harness {
             let bytes = size_of_val(data) as u64;
             resources.set_image("albedo_table", self.albedo_table.clone());
             let data =
-                self.gpu
+                self.device
                     .filled_buffer("data", Usage::Storage, bytemuck::cast_slice(data))?;
             resources.set_buffer("data", data);
             let params = bytemuck::bytes_of(params);
-            let params = self.gpu.filled_buffer("params", Usage::Uniform, params)?;
+            let params = self
+                .device
+                .filled_buffer("params", Usage::Uniform, params)?;
             resources.set_buffer("params", params);
-            let bound = kernel.bind(&self.gpu, &resources);
+            let bound = kernel.bind(&self.device, &resources);
             let mut recording = Recording::new("test");
             recording.dispatch(&bound, Extent::Threads(threads));
-            self.gpu.play(&recording)?;
-            self.gpu.read(resources.buffer("data"), 0, bytes)
+            self.device.play(&recording)?;
+            self.device.read(resources.buffer("data"), 0, bytes)
         };
         bytemuck::pod_collect_to_vec(&run().unwrap_or_else(|error| panic!("{error}")))
     }

@@ -193,7 +193,7 @@ fn expected(tint: bool, p: Vec3) -> Vec3 {
 
 #[test]
 fn textures_read_the_attributes_of_each_mesh() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     for tint in [false, true] {
         let (_dir, loaded) = four_squares().load(tint);
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
@@ -203,7 +203,7 @@ fn textures_read_the_attributes_of_each_mesh() {
             spp: 64,
         };
         let camera = from_above(1.0, 2.0);
-        let film = render_textured(&gpu, &loaded.scene, &loaded.procedural, &camera, shot);
+        let film = render_textured(&device, &loaded.scene, &loaded.procedural, &camera, shot);
         let exact = Estimate::exact(shot.size, |at: Vec2| expected(tint, floor_point(2.0, at)));
         let test = ZTest {
             rounding: 1.0e-4, // of the interpolation

@@ -73,9 +73,9 @@ fn sources() -> TextureSources {
     sources
 }
 
-fn view(gpu: &Device, scene: &mut Scene, look: &str, camera: &Camera, shot: Shot) -> Film {
+fn view(device: &Device, scene: &mut Scene, look: &str, camera: &Camera, shot: Shot) -> Film {
     let procedural = textured(scene, look, &sources());
-    render_textured(gpu, scene, &procedural, camera, shot)
+    render_textured(device, scene, &procedural, camera, shot)
 }
 
 #[track_caller]
@@ -143,7 +143,7 @@ const SHOT: Shot = Shot {
 
 #[test]
 fn every_input_can_be_driven() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     // Other keys that the input needs to be seen, the input, its value for the file, and for the node.
     let cases = [
         ("", "base_color", "[0.3, 0.6, 0.9]", "[0.3, 0.6, 0.9]"),
@@ -249,14 +249,14 @@ fn every_input_can_be_driven() {
             let look = format!(
                 "[node.n]\ntexture='three'\nvalue={driven}\n[material.'material 0']\n{others}\n{key}={value}\n"
             );
-            view(&gpu, &mut room(), &look, &camera, shot)
+            view(&device, &mut room(), &look, &camera, shot)
         };
         let is_color = ["color", "emission"].iter().any(|end| key.ends_with(end));
         let link = if is_color { "'n'" } else { "'n.x'" };
         let (tested, reference) = (picture(link), picture(constant));
         // The key matters at all: without it the picture is another one.
         let plain = view(
-            &gpu,
+            &device,
             &mut room(),
             &format!("[material.'material 0']\n{others}\n"),
             &camera,
@@ -282,7 +282,7 @@ fn every_input_can_be_driven() {
 
 #[test]
 fn an_opacity_of_squares_is_squares() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let surface = Material {
         double_sided: true,
         roughness: 0.4,
@@ -293,19 +293,19 @@ fn an_opacity_of_squares_is_squares() {
     let look = format!(
         "[node.squares]\ntexture='squares'\nsize={SIZE}.0\nhigh=1.0\nlow=0.0\n[material.'material 2']\nopacity='squares'\n"
     );
-    let tested = view(&gpu, &mut textured_room, &look, &oblique(), SHOT);
+    let tested = view(&device, &mut textured_room, &look, &oblique(), SHOT);
 
     let mut built_room = room();
     for square in board(CORNER, U, V, SIZE, true) {
         add(&mut built_room, square, surface.clone());
     }
-    let reference = view(&gpu, &mut built_room, "", &oblique(), SHOT);
+    let reference = view(&device, &mut built_room, "", &oblique(), SHOT);
     assert_same("opacity of squares", &tested, &reference, MEAN_ERROR);
 }
 
 #[test]
 fn an_emission_of_squares_is_lamps() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let dark = || {
         scene(
             [(floor(3.0), lambert(Vec3::new(0.7, 0.6, 0.5)))],
@@ -323,7 +323,7 @@ fn an_emission_of_squares_is_lamps() {
     let look = format!(
         "[node.squares]\ntexture='colored'\nsize={SIZE}.0\ncolor=[2.0, 1.0, 0.5]\n[material.'material 1']\nemission='squares'\nemission_strength=2.0\n"
     );
-    let tested = view(&gpu, &mut textured_room, &look, &oblique(), shot);
+    let tested = view(&device, &mut textured_room, &look, &oblique(), shot);
 
     let mut built_room = dark();
     for square in board(CORNER, U, V, SIZE, true) {
@@ -336,7 +336,7 @@ fn an_emission_of_squares_is_lamps() {
     for square in board(CORNER, U, V, SIZE, false) {
         add(&mut built_room, square, black.clone());
     }
-    let reference = view(&gpu, &mut built_room, "", &oblique(), shot);
+    let reference = view(&device, &mut built_room, "", &oblique(), shot);
     assert_same("emission of squares", &tested, &reference, MEAN_ERROR);
 
     // Light samples evaluate the program: scattered rays alone would leave several times the noise.
@@ -350,7 +350,7 @@ fn an_emission_of_squares_is_lamps() {
 
 #[test]
 fn a_lamp_behind_its_own_and_others_opacity() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     // A lamp of half-there squares behind two screens of which each lets 40 % pass.
     let screen = |y: f32| quad(Vec3::new(-1.0, y, 1.0), Vec3::X * 2.0, Vec3::NEG_Z * 2.0);
     let glow = Material {
@@ -381,7 +381,7 @@ fn a_lamp_behind_its_own_and_others_opacity() {
         [node.light]\ntexture='colored'\nsize=1.0\ncolor=[3.0, 4.0, 5.0]\n\
         [material.'material 1']\nopacity='most'\n[material.'material 2']\nopacity='most'\n\
         [material.'material 3']\nopacity='half'\nemission='light'\n";
-    let tested = view(&gpu, &mut room(&glow, &black), look, &oblique(), shot);
+    let tested = view(&device, &mut room(&glow, &black), look, &oblique(), shot);
     // The same by glTF's alpha, which needs no program.
     let alpha = |material: &Material, alpha: f32| Material {
         base_color: material.base_color.truncate().extend(alpha),
@@ -389,14 +389,14 @@ fn a_lamp_behind_its_own_and_others_opacity() {
         ..material.clone()
     };
     let mut reference = room(&alpha(&glow, 0.5), &alpha(&black, 0.6));
-    let reference = view(&gpu, &mut reference, "", &oblique(), shot);
+    let reference = view(&device, &mut reference, "", &oblique(), shot);
     // Little light comes through: the means themselves have a standard error of 0.3 %.
     assert_same("opacity of lamp and screens", &tested, &reference, 0.012);
 }
 
 #[test]
 fn nested_blends_mix_opacity_and_emission() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     // 0.5 A + 0.5 (0.75 B + 0.25 C): A is a screen that is 0.2 there, B glows, C is black and there.
     let mut scene = scene(
         [(floor(1.0), lambert(Vec3::ZERO))],
@@ -409,14 +409,14 @@ fn nested_blends_mix_opacity_and_emission() {
         [material.A]\nbase_color=[0,0,0]\nspecular=0.0\nopacity='some'\n\
         [material.B]\nbase_color=[0,0,0]\nspecular=0.0\nemission='light'\n\
         [material.C]\nbase_color=[0,0,0]\nspecular=0.0\n";
-    let film = view(&gpu, &mut scene, look, &from_above(0.5, 0.5), SHOT);
+    let film = view(&device, &mut scene, look, &from_above(0.5, 0.5), SHOT);
     let expected = 0.5 * 0.8 * Vec3::new(1.0, 2.0, 3.0) + 0.5 * 0.75 * Vec3::new(8.0, 4.0, 2.0);
     assert_shows("nested blends", &film, |_| expected);
 }
 
 #[test]
 fn opacity_may_depend_on_the_kind_of_ray() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     // Invisible to the camera, but it keeps the lamp's light from the floor.
     let mut room = scene([(floor(3.0), lambert(Vec3::ONE))], Vec3::ZERO);
     room.lights.push(sun(Vec3::NEG_Y));
@@ -433,7 +433,7 @@ fn opacity_may_depend_on_the_kind_of_ray() {
         max_depth: 1,
         ..SHOT
     };
-    let film = view(&gpu, &mut room, look, &from_above(0.5, 1.0), shot);
+    let film = view(&device, &mut room, look, &from_above(0.5, 1.0), shot);
     assert_shows("a screen for shadow rays", &film, |picture| {
         let lit = floor_point(1.0, picture).x < 0.0;
         Vec3::splat(if lit { 1.0 / PI } else { 0.0 })
@@ -453,7 +453,7 @@ fn sun(direction: Vec3) -> PunctualLight {
 }
 
 /// A white floor under a sun, seen from above; direct light only.
-fn sunlit(gpu: &Device, direction: Vec3, look: &str) -> Film {
+fn sunlit(device: &Device, direction: Vec3, look: &str) -> Film {
     let mut room = scene([(floor(2.0), lambert(Vec3::ONE))], Vec3::ZERO);
     room.lights.push(sun(direction));
     let shot = Shot {
@@ -461,18 +461,18 @@ fn sunlit(gpu: &Device, direction: Vec3, look: &str) -> Film {
         max_depth: 1,
         spp: 64,
     };
-    view(gpu, &mut room, look, &from_above(1.0, 1.0), shot)
+    view(device, &mut room, look, &from_above(1.0, 1.0), shot)
 }
 
 #[test]
 fn a_driven_normal_shades_as_it_says() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let look = |tilt: f32| {
         format!("[node.n]\ntexture='tilted'\ntilt={tilt:?}\n[material.'material 0']\nnormal='n'\n")
     };
     let from = Vec3::new(1.0, 1.0, 0.0);
     for tilt in [0.0_f32, 0.3, -0.5] {
-        let film = sunlit(&gpu, -from, &look(tilt));
+        let film = sunlit(&device, -from, &look(tilt));
         let normal = Vec3::new(tilt.sin(), tilt.cos(), 0.0);
         let expected = normal.dot(from.normalize()) / PI;
         assert_shows("tilted normal", &film, |_| Vec3::splat(expected));
@@ -481,14 +481,14 @@ fn a_driven_normal_shades_as_it_says() {
 
 #[test]
 fn a_bump_leans_the_normal_against_its_slope() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let from = Vec3::new(1.0, 1.5, 0.5);
     // A ramp over the floor's 4 metres of uv: v runs along -z.
     let (along_u, along_v) = (2.0, -1.0);
     let look = format!(
         "[node.h]\ntexture='slope'\nslope=[{along_u:?}, {along_v:?}]\n[material.'material 0']\nbump='h'\nbump_scale=0.5\n"
     );
-    let film = sunlit(&gpu, -from, &look);
+    let film = sunlit(&device, -from, &look);
     let normal = Vec3::new(-0.5 * along_u / 4.0, 1.0, 0.5 * along_v / 4.0).normalize();
     let expected = normal.dot(from.normalize()) / PI;
     assert_shows("constant slope", &film, |_| Vec3::splat(expected));
@@ -498,7 +498,7 @@ fn a_bump_leans_the_normal_against_its_slope() {
     let look = format!(
         "[node.h]\ntexture='waves'\nheight={height:?}\nlength={length:?}\n[material.'material 0']\nbump='h'\n"
     );
-    let film = sunlit(&gpu, -from, &look);
+    let film = sunlit(&device, -from, &look);
     assert_shows("waves", &film, |picture| {
         let phase = 2.0 * PI / length;
         let slope = height * phase * (phase * floor_point(1.0, picture).x).cos();
@@ -509,7 +509,7 @@ fn a_bump_leans_the_normal_against_its_slope() {
 
 #[test]
 fn a_bump_seen_from_the_back_is_a_dent() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut room = scene([], Vec3::ZERO);
     // The front faces down, so the camera sees the back: hills of the front are valleys here.
     let mut sheet = floor(2.0);
@@ -531,7 +531,7 @@ fn a_bump_seen_from_the_back_is_a_dent() {
         max_depth: 1,
         spp: 64,
     };
-    let film = view(&gpu, &mut room, look, &from_above(1.0, 1.0), shot);
+    let film = view(&device, &mut room, look, &from_above(1.0, 1.0), shot);
     let normal = Vec3::new(0.25, 1.0, 0.0).normalize();
     let expected = normal.dot(from.normalize()) / PI;
     assert_shows("bump from behind", &film, |_| Vec3::splat(expected));

@@ -188,14 +188,14 @@ fn view() -> Camera {
 }
 
 /// The picture of a state by a renderer that knew no other.
-fn fresh(gpu: &Device, state: &State) -> Film {
+fn fresh(device: &Device, state: &State) -> Film {
     let mut scene = bare_scene();
     let procedural = textured(&mut scene, &state.look(), &sources());
-    render_textured(gpu, &scene, &procedural, &view(), SHOT)
+    render_textured(device, &scene, &procedural, &view(), SHOT)
 }
 
-fn opened(gpu: &Device, state: &State) -> Session {
-    InMemory::new(bare_scene(), view(), &state.look(), &sources()).open(gpu, SHOT)
+fn opened(device: &Device, state: &State) -> Session {
+    InMemory::new(bare_scene(), view(), &state.look(), &sources()).open(device, SHOT)
 }
 
 fn picture(session: &mut Session) -> Film {
@@ -208,12 +208,12 @@ fn is_same(a: &Film, b: &Film) -> bool {
 
 #[test]
 fn edits_change_the_picture_and_make_no_pipeline() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut state = State::first();
-    let mut session = opened(&gpu, &state);
+    let mut session = opened(&device, &state);
     let first = picture(&mut session);
-    let made = |gpu: &Device| (gpu.counts().pipelines, gpu.counts().shader_modules);
-    let before = made(&gpu);
+    let made = |device: &Device| (device.counts().pipelines, device.counts().shader_modules);
+    let before = made(&device);
     assert!(before.0 > 0 && before.1 > 0, "the counters count");
 
     let mut last = first;
@@ -245,7 +245,7 @@ fn edits_change_the_picture_and_make_no_pipeline() {
         .edit_all(&Edit::ao("crevices", &settings))
         .unwrap_or_else(|error| panic!("{error}"));
     let after_ao = (state.clone(), picture(&mut session));
-    assert_eq!(made(&gpu), before, "pipelines and shader modules");
+    assert_eq!(made(&device), before, "pipelines and shader modules");
 
     assert!(!is_same(&after_arguments.1, &after_link.1));
     assert!(!is_same(&after_link.1, &after_ao.1));
@@ -255,7 +255,7 @@ fn edits_change_the_picture_and_make_no_pipeline() {
         ("an AO distance", after_ao),
     ] {
         assert!(
-            is_same(&film, &fresh(&gpu, &state)),
+            is_same(&film, &fresh(&device, &state)),
             "after {what} the picture must be that of the same look from the start"
         );
     }
@@ -263,8 +263,8 @@ fn edits_change_the_picture_and_make_no_pipeline() {
 
 #[test]
 fn a_refused_edit_changes_nothing() {
-    let Some(gpu) = device::open() else { return };
-    let mut session = opened(&gpu, &State::first());
+    let Some(device) = device::open() else { return };
+    let mut session = opened(&device, &State::first());
     let before = picture(&mut session);
     let no_samples = AoSettings {
         samples: 0,

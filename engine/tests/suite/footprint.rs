@@ -63,7 +63,7 @@ fn perspective() -> Projection {
 
 /// What each pixel of a plane shows with so many features of the pattern in a pixel, and without fading if asked.
 fn pixels(
-    gpu: &Device,
+    device: &Device,
     case: &Case,
     features: f32,
     fades: bool,
@@ -102,7 +102,7 @@ fn pixels(
         max_depth: 1,
         spp,
     };
-    let film = render_textured(gpu, &scene, &procedural, &above, shot);
+    let film = render_textured(device, &scene, &procedural, &above, shot);
     film.mean().iter().map(|p| f64::from(p[0])).collect()
 }
 
@@ -115,12 +115,12 @@ fn mean_and_deviation(pixels: &[f64]) -> (f64, f64) {
 
 #[test]
 fn from_afar_one_sample_shows_the_mean() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     for case in cases() {
         let name = format!("{}{}", case.texture, case.swizzle);
         // The pattern as it is: its mean, known to 1 / 512 of its deviation, and how far single samples are from it.
-        let (mean, _) = mean_and_deviation(&pixels(&gpu, &case, FAR, false, perspective(), 64));
-        let aliased = pixels(&gpu, &case, FAR, false, perspective(), 1);
+        let (mean, _) = mean_and_deviation(&pixels(&device, &case, FAR, false, perspective(), 64));
+        let aliased = pixels(&device, &case, FAR, false, perspective(), 1);
         let (_, deviation) = mean_and_deviation(&aliased);
         let is_near = |pixel: &&f64| (**pixel - mean).abs() <= BAND * deviation;
         let share = aliased.iter().filter(is_near).count() as f64 / aliased.len() as f64;
@@ -128,7 +128,7 @@ fn from_afar_one_sample_shows_the_mean() {
 
         let orthographic = Projection::Orthographic { y_mag: SEEN };
         for projection in [perspective(), orthographic] {
-            let faded = pixels(&gpu, &case, FAR, true, projection, 1);
+            let faded = pixels(&device, &case, FAR, true, projection, 1);
             let off = faded.iter().map(|p| (p - mean).abs() / deviation);
             let worst = off.fold(0.0, f64::max);
             let (faded, _) = mean_and_deviation(&faded);
@@ -142,11 +142,11 @@ fn from_afar_one_sample_shows_the_mean() {
 
 #[test]
 fn from_near_the_pattern_has_its_full_contrast() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     for case in cases() {
         let name = format!("{}{}", case.texture, case.swizzle);
         let [faded, pattern] = [true, false].map(|fades| {
-            mean_and_deviation(&pixels(&gpu, &case, case.near, fades, perspective(), 4)).1
+            mean_and_deviation(&pixels(&device, &case, case.near, fades, perspective(), 4)).1
         });
         assert!(pattern > 0.01, "{name}: a pattern is seen, {pattern}");
         // Edges of a checkerboard are as soft as a pixel is wide.

@@ -61,7 +61,7 @@ fn the_living_room_is_laid_out_and_lit_as_in_its_gallery() {
     let Some(folder) = shared::find("scenes/interior-living-room") else {
         return;
     };
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let picture = folder.join("original/mitsuba3-gallery-living-room.png");
     let picture = image::open(picture)
         .expect("the gallery's picture")
@@ -75,7 +75,7 @@ fn the_living_room_is_laid_out_and_lit_as_in_its_gallery() {
     let loaded = load(&file, None, &[]).unwrap_or_else(|error| panic!("{error}"));
     let (width, height) = (COLUMNS * CELL, ROWS * CELL);
     let settings = RenderSettings::new(width as u32, height as u32, &loaded.camera);
-    let mut renderer = Renderer::new(&gpu, &loaded.scene, &loaded.procedural, &settings)
+    let mut renderer = Renderer::new(&device, &loaded.scene, &loaded.procedural, &settings)
         .unwrap_or_else(|error| panic!("{error}"));
     renderer
         .render(64)

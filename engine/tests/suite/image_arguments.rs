@@ -196,7 +196,7 @@ fn sources() -> TextureSources {
 }
 
 /// What each pixel shows, by rows.
-fn shown(gpu: &Device, node: &str) -> Vec<[f32; 3]> {
+fn shown(device: &Device, node: &str) -> Vec<[f32; 3]> {
     let surface = Material {
         unlit: true,
         ..Material::default()
@@ -209,7 +209,7 @@ fn shown(gpu: &Device, node: &str) -> Vec<[f32; 3]> {
         max_depth: 1,
         spp: 1,
     };
-    render_textured(gpu, &scene, &procedural, &from_above(1.0, 1.0), shot).mean()
+    render_textured(device, &scene, &procedural, &from_above(1.0, 1.0), shot).mean()
 }
 
 /// Compares what is shown with `expected(x, y)`, up to `error` in every channel.
@@ -263,7 +263,7 @@ fn saved(dir: &TempDir, name: &str, picture: &Picture) -> std::path::PathBuf {
 
 #[test]
 fn wrap_filter_and_colour_space_are_chosen_for_each_use() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let dir = tempfile::tempdir().expect("a temporary folder");
     let picture = Picture::new(5, 3);
     let path = saved(&dir, "a.png", &picture);
@@ -276,7 +276,7 @@ fn wrap_filter_and_colour_space_are_chosen_for_each_use() {
             };
             let image = use_.written(&path);
             let shown = shown(
-                &gpu,
+                &device,
                 &format!("texture='plain'\nimage={image}\n{}", place()),
             );
             assert_shows(&image, &shown, READ_ERROR, |x, y| {
@@ -288,7 +288,7 @@ fn wrap_filter_and_colour_space_are_chosen_for_each_use() {
 
 #[test]
 fn without_settings_colours_are_srgb_and_data_is_linear_and_alpha_always_is() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let dir = tempfile::tempdir().expect("a temporary folder");
     let picture = Picture::new(4, 4);
     let path = saved(&dir, "a.png", &picture);
@@ -300,7 +300,7 @@ fn without_settings_colours_are_srgb_and_data_is_linear_and_alpha_always_is() {
             srgb,
         };
         let node = format!("texture='{texture}'\nimage='{path}'\n{}", place());
-        assert_shows(texture, &shown(&gpu, &node), READ_ERROR, |x, y| {
+        assert_shows(texture, &shown(&device, &node), READ_ERROR, |x, y| {
             let value = picture.sample(0, uv(x, y), &use_);
             match texture {
                 "alpha" => [value[3]; 4],
@@ -312,18 +312,18 @@ fn without_settings_colours_are_srgb_and_data_is_linear_and_alpha_always_is() {
 
 #[test]
 fn size_is_that_of_the_full_image() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let dir = tempfile::tempdir().expect("a temporary folder");
     let path = saved(&dir, "a.png", &Picture::new(37, 5));
     let node = format!("texture='size'\nimage='{}'", path.display());
-    assert_shows("size", &shown(&gpu, &node), 1e-6, |_, _| {
+    assert_shows("size", &shown(&device, &node), 1e-6, |_, _| {
         [0.37, 0.05, 0.0, 0.0]
     });
 }
 
 #[test]
 fn levels_are_means_in_linear_light_and_mixed_between() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let dir = tempfile::tempdir().expect("a temporary folder");
     for (width, height) in [(8, 4), (7, 5), (1, 6), (1, 1)] {
         let picture = Picture::new(width, height);
@@ -346,16 +346,19 @@ fn levels_are_means_in_linear_light_and_mixed_between() {
             // A level's texels are rounded to 8 bits; those of sRGB are up to 2.3 times as far apart in linear light.
             let rounding = if srgb { 1.2 / 255.0 } else { 0.5 / 255.0 };
             let name = format!("{width} x {height}: {image}");
-            assert_shows(&name, &shown(&gpu, &node), READ_ERROR + rounding, |x, y| {
-                picture.sample_between(-0.7 + 0.3 * y, uv(x, y), &use_)
-            });
+            assert_shows(
+                &name,
+                &shown(&device, &node),
+                READ_ERROR + rounding,
+                |x, y| picture.sample_between(-0.7 + 0.3 * y, uv(x, y), &use_),
+            );
         }
     }
 }
 
 #[test]
 fn only_images_whose_levels_are_read_have_them() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let dir = tempfile::tempdir().expect("a temporary folder");
     // It fills a layer.
     let path = saved(&dir, "a.png", &Picture::new(64, 64));
@@ -372,7 +375,7 @@ fn only_images_whose_levels_are_read_have_them() {
             spp: 1,
         };
         let settings = settings(&from_above(1.0, 1.0), shot);
-        let renderer = Renderer::new(&gpu, &scene, &procedural, &settings);
+        let renderer = Renderer::new(&device, &scene, &procedural, &settings);
         let renderer = renderer.unwrap_or_else(|error| panic!("{error}"));
         let stats = renderer.stats().unwrap_or_else(|error| panic!("{error}"));
         let memory = stats.memory.into_iter();

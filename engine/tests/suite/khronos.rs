@@ -21,7 +21,7 @@ fn sample_models_render() {
     let Some(folder) = shared::find("scenes/khronos") else {
         return;
     };
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut folders: Vec<PathBuf> = std::fs::read_dir(folder)
         .expect("the folder was found")
         .flatten()
@@ -45,7 +45,7 @@ fn sample_models_render() {
             max_depth: 3,
             ..RenderSettings::new(32, 24, &loaded.camera)
         };
-        let mut renderer = Renderer::new(&gpu, &loaded.scene, &loaded.procedural, &settings)
+        let mut renderer = Renderer::new(&device, &loaded.scene, &loaded.procedural, &settings)
             .unwrap_or_else(|e| panic!("{name}: {e}"));
         renderer.render(4).unwrap_or_else(|e| panic!("{name}: {e}"));
         let stats = renderer.stats().unwrap_or_else(|e| panic!("{name}: {e}"));

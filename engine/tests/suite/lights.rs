@@ -105,7 +105,7 @@ fn distant(@builtin(global_invocation_id) id: vec3u) {
 ";
 
 struct Harness {
-    gpu: Device,
+    device: Device,
     source: ComposedWgsl,
     resources: Resources,
     scene: GpuScene,
@@ -113,25 +113,31 @@ struct Harness {
 
 impl Harness {
     fn new(scene: &Scene) -> Option<Self> {
-        let gpu = device::open()?;
+        let device = device::open()?;
         let mut source = ComposedWgsl::of("brdf/entry.wgsl");
         source.text.push_str(HARNESS);
         let mut resources = Resources::default();
         let reads = TextureReads::default();
-        let scene = GpuScene::new(&gpu, scene, &reads, |_| Default::default(), &mut resources)
-            .unwrap_or_else(|error| panic!("{error}"));
+        let scene = GpuScene::new(
+            &device,
+            scene,
+            &reads,
+            |_| Default::default(),
+            &mut resources,
+        )
+        .unwrap_or_else(|error| panic!("{error}"));
         let settings = RenderSettings::new(1, 1, &from_above(1.0, 1.0));
         let frame = Frame::new(&settings, 64, &scene);
         for (name, size) in [
             ("frame", size_of::<Frame>()),
             ("params", size_of::<Params>()),
         ] {
-            let buffer = gpu.buffer(name, Usage::Uniform, size as u64);
+            let buffer = device.buffer(name, Usage::Uniform, size as u64);
             resources.set_buffer(name, buffer.unwrap_or_else(|error| panic!("{error}")));
         }
-        gpu.write(resources.buffer("frame"), 0, bytemuck::bytes_of(&frame));
+        device.write(resources.buffer("frame"), 0, bytemuck::bytes_of(&frame));
         Some(Self {
-            gpu,
+            device,
             source,
             resources,
             scene,
@@ -146,20 +152,20 @@ impl Harness {
             )];
             let kernel = self
                 .source
-                .compile(&self.gpu, entry, Trust::Nothing, &constants)?;
+                .compile(&self.device, entry, Trust::Nothing, &constants)?;
             let mut resources = self.resources.clone();
             let bytes = size_of_val(data) as u64;
             let data =
-                self.gpu
+                self.device
                     .filled_buffer("data", Usage::Storage, bytemuck::cast_slice(data))?;
             resources.set_buffer("data", data);
-            self.gpu
+            self.device
                 .write(resources.buffer("params"), 0, bytemuck::bytes_of(&params));
-            let bound = kernel.bind(&self.gpu, &resources);
+            let bound = kernel.bind(&self.device, &resources);
             let mut recording = Recording::new("test");
             recording.dispatch(&bound, Extent::Threads(threads));
-            self.gpu.play(&recording)?;
-            self.gpu.read(resources.buffer("data"), 0, bytes)
+            self.device.play(&recording)?;
+            self.device.read(resources.buffer("data"), 0, bytes)
         };
         bytemuck::pod_collect_to_vec(
             &run().unwrap_or_else(|error: ::device::DeviceError| panic!("{error}")),
@@ -581,10 +587,10 @@ fn mean_and_variance(film: &Film, spp: u32) -> (f64, f64) {
 
 #[test]
 fn ten_thousand_lamps_are_sampled_by_their_effect() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     const HALF: f32 = 1.0;
     let view = from_above(0.5, HALF);
-    let film = render(&gpu, &mut lamp_field(), &view, FIELD_SHOT);
+    let film = render(&device, &mut lamp_field(), &view, FIELD_SHOT);
     let (mean, variance) = mean_and_variance(&film, FIELD_SHOT.spp);
 
     let mut exact = 0.0;
@@ -619,7 +625,7 @@ fn ten_thousand_lamps_are_sampled_by_their_effect() {
 
 #[test]
 fn scattered_rays_and_light_samples_share_many_lamps() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     // Unlit lamps are in no table of lights: only scattered rays find them, and they show the same radiance.
     let room = |surface: &Material, is_sampled: bool| {
         let radiance = Vec3::new(4.0, 2.0, 1.0);
@@ -667,8 +673,8 @@ fn scattered_rays_and_light_samples_share_many_lamps() {
             spp,
         };
         let view = from_above(0.5, 1.0);
-        let both = render(&gpu, &mut room(&surface, true), &view, shot(256));
-        let scattered = render(&gpu, &mut room(&surface, false), &view, shot(2048));
+        let both = render(&device, &mut room(&surface, true), &view, shot(256));
+        let scattered = render(&device, &mut room(&surface, false), &view, shot(2048));
         let (mean, variance) = mean_and_variance(&both, 256);
         let (expected, noise) = mean_and_variance(&scattered, 2048);
         let error = ((variance / 256.0 + noise / 2048.0) / 256.0).sqrt();

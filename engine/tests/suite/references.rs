@@ -40,7 +40,7 @@ fn compare(
     counts: impl Fn(Vec2, f32) -> bool,
 ) -> Option<Comparison> {
     let dir = shared::find(&format!("reference/{name}"))?;
-    let gpu = device::open()?;
+    let device = device::open()?;
     let effort = efforts[usize::from(device::full_run())];
     let reference = Estimate::from_exr(
         &dir.join(format!("{reference}.exr")),
@@ -50,14 +50,19 @@ fn compare(
     let scene = ["scene.glb", "cornell.glb"].map(|file| dir.join(file));
     let scene = scene.iter().find(|file| file.exists());
     let scene = scene.expect("every reference has its scene beside it");
-    let tested = render(&gpu, scene, (reference.width, reference.height), effort.spp);
+    let tested = render(
+        &device,
+        scene,
+        (reference.width, reference.height),
+        effort.spp,
+    );
     let side = 1.0 / reference.height as f32;
     Some(ZTest::default().compare(tested, reference, |x, y| {
         counts(Vec2::new(x as f32, y as f32) * side, side)
     }))
 }
 
-fn render(gpu: &Device, scene: &Path, (width, height): (usize, usize), spp: u32) -> Estimate {
+fn render(device: &Device, scene: &Path, (width, height): (usize, usize), spp: u32) -> Estimate {
     let loaded = load(scene, None, &[]).unwrap_or_else(|error| panic!("{error}"));
     let settings = RenderSettings {
         max_depth: MAX_DEPTH,
@@ -65,7 +70,7 @@ fn render(gpu: &Device, scene: &Path, (width, height): (usize, usize), spp: u32)
         energy_compensation: false,
         ..RenderSettings::new(width as u32, height as u32, &loaded.camera)
     };
-    let mut renderer = Renderer::new(gpu, &loaded.scene, &loaded.procedural, &settings)
+    let mut renderer = Renderer::new(device, &loaded.scene, &loaded.procedural, &settings)
         .unwrap_or_else(|error| panic!("{error}"));
     renderer
         .render(spp)

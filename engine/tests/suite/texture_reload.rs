@@ -86,14 +86,14 @@ fn built(look: &str, textures: &[(&str, &str)]) -> (Scene, Procedural) {
 }
 
 /// The picture of a look and its textures by a renderer that knew no others.
-fn fresh(gpu: &Device, look: &str, textures: &[(&str, &str)]) -> Film {
+fn fresh(device: &Device, look: &str, textures: &[(&str, &str)]) -> Film {
     let (scene, procedural) = built(look, textures);
-    render_textured(gpu, &scene, &procedural, &view(), SHOT)
+    render_textured(device, &scene, &procedural, &view(), SHOT)
 }
 
-fn renderer(gpu: &Device) -> Renderer {
+fn renderer(device: &Device) -> Renderer {
     let (scene, procedural) = built(LOOK, &[("rings", RINGS), ("tint", TINT)]);
-    Renderer::new(gpu, &scene, &procedural, &settings(&view(), SHOT))
+    Renderer::new(device, &scene, &procedural, &settings(&view(), SHOT))
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -129,11 +129,11 @@ fn file(name: &str, text: &str) -> SourceFile {
 
 #[test]
 fn the_new_kernel_gives_the_picture_of_the_new_source() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let (files, threads) = (in_memory(LOOK), Arc::new(Held::default()));
-    let mut session = files.open_with(&gpu, SHOT, threads.clone());
+    let mut session = files.open_with(&device, SHOT, threads.clone());
     let old = shown(&mut session);
-    let before = (gpu.counts().pipelines, gpu.counts().shader_modules);
+    let before = (device.counts().pipelines, device.counts().shader_modules);
 
     files.save_texture("rings", SQUARES);
     session.sources_changed();
@@ -146,13 +146,13 @@ fn the_new_kernel_gives_the_picture_of_the_new_source() {
     assert!(!session.is_building());
     assert!(session.warnings().is_empty(), "{}", session.warnings());
     assert_eq!(
-        (gpu.counts().pipelines, gpu.counts().shader_modules),
+        (device.counts().pipelines, device.counts().shader_modules),
         (before.0 + 1, before.1 + 1),
         "one pipeline, one shader module"
     );
     assert!(!is_same(&old, &new));
     let textures = [("rings", SQUARES), ("tint", TINT)];
-    assert!(is_same(&new, &fresh(&gpu, LOOK, &textures)));
+    assert!(is_same(&new, &fresh(&device, LOOK, &textures)));
 
     // Edits reach the parameters of the new version.
     let edge = Edit::argument("rings", "edge", &Value::F32(0.75));
@@ -160,16 +160,16 @@ fn the_new_kernel_gives_the_picture_of_the_new_source() {
     let look = LOOK.replace("count = 5.0", "count = 5.0\nedge = 0.75");
     assert!(is_same(
         &shown(&mut session),
-        &fresh(&gpu, &look, &textures)
+        &fresh(&device, &look, &textures)
     ));
 }
 
 #[test]
 fn a_wrong_texture_is_reported_and_changes_nothing() {
-    let Some(gpu) = device::open() else { return };
-    let mut renderer = renderer(&gpu);
+    let Some(device) = device::open() else { return };
+    let mut renderer = renderer(&device);
     let old = picture(&mut renderer);
-    let before = gpu.counts().pipelines;
+    let before = device.counts().pipelines;
     for (name, text, parts) in [
         (
             "rings",
@@ -199,7 +199,7 @@ fn a_wrong_texture_is_reported_and_changes_nothing() {
             assert!(error.to_string().contains(part), "{part:?}: {error}");
         }
     }
-    assert_eq!(gpu.counts().pipelines, before);
+    assert_eq!(device.counts().pipelines, before);
     assert!(
         is_same(&old, &picture(&mut renderer)),
         "not even started anew"
@@ -210,8 +210,8 @@ fn a_wrong_texture_is_reported_and_changes_nothing() {
 
 #[test]
 fn parameters_that_changed_their_type_have_their_defaults() {
-    let Some(gpu) = device::open() else { return };
-    let mut renderer = renderer(&gpu);
+    let Some(device) = device::open() else { return };
+    let mut renderer = renderer(&device);
     let tint = "/// @param color = 0.25\nfn userProc(color: f32, other: mat3x3f) -> vec3f { return other * vec3f(color); }";
     let reload = renderer.begin_reload(vec![file("tint", tint)]);
     let warnings = renderer
@@ -228,15 +228,15 @@ fn parameters_that_changed_their_type_have_their_defaults() {
     let textures = [("rings", RINGS), ("tint", tint)];
     assert!(is_same(
         &picture(&mut renderer),
-        &fresh(&gpu, &look, &textures)
+        &fresh(&device, &look, &textures)
     ));
 }
 
 #[test]
 fn an_added_texture_can_be_wired_while_rendering() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let files = in_memory(LOOK);
-    let mut session = files.open(&gpu, SHOT);
+    let mut session = files.open(&device, SHOT);
     shown(&mut session);
     let extra =
         "/// @param level = 0.3\nfn userProc(level: f32) -> f32 { return level * readAttr(AO).x; }";
@@ -244,10 +244,10 @@ fn an_added_texture_can_be_wired_while_rendering() {
     edit(&mut session, &Edit::add_node("new", "extra"));
     settle(&mut session);
     assert!(session.problems().is_empty(), "{}", session.problems());
-    let before = gpu.counts().pipelines;
+    let before = device.counts().pipelines;
     let wire = Edit::material("material 1", "metallic", Written::Text("new".to_owned()));
     edit(&mut session, &wire);
-    assert_eq!(gpu.counts().pipelines, before);
+    assert_eq!(device.counts().pipelines, before);
     let look = LOOK.replace(
         "roughness = \"rings\"",
         "roughness = \"rings\"\nmetallic = \"new\"\n[node.new]\ntexture = \"extra\"",
@@ -255,15 +255,15 @@ fn an_added_texture_can_be_wired_while_rendering() {
     let textures = [("rings", RINGS), ("tint", TINT), ("extra", extra)];
     assert!(is_same(
         &shown(&mut session),
-        &fresh(&gpu, &look, &textures)
+        &fresh(&device, &look, &textures)
     ));
 }
 
 #[test]
 fn edits_made_while_the_kernel_is_built_are_kept() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let (files, threads) = (in_memory(LOOK), Arc::new(Held::default()));
-    let mut session = files.open_with(&gpu, SHOT, threads.clone());
+    let mut session = files.open_with(&device, SHOT, threads.clone());
     files.save_texture("rings", SQUARES);
     session.sources_changed();
     let color = Edit::argument("paint", "color", &Value::Vec3([0.1, 0.2, 0.9]));
@@ -273,20 +273,20 @@ fn edits_made_while_the_kernel_is_built_are_kept() {
     let textures = [("rings", SQUARES), ("tint", TINT)];
     assert!(is_same(
         &shown(&mut session),
-        &fresh(&gpu, &look, &textures)
+        &fresh(&device, &look, &textures)
     ));
 }
 
 #[test]
 fn a_kernel_for_textures_that_are_no_longer_there_is_refused() {
-    let Some(gpu) = device::open() else { return };
-    let mut renderer = renderer(&gpu);
+    let Some(device) = device::open() else { return };
+    let mut renderer = renderer(&device);
     let reload = renderer.begin_reload(vec![file("rings", SQUARES)]);
     let other = renderer.begin_reload(vec![file("tint", "fn userProc() -> f32 { return 0.5; }")]);
     renderer
         .finish_reload(reload)
         .unwrap_or_else(|error| panic!("{error}"));
-    let expected = fresh(&gpu, LOOK, &[("rings", SQUARES), ("tint", TINT)]);
+    let expected = fresh(&device, LOOK, &[("rings", SQUARES), ("tint", TINT)]);
     assert!(is_same(&picture(&mut renderer), &expected));
     let error = renderer.finish_reload(other).expect_err("stale");
     assert!(matches!(error, ReloadError::Stale), "{error}");
@@ -295,26 +295,30 @@ fn a_kernel_for_textures_that_are_no_longer_there_is_refused() {
 
 #[test]
 fn a_renderer_without_programs_takes_new_textures_too() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let look = "[node.rings]\ntexture = \"rings\"";
     let files = in_memory(look);
-    let mut session = files.open(&gpu, SHOT);
-    let before = gpu.counts().pipelines;
+    let mut session = files.open(&device, SHOT);
+    let before = device.counts().pipelines;
     files.save_texture("rings", SQUARES);
     session.sources_changed();
     settle(&mut session);
-    assert_eq!(gpu.counts().pipelines, before, "there is nothing to build");
+    assert_eq!(
+        device.counts().pipelines,
+        before,
+        "there is nothing to build"
+    );
     let wire = Edit::material("material 0", "roughness", Written::Text("rings".to_owned()));
     edit(&mut session, &wire);
     settle(&mut session);
     let look = format!("{look}\n[material.\"material 0\"]\nroughness = \"rings\"");
-    let expected = fresh(&gpu, &look, &[("rings", SQUARES)]);
+    let expected = fresh(&device, &look, &[("rings", SQUARES)]);
     assert!(is_same(&shown(&mut session), &expected));
 }
 
 #[test]
 fn the_probe_of_a_texture_runs_it_alone() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     for text in [
         SQUARES,
         "fn userProc(image: sam2D, n: i32) -> vec4f { return tex2D(image, readAttr(TexCoord0).xy) + texSize(image).x; }",
@@ -324,7 +328,7 @@ fn the_probe_of_a_texture_runs_it_alone() {
             Procedural::probe(&file("any name \" at all", text)).unwrap_or_else(|e| panic!("{e}"));
         assert!(procedural.is_procedural(0));
         let camera = engine::scene::default_camera(&scene);
-        render_textured(&gpu, &scene, &procedural, &camera, SHOT);
+        render_textured(&device, &scene, &procedural, &camera, SHOT);
     }
     let error = Procedural::probe(&file("wrong", "fn userProc() -> f32 {")).expect_err("wrong");
     assert!(error.to_string().contains("not closed"), "{error}");

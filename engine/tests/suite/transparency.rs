@@ -99,26 +99,26 @@ const TINT: Vec3 = Vec3::new(0.9, 0.5, 0.2);
 
 #[test]
 fn the_sun_shines_through_a_pane_with_its_colour() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let (mut scene, camera) = under_glass(pane(TINT), Vec3::ZERO);
     scene.lights.push(sun(Vec3::NEG_Y, Vec3::splat(PI)));
-    let film = render(&gpu, &mut scene, &camera, DIRECT);
+    let film = render(&device, &mut scene, &camera, DIRECT);
     // Straight on, a twenty-fifth is reflected.
     assert_uniform("sun", &film, TINT * 0.96);
 }
 
 #[test]
 fn the_sky_shines_through_a_pane_whichever_way_it_is_sampled() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let (mut scene, camera) = under_glass(pane(TINT), Vec3::ONE);
-    let film = render(&gpu, &mut scene, &camera, DIRECT);
+    let film = render(&device, &mut scene, &camera, DIRECT);
     // The cosine-weighted mean of 1 - F with Schlick's F.
     assert_uniform("sky", &film, TINT * (0.96 * 20.0 / 21.0));
 }
 
 #[test]
 fn two_panes_are_darker_than_one_and_a_mask_has_holes() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let (mut scene, camera) = under_glass(pane(TINT), Vec3::ZERO);
     scene.lights.push(sun(Vec3::NEG_Y, Vec3::splat(PI)));
     // Half of it is there.
@@ -133,14 +133,14 @@ fn two_panes_are_darker_than_one_and_a_mask_has_holes() {
         Vec3::NEG_Z * 18.0,
     );
     add(&mut scene, second, holes);
-    let film = render(&gpu, &mut scene, &camera, DIRECT);
+    let film = render(&device, &mut scene, &camera, DIRECT);
     let once = TINT * 0.96;
     assert_uniform("two panes", &film, once * (0.5 + 0.5 * once));
 }
 
 #[test]
 fn a_lamp_behind_a_pane_is_seen_as_if_its_light_were_filtered() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let lamp_at = |height: f32| {
         quad(
             Vec3::new(-0.5, height, -0.5),
@@ -155,10 +155,10 @@ fn a_lamp_behind_a_pane_is_seen_as_if_its_light_were_filtered() {
     };
     let (mut glazed, camera) = under_glass(pane(TINT), Vec3::ZERO);
     add(&mut glazed, lamp_at(40.0), lamp(Vec3::splat(4000.0)));
-    let glazed = render(&gpu, &mut glazed, &camera, shot);
+    let glazed = render(&device, &mut glazed, &camera, shot);
     let mut open = scene([(floor(1.0), lambert(Vec3::ONE))], Vec3::ZERO);
     add(&mut open, lamp_at(40.0), lamp(TINT * 0.96 * 4000.0));
-    let open = render(&gpu, &mut open, &camera, shot);
+    let open = render(&device, &mut open, &camera, shot);
     assert_same("lamp", &glazed, &open);
 }
 
@@ -191,7 +191,7 @@ fn cuboid(lo: Vec3, hi: Vec3) -> Mesh {
 
 /// What is left of light that goes straight down through a box of 1 m with another one of 0.5 m in it.
 fn through_nested(outer: Material, inner: Material) -> Option<Film> {
-    let gpu = device::open()?;
+    let device = device::open()?;
     let mut scene = scene(
         [
             (cuboid(Vec3::splat(-0.5), Vec3::splat(0.5)), outer),
@@ -207,7 +207,7 @@ fn through_nested(outer: Material, inner: Material) -> Option<Film> {
         max_depth: 8,
         ..DIRECT
     };
-    Some(render(&gpu, &mut scene, &from_above(3.0, 0.2), shot))
+    Some(render(&device, &mut scene, &from_above(3.0, 0.2), shot))
 }
 
 fn absorbing(ior: f32, absorption: Vec3, priority: i32) -> Material {
@@ -257,7 +257,7 @@ fn what_is_reflected_inside_another_body_follows_the_ratio_of_their_indices() {
 
 #[test]
 fn overlapping_bodies_of_one_glass_are_one_body() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let view = |boxes: &[(f32, f32)]| {
         let glass = absorbing(1.5, Vec3::new(0.2, 1.0, 3.0), 0);
         let parts = boxes.iter().map(|&(from, to)| {
@@ -284,7 +284,7 @@ fn overlapping_bodies_of_one_glass_are_one_body() {
             max_depth: 24,
             spp: 1024,
         };
-        render(&gpu, &mut scene, &camera, shot)
+        render(&device, &mut scene, &camera, shot)
     };
     // Two materials of the same kind: the scene gives each mesh its own.
     assert_same(
@@ -296,7 +296,7 @@ fn overlapping_bodies_of_one_glass_are_one_body() {
 
 #[test]
 fn dispersion_keeps_white_light_white() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let glass = Material {
         dispersion: 5.0,
         ..body(1.6)
@@ -313,13 +313,13 @@ fn dispersion_keeps_white_light_white() {
         max_depth: 40,
         spp: 1024,
     };
-    let film = render(&gpu, &mut scene, &camera, shot);
+    let film = render(&device, &mut scene, &camera, shot);
     assert_uniform("furnace", &film, Vec3::ONE);
 }
 
 #[test]
 fn a_prism_bends_blue_more_than_red() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     // A wedge, thicker towards +x, above a ground that is white only on the side of +x.
     let mut wedge = cuboid(Vec3::new(-1.0, 1.0, -1.0), Vec3::new(1.0, 1.2, 1.0));
     for p in &mut wedge.positions {
@@ -347,7 +347,7 @@ fn a_prism_bends_blue_more_than_red() {
         max_depth: 6,
         spp: 256,
     };
-    let film = render(&gpu, &mut scene, &from_above(4.0, 0.8), shot);
+    let film = render(&device, &mut scene, &from_above(4.0, 0.8), shot);
     let light = |c: usize| film.mean().iter().map(|p| f64::from(p[c])).sum::<f64>();
     let (red, green, blue) = (light(0), light(1), light(2));
     // Light bends towards the thick end, so more of the picture sees the white side: the more, the higher the index.
@@ -364,7 +364,7 @@ fn smooth_sphere(rings: u32) -> Mesh {
 
 #[test]
 fn coarse_meshes_with_smooth_normals_have_no_dark_facets() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let view = |rings: u32| {
         let mut scene = scene([(smooth_sphere(rings), lambert(Vec3::ONE))], Vec3::ZERO);
         // Ten degrees to the front of the right: the facets left of the middle face 11.25 degrees to the left, away from it.
@@ -377,7 +377,7 @@ fn coarse_meshes_with_smooth_normals_have_no_dark_facets() {
             Vec3::Y,
             Projection::Orthographic { y_mag: 0.6 },
         );
-        render(&gpu, &mut scene, &camera, DIRECT)
+        render(&device, &mut scene, &camera, DIRECT)
     };
     let (coarse, fine) = (view(8), view(128));
     // Those facets, which are grazed by the sun where their normals are asked.
@@ -397,7 +397,7 @@ fn coarse_meshes_with_smooth_normals_have_no_dark_facets() {
 
 #[test]
 fn nothing_leaks_into_a_coarse_sphere() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let shell = Material {
         double_sided: true,
         ..lambert(Vec3::ONE)
@@ -419,6 +419,6 @@ fn nothing_leaks_into_a_coarse_sphere() {
         max_depth: 6,
         ..DIRECT
     };
-    let film = render(&gpu, &mut scene, &camera, shot);
+    let film = render(&device, &mut scene, &camera, shot);
     assert!(film.mean().iter().all(|pixel| *pixel == [0.0; 3]));
 }

@@ -15,7 +15,7 @@ impl Render {
     /// A failure that may pass is told; others end the render.
     pub(super) fn fail(&mut self, error: &SessionError) {
         self.failures += 1;
-        let is_lost = matches!(error, SessionError::Lost(_)) || self.gpu.is_lost();
+        let is_lost = matches!(error, SessionError::Lost(_)) || self.device.is_lost();
         match is_lost || self.failures >= MOST_FAILURES {
             true => self.stop(error),
             false => self.reply(Reply::Failed(publish::message(error))),

@@ -66,8 +66,8 @@ impl Render {
         let displays = match &mut self.display {
             Some(displays) => displays,
             none => none.insert(Displays {
-                now: Display::new(&self.gpu).map_err(RenderError::from)?,
-                before: Display::new(&self.gpu).map_err(RenderError::from)?,
+                now: Display::new(&self.device).map_err(RenderError::from)?,
+                before: Display::new(&self.device).map_err(RenderError::from)?,
             }),
         };
         let film = session.device_film(self.settings.channel.needs_guides())?;

@@ -64,7 +64,7 @@ impl Render {
 
     fn longest_wave(&self) -> Duration {
         match (
-            self.gpu.traits().shares_the_processor,
+            self.device.traits().shares_the_processor,
             self.is_moving || self.is_touched(),
         ) {
             (false, _) => GPU_WAVE,

@@ -25,5 +25,4 @@ pub const PASS: Pass = Pass {
     ],
     writes: &["queues"],
     exists: |features| features.programs,
-    ..Pass::COMMON
 };

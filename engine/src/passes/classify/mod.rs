@@ -12,5 +12,4 @@ pub const PASS: Pass = Pass {
     reads: &["frame", "materials", "programs", "triangles"],
     writes: &["paths", "queues", "rays"],
     exists: |features| features.programs,
-    ..Pass::COMMON
 };

@@ -33,7 +33,6 @@ pub const RECORD: Pass = Pass {
     ],
     writes: &["layer_samples"],
     exists: |features| features.film_layers,
-    ..Pass::COMMON
 };
 
 /// Adds them to a plane that holds sums.
@@ -44,7 +43,6 @@ pub const MEAN: Pass = Pass {
     reads: &["frame", "layer_samples"],
     writes: &["layer_film"],
     exists: |features| features.film_layers,
-    ..Pass::COMMON
 };
 
 /// Keeps those of the first sample.

@@ -29,7 +29,6 @@ pub const PASS: Pass = Pass {
     ],
     writes: &["paths", "queues", "rays"],
     exists: |features| features.programs,
-    ..Pass::COMMON
 };
 
 /// There is the users' code in it.

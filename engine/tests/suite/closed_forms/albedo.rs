@@ -54,7 +54,7 @@ fn strips() -> Vec<Material> {
 
 #[test]
 fn surfaces_return_their_directional_albedo() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let strips = strips();
     let mut scene = Scene {
         environment: engine::scene::Environment::Constant(Vec3::ONE),
@@ -91,7 +91,7 @@ fn surfaces_return_their_directional_albedo() {
             energy_compensation: false,
             ..settings(&camera, shot)
         };
-        let film = render_with(&gpu, &scene, &procedural, &settings, shot.spp);
+        let film = render_with(&device, &scene, &procedural, &settings, shot.spp);
         let tested = Estimate::from_film(&film);
         for (i, material) in strips.iter().enumerate() {
             let albedo = directional_albedo(material, f64::from(angle));

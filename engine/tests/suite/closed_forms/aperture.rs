@@ -34,7 +34,7 @@ fn depth_inside(blades: u32, rotation: f32, p: Vec2) -> f32 {
 
 #[test]
 fn a_point_out_of_focus_has_the_shape_of_the_aperture() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     for (blades, rotation) in [(0, 0.0), (3, 0.3), (6, 0.0), (5, 1.2)] {
         // In focus is what lies halfway: a ray through the middle of the lens's picture meets the floor as far on the other
         // side, so that a pixel sees the square through the part of the lens that lies where the pixel does.
@@ -50,7 +50,7 @@ fn a_point_out_of_focus_has_the_shape_of_the_aperture() {
             max_depth: 1,
             spp: 2048,
         };
-        let film = render(&gpu, &mut scene, &camera, shot);
+        let film = render(&device, &mut scene, &camera, shot);
         let area = match blades {
             0 => PI,
             n => 0.5 * n as f32 * (TAU / n as f32).sin(),

@@ -31,7 +31,7 @@ fn assert_is(film: &engine::film::Film, radiance: Vec3) {
 
 #[test]
 fn emission_is_seen_as_it_was_set_and_from_the_front() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     // Sums of sixteen of them are exact.
     let radiance = Vec3::new(3.0, 0.25, 0.0625);
     let from_below = camera(
@@ -52,18 +52,18 @@ fn emission_is_seen_as_it_was_set_and_from_the_front() {
         (&from_below, two_sided, radiance),
     ] {
         let mut scene = scene([(floor(3.0), material)], Vec3::ZERO);
-        assert_is(&render(&gpu, &mut scene, camera, SHOT), seen);
+        assert_is(&render(&device, &mut scene, camera, SHOT), seen);
     }
 }
 
 #[test]
 fn an_unlit_surface_shows_its_colour_whatever_lights_it() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let color = Vec3::new(0.5, 0.25, 0.125);
     let mut scene = scene([(floor(3.0), unlit(color.extend(1.0)))], Vec3::splat(7.0));
     scene.lights.push(sun());
     assert_is(
-        &render(&gpu, &mut scene, &from_above(1.0, 1.0), SHOT),
+        &render(&device, &mut scene, &from_above(1.0, 1.0), SHOT),
         color,
     );
 }
@@ -90,14 +90,14 @@ fn blend(color: Vec3, alpha: f32) -> Material {
 
 #[test]
 fn blended_surfaces_cover_by_their_alpha() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let sky = Vec3::new(1.0, 2.0, 0.5);
     let (pane, other) = (Vec3::new(0.2, 0.4, 0.9), Vec3::new(0.1, 3.0, 0.3));
     let shot = Shot { spp: 1024, ..SHOT };
     let camera = from_above(1.0, 1.0);
 
     let mut one = scene([(floor(3.0), blend(pane, 0.3))], sky);
-    let film = render(&gpu, &mut one, &camera, shot);
+    let film = render(&device, &mut one, &camera, shot);
     let through_one = pane * 0.3 + sky * 0.7;
     assert_shows("one pane", &film, |_| through_one);
 
@@ -110,14 +110,14 @@ fn blended_surfaces_cover_by_their_alpha() {
         [(floor(3.0), blend(pane, 0.3)), (below, blend(other, 0.6))],
         sky,
     );
-    let film = render(&gpu, &mut two, &camera, shot);
+    let film = render(&device, &mut two, &camera, shot);
     let through_two = pane * 0.3 + 0.7 * (other * 0.6 + sky * 0.4);
     assert_shows("two panes", &film, |_| through_two);
 }
 
 #[test]
 fn a_blended_surface_lets_as_much_light_through_as_it_does_not_cover() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut pane = quad(Vec3::new(-3.0, 1.0, 3.0), Vec3::X * 6.0, Vec3::NEG_Z * 6.0);
     pane.name = "pane".to_owned();
     let mut scene = scene(
@@ -130,14 +130,14 @@ fn a_blended_surface_lets_as_much_light_through_as_it_does_not_cover() {
     scene.lights.push(sun());
     let shot = Shot { spp: 512, ..SHOT };
     // From below the pane, so that only the shadow rays pass it.
-    let film = render(&gpu, &mut scene, &from_above(0.5, 1.0), shot);
+    let film = render(&device, &mut scene, &from_above(0.5, 1.0), shot);
     let expected = sun().intensity * 0.5 / std::f32::consts::PI * 0.75;
     assert_shows("light through a pane", &film, |_| expected);
 }
 
 #[test]
 fn a_mask_cuts_along_its_texels() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     // Four texels across the picture; those at or above the cutoff of one half are there.
     let alphas: [u8; 16] = [
         0, 255, 127, 128, //
@@ -174,7 +174,7 @@ fn a_mask_cuts_along_its_texels() {
         rgba8,
         srgb: true,
     });
-    let film = render(&gpu, &mut scene, &from_above(1.0, 1.0), SHOT);
+    let film = render(&device, &mut scene, &from_above(1.0, 1.0), SHOT);
     let expected = |picture: Vec2| {
         let p = floor_point(1.0, picture);
         let texel = (Vec2::new(p.x, p.z) + 1.0) * 2.0;

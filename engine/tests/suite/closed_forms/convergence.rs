@@ -31,7 +31,13 @@ fn soft_shadow() -> Scene {
     )
 }
 
-fn picture(gpu: &Device, sampler: Sampler, max_depth: u32, spp: u32, seed: u32) -> Vec<[f32; 3]> {
+fn picture(
+    device: &Device,
+    sampler: Sampler,
+    max_depth: u32,
+    spp: u32,
+    seed: u32,
+) -> Vec<[f32; 3]> {
     let camera = camera(
         Vec3::new(0.0, 2.0, 4.0),
         Vec3::new(0.0, 0.2, 0.0),
@@ -48,7 +54,7 @@ fn picture(gpu: &Device, sampler: Sampler, max_depth: u32, spp: u32, seed: u32) 
     settings.seed = seed;
     let mut scene = soft_shadow();
     let procedural = no_textures(&mut scene);
-    render_with(gpu, &scene, &procedural, &settings, spp).mean()
+    render_with(device, &scene, &procedural, &settings, spp).mean()
 }
 
 fn rmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
@@ -59,13 +65,13 @@ fn rmse(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
 
 /// Error against a reference of another seed at 4, 16, 64 and 256 samples, and the slope of its logarithm.
 fn errors(
-    gpu: &Device,
+    device: &Device,
     sampler: Sampler,
     max_depth: u32,
     reference: &[[f32; 3]],
 ) -> ([f64; 4], f64) {
     let errors =
-        [4, 16, 64, 256].map(|spp| rmse(&picture(gpu, sampler, max_depth, spp, 0), reference));
+        [4, 16, 64, 256].map(|spp| rmse(&picture(device, sampler, max_depth, spp, 0), reference));
     // Least squares over equal steps of the logarithm of 4.
     let logs = errors.map(|error| error.ln() / 4.0_f64.ln());
     let slope = (-1.5 * logs[0] - 0.5 * logs[1] + 0.5 * logs[2] + 1.5 * logs[3]) / 5.0;
@@ -75,12 +81,13 @@ fn errors(
 
 #[test]
 fn sobol_points_halve_the_noise_of_random_numbers() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let depths = if full_run() { 1..=4 } else { 1..=1 };
     for max_depth in depths {
-        let reference = picture(&gpu, Sampler::Sobol, max_depth, 2048, 7);
-        let (sobol, slope) = errors(&gpu, Sampler::Sobol, max_depth, &reference);
-        let (independent, plain_slope) = errors(&gpu, Sampler::Independent, max_depth, &reference);
+        let reference = picture(&device, Sampler::Sobol, max_depth, 2048, 7);
+        let (sobol, slope) = errors(&device, Sampler::Sobol, max_depth, &reference);
+        let (independent, plain_slope) =
+            errors(&device, Sampler::Independent, max_depth, &reference);
         // Over a thousand values: chance moves an error by three hundredths, and a slope by less.
         assert!(slope <= -0.5, "N^{slope}");
         assert!((-0.55..=-0.45).contains(&plain_slope), "N^{plain_slope}");

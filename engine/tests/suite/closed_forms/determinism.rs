@@ -38,12 +38,12 @@ fn varied_scene() -> Scene {
     )
 }
 
-fn renderer(gpu: &Device, scene: &mut Scene, capacity: u32, seed: u32) -> Renderer {
-    renderer_from(gpu, scene, capacity, seed, 0)
+fn renderer(device: &Device, scene: &mut Scene, capacity: u32, seed: u32) -> Renderer {
+    renderer_from(device, scene, capacity, seed, 0)
 }
 
 fn renderer_from(
-    gpu: &Device,
+    device: &Device,
     scene: &mut Scene,
     capacity: u32,
     seed: u32,
@@ -65,7 +65,7 @@ fn renderer_from(
     settings.seed = seed;
     settings.first_sample = first_sample;
     let procedural = no_textures(scene);
-    Renderer::with_capacity(gpu, scene, &procedural, &settings, capacity)
+    Renderer::with_capacity(device, scene, &procedural, &settings, capacity)
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -82,15 +82,15 @@ fn is_same(a: &Film, b: &Film) -> bool {
 
 #[test]
 fn the_picture_does_not_depend_on_how_the_work_is_cut() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut scene = varied_scene();
-    let whole = film(&mut renderer(&gpu, &mut scene, 1 << 16, 5), 20);
+    let whole = film(&mut renderer(&device, &mut scene, 1 << 16, 5), 20);
     assert!(whole.sample_bounds() == (20, 20));
     // Waves of less than a sample per pixel.
-    let in_parts = film(&mut renderer(&gpu, &mut scene, 320, 5), 20);
+    let in_parts = film(&mut renderer(&device, &mut scene, 320, 5), 20);
     assert!(is_same(&whole, &in_parts), "smaller waves");
 
-    let mut resumed = renderer(&gpu, &mut scene, 1 << 12, 5);
+    let mut resumed = renderer(&device, &mut scene, 1 << 12, 5);
     film(&mut resumed, 7);
     assert!(is_same(&whole, &film(&mut resumed, 20)), "resumed");
     resumed.restart();
@@ -99,9 +99,9 @@ fn the_picture_does_not_depend_on_how_the_work_is_cut() {
 
 #[test]
 fn parts_add_up_to_exactly_the_whole() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut scene = varied_scene();
-    let whole = film(&mut renderer(&gpu, &mut scene, 1 << 16, 5), 64);
+    let whole = film(&mut renderer(&device, &mut scene, 1 << 16, 5), 64);
     // Uneven parts, in any order, in waves of any size.
     let parts = [
         (23, 41, 1 << 16),
@@ -112,7 +112,7 @@ fn parts_add_up_to_exactly_the_whole() {
     let mut merged = Film::new(whole.width, whole.height);
     for (first, count, capacity) in parts {
         let part = film(
-            &mut renderer_from(&gpu, &mut scene, capacity, 5, first),
+            &mut renderer_from(&device, &mut scene, capacity, 5, first),
             count,
         );
         assert!(!is_same(&merged, &whole));
@@ -123,13 +123,13 @@ fn parts_add_up_to_exactly_the_whole() {
 
 #[test]
 fn processors_render_the_picture_of_a_driver() {
-    let Some(gpu) = device::open_driver() else {
+    let Some(device) = device::open_driver() else {
         return;
     };
     let native = DeviceChoice::Name("native".to_owned());
     let native = Device::open(&native).unwrap_or_else(|error| panic!("{error}"));
     let mut scene = varied_scene();
-    let [one, other] = [&gpu, &native].map(|device| {
+    let [one, other] = [&device, &native].map(|device| {
         let mut renderer = renderer(device, &mut scene, 1 << 14, 5);
         film(&mut renderer, 16)
     });
@@ -150,10 +150,10 @@ fn processors_render_the_picture_of_a_driver() {
 
 #[test]
 fn another_seed_gives_other_noise() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut scene = varied_scene();
-    let one = film(&mut renderer(&gpu, &mut scene, 1 << 14, 1), 4);
-    let other = film(&mut renderer(&gpu, &mut scene, 1 << 14, 2), 4);
+    let one = film(&mut renderer(&device, &mut scene, 1 << 14, 1), 4);
+    let other = film(&mut renderer(&device, &mut scene, 1 << 14, 2), 4);
     let different = (0..one.pixels()).filter(|&pixel| one.sum(pixel) != other.sum(pixel));
     assert!(different.count() > one.pixels() / 2);
 }

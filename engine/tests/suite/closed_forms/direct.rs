@@ -38,8 +38,8 @@ fn lamp_edges() -> (Vec3, Vec3, Vec3) {
 }
 
 /// The camera floats between floor and lamp.
-fn view(gpu: &Device, scene: &mut Scene) -> Film {
-    render(gpu, scene, &from_above(0.5, HALF), SHOT)
+fn view(device: &Device, scene: &mut Scene) -> Film {
+    render(device, scene, &from_above(0.5, HALF), SHOT)
 }
 
 fn lamp_scene(material: Material, facing_up: bool) -> Scene {
@@ -69,33 +69,33 @@ fn under_the_lamp(picture: Vec2) -> Vec3 {
 
 #[test]
 fn a_lamp_lights_a_floor_by_its_form_factor() {
-    let Some(gpu) = device::open() else { return };
-    let film = view(&gpu, &mut lamp_scene(lamp(RADIANCE), false));
+    let Some(device) = device::open() else { return };
+    let film = view(&device, &mut lamp_scene(lamp(RADIANCE), false));
     assert_shows("form factor", &film, under_the_lamp);
 }
 
 #[test]
 fn a_lamp_shines_from_its_back_only_if_it_has_two_sides() {
-    let Some(gpu) = device::open() else { return };
-    let film = view(&gpu, &mut lamp_scene(lamp(RADIANCE), true));
+    let Some(device) = device::open() else { return };
+    let film = view(&device, &mut lamp_scene(lamp(RADIANCE), true));
     assert!(film.mean().iter().all(|&mean| mean == [0.0; 3]));
     let two_sided = Material {
         double_sided: true,
         ..lamp(RADIANCE)
     };
-    let film = view(&gpu, &mut lamp_scene(two_sided, true));
+    let film = view(&device, &mut lamp_scene(two_sided, true));
     assert_shows("form factor of the back", &film, under_the_lamp);
 }
 
 #[test]
 fn a_blended_lamp_gives_as_much_light_as_is_seen_of_it() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let half = Material {
         base_color: Vec4::new(0.0, 0.0, 0.0, 0.5),
         alpha_mode: AlphaMode::Blend,
         ..lamp(RADIANCE)
     };
-    let film = view(&gpu, &mut lamp_scene(half, false));
+    let film = view(&device, &mut lamp_scene(half, false));
     assert_shows("form factor of half a lamp", &film, |picture| {
         0.5 * under_the_lamp(picture)
     });
@@ -104,7 +104,7 @@ fn a_blended_lamp_gives_as_much_light_as_is_seen_of_it() {
 #[test]
 fn light_that_only_chance_finds_is_as_bright() {
     // A lamp whose radiance a texture decides is in no table of lights: scattered rays have to hit it.
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut sources = TextureSources::default();
     sources.insert(
         "glow",
@@ -116,7 +116,7 @@ fn light_that_only_chance_finds_is_as_bright() {
     );
     let procedural = textured(&mut scene, &look, &sources);
     let shot = Shot { spp: 2048, ..SHOT };
-    let film = render_textured(&gpu, &scene, &procedural, &from_above(0.5, HALF), shot);
+    let film = render_textured(&device, &scene, &procedural, &from_above(0.5, HALF), shot);
     assert_shows("form factor by chance", &film, under_the_lamp);
 }
 
@@ -194,13 +194,13 @@ fn under_a_light(light: &PunctualLight, picture: Vec2) -> Vec3 {
 
 #[test]
 fn punctual_lights_light_a_floor_by_their_formulas() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let all = punctual_lights();
     // Each alone, and all together, so that their shares of the samples show as well.
     for lights in all.chunks(1).chain([all.as_slice()]) {
         let mut scene = scene([(floor(5.0), lambert(ALBEDO))], Vec3::ZERO);
         scene.lights = lights.to_vec();
-        let film = view(&gpu, &mut scene);
+        let film = view(&device, &mut scene);
         let name = match lights {
             [light] => format!("one light, {:?}, range {}", light.kind, light.range),
             _ => "four lights".to_owned(),

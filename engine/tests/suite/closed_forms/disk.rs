@@ -44,12 +44,12 @@ fn lit(mut scene: Scene, light: PunctualLight) -> Scene {
 
 #[test]
 fn its_size_leaves_the_irradiance_as_it_is() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let direction = Vec3::new(0.5, -1.0, 0.2);
     for radius in [0.004_75, 0.4] {
         let floor = scene([(floor(5.0), lambert(ALBEDO))], Vec3::ZERO);
         let mut scene = lit(floor, disk(radius, direction));
-        let film = render(&gpu, &mut scene, &from_above(1.0, 1.0), SHOT);
+        let film = render(&device, &mut scene, &from_above(1.0, 1.0), SHOT);
         // All of the disk is above the horizon, and irradiance is a vector.
         let cosine = -direction.normalize().y;
         assert_shows(&format!("disk of radius {radius}"), &film, |_| {
@@ -60,7 +60,7 @@ fn its_size_leaves_the_irradiance_as_it_is() {
 
 #[test]
 fn a_straight_edge_throws_a_shadow_as_soft_as_the_disk_is_wide() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     const RADIUS: f32 = 0.2;
     const EDGE: f32 = 1.0;
     // A roof over all of x < 0; unlit, so that it only casts a shadow.
@@ -76,7 +76,7 @@ fn a_straight_edge_throws_a_shadow_as_soft_as_the_disk_is_wide() {
     let objects = [(floor(30.0), lambert(ALBEDO)), (roof, black)];
     let mut scene = lit(scene(objects, Vec3::ZERO), disk(RADIUS, Vec3::NEG_Y));
     let half = 0.4;
-    let film = render(&gpu, &mut scene, &from_above(0.5, half), SHOT);
+    let film = render(&device, &mut scene, &from_above(0.5, half), SHOT);
     // Directions by their x and z, in which irradiance is even: the part of the circle that looks past the edge.
     let open_share = |x: f32| {
         const POINTS: i32 = 64;
@@ -105,7 +105,7 @@ fn a_straight_edge_throws_a_shadow_as_soft_as_the_disk_is_wide() {
 
 #[test]
 fn a_mirror_shows_its_radiance() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     const RADIUS: f32 = 0.3;
     for roughness in [0.0, 0.1] {
         let mirror = Material {
@@ -118,7 +118,7 @@ fn a_mirror_shows_its_radiance() {
             scene([(floor(5.0), mirror)], Vec3::ZERO),
             disk(RADIUS, Vec3::NEG_Y),
         );
-        let film = render(&gpu, &mut scene, &from_above(1.0, 1.0), SHOT);
+        let film = render(&device, &mut scene, &from_above(1.0, 1.0), SHOT);
         // Every pixel sees the middle of the disk, blurred by much less than its size.
         assert_shows(&format!("a mirror of roughness {roughness}"), &film, |_| {
             radiance_of(RADIUS)
@@ -128,7 +128,7 @@ fn a_mirror_shows_its_radiance() {
 
 #[test]
 fn the_camera_sees_a_disk() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     const RADIUS: f32 = 0.3;
     let mut scene = lit(
         scene([(floor(5.0), lambert(ALBEDO))], Vec3::ZERO),
@@ -141,7 +141,7 @@ fn the_camera_sees_a_disk() {
         Vec3::NEG_Z,
         Projection::Perspective { y_fov },
     );
-    let film = render(&gpu, &mut scene, &up, SHOT);
+    let film = render(&device, &mut scene, &up, SHOT);
     assert_shows("the disk itself", &film, |picture: Vec2| {
         let from_middle = (2.0 * picture - 1.0) * (0.5 * y_fov).tan();
         match from_middle.length() < RADIUS.tan() {

@@ -52,7 +52,7 @@ fn compass() -> FloatImage {
 
 #[test]
 fn an_environment_picture_is_the_right_way_round() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let [red, green, blue, yellow] = [
         Vec3::new(1.0, 0.25, 0.25),
         Vec3::new(0.25, 1.0, 0.25),
@@ -89,7 +89,7 @@ fn an_environment_picture_is_the_right_way_round() {
                 spp: 4,
             };
             let mut scene = with_environment(empty, compass(), rotation, 2.0);
-            let film = render(&gpu, &mut scene, &camera, shot);
+            let film = render(&device, &mut scene, &camera, shot);
             let name = format!("environment turned by {rotation} degrees, along {direction}");
             assert_shows(&name, &film, |_| 2.0 * color);
         }
@@ -144,12 +144,12 @@ fn irradiance(image: &FloatImage) -> DVec3 {
 #[test]
 fn a_small_bright_lamp_in_a_large_environment_is_sampled_as_often_as_it_should() {
     // Tables of half a million cells are where a random number runs out of bits.
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let image = sky_with_lamp(1024, 300, 150, 6);
     let expected = (irradiance(&image) * 0.5 / PI).as_vec3();
     let ground = scene([(floor(5.0), lambert(Vec3::splat(0.5)))], Vec3::ZERO);
     let mut scene = with_environment(ground, image, 33.0, 1.0);
-    let film = render(&gpu, &mut scene, &from_above(1.0, 1.0), FLOOR_SHOT);
+    let film = render(&device, &mut scene, &from_above(1.0, 1.0), FLOOR_SHOT);
     assert_shows("lamp in the sky", &film, |_| expected);
 }
 
@@ -158,19 +158,19 @@ fn a_real_environment_lights_a_floor_as_its_integral_says() {
     let Some(file) = shared::find("reference/envlit/env.hdr") else {
         return;
     };
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let (image, _) = load_environment_image(&engine::input::Disk, &file)
         .unwrap_or_else(|error| panic!("{error}"));
     let expected = (irradiance(&image) * 0.5 / PI).as_vec3();
     let ground = scene([(floor(5.0), lambert(Vec3::splat(0.5)))], Vec3::ZERO);
     let mut scene = with_environment(ground, image, -70.0, 1.0);
-    let film = render(&gpu, &mut scene, &from_above(1.0, 1.0), FLOOR_SHOT);
+    let film = render(&device, &mut scene, &from_above(1.0, 1.0), FLOOR_SHOT);
     assert_shows("real environment", &film, |_| expected);
 }
 
 #[test]
 fn directions_are_found_in_a_picture_to_a_hundredth_of_a_mrad() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     // Each row shows its number.
     const ROWS: u32 = 4096;
     let image = FloatImage {
@@ -192,7 +192,7 @@ fn directions_are_found_in_a_picture_to_a_hundredth_of_a_mrad() {
         // So narrow that the mean is that of the middle.
         let projection = Projection::Perspective { y_fov: 1e-3 };
         let camera = camera(Vec3::ZERO, direction.as_vec3(), Vec3::Y, projection);
-        let film = render(&gpu, &mut scene, &camera, shot);
+        let film = render(&device, &mut scene, &camera, shot);
         let rows = film.mean().iter().map(|rgb| f64::from(rgb[0])).sum::<f64>() / 64.0;
         ((rows + 0.5) / f64::from(ROWS) * PI - polar).abs()
     };

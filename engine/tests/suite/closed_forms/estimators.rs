@@ -57,7 +57,7 @@ fn room() -> Scene {
 }
 
 fn view(
-    gpu: &Device,
+    device: &Device,
     scene: &mut Scene,
     max_depth: u32,
     spp: u32,
@@ -77,7 +77,7 @@ fn view(
     let mut settings = settings(&camera, shot);
     change(&mut settings);
     let procedural = no_textures(scene);
-    render_with(gpu, scene, &procedural, &settings, spp)
+    render_with(device, scene, &procedural, &settings, spp)
 }
 
 fn assert_agree(name: &str, tested: &Film, reference: &Film) {
@@ -93,12 +93,12 @@ fn assert_agree(name: &str, tested: &Film, reference: &Film) {
 
 #[test]
 fn estimators_agree_path_length_by_path_length() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut room = room();
     for max_depth in 1..=4 {
-        let reference = view(&gpu, &mut room, max_depth, 256, |_| {});
+        let reference = view(&device, &mut room, max_depth, 256, |_| {});
         for (estimator, spp) in [(Estimator::Bsdf, 512), (Estimator::Lights, 512)] {
-            let film = view(&gpu, &mut room, max_depth, spp, |settings| {
+            let film = view(&device, &mut room, max_depth, spp, |settings| {
                 settings.estimator = estimator;
                 settings.seed = 1;
             });
@@ -110,12 +110,12 @@ fn estimators_agree_path_length_by_path_length() {
 
 #[test]
 fn roulette_changes_nothing_but_noise() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut room = room();
     // It begins at the fifth vertex.
     for max_depth in [5, 9] {
-        let with = view(&gpu, &mut room, max_depth, 256, |_| {});
-        let without = view(&gpu, &mut room, max_depth, 256, |settings| {
+        let with = view(&device, &mut room, max_depth, 256, |_| {});
+        let without = view(&device, &mut room, max_depth, 256, |settings| {
             settings.roulette = false;
             settings.seed = 1;
         });
@@ -126,11 +126,11 @@ fn roulette_changes_nothing_but_noise() {
 
 #[test]
 fn merged_parts_are_the_whole_for_every_estimator() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut room = room();
     for estimator in Estimator::ALL {
         let part = |room: &mut Scene, first: u32, count: u32| {
-            view(&gpu, room, 4, count, |settings| {
+            view(&device, room, 4, count, |settings| {
                 settings.estimator = estimator;
                 settings.first_sample = first;
             })
@@ -144,14 +144,14 @@ fn merged_parts_are_the_whole_for_every_estimator() {
 
 #[test]
 fn a_clamp_darkens_indirect_light_alone() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut room = room();
     let clamp = |most| move |settings: &mut RenderSettings| settings.clamp = Some(most);
-    let direct = view(&gpu, &mut room, 1, 64, |_| {});
-    assert!(direct == view(&gpu, &mut room, 1, 64, clamp(1e-3)));
-    let free = view(&gpu, &mut room, 4, 64, |_| {});
-    assert!(free == view(&gpu, &mut room, 4, 64, clamp(1e6)));
-    let clamped = view(&gpu, &mut room, 4, 64, clamp(0.05));
+    let direct = view(&device, &mut room, 1, 64, |_| {});
+    assert!(direct == view(&device, &mut room, 1, 64, clamp(1e-3)));
+    let free = view(&device, &mut room, 4, 64, |_| {});
+    assert!(free == view(&device, &mut room, 4, 64, clamp(1e6)));
+    let clamped = view(&device, &mut room, 4, 64, clamp(0.05));
     let sum = |film: &Film| -> f64 { film.mean().iter().flatten().map(|&v| f64::from(v)).sum() };
     let [direct, clamped, free] = [&direct, &clamped, &free].map(sum);
     assert!(

@@ -32,23 +32,23 @@ fn with_layers(camera: &Camera, shot: Shot, layers: &Layers) -> RenderSettings {
 }
 
 fn film(
-    gpu: &Device,
+    device: &Device,
     scene: &Scene,
     procedural: &Procedural,
     settings: &RenderSettings,
     (capacity, spp): (u32, u32),
 ) -> Film {
-    let renderer = Renderer::with_capacity(gpu, scene, procedural, settings, capacity);
+    let renderer = Renderer::with_capacity(device, scene, procedural, settings, capacity);
     let mut renderer = renderer.unwrap_or_else(|error| panic!("{error}"));
     let rendered = renderer.render(spp).and_then(|()| renderer.film());
     rendered.unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// All layers of a scene without textures.
-fn seen(gpu: &Device, scene: &mut Scene, camera: &Camera, shot: Shot) -> Film {
+fn seen(device: &Device, scene: &mut Scene, camera: &Camera, shot: Shot) -> Film {
     let procedural = no_textures(scene);
     let settings = with_layers(camera, shot, &Layers::all());
-    film(gpu, scene, &procedural, &settings, (1 << 14, shot.spp))
+    film(device, scene, &procedural, &settings, (1 << 14, shot.spp))
 }
 
 fn values(film: &Film, name: &str) -> Vec<Vec3> {
@@ -69,14 +69,14 @@ fn middle(film: &Film, pixel: usize) -> Vec2 {
 
 #[test]
 fn a_floor_from_above_is_known_in_all_layers() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let (color, emission) = (Vec3::new(0.2, 0.4, 0.8), Vec3::new(3.0, 2.0, 1.0));
     let surface = Material {
         emission,
         ..lambert(color)
     };
     let mut scene = scene([(floor(2.0), surface)], Vec3::ONE);
-    let film = seen(&gpu, &mut scene, &from_above(3.0, 1.0), SHOT);
+    let film = seen(&device, &mut scene, &from_above(3.0, 1.0), SHOT);
     let near = |a: Vec3, b: Vec3, what: &str| assert!((a - b).length() < 1e-4, "{what}: {a} {b}");
     // Half a pixel, and the corner of it.
     let pixel = 1.0 / 24.0 * std::f32::consts::SQRT_2 + 1e-5;
@@ -114,19 +114,19 @@ fn a_floor_from_above_is_known_in_all_layers() {
 
 #[test]
 fn depth_is_measured_from_the_plane_of_the_camera() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut scene = scene([(floor(50.0), lambert(Vec3::ONE))], Vec3::ONE);
     let perspective = Projection::Perspective { y_fov: 1.0 };
     // Straight down, all of a floor is as far away.
     let down = camera(Vec3::Y * 4.0, Vec3::ZERO, Vec3::NEG_Z, perspective);
-    let film = seen(&gpu, &mut scene, &down, SHOT);
+    let film = seen(&device, &mut scene, &down, SHOT);
     for depth in values(&film, "depth") {
         assert!((depth.x - 4.0).abs() < 1e-4, "{depth}");
     }
     // Seen along it, it is as far as the place of the same sample says; the sky is beyond everything.
     let eye = Vec3::new(0.0, 1.0, 8.0);
     let along = camera(eye, Vec3::new(0.0, 1.0, 0.0), Vec3::Y, perspective);
-    let film = seen(&gpu, &mut scene, &along, SHOT);
+    let film = seen(&device, &mut scene, &along, SHOT);
     let (depths, positions) = (values(&film, "depth"), values(&film, "position"));
     for (at, (depth, position)) in depths.iter().zip(positions).enumerate() {
         match middle(&film, at).y < 0.45 {
@@ -148,7 +148,7 @@ fn depth_is_measured_from_the_plane_of_the_camera() {
 
 #[test]
 fn what_a_path_passes_is_not_its_first_surface() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let shot = Shot { spp: 256, ..SHOT };
     let (above, below) = (Vec3::new(0.9, 0.1, 0.5), Vec3::new(0.1, 0.8, 0.2));
     let roof = || quad(Vec3::new(-2.0, 1.0, 2.0), Vec3::X * 4.0, Vec3::NEG_Z * 4.0);
@@ -170,7 +170,7 @@ fn what_a_path_passes_is_not_its_first_surface() {
     {
         let objects = [(floor(2.0), lambert(below)), (roof(), material)];
         let mut scene = scene(objects, Vec3::ONE);
-        let film = seen(&gpu, &mut scene, &from_above(3.0, 1.0), shot);
+        let film = seen(&device, &mut scene, &from_above(3.0, 1.0), shot);
         let expected = own * share + below * (1.0 - share);
         let albedo = mean(&values(&film, "albedo"));
         // Of 576 pixels with 256 samples each, six deviations of whether a path passes.
@@ -193,7 +193,7 @@ fn what_a_path_passes_is_not_its_first_surface() {
 
 #[test]
 fn textures_are_part_of_what_is_seen() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let mut scene = scene([(floor(2.0), lambert(Vec3::ONE))], Vec3::ONE);
     let mut sources = TextureSources::default();
     let text = "fn userProc(value: vec3f) -> vec3f { return value; }";
@@ -206,7 +206,7 @@ fn textures_are_part_of_what_is_seen() {
     );
     let procedural = textured(&mut scene, &look, &sources);
     let settings = with_layers(&from_above(3.0, 1.0), SHOT, &Layers::all());
-    let film = film(&gpu, &scene, &procedural, &settings, (1 << 14, 4));
+    let film = film(&device, &scene, &procedural, &settings, (1 << 14, 4));
     for (name, expected) in [
         ("albedo", Vec3::new(0.25, 0.5, 0.75)),
         ("emission", Vec3::new(4.0, 5.0, 6.0)),
@@ -246,7 +246,7 @@ fn varied() -> (Scene, Camera) {
 
 #[test]
 fn layers_are_as_exact_as_the_picture_and_do_not_change_it() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let (mut scene, camera) = varied();
     let procedural = no_textures(&mut scene);
     let shot = Shot {
@@ -264,7 +264,7 @@ fn layers_are_as_exact_as_the_picture_and_do_not_change_it() {
                 filter_width: filter.default_width(),
                 ..with_layers(&camera, shot, layers)
             };
-            film(&gpu, &scene, &procedural, &settings, cut)
+            film(&device, &scene, &procedural, &settings, cut)
         };
         let whole = of(&Layers::all(), 0, (1 << 16, 12));
         assert!(whole == of(&Layers::all(), 0, (SMALL, 12)), "smaller waves");
@@ -292,12 +292,12 @@ fn layers_are_as_exact_as_the_picture_and_do_not_change_it() {
 
 #[test]
 fn layers_follow_a_render_that_begins_anew() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let (mut scene, camera) = varied();
     let procedural = no_textures(&mut scene);
     let settings = with_layers(&camera, SHOT, &Layers::all());
     let mut renderer =
-        Renderer::new(&gpu, &scene, &procedural, &settings).unwrap_or_else(|e| panic!("{e}"));
+        Renderer::new(&device, &scene, &procedural, &settings).unwrap_or_else(|e| panic!("{e}"));
     let mut film = || {
         let rendered = renderer.render(3).and_then(|()| renderer.film());
         let film = rendered.unwrap_or_else(|error| panic!("{error}"));
@@ -335,7 +335,7 @@ fn covered(film: &Film, layer: &str) -> Vec<[Coverage; IDS]> {
 
 #[test]
 fn ids_cover_what_they_are_known_to_cover() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     // Five stripes across the left eight tenths of four pixels: their edges lie within pixels.
     let names: Vec<String> = (0..5).map(|i| format!("stripe {i}")).collect();
     let width = 1.6 / 5.0;
@@ -345,7 +345,7 @@ fn ids_cover_what_they_are_known_to_cover() {
         max_depth: 1,
         spp: 1024,
     };
-    let film = seen(&gpu, &mut scene, &from_above(3.0, 1.0), shot);
+    let film = seen(&device, &mut scene, &from_above(3.0, 1.0), shot);
     let share = |stripe: usize, column: usize| {
         let (left, right) = (0.5 * column as f32, 0.5 * (column + 1) as f32);
         let (from, to) = (width * stripe as f32, width * (stripe + 1) as f32);
@@ -377,7 +377,7 @@ fn ids_cover_what_they_are_known_to_cover() {
 
 #[test]
 fn what_a_pixel_shows_too_much_of_is_dropped_the_same_way_however_it_is_cut() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let names: Vec<String> = (0..40).map(|i| format!("blade {i}")).collect();
     let mut scene = stripes(&names, 2.0 / 40.0);
     let procedural = no_textures(&mut scene);
@@ -392,7 +392,7 @@ fn what_a_pixel_shows_too_much_of_is_dropped_the_same_way_however_it_is_cut() {
             first_sample,
             ..with_layers(&from_above(3.0, 1.0), shot, &layers)
         };
-        film(&gpu, &scene, &procedural, &settings, cut)
+        film(&device, &scene, &procedural, &settings, cut)
     };
     let whole = of(0, (1 << 14, 96));
     assert!(whole == of(0, (64, 96)), "smaller waves");

@@ -17,7 +17,7 @@ use crate::support::stats::ZTest;
 const SIDE: u32 = 7;
 
 fn picture(
-    gpu: &::device::Device,
+    device: &::device::Device,
     scene: &mut Scene,
     filter: PixelFilter,
     width: f32,
@@ -34,7 +34,7 @@ fn picture(
         ..settings(&from_above(1.0, 0.5 * SIDE as f32), shot)
     };
     let procedural = no_textures(scene);
-    render_with(gpu, scene, &procedural, &settings, spp)
+    render_with(device, scene, &procedural, &settings, spp)
 }
 
 /// The filter's integral over a part of an axis, in pixels from the centre; the whole is 1.
@@ -57,7 +57,7 @@ fn share(filter: PixelFilter, width: f32, from: f32, to: f32) -> f64 {
 
 #[test]
 fn a_bright_square_spreads_as_the_filter_says() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     // Off the centre of the middle pixel; y of the picture is -z of the floor.
     let (low, high) = (Vec2::new(0.1, -0.3), Vec2::new(0.4, 0.2));
     for filter in PixelFilter::ALL {
@@ -70,7 +70,7 @@ fn a_bright_square_spreads_as_the_filter_says() {
                 Vec3::NEG_Z * size.y,
             );
             add(&mut scene, mesh, unlit(glam::Vec4::ONE));
-            let film = picture(&gpu, &mut scene, filter, width, 8192);
+            let film = picture(&device, &mut scene, filter, width, 8192);
             let middle = SIDE as f32 * 0.5;
             let mean = |pixel: u32| {
                 let center = Vec2::new((pixel % SIDE) as f32, (pixel / SIDE) as f32) + 0.5 - middle;
@@ -101,12 +101,12 @@ fn a_bright_square_spreads_as_the_filter_says() {
 
 #[test]
 fn an_even_picture_stays_even() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     for filter in PixelFilter::ALL {
         // Only the sky is seen: the floor is behind the camera.
         let roof = quad(Vec3::Y * 5.0, Vec3::X, Vec3::NEG_Z);
         let mut scene = scene([(roof, unlit(glam::Vec4::ONE))], Vec3::ONE);
-        let film = picture(&gpu, &mut scene, filter, filter.default_width(), 1024);
+        let film = picture(&device, &mut scene, filter, filter.default_width(), 1024);
         for mean in film.mean() {
             // Signed weights are 1 on average only.
             let tolerance = if filter == PixelFilter::Mitchell {

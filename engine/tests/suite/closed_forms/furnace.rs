@@ -8,7 +8,7 @@ use crate::support::device;
 use crate::support::scenes::{Shot, camera, faceted_sphere, lambert, quad, render, scene};
 
 /// A sphere that fills the picture up to where its surface leans by 81 degrees at the corners.
-fn sphere(gpu: &::device::Device, albedo: Vec3, max_depth: u32) -> engine::film::Film {
+fn sphere(device: &::device::Device, albedo: Vec3, max_depth: u32) -> engine::film::Film {
     let mut scene = scene([(faceted_sphere(24), lambert(albedo))], Vec3::ONE);
     let camera = camera(
         Vec3::Z * 3.0,
@@ -21,23 +21,25 @@ fn sphere(gpu: &::device::Device, albedo: Vec3, max_depth: u32) -> engine::film:
         max_depth,
         spp: 64,
     };
-    render(gpu, &mut scene, &camera, shot)
+    render(device, &mut scene, &camera, shot)
 }
 
 #[test]
 fn a_white_sphere_vanishes() {
-    let Some(gpu) = device::open() else { return };
-    assert_shows("white furnace", &sphere(&gpu, Vec3::ONE, 1), |_| Vec3::ONE);
+    let Some(device) = device::open() else { return };
+    assert_shows("white furnace", &sphere(&device, Vec3::ONE, 1), |_| {
+        Vec3::ONE
+    });
 }
 
 #[test]
 fn a_coloured_sphere_has_its_colour_at_any_depth() {
     // It is convex: what leaves it never comes back, however many bounces are allowed.
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let color = Vec3::new(0.5, 0.18, 0.9);
     for depth in [1, 8] {
         let name = format!("coloured furnace, depth {depth}");
-        assert_shows(&name, &sphere(&gpu, color, depth), |_| color);
+        assert_shows(&name, &sphere(&device, color, depth), |_| color);
     }
 }
 
@@ -58,7 +60,7 @@ fn glowing_room(albedo: f32) -> Scene {
 #[test]
 fn a_glowing_room_sums_the_series_of_its_bounces() {
     // Each vertex that scatters adds a term: 1 + albedo + ... + albedo^depth, with Russian roulette in the longer one.
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     for (albedo, max_depth) in [(0.5_f32, 1), (0.5, 3), (0.8, 9)] {
         let camera = camera(
             Vec3::new(0.3, -0.2, 0.5),
@@ -71,7 +73,7 @@ fn a_glowing_room_sums_the_series_of_its_bounces() {
             max_depth,
             spp: 256,
         };
-        let film = render(&gpu, &mut glowing_room(albedo), &camera, shot);
+        let film = render(&device, &mut glowing_room(albedo), &camera, shot);
         let sum: f32 = (0..=max_depth).map(|n| albedo.powi(n as i32)).sum();
         let name = format!("glowing room, albedo {albedo}, depth {max_depth}");
         assert_shows(&name, &film, |_: Vec2| Vec3::splat(sum));

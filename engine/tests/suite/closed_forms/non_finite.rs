@@ -45,7 +45,7 @@ fn room() -> Scene {
 const SAMPLES: u32 = 4;
 
 /// Figures of a picture of the floor, and the pixels that are black.
-fn figures(gpu: &::device::Device, look: &str) -> (Stats, Vec<bool>) {
+fn figures(device: &::device::Device, look: &str) -> (Stats, Vec<bool>) {
     let mut sources = TextureSources::default();
     for (name, text) in TEXTURES {
         sources.insert(name, text);
@@ -58,7 +58,7 @@ fn figures(gpu: &::device::Device, look: &str) -> (Stats, Vec<bool>) {
         spp: SAMPLES,
     };
     let settings = settings(&from_above(2.0, 1.0), shot);
-    let renderer = Renderer::new(gpu, &scene, &procedural, &settings);
+    let renderer = Renderer::new(device, &scene, &procedural, &settings);
     let mut renderer = renderer.unwrap_or_else(|error| panic!("{error}"));
     let mut render = || -> Result<_, engine::renderer::RenderError> {
         renderer.render(SAMPLES)?;
@@ -76,7 +76,7 @@ fn figures(gpu: &::device::Device, look: &str) -> (Stats, Vec<bool>) {
 
 #[test]
 fn values_that_are_not_finite_are_counted_and_named_whatever_they_drive() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let nodes = |bits: u32| {
         format!(
             "[node.culprit]\ntexture='broken'\nbits={bits}\n[node.innocent]\ntexture='reader'\ncolor='culprit'\n"
@@ -98,7 +98,7 @@ fn values_that_are_not_finite_are_counted_and_named_whatever_they_drive() {
     for drive in drives {
         for (name, bits) in [("NaN", 0x7fc0_0000), ("infinity", 0x7f80_0000)] {
             let look = format!("{}[material.'material 0']\n{drive}\n", nodes(bits));
-            let (stats, is_black) = figures(&gpu, &look);
+            let (stats, is_black) = figures(&device, &look);
             let what = format!("{name}: {drive}: {stats:?}");
             // The camera alone finds as many as half of the samples.
             let half = u64::from(16 * 16 * SAMPLES / 2);
@@ -122,9 +122,9 @@ fn values_that_are_not_finite_are_counted_and_named_whatever_they_drive() {
 
 #[test]
 fn values_that_drive_nothing_do_no_harm() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     let look = "[node.culprit]\ntexture='broken'\nbits=0x7fc00000\n[material.'material 0']\nroughness='culprit.x'\n";
-    let (stats, _) = figures(&gpu, look);
+    let (stats, _) = figures(&device, look);
     assert_eq!((stats.non_finite_hits, stats.invalid_samples), (0, 0));
     assert!(stats.doubts().is_empty(), "{:?}", stats.doubts());
 }

@@ -31,7 +31,7 @@ fn even_floor() -> Scene {
 }
 
 /// Errors of each pixel under consecutive seeds.
-fn errors(gpu: &Device, sampler: Sampler) -> Vec<Vec<f64>> {
+fn errors(device: &Device, sampler: Sampler) -> Vec<Vec<f64>> {
     let camera = from_above(2.0, 1.0);
     let shot = Shot {
         size: (SIDE as u32, SIDE as u32),
@@ -45,7 +45,7 @@ fn errors(gpu: &Device, sampler: Sampler) -> Vec<Vec<f64>> {
     let mut pictures: Vec<Vec<f64>> = (0..SEEDS as u32)
         .map(|seed| {
             settings.seed = seed;
-            let film = render_with(gpu, &scene, &procedural, &settings, shot.spp);
+            let film = render_with(device, &scene, &procedural, &settings, shot.spp);
             film.mean().iter().map(|rgb| f64::from(rgb[0])).collect()
         })
         .collect();
@@ -78,9 +78,9 @@ fn correlation(a: &[f64], b: &[f64], swap: usize) -> f64 {
 
 #[test]
 fn seeds_and_pixels_are_independent() {
-    let Some(gpu) = device::open() else { return };
+    let Some(device) = device::open() else { return };
     for sampler in [Sampler::Sobol, Sampler::Independent] {
-        let errors = errors(&gpu, sampler);
+        let errors = errors(&device, sampler);
         // A bit of a column or a row is a bit of the number by which kernels know a pixel, too.
         let bits = (SIDE * SIDE).ilog2();
         let swaps: Vec<usize> = (0..bits).map(|bit| 1 << bit).chain([0]).collect();

@@ -9,8 +9,8 @@ use super::stage::{Stage, film, is_same, read, settle};
 use crate::support::device;
 
 fn made(session: &Session) -> (u64, u64) {
-    let gpu = session.device();
-    (gpu.counts().pipelines, gpu.counts().shader_modules)
+    let device = session.device();
+    (device.counts().pipelines, device.counts().shader_modules)
 }
 
 fn number(n: f32) -> Value {

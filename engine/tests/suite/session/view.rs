@@ -27,8 +27,8 @@ fn sizes_and_views_come_and_go() {
     let Some((_stage, mut session, whole)) = opened() else {
         return;
     };
-    let gpu = session.device().clone();
-    let made = (gpu.counts().pipelines, gpu.counts().shader_modules);
+    let device = session.device().clone();
+    let made = (device.counts().pipelines, device.counts().shader_modules);
     let generation = session.generation();
     session.resize(24, 16).expect("nothing to do");
     assert_eq!(session.generation(), generation);
@@ -45,7 +45,10 @@ fn sizes_and_views_come_and_go() {
     session.resize(24, 16).expect("the first size");
     session.set_view(None);
     assert!(is_same(&film(&mut session), &whole));
-    assert_eq!((gpu.counts().pipelines, gpu.counts().shader_modules), made);
+    assert_eq!(
+        (device.counts().pipelines, device.counts().shader_modules),
+        made
+    );
     // What is built anew keeps the view.
     session.set_view(Some(view));
     let seen = film(&mut session);
@@ -253,8 +256,8 @@ fn costs_are_measured_beside_the_picture() {
     let Some((_stage, mut session, whole)) = opened() else {
         return;
     };
-    let gpu = session.device().clone();
-    let made = (gpu.counts().pipelines, gpu.counts().shader_modules);
+    let device = session.device().clone();
+    let made = (device.counts().pipelines, device.counts().shader_modules);
     session.restart();
     session.step(SPP).expect("rendered");
     let costs = loop {
@@ -265,7 +268,10 @@ fn costs_are_measured_beside_the_picture() {
     };
     render(&mut session);
     assert!(is_same(&session.snapshot().expect("read").film, &whole));
-    assert_eq!((gpu.counts().pipelines, gpu.counts().shader_modules), made);
+    assert_eq!(
+        (device.counts().pipelines, device.counts().shader_modules),
+        made
+    );
     let find = |name: &str| costs.list.iter().find(|cost| cost.name == name);
     // The node that nothing reads isn't there; the AO table is.
     assert!(find("other").is_none() && find("crevices").is_some_and(|c| c.texture.is_none()));

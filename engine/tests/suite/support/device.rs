@@ -26,7 +26,7 @@ pub(crate) fn open_driver() -> Option<Device> {
 
 fn required(choice: &DeviceChoice) -> Option<Device> {
     match Device::open(choice) {
-        Ok(gpu) => Some(gpu),
+        Ok(device) => Some(device),
         Err(error) => {
             assert!(
                 std::env::var_os("PATINA_REQUIRE_DEVICE").is_none(),

@@ -69,14 +69,14 @@ impl InMemory {
     ///
     /// # Panics
     /// Something of it is wrong.
-    pub(crate) fn open(self: &Arc<Self>, gpu: &Device, shot: Shot) -> Session {
-        self.open_with(gpu, shot, System::default().threads)
+    pub(crate) fn open(self: &Arc<Self>, device: &Device, shot: Shot) -> Session {
+        self.open_with(device, shot, System::default().threads)
     }
 
     /// As [`Self::open`], with threads of one's own.
     pub(crate) fn open_with(
         self: &Arc<Self>,
-        gpu: &Device,
+        device: &Device,
         shot: Shot,
         threads: Arc<dyn Threads>,
     ) -> Session {
@@ -91,11 +91,11 @@ impl InMemory {
             textures: vec![PathBuf::from(TEXTURES)],
             camera: None,
         };
-        let gpu = gpu.clone();
+        let device = device.clone();
         Opening::read(inputs, system)
             .and_then(|opening| {
                 opening.start(
-                    Arc::new(move || Ok(gpu.clone())),
+                    Arc::new(move || Ok(device.clone())),
                     Arc::new(move |camera| settings(&camera, shot)),
                 )
             })

@@ -197,9 +197,9 @@ pub(crate) fn settings(camera: &Camera, shot: Shot) -> RenderSettings {
 ///
 /// # Panics
 /// It can't be rendered, or a sample was no number.
-pub(crate) fn render(gpu: &Device, scene: &mut Scene, camera: &Camera, shot: Shot) -> Film {
+pub(crate) fn render(device: &Device, scene: &mut Scene, camera: &Camera, shot: Shot) -> Film {
     let procedural = no_textures(scene);
-    render_textured(gpu, scene, &procedural, camera, shot)
+    render_textured(device, scene, &procedural, camera, shot)
 }
 
 /// The picture of a scene with textures.
@@ -207,13 +207,13 @@ pub(crate) fn render(gpu: &Device, scene: &mut Scene, camera: &Camera, shot: Sho
 /// # Panics
 /// It can't be rendered, or a sample was no number.
 pub(crate) fn render_textured(
-    gpu: &Device,
+    device: &Device,
     scene: &Scene,
     procedural: &Procedural,
     camera: &Camera,
     shot: Shot,
 ) -> Film {
-    render_with(gpu, scene, procedural, &settings(camera, shot), shot.spp)
+    render_with(device, scene, procedural, &settings(camera, shot), shot.spp)
 }
 
 /// The picture of a scene with textures, rendered in a way of one's own.
@@ -221,14 +221,14 @@ pub(crate) fn render_textured(
 /// # Panics
 /// It can't be rendered, or a sample was no number.
 pub(crate) fn render_with(
-    gpu: &Device,
+    device: &Device,
     scene: &Scene,
     procedural: &Procedural,
     settings: &RenderSettings,
     spp: u32,
 ) -> Film {
-    let mut renderer =
-        Renderer::new(gpu, scene, procedural, settings).unwrap_or_else(|error| panic!("{error}"));
+    let mut renderer = Renderer::new(device, scene, procedural, settings)
+        .unwrap_or_else(|error| panic!("{error}"));
     renderer
         .render(spp)
         .unwrap_or_else(|error| panic!("{error}"));
