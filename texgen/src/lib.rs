@@ -85,7 +85,7 @@ mod wording;
 
 pub use attribute::{Attribute, BUILTIN_ATTRIBUTES, BuiltinAttribute, GLOBALS, Global};
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Location, Severity, SourceFile};
-pub use emit::{GeneratedKernel, HOST_STUB, LOOP_LIMIT};
+pub use emit::{GeneratedKernel, HOST_STUB, LOOP_LIMIT, is_call};
 pub use graph::{DroppedValue, Edit, Graph, Link, NodeId};
 pub use graph_error::GraphError;
 pub use guard::guarded;

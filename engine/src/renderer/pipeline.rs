@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use device::{BoundKernel, Device, DeviceError, Kernel, Resources};
+use device::{BoundKernel, Device, DeviceError, Kernel, KernelCost, Resources};
+use rayon::prelude::*;
 
 use crate::{
     film::{Layers, layers::Plane},
@@ -34,19 +35,33 @@ impl Kernels {
         procedural: &Procedural,
         schedule: &dyn Schedule,
     ) -> Result<Self, RenderError> {
-        let planes = layers.planes().into_iter().map(|plane| {
-            let kernel = film_layers::plane_kernel(gpu, &plane)?;
-            Ok((plane, kernel))
-        });
         let mut kernels = Self {
             layers: layers.clone(),
             by_name: BTreeMap::new(),
             passes: schedule.passes(),
             texture: schedule.texture_pass().name,
-            planes: planes.collect::<Result<_, DeviceError>>()?,
+            planes: Vec::new(),
         };
-        kernels.compile_missing(gpu, features)?;
-        if let Some(kernel) = texture_kernel(gpu, features, procedural, schedule)? {
+        // Of all that is compiled at once, this is what may take long.
+        let _busy = (!procedural.is_empty()).then(|| {
+            let activity = gpu.activity();
+            activity.begin(|| compiling(procedural))
+        });
+        let planes = layers.planes();
+        let planes = || {
+            let planes = planes.into_par_iter().map(|plane| {
+                let kernel = film_layers::plane_kernel(gpu, &plane)?;
+                Ok((plane, kernel))
+            });
+            planes.collect::<Result<_, DeviceError>>()
+        };
+        let (texture, (passes, planes)) = rayon::join(
+            || texture_kernel(gpu, features, procedural, schedule),
+            || rayon::join(|| kernels.missing(gpu, features), planes),
+        );
+        kernels.by_name.extend(passes?);
+        kernels.planes = planes?;
+        if let Some(kernel) = texture? {
             kernels.by_name.insert(kernels.texture, kernel);
         }
         Ok(kernels)
@@ -54,25 +69,24 @@ impl Kernels {
 
     /// Compiles the passes that scenes with these features need and that aren't there, all but the generated one and those
     /// of the film's planes.
-    fn compile_missing(
-        &mut self,
+    fn missing(
+        &self,
         gpu: &Device,
         features: &SceneFeatures,
-    ) -> Result<(), DeviceError> {
+    ) -> Result<Vec<(&'static str, Kernel)>, DeviceError> {
         let apart = [
             self.texture,
             film_layers::MEAN.name,
             film_layers::FIRST.name,
         ];
         let layers = film_layers::constants(&self.layers);
-        for pass in self.passes {
+        let is_missing = |pass: &&Pass| {
             let is_there = self.by_name.contains_key(pass.name) || apart.contains(&pass.name);
-            if (pass.exists)(features) && !is_there {
-                let kernel = pass.kernel_with(gpu, features, &layers)?;
-                self.by_name.insert(pass.name, kernel);
-            }
-        }
-        Ok(())
+            (pass.exists)(features) && !is_there
+        };
+        let compile = |pass: &Pass| Ok((pass.name, pass.kernel_with(gpu, features, &layers)?));
+        let passes = self.passes.par_iter().copied();
+        passes.filter(is_missing).map(compile).collect()
     }
 
     /// Replaces the one generated kernel, or makes the texture kernels if a program is there for the first time.
@@ -102,13 +116,21 @@ impl Kernels {
             for pass in [brdf::PASS, film_layers::RECORD] {
                 self.by_name.remove(pass.name);
             }
-            if let Err(error) = self.compile_missing(gpu, features) {
-                self.by_name = former;
-                return Err(error.into());
+            match self.missing(gpu, features) {
+                Ok(passes) => self.by_name.extend(passes),
+                Err(error) => {
+                    self.by_name = former;
+                    return Err(error.into());
+                }
             }
         }
         self.by_name.insert(self.texture, kernel);
         Ok(())
+    }
+
+    /// What it took to compile the generated kernel, if there is one.
+    pub(super) fn texture_cost(&self) -> Option<KernelCost> {
+        self.by_name.get(self.texture).map(Kernel::cost)
     }
 
     pub(super) fn has_texture(&self) -> bool {
