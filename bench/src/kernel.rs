@@ -57,11 +57,26 @@ impl From<Diagnostics> for KernelBenchError {
     }
 }
 
+/// What it takes to make the kernel the first time, in seconds.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct FirstTime {
+    /// Reading and checking the textures, one by one, and the graph of their nodes.
+    pub textures: f64,
+    /// Reading and checking the kernel's text.
+    pub parsing: f64,
+    /// Compiling it.
+    pub compiling: f64,
+}
+
 /// Seconds until a changed texture is seen.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct BuildTime {
     /// From the changed text to the pipeline, in the background: textures, graph, shader module, pipeline.
     pub build: f64,
+    /// Of that, reading and checking the kernel's text.
+    pub parsing: f64,
+    /// Of that, compiling it.
+    pub compiling: f64,
     /// By how much the first wave takes longer than the next: some drivers compile only then. None where no wave was
     /// run, because a software driver would compile for too long.
     pub first_wave: Option<f64>,
@@ -74,6 +89,8 @@ pub struct Rebuild {
     pub textures: usize,
     /// Lines of the kernel's generated text.
     pub lines: usize,
+    /// The kernel with all of them, before any of it was known.
+    pub first: FirstTime,
     /// A text that was never seen before.
     pub cold: BuildTime,
     /// A text that was built before.
@@ -117,7 +134,13 @@ pub fn rebuild(
         all.insert(file.name(), file.text());
         node(&mut look, number, file.name(), number + 1);
     }
-    let mut renderer = renderer(device, &look, &all, textures, 64)?;
+    let (mut renderer, textures_took) = renderer(device, &look, &all, textures, 64)?;
+    let cost = renderer.texture_kernel_cost().unwrap_or_default();
+    let first = FirstTime {
+        textures: textures_took,
+        parsing: cost.parsing.as_secs_f64(),
+        compiling: cost.compiling.as_secs_f64(),
+    };
     let lines = renderer.procedural().kernel().wgsl.lines().count();
     let is_run = !device.traits().compiles_slowly || textures <= MOST_RUN_ON_CPU;
     if is_run {
@@ -128,6 +151,7 @@ pub fn rebuild(
         let reload = renderer.begin_reload(vec![variant(0, seed)]);
         renderer.finish_reload(reload)?;
         let build = start.elapsed().as_secs_f64();
+        let cost = renderer.texture_kernel_cost().unwrap_or_default();
         let first_wave = match is_run {
             true => {
                 let first = wave(&mut renderer)?;
@@ -136,7 +160,12 @@ pub fn rebuild(
             }
             false => None,
         };
-        Ok(BuildTime { build, first_wave })
+        Ok(BuildTime {
+            build,
+            parsing: cost.parsing.as_secs_f64(),
+            compiling: cost.compiling.as_secs_f64(),
+            first_wave,
+        })
     };
     let (mut cold, mut warm) = (Vec::new(), Vec::new());
     for round in 0..3 {
@@ -146,6 +175,7 @@ pub fn rebuild(
     Ok(Rebuild {
         textures,
         lines,
+        first,
         cold: median_time(&cold),
         warm: median_time(&warm),
     })
@@ -200,7 +230,7 @@ pub fn hits(
     ];
     let mut renderers = Vec::new();
     for (_, look, textures) in cases {
-        let mut renderer = renderer(device, look, textures, OTHERS, SIDE)?;
+        let (mut renderer, _) = renderer(device, look, textures, OTHERS, SIDE)?;
         time_hits(&mut renderer)?; // compiles what isn't compiled yet
         renderers.push(renderer);
     }
@@ -322,14 +352,15 @@ pub(super) fn fresh_number() -> u64 {
     now.map_or(0, |now| now.as_micros() as u64)
 }
 
-/// A square that fills the picture, and small ones behind the camera for the other materials.
+/// A square that fills the picture, and small ones behind the camera for the other materials; and the seconds that textures
+/// and graph took.
 fn renderer(
     device: &Device,
     look: &str,
     sources: &TextureSources,
     others: usize,
     side: u32,
-) -> Result<Renderer, KernelBenchError> {
+) -> Result<(Renderer, f64), KernelBenchError> {
     let mut scene = Scene {
         environment: Environment::Constant(Vec3::ONE),
         ..Scene::default()
@@ -365,7 +396,9 @@ fn renderer(
         });
     }
     let look = Look::parse(Path::new("bench.look.toml"), look)?;
+    let start = Instant::now();
     let procedural = Procedural::build(&look, &mut scene, sources)?;
+    let textures = start.elapsed().as_secs_f64();
     let camera = Camera {
         name: "front".to_owned(),
         transform: Affine3A {
@@ -383,12 +416,15 @@ fn renderer(
         max_depth: 1,
         ..RenderSettings::new(side, side, &camera)
     };
-    Ok(Renderer::new(device, &scene, &procedural, &settings)?)
+    let renderer = Renderer::new(device, &scene, &procedural, &settings)?;
+    Ok((renderer, textures))
 }
 
 fn median_time(times: &[BuildTime]) -> BuildTime {
     BuildTime {
         build: median(times.iter().map(|time| time.build)),
+        parsing: median(times.iter().map(|time| time.parsing)),
+        compiling: median(times.iter().map(|time| time.compiling)),
         first_wave: (times.first().and_then(|time| time.first_wave))
             .map(|_| median(times.iter().filter_map(|time| time.first_wave))),
     }

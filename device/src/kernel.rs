@@ -4,6 +4,7 @@
 use std::fmt::Debug;
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use crate::{Device, DeviceError, Resources, device::Kind, gpu, native, native::compile::Ahead};
 
@@ -19,7 +20,7 @@ pub enum Trust {
 }
 
 /// The text of a kernel, which may be composed of pieces from several files.
-pub trait Text: Debug {
+pub trait Text: Debug + Sync {
     /// WGSL.
     fn wgsl(&self) -> &str;
 
@@ -47,6 +48,12 @@ pub trait Text: Debug {
     /// that was compiled with all of them may stand for one without some.
     fn omissions(&self) -> &'static [&'static str] {
         &[]
+    }
+
+    /// Whether a function of the text is compiled on its own where the device compiles functions one by one: as long as
+    /// neither it nor what it calls changes, its machine code is kept for the texts to come.
+    fn is_separate(&self, _function: &str) -> bool {
+        false
     }
 
     /// Rewrites what compilers are known not to take, before the module is validated.
@@ -122,6 +129,19 @@ impl KernelText {
     }
 }
 
+/// What it took to compile a kernel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct KernelCost {
+    /// Reading and checking its text.
+    pub parsing: Duration,
+    /// What the device does with it; drivers may put some of that off until it runs.
+    pub compiling: Duration,
+    /// Functions of machine code, where the device compiles them one by one.
+    pub functions: usize,
+    /// How many of them had to be compiled: the others were known from former texts.
+    pub compiled: usize,
+}
+
 /// A compiled kernel. Clones share it.
 #[derive(Debug, Clone)]
 pub struct Kernel {
@@ -134,6 +154,7 @@ struct Shared {
     /// Binding number and name of each global that the entry point uses.
     bindings: Vec<(u32, String)>,
     program: Program,
+    cost: KernelCost,
 }
 
 #[derive(Debug)]
@@ -152,17 +173,33 @@ impl Kernel {
             Kind::Gpu(gpu) => gpu.capabilities(),
             Kind::Native(_) => naga::valid::Capabilities::empty(),
         };
+        let start = Instant::now();
         let parsed = Parsed::new(source, capabilities)?;
+        let parsing = start.elapsed();
         let bindings = parsed.bindings();
         let program = match &device.kind {
             Kind::Gpu(gpu) => Program::Gpu(gpu::Pipeline::new(gpu, source, parsed)?),
             Kind::Native(processor) => Program::Native(processor.compile(source, &parsed)?),
+        };
+        let (functions, compiled) = match &program {
+            Program::Gpu(_) => (0, 0),
+            Program::Native(kernel) => {
+                let statistics = kernel.statistics();
+                (statistics.functions, statistics.compiled)
+            }
+        };
+        let cost = KernelCost {
+            parsing,
+            compiling: start.elapsed().saturating_sub(parsing),
+            functions,
+            compiled,
         };
         Ok(Self {
             shared: Arc::new(Shared {
                 label: source.entry.into(),
                 bindings,
                 program,
+                cost,
             }),
         })
     }
@@ -170,6 +207,11 @@ impl Kernel {
     /// The entry point's name.
     pub fn label(&self) -> &str {
         &self.shared.label
+    }
+
+    /// What it took to compile it.
+    pub fn cost(&self) -> KernelCost {
+        self.shared.cost
     }
 
     /// Looks up its resources.

@@ -54,7 +54,7 @@ pub use self::{
     error::DeviceError,
     host::HostFunction,
     image::{Format, Image, ImageUse},
-    kernel::{BoundKernel, Kernel, KernelSource, KernelText, Text, Trust},
+    kernel::{BoundKernel, Kernel, KernelCost, KernelSource, KernelText, Text, Trust},
     recording::{Command, Extent, Recording},
     resources::Resources,
     timing::Timer,

@@ -29,8 +29,8 @@ pub(crate) fn run(
     bar.follow(&device);
     bar.suspend(|| console::print(&device.description().title()));
 
-    let head =
-        "textures   lines   cold: build, s   + first wave, s   warm: build, s   + first wave, s";
+    let head = "                    first, s: read and                changed, s:     text\n\
+                textures   lines   check each     text  compile         in all  + wave     text  compile   again";
     bar.suspend(|| console::print(&format!("\n{head}")));
     for count in COUNTS.into_iter().filter(|&count| count <= most) {
         let row = kernel::rebuild(&device, &sources, count).map_err(Failure::because)?;
@@ -38,13 +38,17 @@ pub(crate) fn run(
             seconds.map_or("not run".to_owned(), |seconds| format!("{seconds:.3}"))
         };
         let line = format!(
-            "{:8} {:>7} {:16.3} {:>17} {:16.3} {:>17}",
+            "{:8} {:>7} {:12.3} {:8.3} {:8.3} {:14.3} {:>7} {:8.3} {:8.3} {:7.3}",
             row.textures,
             console::grouped(row.lines as u64),
+            row.first.textures,
+            row.first.parsing,
+            row.first.compiling,
             row.cold.build,
             wave(row.cold.first_wave),
+            row.cold.parsing,
+            row.cold.compiling,
             row.warm.build,
-            wave(row.warm.first_wave)
         );
         bar.suspend(|| console::print(&line));
     }

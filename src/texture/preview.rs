@@ -1,4 +1,4 @@
-//! `patina texture preview`: a texture on three objects, rendered within a few seconds.
+//! `patina texture preview`: a texture on three objects, rendered within a second.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -19,8 +19,10 @@ use super::job::PreviewJob;
 const MAX_SPP: u32 = 64;
 /// Samples per pixel, whatever time they take.
 const MIN_SPP: u32 = 2;
-/// From the start until no further samples are taken: writing the picture takes the rest of five seconds.
-const PATIENCE: Duration = Duration::from_millis(3800);
+/// From the start until no further samples are taken: writing the picture takes the rest of a second.
+const PATIENCE: Duration = Duration::from_millis(900);
+/// The same where compiling alone takes seconds: the rest of five.
+const MORE_PATIENCE: Duration = Duration::from_millis(3800);
 
 /// Renders and writes the picture.
 ///
@@ -58,6 +60,11 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
     let mut renderer = preview
         .renderer(&device, job.size)
         .map_err(Failure::because)?;
+    let patience = match device.traits().compiles_slowly {
+        true => MORE_PATIENCE,
+        false => PATIENCE,
+    };
+    renderer.set_longest_wave(patience / 8);
     let mut is_complete = true;
     loop {
         let progress = renderer.step(MAX_SPP).map_err(Failure::because)?;
@@ -68,7 +75,7 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
             is_complete = false;
             break;
         }
-        if progress.is_done() || (spp >= u64::from(MIN_SPP) && start.elapsed() > PATIENCE) {
+        if progress.is_done() || (spp >= u64::from(MIN_SPP) && start.elapsed() > patience) {
             break;
         }
     }

@@ -13,12 +13,16 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant, SystemTime};
 
 use engine::aside;
+use notify::event::{AccessKind, AccessMode, ModifyKind, RenameMode};
 use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
 
 use crate::failure::Failure;
 
 /// A burst is over when nothing has come for so long: an editor has written the rest of the file.
 const QUIET: Duration = Duration::from_millis(40);
+/// The same where all files are known to be whole, because they were closed or renamed last: other files that are saved
+/// together with them have come by then.
+const QUIET_WHEN_WHOLE: Duration = Duration::from_millis(5);
 /// Nor does it last longer than this, however often is saved.
 const LONGEST: Duration = Duration::from_millis(300);
 /// How often files are looked at without an event.
@@ -71,6 +75,37 @@ struct Burst {
     since: Instant,
     last: Instant,
     files: BTreeSet<(PathBuf, Kind)>,
+    /// Those of them that somebody may still be writing.
+    unfinished: BTreeSet<PathBuf>,
+}
+
+impl Burst {
+    /// When it is over, should nothing come.
+    fn end(&self) -> Instant {
+        let quiet = match self.unfinished.is_empty() {
+            true => QUIET_WHEN_WHOLE,
+            false => QUIET,
+        };
+        (self.last + quiet).min(self.since + LONGEST)
+    }
+}
+
+/// What an event says of whether a file is all there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Progress {
+    Whole,
+    Unfinished,
+    /// Nothing.
+    Same,
+}
+
+fn progress(kind: &EventKind) -> Progress {
+    match kind {
+        EventKind::Access(AccessKind::Close(AccessMode::Write))
+        | EventKind::Modify(ModifyKind::Name(RenameMode::To | RenameMode::Both)) => Progress::Whole,
+        EventKind::Modify(ModifyKind::Metadata(_)) => Progress::Same,
+        _ => Progress::Unfinished,
+    }
 }
 
 impl Watcher {
@@ -149,11 +184,12 @@ impl Watcher {
         }
     }
 
-    /// What changed, once a burst is over; waits at most so long for events.
+    /// What changed, as soon as a burst is over; waits at most so long for that.
     pub(crate) fn wait(&mut self, longest: Duration) -> Option<Changes> {
         let end = Instant::now() + longest;
         loop {
-            let left = end.saturating_duration_since(Instant::now());
+            let over = self.burst.as_ref().map_or(end, Burst::end);
+            let left = end.min(over).saturating_duration_since(Instant::now());
             match self.events.recv_timeout(left) {
                 Ok(Ok(event)) => self.note(event),
                 // Events were lost: anything may have changed.
@@ -171,12 +207,13 @@ impl Watcher {
             self.looked = Instant::now();
         }
         let burst = self.burst.as_ref()?;
-        let is_over = burst.last.elapsed() >= QUIET || burst.since.elapsed() >= LONGEST;
+        let is_over = Instant::now() >= burst.end();
         is_over.then(|| self.take()).flatten()
     }
 
     fn note(&mut self, event: notify::Event) {
-        if matches!(event.kind, EventKind::Access(_)) {
+        let progress = progress(&event.kind);
+        if matches!(event.kind, EventKind::Access(_)) && progress != Progress::Whole {
             return;
         }
         if event.need_rescan() {
@@ -186,7 +223,7 @@ impl Watcher {
             if let Some(path) = self.aliases.get(&path).cloned() {
                 // The link or its target may be another one now.
                 self.follow(&path);
-                self.add_known(path);
+                self.add_known(path, progress);
                 continue;
             }
             // A folder that was moved or removed: its watch is gone, or looks elsewhere.
@@ -197,22 +234,23 @@ impl Watcher {
                 let _ = self.watcher.unwatch(&path);
                 continue;
             }
-            self.add_known(path);
+            self.add_known(path, progress);
         }
     }
 
-    fn add_known(&mut self, path: PathBuf) {
+    fn add_known(&mut self, path: PathBuf, progress: Progress) {
         if let Some(kind) = self.kind(&path) {
-            self.add(path, kind);
+            self.add(path, kind, progress);
         }
     }
 
     fn note_all(&mut self) {
         let files: Vec<_> = self.files.iter().map(|(p, k)| (p.clone(), *k)).collect();
         for (path, kind) in files {
-            self.add(path, kind);
+            self.add(path, kind, Progress::Unfinished);
         }
-        self.add(PathBuf::from("textures"), Kind::Texture);
+        let all = PathBuf::from("textures");
+        self.add(all, Kind::Texture, Progress::Unfinished);
     }
 
     /// Notes what has another stamp than it had, and has folders watched that are others than they were.
@@ -236,7 +274,7 @@ impl Watcher {
                 && !self.burst.as_ref().is_some_and(is_waiting)
             {
                 self.follow(&path);
-                self.add(path, kind);
+                self.add(path, kind, Progress::Unfinished);
             }
         }
     }
@@ -248,14 +286,20 @@ impl Watcher {
         entries.filter(|path| is_wgsl(path)).collect()
     }
 
-    fn add(&mut self, path: PathBuf, kind: Kind) {
+    fn add(&mut self, path: PathBuf, kind: Kind, progress: Progress) {
         let now = Instant::now();
         let burst = self.burst.get_or_insert_with(|| Burst {
             since: now,
             last: now,
             files: BTreeSet::new(),
+            unfinished: BTreeSet::new(),
         });
         burst.last = now;
+        match progress {
+            Progress::Whole => burst.unfinished.remove(&path),
+            Progress::Unfinished => burst.unfinished.insert(path.clone()),
+            Progress::Same => false,
+        };
         burst.files.insert((path, kind));
     }
 
@@ -360,6 +404,42 @@ mod tests {
         None
     }
 
+    /// All that comes until nothing more does: on a busy machine one burst may look like two.
+    fn all(watcher: &mut Watcher) -> Changes {
+        let mut all = next(watcher).expect("noticed");
+        let mut waited = Instant::now();
+        while waited.elapsed() < 3 * QUIET {
+            if let Some(more) = watcher.wait(Duration::from_millis(10)) {
+                all.textures |= more.textures;
+                all.look |= more.look;
+                all.assets |= more.assets;
+                all.names.extend(more.names);
+                waited = Instant::now();
+            }
+        }
+        all.names.sort();
+        all.names.dedup();
+        all
+    }
+
+    #[test]
+    fn what_is_closed_is_not_waited_for() {
+        let kind = EventKind::Access(AccessKind::Close(AccessMode::Write));
+        assert_eq!(progress(&kind), Progress::Whole);
+        let now = Instant::now();
+        let mut burst = Burst {
+            since: now,
+            last: now,
+            files: BTreeSet::new(),
+            unfinished: BTreeSet::new(),
+        };
+        assert_eq!(burst.end(), now + QUIET_WHEN_WHOLE);
+        burst.unfinished.insert(PathBuf::from("t.wgsl"));
+        assert_eq!(burst.end(), now + QUIET);
+        burst.last = now + LONGEST;
+        assert_eq!(burst.end(), now + LONGEST);
+    }
+
     #[test]
     fn bursts_of_saves_are_one_change() {
         let folder = tempfile::tempdir().expect("a temporary folder");
@@ -377,7 +457,7 @@ mod tests {
             fs::rename(path("textures/t.tmp"), path("textures/t.wgsl")).expect("renamed");
             fs::write(path("other.txt"), "new").expect("written");
         }
-        let changes = next(&mut watcher).expect("noticed");
+        let changes = all(&mut watcher);
         assert!(
             changes.textures && !changes.look && !changes.assets,
             "{changes:?}"
@@ -386,13 +466,13 @@ mod tests {
 
         fs::write(&look, "new").expect("written");
         fs::remove_file(path("a.gltf")).expect("removed");
-        let changes = next(&mut watcher).expect("noticed");
+        let changes = all(&mut watcher);
         assert!(
             changes.look && changes.assets && !changes.textures,
             "{changes:?}"
         );
         fs::write(path("a.gltf"), "another").expect("written");
-        let changes = next(&mut watcher).expect("noticed");
+        let changes = all(&mut watcher);
         assert_eq!(changes.names, ["a.gltf"]);
         // A folder that is removed, and a file that is only looked at.
         let _ = fs::read(path("a.gltf"));

@@ -32,6 +32,15 @@ const RUNTIME: &str = include_str!("runtime.wgsl");
 /// Iterations that the loops of one node may use at one hit.
 pub const LOOP_LIMIT: u32 = 16_384;
 
+/// What the functions are called that load a node's arguments and call its texture, before the section's name.
+const CALL: &str = "patina_call_";
+
+/// Whether a function of a generated kernel is that of a texture: it loads a node's arguments and calls the user's
+/// function. One for each texture, and nothing else in the kernel depends on what a texture computes.
+pub fn is_call(function: &str) -> bool {
+    function.starts_with(CALL)
+}
+
 impl Library {
     /// The kernel's text for programs that need at most `stack_slots` slots (at least one is made).
     pub fn emit(&self, stack_slots: u32) -> GeneratedKernel {
@@ -250,7 +259,7 @@ impl Emitter {
             .filter(|&i| texture.parameters()[i].ty.is_linkable())
             .collect();
         self.line(&format!(
-            "fn patina_call_{name}(args: u32, at: ptr<function, u32>) -> vec4f {{"
+            "fn {CALL}{name}(args: u32, at: ptr<function, u32>) -> vec4f {{"
         ));
         for (i, (parameter, offset)) in texture.parameters().iter().zip(&offsets).enumerate() {
             let word = format!("args + {offset}u");
@@ -321,7 +330,7 @@ impl Emitter {
         for (number, (texture, name)) in library.textures().iter().zip(names).enumerate() {
             self.line(&format!("            case {number}u: {{"));
             self.line(&format!(
-                "                result = patina_call_{name}(args, &at);"
+                "                result = {CALL}{name}(args, &at);"
             ));
             self.report_overrun(texture, number);
             self.line("            }");

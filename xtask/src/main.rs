@@ -2,16 +2,18 @@
 //!
 //! Kept free of dependencies (but for errors and JSON), as it is built before anything else can happen. What a command
 //! does is written here from top to bottom; how to run a step is in `steps`, how to find or install a Vulkan driver in
-//! `vulkan`, how the program is built to be given away in `dist`, the comparison with other renderers in `peers`.
+//! `vulkan`, another one in `swiftshader`, which systems the program must compile for in `targets`, how the program is built
+//! to be given away in `dist`, the comparison with other renderers in `peers`.
 
 mod dist;
 mod peers;
 mod steps;
+mod swiftshader;
+mod targets;
 mod vulkan;
 
 use std::env;
 use std::fs;
-use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
@@ -24,6 +26,10 @@ const DEMO_SPP: &str = "16";
 /// The same scene for the README: nobody waits for it.
 const PICTURE_SIZE: &str = "640x360";
 const PICTURE_SPP: &str = "96";
+
+/// The tests of pictures. Of the whole workspace: a package alone would ask for other features, and build its dependencies
+/// anew.
+const PICTURES: [&str; 5] = ["--workspace", "--test", "suite", "--test", "traversal"];
 
 /// Devices that the tests of pictures run on beside the usual one, each with the step's name.
 const OTHER_DEVICES: [(&str, &str); 1] = [("Tests on a software driver", "llvmpipe")];
@@ -132,7 +138,10 @@ fn test(full: bool) -> Result<()> {
             .args(["--", "-D", "warnings"])
             .run()
     })?;
-    steps.run("WebAssembly", web_assembly)?;
+    steps.run("WebAssembly", targets::check_web_assembly)?;
+    if full {
+        steps.run("Other systems", targets::check_others)?;
+    }
     steps.run("Documentation", || {
         cargo(["doc", "--locked", "--workspace", "--no-deps"])
             .env("RUSTDOCFLAGS", "-Dwarnings")
@@ -156,30 +165,24 @@ fn test(full: bool) -> Result<()> {
     let name = if full { "All tests" } else { "Tests" };
     steps.run(name, || tests(&["--workspace"]).run())?;
     for (name, device) in OTHER_DEVICES {
-        // Of the whole workspace: a package alone would ask for other features, and build its dependencies anew.
-        let pictures = ["--workspace", "--test", "suite", "--test", "traversal"];
-        steps.run(name, || tests(&pictures).env("PATINA_DEVICE", device).run())?;
+        steps.run(name, || tests(&PICTURES).env("PATINA_DEVICE", device).run())?;
     }
     if full {
+        steps.run("Tests on SwiftShader", || match swiftshader::manifest() {
+            // The loader looks for no other driver then; older ones know the other name.
+            Some(manifest) => ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"]
+                .into_iter()
+                .fold(tests(&PICTURES), |tests, name| {
+                    tests.env(name, &manifest.to_string_lossy())
+                })
+                .env("PATINA_DEVICE", swiftshader::DEVICE)
+                .run(),
+            None => Ok(()),
+        })?;
         steps.run("Fuzz targets", fuzz_targets)?;
     }
     steps.finish();
     Ok(())
-}
-
-/// Whether the engine would compile for browsers, where Rust's target for them is installed.
-fn web_assembly() -> Result<()> {
-    const TARGET: &str = "wasm32-unknown-unknown";
-    let libraries = Step::new("rustc")
-        .args(["--print", "target-libdir", "--target", TARGET])
-        .output();
-    if !Path::new(libraries.trim()).is_dir() {
-        println!("skipped: {TARGET} is not installed (`rustup target add {TARGET}`)");
-        return Ok(());
-    }
-    cargo(["check", "--locked", "--package", "engine"])
-        .args(["--target", TARGET])
-        .run()
 }
 
 /// Whether libFuzzer's programs would compile. They are no part of the workspace, and what they try has been tried by the

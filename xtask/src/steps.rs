@@ -83,6 +83,12 @@ impl Step {
         self
     }
 
+    /// In another folder.
+    pub(crate) fn within(mut self, folder: &Path) -> Self {
+        self.command.current_dir(folder);
+        self
+    }
+
     /// Runs it, its output going where ours goes.
     ///
     /// # Errors

@@ -168,8 +168,7 @@ impl Processor {
         let _busy = (self.activity()).begin(|| format!("compiling the kernel {}", source.entry));
         let constants: Vec<(&str, f64)> = source.constants.to_vec();
         let options = Options {
-            // A user's functions, so that what others contain needn't be compiled again.
-            separate: &|name| name.ends_with("userProc"),
+            separate: &|name| source.text.is_separate(name),
             host: source.text.host_functions(),
             loop_limit: (source.trust == Trust::Nothing).then_some(LOOP_LIMIT),
             cache: Some(&self.shared.functions),

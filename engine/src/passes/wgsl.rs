@@ -126,6 +126,11 @@ impl Text for ComposedWgsl {
         kernels::OMISSIONS
     }
 
+    fn is_separate(&self, function: &str) -> bool {
+        // What a texture is, with what calls it: a change of one texture is a change of one of these.
+        texgen::is_call(function)
+    }
+
     fn adapt(&self, module: &mut naga::Module) {
         texgen::copy_pointer_arguments(module);
     }

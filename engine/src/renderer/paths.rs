@@ -57,7 +57,7 @@ impl Renderer {
     /// What the driver reports.
     pub fn take_film(&mut self) -> Result<Film, RenderError> {
         let film = self.film()?;
-        clear_picture(&self.gpu, &self.settings, &self.resources)?;
+        clear_picture(&self.device, &self.settings, &self.resources)?;
         Ok(film)
     }
 }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use device::{BoundKernel, Device, DeviceError, Kernel, Resources};
+use device::{BoundKernel, Device, DeviceError, Kernel, KernelCost, Resources};
+use rayon::prelude::*;
 
 use crate::{
     film::{Layers, layers::Sum, layers_wgsl},
@@ -34,19 +35,33 @@ impl Kernels {
         procedural: &Procedural,
         schedule: &dyn Schedule,
     ) -> Result<Self, RenderError> {
-        let sums = layers.sums().into_iter().map(|sum| {
-            let kernel = film_layers::sum_kernel(device, &sum)?;
-            Ok((sum, kernel))
-        });
         let mut kernels = Self {
             layers: layers.clone(),
             by_name: BTreeMap::new(),
             passes: schedule.passes(),
             texture: schedule.texture_pass().name,
-            sums: sums.collect::<Result<_, DeviceError>>()?,
+            sums: Vec::new(),
         };
-        kernels.compile_missing(device, features)?;
-        if let Some(kernel) = texture_kernel(device, features, procedural, schedule)? {
+        // Of all that is compiled at once, this is what may take long.
+        let _busy = (!procedural.is_empty()).then(|| {
+            let activity = device.activity();
+            activity.begin(|| compiling(procedural))
+        });
+        let sums = layers.sums();
+        let sums = || {
+            let sums = sums.into_par_iter().map(|sum| {
+                let kernel = film_layers::sum_kernel(device, &sum)?;
+                Ok((sum, kernel))
+            });
+            sums.collect::<Result<_, DeviceError>>()
+        };
+        let (texture, (passes, sums)) = rayon::join(
+            || texture_kernel(device, features, procedural, schedule),
+            || rayon::join(|| kernels.missing(device, features), sums),
+        );
+        kernels.by_name.extend(passes?);
+        kernels.sums = sums?;
+        if let Some(kernel) = texture? {
             kernels.by_name.insert(kernels.texture, kernel);
         }
         Ok(kernels)
@@ -54,11 +69,11 @@ impl Kernels {
 
     /// Compiles the passes that scenes with these features need and that aren't there, all but the generated one and those
     /// that add to the film's layers.
-    fn compile_missing(
-        &mut self,
+    fn missing(
+        &self,
         device: &Device,
         features: &SceneFeatures,
-    ) -> Result<(), DeviceError> {
+    ) -> Result<Vec<(&'static str, Kernel)>, DeviceError> {
         let apart = [
             self.texture,
             film_layers::MEAN.name,
@@ -66,14 +81,13 @@ impl Kernels {
             film_layers::IDS.name,
         ];
         let layers = layers_wgsl::record_constants(&self.layers);
-        for pass in self.passes {
+        let is_missing = |pass: &&Pass| {
             let is_there = self.by_name.contains_key(pass.name) || apart.contains(&pass.name);
-            if (pass.exists)(features) && !is_there {
-                let kernel = pass.kernel_with(device, features, &layers)?;
-                self.by_name.insert(pass.name, kernel);
-            }
-        }
-        Ok(())
+            (pass.exists)(features) && !is_there
+        };
+        let compile = |pass: &Pass| Ok((pass.name, pass.kernel_with(device, features, &layers)?));
+        let passes = self.passes.par_iter().copied();
+        passes.filter(is_missing).map(compile).collect()
     }
 
     /// Replaces the one generated kernel, or makes the texture kernels if a program is there for the first time.
@@ -103,13 +117,21 @@ impl Kernels {
             for pass in [brdf::PASS, film_layers::RECORD] {
                 self.by_name.remove(pass.name);
             }
-            if let Err(error) = self.compile_missing(device, features) {
-                self.by_name = former;
-                return Err(error.into());
+            match self.missing(device, features) {
+                Ok(passes) => self.by_name.extend(passes),
+                Err(error) => {
+                    self.by_name = former;
+                    return Err(error.into());
+                }
             }
         }
         self.by_name.insert(self.texture, kernel);
         Ok(())
+    }
+
+    /// What it took to compile the generated kernel, if there is one.
+    pub(super) fn texture_cost(&self) -> Option<KernelCost> {
+        self.by_name.get(self.texture).map(Kernel::cost)
     }
 
     pub(super) fn has_texture(&self) -> bool {

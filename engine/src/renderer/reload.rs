@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use texgen::{Diagnostics, Library, SourceFile};
 
-use device::{Device, Kernel};
+use device::{Device, Kernel, KernelCost};
 
 use crate::{gpu_scene::SceneFeatures, procedural::Procedural, schedule::Schedule, system::Task};
 
@@ -67,12 +67,30 @@ impl Renderer {
     /// once; rendering and edits go on with the old kernel. Hand the result to [`Self::finish_reload`] when it
     /// [is finished](Reload::is_finished).
     pub fn begin_reload(&self, files: Vec<SourceFile>) -> Reload {
+        let procedural = self.procedural.clone();
+        self.begin(move || Ok(Arc::new(procedural.library_with(files)?)))
+    }
+
+    /// As [`Self::begin_reload`], with textures that have been read: see [`Procedural::library_with`].
+    pub fn begin_reload_of(&self, library: Library) -> Reload {
+        self.begin(move || Ok(Arc::new(library)))
+    }
+
+    /// What it took to compile the texture kernel that is in use, if there is one.
+    pub fn texture_kernel_cost(&self) -> Option<KernelCost> {
+        self.kernels.texture_cost()
+    }
+
+    fn begin(
+        &self,
+        library: impl FnOnce() -> Result<Arc<Library>, ReloadError> + Send + 'static,
+    ) -> Reload {
         let (device, procedural) = (self.device.clone(), self.procedural.clone());
         let (features, schedule) = (self.scene.features, Arc::clone(&self.schedule));
         Reload {
             base: Arc::clone(procedural.graph().library()),
             task: Task::start(&*self.system.threads, "texture kernel", move || {
-                build(&device, &procedural, &features, &*schedule, files)
+                build(&device, &procedural, &features, &*schedule, library()?)
             })
             .map_err(|error| ReloadError::Thread(error.to_string())),
         }
@@ -128,9 +146,8 @@ fn build(
     procedural: &Procedural,
     features: &SceneFeatures,
     schedule: &dyn Schedule,
-    files: Vec<SourceFile>,
+    library: Arc<Library>,
 ) -> Result<Built, ReloadError> {
-    let library = Arc::new(procedural.library_with(files)?);
     let procedural = procedural.with_library(Arc::clone(&library))?;
     let kernel = match schedule.edits_are_code() {
         true => None,

@@ -105,13 +105,13 @@ impl Session {
 
     fn begin_kernel(&mut self, files: Vec<texgen::SourceFile>) {
         let procedural = self.renderer.procedural();
-        // Attributes of meshes are uploaded with the geometry.
-        let reads_others = procedural
-            .library_with(files.clone())
-            .is_ok_and(|library| library.custom_attributes() != procedural.reads().attributes);
-        match reads_others {
-            true => self.rebuild(),
-            false => self.job = Some(Job::Kernel(self.renderer.begin_reload(files))),
+        match procedural.library_with(files) {
+            // Attributes of meshes are uploaded with the geometry.
+            Ok(library) if library.custom_attributes() != procedural.reads().attributes => {
+                self.rebuild();
+            }
+            Ok(library) => self.job = Some(Job::Kernel(self.renderer.begin_reload_of(library))),
+            Err(problems) => self.problems.sources = problems,
         }
     }
 

@@ -12,12 +12,13 @@ mod global;
 mod image;
 mod math;
 mod operator;
+mod overrides;
 mod place;
 mod plan;
 mod statement;
 mod types;
 
-use std::{borrow::Cow, collections::HashMap};
+use std::collections::HashMap;
 
 use naga::{
     Function, GlobalVariable, Handle, Module, ShaderStage,
@@ -33,29 +34,7 @@ use global::GlobalPlace;
 use plan::Plan;
 use types::Types;
 
-/// The module with its override constants replaced, and nothing in it but the entry point and what that uses.
-pub fn with_constants<'m>(
-    module: &'m Module,
-    info: &'m ModuleInfo,
-    entry: &str,
-    constants: &[(&str, f64)],
-) -> Result<(Cow<'m, Module>, Cow<'m, ModuleInfo>), CompileError> {
-    entry_index(module, entry)?;
-    let declared = |name: &str| {
-        module.overrides.iter().any(|(_, o)| match o.id {
-            Some(id) => name.parse() == Ok(id),
-            None => o.name.as_deref() == Some(name),
-        })
-    };
-    let constants = constants
-        .iter()
-        .filter(|(name, _)| declared(name))
-        .map(|&(name, value)| (name.to_owned(), value))
-        .collect();
-    let stage = Some((ShaderStage::Compute, entry));
-    naga::back::pipeline_constants::process_overrides(module, info, stage, &constants)
-        .map_err(|error| ErrorKind::Constants(error.to_string()).into())
-}
+pub use overrides::with_constants;
 
 fn entry_index(module: &Module, entry: &str) -> Result<usize, CompileError> {
     module

@@ -69,7 +69,8 @@ impl Plan {
             })
             .collect();
         let entry_calls = calls_of(&entry.function.body);
-        let separate = separate(module, info, &calls, &entry_calls, &host, options);
+        let times = times_called(&calls, &entry_calls);
+        let separate = separate(module, info, &calls, &times, &host, options);
         let mut plan = Self {
             in_memory: HashMap::new(),
             entry_in_memory: InMemory::default(),
@@ -80,6 +81,10 @@ impl Plan {
         };
         // Callees come before their callers in naga's arena.
         for (handle, function) in module.functions.iter() {
+            // What is never called decides nothing.
+            if !times.contains_key(&handle) {
+                continue;
+            }
             let of = plan.variables(module, function, &info[handle], &calls[&handle], types);
             plan.in_memory.insert(handle, of);
             let ends = matches!(function.body.last(), Some(Statement::Return { .. }));
@@ -175,29 +180,32 @@ impl Plan {
     }
 }
 
+/// How often each function is called, of those that the entry point reaches: by places in the text.
+fn times_called(
+    calls: &HashMap<Handle<Function>, Calls>,
+    entry_calls: &Calls,
+) -> HashMap<Handle<Function>, usize> {
+    let mut times: HashMap<Handle<Function>, usize> = HashMap::new();
+    let mut waiting: Vec<_> = entry_calls.iter().map(|call| call.0).collect();
+    while let Some(function) = waiting.pop() {
+        let called = times.entry(function).or_default();
+        *called += 1;
+        if *called == 1 {
+            waiting.extend(calls[&function].iter().map(|call| call.0));
+        }
+    }
+    times
+}
+
 /// Functions that get code of their own.
 fn separate(
     module: &Module,
     info: &ModuleInfo,
     calls: &HashMap<Handle<Function>, Calls>,
-    entry_calls: &Calls,
+    times: &HashMap<Handle<Function>, usize>,
     host: &HashSet<Handle<Function>>,
     options: &Options<'_>,
 ) -> HashSet<Handle<Function>> {
-    let mut times: HashMap<Handle<Function>, usize> = HashMap::new();
-    let mut reached = HashSet::new();
-    let mut waiting: Vec<_> = entry_calls.iter().map(|call| call.0).collect();
-    for call in entry_calls {
-        *times.entry(call.0).or_default() += 1;
-    }
-    while let Some(function) = waiting.pop() {
-        if reached.insert(function) {
-            for call in &calls[&function] {
-                *times.entry(call.0).or_default() += 1;
-                waiting.push(call.0);
-            }
-        }
-    }
     let mut separate = HashSet::new();
     // What a call costs where it stands.
     let mut sizes: HashMap<Handle<Function>, usize> = HashMap::new();
@@ -222,7 +230,7 @@ fn separate(
         let name = function.name.as_deref().unwrap_or_default();
         let large = size > MOST_INLINED && times.get(&handle).is_some_and(|&times| times > 1);
         let apart =
-            !of_workgroup && reached.contains(&handle) && (large || (options.separate)(name));
+            !of_workgroup && times.contains_key(&handle) && (large || (options.separate)(name));
         if apart {
             separate.insert(handle);
         }

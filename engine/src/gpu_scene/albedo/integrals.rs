@@ -1,20 +1,12 @@
-//! The table of directional albedos in `microfacet.wgsl`: what share of light a rough surface reflects. It depends on
-//! nothing but cosine, roughness and, for glass, the index of refraction, and is integrated once in the life of a program.
+//! How the table came about: its integrals.
 
 use std::f32::consts::PI;
-use std::sync::OnceLock;
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use device::{Device, DeviceError, Format, Image};
+use super::{GLASS_BLOCKS, SIDE};
 
-use super::images::filled_image;
-
-/// Cells along each side of a block; as `ALBEDO_SIDE` in `microfacet.wgsl`.
-const SIDE: u32 = 32;
-/// Blocks of glass, as `GLASS_BLOCKS`.
-const GLASS_BLOCKS: u32 = 15;
 /// (index - 1) / (index + 1) at the end of the last one, as `GLASS_MOST`.
 const GLASS_MOST: f32 = 0.5;
 /// Points of each integral.
@@ -22,50 +14,28 @@ const POINTS: u32 = 512;
 /// As `MIN_ALPHA` in `microfacet.wgsl`.
 const MIN_ALPHA: f32 = 0.001;
 
-/// Puts the table on the GPU.
-///
-/// # Errors
-/// The device is out of memory.
-pub fn upload(device: &Device) -> Result<Image, DeviceError> {
-    // The same for every scene.
-    static TABLE: OnceLock<Vec<[f32; 4]>> = OnceLock::new();
-    filled_image(
-        device,
-        "albedo table",
-        [SIDE, SIDE * (1 + GLASS_BLOCKS)],
-        Format::Rgba32Float,
-        bytemuck::cast_slice(TABLE.get_or_init(table)),
-    )
-}
-
-/// The blocks, one below the other.
-fn table() -> Vec<[f32; 4]> {
-    let block = |of: &(dyn Fn(f32, f32) -> [f32; 4] + Sync)| -> Vec<[f32; 4]> {
+/// The numbers of the file: of each cell of the block of surfaces three, then of each cell of the slices of glass, two.
+pub(super) fn numbers() -> Vec<f32> {
+    fn block<const N: usize>(of: impl Fn(f32, f32) -> [f32; N] + Sync) -> Vec<f32> {
         let cell = |i: u32| {
             let at = |k: u32| k as f32 / (SIDE - 1) as f32;
             of(at(i % SIDE).max(1e-3), at(i / SIDE))
         };
-        (0..SIDE * SIDE).into_par_iter().map(cell).collect()
-    };
-    let mut table = block(&|cosine, roughness| {
-        let [f0, f90] = ggx(cosine, roughness);
-        [f0, f90, charlie(cosine, roughness), 0.0]
-    });
-    let slices: Vec<Vec<[f32; 4]>> = (0..=GLASS_BLOCKS)
-        .map(|slice| {
-            let ratio = slice as f32 / GLASS_BLOCKS as f32 * GLASS_MOST;
-            let index = (1.0 + ratio) / (1.0 - ratio);
-            block(&|cosine, roughness| {
-                let both = [index, 1.0 / index].map(|eta| glass(cosine, roughness, eta));
-                [both[0], both[1], 0.0, 0.0]
-            })
-        })
-        .collect();
-    for pair in slices.windows(2) {
-        let cells = pair[0].iter().zip(&pair[1]);
-        table.extend(cells.map(|(low, high)| [low[0], low[1], high[0], high[1]]));
+        let cells: Vec<[f32; N]> = (0..SIDE * SIDE).into_par_iter().map(cell).collect();
+        cells.concat()
     }
-    table
+    let mut numbers = block(|cosine, roughness| {
+        let [f0, f90] = ggx(cosine, roughness);
+        [f0, f90, charlie(cosine, roughness)]
+    });
+    for slice in 0..=GLASS_BLOCKS {
+        let ratio = slice as f32 / GLASS_BLOCKS as f32 * GLASS_MOST;
+        let index = (1.0 + ratio) / (1.0 - ratio);
+        numbers.extend(block(|cosine, roughness| {
+            [index, 1.0 / index].map(|eta| glass(cosine, roughness, eta))
+        }));
+    }
+    numbers
 }
 
 /// Directional albedo of GGX with Smith's height-correlated masking for F = f0 * x + f90 * y (Karis, "Real Shading in
@@ -179,7 +149,6 @@ fn point(i: u32) -> Vec2 {
     Vec2::new(at(0.754_877_666_246_692_8), at(0.569_840_290_998_053_3))
 }
 
-#[cfg(test)]
 mod tests {
     use super::*;
 
