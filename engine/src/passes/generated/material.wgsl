@@ -29,6 +29,7 @@ struct Material {
     coat_normal_scale: f32,
     iridescence_thickness: vec2f,
     absorption: vec3f,
+    id: u32,
     textures: array<TextureSlot, 17>,
 }
 const MATERIAL_DOUBLE_SIDED = 1u;
