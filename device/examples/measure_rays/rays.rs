@@ -8,9 +8,9 @@ use glam::{Affine3A, Vec3};
 use crate::{embree, scenes};
 
 /// Rounds of which the medians are taken.
-const ROUNDS: usize = 7;
+const ROUNDS: usize = 9;
 /// Rays that are traced before it is another's turn.
-const PART: usize = 1 << 14;
+const PART: usize = 1 << 12;
 
 /// How the scene is looked at and lit.
 struct View {
