@@ -73,6 +73,13 @@ impl Reference {
     /// Of the index's bits: an exponent that it doesn't reach.
     const INDEX_BITS: u32 = 1 << 29;
 
+    /// In place of one: there is nothing.
+    pub(super) const NONE: Self = Self(Bounds::EMPTY);
+
+    pub(super) fn is_none(&self) -> bool {
+        self.0.low.to_array()[0] == f32::INFINITY
+    }
+
     /// Around `points`, or `None` where one isn't finite. `index` is below 2^29.
     pub(super) fn around(index: u32, points: &[[f32; 3]]) -> Option<Self> {
         let mut bounds = Bounds::EMPTY;

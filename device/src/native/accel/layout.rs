@@ -1,5 +1,7 @@
 //! The data that traversal reads.
 
+use bytemuck::Zeroable;
+
 use super::bounds::Bounds;
 
 /// Triangles in a block.
@@ -19,7 +21,7 @@ pub(super) const DEFERRED: u32 = 1 << 29;
 pub(super) const INDEX: u32 = DEFERRED - 1;
 
 /// Eight boxes in four cache lines, of which 32 bytes are free.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// Per axis, the least and the greatest coordinate of each child. Of a child that is not there, they are inside out.
@@ -46,7 +48,7 @@ impl Node {
 }
 
 /// Triangles of a leaf, side by side.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Zeroable)]
 #[repr(C, align(32))]
 pub(super) struct TriangleBlock {
     /// Coordinates by corner and axis.

@@ -65,18 +65,25 @@ impl Mesh {
             return Err(BuildError::TooMany { count, most });
         }
         let corners = |triangle: [u32; 3]| -> Option<[[f32; 3]; 3]> {
-            let [a, b, c] = triangle.map(|i| positions.get(i as usize).map(|p| p.to_array()));
-            Some([a?, b?, c?])
+            let [a, b, c] = triangle;
+            Some([
+                positions.get(a as usize)?.to_array(),
+                positions.get(b as usize)?.to_array(),
+                positions.get(c as usize)?.to_array(),
+            ])
         };
-        let references = triangles
+        let mut references = Vec::with_capacity(triangles.len());
+        triangles
             .par_iter()
             .enumerate()
-            .filter_map(|(index, &triangle)| {
+            .map(|(index, &triangle)| {
                 let [a, b, c] = corners(triangle)?;
                 let has_area = a != b && b != c && c != a;
                 has_area.then(|| Reference::around(index as u32, &[a, b, c]))?
             })
-            .collect::<Vec<_>>();
+            .map(|reference| reference.unwrap_or(Reference::NONE))
+            .collect_into_vec(&mut references);
+        references.retain(|reference| !reference.is_none());
         let progress = Progress::new(references.len(), progress);
         let level = Hierarchy::build(references, WIDTH, &progress, |indices| {
             let mut block = TriangleBlock::EMPTY;

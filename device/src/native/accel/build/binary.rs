@@ -7,6 +7,8 @@
 //! How nodes are joined is found bottom-up by dynamic programming (Ylitie, Karras and Laine, "Efficient Incoherent Ray
 //! Traversal on GPUs Through Compressed Wide BVHs", HPG 2017, section 3.1).
 
+use bytemuck::Zeroable;
+
 use super::{
     super::bounds::{Bounds, Reference},
     MAX_DEPTH,
@@ -27,7 +29,8 @@ const ROOTS: usize = 7;
 type Costs = [f32; ROOTS];
 
 /// A node of the binary tree.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Zeroable)]
+#[repr(C)]
 pub(super) struct BinaryNode {
     low: [f32; 3],
     /// The right child's place, or of a leaf the index of what it refers to.
@@ -37,13 +40,6 @@ pub(super) struct BinaryNode {
 }
 
 impl BinaryNode {
-    const EMPTY: Self = Self {
-        low: [0.0; 3],
-        right: 0,
-        high: [0.0; 3],
-        choice: Choice(0),
-    };
-
     pub(super) fn bounds(&self) -> Bounds {
         let [low, high] = [self.low, self.high].map(|[x, y, z]| wide::f32x4::new([x, y, z, 0.0]));
         Bounds { low, high }
@@ -57,7 +53,8 @@ impl BinaryNode {
 /// How a subtree is best joined. Three bits for each number of roots, one to seven: how many of them the left child gets,
 /// or 0 where it is best as with one root less; for one root, how many of its node's eight children. Then whether it is a
 /// leaf where it has one root.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Zeroable)]
+#[repr(transparent)]
 pub(super) struct Choice(u32);
 
 impl Choice {
@@ -115,7 +112,8 @@ impl Tree {
             most,
             progress,
         };
-        let mut nodes = vec![BinaryNode::EMPTY; 2 * references.len() - 1];
+        // Pages of zeros, which the threads that write to them find.
+        let mut nodes = bytemuck::zeroed_vec(2 * references.len() - 1);
         // A constant above the depth of a balanced tree, so that no input takes more than n log n steps.
         let levels = (2 * ceil_log2(references.len()) + 16).min(MAX_DEPTH);
         let mut whole = Side {

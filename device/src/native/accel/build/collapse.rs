@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use bytemuck::Zeroable;
 use rayon::prelude::*;
 
 use super::{
@@ -26,11 +27,14 @@ struct Part<L> {
 }
 
 /// Joins the whole tree; `leaf` makes what a leaf holds.
-pub(super) fn collapse<L: Send>(tree: &Tree, leaf: &(impl Fn(&[u32]) -> L + Sync)) -> Hierarchy<L> {
+pub(super) fn collapse<L: Send + Copy + Zeroable>(
+    tree: &Tree,
+    leaf: &(impl Fn(&[u32]) -> L + Sync),
+) -> Hierarchy<L> {
     let whole = 0..tree.nodes.len();
     let Part {
         mut nodes,
-        mut leaves,
+        leaves,
         mut depth,
         rest,
     } = part(tree, whole, TASK, leaf);
@@ -38,29 +42,51 @@ pub(super) fn collapse<L: Send>(tree: &Tree, leaf: &(impl Fn(&[u32]) -> L + Sync
         .par_iter()
         .map(|(subtree, _, _)| part(tree, subtree.clone(), 0, leaf))
         .collect();
-    nodes.reserve_exact(parts.iter().map(|part| part.nodes.len()).sum());
-    leaves.reserve_exact(parts.iter().map(|part| part.leaves.len()).sum());
+    // All parts behind the first, each where it is to be, by all threads.
+    let (first_nodes, first_leaves) = (nodes.len(), leaves.len());
+    let of_parts = |length: fn(&Part<L>) -> usize| parts.iter().map(length).sum::<usize>();
+    let mut all_nodes: Vec<Node> =
+        bytemuck::zeroed_vec(first_nodes + of_parts(|part| part.nodes.len()));
+    let mut all_leaves: Vec<L> =
+        bytemuck::zeroed_vec(first_leaves + of_parts(|part| part.leaves.len()));
+    let (mut next_node, mut next_leaf) = (first_nodes, first_leaves);
+    let (head_of_nodes, mut rest_of_nodes) = all_nodes.split_at_mut(first_nodes);
+    let (head_of_leaves, mut rest_of_leaves) = all_leaves.split_at_mut(first_leaves);
+    let mut copies = Vec::with_capacity(parts.len());
     for (part, (_, (parent, lane), level)) in parts.into_iter().zip(rest) {
-        let (first_node, first_leaf) = (nodes.len() as u32, leaves.len() as u32);
-        nodes[parent].children[lane] = first_node;
-        nodes.extend(part.nodes.into_iter().map(|mut node| {
-            for child in &mut node.children {
-                if *child != EMPTY {
-                    *child += if *child & LEAF == 0 {
-                        first_node
-                    } else {
-                        first_leaf
-                    };
-                }
-            }
-            node
-        }));
-        leaves.extend(part.leaves);
+        nodes[parent].children[lane] = next_node as u32;
         depth = depth.max(level + part.depth);
+        let firsts = [next_node as u32, next_leaf as u32];
+        next_node += part.nodes.len();
+        next_leaf += part.leaves.len();
+        let (own_nodes, others) = rest_of_nodes.split_at_mut(part.nodes.len());
+        rest_of_nodes = others;
+        let (own_leaves, others) = rest_of_leaves.split_at_mut(part.leaves.len());
+        rest_of_leaves = others;
+        copies.push((part, own_nodes, own_leaves, firsts));
     }
+    head_of_nodes.copy_from_slice(&nodes);
+    head_of_leaves.copy_from_slice(&leaves);
+    copies
+        .into_par_iter()
+        .for_each(|(part, nodes, leaves, [first_node, first_leaf])| {
+            for (to, mut node) in nodes.iter_mut().zip(part.nodes) {
+                for child in &mut node.children {
+                    if *child != EMPTY {
+                        *child += if *child & LEAF == 0 {
+                            first_node
+                        } else {
+                            first_leaf
+                        };
+                    }
+                }
+                *to = node;
+            }
+            leaves.copy_from_slice(&part.leaves);
+        });
     Hierarchy {
-        nodes,
-        leaves,
+        nodes: all_nodes,
+        leaves: all_leaves,
         bounds: tree.nodes[0].bounds(),
         depth,
     }

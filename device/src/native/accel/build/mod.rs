@@ -9,6 +9,8 @@ mod split;
 pub use progress::BuildError;
 pub(super) use progress::Progress;
 
+use bytemuck::Zeroable;
+
 use super::{
     bounds::{Bounds, Reference},
     layout::Node,
@@ -28,7 +30,7 @@ pub(super) struct Hierarchy<L> {
     pub(super) depth: usize,
 }
 
-impl<L: Send> Hierarchy<L> {
+impl<L: Send + Copy + Zeroable> Hierarchy<L> {
     /// Encloses what `references` refer to. A leaf holds at most `most` of them, and `leaf` makes it from their indices.
     ///
     /// # Errors

@@ -50,7 +50,24 @@ impl Extent {
             centres: self.centres.union(other.centres),
         }
     }
+
+    /// Adds a reference where the mask is set, all of it or nothing.
+    #[inline(always)]
+    fn add_where(&mut self, mask: f32x4, bounds: Bounds, centre: f32x4) {
+        let or_empty = |low: f32x4, high: f32x4| Bounds {
+            low: mask.bitselect(low, Bounds::EMPTY.low),
+            high: mask.bitselect(high, Bounds::EMPTY.high),
+        };
+        self.bounds = self.bounds.union(or_empty(bounds.low, bounds.high));
+        self.centres = self.centres.union(or_empty(centre, centre));
+    }
 }
+
+/// By whether a reference is on the left side: lanes without bits, and with all.
+const LEFT_MASKS: [f32x4; 2] = [
+    f32x4::new([0.0; 4]),
+    f32x4::new([f32::from_bits(u32::MAX); 4]),
+];
 
 /// Reorders at least two references so that those of the left side come first, and says how many they are. With
 /// `is_balanced` the sides differ by at most one. `scale` is the unit of areas.
@@ -265,23 +282,22 @@ impl Binning {
     }
 
     fn partition(&self, references: &mut [Reference], place: Place) -> (usize, [Extent; 2]) {
-        let is_left = |centre: f32x4| self.bins(centre)[place.axis & 3] < place.first_right;
-        let (mut left, mut right) = (0, references.len());
-        let mut extents = [Extent::EMPTY; 2];
-        while left < right {
-            let bounds = references[left].bounds();
+        let first_right = f32x4::splat(place.first_right as f32);
+        let [mut left_extent, mut right_extent] = [Extent::EMPTY; 2];
+        let mut left = 0;
+        // Without branches: which side is next can't be foretold.
+        for i in 0..references.len() {
+            let bounds = references[i].bounds();
             let centre = bounds.half_centre();
-            let side = usize::from(!is_left(centre));
-            extents[side].bounds = extents[side].bounds.union(bounds);
-            extents[side].centres = extents[side].centres.with(centre);
-            if side == 0 {
-                left += 1;
-            } else {
-                right -= 1;
-                references.swap(left, right);
-            }
+            let sides = ((centre - self.base) * self.per_unit).simd_lt(first_right);
+            let is_left = sides.to_bitmask() as usize >> place.axis & 1;
+            let mask = LEFT_MASKS[is_left];
+            left_extent.add_where(mask, bounds, centre);
+            right_extent.add_where(!mask, bounds, centre);
+            references.swap(left, i);
+            left += is_left;
         }
-        (left, extents)
+        (left, [left_extent, right_extent])
     }
 }
 

@@ -3,13 +3,13 @@
 use super::{
     super::{
         build::Hierarchy,
-        layout::{LEAF, TriangleBlock},
+        layout::{EMPTY, LEAF, TriangleBlock},
         scene::{Instance, Scene},
     },
     Candidate, Hit, Ray,
     lanes::Isa,
-    nodes::descend,
-    stack::{Memory, Stack},
+    nodes::{Visit, descend},
+    stack::Stack,
     triangles::Line,
 };
 
@@ -31,25 +31,22 @@ pub(super) fn trace<S: Isa, const ANY: bool>(
         Some(instance) => LEAF | (instance & !LEAF),
         None => scene.start,
     };
-    let mut hit = None;
-    let mut memory = Memory::uninit();
+    let mut memory = Stack::NEW;
     let mut stack = Stack::new(&mut memory);
-    let in_instance = |index: u32, t_max: f32, stack: &mut Stack<'_>| {
-        // All that the hierarchy names are there, but `only` needn't be.
-        let Some(instance) = scene.instances.get(index as usize) else {
-            return Some(t_max);
-        };
-        let Some(mesh) = scene.meshes.get(instance.mesh as usize) else {
-            return Some(t_max);
-        };
-        let mesh = &mesh.level;
-        let ray = instance.ray_in_object(ray);
-        // Through a map that can't be inverted, it may not be.
-        if mesh.nodes.is_empty() || !ray.is_finite() {
-            return Some(t_max);
-        }
-        isa.in_mesh::<ANY>(mesh, &ray, t_max, stack, index, &mut hit, filter)
+    let mut instances = Instances::<S, ANY, _> {
+        isa,
+        scene,
+        ray,
+        hit: None,
+        filter,
     };
+    if start & LEAF != 0 {
+        // There is but one: no boxes to look at.
+        if start != EMPTY {
+            instances.visit(start & !LEAF, ray.t_max, &mut stack);
+        }
+        return instances.hit;
+    }
     // SAFETY: the builder has numbered the nodes, and they are at most `MAX_DEPTH` deep; the stack has room for two such
     // levels, and this is the first.
     unsafe {
@@ -60,10 +57,41 @@ pub(super) fn trace<S: Isa, const ANY: bool>(
             ray,
             ray.t_max,
             &mut stack,
-            in_instance,
+            &mut instances,
         )
     };
-    hit
+    instances.hit
+}
+
+/// The leaves of the upper level.
+struct Instances<'a, S, const ANY: bool, F> {
+    isa: S,
+    scene: &'a Scene,
+    ray: &'a Ray,
+    hit: Option<Hit>,
+    filter: &'a F,
+}
+
+impl<S: Isa, const ANY: bool, F: Fn(&Candidate) -> bool> Visit for Instances<'_, S, ANY, F> {
+    #[inline(always)]
+    fn visit(&mut self, index: u32, t_max: f32, stack: &mut Stack<'_>) -> Option<f32> {
+        // All that the hierarchy names are there, but a single one needn't be.
+        let Some(instance) = self.scene.instances.get(index as usize) else {
+            return Some(t_max);
+        };
+        let Some(mesh) = self.scene.meshes.get(instance.mesh as usize) else {
+            return Some(t_max);
+        };
+        let mesh = &mesh.level;
+        let ray = instance.ray_in_object(self.ray);
+        // Through a map that can't be inverted, it may not be.
+        if mesh.nodes.is_empty() || !ray.is_finite() {
+            return Some(t_max);
+        }
+        let (hit, filter) = (&mut self.hit, self.filter);
+        self.isa
+            .in_mesh::<ANY>(mesh, &ray, t_max, stack, index, hit, filter)
+    }
 }
 
 /// The part of [`trace`] that goes through a mesh, which isn't empty, by a ray as the mesh sees it. `t_max` and what is returned
@@ -81,16 +109,39 @@ pub(super) fn in_mesh<S: Isa, const ANY: bool>(
     hit: &mut Option<Hit>,
     filter: &impl Fn(&Candidate) -> bool,
 ) -> Option<f32> {
-    let line = Line::<S::F4>::new(isa, ray);
-    let in_block = |block: u32, t_max: f32, _: &mut Stack<'_>| {
-        debug_assert!((block as usize) < mesh.leaves.len());
-        // SAFETY: leaves are numbered by the builder as they are made.
-        let block = unsafe { mesh.leaves.get_unchecked(block as usize) };
-        line.intersect::<ANY>(isa, block, instance, t_max, hit, filter)
+    let mut blocks = Blocks::<S, ANY, _> {
+        isa,
+        line: Line::new(isa, ray),
+        blocks: &mesh.leaves,
+        instance,
+        hit,
+        filter,
     };
     // SAFETY: the builder has numbered the nodes, and they are at most `MAX_DEPTH` deep; the stack has room for two such
     // levels, and this is the second.
-    unsafe { descend(isa, &mesh.nodes, 0, ray, t_max, stack, in_block) }
+    unsafe { descend(isa, &mesh.nodes, 0, ray, t_max, stack, &mut blocks) }
+}
+
+/// The leaves of the lower level.
+struct Blocks<'a, S: Isa, const ANY: bool, F> {
+    isa: S,
+    line: Line<S::F4>,
+    blocks: &'a [TriangleBlock],
+    instance: u32,
+    hit: &'a mut Option<Hit>,
+    filter: &'a F,
+}
+
+impl<S: Isa, const ANY: bool, F: Fn(&Candidate) -> bool> Visit for Blocks<'_, S, ANY, F> {
+    #[inline(always)]
+    fn visit(&mut self, block: u32, t_max: f32, _: &mut Stack<'_>) -> Option<f32> {
+        debug_assert!((block as usize) < self.blocks.len());
+        // SAFETY: leaves are numbered by the builder as they are made.
+        let block = unsafe { self.blocks.get_unchecked(block as usize) };
+        let (instance, hit, filter) = (self.instance, &mut *self.hit, self.filter);
+        self.line
+            .intersect::<ANY>(self.isa, block, instance, t_max, hit, filter)
+    }
 }
 
 impl Ray {
@@ -108,13 +159,26 @@ impl Instance {
     /// The ray as the mesh sees it; distances stay the same.
     #[inline(always)]
     fn ray_in_object(&self, ray: &Ray) -> Ray {
-        // Not `f32::mul_add`: where there is no such instruction that is a call.
-        let row =
-            |m: [f32; 4], p: [f32; 3], w: f32| m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3] * w;
+        let [x, y, z] = &self.object_from_world;
         Ray {
-            origin: self.object_from_world.map(|m| row(m, ray.origin, 1.0)),
-            direction: self.object_from_world.map(|m| row(m, ray.direction, 0.0)),
+            origin: [
+                row(x, ray.origin, 1.0),
+                row(y, ray.origin, 1.0),
+                row(z, ray.origin, 1.0),
+            ],
+            direction: [
+                row(x, ray.direction, 0.0),
+                row(y, ray.direction, 0.0),
+                row(z, ray.direction, 0.0),
+            ],
             ..*ray
         }
     }
+}
+
+/// A row of a map times a point, or a vector where `w` is 0. Not by `f32::mul_add`: where there is no such instruction that is a
+/// call.
+#[inline(always)]
+fn row(m: &[f32; 4], p: [f32; 3], w: f32) -> f32 {
+    m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3] * w
 }

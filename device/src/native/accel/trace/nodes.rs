@@ -21,12 +21,23 @@ struct Slabs<F> {
 impl<F: Lanes<8>> Slabs<F> {
     #[inline(always)]
     fn new(isa: F::Isa, ray: &Ray) -> Self {
-        let inverse = ray.direction.map(|d| 1.0 / bounded_away_from_zero(d));
+        let [x, y, z] = ray.direction;
+        let x = 1.0 / bounded_away_from_zero(x);
+        let y = 1.0 / bounded_away_from_zero(y);
+        let z = 1.0 / bounded_away_from_zero(z);
         Self {
-            origin: ray.origin.map(|o| F::splat(isa, o)),
-            inverse: inverse.map(|i| F::splat(isa, i)),
+            origin: [
+                F::splat(isa, ray.origin[0]),
+                F::splat(isa, ray.origin[1]),
+                F::splat(isa, ray.origin[2]),
+            ],
+            inverse: [F::splat(isa, x), F::splat(isa, y), F::splat(isa, z)],
             t_min: F::splat(isa, ray.t_min),
-            near: inverse.map(|i| usize::from(i < 0.0)),
+            near: [
+                usize::from(x < 0.0),
+                usize::from(y < 0.0),
+                usize::from(z < 0.0),
+            ],
             // By the rounding of the operations below (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013).
             widening: F::splat(isa, 1.000_000_5),
         }
@@ -35,18 +46,27 @@ impl<F: Lanes<8>> Slabs<F> {
     /// Where the ray enters each child's box, and the mask of those that it enters.
     #[inline(always)]
     fn intersect(&self, isa: F::Isa, node: &Node, t_max: F) -> (F, u32) {
-        // Subtracted before it is multiplied: rounded the other way round, near boxes far from the origin are missed.
-        let near = |axis: usize| {
-            let plane = F::load(isa, &node.bounds[axis][self.near[axis] & 1]);
-            plane.sub(self.origin[axis]).mul(self.inverse[axis])
-        };
-        let far = |axis: usize| {
-            let plane = F::load(isa, &node.bounds[axis][self.near[axis] & 1 ^ 1]);
-            plane.sub(self.origin[axis]).mul(self.inverse[axis])
-        };
-        let enter = near(0).max(near(1)).max(near(2).max(self.t_min));
-        let leave = far(0).min(far(1)).min(far(2).min(t_max));
+        let near = [
+            self.plane(isa, node, 0, 0),
+            self.plane(isa, node, 1, 0),
+            self.plane(isa, node, 2, 0),
+        ];
+        let far = [
+            self.plane(isa, node, 0, 1),
+            self.plane(isa, node, 1, 1),
+            self.plane(isa, node, 2, 1),
+        ];
+        let enter = near[0].max(near[1]).max(near[2].max(self.t_min));
+        let leave = far[0].min(far[1]).min(far[2].min(t_max));
         (enter, F::mask_bits(enter.le(leave.mul(self.widening))))
+    }
+
+    /// Where the ray meets the children's planes across an axis, the nearer ones or, with `is_far`, the others.
+    #[inline(always)]
+    fn plane(&self, isa: F::Isa, node: &Node, axis: usize, is_far: usize) -> F {
+        let plane = F::load(isa, &node.bounds[axis][(self.near[axis] ^ is_far) & 1]);
+        // Subtracted before it is multiplied: rounded the other way round, near boxes far from the origin are missed.
+        plane.sub(self.origin[axis]).mul(self.inverse[axis])
     }
 }
 
@@ -60,8 +80,15 @@ fn bounded_away_from_zero(d: f32) -> f32 {
     }
 }
 
-/// Calls `leaf` with the leaves that the ray meets, in about the order in which it meets them. That returns how far the ray
-/// goes from then on, or `None` to end the search, which then is what this returns, too. `nodes` are those of a level,
+/// What a ray does at leaves. Not a closure: those aren't always inlined, and where they aren't, they are compiled for another
+/// instruction set.
+pub(super) trait Visit {
+    /// At a leaf, by a ray that goes as far as `t_max`: how far it goes from then on, or `None` to end the search.
+    fn visit(&mut self, leaf: u32, t_max: f32, stack: &mut Stack<'_>) -> Option<f32>;
+}
+
+/// Visits the leaves that the ray meets, in about the order in which it meets them. Returns how far the ray goes in the end, or
+/// `None` if a visit has ended the search. `nodes` are those of a level,
 /// `start` is its root or a leaf.
 ///
 /// # Safety
@@ -74,7 +101,7 @@ pub(super) unsafe fn descend<S: Isa>(
     ray: &Ray,
     t_max: f32,
     stack: &mut Stack<'_>,
-    mut leaf: impl FnMut(u32, f32, &mut Stack<'_>) -> Option<f32>,
+    leaves: &mut impl Visit,
 ) -> Option<f32> {
     let slabs = Slabs::<S::F8>::new(isa, ray);
     let floor = stack.height();
@@ -97,7 +124,7 @@ pub(super) unsafe fn descend<S: Isa>(
             }
         }
         if current != EMPTY {
-            let reached = leaf(current & !LEAF, t_max, stack)?;
+            let reached = leaves.visit(current & !LEAF, t_max, stack)?;
             if reached != t_max {
                 t_max = reached;
                 limit = S::F8::splat(isa, t_max);

@@ -21,7 +21,7 @@ impl<F: Lanes<WIDTH>> Line<F> {
     #[inline(always)]
     pub(super) fn new(isa: F::Isa, ray: &Ray) -> Self {
         let d = ray.direction;
-        let [x, y, z] = d.map(f32::abs);
+        let [x, y, z] = [d[0].abs(), d[1].abs(), d[2].abs()];
         let longest = if x > y {
             if x > z { 0 } else { 2 }
         } else if y > z {
@@ -40,10 +40,37 @@ impl<F: Lanes<WIDTH>> Line<F> {
         let shear = [-d[axes[0]] * per_unit, -d[axes[1]] * per_unit, per_unit];
         Self {
             axes,
-            origin: axes.map(|axis| F::splat(isa, ray.origin[axis])),
-            shear: shear.map(|s| F::splat(isa, s)),
+            origin: [
+                F::splat(isa, ray.origin[axes[0]]),
+                F::splat(isa, ray.origin[axes[1]]),
+                F::splat(isa, ray.origin[axes[2]]),
+            ],
+            shear: [
+                F::splat(isa, shear[0]),
+                F::splat(isa, shear[1]),
+                F::splat(isa, shear[2]),
+            ],
             t_min: ray.t_min,
         }
+    }
+
+    /// Corners of the block's triangles as the ray sees them.
+    #[inline(always)]
+    fn sheared(&self, isa: F::Isa, corners: &[[f32; WIDTH]; 3]) -> [F; 3] {
+        let z = self.along(isa, corners, 2);
+        [
+            z.mul_add(self.shear[0], self.along(isa, corners, 0)),
+            z.mul_add(self.shear[1], self.along(isa, corners, 1)),
+            z,
+        ]
+    }
+
+    /// Their coordinates from the origin, along one of its axes.
+    #[inline(always)]
+    fn along(&self, isa: F::Isa, corners: &[[f32; WIDTH]; 3], i: usize) -> F {
+        // SAFETY: `axes` holds 0, 1 and 2.
+        let row = unsafe { corners.get_unchecked(self.axes[i]) };
+        F::load(isa, row).sub(self.origin[i])
     }
 
     /// Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, without its fallback to double
@@ -62,22 +89,9 @@ impl<F: Lanes<WIDTH>> Line<F> {
         hit: &mut Option<Hit>,
         filter: &impl Fn(&Candidate) -> bool,
     ) -> Option<f32> {
-        let sheared = |corner: usize| {
-            let along = |i: usize| {
-                // SAFETY: `axes` holds 0, 1 and 2.
-                let row = unsafe { block.corners[corner].get_unchecked(self.axes[i]) };
-                F::load(isa, row).sub(self.origin[i])
-            };
-            let z = along(2);
-            [
-                z.mul_add(self.shear[0], along(0)),
-                z.mul_add(self.shear[1], along(1)),
-                z,
-            ]
-        };
-        let (a, b, c) = (sheared(0), sheared(1), sheared(2));
-        // The same but for the sign if the corners change places, which it wouldn't be if one product were not rounded.
-        let edge = |p: [F; 3], q: [F; 3]| p[0].mul(q[1]).sub(p[1].mul(q[0]));
+        let a = self.sheared(isa, &block.corners[0]);
+        let b = self.sheared(isa, &block.corners[1]);
+        let c = self.sheared(isa, &block.corners[2]);
         let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
         // Negative where the ray meets the back. A degenerate triangle has none, and no hit by the strict comparisons of t.
         let determinant = u.add(v).add(w);
@@ -123,4 +137,11 @@ impl<F: Lanes<WIDTH>> Line<F> {
         }
         Some(t_max)
     }
+}
+
+/// The side of an edge on which the ray is. The same but for the sign if the corners change places, which it wouldn't be if one
+/// product were not rounded.
+#[inline(always)]
+fn edge<F: Lanes<WIDTH>>(p: [F; 3], q: [F; 3]) -> F {
+    p[0].mul(q[1]).sub(p[1].mul(q[0]))
 }
