@@ -54,6 +54,10 @@ const SETS: &[(&[&str], &[&str])] = &[
         &["has_environment"],
         &["energy_compensation", "has_programs"],
     ),
+    // Single scattering between microfacets alone, as glTF's formula has it.
+    (&[], &[]),
+    (&["has_textures", "has_environment"], &[]),
+    (OMISSIONS, &[]),
     (OMISSIONS, &["energy_compensation"]),
     (OMISSIONS, &["energy_compensation", "has_programs"]),
     (OMISSIONS, OTHERS),
