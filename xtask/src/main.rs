@@ -27,9 +27,9 @@ const DEMO_SPP: &str = "16";
 const PICTURE_SIZE: &str = "640x360";
 const PICTURE_SPP: &str = "96";
 
-/// The tests of pictures. Of the whole workspace: a package alone would ask for other features, and build its dependencies
+/// The tests of pictures, of rays and of schedules. Of the whole workspace: a package alone would ask for other features, and build its dependencies
 /// anew.
-const PICTURES: [&str; 5] = ["--workspace", "--test", "suite", "--test", "traversal"];
+const PICTURES: [&str; 3] = ["--workspace", "--test", "suite"];
 
 /// Devices that the tests of pictures run on beside the usual one, each with the step's name.
 const OTHER_DEVICES: [(&str, &str); 1] = [("Tests on a software driver", "llvmpipe")];
