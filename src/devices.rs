@@ -37,10 +37,20 @@ pub(crate) fn open(wanted: &Devices, bar: &Bar) -> Result<Vec<Device>, Failure> 
     let cache = cache::folder();
     let mut opened = Vec::new();
     let mut refused = Vec::new();
+    // Of the processor there may be several, if threads of their own are asked for; of all others one, however named.
+    let mut whole = Vec::new();
     for choice in &choices {
         let options = DeviceOptions::new(choice).with_cache(cache.as_deref());
         match Device::open_with(&options) {
-            Ok(device) => opened.push(device),
+            Ok(device) => {
+                let index = device.description().index;
+                if matches!(choice, DeviceChoice::Native(_)) {
+                    opened.push(device);
+                } else if !whole.contains(&index) {
+                    whole.push(index);
+                    opened.push(device);
+                }
+            }
             Err(error @ DeviceError::NotFound { .. }) => return Err(Failure::because(error)),
             Err(error) => refused.push(error.to_string()),
         }

@@ -99,7 +99,7 @@ impl Aside {
         }
         // Under the lock, so that there is no moment in which the file isn't known.
         let mut all = leftovers();
-        let file = builder.tempfile_in(folder_of(&target))?;
+        let file = builder.tempfile_in(folder_of(&target)).map_err(plain)?;
         all.push(file.path().to_owned());
         drop(all);
         let leftover = Leftover(file.path().to_owned());
@@ -234,6 +234,15 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
     }
 }
 
+/// What the system said, without the name of a temporary file that nobody has asked for.
+fn plain(error: io::Error) -> io::Error {
+    // `tempfile` wraps the system's error with the path, and gives out no more of it than its kind.
+    match error.get_ref() {
+        Some(_) => error.kind().into(),
+        None => error,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -301,5 +310,19 @@ mod tests {
         replace(Path::new("/dev/null"), |file| file.write_all(b"x")).expect("it takes all");
         let meta = fs::metadata("/dev/null").expect("there");
         assert!(!meta.is_file());
+    }
+
+    #[test]
+    fn errors_do_not_name_temporary_files() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let gone = dir.path().join("no/such/folder");
+        let wrapped = tempfile::Builder::new()
+            .prefix(".patina-")
+            .tempfile_in(gone);
+        let wrapped = wrapped.expect_err("there is no such folder");
+        assert!(wrapped.to_string().contains(".patina-"), "{wrapped}");
+        let said = plain(wrapped);
+        assert_eq!(said.kind(), io::ErrorKind::NotFound);
+        assert!(!said.to_string().contains(".patina-"), "{said}");
     }
 }
