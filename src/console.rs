@@ -8,6 +8,7 @@
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
+use std::time::Duration;
 
 use anstream::{AutoStream, ColorChoice};
 use clap::ValueEnum;
@@ -55,6 +56,30 @@ pub(crate) fn is_quiet() -> bool {
 /// Prints a result line (or several) to stdout.
 pub(crate) fn print(text: &str) {
     to_stdout(&format!("{}\n", printable(text.trim_end())));
+}
+
+/// A time as the flags take it: `90s`, `10m`, `1h30m`.
+pub(crate) fn duration(time: Duration) -> String {
+    let seconds = time.as_secs();
+    let parts = [
+        (seconds / 3600, "h"),
+        (seconds / 60 % 60, "m"),
+        (seconds % 60, "s"),
+    ];
+    let shown = parts.into_iter().filter(|(count, _)| *count > 0);
+    let text: String = shown
+        .map(|(count, unit)| format!("{count}{unit}"))
+        .collect();
+    match text.is_empty() {
+        true => format!("{}s", time.as_secs_f64()),
+        false => text,
+    }
+}
+
+/// A number with three digits that count.
+pub(crate) fn significant(number: f64) -> String {
+    let digits = 2 - number.abs().max(1e-12).log10().floor() as i32;
+    format!("{number:.*}", digits.clamp(0, 12) as usize)
 }
 
 /// Prints to stdout what was done, unless that is unwanted.

@@ -5,23 +5,31 @@
 
 use std::num::NonZeroU32;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use device::DeviceChoice;
 use engine::film::Layers;
 use engine::filter::PixelFilter;
+use engine::session::Edit;
 use engine::settings::{Estimator, Sampler};
 
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
 use crate::bench::job::BenchJob;
+use crate::render::{Checkpoints, Limits, overrides};
 use crate::texture::job::TextureJob;
 use crate::usage::UsageError;
 use crate::view::job::ViewJob;
 use crate::watch::job::WatchJob;
 use crate::words::{
     Devices, MAX_DEPTH, MAX_SPP, MOST_THREADS, Outputs, parse_decimal, parse_device, parse_devices,
-    parse_exposure, parse_layers, parse_number, parse_sample_range, parse_size, parse_word,
-    refuse_overwriting,
+    parse_duration, parse_exposure, parse_layers, parse_number, parse_sample_range, parse_scale,
+    parse_size, parse_word, refuse_overwriting,
 };
+
+/// Samples per pixel where nothing else ends a render.
+const DEFAULT_SPP: u32 = 64;
+/// How often a render is kept where nothing else is said.
+const CHECKPOINTS: Duration = Duration::from_secs(60);
 
 /// What is to be done.
 #[derive(Debug, PartialEq)]
@@ -52,7 +60,7 @@ pub(crate) enum Job {
 }
 
 /// A render, complete.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RenderJob {
     /// The glTF file.
     pub(crate) scene: PathBuf,
@@ -62,6 +70,10 @@ pub(crate) struct RenderJob {
     pub(crate) outputs: Outputs,
     /// Samples per pixel.
     pub(crate) spp: NonZeroU32,
+    /// What ends it before.
+    pub(crate) limits: Limits,
+    /// How it is kept while it is under way.
+    pub(crate) checkpoints: Option<Checkpoints>,
     /// The first of them.
     pub(crate) first_sample: u32,
     /// Pixels.
@@ -70,6 +82,8 @@ pub(crate) struct RenderJob {
     pub(crate) height: u32,
     /// Name of the camera.
     pub(crate) camera: Option<String>,
+    /// What is to be otherwise than in the look.
+    pub(crate) edits: Vec<Edit>,
     /// Most scattering vertices of a path.
     pub(crate) max_depth: u32,
     /// How a pixel weighs the light around its centre.
@@ -150,12 +164,39 @@ impl Job {
 
 impl RenderJob {
     fn from_args(args: RenderArgs) -> Result<Self, UsageError> {
-        let (width, height) = parse_size(&args.size)?;
-        let outputs = Outputs::from_paths(args.outputs, Some(&args.scene))?;
+        let (width, height) = scaled(&args)?;
+        let outputs = Outputs::from_paths(args.outputs.clone(), Some(&args.scene))?;
+        let noise = (args.noise.as_deref())
+            .map(|most| {
+                parse_decimal("--noise", most, "greater than 0, as 0.02 for 2 %", |x| {
+                    x > 0.0
+                })
+            })
+            .transpose()?;
+        let limits = Limits {
+            // As it is written, not as the nearest single.
+            noise: noise
+                .and(args.noise.as_deref())
+                .and_then(|most| most.parse().ok()),
+            time: (args.time.as_deref())
+                .map(|time| parse_duration("--time", time))
+                .transpose()?,
+        };
         let samples = match &args.sample_range {
             Some(range) => parse_sample_range(range)?,
-            None => 0..parse_number("--spp", &args.spp, 1, MAX_SPP)?,
+            None => match &args.spp {
+                Some(spp) => 0..parse_number("--spp", spp, 1, MAX_SPP)?,
+                None if limits == Limits::default() => 0..DEFAULT_SPP,
+                None => 0..MAX_SPP,
+            },
         };
+        let checkpoints = checkpoints(&args, &outputs)?;
+        let edits = overrides::parse(
+            &args.set,
+            args.environment.as_deref(),
+            args.camera_at.as_deref(),
+            args.look_at.as_deref(),
+        )?;
         let layers = parse_layers(&args.layers, &outputs)?;
         let filter = parse_word(
             "--filter",
@@ -165,18 +206,25 @@ impl RenderJob {
         )?;
         refuse_overwriting(
             outputs.paths().chain(&args.stats_json),
-            [Some(&args.scene), args.look.as_ref()]
-                .into_iter()
-                .flatten(),
+            [
+                Some(&args.scene),
+                args.look.as_ref(),
+                args.environment.as_ref(),
+            ]
+            .into_iter()
+            .flatten(),
         )?;
         Ok(Self {
             layers,
             outputs,
             spp: NonZeroU32::new(samples.end - samples.start).expect("the range is not empty"),
             first_sample: samples.start,
+            limits,
+            checkpoints,
             width,
             height,
             camera: args.camera,
+            edits,
             filter,
             filter_width: match &args.filter_width {
                 Some(width) => {
@@ -212,6 +260,33 @@ impl RenderJob {
             look: args.look,
         })
     }
+}
+
+/// The size of the picture.
+fn scaled(args: &RenderArgs) -> Result<(u32, u32), UsageError> {
+    let (width, height) = parse_size(&args.size)?;
+    let Some(scale) = &args.scale else {
+        return Ok((width, height));
+    };
+    let factor = parse_scale(scale)?;
+    let side = |pixels: u32| (f64::from(pixels) * factor).round().max(1.0);
+    // The same limits as for a size that is typed.
+    parse_size(&format!("{}x{}", side(width), side(height)))
+}
+
+/// How a render is to be kept while it is under way.
+fn checkpoints(args: &RenderArgs, outputs: &Outputs) -> Result<Option<Checkpoints>, UsageError> {
+    let every = match &args.checkpoint {
+        Some(time) => parse_duration("--checkpoint", time)?,
+        None if args.resume || args.refresh => CHECKPOINTS,
+        None => return Ok(None),
+    };
+    Ok(Some(Checkpoints {
+        path: outputs.checkpoint(),
+        every,
+        resumes: args.resume,
+        with_pictures: args.refresh,
+    }))
 }
 
 impl MergeJob {

@@ -1,6 +1,10 @@
 //! `patina render`: loads, renders, writes. Reads in the order things happen.
 
 mod alone;
+mod cameras;
+mod checkpoint;
+mod limits;
+pub(crate) mod overrides;
 mod together;
 
 use std::ops::Range;
@@ -22,8 +26,15 @@ use crate::job::RenderJob;
 use crate::output;
 use crate::progress::Bar;
 use crate::report::{Report, Seconds};
+use crate::usage::UsageError;
 use crate::{console, crash, devices, interrupt, library};
 
+pub(crate) use self::checkpoint::Checkpoints;
+pub(crate) use self::limits::Limits;
+use self::limits::{Limit, Watch};
+
+/// The word for each camera in turn.
+const ALL_CAMERAS: &str = "all";
 /// Most of the time that goes into measuring textures, where figures are asked for.
 const COSTS: Duration = Duration::from_secs(5);
 /// Most of the time that an interrupted render goes on for, so that a film is even.
@@ -34,10 +45,39 @@ const FAREWELL: Duration = Duration::from_secs(1);
 /// # Errors
 /// Anything that keeps even one of the results from being written.
 pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
+    if job.camera.as_deref() != Some(ALL_CAMERAS) {
+        return picture(job);
+    }
+    let scene = engine::scene::import::load(&job.scene)
+        .map_err(Failure::because)?
+        .scene;
+    // A camera of this name is meant where there is one.
+    if scene
+        .cameras
+        .iter()
+        .any(|camera| camera.name == ALL_CAMERAS)
+        || scene.cameras.is_empty()
+    {
+        return picture(job);
+    }
+    let names = cameras::file_names(&scene.cameras);
+    for (number, name) in names.iter().enumerate() {
+        picture(&job.through(number, name))?;
+    }
+    Ok(())
+}
+
+/// Renders one picture.
+fn picture(job: &RenderJob) -> Result<(), Failure> {
+    let watch = Watch::new(job.limits, Instant::now());
+    let kept = job.checkpoints.iter().map(|checkpoints| &checkpoints.path);
+    // A film that is asked for is the checkpoint, too.
+    let kept = kept.filter(|path| !job.outputs.films.contains(path));
     let written: Vec<PathBuf> = job
         .outputs
         .paths()
         .chain(&job.stats_json)
+        .chain(kept)
         .cloned()
         .collect();
     let named: Vec<PathBuf> = job.look.iter().chain([&job.scene]).cloned().collect();
@@ -51,7 +91,7 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
 
     let bar = Bar::new("loading the scene");
     let clock = Instant::now();
-    let mut opening = Opening::read(inputs, System::default())?;
+    let mut opening = Opening::read_with(inputs, System::default(), &job.edits)?;
     bar.suspend(|| console::diagnostics(&opening.loaded().warnings));
     // What else was read is known only now.
     output::check_all(&written, &opening.files())?;
@@ -64,8 +104,12 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
     bar.stage("preparing the device");
     let devices = devices::open(&job.devices, &bar)?;
     let rendered = match <[Device; 1]>::try_from(devices) {
-        Ok([device]) => alone::render(job, opening, &device, &bar)?,
-        Err(devices) => together::render(job, opening.into_loaded(), &devices, &bar)?,
+        Ok([device]) => alone::render(job, opening, &device, &bar, watch)?,
+        Err(_) if job.checkpoints.is_some() => {
+            let flag = "--checkpoint";
+            return Err(UsageError::OneDevice { flag }.into());
+        }
+        Err(devices) => together::render(job, opening.into_loaded(), &devices, &bar, watch)?,
     };
     bar.finish();
     write(job, rendered, load_seconds)
@@ -76,6 +120,8 @@ struct Rendered {
     film: Film,
     /// The numbers of the samples that pixels may have.
     samples: Range<u32>,
+    /// How many of the picture's paths are there, where these are the first ones.
+    paths: Option<u64>,
     /// Why it isn't complete, if it isn't.
     ended: Option<Ended>,
     /// Names of the devices.
@@ -94,6 +140,8 @@ struct Rendered {
 
 /// Why a picture isn't complete.
 enum Ended {
+    /// It was good enough, or the time was over.
+    Enough(Limit),
     /// A signal came.
     Interrupted,
     /// There is no device left.
@@ -122,7 +170,17 @@ fn write(job: &RenderJob, rendered: Rendered, load_seconds: f64) -> Result<(), F
     }
     let look = job.look.as_deref();
     let origin = Origin::new(&rendered.device, &job.scene, look, rendered.settings);
-    let part = Part::new(rendered.film, rendered.samples, origin);
+    let mut part = Part::new(rendered.film, rendered.samples, origin);
+    if let Some(paths) = rendered.paths {
+        part = part.under_way(paths);
+    }
+    let limit = rendered.ended.as_ref().and_then(|ended| match ended {
+        Ended::Enough(limit) => Some(limit),
+        Ended::Interrupted | Ended::Failed(_) => None,
+    });
+    if let Some(summary) = limits::summary(&job.limits, limit, &part.film) {
+        console::note(&summary);
+    }
     let mut outcome = output::write_or_keep(&job.outputs, &part, job.exposure);
 
     if job.stats || job.stats_json.is_some() {
@@ -149,7 +207,7 @@ fn write(job: &RenderJob, rendered: Rendered, load_seconds: f64) -> Result<(), F
         end(rendered.rest);
     }
     match rendered.ended {
-        None => outcome,
+        None | Some(Ended::Enough(_)) => outcome,
         Some(Ended::Interrupted) => outcome.and(Err(Failure::Interrupted)),
         Some(Ended::Failed(reason)) => outcome.and(Err(Failure::Failed(reason))),
     }

@@ -32,6 +32,38 @@ pub(crate) enum UsageError {
         /// Largest value allowed.
         high: u32,
     },
+    /// No edit of a look.
+    #[error("--set {given}: {form}")]
+    Set {
+        /// As typed.
+        given: String,
+        /// What it should be.
+        form: String,
+    },
+    /// Not three numbers.
+    #[error("{flag} {given}: write three numbers with commas between, as in {flag} 0,1.6,4")]
+    Point {
+        /// The flag's name.
+        flag: &'static str,
+        /// As typed.
+        given: String,
+    },
+    /// Not a time.
+    #[error(
+        "{flag} {given}: write a time with its unit, as in {flag} 90s, {flag} 10m or {flag} 1h30m"
+    )]
+    Time {
+        /// The flag's name.
+        flag: &'static str,
+        /// As typed.
+        given: String,
+    },
+    /// What one device can do alone.
+    #[error("{flag} needs a single device; name one, as in --device native")]
+    OneDevice {
+        /// The flag's name.
+        flag: &'static str,
+    },
     /// Not a finite number of stops in range.
     #[error(
         "--exposure {given}: must be a number of stops from -{MAX_EXPOSURE} to {MAX_EXPOSURE}, as in --exposure 1.5"

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use device::DeviceChoice;
 pub(crate) use engine::film::write::Format;
@@ -68,6 +69,15 @@ impl Outputs {
         })
     }
 
+    /// Where a render under way is kept: in the film that is asked for, else beside the first picture, by its name.
+    pub(crate) fn checkpoint(&self) -> PathBuf {
+        let picture = || self.pictures.first().map(|output| &output.path);
+        let named = self.films.first().or_else(picture);
+        named
+            .map(|path| path.with_extension(FILM_EXTENSION))
+            .unwrap_or_default()
+    }
+
     /// All files.
     pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
         let pictures = self.pictures.iter().map(|output| &output.path);
@@ -124,6 +134,68 @@ pub(crate) fn parse_decimal(
             flag,
             given: given.to_owned(),
             range,
+        })
+}
+
+/// A time: numbers with units, as in `90s`, `10m`, `1h30m`; a number alone is seconds.
+pub(crate) fn parse_duration(flag: &'static str, given: &str) -> Result<Duration, UsageError> {
+    let refused = || UsageError::Time {
+        flag,
+        given: given.to_owned(),
+    };
+    let text = given.trim();
+    if let Ok(seconds) = text.parse::<f64>() {
+        let time = Duration::try_from_secs_f64(seconds).ok();
+        return time.filter(|time| !time.is_zero()).ok_or_else(refused);
+    }
+    let mut seconds = 0.0;
+    for part in text.split_inclusive(|c: char| c.is_ascii_alphabetic()) {
+        let unit = match part.chars().last() {
+            Some('h') => 3600.0,
+            Some('m') => 60.0,
+            Some('s') => 1.0,
+            _ => return Err(refused()),
+        };
+        let number: f64 = part[..part.len() - 1].parse().map_err(|_| refused())?;
+        if !(number >= 0.0) {
+            return Err(refused());
+        }
+        seconds += number * unit;
+    }
+    let time = Duration::try_from_secs_f64(seconds).ok();
+    time.filter(|time| !time.is_zero()).ok_or_else(refused)
+}
+
+/// A point: three finite numbers with commas between.
+pub(crate) fn parse_point(flag: &'static str, given: &str) -> Result<[f32; 3], UsageError> {
+    let numbers: Result<Vec<f32>, _> = given.split(',').map(|x| x.trim().parse()).collect();
+    let point = numbers
+        .ok()
+        .and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
+    let point = point.filter(|point| point.iter().all(|x| x.is_finite()));
+    point.ok_or_else(|| UsageError::Point {
+        flag,
+        given: given.to_owned(),
+    })
+}
+
+/// A share of a size, such as `50%` or `0.5`.
+pub(crate) fn parse_scale(given: &str) -> Result<f64, UsageError> {
+    let (number, unit) = match given.trim().strip_suffix('%') {
+        Some(percent) => (percent, 0.01),
+        None => (given, 1.0),
+    };
+    let scale = number
+        .trim()
+        .parse::<f64>()
+        .map(|number| number * unit)
+        .ok();
+    scale
+        .filter(|scale| (0.001..=100.0).contains(scale))
+        .ok_or_else(|| UsageError::Decimal {
+            flag: "--scale",
+            given: given.to_owned(),
+            range: "from 0.1% to 10000%, as in --scale 50%",
         })
 }
 

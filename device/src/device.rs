@@ -385,4 +385,34 @@ impl Device {
             }
         }
     }
+
+    /// Does `work` for each of some items: at the same time as far as the device has threads for them, on those. What is played
+    /// within, [`Self::play_alone`] plays.
+    ///
+    /// # Errors
+    /// One of those that `work` gave, where it gave any; what hadn't begun then isn't done.
+    pub fn side_by_side<T: Send, E: Send>(
+        &self,
+        items: &mut [T],
+        work: impl Fn(&mut T) -> Result<(), E> + Send + Sync,
+    ) -> Result<(), E> {
+        match &self.kind {
+            Kind::Gpu(_) => items.iter_mut().try_for_each(work),
+            Kind::Native(processor) => processor.side_by_side(items, work),
+        }
+    }
+
+    /// As [`Self::play_timed`], but a device that works on threads of the program does it all on this one.
+    ///
+    /// # Errors
+    /// What the driver reported.
+    pub fn play_alone(&self, recording: &Recording, timer: &mut Timer) -> Result<(), DeviceError> {
+        match &self.kind {
+            Kind::Gpu(_) => self.play_timed(recording, timer),
+            Kind::Native(processor) => {
+                processor.play_alone(recording, timer);
+                Ok(())
+            }
+        }
+    }
 }

@@ -43,6 +43,32 @@ impl Resources {
         self.functions.insert(name, function);
     }
 
+    /// Those of these names alone.
+    #[must_use]
+    pub fn only(mut self, names: &[&str]) -> Self {
+        self.buffers.retain(|name, _| names.contains(name));
+        self.images.retain(|name, _| names.contains(name));
+        self.structures.retain(|name, _| names.contains(name));
+        self.functions.retain(|name, _| names.contains(name));
+        self
+    }
+
+    /// With others in the place of those of their names, or beside them.
+    #[must_use]
+    pub fn overlaid(mut self, others: &Self) -> Self {
+        let Self {
+            buffers,
+            images,
+            structures,
+            functions,
+        } = others.clone();
+        self.buffers.extend(buffers);
+        self.images.extend(images);
+        self.structures.extend(structures);
+        self.functions.extend(functions);
+        self
+    }
+
     /// A buffer by name.
     ///
     /// # Panics

@@ -5,6 +5,9 @@
 pub struct Traits {
     /// Threads of a dispatch.
     pub waves: WaveSizes,
+    /// Recordings that it plays side by side, each on a thread of its own ([`Device::side_by_side`](crate::Device::side_by_side));
+    /// 0: it takes one at a time and spreads each dispatch over all that it has.
+    pub lanes: u32,
     /// The threads of a workgroup run one after the other: what several of them have in common each works out again.
     pub runs_threads_in_turn: bool,
     /// Functions of kernels may be the program's own: see [`HostFunction`](crate::HostFunction).

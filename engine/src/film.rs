@@ -154,6 +154,27 @@ impl Film {
         (0..self.pixels()).map(|p| self.pixel_error(p)).collect()
     }
 
+    /// The error of the whole picture, relative to its brightness, as far as the samples tell: the root of the mean squared
+    /// standard error of pixels and channels, divided by their mean radiance. Infinite where a pixel has less than two samples, or all
+    /// are black. As [`Self::standard_error`] it is rather too large than too small, but for light that no sample has met yet.
+    pub fn relative_error(&self) -> f64 {
+        let (mut variance, mut sum) = (0.0, 0.0);
+        for pixel in 0..self.pixels() {
+            let error = self.pixel_error(pixel);
+            variance += error.iter().map(|&e| f64::from(e).powi(2)).sum::<f64>();
+            sum += self
+                .pixel_mean(pixel)
+                .iter()
+                .map(|&x| f64::from(x))
+                .sum::<f64>();
+        }
+        let numbers = 3.0 * self.pixels() as f64;
+        match sum > 0.0 {
+            true => (variance / numbers).sqrt() / (sum / numbers),
+            false => f64::INFINITY,
+        }
+    }
+
     fn pixel_error(&self, pixel: usize) -> [f32; 3] {
         let count = self.samples(pixel);
         if count < 2 {
@@ -351,6 +372,11 @@ impl Film {
         })
     }
 
+    /// What each of a device's buffers holds of it.
+    pub(crate) fn planes_by_name(&self) -> impl Iterator<Item = (&'static str, &Vec<[u32; 4]>)> {
+        self.layers.buffers().into_iter().zip(&self.planes)
+    }
+
     fn planes(&self) -> &[Vec<[u32; 4]>] {
         &self.planes
     }
@@ -424,6 +450,8 @@ mod tests {
         film.add_sample(0, [3.0; 3]);
         assert_eq!(film.mean(), vec![[2.0; 3]]);
         assert!((film.standard_error()[0][0] - 1.0).abs() < 1e-6);
+        assert!((film.relative_error() - 0.5).abs() < 1e-6);
+        assert_eq!(Film::new(1, 1).relative_error(), f64::INFINITY);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod costs;
 pub(crate) mod culprit;
 mod edits;
+mod lanes;
 mod paths;
 mod pipeline;
 mod record;
@@ -10,7 +11,7 @@ mod reload;
 mod update;
 mod view;
 
-use std::{sync::Arc, time::Duration};
+use std::{collections::BTreeMap, sync::Arc, time::Duration};
 
 use device::{Device, DeviceError, KernelText, Recording, Resources, Timer, Usage};
 
@@ -24,9 +25,10 @@ use crate::{
     schedule::{self, Schedule, ScheduleError, Upload, Wavefront},
     stats::{NodeName, PassStats, Stats},
     system::System,
-    wave::{self, PathBytes, Queue},
+    wave::{self, PathBytes, Totals},
 };
 
+use self::lanes::{Lanes, Plan, Wave, begin_wave};
 use self::pipeline::{Bound, Kernels};
 use self::record::Recorder;
 
@@ -43,10 +45,7 @@ pub use self::{
 
 /// Waves are kept shorter than this, so that no dispatch comes near a desktop's watchdog and Ctrl-C is heard.
 const LONGEST_WAVE: Duration = Duration::from_millis(1500);
-/// Rounds that are added at once for rays that texture programs let pass, and the most of them: a path that meets more
-/// such surfaces ends there.
-const PASSAGES: u32 = 4;
-const MOST_PASSAGES: u32 = 2048;
+
 /// Why rendering failed.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
@@ -89,7 +88,7 @@ impl Progress {
 }
 
 /// Most paths of a wave.
-fn default_capacity(device: &Device) -> u32 {
+fn most_paths(device: &Device) -> u32 {
     device.traits().waves.most
 }
 
@@ -181,8 +180,12 @@ pub struct Renderer {
     resources: Resources,
     kernels: Kernels,
     bound: Bound,
+    lanes: Lanes,
     frame: Frame,
+    /// Path slots.
     capacity: u32,
+    /// Most paths of a wave: on a device with lanes more than there are slots.
+    most_paths: u32,
     /// Paths of the next wave: adapted to the device's speed.
     wave_size: u32,
     /// Paths started, padding included, in the order sample by sample.
@@ -228,8 +231,8 @@ impl Renderer {
         settings: &RenderSettings,
         schedule: Box<dyn Schedule>,
     ) -> Result<Self, RenderError> {
-        let capacity = default_capacity(device);
-        Self::build(device, scene, procedural, settings, capacity, schedule)
+        let most = most_paths(device);
+        Self::build(device, scene, procedural, settings, most, schedule)
     }
 
     /// As [`Self::new`] with waves of at most `capacity` paths. The picture does not depend on it.
@@ -252,10 +255,11 @@ impl Renderer {
         scene: &Scene,
         procedural: &Procedural,
         settings: &RenderSettings,
-        capacity: u32,
+        most_paths: u32,
         mut schedule: Box<dyn Schedule>,
     ) -> Result<Self, RenderError> {
-        let capacity = capacity.next_multiple_of(64).max(64);
+        let most_paths = most_paths.next_multiple_of(64).max(64);
+        let capacity = Lanes::capacity(device, &*schedule, most_paths);
         let mut resources = Resources::default();
         allocate_picture(device, settings, &mut resources)?;
         let mut gpu_scene = GpuScene::new(
@@ -282,10 +286,12 @@ impl Renderer {
         };
         schedule.allocate(upload, &mut resources)?;
         wave::allocate_layer_samples(device, capacity, record_words, &mut resources)?;
+        let mut lanes = Lanes::new(&mut *schedule, upload, record_words)?;
         edits::allocate(device, procedural, &*schedule, &mut resources)?;
         let features = &gpu_scene.features;
         let kernels = Kernels::new(device, features, layers, procedural, &*schedule)?;
         let bound = kernels.bind(device, &resources);
+        lanes.bind(device, &kernels, &resources);
         device.check()?;
         Ok(Self {
             device: device.clone(),
@@ -298,8 +304,10 @@ impl Renderer {
             resources,
             kernels,
             bound,
+            lanes,
             capacity,
-            wave_size: first_wave(device, capacity),
+            most_paths,
+            wave_size: first_wave(device, most_paths),
             position: 0,
             rendered: 0,
             timer: Timer::counting(),
@@ -327,6 +335,7 @@ impl Renderer {
     /// If the device is out of memory.
     pub fn time_passes(&mut self) -> Result<(), RenderError> {
         self.timer = Timer::timing(&self.device)?;
+        self.lanes.time_passes(&self.device)?;
         Ok(())
     }
 
@@ -362,7 +371,12 @@ impl Renderer {
 
     /// Most paths of the next wave.
     fn next_wave_size(&self) -> u32 {
-        (self.wave_size.max(self.smallest_wave)).min(self.capacity)
+        let paths = (self.wave_size.max(self.smallest_wave)).min(self.most_paths);
+        match self.lanes.is_empty() {
+            true => paths,
+            // Lanes may not meet at a pixel.
+            false => paths.min(self.frame.padded_pixels),
+        }
     }
 
     /// Renders a wave from a path on, of a picture of so many samples per pixel.
@@ -371,13 +385,26 @@ impl Renderer {
         self.device.wait()?;
         let start = self.system.clock.now();
         self.clear_stale_film()?;
-        let first = self.settings.first_sample;
+        let (first, plan) = (self.settings.first_sample, self.plan());
         self.frame.set_wave(position, paths, first, spp);
-        self.render_wave()?;
+        match self.lanes.is_empty() {
+            true => self.render_wave()?,
+            false => {
+                let wave = Wave {
+                    frame: &self.frame,
+                    position,
+                    paths,
+                    first_sample: first,
+                    spp,
+                    capacity: self.capacity,
+                };
+                self.lanes.render(&self.device, &plan, &wave)?;
+            }
+        }
         self.is_warm = true;
         self.rendered += u64::from(paths);
         let took = self.system.clock.now() - start;
-        self.wave_size = next_wave(self.wave_size, self.capacity, took, self.longest_wave);
+        self.wave_size = next_wave(self.wave_size, self.most_paths, took, self.longest_wave);
         self.seconds += took.as_secs_f64();
         Ok(())
     }
@@ -391,51 +418,24 @@ impl Renderer {
         Ok(())
     }
 
-    /// The passes of a wave.
-    fn render_wave(&mut self) -> Result<(), DeviceError> {
-        self.begin_wave(&self.frame);
-        let paths = self.frame.wave_size;
-        let max_depth = self.settings.max_depth;
-        let schedule = Arc::clone(&self.schedule);
-        if !schedule.goes_in_rounds() {
-            return self.submit(paths, |wave| schedule.end(wave));
+    /// How waves go.
+    fn plan(&self) -> Plan {
+        Plan {
+            schedule: Arc::clone(&self.schedule),
+            max_depth: self.settings.max_depth,
+            may_take_longer: self.scene.features.passages,
         }
-        let may_take_longer = self.scene.features.passages;
-        self.submit(paths, |wave| {
-            schedule.start(wave);
-            // One round more than vertices that scatter: the last one finds emission only.
-            for _ in 0..=max_depth {
-                schedule.round(wave);
-            }
-            if !may_take_longer {
-                schedule.end(wave);
-            }
-        })?;
-        if may_take_longer {
-            self.finish_paths()?;
-            self.submit(paths, |wave| schedule.end(wave))?;
-        }
-        Ok(())
     }
 
-    /// Rays that pass surfaces, because a texture program says so, through clear walls or inside overlapping bodies, take
-    /// rounds in which nothing scatters: as many follow as there is work for.
-    fn finish_paths(&mut self) -> Result<(), DeviceError> {
+    /// Takes the paths of the frame to the film, all at once.
+    fn render_wave(&mut self) -> Result<(), DeviceError> {
+        begin_wave(&self.device, &self.resources, &self.frame);
         let paths = self.frame.wave_size;
-        let schedule = Arc::clone(&self.schedule);
-        for _ in 0..MOST_PASSAGES / PASSAGES {
-            let queues = self.resources.buffer("queues");
-            let active = self.device.read(queues, Queue::Active.length_offset(), 4)?;
-            if active.iter().all(|&byte| byte == 0) {
-                break;
-            }
-            self.submit(paths, |wave| {
-                for _ in 0..PASSAGES {
-                    schedule.round(wave);
-                }
-            })?;
-        }
-        Ok(())
+        let (device, resources) = (self.device.clone(), self.resources.clone());
+        let plan = self.plan();
+        plan.play(&device, &resources, &mut |record| {
+            self.submit(paths, |wave| record(wave))
+        })
     }
 
     /// Records passes, and waits until they have run.
@@ -460,14 +460,6 @@ impl Renderer {
         self.device.play_apart(&recording, &mut self.timer, say)
     }
 
-    /// Writes what a wave begins with.
-    fn begin_wave(&self, frame: &Frame) {
-        let write =
-            |name: &str, bytes: &[u8]| self.device.write(self.resources.buffer(name), 0, bytes);
-        write("frame", bytemuck::bytes_of(frame));
-        write("queues", bytemuck::cast_slice(&wave::fresh_queues()));
-    }
-
     /// Forgets all samples: the next wave starts the picture anew. What was written before is submitted.
     pub fn restart(&mut self) {
         // The film is cleared when it is needed next: an edit doesn't wait for that, nor do hundreds of them clear it
@@ -484,6 +476,7 @@ impl Renderer {
         if std::mem::take(&mut self.is_stale) {
             clear_picture(&self.device, &self.settings, &self.resources)?;
             wave::clear_faults(&self.device, &self.resources);
+            self.lanes.clear_faults(&self.device);
         }
         Ok(())
     }
@@ -522,19 +515,38 @@ impl Renderer {
         PathBytes::new(self.procedural.result_words())
     }
 
+    /// Milliseconds and dispatches of each pass that has run.
+    fn times(&self) -> BTreeMap<&'static str, (f64, u64)> {
+        let of = |label: &str| {
+            let (milliseconds, dispatches) = self.lanes.times(label);
+            let alone = self.timer.totals().get(label).copied();
+            let (more, others) = alone.unwrap_or_default();
+            (milliseconds + more, dispatches + others)
+        };
+        let times = self.bound.labels().map(|label| (label, of(label)));
+        times
+            .filter(|(_, (_, dispatches))| *dispatches > 0)
+            .collect()
+    }
+
+    /// Binds the kernels to the resources, after either has changed.
+    fn bind(&mut self) {
+        self.bound = self.kernels.bind(&self.device, &self.resources);
+        self.lanes
+            .bind(&self.device, &self.kernels, &self.resources);
+    }
+
     /// Figures so far.
     ///
     /// # Errors
     /// What the driver reports.
     pub fn stats(&self) -> Result<Stats, RenderError> {
-        let bytes = self
-            .device
-            .read(self.resources.buffer("queues"), 0, wave::QUEUE_HEADER * 4)?;
-        let mut totals = wave::Totals::new(&bytemuck::pod_collect_to_vec::<_, u32>(&bytes));
+        let mut totals = Totals::read(&self.device, &self.resources)?;
+        totals.add(&self.lanes.totals(&self.device)?);
         if self.is_stale {
             totals = totals.without_faults();
         }
-        let times = self.timer.totals();
+        let times = self.times();
         let all: f64 = times.values().map(|(ms, _)| ms).sum();
         let passes: Vec<PassStats> = self
             .bound
@@ -567,11 +579,16 @@ impl Renderer {
         let samples =
             self.rendered * u64::from(self.settings.width) * u64::from(self.settings.height)
                 / padded;
-        let mut memory: Vec<(String, u64)> = self
+        let mut sizes = BTreeMap::<&str, u64>::new();
+        for (name, bytes) in self
             .resources
             .buffer_sizes()
-            .map(|(n, b)| (n.to_owned(), b))
-            .collect();
+            .chain(self.lanes.buffer_sizes())
+        {
+            *sizes.entry(name).or_default() += bytes;
+        }
+        let sizes = sizes.into_iter().map(|(n, b)| (n.to_owned(), b));
+        let mut memory: Vec<(String, u64)> = sizes.collect();
         memory.push(("image layers".to_owned(), self.scene.image_bytes));
         memory.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
         let counts = self.device.counts();

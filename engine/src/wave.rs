@@ -237,7 +237,7 @@ pub fn state_field(capacity: u32) -> u64 {
 }
 
 /// Totals that the kernels keep in the header of the queues.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Totals {
     /// Path and shadow rays.
     pub rays: u64,
@@ -272,6 +272,27 @@ impl Totals {
             non_finite: pair(20),
             non_finite_node: words[22].checked_sub(1),
         }
+    }
+
+    /// Of a wave's memory.
+    ///
+    /// # Errors
+    /// What the driver reported.
+    pub fn read(device: &Device, resources: &Resources) -> Result<Self, DeviceError> {
+        let bytes = device.read(resources.buffer("queues"), 0, QUEUE_HEADER * 4)?;
+        Ok(Self::new(&bytemuck::pod_collect_to_vec::<_, u32>(&bytes)))
+    }
+
+    /// Adds those of another wave's memory.
+    pub fn add(&mut self, other: &Self) {
+        self.rays += other.rays;
+        self.shadow_rays += other.shadow_rays;
+        self.ao_rays += other.ao_rays;
+        self.invalid += other.invalid;
+        self.clamped += other.clamped;
+        self.overrun = self.overrun.or(other.overrun);
+        self.non_finite += other.non_finite;
+        self.non_finite_node = self.non_finite_node.or(other.non_finite_node);
     }
 
     /// Without what is wrong with a picture.

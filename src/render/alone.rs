@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use device::Device;
+use engine::film::Origin;
 use engine::fingerprint::fingerprint;
 use engine::renderer::RenderSettings;
 use engine::session::{Opening, Session};
@@ -14,7 +15,8 @@ use crate::job::RenderJob;
 use crate::progress::Bar;
 use crate::{cache, interrupt};
 
-use super::{Ended, FAREWELL, Rendered, Rest, failure, mark, settings};
+use super::limits::Watch;
+use super::{Ended, FAREWELL, Rendered, Rest, checkpoint, failure, mark, settings};
 
 /// Renders until all samples are there, or a signal comes.
 ///
@@ -25,6 +27,7 @@ pub(super) fn render(
     opening: Opening,
     gpu: &Device,
     bar: &Bar,
+    mut watch: Watch,
 ) -> Result<Rendered, Failure> {
     let clock = Instant::now();
     bar.follow(gpu);
@@ -49,6 +52,29 @@ pub(super) fn render(
     if job.stats || job.stats_json.is_some() {
         session.time_passes().map_err(failure)?;
     }
+    let name = gpu.description().name.clone();
+    let mut writer = None;
+    if let Some(checkpoints) = &job.checkpoints {
+        let origin = Origin::new(
+            &name,
+            &job.scene,
+            job.look.as_deref(),
+            settings_written.clone(),
+        );
+        if checkpoints.resumes
+            && let Some((film, paths)) = checkpoint::read(checkpoints, &origin, job.first_sample)?
+        {
+            session.resume(&film, paths).map_err(failure)?;
+        }
+        let first = job.first_sample;
+        writer = Some(checkpoint::Writer::new(
+            checkpoints,
+            &job.outputs,
+            job.exposure,
+            origin,
+            first,
+        ));
+    }
     let prepare_seconds = clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
@@ -59,10 +85,16 @@ pub(super) fn render(
         // A cache that can't be written costs time at the next start, nothing else.
         let _ = gpu.save_cache();
     };
-    let complete = accumulate(&mut session, job.spp.get(), bar, first)?;
+    let ended = accumulate(&mut session, job, bar, first, &mut watch, writer.as_mut())?;
     let mut film = session.snapshot().map_err(failure)?.film;
     interrupt::writes_results();
-    if !complete && !job.outputs.films.is_empty() {
+    let is_film_wanted = !job.outputs.films.is_empty();
+    if let (Some(writer), false) = (&mut writer, is_film_wanted) {
+        writer.write(film.clone(), session.paths_done());
+        writer.finish();
+    }
+    drop(writer);
+    if ended.is_some() && is_film_wanted {
         let (_, most) = film.sample_bounds();
         complete_sample(&mut session, most)?;
         film = session.snapshot().map_err(failure)?.film;
@@ -72,8 +104,9 @@ pub(super) fn render(
     Ok(Rendered {
         film,
         samples: job.first_sample..job.first_sample + most,
-        ended: (!complete).then_some(Ended::Interrupted),
-        device: gpu.description().name.clone(),
+        paths: Some(session.paths_done()),
+        ended,
+        device: name,
         facts: DeviceFacts::new(gpu.description()),
         shares: Vec::new(),
         settings: settings_written,
@@ -84,25 +117,45 @@ pub(super) fn render(
     })
 }
 
-/// Renders wave by wave, with something to do after the first; returns whether all samples were taken before the user asked to stop.
+/// Renders wave by wave, with something to do after the first, until all samples are taken, or for as long as nothing ends it before.
 fn accumulate(
     session: &mut Session,
-    spp: u32,
+    job: &RenderJob,
     bar: &Bar,
     after_first: impl FnOnce(),
-) -> Result<bool, Failure> {
+    watch: &mut Watch,
+    mut writer: Option<&mut checkpoint::Writer<'_>>,
+) -> Result<Option<Ended>, Failure> {
+    let spp = job.spp.get();
+    let pixels = f64::from(job.width) * f64::from(job.height);
     let mut after_first = Some(after_first);
     loop {
         let progress = session.step(spp).map_err(failure)?;
         if let Some(after_first) = after_first.take() {
             after_first();
         }
-        bar.update(&progress, spp);
         if progress.samples_done >= progress.samples_total {
-            return Ok(true);
+            bar.update(&progress, spp);
+            return Ok(None);
         }
         if interrupt::requested() {
-            return Ok(false);
+            return Ok(Some(Ended::Interrupted));
+        }
+        let samples = progress.samples_done as f64 / pixels;
+        let error = || {
+            Ok(Some(
+                session.snapshot().map_err(failure)?.film.relative_error(),
+            ))
+        };
+        if let Some(limit) = watch.reached::<Failure>(samples, error)? {
+            return Ok(Some(Ended::Enough(limit)));
+        }
+        bar.update(&watch.progress(&progress, samples), spp);
+        if let Some(writer) = writer.as_mut().filter(|writer| writer.is_due()) {
+            writer.write(
+                session.snapshot().map_err(failure)?.film,
+                session.paths_done(),
+            );
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A picture by several devices: see [`engine::fleet`].
 
+use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -15,6 +16,7 @@ use crate::job::RenderJob;
 use crate::progress::Bar;
 use crate::{cache, console, interrupt};
 
+use super::limits::Watch;
 use super::{Ended, FAREWELL, Rendered, Rest, mark, settings};
 
 /// How often a signal is looked for where nothing else happens.
@@ -29,6 +31,7 @@ pub(super) fn render(
     loaded: Loaded,
     devices: &[Device],
     bar: &Bar,
+    mut watch: Watch,
 ) -> Result<Rendered, Failure> {
     let clock = Instant::now();
     if let Some(first) = devices.first() {
@@ -51,9 +54,9 @@ pub(super) fn render(
 
     let clock = Instant::now();
     let mut losses = Vec::new();
-    let is_interrupted = follow(&fleet, job.spp.get(), bar, &mut losses);
+    let early = follow(&fleet, job, bar, &mut losses, &mut watch);
     interrupt::writes_results();
-    if is_interrupted && !job.outputs.films.is_empty() {
+    if early.is_some() && !job.outputs.films.is_empty() {
         // All pixels get the same samples, as a film that is to be merged should have, if that is a matter of moments.
         fleet.stop_after_sample();
         let farewell = Instant::now();
@@ -61,7 +64,7 @@ pub(super) fn render(
             fleet.wait(TICK);
         }
     }
-    if is_interrupted {
+    if early.is_some() {
         fleet.stop();
     }
     let outcome = fleet.outcome();
@@ -73,10 +76,10 @@ pub(super) fn render(
     }
 
     let (lowest, _) = outcome.film.sample_bounds();
-    let ended = match (outcome.is_complete, is_interrupted) {
-        (_, true) => Some(Ended::Interrupted),
-        (true, false) => None,
-        (false, false) => {
+    let ended = match (early, outcome.is_complete) {
+        (Some(ended), _) => Some(ended),
+        (None, true) => None,
+        (None, false) => {
             let reason = format!(
                 "no device is left to finish the picture:\n{}",
                 losses.join("\n")
@@ -108,6 +111,7 @@ pub(super) fn render(
         device: outcome.device_names(),
         film: outcome.film,
         samples: outcome.samples,
+        paths: None,
         ended,
         facts,
         shares: outcome.devices,
@@ -145,20 +149,35 @@ fn recruits(plan: &Plan, devices: &[Device], bar: &Bar) -> Result<Vec<Recruit>, 
     }
 }
 
-/// Shows how far the picture is until it is done, or no device is left. Whether a signal came before.
-fn follow(fleet: &Fleet, spp: u32, bar: &Bar, losses: &mut Vec<String>) -> bool {
+/// Shows how far the picture is until it is done, or no device is left. What ends it before, if something does.
+fn follow(
+    fleet: &Fleet,
+    job: &RenderJob,
+    bar: &Bar,
+    losses: &mut Vec<String>,
+    watch: &mut Watch,
+) -> Option<Ended> {
+    let pixels = f64::from(job.width) * f64::from(job.height);
     while !fleet.is_over() {
         let progress = fleet.wait(TICK);
         tell(fleet, bar, losses);
         if progress.samples_done > 0 {
             interrupt::has_results();
         }
-        bar.update(&progress, spp);
+        let samples = progress.samples_done as f64 / pixels;
+        bar.update(&watch.progress(&progress, samples), job.spp.get());
+        if fleet.is_over() {
+            break;
+        }
         if interrupt::requested() {
-            return !fleet.is_over();
+            return Some(Ended::Interrupted);
+        }
+        let Ok(limit) = watch.reached(samples, || Ok::<_, Infallible>(fleet.relative_error()));
+        if let Some(limit) = limit {
+            return Some(Ended::Enough(limit));
         }
     }
-    false
+    None
 }
 
 /// Tells which devices have failed.

@@ -143,6 +143,7 @@ impl Gpu {
     pub(crate) fn traits(&self) -> Traits {
         let is_software = self.shared.is_software;
         Traits {
+            lanes: 0,
             waves: match is_software {
                 // Their caches are those of processors.
                 true => WaveSizes {

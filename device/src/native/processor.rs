@@ -8,7 +8,7 @@ use std::{
     time::Instant,
 };
 
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
 
 use crate::{
     Activity, Command, Counts, DeviceDescription, DeviceError, Extent, Format, KernelSource,
@@ -19,7 +19,7 @@ use crate::{
 
 use super::{
     buffer::{Buffer, OutOfMemory},
-    compile::{self, Cache, ErrorKind, Options},
+    compile::{self, BoundKernel, Cache, ErrorKind, Options},
     image::{self, Image},
 };
 
@@ -113,11 +113,17 @@ impl Processor {
     }
 
     pub(crate) fn traits(&self) -> Traits {
+        let threads = match &self.shared.threads {
+            Some(own) => own.current_num_threads(),
+            None => rayon::current_num_threads(),
+        };
+        let lanes = u32::try_from(threads).unwrap_or(u32::MAX);
         Traits {
             waves: WaveSizes {
                 first: 1 << 14,
-                most: 1 << 16,
+                most: lanes.clamp(2, 1 << 8) << 15,
             },
+            lanes,
             runs_threads_in_turn: true,
             calls_functions: true,
             compiles_slowly: false,
@@ -197,15 +203,38 @@ impl Processor {
 
     /// Does what is recorded, one after the other, and returns when it is done.
     pub(crate) fn play(&self, recording: &Recording, timer: Option<&mut Timer>) {
+        self.on_threads(|| run(recording, timer, BoundKernel::dispatch));
+    }
+
+    /// As [`Self::play`], on the calling thread.
+    pub(crate) fn play_alone(&self, recording: &Recording, timer: &mut Timer) {
+        run(recording, Some(timer), BoundKernel::dispatch_alone);
+    }
+
+    /// Does something for each of some items, on as many threads as there are.
+    pub(crate) fn side_by_side<T: Send, E: Send>(
+        &self,
+        items: &mut [T],
+        work: impl Fn(&mut T) -> Result<(), E> + Send + Sync,
+    ) -> Result<(), E> {
+        let items = items.par_iter_mut().with_max_len(1);
+        self.on_threads(|| items.try_for_each(work))
+    }
+
+    fn on_threads<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match &self.shared.threads {
-            Some(own) => own.install(|| run(recording, timer)),
-            None => run(recording, timer),
+            Some(own) => own.install(work),
+            None => work(),
         }
     }
 }
 
-/// Does what is recorded on the threads of the pool that it is called in.
-fn run(recording: &Recording, mut timer: Option<&mut Timer>) {
+/// Does what is recorded by a way to run a kernel over its workgroups.
+fn run(
+    recording: &Recording,
+    mut timer: Option<&mut Timer>,
+    dispatch: impl Fn(&BoundKernel, [u32; 3]),
+) {
     for command in recording.commands() {
         match command {
             Command::Dispatch(kernel, extent) => {
@@ -213,7 +242,7 @@ fn run(recording: &Recording, mut timer: Option<&mut Timer>) {
                     unreachable!("kernels are bound to the device that plays them");
                 };
                 let start = Instant::now();
-                bound.dispatch(workgroups(extent));
+                dispatch(bound, workgroups(extent));
                 if let Some(timer) = &mut timer {
                     timer.add(kernel.label(), start.elapsed());
                 }

@@ -210,6 +210,11 @@ impl Fleet {
         (u128::from(paths) * pixels / padded.max(1)) as u64
     }
 
+    /// [`Film::relative_error`] of what devices have handed over so far; `None` while there is nothing.
+    pub fn relative_error(&self) -> Option<f64> {
+        self.shared.with_film(Film::relative_error)
+    }
+
     /// Whether a device has begun to render, or none ever will.
     pub fn is_ready(&self) -> bool {
         let state = self.shared.lock();

@@ -279,6 +279,12 @@ impl Shared {
         });
     }
 
+    /// Looks at what has been collected.
+    pub(super) fn with_film<T>(&self, look: impl FnOnce(&Film) -> T) -> Option<T> {
+        let film = self.film.lock().unwrap_or_else(PoisonError::into_inner);
+        film.as_ref().map(look)
+    }
+
     /// What has been collected; nothing is left here then.
     pub(super) fn take_film(&self) -> Option<Film> {
         let mut film = self.film.lock().unwrap_or_else(PoisonError::into_inner);

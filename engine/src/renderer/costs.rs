@@ -21,6 +21,7 @@ use crate::{
     wave::{self, Queue},
 };
 
+use super::lanes::begin_wave;
 use super::record::Recorder;
 use super::{RenderError, Renderer};
 
@@ -267,7 +268,7 @@ impl Renderer {
     /// Runs a wave up to its first hits, by these programs.
     fn find_first_hits(&mut self, frame: &Frame, words: &[u32]) -> Result<(), RenderError> {
         self.write_programs(words);
-        self.begin_wave(frame);
+        begin_wave(&self.device, &self.resources, frame);
         self.nanoseconds("", frame.wave_size, |wave| {
             schedule::start(wave);
             schedule::find_hits(wave);

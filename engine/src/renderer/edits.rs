@@ -115,6 +115,12 @@ impl Renderer {
             self.procedural.result_words(),
             &mut self.resources,
         )?;
+        self.lanes.grow_results(
+            &self.device,
+            &*self.schedule,
+            self.capacity,
+            self.procedural.result_words(),
+        )?;
         let fits = |name: &str, words: &[u32]| {
             self.resources.buffer(name).size() >= words.len() as u64 * 4
         };
@@ -129,12 +135,12 @@ impl Renderer {
                 &*self.schedule,
                 &mut self.resources,
             )?;
-            self.bound = self.kernels.bind(&self.device, &self.resources);
+            self.bind();
         } else {
             self.write_ranges("programs", self.procedural.programs(), &changes.programs);
             self.write_ranges("args", self.procedural.args(), &changes.args);
             if needs_kernels {
-                self.bound = self.kernels.bind(&self.device, &self.resources);
+                self.bind();
             }
         }
         if changes.ao {

@@ -17,6 +17,36 @@ impl Renderer {
         u64::from(self.frame.padded_pixels)
     }
 
+    /// How many paths of the picture [`Self::step`] has rendered, padding included: those of the lowest numbers.
+    pub fn paths_done(&self) -> u64 {
+        self.position
+    }
+
+    /// Goes on with a picture of which so many paths are in `film`, as [`Self::film`] and [`Self::paths_done`] gave them: what comes of
+    /// it is the picture as if nothing had come between.
+    ///
+    /// # Errors
+    /// The device.
+    ///
+    /// # Panics
+    /// The film has another size or other layers than the picture.
+    pub fn resume(&mut self, film: &Film, paths: u64) -> Result<(), RenderError> {
+        let (width, height) = (self.settings.width, self.settings.height);
+        assert!(
+            (film.width, film.height) == (width, height) && *film.layers() == self.settings.layers,
+            "a picture goes on with its own film"
+        );
+        self.restart();
+        self.clear_stale_film()?;
+        for (name, plane) in film.planes_by_name() {
+            let buffer = self.resources.buffer(name);
+            self.device.write(buffer, 0, bytemuck::cast_slice(plane));
+        }
+        self.position = paths;
+        self.device.check()?;
+        Ok(())
+    }
+
     /// Renders the first wave of a range of paths into the film; how many paths that were. Both bounds are multiples of 64. Each
     /// path may be rendered once; the film doesn't depend on the order.
     ///

@@ -195,7 +195,7 @@ pub(crate) fn compiling(procedural: &Procedural) -> String {
 }
 
 /// The kernels with their resources.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Bound {
     by_name: BTreeMap<&'static str, Vec<BoundKernel>>,
     passes: &'static [&'static Pass],

@@ -126,6 +126,9 @@ impl Renderer {
         self.schedule
             .grow_results(&self.device, self.capacity, words, &mut resources)
             .map_err(RenderError::from)?;
+        self.lanes
+            .grow_results(&self.device, &*self.schedule, self.capacity, words)
+            .map_err(RenderError::from)?;
         edits::allocate(&self.device, &procedural, &*self.schedule, &mut resources)?;
         if let Some(kernel) = kernel {
             self.kernels
@@ -133,7 +136,7 @@ impl Renderer {
         }
         self.resources = resources;
         self.procedural = procedural;
-        self.bound = self.kernels.bind(&self.device, &self.resources);
+        self.bind();
         self.restart();
         self.device.check().map_err(RenderError::from)?;
         Ok(self.procedural.warnings().clone())

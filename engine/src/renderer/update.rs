@@ -55,7 +55,7 @@ impl Renderer {
                     return Ok(false);
                 }
                 Update::Written { is_moved: true } => {
-                    self.bound = self.kernels.bind(&self.device, &self.resources);
+                    self.bind();
                 }
                 Update::Written { is_moved: false } => {}
             }

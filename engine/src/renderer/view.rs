@@ -14,6 +14,7 @@ use crate::{
     schedule::{self, ScheduleError},
 };
 
+use super::lanes::begin_wave;
 use super::{RenderError, Renderer};
 
 /// The guides of a picture: see `guide.wgsl`.
@@ -58,7 +59,7 @@ impl Renderer {
         let layers = &self.settings.layers;
         allocate_film(&self.device, width, height, layers, &mut self.resources)?;
         (self.settings.width, self.settings.height) = (width, height);
-        self.bound = self.kernels.bind(&self.device, &self.resources);
+        self.bind();
         self.region = None;
         self.forget_guides();
         self.frame = self.fresh_frame();
@@ -147,7 +148,7 @@ impl Renderer {
         for first in (0..frame.padded_pixels).step_by(self.capacity as usize) {
             frame.first_pixel = first;
             frame.wave_size = self.capacity.min(frame.padded_pixels - first);
-            self.begin_wave(&frame);
+            begin_wave(&self.device, &self.resources, &frame);
             self.submit(frame.wave_size, |wave| {
                 schedule::start(wave);
                 schedule::find_hits(wave);

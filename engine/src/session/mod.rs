@@ -35,6 +35,7 @@ mod follow;
 pub mod json;
 mod open;
 mod patch;
+mod setting;
 mod view;
 
 use std::path::{Path, PathBuf};

@@ -11,7 +11,7 @@ use crate::scene::Camera;
 use crate::scene::look::{Look, LookDocument, LookError};
 use crate::system::System;
 
-use super::{Again, Problems, Session, SessionError, background, parse_look};
+use super::{Again, Edit, Problems, Session, SessionError, background, parse_look, setting};
 
 /// What is rendered, by files.
 #[derive(Debug, Clone)]
@@ -48,11 +48,27 @@ impl Opening {
     /// # Errors
     /// As [`crate::load::load`], and where there is no camera of the name that is asked for.
     pub fn read(inputs: Inputs, system: System) -> Result<Self, SessionError> {
+        Self::read_with(inputs, system, &[])
+    }
+
+    /// As [`Self::read`], as if the look's file had these edits.
+    ///
+    /// # Errors
+    /// As [`Self::read`]; a look that can't have them; a number outside of the range that a texture declares.
+    pub fn read_with(inputs: Inputs, system: System, edits: &[Edit]) -> Result<Self, SessionError> {
         let text = match &inputs.look {
             Some(path) => Look::read_text(&*system.files, path).map_err(LoadError::from)?,
             None => String::new(),
         };
+        let path = inputs.look.clone().unwrap_or_default();
+        let text = setting::edited(&path, &text, edits).map_err(SessionError::Refused)?;
         let loaded = background::load(&system.files, &inputs, &text)?;
+        let mut outside = edits
+            .iter()
+            .filter_map(|edit| edit.out_of_range(&loaded.procedural));
+        if let Some(message) = outside.next() {
+            return Err(SessionError::Refused(message));
+        }
         let document =
             parse_look(&inputs, &text).map_err(|e| LoadError::from(LookError::from(e)))?;
         Ok(Self {

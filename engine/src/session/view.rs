@@ -6,6 +6,7 @@ use std::time::Duration;
 use glam::Vec2;
 
 use crate::display::DeviceFilm;
+use crate::film::Film;
 use crate::pick::{self, Pick};
 use crate::renderer::{RenderError, TextureCosts};
 use crate::scene::Camera;
@@ -58,6 +59,19 @@ impl Session {
     /// See [`crate::renderer::Renderer::set_smallest_wave`]; of the renderer that there is now.
     pub fn set_smallest_wave(&mut self, paths: u32) {
         self.renderer.set_smallest_wave(paths);
+    }
+
+    /// See [`crate::renderer::Renderer::paths_done`].
+    pub fn paths_done(&self) -> u64 {
+        self.renderer.paths_done()
+    }
+
+    /// See [`crate::renderer::Renderer::resume`].
+    ///
+    /// # Errors
+    /// The device.
+    pub fn resume(&mut self, film: &Film, paths: u64) -> Result<(), SessionError> {
+        Ok(self.renderer.resume(film, paths)?)
     }
 
     /// Times each pass from now on, until something is built anew.

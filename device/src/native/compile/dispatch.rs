@@ -1,6 +1,6 @@
 //! Runs a kernel over its workgroups.
 
-use std::{fmt, ptr::null_mut, sync::Arc};
+use std::{fmt, ops::Range, ptr::null_mut, sync::Arc};
 
 use rayon::prelude::*;
 
@@ -104,45 +104,75 @@ impl BoundKernel {
     /// Runs so many workgroups along each axis, on the threads of the pool of rayon that the caller is in
     /// (`pool.install(|| bound.dispatch(..))`), and waits for their end.
     pub fn dispatch(&self, workgroups: [u32; 3]) {
-        let [columns, rows, layers] = workgroups.map(u64::from);
-        let Some(all) = columns
-            .checked_mul(rows)
-            .and_then(|n| n.checked_mul(layers))
-        else {
+        let Some(run) = Run::new(self, workgroups) else {
             return;
         };
-        if all == 0 {
-            return;
+        // Pieces of some workgroups each, so that handing them out costs nothing beside them.
+        let threads = rayon::current_num_threads() as u64;
+        let piece = (run.all / (threads * 64)).clamp(1, 64);
+        let pieces = run.all.div_ceil(piece);
+        if threads == 1 || pieces == 1 {
+            return run.range(&mut run.scratch(), 0..run.all);
         }
-        let mut context = self.bound.context.clone();
+        (0..pieces).into_par_iter().for_each_init(
+            || run.scratch(),
+            |scratch, number| {
+                let first = number * piece;
+                run.range(scratch, first..(first + piece).min(run.all));
+            },
+        );
+    }
+
+    /// As [`Self::dispatch`], all of it on the calling thread.
+    pub fn dispatch_alone(&self, workgroups: [u32; 3]) {
+        if let Some(run) = Run::new(self, workgroups) {
+            run.range(&mut run.scratch(), 0..run.all);
+        }
+    }
+}
+
+/// A dispatch under way.
+struct Run<'a> {
+    kernel: &'a Kernel,
+    context: Vec<u64>,
+    columns: u64,
+    rows: u64,
+    all: u64,
+}
+
+impl<'a> Run<'a> {
+    /// Nothing where there are no workgroups.
+    fn new(bound: &'a BoundKernel, workgroups: [u32; 3]) -> Option<Self> {
+        let [columns, rows, layers] = workgroups.map(u64::from);
+        let all = columns.checked_mul(rows)?.checked_mul(layers)?;
+        let mut context = bound.bound.context.clone();
         context[context::WORKGROUPS as usize / 8] =
             u64::from(workgroups[0]) | u64::from(workgroups[1]) << 32;
         context[context::WORKGROUPS as usize / 8 + 1] = u64::from(workgroups[2]);
-        let run = |scratch: &mut Scratch, index: u64| {
-            let (x, rest) = (index % columns, index / columns);
-            let (y, z) = (rest % rows, rest / rows);
+        let kernel = &bound.kernel;
+        (all > 0).then_some(Self {
+            kernel,
+            context,
+            columns,
+            rows,
+            all,
+        })
+    }
+
+    fn scratch(&self) -> Scratch {
+        Scratch::new(self.kernel.scratch_bytes)
+    }
+
+    fn range(&self, scratch: &mut Scratch, workgroups: Range<u64>) {
+        let entry = self.kernel.code.entry();
+        for index in workgroups {
+            let (x, rest) = (index % self.columns, index / self.columns);
+            let (y, z) = (rest % self.rows, rest / self.rows);
             let start = scratch.cleared();
-            let entry = self.kernel.code.entry();
             // SAFETY: the code was made for a context of these bindings, which were checked; scratch memory is as large
             // as it asks for; everything lives until the dispatch's end.
-            unsafe { entry(context.as_ptr(), start, x as u32, y as u32, z as u32) };
-        };
-        let scratch = || Scratch::new(self.kernel.scratch_bytes);
-        // Pieces of some workgroups each, so that handing them out costs nothing beside them.
-        let threads = rayon::current_num_threads() as u64;
-        let piece = (all / (threads * 64)).clamp(1, 64);
-        let pieces = all.div_ceil(piece);
-        if threads == 1 || pieces == 1 {
-            let mut scratch = scratch();
-            (0..all).for_each(|index| run(&mut scratch, index));
-            return;
+            unsafe { entry(self.context.as_ptr(), start, x as u32, y as u32, z as u32) };
         }
-        (0..pieces)
-            .into_par_iter()
-            .for_each_init(scratch, |scratch, number| {
-                let first = number * piece;
-                (first..(first + piece).min(all)).for_each(|index| run(scratch, index));
-            });
     }
 }
 

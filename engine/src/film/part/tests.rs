@@ -42,6 +42,20 @@ fn bytes(part: &Part) -> Vec<u8> {
     bytes
 }
 
+/// As version 0.1 wrote it.
+fn plain(part: &Part) -> Vec<u8> {
+    let file = bytes(part);
+    let header = 12 + u32::from_le_bytes([file[8], file[9], file[10], file[11]]) as usize;
+    let magic = match part.film.layers().is_picture_alone() {
+        true => MAGIC_PLAIN,
+        false => MAGIC_PLAIN_LAYERS,
+    };
+    let planes = part.film.planes().iter().flatten().flatten();
+    let planes: Vec<u8> = planes.flat_map(|word| word.to_le_bytes()).collect();
+    let unsealed = [magic, &file[8..header], &planes, &[0; 8]].concat();
+    sealed(&unsealed).expect("it has planes")
+}
+
 fn read(bytes: &[u8]) -> Result<Part, PartError> {
     Part::read(&mut &bytes[..], bytes.len() as u64)
 }
@@ -51,7 +65,6 @@ fn a_part_is_read_as_it_was_written_or_not_at_all() {
     let part = part(3..10, "0");
     let whole = bytes(&part);
     assert_eq!(read(&whole).expect("whole"), part);
-    // As it was before there were layers.
     assert!(whole.starts_with(MAGIC));
     assert!(!String::from_utf8_lossy(&whole).contains("layers"));
     for length in 0..whole.len() {
@@ -67,6 +80,47 @@ fn a_part_is_read_as_it_was_written_or_not_at_all() {
         assert_eq!(mended, at >= whole.len() - 8, "byte {at}");
     }
     assert!(matches!(read(b"something else"), Err(PartError::Foreign)));
+}
+
+#[test]
+fn files_of_former_versions_are_read() {
+    for part in [
+        part(3..10, "0"),
+        part_with_layers(0..20, &["depth", "normal"]),
+    ] {
+        let file = plain(&part);
+        assert_eq!(read(&file).expect("whole"), part);
+        for length in 0..file.len() {
+            assert!(read(&file[..length]).is_err(), "{length} bytes");
+        }
+    }
+}
+
+#[test]
+fn a_small_file_does_not_make_a_large_film() {
+    let file = bytes(&part(0..1, "0"));
+    let claimed = String::from_utf8_lossy(&file[12..]).into_owned();
+    let claimed = claimed.split('}').next().unwrap_or_default().len();
+    let header = String::from_utf8_lossy(&file[12..12 + claimed]).into_owned();
+    let larger = header.replace("\"width\":2,", "\"width\":16384,");
+    assert_ne!(header, larger);
+    let length = u32::from_le_bytes([file[8], file[9], file[10], file[11]]);
+    let length = length + (larger.len() - header.len()) as u32;
+    let changed = [
+        &file[..8],
+        &length.to_le_bytes(),
+        larger.as_bytes(),
+        &file[12 + claimed..],
+    ];
+    let changed = sealed(&changed.concat()).expect("it has planes");
+    let error = read(&changed).expect_err("too large").to_string();
+    assert!(error.contains("wrong length"), "{error}");
+}
+
+#[test]
+fn a_picture_under_way_knows_its_paths() {
+    let part = part(0..3, "0").under_way(100);
+    assert_eq!(read(&bytes(&part)).expect("whole").paths(), Some(100));
 }
 
 #[test]

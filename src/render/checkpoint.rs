@@ -1,0 +1,179 @@
+//! A render under way as a file, so that an hour's work isn't lost with the process: the film with how far it is, written aside and
+//! renamed while rendering goes on.
+
+use std::io::BufReader;
+use std::path::PathBuf;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use engine::film::{Film, Origin, Part, PartError};
+use engine::input;
+
+use crate::console;
+use crate::failure::Failure;
+use crate::output;
+use crate::words::Outputs;
+
+/// What was asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Checkpoints {
+    /// The file.
+    pub(crate) path: PathBuf,
+    /// How often it is written.
+    pub(crate) every: Duration,
+    /// It is gone on with where it is there.
+    pub(crate) resumes: bool,
+    /// The pictures are written with it.
+    pub(crate) with_pictures: bool,
+}
+
+/// Reads what a former run has left; nothing where there is no such file.
+///
+/// # Errors
+/// It can't be read, is no render under way, or is one of something else.
+pub(super) fn read(
+    checkpoints: &Checkpoints,
+    origin: &Origin,
+    first_sample: u32,
+) -> Result<Option<(Film, u64)>, Failure> {
+    let path = &checkpoints.path;
+    if !path.exists() {
+        console::note(&format!(
+            "{} is not there yet: the render begins",
+            path.display()
+        ));
+        return Ok(None);
+    }
+    let refused = |error: &dyn std::fmt::Display| {
+        let remedy = "render with the same settings, or without --resume to begin anew";
+        Failure::Failed(format!(
+            "cannot resume {}: {error}; {remedy}",
+            path.display()
+        ))
+    };
+    let read = || -> Result<Part, PartError> {
+        let (file, length) = input::open(path)?;
+        Part::read(&mut BufReader::new(file), length)
+    };
+    let part = read().map_err(|error| refused(&error))?;
+    origin.fits(&part.origin).map_err(|error| refused(&error))?;
+    let (Some(paths), [samples]) = (part.paths(), part.ranges()) else {
+        return Err(refused(
+            &"it is no checkpoint, but a film that was merged or written by another version",
+        ));
+    };
+    if samples.start != first_sample {
+        let error = format!("its first sample is {}, not {first_sample}", samples.start);
+        return Err(refused(&error));
+    }
+    if part.origin.device != origin.device {
+        console::warning(&format!(
+            "{} was rendered on {}, and goes on on {}: the picture is right, but not to the last bit that of one device",
+            path.display(),
+            part.origin.device,
+            origin.device
+        ));
+    }
+    let (fewest, _) = part.film.sample_bounds();
+    let samples = console::grouped(u64::from(fewest));
+    console::note(&format!(
+        "resumed {}: {samples} samples per pixel",
+        path.display()
+    ));
+    Ok(Some((part.film, paths)))
+}
+
+/// Writes checkpoints, one at a time, on a thread of its own.
+pub(super) struct Writer<'a> {
+    checkpoints: &'a Checkpoints,
+    /// Written with each, where that is wanted.
+    pictures: Outputs,
+    exposure: f32,
+    origin: Origin,
+    first_sample: u32,
+    last: Instant,
+    writing: Option<JoinHandle<()>>,
+}
+
+impl<'a> Writer<'a> {
+    pub(super) fn new(
+        checkpoints: &'a Checkpoints,
+        outputs: &Outputs,
+        exposure: f32,
+        origin: Origin,
+        first_sample: u32,
+    ) -> Self {
+        let pictures = match checkpoints.with_pictures {
+            true => outputs.pictures.clone(),
+            false => Vec::new(),
+        };
+        Self {
+            checkpoints,
+            pictures: Outputs {
+                pictures,
+                films: Vec::new(),
+            },
+            exposure,
+            origin,
+            first_sample,
+            last: Instant::now(),
+            writing: None,
+        }
+    }
+
+    /// Whether one is to be written now.
+    pub(super) fn is_due(&self) -> bool {
+        let is_free = self.writing.as_ref().is_none_or(JoinHandle::is_finished);
+        is_free && self.last.elapsed() >= self.checkpoints.every
+    }
+
+    /// Begins to write one of a film with so many paths. What goes wrong is a warning: the render goes on.
+    pub(super) fn write(&mut self, film: Film, paths: u64) {
+        self.finish();
+        self.last = Instant::now();
+        let (fewest, most) = film.sample_bounds();
+        if most == 0 {
+            return;
+        }
+        let first = self.first_sample;
+        let part = Part::new(film, first..first + most, self.origin.clone()).under_way(paths);
+        let (path, pictures) = (self.checkpoints.path.clone(), self.pictures.clone());
+        let exposure = self.exposure;
+        let work = move || {
+            let written = output::write_aside(&path, |file| part.write(file));
+            if let Err(error) = written {
+                console::warning(&format!("no checkpoint: {error}"));
+            }
+            // Pictures of less than a sample would have holes.
+            for picture in pictures.pictures.iter().filter(|_| fewest > 0) {
+                let written = output::write(picture, &part.film, Some(&part.origin), exposure);
+                if let Err(error) = written {
+                    console::warning(&error.to_string());
+                }
+            }
+        };
+        match std::thread::Builder::new()
+            .name("checkpoint".to_owned())
+            .spawn(work)
+        {
+            Ok(thread) => self.writing = Some(thread),
+            Err(error) => {
+                console::warning(&format!("no checkpoint: no thread can be started: {error}"))
+            }
+        }
+    }
+
+    /// Waits until what has begun is written.
+    pub(super) fn finish(&mut self) {
+        if let Some(writing) = self.writing.take() {
+            // It has said itself what went wrong.
+            let _ = writing.join();
+        }
+    }
+}
+
+impl Drop for Writer<'_> {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}

@@ -1,0 +1,185 @@
+//! What ends a render before all samples are taken: the error of the picture is small enough, or the time is over.
+
+use std::fmt;
+use std::time::{Duration, Instant};
+
+use engine::film::Film;
+use engine::renderer::Progress;
+
+use crate::console;
+
+/// Samples before the error is looked at: with fewer, light that is seldom met may not have been met at all.
+const FEWEST: f64 = 16.0;
+/// The error is looked at again after so many times the samples, at the least and at the most.
+const SOONEST: f64 = 1.1;
+const LATEST: f64 = 2.0;
+
+/// What was asked for.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Limits {
+    /// Relative error of the picture: [`Film::relative_error`].
+    pub(crate) noise: Option<f64>,
+    /// From the program's start.
+    pub(crate) time: Option<Duration>,
+}
+
+/// What has ended a render.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Limit {
+    Noise(f64),
+    Time(Duration),
+}
+
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Noise(limit) => write!(f, "--noise {limit}"),
+            Self::Time(time) => write!(f, "--time {}", console::duration(*time)),
+        }
+    }
+}
+
+/// Watches a render.
+#[derive(Debug)]
+pub(super) struct Watch {
+    limits: Limits,
+    start: Instant,
+    /// Samples per pixel at which the error is looked at next.
+    next: f64,
+    /// Samples per pixel when it was looked at last, and what it was.
+    error: Option<(f64, f64)>,
+}
+
+impl Watch {
+    /// Of a program that began then.
+    pub(super) fn new(limits: Limits, start: Instant) -> Self {
+        Self {
+            limits,
+            start,
+            next: FEWEST,
+            error: None,
+        }
+    }
+
+    /// How far a render is that may end before all samples are taken: of the samples that the limit next to be reached will have
+    /// wanted.
+    pub(super) fn progress(&self, progress: &Progress, spp: f64) -> Progress {
+        let elapsed = self.start.elapsed().as_secs_f64();
+        let of_time = self.limits.time.map(|time| elapsed / time.as_secs_f64());
+        let of_noise = match (self.limits.noise, self.error) {
+            // The error of now is that of the last look, less what has come since.
+            (Some(limit), Some((at, error))) => Some((limit / error).powi(2) * spp / at),
+            (Some(_), None) => Some(0.0),
+            (None, _) => None,
+        };
+        let Progress {
+            samples_done,
+            samples_total,
+        } = *progress;
+        let of_samples = samples_done as f64 / samples_total.max(1) as f64;
+        let share = [of_time, of_noise]
+            .into_iter()
+            .flatten()
+            .fold(of_samples, f64::max);
+        Progress {
+            samples_done,
+            samples_total: (samples_done as f64 / share.clamp(1e-9, 1.0)) as u64,
+        }
+    }
+
+    /// The limit that is reached by so many samples per pixel, if one is. `error` finds out the error of the picture; it takes a
+    /// moment, so it is asked for seldom. Where it can't be known yet, it gives nothing.
+    ///
+    /// # Errors
+    /// Those of `error`.
+    pub(super) fn reached<E>(
+        &mut self,
+        spp: f64,
+        error: impl FnOnce() -> Result<Option<f64>, E>,
+    ) -> Result<Option<Limit>, E> {
+        if let Some(time) = self.limits.time
+            && self.start.elapsed() >= time
+        {
+            return Ok(Some(Limit::Time(time)));
+        }
+        let Some(limit) = self.limits.noise.filter(|_| spp >= self.next) else {
+            return Ok(None);
+        };
+        let Some(error) = error()? else {
+            return Ok(None);
+        };
+        self.error = Some((spp, error));
+        if error <= limit {
+            return Ok(Some(Limit::Noise(limit)));
+        }
+        // It falls with the root of the number of samples, or faster.
+        let wanted = spp * (error / limit).powi(2);
+        self.next = wanted.clamp(SOONEST * spp, LATEST * spp);
+        Ok(None)
+    }
+}
+
+/// What is said of a render that had limits, when it has ended.
+pub(super) fn summary(limits: &Limits, reached: Option<&Limit>, film: &Film) -> Option<String> {
+    if *limits == Limits::default() {
+        return None;
+    }
+    let (fewest, _) = film.sample_bounds();
+    let error = film.relative_error();
+    let error = match error.is_finite() {
+        true => format!("relative error {}", console::significant(error)),
+        false => "relative error unknown".to_owned(),
+    };
+    let samples = format!(
+        "{error} after {} samples per pixel",
+        console::grouped(u64::from(fewest))
+    );
+    Some(match reached {
+        Some(limit) => format!("{samples}, ended by {limit}"),
+        None => samples,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_error_is_looked_at_seldom_and_not_too_late() {
+        let limits = Limits {
+            noise: Some(0.01),
+            time: None,
+        };
+        let mut watch = Watch::new(limits, Instant::now());
+        let mut looks = Vec::new();
+        let mut spp = 0.0;
+        let ended = loop {
+            spp += 1.0;
+            let error = || {
+                looks.push(spp);
+                Ok::<_, ()>(Some(0.2 / f64::sqrt(spp)))
+            };
+            if let Some(limit) = watch.reached(spp, error).unwrap() {
+                break limit;
+            }
+        };
+        assert_eq!(ended, Limit::Noise(0.01));
+        assert!((400.0..440.0).contains(&spp), "{spp}");
+        assert_eq!(looks, [16.0, 32.0, 64.0, 128.0, 256.0, 400.0]);
+    }
+
+    #[test]
+    fn time_ends_what_noise_does_not() {
+        let limits = Limits {
+            noise: Some(1e-9),
+            time: Some(Duration::ZERO),
+        };
+        let mut watch = Watch::new(limits, Instant::now());
+        let reached = watch.reached(1.0, || Ok::<_, ()>(Some(1.0))).unwrap();
+        assert_eq!(reached, Some(Limit::Time(Duration::ZERO)));
+        assert_eq!(
+            Watch::new(Limits::default(), Instant::now()).reached(1e6, || Err(())),
+            Ok(None)
+        );
+    }
+}
