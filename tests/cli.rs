@@ -16,6 +16,8 @@ mod devices;
 mod endings;
 #[path = "cli/layers.rs"]
 mod layers;
+#[path = "cli/limits.rs"]
+mod limits;
 #[path = "cli/lost_work.rs"]
 mod lost_work;
 
@@ -668,7 +670,7 @@ fn parts_of_a_picture_are_merged_to_exactly_the_whole() {
     for (parts, mentions) in [
         ("a b d c", "samples 8..9 are in two of the partial renders"),
         ("a b other", "seed is 1, but in the parts before it 0"),
-        ("a short", "wrong length"),
+        ("a short", "is damaged"),
         ("a changed", "checksum"),
         ("a missing", "missing.patina-film"),
     ] {

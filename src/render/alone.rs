@@ -62,7 +62,12 @@ pub(super) fn render(
             settings_written.clone(),
         );
         if checkpoints.resumes
-            && let Some((film, paths)) = checkpoint::read(checkpoints, &origin, job.first_sample)?
+            && let Some((film, paths)) = checkpoint::read(
+                checkpoints,
+                &origin,
+                job.first_sample,
+                session.paths_per_sample(),
+            )?
         {
             session.resume(&film, paths).map_err(failure)?;
         }

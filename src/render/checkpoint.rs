@@ -35,6 +35,7 @@ pub(super) fn read(
     checkpoints: &Checkpoints,
     origin: &Origin,
     first_sample: u32,
+    paths_per_sample: u64,
 ) -> Result<Option<(Film, u64)>, Failure> {
     let path = &checkpoints.path;
     if !path.exists() {
@@ -57,10 +58,8 @@ pub(super) fn read(
     };
     let part = read().map_err(|error| refused(&error))?;
     origin.fits(&part.origin).map_err(|error| refused(&error))?;
-    let (Some(paths), [samples]) = (part.paths(), part.ranges()) else {
-        return Err(refused(
-            &"it is no checkpoint, but a film that was merged or written by another version",
-        ));
+    let (Some(paths), [samples]) = (part.paths(paths_per_sample), part.ranges()) else {
+        return Err(refused(&"it lacks samples in between"));
     };
     if samples.start != first_sample {
         let error = format!("its first sample is {}, not {first_sample}", samples.start);

@@ -190,15 +190,23 @@ impl Part {
     /// ([`crate::renderer::Renderer::paths_done`]).
     #[must_use]
     pub fn under_way(self, paths: u64) -> Self {
-        Self {
-            paths: Some(paths),
-            ..self
-        }
+        // Whole samples say it themselves.
+        let paths = (self.missing > 0).then_some(paths);
+        Self { paths, ..self }
     }
 
-    /// See [`Self::under_way`].
-    pub fn paths(&self) -> Option<u64> {
-        self.paths
+    /// How many paths of its picture it has, where these are the first ones and a sample takes so many: see [`Self::under_way`].
+    pub fn paths(&self, per_sample: u64) -> Option<u64> {
+        let [samples] = &self.ranges[..] else {
+            return None;
+        };
+        let count = u64::from(samples.end - samples.start);
+        match self.missing {
+            0 => Some(count * per_sample),
+            _ => self
+                .paths
+                .filter(|paths| paths.div_ceil(per_sample) == count),
+        }
     }
 
     /// Which samples of each pixel it has: ascending, with gaps between.

@@ -66,6 +66,11 @@ impl Session {
         self.renderer.paths_done()
     }
 
+    /// See [`crate::renderer::Renderer::paths_per_sample`].
+    pub fn paths_per_sample(&self) -> u64 {
+        self.renderer.paths_per_sample()
+    }
+
     /// See [`crate::renderer::Renderer::resume`].
     ///
     /// # Errors

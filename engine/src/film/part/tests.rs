@@ -119,8 +119,19 @@ fn a_small_file_does_not_make_a_large_film() {
 
 #[test]
 fn a_picture_under_way_knows_its_paths() {
-    let part = part(0..3, "0").under_way(100);
-    assert_eq!(read(&bytes(&part)).expect("whole").paths(), Some(100));
+    let whole = part(0..3, "0").under_way(192);
+    assert_eq!(whole, part(0..3, "0"));
+    assert_eq!(whole.paths(64), Some(192));
+    let mut film = whole.film.clone();
+    film.add_sample(0, [0.5; 3]);
+    let begun = Part::new(film, 0..4, whole.origin.clone());
+    assert_eq!(begun.paths(64), None);
+    let begun = begun.under_way(200);
+    assert_eq!(read(&bytes(&begun)).expect("whole").paths(64), Some(200));
+    assert_eq!(begun.paths(8), None, "these would be more samples");
+    let mut gap = part(0..1, "0");
+    gap.merge(&part(5..6, "0")).expect("they fit");
+    assert_eq!(gap.paths(64), None);
 }
 
 #[test]

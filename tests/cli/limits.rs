@@ -1,0 +1,221 @@
+//! What ends a render, keeps it and goes on with it; what a command line says in place of the look.
+
+use super::*;
+
+/// A lit scene that is noisy: the triangle under a sky, with a rough surface.
+const SKY: &str = "environment = { color = [0.5, 0.6, 0.9] }\n[material.Glow]\nemission = [0.1, 0.1, 0.1]\nroughness = 0.4\n";
+
+fn sky() -> Bench {
+    let bench = Bench::new();
+    fs::write(bench.path("sky.look.toml"), SKY).expect("written");
+    bench
+}
+
+#[test]
+fn noise_and_time_end_a_render_and_say_so() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let line = "render triangle.gltf --look sky.look.toml --size 32x32 --noise 0.2 -o a.png";
+    let ended = bench.run(line).expect_code(0);
+    assert!(
+        ended.stdout.contains("ended by --noise 0.2"),
+        "{}",
+        ended.stdout
+    );
+    let line = "render triangle.gltf --look sky.look.toml --size 512x512 --time 2s -o b.png";
+    let ended = bench.run(line).expect_code(0);
+    assert!(
+        ended.stdout.contains("ended by --time 2s"),
+        "{}",
+        ended.stdout
+    );
+    let line = "render triangle.gltf --size 16x16 --spp 4 --noise 1e-9 -o c.png";
+    let ended = bench.run(line).expect_code(0);
+    assert!(ended.stdout.contains("after 4 samples"), "{}", ended.stdout);
+    let refused = bench.run("render triangle.gltf --time soon").expect_code(2);
+    assert!(refused.stderr.contains("10m"), "{}", refused.stderr);
+    bench.run("render triangle.gltf --noise 0").expect_code(2);
+}
+
+/// The bytes of a film that is rendered at one go.
+fn whole(bench: &Bench, line: &str) -> Vec<u8> {
+    bench
+        .run(&format!("{line} -o whole.patina-film"))
+        .expect_code(0);
+    fs::read(bench.path("whole.patina-film")).expect("it is there")
+}
+
+#[test]
+fn a_render_that_is_killed_goes_on_to_the_same_bits() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let line =
+        "render triangle.gltf --look sky.look.toml --size 192x192 --spp 48 --layers normal,depth";
+    let whole = whole(&bench, line);
+    let resumed = format!("{line} --checkpoint=0.02 --resume -o part.patina-film");
+    let mut kills = 0;
+    // It may be done before it is killed often; then it is begun anew.
+    for round in 0..40_u64 {
+        let mut child = bench
+            .command(&resumed)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("patina starts");
+        std::thread::sleep(std::time::Duration::from_millis(100 + 37 * (round % 13)));
+        if child.try_wait().expect("it is known").is_none() {
+            child.kill().expect("killed");
+            kills += 1;
+        }
+        child.wait().expect("it has ended");
+        if kills >= 12 {
+            break;
+        }
+    }
+    bench.run(&resumed).expect_code(0);
+    assert!(
+        fs::read(bench.path("part.patina-film")).expect("it is there") == whole,
+        "after {kills} kills"
+    );
+    let leftovers: Vec<_> = bench
+        .files()
+        .into_iter()
+        .filter(|name| name.contains("patina-") && !name.ends_with(".patina-film"))
+        .collect();
+    assert!(leftovers.len() <= kills, "{leftovers:?}");
+}
+
+#[test]
+fn what_was_kept_is_gone_on_with_where_it_fits() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let line = "render triangle.gltf --look sky.look.toml --size 32x24";
+    let whole = whole(&bench, &format!("{line} --spp 24"));
+    // A film goes on, too, and a merged one.
+    bench
+        .run(&format!("{line} --sample-range 0..4 -o a.patina-film"))
+        .expect_code(0);
+    bench
+        .run(&format!("{line} --sample-range 4..8 -o b.patina-film"))
+        .expect_code(0);
+    bench
+        .run("merge a.patina-film b.patina-film -o c.patina-film")
+        .expect_code(0);
+    let ended = bench
+        .run(&format!("{line} --spp 24 --resume -o c.patina-film"))
+        .expect_code(0);
+    assert!(
+        ended.stdout.contains("resumed c.patina-film: 8 samples"),
+        "{}",
+        ended.stdout
+    );
+    assert!(fs::read(bench.path("c.patina-film")).expect("it is there") == whole);
+    // The checkpoint of a picture has its name, and stays.
+    bench
+        .run(&format!("{line} --spp 8 --checkpoint --refresh -o d.png"))
+        .expect_code(0);
+    bench
+        .run(&format!("{line} --spp 24 --resume -o d.png"))
+        .expect_code(0);
+    assert!(fs::read(bench.path("d.patina-film")).expect("it is there") == whole);
+    for (other, named) in [
+        ("render triangle.gltf --size 32x24", "scene"),
+        (
+            "render triangle.gltf --look sky.look.toml --size 24x24",
+            "size",
+        ),
+        (
+            "render triangle.gltf --look sky.look.toml --size 32x24 --seed 1",
+            "seed",
+        ),
+    ] {
+        let refused = bench
+            .run(&format!("{other} --resume -o d.png"))
+            .expect_code(1);
+        assert!(
+            refused.stderr.contains("cannot resume") && refused.stderr.contains(named),
+            "{}",
+            refused.stderr
+        );
+    }
+    fs::write(bench.path("d.patina-film"), "damaged").expect("written");
+    bench
+        .run(&format!("{line} --resume -o d.png"))
+        .expect_code(1);
+    let refused = bench
+        .run(&format!(
+            "{line} --resume --device native:1,native:1 -o d.png"
+        ))
+        .expect_code(2);
+    assert!(
+        refused.stderr.contains("single device"),
+        "{}",
+        refused.stderr
+    );
+}
+
+#[test]
+fn a_command_line_overrides_the_look() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let line = "render triangle.gltf --size 16x16 --spp 4";
+    let mut given = bench.command(&format!("{line} --look sky.look.toml -o a.png"));
+    given.args([
+        "--set",
+        "material.Glow.emission=[0.7, 0.2, 0.1]",
+        "--set",
+        "environment.color=[0, 0, 0]",
+    ]);
+    Outcome::of(given.output().expect("patina starts"), line).expect_code(0);
+    let other = SKY
+        .replace("[0.1, 0.1, 0.1]", "[0.7, 0.2, 0.1]")
+        .replace("[0.5, 0.6, 0.9]", "[0, 0, 0]");
+    fs::write(bench.path("other.look.toml"), other).expect("written");
+    bench
+        .run(&format!("{line} --look other.look.toml -o b.png"))
+        .expect_code(0);
+    let pixels = |name: &str| {
+        image::open(bench.path(name))
+            .expect("a picture")
+            .to_rgb32f()
+    };
+    assert!(pixels("a.png") == pixels("b.png"));
+    // Without a look, too; from elsewhere; in half the size.
+    bench.run(&format!("{line} --set material.Glow.emission=[0,0,0] --camera-at 0,0,-3 --look-at 0,0,0 --scale 50% -o c.png")).expect_code(0);
+    assert_eq!(pixels("c.png").dimensions(), (8, 8));
+    for wrong in [
+        "--set nothing.scale=1",
+        "--set material.Glow.roughness=2",
+        "--camera-at 0,0,3 --look-at 0,0,3",
+    ] {
+        bench
+            .run(&format!("{line} {wrong} -o d.png"))
+            .expect_code(1);
+    }
+    for wrong in [
+        "--set scale",
+        "--camera-at 1,2",
+        "--scale none",
+        "--environment missing.hdr --set x",
+    ] {
+        bench
+            .run(&format!("{line} {wrong} -o d.png"))
+            .expect_code(2);
+    }
+    bench
+        .run(&format!("{line} --camera all -o e.png"))
+        .expect_code(0);
+    assert!(
+        bench.files().contains(&"e-Front.png".to_owned()),
+        "{:?}",
+        bench.files()
+    );
+}
