@@ -330,6 +330,7 @@ impl Part {
             let mut packed = Vec::new();
             file.take(stream).read_to_end(&mut packed)?;
             hash.bytes(&packed);
+            check(file, &hash)?;
             let mut planes = ZlibDecoder::new(&packed[..]);
             film.read_planes(&mut planes, |_| {}).map_err(unpacked)?;
             let is_at_its_end = planes.read(&mut [0]).map_err(unpacked)? == 0;
@@ -338,11 +339,7 @@ impl Part {
             }
         } else {
             film.read_planes(file, |plane| hash.bytes(plane))?;
-        }
-        let mut checksum = [0; 8];
-        file.read_exact(&mut checksum)?;
-        if u64::from_le_bytes(checksum) != hash.value() {
-            return Err(PartError::Damaged("its checksum is wrong"));
+            check(file, &hash)?;
         }
         if !film.has_numbers() {
             return Err(PartError::Damaged("its layers hold no numbers"));
@@ -377,6 +374,16 @@ impl Film {
                 .for_each(|word| *word = u32::from_le(*word));
         }
         Ok(())
+    }
+}
+
+/// Compares the checksum that follows.
+fn check(file: &mut impl Read, hash: &Hash) -> Result<(), PartError> {
+    let mut checksum = [0; 8];
+    file.read_exact(&mut checksum)?;
+    match u64::from_le_bytes(checksum) == hash.value() {
+        true => Ok(()),
+        false => Err(PartError::Damaged("its checksum is wrong")),
     }
 }
 
