@@ -11,7 +11,9 @@ use engine::settings::{Estimator, Sampler};
 
 use crate::bench::args::BenchCommand;
 use crate::console::MessageFormat;
+use crate::farm::args::FarmCommand;
 use crate::flags::{CommonArgs, scene_help, words};
+use crate::progress::Reader;
 use crate::texture::args::TextureCommand;
 use crate::view::args::ViewArgs;
 use crate::watch::args::WatchArgs;
@@ -106,6 +108,12 @@ pub(crate) enum Command {
     /// Merge partial renders, as `render --sample-range` writes them, into one picture.
     #[command(after_help = MERGE_EXAMPLES)]
     Merge(MergeArgs),
+    /// Render on many machines, by a scheduler that exists.
+    Farm {
+        /// What to do.
+        #[command(subcommand)]
+        what: FarmCommand,
+    },
     /// List, check, inspect, evaluate, preview and begin textures.
     Texture {
         /// What to do with them.
@@ -186,6 +194,10 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "A..B", conflicts_with = "spp")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) sample_range: Option<String>,
+
+    /// Partial render: part I of N of the samples, the parts numbered from 1.
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["sample_range", "noise"])]
+    pub(crate) part: Option<String>,
 
     /// Width and height of the picture in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
@@ -280,6 +292,10 @@ pub(crate) struct RenderArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) exposure: String,
 
+    /// Who reads how far the render is.
+    #[arg(long, value_name = "READER", default_value = "people")]
+    pub(crate) progress: Reader,
+
     /// Print where the time and the memory went.
     #[arg(long)]
     pub(crate) stats: bool,
@@ -295,6 +311,11 @@ pub(crate) struct MergeArgs {
     /// Partial renders (.patina-film), in any order.
     #[arg(required = true, value_name = "FILM")]
     pub(crate) parts: Vec<PathBuf>,
+
+    /// Refuse to write anything unless the parts have exactly the samples from A up to, but not including, B.
+    #[arg(long, value_name = "A..B")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) expect: Option<String>,
 
     /// Where to write: .png or .jpg (8-bit sRGB), .exr (linear float) or .patina-film (to be merged again). May be given
     /// several times.

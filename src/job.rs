@@ -4,6 +4,7 @@
 //! is opened, read or written here.
 
 use std::num::NonZeroU32;
+use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -15,6 +16,8 @@ use engine::settings::{Estimator, Sampler};
 
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
 use crate::bench::job::BenchJob;
+use crate::farm::job::ExportJob;
+use crate::progress::Reader;
 use crate::render::{Checkpoints, Limits, overrides};
 use crate::texture::job::TextureJob;
 use crate::usage::UsageError;
@@ -22,8 +25,8 @@ use crate::view::job::ViewJob;
 use crate::watch::job::WatchJob;
 use crate::words::{
     Devices, MAX_DEPTH, MAX_SPP, MOST_THREADS, Outputs, parse_decimal, parse_device, parse_devices,
-    parse_duration, parse_exposure, parse_layers, parse_number, parse_sample_range, parse_scale,
-    parse_size, parse_word, refuse_overwriting,
+    parse_duration, parse_exposure, parse_layers, parse_number, parse_part, parse_sample_range,
+    parse_scale, parse_size, parse_word, refuse_overwriting,
 };
 
 /// Samples per pixel where nothing else ends a render.
@@ -42,6 +45,8 @@ pub(crate) enum Job {
     View(ViewJob),
     /// Add films.
     Merge(MergeJob),
+    /// Write a job for a farm.
+    Farm(ExportJob),
     /// Do something with textures.
     Texture(TextureJob),
     /// List devices.
@@ -112,6 +117,8 @@ pub(crate) struct RenderJob {
     pub(crate) texture_dirs: Vec<PathBuf>,
     /// Stops; EXR keeps the radiance.
     pub(crate) exposure: f32,
+    /// Who reads how far it is.
+    pub(crate) progress: Reader,
     /// Print statistics.
     pub(crate) stats: bool,
     /// Write statistics.
@@ -123,6 +130,8 @@ pub(crate) struct RenderJob {
 pub(crate) struct MergeJob {
     /// The films; at least one, no two alike.
     pub(crate) parts: Vec<PathBuf>,
+    /// The samples that they must make up.
+    pub(crate) expected: Option<Range<u32>>,
     /// Where the picture and the film go.
     pub(crate) outputs: Outputs,
     /// Stops; EXR keeps the radiance.
@@ -140,6 +149,7 @@ impl Job {
             Command::Watch(args) => Self::Watch(WatchJob::from_args(*args)?),
             Command::View(args) => Self::View(ViewJob::from_args(*args)?),
             Command::Merge(args) => Self::Merge(MergeJob::from_args(args)?),
+            Command::Farm { what } => Self::Farm(ExportJob::from_args(what)?),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,
             Command::Manuals { dir } => Self::Manuals(dir),
@@ -183,12 +193,16 @@ impl RenderJob {
                 .transpose()?,
         };
         let samples = match &args.sample_range {
-            Some(range) => parse_sample_range(range)?,
+            Some(range) => parse_sample_range("--sample-range", range)?,
             None => match &args.spp {
                 Some(spp) => 0..parse_number("--spp", spp, 1, MAX_SPP)?,
                 None if limits == Limits::default() => 0..DEFAULT_SPP,
                 None => 0..MAX_SPP,
             },
+        };
+        let samples = match &args.part {
+            Some(part) => parse_part(part, samples.end)?,
+            None => samples,
         };
         let checkpoints = checkpoints(&args, &outputs)?;
         let edits = overrides::parse(
@@ -254,6 +268,7 @@ impl RenderJob {
                 .transpose()?,
             texture_dirs: args.common.texture_dirs,
             exposure: parse_exposure(&args.exposure)?,
+            progress: args.progress,
             stats: args.stats,
             stats_json: args.stats_json,
             scene: args.scene,
@@ -297,7 +312,11 @@ impl MergeJob {
         if let Some((_, path)) = parts.find(|(i, path)| args.parts[..*i].contains(path)) {
             return Err(UsageError::PartTwice { path: path.clone() });
         }
+        let expected = args.expect.as_deref();
         Ok(Self {
+            expected: expected
+                .map(|range| parse_sample_range("--expect", range))
+                .transpose()?,
             parts: args.parts,
             outputs,
             exposure: parse_exposure(&args.exposure)?,

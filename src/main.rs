@@ -1,4 +1,4 @@
-//! The `patina` command: renders scenes, opens a window on them, merges films, works on textures, lists devices, measures itself.
+//! The `patina` command: renders scenes, opens a window on them, merges films, writes jobs for farms, works on textures, lists devices, measures itself.
 //!
 //! This file only walks the path every invocation takes: raw flags ([`args`]) become a validated [`job`], the job
 //! is run by the file named after it, and what came of it becomes an exit code ([`exit`]). Nothing is decided here.
@@ -11,6 +11,7 @@ mod crash;
 mod devices;
 mod exit;
 mod failure;
+mod farm;
 mod fault;
 mod flags;
 mod interrupt;
@@ -69,6 +70,7 @@ fn run(job: Job) -> Result<(), Failure> {
         Job::Watch(job) => watch::run(&job),
         Job::View(job) => view::run(&job),
         Job::Merge(job) => merge::run(&job),
+        Job::Farm(job) => farm::export(&job),
         Job::Texture(job) => texture::run(job),
         Job::Devices => {
             devices::run();

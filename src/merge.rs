@@ -1,6 +1,7 @@
 //! `patina merge`: adds films of parts of a picture's samples and writes the picture they make.
 
 use std::io::BufReader;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use engine::film::{Part, PartError};
@@ -45,6 +46,9 @@ pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
         .iter()
         .map(|range| format!("{}..{}", range.start, range.end))
         .collect();
+    if let Some(expected) = &job.expected {
+        expect(&merged, expected).map_err(Failure::Failed)?;
+    }
     // From here on it is a matter of moments.
     interrupt::writes_results();
     console::note(&format!(
@@ -53,6 +57,36 @@ pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
         console::grouped(u64::from(merged.film.sample_bounds().0))
     ));
     output::write_all(&job.outputs, &merged, job.exposure)
+}
+
+/// Whether a film has exactly these samples; else what is missing, or too much.
+fn expect(part: &Part, expected: &Range<u32>) -> Result<(), String> {
+    let (mut missing, mut at) = (Vec::new(), expected.start);
+    for range in part.ranges() {
+        if range.start < expected.start || range.end > expected.end {
+            let (start, end) = (range.start, range.end);
+            return Err(format!(
+                "--expect {}..{}: there are samples {start}..{end}",
+                expected.start, expected.end
+            ));
+        }
+        if at < range.start {
+            missing.push(format!("{at}..{}", range.start));
+        }
+        at = range.end;
+    }
+    if at < expected.end {
+        missing.push(format!("{at}..{}", expected.end));
+    }
+    let because = match (missing.is_empty(), part.is_even()) {
+        (true, true) => return Ok(()),
+        (true, false) => "a part was ended early, and lacks samples of some pixels".to_owned(),
+        (false, _) => format!("samples {} are missing", missing.join(", ")),
+    };
+    Err(format!(
+        "--expect {}..{}: {because}; nothing was written",
+        expected.start, expected.end
+    ))
 }
 
 fn read(path: &Path) -> Result<Part, PartError> {

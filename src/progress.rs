@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use clap::ValueEnum;
 use device::Activity;
 use device::Device;
 use engine::renderer::Progress;
@@ -17,6 +18,8 @@ use crate::console;
 const TICK: Duration = Duration::from_millis(200);
 /// What takes longer is named.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// Between lines for programs.
+const TELLING: Duration = Duration::from_secs(1);
 /// Between lines where there is no terminal.
 const SILENCE: Duration = Duration::from_secs(10);
 
@@ -36,11 +39,25 @@ struct Shared {
     form: Form,
 }
 
+/// What progress is written for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Reader {
+    /// People: a bar on a terminal, a line now and then elsewhere.
+    #[default]
+    People,
+    /// Programs: an object of JSON a line, on stdout.
+    Json,
+    /// Open Job Description: `openjd_progress` and `openjd_status` lines on stdout.
+    Openjd,
+}
+
 /// How progress is shown.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Form {
     Terminal,
     Lines,
+    /// For programs.
+    Told(Reader),
     Silent,
 }
 
@@ -68,10 +85,17 @@ enum Unit {
 impl Bar {
     /// A bar that shows `stage` until the first samples arrive.
     pub(crate) fn new(stage: &str) -> Self {
-        match io::stderr().is_terminal() {
-            true => Self::with(Form::Terminal, Some(stage)),
-            false => Self::with(Form::Lines, Some(stage)),
-        }
+        Self::read_by(Reader::People, stage)
+    }
+
+    /// As [`Self::new`], for whoever reads it.
+    pub(crate) fn read_by(reader: Reader, stage: &str) -> Self {
+        let form = match (reader, io::stderr().is_terminal()) {
+            (Reader::People, true) => Form::Terminal,
+            (Reader::People, false) => Form::Lines,
+            (Reader::Json | Reader::Openjd, _) => Form::Told(reader),
+        };
+        Self::with(form, Some(stage))
     }
 
     /// Only tells what is compiled for long, in lines.
@@ -80,7 +104,8 @@ impl Bar {
     }
 
     fn with(form: Form, stage: Option<&str>) -> Self {
-        let form = match console::is_json() || console::is_quiet() {
+        let is_told = matches!(form, Form::Told(_));
+        let form = match (console::is_json() || console::is_quiet()) && !is_told {
             true => Form::Silent,
             false => form,
         };
@@ -212,6 +237,12 @@ impl Shared {
         }
         match self.form {
             Form::Silent => {}
+            Form::Told(reader) => {
+                if state.said.elapsed() >= TELLING {
+                    state.said = Instant::now();
+                    console::print(&state.told(reader));
+                }
+            }
             Form::Terminal => {
                 if let Some((done, total, _)) = state.done {
                     self.bar.set_length(total.max(1.0) as u64);
@@ -242,6 +273,21 @@ impl State {
     fn compiled(&self) -> Option<(String, Duration)> {
         let current = self.activity.as_ref()?.current()?;
         (current.1 >= PATIENCE).then_some(current)
+    }
+
+    /// A line for a program.
+    fn told(&self, reader: Reader) -> String {
+        let share = self
+            .done
+            .map_or(0.0, |(done, total, _)| done / total.max(1e-9));
+        let text = self.text();
+        match reader {
+            Reader::Openjd => format!(
+                "openjd_progress: {:.1}\nopenjd_status: {text}",
+                100.0 * share
+            ),
+            _ => serde_json::json!({ "progress": share, "status": text }).to_string(),
+        }
     }
 
     fn text(&self) -> String {

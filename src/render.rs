@@ -89,7 +89,7 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
         camera: None,
     };
 
-    let bar = Bar::new("loading the scene");
+    let bar = Bar::read_by(job.progress, "loading the scene");
     let clock = Instant::now();
     let mut opening = Opening::read_with(inputs, System::default(), &job.edits)?;
     bar.suspend(|| console::diagnostics(&opening.loaded().warnings));

@@ -145,12 +145,37 @@ pub(crate) enum UsageError {
     },
     /// Not a range of samples.
     #[error(
-        "--sample-range {given}: write two whole numbers from 0 to {MAX_SPP}, the smaller one first, as in \
-         --sample-range 0..64"
+        "{flag} {given}: write two whole numbers from 0 to {MAX_SPP}, the smaller one first, as in {flag} 0..64"
     )]
     SampleRange {
+        /// The flag's name.
+        flag: &'static str,
         /// As typed.
         given: String,
+    },
+    /// Not a part of a number of samples.
+    #[error(
+        "--part {given}: write which of how many, at most {spp}, as in --part 3/16; each part needs a sample"
+    )]
+    Part {
+        /// As typed.
+        given: String,
+        /// Samples of the whole.
+        spp: u32,
+    },
+    /// What the farm decides.
+    #[error(
+        "{flag}: samples and files of parts are the farm's business; leave the flag out behind `--`"
+    )]
+    FarmFlag {
+        /// As typed.
+        flag: String,
+    },
+    /// What `patina render` wouldn't understand.
+    #[error("behind `--`: {message}")]
+    FarmFlags {
+        /// What it says.
+        message: String,
     },
     /// Layers beside the picture, and only files of pictures.
     #[error(

@@ -94,12 +94,37 @@ pub(crate) struct Output {
     pub(crate) format: Format,
 }
 
-pub(crate) fn parse_sample_range(given: &str) -> Result<Range<u32>, UsageError> {
+/// The samples of a part of a whole, the parts numbered from 1: as even as they can be.
+pub(crate) fn part_of(spp: u32, part: u32, parts: u32) -> Range<u32> {
+    let end = |part: u32| (u64::from(spp) * u64::from(part) / u64::from(parts)) as u32;
+    end(part - 1)..end(part)
+}
+
+/// The samples of `3/16`: the third of sixteen parts.
+pub(crate) fn parse_part(given: &str, spp: u32) -> Result<Range<u32>, UsageError> {
+    let numbers = given.split_once('/').and_then(|(part, parts)| {
+        let (part, parts) = (part.trim().parse().ok()?, parts.trim().parse().ok()?);
+        (1..=parts)
+            .contains(&part)
+            .then(|| part_of(spp, part, parts))
+    });
+    let samples = numbers.filter(|samples| samples.start < samples.end);
+    samples.ok_or_else(|| UsageError::Part {
+        given: given.to_owned(),
+        spp,
+    })
+}
+
+pub(crate) fn parse_sample_range(
+    flag: &'static str,
+    given: &str,
+) -> Result<Range<u32>, UsageError> {
     let range = given.split_once("..").and_then(|(first, end)| {
         let range = first.trim().parse().ok()?..end.trim().parse().ok()?;
         (range.start < range.end && range.end <= MAX_SPP).then_some(range)
     });
     range.ok_or_else(|| UsageError::SampleRange {
+        flag,
         given: given.to_owned(),
     })
 }

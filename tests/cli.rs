@@ -14,6 +14,8 @@ mod devices;
 #[cfg(unix)]
 #[path = "cli/endings.rs"]
 mod endings;
+#[path = "cli/farm.rs"]
+mod farm;
 #[path = "cli/layers.rs"]
 mod layers;
 #[path = "cli/limits.rs"]

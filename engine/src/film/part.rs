@@ -214,6 +214,11 @@ impl Part {
         &self.ranges
     }
 
+    /// Whether every pixel has all of these samples.
+    pub fn is_even(&self) -> bool {
+        self.missing == 0
+    }
+
     /// Adds another part of the same picture.
     ///
     /// # Errors

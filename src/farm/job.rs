@@ -1,0 +1,76 @@
+//! A validated job of `patina farm`. Nothing is opened here.
+
+use std::path::PathBuf;
+
+use clap::Parser;
+
+use crate::args::Args;
+use crate::job::Job;
+use crate::usage::UsageError;
+use crate::words::{FILM_EXTENSION, MAX_SPP, Outputs, parse_number};
+
+use super::args::{FarmCommand, Scheduler};
+
+/// Most parts of a picture: Slurm's usual limit of an array.
+const MOST_PARTS: u32 = 1000;
+
+/// What a scheduler is to do.
+#[derive(Debug, PartialEq)]
+pub(crate) struct ExportJob {
+    pub(crate) scheduler: Scheduler,
+    pub(crate) scene: PathBuf,
+    /// Words for `patina render`, but for scene, samples and output.
+    pub(crate) flags: Vec<String>,
+    pub(crate) parts: u32,
+    pub(crate) spp: u32,
+    pub(crate) folder: PathBuf,
+    pub(crate) results: Vec<PathBuf>,
+    pub(crate) missing_only: bool,
+}
+
+impl ExportJob {
+    /// Validates a command line.
+    ///
+    /// # Errors
+    /// The first flag that makes no sense, those of `patina render` among them.
+    pub(crate) fn from_args(command: FarmCommand) -> Result<Self, UsageError> {
+        let FarmCommand::Export(args) = command;
+        let spp = parse_number("--spp", &args.spp, 1, MAX_SPP)?;
+        let parts = parse_number("--parts", &args.parts, 1, MOST_PARTS)?;
+        Outputs::from_paths(args.result.clone(), None)?;
+        for word in [
+            "--spp",
+            "--sample-range",
+            "--part",
+            "-o",
+            "--output",
+            "--noise",
+            "--time",
+            "--resume",
+        ] {
+            let is_that = |flag: &&String| *flag == word || flag.starts_with(&format!("{word}="));
+            if let Some(flag) = args.flags.iter().find(is_that) {
+                return Err(UsageError::FarmFlag { flag: flag.clone() });
+            }
+        }
+        // What the farm would refuse hours later is refused now.
+        let film = format!("part.{FILM_EXTENSION}");
+        let words = ["patina", "render", "--output", film.as_str()].map(str::to_owned);
+        let words = words.into_iter().chain(args.flags.iter().cloned());
+        let words = words.chain(["--".to_owned(), args.scene.display().to_string()]);
+        let render = Args::try_parse_from(words).map_err(|error| UsageError::FarmFlags {
+            message: error.render().to_string(),
+        })?;
+        Job::from_args(render)?;
+        Ok(Self {
+            scheduler: args.to,
+            scene: args.scene,
+            flags: args.flags,
+            parts,
+            spp,
+            folder: args.folder,
+            results: args.result,
+            missing_only: args.missing,
+        })
+    }
+}

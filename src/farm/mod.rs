@@ -1,0 +1,255 @@
+//! `patina farm`: files for schedulers that exist. A part is some of the samples of all pixels, rendered into a film of its own; a
+//! machine that is lost costs its part, which the scheduler gives to another one. The films add up to the bits of the whole.
+
+pub(crate) mod args;
+mod flamenco;
+pub(crate) mod job;
+mod opencue;
+mod openjd;
+mod shell;
+mod slurm;
+
+use std::io::{BufReader, Write as _};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use engine::film::Part;
+use engine::input;
+
+use crate::console;
+use crate::failure::Failure;
+use crate::output;
+use crate::words::{FILM_EXTENSION, part_of};
+
+use args::Scheduler;
+use job::ExportJob;
+
+/// Samples of a part, and where its film goes.
+#[derive(Debug, Clone, PartialEq)]
+struct FarmPart {
+    samples: Range<u32>,
+    film: PathBuf,
+}
+
+/// What the files of a job are written from. All paths are absolute: who runs it is in another folder.
+#[derive(Debug)]
+struct Plan {
+    name: String,
+    folder: PathBuf,
+    scene: PathBuf,
+    flags: Vec<String>,
+    /// To be rendered.
+    parts: Vec<FarmPart>,
+    /// All that are merged, those that are there already too.
+    films: Vec<PathBuf>,
+    spp: u32,
+    results: Vec<PathBuf>,
+}
+
+impl Plan {
+    /// The words that render a part.
+    fn render(&self, samples: &str, film: &str) -> Vec<String> {
+        let scene = self.scene.display().to_string();
+        let start = ["patina", "render", "--quiet"]
+            .map(str::to_owned)
+            .into_iter();
+        let end = ["--sample-range", samples, "-o", film, "--", &scene].map(str::to_owned);
+        start.chain(self.flags.iter().cloned()).chain(end).collect()
+    }
+
+    /// The words that make the picture of all parts.
+    fn merge(&self) -> Vec<String> {
+        let text = |path: &PathBuf| path.display().to_string();
+        let expected = format!("0..{}", self.spp);
+        let start = ["patina", "merge", "--expect", &expected]
+            .map(str::to_owned)
+            .into_iter();
+        let results = self
+            .results
+            .iter()
+            .flat_map(|path| ["-o".to_owned(), text(path)]);
+        start
+            .chain(results)
+            .chain(self.films.iter().map(text))
+            .collect()
+    }
+}
+
+/// Writes the files, and says what to do with them.
+///
+/// # Errors
+/// They can't be written; a film in the folder can't be read.
+pub(crate) fn export(job: &ExportJob) -> Result<(), Failure> {
+    std::fs::create_dir_all(&job.folder).map_err(|error| {
+        Failure::Failed(format!("cannot create {}: {error}", job.folder.display()))
+    })?;
+    let plan = plan(job)?;
+    if plan.parts.is_empty() {
+        console::print(&format!(
+            "no samples are missing; the picture is made by: {}",
+            shell::line(&plan.merge())
+        ));
+        return Ok(());
+    }
+    let (files, next) = match job.scheduler {
+        Scheduler::Slurm => slurm::files(&plan),
+        Scheduler::Openjd => openjd::files(&plan),
+        Scheduler::Opencue => opencue::files(&plan),
+        Scheduler::Flamenco => flamenco::files(&plan),
+    };
+    for (name, text) in files {
+        let path = plan.folder.join(name);
+        let written = output::write_aside(&path, |file| file.write_all(text.as_bytes()));
+        written.map_err(Failure::because)?;
+        console::note(&format!("wrote {}", path.display()));
+    }
+    console::print(&format!("{} parts; {next}", plan.parts.len()));
+    Ok(())
+}
+
+fn plan(job: &ExportJob) -> Result<Plan, Failure> {
+    let absolute = |path: &Path| std::path::absolute(path).map_err(Failure::because);
+    let folder = absolute(&job.folder)?;
+    let film = |samples: &Range<u32>| {
+        // Zeros in front, so that a listing is in order.
+        let digits = job.spp.to_string().len();
+        let name = format!(
+            "{:0digits$}-{:0digits$}.{FILM_EXTENSION}",
+            samples.start, samples.end
+        );
+        folder.join(name)
+    };
+    let mut films = Vec::new();
+    let mut wanted = vec![0..job.spp];
+    if job.missing_only {
+        for (path, ranges) in films_in(&folder)? {
+            let is_wanted = |range: &Range<u32>| {
+                let is_in = |free: &Range<u32>| free.start <= range.start && range.end <= free.end;
+                wanted.iter().any(is_in)
+            };
+            if !ranges.iter().all(is_wanted) {
+                let text = format!(
+                    "{} is left out: other films have samples of it",
+                    path.display()
+                );
+                console::warning(&text);
+                continue;
+            }
+            wanted = ranges
+                .iter()
+                .fold(wanted, |wanted, range| without(&wanted, range));
+            films.push(path);
+        }
+    }
+    let count = u32::try_from(wanted.len()).unwrap_or(u32::MAX);
+    let each = (job.parts / count.max(1)).max(1);
+    let ranges = wanted.iter().flat_map(|range| {
+        let pieces = each.min(range.end - range.start);
+        (1..=pieces).map(move |part| {
+            let piece = part_of(range.end - range.start, part, pieces);
+            range.start + piece.start..range.start + piece.end
+        })
+    });
+    let part = |samples: Range<u32>| FarmPart {
+        film: film(&samples),
+        samples,
+    };
+    let parts: Vec<FarmPart> = ranges.map(part).collect();
+    films.extend(parts.iter().map(|part| part.film.clone()));
+    Ok(Plan {
+        name: job
+            .scene
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned(),
+        scene: absolute(&job.scene)?,
+        flags: absolute_files(&job.flags)?,
+        results: job
+            .results
+            .iter()
+            .map(|path| absolute(path))
+            .collect::<Result<_, _>>()?,
+        folder,
+        parts,
+        films,
+        spp: job.spp,
+    })
+}
+
+/// The flags with absolute paths where they name files.
+fn absolute_files(flags: &[String]) -> Result<Vec<String>, Failure> {
+    const FILES: [&str; 3] = ["--look", "--textures", "--environment"];
+    let absolute = |path: &str| {
+        let path = std::path::absolute(path).map_err(Failure::because)?;
+        Ok::<_, Failure>(path.display().to_string())
+    };
+    let mut words = Vec::new();
+    let mut is_file = false;
+    for flag in flags {
+        words.push(match flag.split_once('=') {
+            _ if is_file => absolute(flag)?,
+            Some((name, path)) if FILES.contains(&name) => format!("{name}={}", absolute(path)?),
+            _ => flag.clone(),
+        });
+        is_file = FILES.contains(&flag.as_str());
+    }
+    Ok(words)
+}
+
+/// The films in a folder, with the samples that they have. Those that were ended early are left out: their samples are rendered
+/// again.
+fn films_in(folder: &Path) -> Result<Vec<(PathBuf, Vec<Range<u32>>)>, Failure> {
+    let refused = |error: &dyn std::fmt::Display| {
+        Failure::Failed(format!("cannot read {}: {error}", folder.display()))
+    };
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(|error| refused(&error))? {
+        let path = entry.map_err(|error| refused(&error))?.path();
+        if path
+            .extension()
+            .is_none_or(|extension| extension != FILM_EXTENSION)
+        {
+            continue;
+        }
+        let read = || {
+            let (file, length) = input::open(&path)?;
+            Part::read(&mut BufReader::new(file), length)
+        };
+        match read() {
+            Ok(part) if part.is_even() => found.push((path, part.ranges().to_vec())),
+            Ok(_) => console::warning(&format!(
+                "{} was ended early: its samples are rendered again",
+                path.display()
+            )),
+            Err(error) => console::warning(&format!("{}: {error}", path.display())),
+        }
+    }
+    found.sort_by(|(a, _), (b, _)| a.cmp(b));
+    Ok(found)
+}
+
+/// Ranges without what another one has.
+fn without(ranges: &[Range<u32>], taken: &Range<u32>) -> Vec<Range<u32>> {
+    let left = |range: &Range<u32>| {
+        let before = range.start..range.end.min(taken.start);
+        let behind = range.start.max(taken.end)..range.end;
+        [before, behind]
+    };
+    let all = ranges.iter().flat_map(left);
+    all.filter(|range| range.start < range.end).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_taken_leaves_the_rest() {
+        assert_eq!(without(&[0..10], &(3..5)), [0..3, 5..10]);
+        assert_eq!(without(&[0..10], &(0..4)), [4..10]);
+        assert_eq!(without(&[0..3, 5..10], &(2..7)), [0..2, 7..10]);
+        assert!(without(&[0..3], &(0..3)).is_empty());
+        assert_eq!(without(&[0..3], &(7..9)), [0..3]);
+    }
+}

@@ -1,0 +1,54 @@
+//! Command lines for POSIX shells.
+
+use super::Plan;
+
+/// Words as a shell takes them apart again.
+pub(super) fn line(words: &[String]) -> String {
+    words
+        .iter()
+        .map(|word| quoted(word))
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+pub(super) fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:,@%".contains(c);
+    match !word.is_empty() && word.chars().all(is_plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
+}
+
+/// A script that renders the part of the number that it is given, from 1 on, unless its film is there: films are whole or absent.
+pub(super) fn part_script(plan: &Plan) -> String {
+    let mut cases = String::new();
+    for (number, part) in plan.parts.iter().enumerate() {
+        let (samples, film) = (&part.samples, quoted(&part.film.display().to_string()));
+        cases += &format!(
+            "  {}) samples={}..{} film={film} ;;\n",
+            number + 1,
+            samples.start,
+            samples.end
+        );
+    }
+    let words = plan.render("@samples@", "@film@");
+    let render = line(&words)
+        .replace("'@samples@'", "\"$samples\"")
+        .replace("'@film@'", "\"$film\"");
+    let render = render
+        .replace("@samples@", "\"$samples\"")
+        .replace("@film@", "\"$film\"");
+    format!(
+        "#!/bin/sh\n# Renders a part: `sh part.sh N`, N from 1 to {count}.\nset -eu\ncase \"$1\" in\n{cases}  *) echo \"there is no part $1\" >&2; exit 2 ;;\nesac\n\
+         [ -s \"$film\" ] && exit 0\nexec {render}\n",
+        count = plan.parts.len()
+    )
+}
+
+/// A script that merges all parts.
+pub(super) fn merge_script(plan: &Plan) -> String {
+    format!(
+        "#!/bin/sh\n# Merges all parts; where one is missing, it says which samples.\nset -eu\nexec {}\n",
+        line(&plan.merge())
+    )
+}

@@ -1,0 +1,137 @@
+//! Jobs for schedulers: what they write is run here as their machines would.
+
+use super::*;
+
+const FLAGS: &str = "-- --size 24x16 --seed 3 --device native:1";
+
+#[cfg(unix)]
+#[test]
+fn parts_of_a_farm_make_the_whole_and_what_is_lost_is_made_again() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let whole = "render triangle.gltf --size 24x16 --seed 3 --device native:1 --spp 20 -o whole.patina-film";
+    bench.run(whole).expect_code(0);
+    let export = |more: &str| {
+        bench.run(&format!("farm export --to slurm --spp 20 --parts 3 -o job {more} --result all.patina-film triangle.gltf {FLAGS}"))
+    };
+    let said = export("").expect_code(0);
+    assert!(said.stdout.contains("3 parts"), "{}", said.stdout);
+    let path = env!("CARGO_BIN_EXE_patina");
+    let folder = Path::new(path)
+        .parent()
+        .expect("a folder")
+        .display()
+        .to_string();
+    let search = format!("{folder}:{}", std::env::var("PATH").unwrap_or_default());
+    let run = |line: &str| {
+        let mut words = line.split(' ');
+        let mut command = Command::new(words.next().expect("a command"));
+        let command = command
+            .args(words)
+            .current_dir(&bench.dir)
+            .env("PATH", &search)
+            .env("PATINA_CACHE", "off");
+        Outcome::of(command.output().expect("sh starts"), line)
+    };
+    // The second part is lost.
+    run("sh job/part.sh 1").expect_code(0);
+    run("sh job/part.sh 3").expect_code(0);
+    run("sh job/part.sh 4").expect_code(2);
+    run("sh job/merge.sh").expect_code(1);
+    let said = export("--missing").expect_code(0);
+    assert!(said.stdout.contains("parts"), "{}", said.stdout);
+    for part in 1..=3 {
+        run(&format!("sh job/part.sh {part}")).expect_code(0);
+    }
+    run("sh job/merge.sh").expect_code(0);
+    let read = |name: &str| fs::read(bench.path(name)).expect("it is there");
+    assert!(read("all.patina-film") == read("whole.patina-film"));
+    let said = export("--missing").expect_code(0);
+    assert!(
+        said.stdout.contains("no samples are missing"),
+        "{}",
+        said.stdout
+    );
+}
+
+#[test]
+fn each_scheduler_gets_files_and_senseless_jobs_are_refused() {
+    let bench = Bench::new();
+    for (scheduler, file) in [
+        ("slurm", "submit.sh"),
+        ("openjd", "job.openjd.json"),
+        ("opencue", "job.opencue.xml"),
+        ("flamenco", "patina.js"),
+    ] {
+        let line = format!(
+            "farm export --to {scheduler} -o {scheduler} --result a.png triangle.gltf {FLAGS}"
+        );
+        bench.run(&line).expect_code(0);
+        let text = fs::read_to_string(bench.path(scheduler).join(file)).expect("it is there");
+        assert!(text.contains("16"), "{text}");
+    }
+    let template = fs::read_to_string(bench.path("openjd/job.openjd.json")).expect("it is there");
+    let template: serde_json::Value = serde_json::from_str(&template).expect("JSON");
+    assert_eq!(
+        template["steps"][1]["dependencies"][0]["dependsOn"],
+        "Parts"
+    );
+    for wrong in [
+        "-- --spp 3",
+        "-- --nonsense",
+        "-- --size 0x0",
+        "-- -o x.png",
+    ] {
+        bench
+            .run(&format!(
+                "farm export --to slurm -o x --result a.png triangle.gltf {wrong}"
+            ))
+            .expect_code(2);
+    }
+    bench
+        .run("farm export --to slurm -o x --result a.gif triangle.gltf")
+        .expect_code(2);
+}
+
+#[test]
+fn parts_are_counted_and_gaps_are_named() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let line = "render triangle.gltf --size 16x16 --spp 10";
+    for part in [1, 3] {
+        bench
+            .run(&format!("{line} --part {part}/3 -o {part}.patina-film"))
+            .expect_code(0);
+    }
+    let refused = bench
+        .run("merge 1.patina-film 3.patina-film --expect 0..10 -o a.png")
+        .expect_code(1);
+    assert!(
+        refused.stderr.contains("samples 3..6 are missing"),
+        "{}",
+        refused.stderr
+    );
+    assert!(!bench.path("a.png").exists());
+    let refused = bench
+        .run("merge 1.patina-film 3.patina-film --expect 0..8 -o a.png")
+        .expect_code(1);
+    assert!(
+        refused.stderr.contains("there are samples"),
+        "{}",
+        refused.stderr
+    );
+    bench
+        .run("merge 1.patina-film --expect 0..3 -o a.png")
+        .expect_code(0);
+    for wrong in ["0/3", "4/3", "1", "1/0", "1/11"] {
+        bench.run(&format!("{line} --part {wrong}")).expect_code(2);
+    }
+    let told = bench
+        .run(&format!("{line} --progress openjd -o b.png"))
+        .expect_code(0);
+    assert!(!told.stdout.contains("people"), "{}", told.stdout);
+}
