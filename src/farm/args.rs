@@ -60,7 +60,7 @@ pub(crate) struct ExportArgs {
     pub(crate) spp: String,
 
     /// Folder for the job's files, and for the parts when they are rendered: all machines must see it by this path.
-    #[arg(short, long = "output", value_name = "DIR")]
+    #[arg(short = 'o', long = "output", value_name = "DIR")]
     pub(crate) folder: PathBuf,
 
     /// The picture that the parts make; may be given several times.
