@@ -22,7 +22,9 @@ pub(crate) enum FarmCommand {
     /// Write the files with which a scheduler renders a picture in parts on many machines, and merges them.
     #[command(after_help = EXAMPLES)]
     // Clap doesn't wrap it.
-    #[command(override_usage = "patina farm export --to NAME -o DIR --result FILE [OPTIONS]\n       SCENE [-- FLAGS]")]
+    #[command(
+        override_usage = "patina farm export --to NAME -o DIR --result FILE [OPTIONS]\n       SCENE [-- FLAGS]"
+    )]
     Export(ExportArgs),
 }
 

@@ -3,9 +3,10 @@
 //! Kept free of dependencies (but for errors and JSON), as it is built before anything else can happen. What a command
 //! does is written here from top to bottom; how to run a step is in `steps`, how to find or install a Vulkan driver in
 //! `vulkan`, another one in `swiftshader`, which systems the program must compile for in `targets`, how the program is built
-//! to be given away in `dist`, the comparison with other renderers in `peers`.
+//! to be given away in `dist`, a picture by many machines in `farm`, the comparison with other renderers in `peers`.
 
 mod dist;
+mod farm;
 mod peers;
 mod steps;
 mod swiftshader;
@@ -70,6 +71,7 @@ Commands:
   dist          Pack the program with its manual and all licences: out/patina-VERSION-PLATFORM.tar.gz
   pictures      Render the README's pictures to docs/images/
   contact-sheet Render Khronos' sample models, where they lie beside the checkout, to docs/images/khronos.jpg
+  farm          Render a picture in parts by Slurm on this host, lose a node, compare with the whole
   peers         Compare with other renderers that are installed; `cargo xtask peers --help` lists the options
 
 `test` first finds a Vulkan driver, or installs Mesa's on Debian and Ubuntu; the others need none.";
@@ -84,6 +86,7 @@ fn main() -> ExitCode {
         ["dist"] => dist::run(),
         ["pictures"] => pictures(),
         ["contact-sheet"] => contact_sheet(),
+        ["farm"] => farm::run(),
         ["peers", "--help" | "-h"] => {
             println!("{}", peers::USAGE);
             Ok(())

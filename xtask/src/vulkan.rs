@@ -63,11 +63,19 @@ pub(crate) fn ensure() -> Result<()> {
 /// # Errors
 /// There is no apt or no right to use it; the text says what to install by hand.
 pub(crate) fn install() -> Result<()> {
+    install_packages(&PACKAGES, BY_HAND)
+}
+
+/// Installs packages of Debian with apt, as root or through sudo.
+///
+/// # Errors
+/// There is no apt or no right to use it; `by_hand` says what to do then.
+pub(crate) fn install_packages(packages: &[&str], by_hand: &str) -> Result<()> {
     if !Step::new("apt-get").args(["--version"]).succeeds() {
-        bail!("there is no apt-get on this system.\n{BY_HAND}");
+        bail!("there is no apt-get on this system.\n{by_hand}");
     }
     let Some(privilege) = privilege() else {
-        bail!("installing needs root or sudo.\n{BY_HAND}");
+        bail!("installing needs root or sudo.\n{by_hand}");
     };
     let apt = || {
         // `env`, because sudo does not pass variables on.
@@ -86,9 +94,9 @@ pub(crate) fn install() -> Result<()> {
     if let Err(error) = apt().args(["update"]).run() {
         println!("{error:#}; trying with the package lists there are");
     }
-    let installed = apt().args(INSTALL).args(PACKAGES).run();
+    let installed = apt().args(INSTALL).args(packages.iter().copied()).run();
     if let Err(error) = installed {
-        bail!("{error:#}.\n{BY_HAND}");
+        bail!("{error:#}.\n{by_hand}");
     }
     Ok(())
 }
