@@ -38,8 +38,8 @@ Examples:
   With procedural textures, as a PNG one stop brighter and as linear floats:
     patina render helmet.glb --look rust.look.toml --exposure 1 -o helmet.png -o helmet.exr
   Another value of a look, another sky, without editing files:
-    patina render helmet.glb --look rust.look.toml --set rust.scale=3 \
-        --set material.Steel.roughness=0.2 --environment dusk.hdr
+    patina render helmet.glb --set material.Steel.roughness=0.2
+    patina render helmet.glb --look rust.look.toml --environment dusk.hdr
   Through a camera of the scene, direct light only, on the second device:
     patina render room.gltf --camera Door --max-depth 1 --device 1
   On all GPUs and the processor together, and on two devices by name:

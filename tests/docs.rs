@@ -138,7 +138,7 @@ fn patina(words: &[String], folder: &Path) -> Result<String, String> {
 #[test]
 fn every_command_in_documents_and_help_is_understood() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let helps = ["", "bench", "texture", "view", "watch"]
+    let helps = ["", "bench", "farm", "texture", "view", "watch"]
         .map(|folder| root.join("src").join(folder).join("args.rs"));
     let mut understood = 0;
     for document in documents().into_iter().chain(helps) {
@@ -146,9 +146,10 @@ fn every_command_in_documents_and_help_is_understood() {
         // As a program's source writes quotes.
         let text = text.replace("\\\"", "\"");
         for command in commands(&text) {
-            // With `--help` at the end the flags before it are parsed and nothing is done.
+            // With `--help` at the end, but before words for another command, the flags before it are parsed and nothing is done.
             let mut words = words(command);
-            words.push("--help".to_owned());
+            let end = words.iter().position(|word| word == "--");
+            words.insert(end.unwrap_or(words.len()), "--help".to_owned());
             if let Err(error) = patina(&words, root) {
                 panic!("{}: patina {command}\n{error}", document.display());
             }

@@ -7,12 +7,10 @@ use clap::{ArgAction, Subcommand, ValueEnum};
 pub(crate) const EXAMPLES: &str = "\
 Examples:
   Sixteen parts of a picture on a Slurm cluster, which merges them:
-    patina farm export --to slurm --parts 16 --spp 1024 -o job --result room.exr \\
-        room.glb -- --look room.look.toml --size 1920x1080
+    patina farm export --to slurm -o job --result a.exr a.glb -- --size 640x360
     sh job/submit.sh
   What is missing after a machine was lost:
-    patina farm export --to slurm --missing --spp 1024 -o job --result room.exr \\
-        room.glb -- --look room.look.toml --size 1920x1080
+    patina farm export --to slurm --missing -o job --result a.exr a.glb
 
 Everything behind `--` is handed to `patina render`. Parts that are there already are not rendered again.";
 
