@@ -7,6 +7,7 @@ mod limits;
 pub(crate) mod overrides;
 mod together;
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -120,6 +121,8 @@ struct Rendered {
     film: Film,
     /// The numbers of the samples that pixels may have.
     samples: Range<u32>,
+    /// Of what layers of ids show.
+    names: BTreeMap<String, Vec<String>>,
     /// How many of the picture's paths are there, where these are the first ones.
     paths: Option<u64>,
     /// Why it isn't complete, if it isn't.
@@ -169,7 +172,8 @@ fn write(job: &RenderJob, rendered: Rendered, load_seconds: f64) -> Result<(), F
         console::warning(&doubt.to_string());
     }
     let look = job.look.as_deref();
-    let origin = Origin::new(&rendered.device, &job.scene, look, rendered.settings);
+    let mut origin = Origin::new(&rendered.device, &job.scene, look, rendered.settings);
+    origin.names = rendered.names;
     let mut part = Part::new(rendered.film, rendered.samples, origin);
     if let Some(paths) = rendered.paths {
         part = part.under_way(paths);

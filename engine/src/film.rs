@@ -220,14 +220,14 @@ impl Film {
                 });
                 found.collect()
             }
-            Rule::Ids(_) => return None,
+            Rule::Ids { .. } => return None,
         })
     }
 
     /// What the pixels of a layer of ids show, what covers most first. `None` where the film hasn't gathered it, and for other
     /// layers.
     pub fn coverage(&self, layer: &Layer) -> Option<Vec<[Coverage; IDS]>> {
-        let Rule::Ids(_) = layer.rule else {
+        let Rule::Ids { .. } = layer.rule else {
             return None;
         };
         let planes = &self.planes[self.layers.first_plane(layer)?..];
@@ -239,7 +239,7 @@ impl Film {
     /// `None` where the film hasn't gathered it.
     pub fn channels(&self, layer: &Layer) -> Option<Vec<Vec<f32>>> {
         let count = 0..layer.channel_count();
-        if let Rule::Ids(_) = layer.rule {
+        if let Rule::Ids { .. } = layer.rule {
             let pixels = self.coverage(layer)?;
             let number = |of: &Coverage, is_share| match is_share {
                 true => of.share,
@@ -293,7 +293,7 @@ impl Film {
                     let [x, y, z] = values.map(f32::to_bits);
                     keep_first(&mut planes[0][pixel], [sample + 1, x, y, z]);
                 }
-                Rule::Ids(_) => {
+                Rule::Ids { .. } => {
                     let mut counts = Counts::of(planes, pixel);
                     counts.add(values[0].to_bits(), 1);
                     counts.store(planes, pixel);
@@ -340,7 +340,7 @@ impl Film {
                         keep_first(here, *there);
                     }
                 }
-                Rule::Ids(_) => {
+                Rule::Ids { .. } => {
                     for pixel in 0..there[0].len() {
                         let mut counts = Counts::of(here, pixel);
                         counts.add_all(&Counts::of(there, pixel));
@@ -364,7 +364,7 @@ impl Film {
             match layer.rule {
                 Rule::Derived(_) | Rule::Mean(_) => true,
                 Rule::First { .. } => planes[0].iter().all(is_first),
-                Rule::Ids(_) => {
+                Rule::Ids { .. } => {
                     let is_right = |p| Counts::of(planes, p).is_of(self.samples(p));
                     (0..self.pixels()).all(is_right)
                 }

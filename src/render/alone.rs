@@ -55,12 +55,13 @@ pub(super) fn render(
     let name = gpu.description().name.clone();
     let mut writer = None;
     if let Some(checkpoints) = &job.checkpoints {
-        let origin = Origin::new(
+        let mut origin = Origin::new(
             &name,
             &job.scene,
             job.look.as_deref(),
             settings_written.clone(),
         );
+        origin.names = job.layers.names(session.scene());
         if checkpoints.resumes
             && let Some((film, paths)) = checkpoint::read(
                 checkpoints,
@@ -109,6 +110,7 @@ pub(super) fn render(
     Ok(Rendered {
         film,
         samples: job.first_sample..job.first_sample + most,
+        names: job.layers.names(session.scene()),
         paths: Some(session.paths_done()),
         ended,
         device: name,

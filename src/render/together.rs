@@ -111,6 +111,7 @@ pub(super) fn render(
         device: outcome.device_names(),
         film: outcome.film,
         samples: outcome.samples,
+        names: job.layers.names(&plan.scene),
         paths: None,
         ended,
         facts,

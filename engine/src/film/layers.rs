@@ -4,12 +4,18 @@
 //! Nothing here knows how a path is traced: a declaration says in WGSL what the first surface of a path gives, and
 //! `passes/film_layers` puts that into a kernel.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
+
+use scene::Scene;
 
 use super::{Film, PICTURE_PLANES, ids};
 
 /// Most numbers of a pixel in a layer that isn't one of ids.
 pub const MAX_CHANNELS: usize = 3;
+
+/// Most bytes of names in the header of a file.
+const MOST_NAMES: usize = 8 << 20;
 
 /// A layer's declaration.
 #[derive(Debug)]
@@ -49,11 +55,16 @@ pub enum Rule {
     },
     /// How many samples meet what, by ids that are normal numbers as the bits of a float: see [`ids`]. Every sample counts
     /// as one, whatever the weight that the pixel filter gives it.
-    Ids(&'static str),
+    Ids {
+        /// The id.
+        wgsl: &'static str,
+        /// What ids may be of, by name: for the manifests of files.
+        names: fn(&Scene) -> BTreeSet<&str>,
+    },
 }
 
 /// All layers. The picture itself is the first and always there.
-pub static LAYERS: [Layer; 11] = [
+pub static LAYERS: [Layer; 13] = [
     Layer {
         name: "combined",
         pass: "Combined",
@@ -116,15 +127,41 @@ pub static LAYERS: [Layer; 11] = [
         name: "crypto_object",
         pass: "CryptoObject",
         channels: "rgba",
-        rule: Rule::Ids("instances[at.instance].id"),
+        rule: Rule::Ids {
+            wgsl: "instances[at.instance].id",
+            names: |scene| (scene.instances.iter()).map(|i| i.name.as_str()).collect(),
+        },
         help: "Cryptomatte: hashes of the names of objects, and how much of the pixel each covers",
     },
     Layer {
         name: "crypto_material",
         pass: "CryptoMaterial",
         channels: "rgba",
-        rule: Rule::Ids("materials[at.material].id"),
+        rule: Rule::Ids {
+            wgsl: "materials[at.material].id",
+            names: |scene| (scene.materials.iter()).map(|m| m.name.as_str()).collect(),
+        },
         help: "Cryptomatte: the same of materials",
+    },
+    Layer {
+        name: "object_index",
+        pass: "Object Index",
+        channels: "X",
+        rule: Rule::First {
+            wgsl: "f32(instances[at.instance].source + 1u)",
+            empty: 0.0,
+        },
+        help: "number of the object in the scene, from 1 on; 0 where nothing is",
+    },
+    Layer {
+        name: "material_index",
+        pass: "Material Index",
+        channels: "X",
+        rule: Rule::First {
+            wgsl: "f32(at.material + 1u)",
+            empty: 0.0,
+        },
+        help: "number of the material in the scene, from 1 on; 0 where nothing is",
     },
     Layer {
         name: "samples",
@@ -160,7 +197,7 @@ impl Layer {
     pub fn channel_names(&self) -> impl Iterator<Item = String> {
         // Two ids with their shares have four letters: `00.r` is the first id, `00.g` its share.
         let passes: Vec<String> = match self.rule {
-            Rule::Ids(_) => (0..ids::IDS / 2)
+            Rule::Ids { .. } => (0..ids::IDS / 2)
                 .map(|pair| format!("{}{pair:02}", self.pass))
                 .collect(),
             _ => vec![self.pass.to_owned()],
@@ -175,14 +212,14 @@ impl Layer {
     pub fn wgsl(&self) -> Option<&'static str> {
         match self.rule {
             Rule::Derived(_) => None,
-            Rule::Mean(wgsl) | Rule::First { wgsl, .. } | Rule::Ids(wgsl) => Some(wgsl),
+            Rule::Mean(wgsl) | Rule::First { wgsl, .. } | Rule::Ids { wgsl, .. } => Some(wgsl),
         }
     }
 
     /// How many channels it has in files.
     pub fn channel_count(&self) -> usize {
         match self.rule {
-            Rule::Ids(_) => 2 * ids::IDS,
+            Rule::Ids { .. } => 2 * ids::IDS,
             _ => self.channels.len(),
         }
     }
@@ -191,7 +228,7 @@ impl Layer {
     fn word_count(&self) -> usize {
         match self.rule {
             Rule::Derived(_) => 0,
-            Rule::Ids(_) => 1,
+            Rule::Ids { .. } => 1,
             Rule::Mean(_) | Rule::First { .. } => self.channels.len(),
         }
     }
@@ -202,7 +239,7 @@ impl Layer {
             Rule::Derived(_) => 0,
             Rule::Mean(_) => self.channels.len(),
             Rule::First { .. } => 1,
-            Rule::Ids(_) => ids::PLANES,
+            Rule::Ids { .. } => ids::PLANES,
         }
     }
 }
@@ -261,6 +298,25 @@ impl Layers {
     /// Whether there is nothing but the picture.
     pub fn is_picture_alone(&self) -> bool {
         self.others.is_empty()
+    }
+
+    /// The names of what a scene has to show in layers of ids, by layer: for [`Origin::names`](super::Origin::names). None where
+    /// they are too many for the header of a file.
+    pub fn names(&self, scene: &Scene) -> BTreeMap<String, Vec<String>> {
+        let mut bytes = 0;
+        let mut names = BTreeMap::new();
+        for layer in self.iter() {
+            if let Rule::Ids { names: of, .. } = layer.rule {
+                let list: Vec<String> = of(scene).into_iter().map(str::to_owned).collect();
+                // Any character may need six in JSON.
+                bytes += list.iter().map(|name| 6 * name.len() + 16).sum::<usize>();
+                names.insert(layer.name.to_owned(), list);
+            }
+        }
+        match bytes <= MOST_NAMES {
+            true => names,
+            false => BTreeMap::new(),
+        }
     }
 
     /// What the samples of a wave are added to beside the picture, in the order of the film's planes: one kernel each.
@@ -358,7 +414,7 @@ mod tests {
                     .all(|b| b.name != layer.name && b.pass != layer.pass)
             );
             let most = match layer.rule {
-                Rule::Ids(_) => 4,
+                Rule::Ids { .. } => 4,
                 _ => MAX_CHANNELS,
             };
             assert!((1..=most).contains(&layer.channels.len()));

@@ -35,7 +35,7 @@ pub(crate) fn record_wgsl() -> String {
         let word = word_name(layer.name);
         words += &format!("override {word}: u32 = 0u;\n");
         let (kind, values) = match (&layer.rule, layer.channel_count()) {
-            (Rule::Ids(_), _) => ("u32", &["bitcast<f32>(value)"][..]),
+            (Rule::Ids { .. }, _) => ("u32", &["bitcast<f32>(value)"][..]),
             (_, 1) => ("f32", &["value"][..]),
             (_, 2) => ("vec2f", &["value.x", "value.y"][..]),
             _ => ("vec3f", &["value.x", "value.y", "value.z"][..]),

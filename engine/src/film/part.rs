@@ -9,6 +9,7 @@
 //! Version 0.1 wrote planes as they are, into files that begin with `PATINAFM`, or `PATINAFL` where there are layers beside the
 //! picture. They are read as well.
 
+use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::ops::Range;
 use std::path::Path;
@@ -27,7 +28,7 @@ const MAGIC_PLAIN_LAYERS: &[u8; 8] = b"PATINAFL";
 /// Nothing that zlib writes unpacks to more times its length.
 const MOST_INFLATED: u64 = 1032;
 /// Longest header that is believed.
-const MAX_HEADER: u32 = 1 << 20;
+const MAX_HEADER: u32 = 1 << 24;
 
 /// Where samples come from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,6 +41,9 @@ pub struct Origin {
     pub look: Option<String>,
     /// What must be the same in all parts of a picture, by name.
     pub settings: Vec<(String, String)>,
+    /// Names of what layers of ids may show, by layer ([`Layers::names`]): files list them beside their numbers.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub names: BTreeMap<String, Vec<String>>,
 }
 
 impl Origin {
@@ -59,6 +63,7 @@ impl Origin {
             scene: name(scene),
             look: look.map(name),
             settings,
+            names: BTreeMap::new(),
         }
     }
 

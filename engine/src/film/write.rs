@@ -3,6 +3,7 @@
 
 mod exr;
 
+use std::collections::BTreeMap;
 use std::io::{self, Seek, Write};
 use std::path::Path;
 
@@ -44,6 +45,8 @@ impl Format {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Metadata {
     facts: Vec<(&'static str, Fact)>,
+    /// Of what layers of ids show, by layer.
+    names: BTreeMap<String, Vec<String>>,
 }
 
 /// A value of an EXR header.
@@ -72,7 +75,8 @@ impl Metadata {
             ("scene", Fact::Text(origin.scene.clone())),
         ];
         facts.extend(origin.look.clone().map(|look| ("look", Fact::Text(look))));
-        Self { facts }
+        let names = origin.names.clone();
+        Self { facts, names }
     }
 }
 

@@ -93,7 +93,10 @@ impl Session {
     /// Where the picture comes from, for the headers of its files.
     pub fn origin(&self) -> Origin {
         let Inputs { scene, look, .. } = &self.inputs;
-        fingerprint::origin(self.device(), self.settings(), scene, look.as_deref())
+        let mut origin =
+            fingerprint::origin(self.device(), self.settings(), scene, look.as_deref());
+        origin.names = self.settings().layers.names(self.scene());
+        origin
     }
 
     /// The look's file may have changed. Its text replaces that of the look, edits that were not saved included.

@@ -13,6 +13,7 @@ fn part(samples: Range<u32>, seed: &str) -> Part {
         device: "device".to_owned(),
         scene: "scene.glb".to_owned(),
         look: None,
+        names: BTreeMap::new(),
         settings: vec![("seed".to_owned(), seed.to_owned())],
     };
     Part::new(film, samples, origin)

@@ -48,33 +48,56 @@ pub(super) fn write(file: impl Write + Seek, film: &Film, metadata: &Metadata) -
     // The format wants them sorted.
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let mut attributes = attributes(metadata);
-    attributes
-        .other
-        .extend(film.layers().iter().flat_map(cryptomatte));
+    attributes.other.extend(
+        film.layers()
+            .iter()
+            .flat_map(|layer| cryptomatte(layer, metadata)),
+    );
     let layer = Layer::new((width, height), attributes, encoding, channels);
     let mut image = Image::from_layer(layer);
     image.attributes.chromaticities = Some(REC709);
     write_image(file, &image)
 }
 
-/// What the specification of Cryptomatte asks for in a header, for layers of ids. The manifest, which lists the names, is
-/// optional.
-fn cryptomatte(layer: &film::Layer) -> Vec<(Text, AttributeValue)> {
-    let Rule::Ids(_) = layer.rule else {
+/// What the specification of Cryptomatte asks for in a header, for layers of ids.
+fn cryptomatte(layer: &film::Layer, metadata: &Metadata) -> Vec<(Text, AttributeValue)> {
+    let Rule::Ids { .. } = layer.rule else {
         return Vec::new();
     };
     let name = format!("ViewLayer.{}", layer.pass);
     let key = format!("{:08x}", scene::murmur3(name.as_bytes()));
-    let facts = [
-        ("name", name.as_str()),
-        ("hash", "MurmurHash3_32"),
-        ("conversion", "uint32_to_float32"),
+    let mut facts = vec![
+        ("name", name.clone()),
+        ("hash", "MurmurHash3_32".to_owned()),
+        ("conversion", "uint32_to_float32".to_owned()),
     ];
-    let facts = facts.map(|(fact, value)| {
+    facts.extend((metadata.names.get(layer.name)).map(|names| ("manifest", manifest(names))));
+    let facts = facts.into_iter().map(|(fact, value)| {
         let name = latin1(&format!("cryptomatte/{}/{fact}", &key[..7]));
-        (name, AttributeValue::Text(latin1(value)))
+        (name, AttributeValue::Text(latin1(&value)))
     });
-    facts.into()
+    facts.collect()
+}
+
+/// Names with their numbers as JSON. The format of the file has no UTF-8, so other characters than ASCII are escaped.
+fn manifest(names: &[String]) -> String {
+    let numbers = names.iter().map(|name| {
+        let id = format!("{:08x}", scene::name_id(name));
+        (name.clone(), serde_json::Value::String(id))
+    });
+    let text = serde_json::Value::Object(numbers.collect()).to_string();
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c.is_ascii() {
+            true => escaped.push(c),
+            false => {
+                let mut units = [0; 2];
+                let units = c.encode_utf16(&mut units);
+                escaped.extend(units.iter().map(|unit| format!("\\u{unit:04x}")));
+            }
+        }
+    }
+    escaped
 }
 
 fn attributes(metadata: &Metadata) -> LayerAttributes {
@@ -151,7 +174,10 @@ mod tests {
         let mut facts: Vec<_> = names.into_iter().map(|name| (name, text(name))).collect();
         facts.push(("samplesPerPixel", Fact::Count(64)));
         facts.push(("device", text("Gerät 世")));
-        Metadata { facts }
+        let names = ["crypto_object".to_owned()]
+            .map(|layer| (layer, vec!["Tür".to_owned(), "世".to_owned()]));
+        let names = names.into();
+        Metadata { facts, names }
     }
 
     fn written(film: &Film) -> Vec<u8> {
@@ -198,7 +224,8 @@ mod tests {
         let film = film(Layers::all());
         let (channels, attributes) = read(&written(&film));
         let layers_of_ids = 2;
-        let facts = metadata().facts.len() + 3 * layers_of_ids;
+        // One of them has a manifest.
+        let facts = metadata().facts.len() + 3 * layers_of_ids + 1;
         assert_eq!(attributes.other.len(), facts);
         let count: usize = film
             .layers()
@@ -221,6 +248,17 @@ mod tests {
                 assert_eq!(channels[&format!("ViewLayer.{name}")], expected, "{name}");
             }
         }
+        let mut texts = attributes
+            .other
+            .iter()
+            .filter_map(|(name, value)| match value {
+                AttributeValue::Text(text) if name.to_string().ends_with("/manifest") => Some(text),
+                _ => None,
+            });
+        let manifest = texts.next().expect("a manifest").to_string();
+        assert!(manifest.contains("T\\u00fcr"), "{manifest}");
+        let read: BTreeMap<String, String> = serde_json::from_str(&manifest).expect("JSON");
+        assert_eq!(read["世"], format!("{:08x}", scene::name_id("世")));
         assert_eq!(channels["ViewLayer.Depth.Z"][2], 1e10, "nothing was hit");
     }
 

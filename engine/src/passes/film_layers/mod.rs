@@ -66,7 +66,7 @@ pub const PLANES: [&str; 4] = ["layer_film", "layer_film1", "layer_film2", "laye
 /// The pass that adds to a layer's planes.
 pub(crate) fn pass_of(sum: &Sum) -> &'static Pass {
     match sum.layer.rule {
-        Rule::Ids(_) => &IDS,
+        Rule::Ids { .. } => &IDS,
         Rule::First { .. } => &FIRST,
         Rule::Mean(_) | Rule::Derived(_) => &MEAN,
     }
