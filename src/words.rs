@@ -182,7 +182,7 @@ pub(crate) fn parse_duration(flag: &'static str, given: &str) -> Result<Duration
             _ => return Err(refused()),
         };
         let number: f64 = part[..part.len() - 1].parse().map_err(|_| refused())?;
-        if !(number >= 0.0) {
+        if number.is_nan() || number < 0.0 {
             return Err(refused());
         }
         seconds += number * unit;

@@ -110,6 +110,7 @@ pub fn films() -> Vec<Vec<u8>> {
         let origin = Origin {
             device: "llvmpipe".to_owned(),
             scene: "scene.glb".to_owned(),
+            names: std::collections::BTreeMap::new(),
             look: missing.then(|| "scene.look.toml".to_owned()),
             settings: vec![
                 ("seed".to_owned(), "0".to_owned()),

@@ -24,6 +24,9 @@ use crate::words::{FILM_EXTENSION, part_of};
 use args::Scheduler;
 use job::ExportJob;
 
+/// Samples as ranges, ascending and apart from each other.
+type Samples = Vec<Range<u32>>;
+
 /// Samples of a part, and where its film goes.
 #[derive(Debug, Clone, PartialEq)]
 struct FarmPart {
@@ -120,7 +123,10 @@ fn plan(job: &ExportJob) -> Result<Plan, Failure> {
         folder.join(name)
     };
     let mut films = Vec::new();
-    let mut wanted = vec![0..job.spp];
+    let mut wanted = Samples::from([Range {
+        start: 0,
+        end: job.spp,
+    }]);
     if job.missing_only {
         for (path, ranges) in films_in(&folder)? {
             let is_wanted = |range: &Range<u32>| {
@@ -199,7 +205,7 @@ fn absolute_files(flags: &[String]) -> Result<Vec<String>, Failure> {
 
 /// The films in a folder, with the samples that they have. Those that were ended early are left out: their samples are rendered
 /// again.
-fn films_in(folder: &Path) -> Result<Vec<(PathBuf, Vec<Range<u32>>)>, Failure> {
+fn films_in(folder: &Path) -> Result<Vec<(PathBuf, Samples)>, Failure> {
     let refused = |error: &dyn std::fmt::Display| {
         Failure::Failed(format!("cannot read {}: {error}", folder.display()))
     };
@@ -230,7 +236,7 @@ fn films_in(folder: &Path) -> Result<Vec<(PathBuf, Vec<Range<u32>>)>, Failure> {
 }
 
 /// Ranges without what another one has.
-fn without(ranges: &[Range<u32>], taken: &Range<u32>) -> Vec<Range<u32>> {
+fn without(ranges: &[Range<u32>], taken: &Range<u32>) -> Samples {
     let left = |range: &Range<u32>| {
         let before = range.start..range.end.min(taken.start);
         let behind = range.start.max(taken.end)..range.end;
@@ -244,12 +250,29 @@ fn without(ranges: &[Range<u32>], taken: &Range<u32>) -> Vec<Range<u32>> {
 mod tests {
     use super::*;
 
+    fn whole(end: u32) -> Samples {
+        Samples::from([Range { start: 0, end }])
+    }
+
     #[test]
     fn what_is_taken_leaves_the_rest() {
-        assert_eq!(without(&[0..10], &(3..5)), [0..3, 5..10]);
-        assert_eq!(without(&[0..10], &(0..4)), [4..10]);
-        assert_eq!(without(&[0..3, 5..10], &(2..7)), [0..2, 7..10]);
-        assert!(without(&[0..3], &(0..3)).is_empty());
-        assert_eq!(without(&[0..3], &(7..9)), [0..3]);
+        let cases: [(Samples, Range<u32>, Samples); 5] = [
+            (whole(10), 3..5, vec![0..3, 5..10]),
+            (vec![0..3, 5..10], 2..7, vec![0..2, 7..10]),
+            (whole(3), 0..3, Vec::new()),
+            (whole(3), 7..9, whole(3)),
+            (
+                vec![0..1, 4..10],
+                0..4,
+                Samples::from([Range { start: 4, end: 10 }]),
+            ),
+        ];
+        for (ranges, taken, left) in cases {
+            assert_eq!(
+                without(&ranges, &taken),
+                left,
+                "{ranges:?} without {taken:?}"
+            );
+        }
     }
 }

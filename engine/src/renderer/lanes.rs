@@ -40,6 +40,11 @@ const OWN: [&str; 6] = [
     "layer_samples",
 ];
 
+/// Records passes and plays them.
+type Submit<'a> = dyn FnMut(&Record<'_>) -> Result<(), DeviceError> + 'a;
+/// What is recorded.
+type Record<'a> = dyn Fn(&mut Recorder<'_>) + 'a;
+
 /// How a wave goes, whoever plays it.
 #[derive(Debug, Clone)]
 pub(super) struct Plan {
@@ -56,7 +61,7 @@ impl Plan {
         &self,
         device: &Device,
         resources: &Resources,
-        submit: &mut dyn FnMut(&dyn Fn(&mut Recorder<'_>)) -> Result<(), DeviceError>,
+        submit: &mut Submit<'_>,
     ) -> Result<(), DeviceError> {
         let schedule = &*self.schedule;
         if !schedule.goes_in_rounds() {
