@@ -12,7 +12,7 @@ use engine::settings::{Estimator, Sampler};
 use crate::bench::args::BenchCommand;
 use crate::console::MessageFormat;
 use crate::farm::args::FarmCommand;
-use crate::flags::{CommonArgs, scene_help, words};
+use crate::flags::{CommonArgs, DisplayArgs, scene_help, words};
 use crate::progress::Reader;
 use crate::texture::args::TextureCommand;
 use crate::view::args::ViewArgs;
@@ -40,6 +40,8 @@ Examples:
   Another value of a look, another sky, without editing files:
     patina render helmet.glb --set material.Steel.roughness=0.2
     patina render helmet.glb --look rust.look.toml --environment dusk.hdr
+  As AgX shows it, with light of 3200 K as white:
+    patina render room.glb --view agx --white-balance 3200 -o room.png
   Through a camera of the scene, direct light only, on the second device:
     patina render room.gltf --camera Door --max-depth 1 --device 1
   On all GPUs and the processor together, and on two devices by name:
@@ -287,10 +289,9 @@ pub(crate) struct RenderArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) threads: Option<String>,
 
-    /// Brightness of PNG and JPEG files in stops: +1 is twice as bright. EXR files keep the radiance as it is.
-    #[arg(long, value_name = "STOPS", default_value = "0")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) exposure: String,
+    /// How the picture is shown.
+    #[command(flatten)]
+    pub(crate) display: DisplayArgs,
 
     /// Who reads how far the render is.
     #[arg(long, value_name = "READER", default_value = "people")]
@@ -322,10 +323,13 @@ pub(crate) struct MergeArgs {
     #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append, required = true)]
     pub(crate) outputs: Vec<PathBuf>,
 
-    /// Brightness of PNG and JPEG files in stops: +1 is twice as bright. EXR files keep the radiance as it is.
-    #[arg(long, value_name = "STOPS", default_value = "0")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) exposure: String,
+    /// The look whose [view] says how the picture is shown.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) look: Option<PathBuf>,
+
+    /// How the picture is shown.
+    #[command(flatten)]
+    pub(crate) display: DisplayArgs,
 }
 
 /// The message format asked for by a command line that can't be understood otherwise.

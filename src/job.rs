@@ -11,6 +11,7 @@ use std::time::Duration;
 use device::DeviceChoice;
 use engine::film::Layers;
 use engine::filter::PixelFilter;
+use engine::scene::view::ViewChoice;
 use engine::session::Edit;
 use engine::settings::{Estimator, Sampler};
 
@@ -25,7 +26,7 @@ use crate::view::job::ViewJob;
 use crate::watch::job::WatchJob;
 use crate::words::{
     Devices, MAX_DEPTH, MAX_SPP, MOST_THREADS, Outputs, parse_decimal, parse_device, parse_devices,
-    parse_duration, parse_exposure, parse_layers, parse_number, parse_part, parse_sample_range,
+    parse_display, parse_duration, parse_layers, parse_number, parse_part, parse_sample_range,
     parse_scale, parse_size, parse_word, refuse_overwriting,
 };
 
@@ -115,8 +116,8 @@ pub(crate) struct RenderJob {
     pub(crate) threads: Option<u32>,
     /// Folders the user named, searched first.
     pub(crate) texture_dirs: Vec<PathBuf>,
-    /// Stops; EXR keeps the radiance.
-    pub(crate) exposure: f32,
+    /// How PNG and JPEG show it, as far as the command line says it.
+    pub(crate) display: ViewChoice,
     /// Who reads how far it is.
     pub(crate) progress: Reader,
     /// Print statistics.
@@ -132,10 +133,12 @@ pub(crate) struct MergeJob {
     pub(crate) parts: Vec<PathBuf>,
     /// The samples that they must make up.
     pub(crate) expected: Option<Range<u32>>,
+    /// The look file that says how the picture is shown.
+    pub(crate) look: Option<PathBuf>,
     /// Where the picture and the film go.
     pub(crate) outputs: Outputs,
-    /// Stops; EXR keeps the radiance.
-    pub(crate) exposure: f32,
+    /// How PNG and JPEG show it, as far as the command line says it.
+    pub(crate) display: ViewChoice,
 }
 
 impl Job {
@@ -267,7 +270,7 @@ impl RenderJob {
                 .map(|threads| parse_number("--threads", threads, 1, MOST_THREADS))
                 .transpose()?,
             texture_dirs: args.common.texture_dirs,
-            exposure: parse_exposure(&args.exposure)?,
+            display: parse_display(&args.display)?,
             progress: args.progress,
             stats: args.stats,
             stats_json: args.stats_json,
@@ -307,7 +310,7 @@ fn checkpoints(args: &RenderArgs, outputs: &Outputs) -> Result<Option<Checkpoint
 impl MergeJob {
     fn from_args(args: MergeArgs) -> Result<Self, UsageError> {
         let outputs = Outputs::from_paths(args.outputs, None)?;
-        refuse_overwriting(outputs.paths(), args.parts.iter())?;
+        refuse_overwriting(outputs.paths(), args.parts.iter().chain(&args.look))?;
         let mut parts = args.parts.iter().enumerate();
         if let Some((_, path)) = parts.find(|(i, path)| args.parts[..*i].contains(path)) {
             return Err(UsageError::PartTwice { path: path.clone() });
@@ -318,8 +321,9 @@ impl MergeJob {
                 .map(|range| parse_sample_range("--expect", range))
                 .transpose()?,
             parts: args.parts,
+            look: args.look,
             outputs,
-            exposure: parse_exposure(&args.exposure)?,
+            display: parse_display(&args.display)?,
         })
     }
 }
@@ -329,6 +333,7 @@ mod tests {
     use super::*;
     use crate::words::{Format, Output};
     use clap::Parser;
+    use engine::scene::view::{View, ViewTransform};
     use std::path::Path;
 
     fn job(line: &str) -> Result<Job, UsageError> {
@@ -458,10 +463,26 @@ mod tests {
                 .to_string();
             assert!(error.contains(because), "{line}: {error}");
         }
-        assert_eq!(
-            render("render a.glb --exposure -1.5").unwrap().exposure,
-            -1.5
-        );
+        let job = render("render a.glb --exposure -1.5").unwrap();
+        assert_eq!(job.display.exposure, Some(-1.5));
+    }
+
+    #[test]
+    fn a_view_is_what_is_said_of_it() {
+        let display = |line: &str| render(&format!("render a.glb {line}")).map(|job| job.display);
+        assert_eq!(display("--exposure 0").unwrap().view(), View::default());
+        assert_eq!(display("--spp 1"), Ok(ViewChoice::default()));
+        let said = display("--view aces2 --white-balance 3200,-20").unwrap();
+        assert_eq!(said.transform, Some(ViewTransform::Aces2));
+        let white = said.white_balance.expect("it is said");
+        assert_eq!((white.temperature, white.tint), (3200.0, -20.0));
+        for bad in ["warm", "100", "5000,", "5000,x", "5000,101", "1,2,3", "nan"] {
+            let error = display(&format!("--white-balance {bad}")).unwrap_err();
+            assert!(
+                error.to_string().contains("from 1800 to 25000"),
+                "{bad}: {error}"
+            );
+        }
     }
 
     #[test]

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use engine::film::{Part, PartError};
 use engine::input;
+use engine::scene::look::Look;
+use engine::scene::view::ViewChoice;
 
 use crate::failure::Failure;
 use crate::job::MergeJob;
@@ -17,7 +19,11 @@ use crate::{console, interrupt, output};
 /// A film can't be read, films don't belong together, or a result can't be written.
 pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
     let written: Vec<PathBuf> = job.outputs.paths().cloned().collect();
-    output::check_all(&written, &job.parts)?;
+    let inputs: Vec<PathBuf> = job.parts.iter().chain(&job.look).cloned().collect();
+    output::check_all(&written, &inputs)?;
+    let look = job.look.as_deref().map(Look::load).transpose()?;
+    let look_view = look.map_or_else(ViewChoice::default, |look| look.view);
+    let view = job.display.or(look_view).view();
     let mut merged: Option<Part> = None;
     for path in &job.parts {
         let refused = |error: PartError| Failure::Failed(format!("{}: {error}", path.display()));
@@ -56,7 +62,7 @@ pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
         ranges.join(", "),
         console::grouped(u64::from(merged.film.sample_bounds().0))
     ));
-    output::write_all(&job.outputs, &merged, job.exposure)
+    output::write_all(&job.outputs, &merged, &view)
 }
 
 /// Whether a film has exactly these samples; else what is missing, or too much.

@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use engine::aside::{self, Aside};
 use engine::film::write::{self, Metadata};
 use engine::film::{Film, Origin, Part};
+use engine::scene::view::View;
 use thiserror::Error;
 
 pub(crate) use self::identity::refuse_overwriting;
@@ -92,7 +93,7 @@ pub(crate) fn check_all<'a>(
     Ok(())
 }
 
-/// Writes a film and where it came from to `output`; `exposure` in stops applies to PNG and JPEG.
+/// Writes a film and where it came from to `output`, as `view` shows it where that is PNG or JPEG.
 ///
 /// # Errors
 /// The file cannot be written; an older one is then untouched.
@@ -100,11 +101,11 @@ pub(crate) fn write(
     output: &Output,
     film: &Film,
     origin: Option<&Origin>,
-    exposure: f32,
+    view: &View,
 ) -> Result<(), OutputError> {
     let metadata = origin.map(|origin| Metadata::new(film, origin));
     let metadata = metadata.unwrap_or_default();
-    let written = write::save(&output.path, output.format, film, &metadata, exposure);
+    let written = write::save(&output.path, output.format, film, &metadata, view);
     written.map_err(|reason| OutputError::new(&output.path, reason))
 }
 
@@ -121,8 +122,8 @@ pub(crate) fn write_shown(output: &Output, size: [u32; 2], rgba: &[u8]) -> Resul
 ///
 /// # Errors
 /// What could not be written. The other files are written all the same: one full disk must not cost all.
-pub(crate) fn write_all(outputs: &Outputs, part: &Part, exposure: f32) -> Result<(), Failure> {
-    let failed = try_all(outputs, part, exposure);
+pub(crate) fn write_all(outputs: &Outputs, part: &Part, view: &View) -> Result<(), Failure> {
+    let failed = try_all(outputs, part, view);
     match failed.is_empty() {
         true => Ok(()),
         false => Err(Failure::Failed(text(&failed))),
@@ -133,8 +134,8 @@ pub(crate) fn write_all(outputs: &Outputs, part: &Part, exposure: f32) -> Result
 ///
 /// # Errors
 /// As [`write_all`], with the place of the sums.
-pub(crate) fn write_or_keep(outputs: &Outputs, part: &Part, exposure: f32) -> Result<(), Failure> {
-    let failed = try_all(outputs, part, exposure);
+pub(crate) fn write_or_keep(outputs: &Outputs, part: &Part, view: &View) -> Result<(), Failure> {
+    let failed = try_all(outputs, part, view);
     let lost: Vec<&Path> = failed.iter().map(|(path, _)| path.as_path()).collect();
     let Some(first) = lost.first() else {
         return Ok(());
@@ -159,9 +160,9 @@ pub(crate) fn write_or_keep(outputs: &Outputs, part: &Part, exposure: f32) -> Re
 }
 
 /// Writes what can be written; what can't, with the reason.
-fn try_all(outputs: &Outputs, part: &Part, exposure: f32) -> Vec<(PathBuf, OutputError)> {
+fn try_all(outputs: &Outputs, part: &Part, view: &View) -> Vec<(PathBuf, OutputError)> {
     let pictures = outputs.pictures.iter().map(|output| {
-        let written = write(output, &part.film, Some(&part.origin), exposure);
+        let written = write(output, &part.film, Some(&part.origin), view);
         (&output.path, written)
     });
     let films = outputs.films.iter().map(|path| {

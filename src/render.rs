@@ -17,6 +17,7 @@ use engine::film::{Film, Origin, Part};
 use engine::fleet::{DeviceShare, Fleet};
 use engine::procedural::Procedural;
 use engine::renderer::{RenderSettings, TextureCosts};
+use engine::scene::view::{View, ViewChoice};
 use engine::scene::{Camera, Scene};
 use engine::session::{Inputs, Opening, Session, SessionError};
 use engine::stats::{DeviceFacts, Stats};
@@ -100,6 +101,9 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
         let camera = find_camera(&opening.loaded().scene, wanted)?;
         opening = opening.seen_by(camera);
     }
+    let look = opening.loaded().look.as_ref();
+    let look_view = look.map_or_else(ViewChoice::default, |look| look.view);
+    let view = job.display.or(look_view).view();
     let load_seconds = clock.elapsed().as_secs_f64();
 
     bar.stage("preparing the device");
@@ -113,7 +117,7 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
         Err(devices) => together::render(job, opening.into_loaded(), &devices, &bar, watch)?,
     };
     bar.finish();
-    write(job, rendered, load_seconds)
+    write(job, rendered, &view, load_seconds)
 }
 
 /// A picture, complete or not, and what is known of how it came about.
@@ -159,7 +163,12 @@ enum Rest {
 }
 
 /// Writes the pictures, and tells what is to be told.
-fn write(job: &RenderJob, rendered: Rendered, load_seconds: f64) -> Result<(), Failure> {
+fn write(
+    job: &RenderJob,
+    rendered: Rendered,
+    view: &View,
+    load_seconds: f64,
+) -> Result<(), Failure> {
     let (lowest, _) = rendered.film.sample_bounds();
     if let Some(Ended::Interrupted) = &rendered.ended {
         console::warning(&format!(
@@ -185,7 +194,7 @@ fn write(job: &RenderJob, rendered: Rendered, load_seconds: f64) -> Result<(), F
     if let Some(summary) = limits::summary(&job.limits, limit, &part.film) {
         console::note(&summary);
     }
-    let mut outcome = output::write_or_keep(&job.outputs, &part, job.exposure);
+    let mut outcome = output::write_or_keep(&job.outputs, &part, view);
 
     if job.stats || job.stats_json.is_some() {
         let seconds = Seconds {

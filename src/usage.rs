@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
+use engine::scene::view::WhiteBalance;
 use thiserror::Error;
 
 /// Most samples per pixel, and the end of the last range of samples.
 pub(crate) const MAX_SPP: u32 = engine::film::MAX_SAMPLES;
 /// Strongest exposure in stops, either way.
-pub(crate) const MAX_EXPOSURE: f32 = 32.0;
+pub(crate) use engine::scene::view::MAX_EXPOSURE;
 
 /// A command line that makes no sense.
 #[derive(Debug, Error, PartialEq)]
@@ -69,6 +70,17 @@ pub(crate) enum UsageError {
         "--exposure {given}: must be a number of stops from -{MAX_EXPOSURE} to {MAX_EXPOSURE}, as in --exposure 1.5"
     )]
     Exposure {
+        /// As typed.
+        given: String,
+    },
+    /// Not a temperature with or without a tint, in range.
+    #[error(
+        "--white-balance {given}: must be kelvins from {} to {}, and a tint from {} to {} where there is one, as in \
+         --white-balance 3200 or --white-balance 5600,20",
+        WhiteBalance::TEMPERATURES.start(), WhiteBalance::TEMPERATURES.end(),
+        WhiteBalance::TINTS.start(), WhiteBalance::TINTS.end()
+    )]
+    WhiteBalance {
         /// As typed.
         given: String,
     },

@@ -7,7 +7,9 @@ use std::time::Duration;
 use device::DeviceChoice;
 pub(crate) use engine::film::write::Format;
 use engine::film::{Layers, layers};
+use engine::scene::view::{ViewChoice, ViewTransform, WhiteBalance};
 
+use crate::flags::DisplayArgs;
 use crate::usage::{MAX_EXPOSURE, UsageError};
 
 /// The processor without a driver.
@@ -271,7 +273,37 @@ pub(crate) fn parse_number(
         })
 }
 
-pub(crate) fn parse_exposure(given: &str) -> Result<f32, UsageError> {
+/// How a picture is shown, as far as the command line says it.
+pub(crate) fn parse_display(args: &DisplayArgs) -> Result<ViewChoice, UsageError> {
+    let exposure = args.exposure.as_deref().map(parse_exposure);
+    let white_balance = args.white_balance.as_deref().map(parse_white_balance);
+    let transform = args.view.as_deref().map(|name| {
+        let all = ViewTransform::ALL;
+        parse_word("--view", name, all, ViewTransform::name)
+    });
+    Ok(ViewChoice {
+        exposure: exposure.transpose()?,
+        white_balance: white_balance.transpose()?,
+        transform: transform.transpose()?,
+    })
+}
+
+fn parse_white_balance(given: &str) -> Result<WhiteBalance, UsageError> {
+    let (temperature, tint) = match given.split_once(',') {
+        Some((temperature, tint)) => (temperature, Some(tint)),
+        None => (given, None),
+    };
+    let number = |text: &str| text.trim().parse::<f32>().ok();
+    let balance = number(temperature).and_then(|temperature| match tint {
+        Some(tint) => WhiteBalance::new(temperature, Some(number(tint)?)),
+        None => WhiteBalance::new(temperature, None),
+    });
+    balance.ok_or_else(|| UsageError::WhiteBalance {
+        given: given.to_owned(),
+    })
+}
+
+fn parse_exposure(given: &str) -> Result<f32, UsageError> {
     given
         .parse::<f32>()
         .ok()

@@ -166,6 +166,35 @@ fn help_shows_examples_and_exit_codes() {
 }
 
 #[test]
+fn a_view_is_that_of_the_line_or_the_look() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let look = "[view]\ntransform = \"agx\"\nexposure = 1.0\nwhite_balance = [4000, 0]\n";
+    std::fs::write(bench.path("view.look.toml"), look).expect("written");
+    let line = "render triangle.gltf --size 16x12 --spp 2 -o";
+    let said = "--view agx --exposure 1 --white-balance 4000,0";
+    for line in [
+        format!("{line} plain.png"),
+        format!("{line} said.png {said}"),
+        format!("{line} look.png -o sums.patina-film --look view.look.toml"),
+        format!("{line} both.png --look view.look.toml --view aces2"),
+        "merge sums.patina-film --look view.look.toml -o merged.png".to_owned(),
+        format!("merge sums.patina-film {said} -o merged-said.png"),
+    ] {
+        bench.run(&line).expect_code(0);
+    }
+    let picture = |name: &str| std::fs::read(bench.path(name)).expect(name);
+    let said = picture("said.png");
+    assert!(said != picture("plain.png"));
+    for same in ["look.png", "merged.png", "merged-said.png"] {
+        assert!(picture(same) == said, "{same}");
+    }
+    assert!(picture("both.png") != said);
+}
+
+#[test]
 fn wrong_usage_is_code_2_and_says_what_is_right() {
     let bench = Bench::new();
     for (line, mentions) in [
@@ -186,6 +215,11 @@ fn wrong_usage_is_code_2_and_says_what_is_right() {
         ("render triangle.gltf --max-depth 0", "--max-depth 0"),
         ("render triangle.gltf --seed x", "--seed x"),
         ("render triangle.gltf --exposure nan", "--exposure nan"),
+        ("render triangle.gltf --view agxx", "khronos-neutral"),
+        (
+            "render triangle.gltf --white-balance 10",
+            "--white-balance 10",
+        ),
         ("render triangle.gltf -o picture.gif", ".exr"),
         ("render triangle.gltf -o picture", ".exr"),
         ("render triangle.gltf -o a.png -o a.png", "twice"),

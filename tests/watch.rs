@@ -134,13 +134,19 @@ fn a_saved_texture_is_seen_and_a_wrong_one_is_told() {
     watch.expect(&["rings.wgsl", "16 spp"]);
 
     // The look, and then the scene.
-    stage.replace(
-        "scene.look.toml",
-        &LOOK.replace("intensity = 1.0", "intensity = 0.5"),
-    );
+    let dark = LOOK.replace("intensity = 1.0", "intensity = 0.5");
+    stage.replace("scene.look.toml", &dark);
     watch.expect(&["scene.look.toml", "16 spp"]);
     let darker = pixels(&stage.path("out.png"));
     assert_ne!(first, darker);
+    // Shown in another way, what there is of samples is enough.
+    let agx = format!("{dark}\n[view]\ntransform = \"agx\"\n");
+    stage.replace("scene.look.toml", &agx);
+    watch.expect(&["scene.look.toml", "16 spp"]);
+    assert_ne!(darker, pixels(&stage.path("out.png")));
+    stage.replace("scene.look.toml", &dark);
+    watch.expect(&["scene.look.toml", "16 spp"]);
+    assert_eq!(darker, pixels(&stage.path("out.png")));
     let scene = crate::stage::read(&stage.path("scene.gltf"));
     stage.write("scene.gltf", &scene.replace("[0, 1, -1]", "[0, 1, -0.5]"));
     watch.expect(&["scene.gltf", "16 spp"]);

@@ -91,7 +91,8 @@ fn write_manuals(program: &Path, folder: &Path) -> Result<()> {
 fn others(platform: &str) -> Result<String> {
     let policy = Policy::read()?;
     let metadata = Metadata::read(root(), Some(platform))?;
-    licences::collect(&metadata.linked("patina")?, policy.licences())
+    let packages = licences::collect(&metadata.linked("patina")?, policy.licences())?;
+    Ok(packages + &licences::of_data()?)
 }
 
 /// What the toolchain says of its standard library, which is in every program.

@@ -10,12 +10,30 @@ use spdx::Licensee;
 
 use crate::metadata::Package;
 use crate::policy;
+use crate::root;
 
 /// A larger file is no licence.
 const MAX_BYTES: u64 = 1 << 20;
 
 const RULE: &str =
     "================================================================================";
+
+/// Licences of what lies in the sources without being ours.
+const DATA: &[&str] = &["engine/src/view/tables/LICENSE.txt"];
+
+/// The licences of data that the program is built with.
+///
+/// # Errors
+/// One can't be read.
+pub(crate) fn of_data() -> Result<String> {
+    let mut list = String::new();
+    for file in DATA {
+        let text = read(&root().join(file))?;
+        let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+        let _ = write!(list, "\n{RULE}\n{}\n{RULE}\n\n{text}\n", folder.display());
+    }
+    Ok(list)
+}
 
 /// All packages with their licences, and each text once with those that it belongs to. A package without a text of its own
 /// gets the usual one of a licence that is `accepted`, with the names of its authors.

@@ -1,39 +1,15 @@
 //! What a window shows of a film: written to a texture on the device that rendered it, nothing is read back.
 
 use bytemuck::{Pod, Zeroable};
+use scene::view::{View, ViewTransform};
 
 use crate::film;
 use crate::passes;
+use crate::view::{ViewEncoder, device_numbers};
 use device::{
     Buffer, Device, DeviceError, Extent, Format, Image, ImageUse, Kernel, Recording, Resources,
     Usage,
 };
-
-/// How radiance becomes what a screen can show.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum ViewTransform {
-    /// sRGB as it is; what is brighter than white is clipped. As PNG files are written.
-    #[default]
-    Standard,
-    /// Khronos PBR Neutral: base colours keep their look, highlights are compressed.
-    Neutral,
-    /// A curve like that of film: more contrast, soft highlights.
-    Filmic,
-}
-
-impl ViewTransform {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Standard, Self::Neutral, Self::Filmic];
-
-    /// Its name for people.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Standard => "Standard",
-            Self::Neutral => "Neutral",
-            Self::Filmic => "Filmic",
-        }
-    }
-}
 
 /// What is shown of each pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -105,10 +81,8 @@ impl Channel {
 /// How a film is shown.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct DisplaySettings {
-    /// Stops: +1 is twice as bright.
-    pub exposure: f32,
-    /// To what a screen can show.
-    pub view: ViewTransform,
+    /// Exposure, white balance, and the way to what a screen can show.
+    pub view: View,
     /// What is shown.
     pub channel: Channel,
     /// Distance that is shown half bright, metres.
@@ -168,7 +142,10 @@ pub struct GpuDisplay {
     gain: f32,
     distance_scale: f32,
     most_samples: f32,
-    spare: u32,
+    is_balanced: u32,
+    balance_red: [f32; 4],
+    balance_green: [f32; 4],
+    balance_blue: [f32; 4],
 }
 
 impl GpuDisplay {
@@ -185,7 +162,10 @@ impl GpuDisplay {
             gain,
             distance_scale,
             most_samples,
-            spare
+            is_balanced,
+            balance_red,
+            balance_green,
+            balance_blue,
         ]
     }
 }
@@ -195,7 +175,9 @@ impl GpuDisplay {
 pub struct Display {
     device: Device,
     kernel: Kernel,
+    /// [`GpuDisplay`] and the numbers of this transform.
     parameters: Buffer,
+    transform: ViewTransform,
     /// In place of guides that aren't there.
     nothing: Buffer,
     target: Option<Target>,
@@ -214,11 +196,12 @@ impl Display {
     /// # Errors
     /// What the driver reports.
     pub fn new(device: &Device) -> Result<Self, DeviceError> {
-        let bytes = size_of::<GpuDisplay>() as u64;
+        let transform = ViewTransform::default();
         Ok(Self {
             device: device.clone(),
             kernel: passes::display::kernel(device)?,
-            parameters: device.buffer("display", Usage::Storage, bytes)?,
+            parameters: parameters(device, transform)?,
+            transform,
             nothing: device.filled_buffer("no guides", Usage::Storage, &[])?,
             target: None,
         })
@@ -245,15 +228,26 @@ impl Display {
             true => Channel::Radiance,
             false => settings.channel,
         };
+        let transform = settings.view.transform;
+        if transform != self.transform {
+            self.parameters = parameters(&self.device, transform)?;
+            self.transform = transform;
+        }
+        let encoder = ViewEncoder::new(&settings.view);
+        let balance = encoder.balance().unwrap_or_default();
+        let row = |i: usize| balance.row(i).extend(0.0).to_array();
         let parameters = GpuDisplay {
             width: film.width,
             height: film.height,
             channel: channel as u32,
-            view: settings.view as u32,
-            gain: settings.exposure.exp2(),
+            view: transform as u32,
+            gain: encoder.gain(),
             distance_scale: settings.distance_scale.max(1e-6),
             most_samples: settings.most_samples as f32,
-            spare: 0,
+            is_balanced: u32::from(encoder.balance().is_some()),
+            balance_red: row(0),
+            balance_green: row(1),
+            balance_blue: row(2),
         };
         self.device
             .write(&self.parameters, 0, bytemuck::bytes_of(&parameters));
@@ -299,6 +293,19 @@ impl Display {
             None => Ok(Vec::new()),
         }
     }
+}
+
+/// A buffer with the numbers of a transform, and room for what is written for each picture.
+fn parameters(device: &Device, transform: ViewTransform) -> Result<Buffer, DeviceError> {
+    let numbers = device_numbers(transform);
+    let head = size_of::<GpuDisplay>() as u64;
+    // An array in a buffer has one element at least.
+    let bytes = size_of_val(&*numbers).max(4) as u64;
+    let buffer = device.buffer("display", Usage::Storage, head + bytes)?;
+    if !numbers.is_empty() {
+        device.write(&buffer, head, bytemuck::cast_slice(&numbers));
+    }
+    Ok(buffer)
 }
 
 impl Target {

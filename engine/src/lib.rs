@@ -63,6 +63,7 @@ mod sobol;
 pub mod stats;
 pub mod system;
 pub mod texturing;
+pub mod view;
 pub mod wave;
 
 pub use ::scene;

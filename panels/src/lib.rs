@@ -27,6 +27,7 @@ mod random_tests;
 mod rename;
 mod scene_view;
 mod textures;
+mod view;
 mod widgets;
 
 pub use panel::{Form, TexturesPanel};

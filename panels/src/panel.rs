@@ -17,7 +17,7 @@ use crate::preview::Previews;
 use crate::rename::{Renaming, rename};
 use crate::scene_view::SceneView;
 use crate::widgets::{self, ImageSlot};
-use crate::{Textures, light, list};
+use crate::{Textures, light, list, view};
 
 /// Of more nodes than this only the names are shown at first.
 const MAX_OPEN: usize = 12;
@@ -120,6 +120,7 @@ impl TexturesPanel {
                     light::occlusion(ui, &mut cx);
                     light::environment(ui, &mut cx);
                     light::suns(ui, &mut cx);
+                    view::view(ui, &mut cx);
                 });
             }
             Form::Graph => {

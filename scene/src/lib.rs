@@ -63,6 +63,7 @@ mod mesh;
 mod name_id;
 mod scene;
 pub mod sky;
+pub mod view;
 
 pub use self::image::{FloatImage, Image};
 pub use camera::{Camera, Projection, default_camera};

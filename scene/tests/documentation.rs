@@ -37,6 +37,7 @@ fn every_key_is_documented() {
         "zzzzzzzzzz = 1",
         "environment = { zzzzzzzzzz = 1, color = [1, 1, 1] }",
         "[camera]\nzzzzzzzzzz = 1",
+        "[view]\nzzzzzzzzzz = 1",
         "[ao.a]\ndistance = 1\nzzzzzzzzzz = 1",
         "[material.a]\nzzzzzzzzzz = 1",
         "[material.a]\nblend = { base = 'b', over = 'c', mask = 1, zzzzzzzzzz = 1 }",

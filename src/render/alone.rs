@@ -76,7 +76,7 @@ pub(super) fn render(
         writer = Some(checkpoint::Writer::new(
             checkpoints,
             &job.outputs,
-            job.exposure,
+            job.display.or(session.look_view()).view(),
             origin,
             first,
         ));

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use engine::film::{Film, Origin, Part, PartError};
 use engine::input;
+use engine::scene::view::View;
 
 use crate::console;
 use crate::failure::Failure;
@@ -87,7 +88,7 @@ pub(super) struct Writer<'a> {
     checkpoints: &'a Checkpoints,
     /// Written with each, where that is wanted.
     pictures: Outputs,
-    exposure: f32,
+    view: View,
     origin: Origin,
     first_sample: u32,
     last: Instant,
@@ -98,7 +99,7 @@ impl<'a> Writer<'a> {
     pub(super) fn new(
         checkpoints: &'a Checkpoints,
         outputs: &Outputs,
-        exposure: f32,
+        view: View,
         origin: Origin,
         first_sample: u32,
     ) -> Self {
@@ -112,7 +113,7 @@ impl<'a> Writer<'a> {
                 pictures,
                 films: Vec::new(),
             },
-            exposure,
+            view,
             origin,
             first_sample,
             last: Instant::now(),
@@ -137,7 +138,7 @@ impl<'a> Writer<'a> {
         let first = self.first_sample;
         let part = Part::new(film, first..first + most, self.origin.clone()).under_way(paths);
         let (path, pictures) = (self.checkpoints.path.clone(), self.pictures.clone());
-        let exposure = self.exposure;
+        let view = self.view;
         let work = move || {
             let written = output::write_aside(&path, |file| part.write(file));
             if let Err(error) = written {
@@ -145,7 +146,7 @@ impl<'a> Writer<'a> {
             }
             // Pictures of less than a sample would have holes.
             for picture in pictures.pictures.iter().filter(|_| fewest > 0) {
-                let written = output::write(picture, &part.film, Some(&part.origin), exposure);
+                let written = output::write(picture, &part.film, Some(&part.origin), &view);
                 if let Err(error) = written {
                     console::warning(&error.to_string());
                 }

@@ -7,6 +7,7 @@ use device::Device;
 use engine::isolated::Subject;
 use engine::preview::Preview;
 use engine::scene::look::Look;
+use engine::scene::view::View;
 
 use crate::failure::Failure;
 use crate::output;
@@ -83,7 +84,7 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
     interrupt::writes_results();
     bar.finish();
 
-    output::write(&job.output, &film, None, 0.0).map_err(Failure::because)?;
+    output::write(&job.output, &film, None, &View::default()).map_err(Failure::because)?;
     console::note(&format!("wrote {}", job.output.path.display()));
     match is_complete {
         true => Ok(()),

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::flags::{CommonArgs, scene_help};
+use crate::flags::{CommonArgs, DisplayArgs, scene_help};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -44,6 +44,10 @@ pub(crate) struct ViewArgs {
     /// Device by number or by part of its name, as `patina devices` lists them.
     #[arg(long, value_name = "NAME|N")]
     pub(crate) device: Option<String>,
+
+    /// How the picture is shown.
+    #[command(flatten)]
+    pub(crate) display: DisplayArgs,
 
     /// Write a picture of the window (.png or .jpg) and close it.
     #[arg(long, value_name = "FILE")]

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use device::DeviceChoice;
+use engine::scene::view::ViewChoice;
 
 use crate::usage::UsageError;
 use crate::words::{
-    Format, MAX_DEPTH, MAX_SPP, Output, parse_device, parse_number, parse_output,
+    Format, MAX_DEPTH, MAX_SPP, Output, parse_device, parse_display, parse_number, parse_output,
     refuse_overwriting,
 };
 
@@ -31,6 +32,8 @@ pub(crate) struct ViewJob {
     pub(crate) device: DeviceChoice,
     /// Folders the user named, searched first.
     pub(crate) texture_dirs: Vec<PathBuf>,
+    /// How the picture is shown, as far as the command line says it.
+    pub(crate) display: ViewChoice,
     /// Where a picture of the window goes, and the samples per pixel that it waits for.
     pub(crate) screenshot: Option<(Output, u32)>,
 }
@@ -66,6 +69,7 @@ impl ViewJob {
             seed: parse_number("--seed", &args.common.seed, 0, u32::MAX)?,
             device: parse_device(args.device.as_deref())?,
             texture_dirs: args.common.texture_dirs,
+            display: parse_display(&args.display)?,
             screenshot,
         })
     }

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use device::{Device, DeviceChoice, DeviceError, DeviceOptions};
 use engine::film::{Film, Origin};
+use engine::scene::view::View;
 use patina_viewer::host::{Changes, Host};
 use patina_viewer::link::Files;
 use patina_viewer::shell::{self, WindowError, WindowOptions};
@@ -70,6 +71,7 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
             size: FIRST_SIZE,
         },
         preview_device: choice.clone(),
+        display: job.display,
         picture_at_spp: job.screenshot.as_ref().map(|(_, spp)| *spp),
     };
     let outcome = shell::run(&device, options, Box::new(host)).map_err(|error| match error {
@@ -204,7 +206,8 @@ impl Host for ProgramHost {
 
     fn write_film(&self, path: &Path, film: &Film, origin: &Origin) -> Result<(), String> {
         let output = self.output(path)?;
-        output::write(&output, film, Some(origin), 0.0).map_err(|error| error.to_string())
+        output::write(&output, film, Some(origin), &View::default())
+            .map_err(|error| error.to_string())
     }
 
     fn write_shown(&self, path: &Path, size: [u32; 2], rgba: &[u8]) -> Result<(), String> {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::ArgAction;
 
-use crate::flags::{CommonArgs, scene_help};
+use crate::flags::{CommonArgs, DisplayArgs, scene_help};
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
@@ -55,8 +55,7 @@ pub(crate) struct WatchArgs {
     #[arg(long, value_name = "NAME|N")]
     pub(crate) device: Option<String>,
 
-    /// Brightness of PNG and JPEG files in stops.
-    #[arg(long, value_name = "STOPS", default_value = "0")]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) exposure: String,
+    /// How the picture is shown.
+    #[command(flatten)]
+    pub(crate) display: DisplayArgs,
 }

@@ -4,10 +4,11 @@ use std::num::NonZeroU32;
 use std::path::PathBuf;
 
 use device::DeviceChoice;
+use engine::scene::view::ViewChoice;
 
 use crate::usage::UsageError;
 use crate::words::{
-    MAX_DEPTH, MAX_SPP, Output, Outputs, parse_device, parse_exposure, parse_number, parse_size,
+    MAX_DEPTH, MAX_SPP, Output, Outputs, parse_device, parse_display, parse_number, parse_size,
     refuse_overwriting,
 };
 
@@ -38,8 +39,8 @@ pub(crate) struct WatchJob {
     pub(crate) device: DeviceChoice,
     /// Folders the user named, searched first.
     pub(crate) texture_dirs: Vec<PathBuf>,
-    /// Stops; EXR keeps the radiance.
-    pub(crate) exposure: f32,
+    /// How PNG and JPEG show it, as far as the command line says it.
+    pub(crate) display: ViewChoice,
 }
 
 impl WatchJob {
@@ -70,7 +71,7 @@ impl WatchJob {
             seed: parse_number("--seed", &args.common.seed, 0, u32::MAX)?,
             device: parse_device(args.device.as_deref())?,
             texture_dirs: args.common.texture_dirs,
-            exposure: parse_exposure(&args.exposure)?,
+            display: parse_display(&args.display)?,
             scene: args.scene,
             look: args.look,
         })

@@ -56,6 +56,7 @@ pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
     let mut told = String::new();
     let mut doubts = Vec::new();
     let mut generation = session.generation();
+    let mut look_view = session.look_view();
     let (mut is_written, mut may_write) = (true, true);
     while !interrupt::requested() {
         let wait = match (update.next > job.spp.get(), session.is_building()) {
@@ -73,10 +74,17 @@ pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
             update.begin();
             may_write = is_free(&written, &session.files());
             watcher.set_files(&session.files(), job.look.as_deref());
+        } else if session.look_view() != look_view {
+            // The same samples shown in another way: what there is of them is enough.
+            update.show_again();
+            if may_write {
+                write(job, &mut session, &update)?;
+            }
         } else if !session.is_building() {
             // Nothing to be seen came of it.
             update.coming = None;
         }
+        look_view = session.look_view();
         tell_problems(&session, &mut told);
         let target = update.next.min(job.spp.get());
         let progress = session.step(target)?;
@@ -186,11 +194,16 @@ impl Update {
 
     /// The picture has begun anew.
     fn begin(&mut self) {
+        self.show_again();
+        self.next = 1;
+    }
+
+    /// The picture is shown in another way.
+    fn show_again(&mut self) {
         if let Some((what, since)) = self.coming.take() {
             (self.what, self.since) = (what, since);
             self.number += 1;
         }
-        self.next = 1;
     }
 }
 
@@ -202,9 +215,10 @@ fn write(job: &WatchJob, session: &mut Session, update: &Update) -> Result<(), F
         return Ok(());
     }
     let origin = session.origin();
+    let view = job.display.or(session.look_view()).view();
     let mut names = Vec::new();
     for output in &job.outputs {
-        match output::write(output, &film, Some(&origin), job.exposure) {
+        match output::write(output, &film, Some(&origin), &view) {
             Ok(()) => names.push(output.path.display().to_string()),
             // A full disk may have room again at the next change.
             Err(error) => console::error(&error.to_string()),

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use device::{Device, DeviceChoice};
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupExisting};
 use egui::{TextureId, Ui, ViewportBuilder, ViewportCommand};
+use engine::scene::view::ViewChoice;
 use patina_panels::Previews;
 
 use crate::blit::Blit;
@@ -32,6 +33,8 @@ pub struct WindowOptions {
     pub render: RenderOptions,
     /// Of the previews of nodes.
     pub preview_device: DeviceChoice,
+    /// How the picture is shown; what this doesn't say, the look or the last start does.
+    pub display: ViewChoice,
     /// The window is pictured and closed, once the render has so many samples per pixel.
     pub picture_at_spp: Option<u32>,
 }
@@ -188,7 +191,7 @@ impl Shell {
         let ctx = context.egui_ctx.clone();
         let wake = Box::new(move || ctx.request_repaint());
         let thread = RenderThread::start(device.clone(), files, options.render, host, wake)?;
-        let mut viewer = Viewer::new(thread.link.clone(), preferences);
+        let mut viewer = Viewer::new(thread.link.clone(), preferences, options.display);
         // A device of their own, so that they don't keep the render waiting.
         let choice = options.preview_device;
         let open = move || Device::open(&choice);

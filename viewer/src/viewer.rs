@@ -7,13 +7,15 @@ mod dropped;
 mod lens;
 mod look;
 mod shortcuts;
+mod view;
 mod viewport;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{CentralPanel, Color32, Panel, Ui};
-use engine::display::{DisplaySettings, ViewTransform};
+use engine::display::DisplaySettings;
+use engine::scene::view::{View, ViewChoice, ViewTransform};
 
 use crate::blit::Drawn;
 use crate::link::{Command, Files, Link, PickPurpose, Reply, SceneFacts, Status};
@@ -45,6 +47,17 @@ pub struct Preferences {
     pub shows_graph: bool,
     /// Where the cards of the graph of these files stand.
     pub places: Vec<(String, [f32; 2])>,
+}
+
+impl Preferences {
+    /// How the picture was shown; a transform that there is no more is the usual one.
+    fn view(&self) -> View {
+        View {
+            exposure: self.exposure,
+            white_balance: None,
+            transform: ViewTransform::named(&self.view).unwrap_or_default(),
+        }
+    }
 }
 
 impl Default for Preferences {
@@ -83,6 +96,8 @@ pub struct Viewer {
     /// What draws it faster than egui does, if there is such a thing.
     pub drawn: Option<Drawn>,
     display: DisplaySettings,
+    /// What the command line says of the view.
+    given_view: ViewChoice,
     viewport: Viewport,
     editor: Editor,
     status: Status,
@@ -103,14 +118,10 @@ struct Message {
 }
 
 impl Viewer {
-    /// With a line to the render.
-    pub fn new(link: Link, preferences: Preferences) -> Self {
-        let view = ViewTransform::ALL
-            .into_iter()
-            .find(|view| view.name() == preferences.view);
+    /// With a line to the render; `view` is what counts more than the look's view and that of the last start.
+    pub fn new(link: Link, preferences: Preferences, view: ViewChoice) -> Self {
         let display = DisplaySettings {
-            exposure: preferences.exposure,
-            view: view.unwrap_or_default(),
+            view: view.over(preferences.view()),
             ..DisplaySettings::default()
         };
         link.send(Command::Display(display));
@@ -121,6 +132,7 @@ impl Viewer {
             picture: None,
             drawn: None,
             display,
+            given_view: view,
             viewport: Viewport::default(),
             editor: Editor::default(),
             status: Status::default(),
@@ -165,6 +177,7 @@ impl Viewer {
             self.link.board().touched = Some(Instant::now());
         }
         self.read_board(now);
+        self.show_view();
         self.take_keys(ui);
         self.take_dropped(ui);
         // The window is cleared with the panels' colour: to fill it twice takes a software driver as long as the rest.
@@ -255,15 +268,6 @@ impl Viewer {
     fn send_view(&self, view: Option<engine::scene::Camera>) {
         if let Some(camera) = view {
             self.link.send(Command::View(Some(camera)));
-        }
-    }
-
-    fn set_display(&mut self, display: DisplaySettings) {
-        if display != self.display {
-            self.display = display;
-            self.preferences.exposure = display.exposure;
-            self.preferences.view = display.view.name().to_owned();
-            self.link.send(Command::Display(display));
         }
     }
 

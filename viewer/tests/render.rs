@@ -11,6 +11,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use engine::film::{Film, Origin};
 use engine::scene::look::Value;
+use engine::scene::view::ViewChoice;
 use engine::session::Edit;
 use patina_viewer::host::{Changes, Host};
 use patina_viewer::link::{Command, Files, PickPurpose};
@@ -121,7 +122,7 @@ impl Stage {
             coarseness: 8,
             ..Preferences::default()
         };
-        let viewer = Viewer::new(thread.link.clone(), preferences);
+        let viewer = Viewer::new(thread.link.clone(), preferences, ViewChoice::default());
         let harness = Harness::builder()
             .with_size([900.0, 400.0])
             .build_ui_state(|ui, viewer: &mut Viewer| viewer.ui(ui), viewer);

@@ -8,9 +8,12 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use engine::display::{Channel, ViewTransform};
+use engine::display::Channel;
 use engine::renderer::{TextureCost, TextureCosts};
+use engine::scene::look::Value;
+use engine::scene::view::{ViewChoice, ViewTransform};
 use engine::scene::{Camera, Scene, default_camera};
+use engine::session::Edit;
 use engine::stats::PassStats;
 use patina_viewer::link::{Board, Command, Files, Link, LookFacts, PickPurpose, Reply, SceneFacts};
 use patina_viewer::viewer::{Preferences, Viewer};
@@ -57,7 +60,7 @@ impl Stage {
         });
         board.lock().unwrap().look = Some(LookFacts::default());
         let link = Link::new(sender, Arc::clone(&board));
-        let viewer = Viewer::new(link, Preferences::default());
+        let viewer = Viewer::new(link, Preferences::default(), ViewChoice::default());
         let mut harness = Harness::builder()
             .with_size([1280.0, 720.0])
             .build_ui_state(|ui, viewer: &mut Viewer| viewer.ui(ui), viewer);
@@ -146,7 +149,7 @@ fn the_exposure_slider_brightens_the_picture() {
     );
     let exposures: Vec<f32> = (stage.sent().iter())
         .filter_map(|command| match command {
-            Command::Display(settings) => Some(settings.exposure),
+            Command::Display(settings) => Some(settings.view.exposure),
             _ => None,
         })
         .collect();
@@ -160,6 +163,42 @@ fn the_exposure_slider_brightens_the_picture() {
     stage.type_text("0");
     stage.type_text("]");
     assert_eq!(stage.harness.state().preferences.exposure, 0.25);
+}
+
+#[test]
+fn what_the_look_says_of_the_view_is_shown_and_edited_there() {
+    let mut stage = Stage::new();
+    let shown = |stage: &Stage| {
+        let sent = stage.sent();
+        let shown = sent.iter().filter_map(|command| match command {
+            Command::Display(settings) => Some(settings.view),
+            _ => None,
+        });
+        shown.last()
+    };
+    let edit = Edit::view("transform", Value::Text("agx".to_owned()));
+    let document = stage.harness.state_mut().document_mut();
+    let document = document.expect("there is a look");
+    document.apply("view", &[edit], None).expect("an edit");
+    stage.harness.run_steps(2);
+    let view = shown(&stage).expect("it is told");
+    assert_eq!(view.transform, ViewTransform::Agx);
+    // Chosen above the picture, it is written where it was read; what the look doesn't say is the window's own.
+    stage.click("View transform");
+    stage.click("ACES 2.0");
+    stage.type_text("]");
+    let view = shown(&stage).expect("it is told");
+    assert_eq!(
+        (view.transform, view.exposure),
+        (ViewTransform::Aces2, 0.25)
+    );
+    let viewer = stage.harness.state_mut();
+    let text = viewer.document_mut().expect("there is a look").text();
+    assert!(
+        text.contains("aces2") && !text.contains("exposure"),
+        "{text}"
+    );
+    assert_eq!(viewer.preferences.view, ViewTransform::default().name());
 }
 
 #[test]
@@ -315,7 +354,7 @@ fn channels_and_cameras_are_chosen_from_lists() {
     stage.click("Filmic");
     let chosen = stage.sent();
     assert!(
-        matches!(&chosen[..], [Command::Display(d)] if d.view == ViewTransform::Filmic),
+        matches!(&chosen[..], [Command::Display(d)] if d.view.transform == ViewTransform::Filmic),
         "{chosen:?}"
     );
     stage.click("Camera");

@@ -3,7 +3,8 @@
 //! Kept free of dependencies (but for errors and JSON), as it is built before anything else can happen. What a command
 //! does is written here from top to bottom; how to run a step is in `steps`, how to find or install a Vulkan driver in
 //! `vulkan`, another one in `swiftshader`, which systems the program must compile for in `targets`, how the program is built
-//! to be given away in `dist`, a picture by many machines in `farm`, the comparison with other renderers in `peers`.
+//! to be given away in `dist`, a picture by many machines in `farm`, the comparison with other renderers in `peers`, that of view
+//! transforms with OpenColorIO in `views`.
 
 mod dist;
 mod farm;
@@ -11,6 +12,7 @@ mod peers;
 mod steps;
 mod swiftshader;
 mod targets;
+mod views;
 mod vulkan;
 
 use std::env;
@@ -73,6 +75,7 @@ Commands:
   contact-sheet Render Khronos' sample models, where they lie beside the checkout, to docs/images/khronos.jpg
   farm          Render a picture in parts by Slurm on this host, lose a node, compare with the whole
   peers         Compare with other renderers that are installed; `cargo xtask peers --help` lists the options
+  views         Compare view transforms with OpenColorIO; `cargo xtask views --help` lists the options
 
 `test` first finds a Vulkan driver, or installs Mesa's on Debian and Ubuntu; the others need none.";
 
@@ -92,6 +95,11 @@ fn main() -> ExitCode {
             Ok(())
         }
         ["peers", ref rest @ ..] => peers::run(rest),
+        ["views", "--help" | "-h"] => {
+            println!("{}", views::USAGE);
+            Ok(())
+        }
+        ["views", ref rest @ ..] => views::run(rest),
         ["help" | "--help" | "-h"] => {
             println!("{USAGE}");
             Ok(())

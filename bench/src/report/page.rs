@@ -5,6 +5,7 @@ use crate::textures::Absent;
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use engine::film::write;
+use engine::scene::view::View;
 use engine::stats::grouped;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -278,7 +279,7 @@ fn pictures(figures: &Figures) -> Result<Markup, PageError> {
         });
         if is_new && !row.picture.is_empty() {
             let (size, rgb) = shrunk(&row.picture, size);
-            let jpeg = write::jpeg(size, &rgb, stops)?;
+            let jpeg = write::jpeg(size, &rgb, &View::exposed(stops))?;
             let uri = format!("data:image/jpeg;base64,{}", BASE64_STANDARD.encode(jpeg));
             let caption = match row.texture {
                 "rust" => format!("{}, rust, {} AO rays", row.mode, row.ao_rays),

@@ -1,4 +1,4 @@
-//! Films as files: PNG and JPEG to look at (8-bit sRGB, exposed), EXR to work with (linear floats, as rendered, every
+//! Films as files: PNG and JPEG to look at (8-bit sRGB, as a view shows them), EXR to work with (linear floats, as rendered, every
 //! layer). Every picture of a film is written here, whoever asks for it.
 
 mod exr;
@@ -10,9 +10,11 @@ use std::path::Path;
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
+use scene::view::View;
 
 use super::{Film, Origin};
 use crate::aside;
+use crate::view::ViewEncoder;
 
 /// Of 100: artefacts are below the noise of a render.
 const JPEG_QUALITY: u8 = 90;
@@ -20,7 +22,7 @@ const JPEG_QUALITY: u8 = 90;
 /// Picture formats, chosen by a file's ending.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// 8-bit sRGB, exposed.
+    /// 8-bit sRGB, as a view shows it.
     Png,
     /// The same, compressed with loss: a noisy picture takes a tenth of the room.
     Jpeg,
@@ -80,8 +82,8 @@ impl Metadata {
     }
 }
 
-/// Writes a film: the picture, `exposure` stops brighter, as PNG or JPEG, or all of its layers and how it came about as
-/// EXR, without exposure.
+/// Writes a film: the picture as `view` shows it as PNG or JPEG, or all of its layers and how it came about as EXR, as
+/// rendered.
 ///
 /// # Errors
 /// What the system says, or a picture that is too large for the format.
@@ -90,13 +92,18 @@ pub fn write(
     format: Format,
     film: &Film,
     metadata: &Metadata,
-    exposure: f32,
+    view: &View,
 ) -> io::Result<()> {
     match format {
         Format::Exr => exr::write(file, film, metadata),
         Format::Png | Format::Jpeg => {
             let size = [film.width, film.height];
-            encode(file, format, size, &srgb(&film.mean(), exposure))
+            encode(
+                file,
+                format,
+                size,
+                &ViewEncoder::new(view).encode8(&film.mean()),
+            )
         }
     }
 }
@@ -110,9 +117,9 @@ pub fn save(
     format: Format,
     film: &Film,
     metadata: &Metadata,
-    exposure: f32,
+    view: &View,
 ) -> io::Result<()> {
-    aside::replace(path, |file| write(file, format, film, metadata, exposure))
+    aside::replace(path, |file| write(file, format, film, metadata, view))
 }
 
 /// Saves 8-bit RGBA that is encoded as it is to be shown, row 0 on top, without its alpha. EXR files hold radiance: none is
@@ -126,13 +133,14 @@ pub fn save_shown(path: &Path, format: Format, size: [u32; 2], rgba: &[u8]) -> i
     aside::replace(path, |file| encode(file, format, size, &rgb))
 }
 
-/// Linear Rec.709 radiance, row 0 on top, as a JPEG file in memory, brighter by `exposure` stops.
+/// Linear Rec.709 radiance, row 0 on top, as a JPEG file in memory, as `view` shows it.
 ///
 /// # Errors
 /// It is too large for the format.
-pub fn jpeg(size: [u32; 2], rgb: &[[f32; 3]], exposure: f32) -> io::Result<Vec<u8>> {
+pub fn jpeg(size: [u32; 2], rgb: &[[f32; 3]], view: &View) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    encode(&mut bytes, Format::Jpeg, size, &srgb(rgb, exposure))?;
+    let shown = ViewEncoder::new(view).encode8(rgb);
+    encode(&mut bytes, Format::Jpeg, size, &shown)?;
     Ok(bytes)
 }
 
@@ -156,24 +164,6 @@ fn encode(
     encoded.map_err(io::Error::other)
 }
 
-fn srgb(rgb: &[[f32; 3]], exposure: f32) -> Vec<u8> {
-    let gain = exposure.exp2();
-    let values = rgb.iter().flatten();
-    values.map(|&value| srgb8(value * gain)).collect()
-}
-
-/// A linear value in [0, 1] as an 8-bit sRGB code (IEC 61966-2-1); what lies outside is clamped, NaN is black.
-fn srgb8(linear: f32) -> u8 {
-    let linear = linear.clamp(0.0, 1.0);
-    let encoded = if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
-    };
-    // `as` saturates and turns NaN into 0.
-    (encoded * 255.0 + 0.5) as u8
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -195,7 +185,14 @@ mod tests {
         let read = |exposure| {
             let mut file = io::Cursor::new(Vec::new());
             let metadata = Metadata::default();
-            write(&mut file, Format::Png, &film, &metadata, exposure).expect("written");
+            write(
+                &mut file,
+                Format::Png,
+                &film,
+                &metadata,
+                &View::exposed(exposure),
+            )
+            .expect("written");
             let picture = image::load_from_memory(&file.into_inner()).expect("a picture");
             picture.to_rgb8()
         };
@@ -205,7 +202,6 @@ mod tests {
         assert_eq!(picture.get_pixel(1, 0).0, [255, 0, 0]);
         assert_eq!(picture.get_pixel(2, 1).0, [128, 0, 255]);
         assert_eq!(read(1.0).get_pixel(2, 0).0, [188; 3]);
-        assert_eq!(srgb8(f32::NAN), 0);
     }
 
     #[test]

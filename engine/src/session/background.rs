@@ -192,6 +192,7 @@ impl Session {
                 self.scene = loaded.scene;
                 self.camera = loaded.camera;
                 self.warnings = loaded.warnings;
+                self.look_view = loaded.look.map_or_else(Default::default, |look| look.view);
                 self.renderer = renderer;
                 if let Some(view) = &self.view {
                     self.renderer.set_camera(view);

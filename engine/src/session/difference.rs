@@ -76,6 +76,7 @@ pub(super) fn difference(before: &[Field], after: &[Field]) -> Option<Vec<TableC
     for (key, section) in [
         ("environment", Section::Environment),
         ("camera", Section::Camera),
+        ("view", Section::View),
     ] {
         if !is_same(key) {
             let now = find(after, key);
@@ -142,6 +143,10 @@ mod tests {
         let after = before.replace("x = 1", "x = 2").replace("30", "40");
         let expected = ["[node.a]", "[camera]"].map(str::to_owned).to_vec();
         assert_eq!(sections(before, &after), Some(expected));
+        let after = format!("{before}\n[view]\nexposure = 1");
+        let expected = vec!["[view]".to_owned()];
+        assert_eq!(sections(before, &after), Some(expected.clone()));
+        assert_eq!(sections(&after, before), Some(expected));
         let after = "[node.a]\ntexture = 't'\nx = 1\n[node.c]\ntexture = 't'\n[camera]\ny_fov = 30";
         let expected = ["[node.c]", "[material.M]", "[node.b]"].map(str::to_owned);
         assert_eq!(sections(before, after), Some(expected.to_vec()));

@@ -102,6 +102,11 @@ impl Edit {
         Self::set(Section::Camera, key, value)
     }
 
+    /// A key of `[view]`, such as `exposure` (stops).
+    pub fn view(key: &str, value: Value) -> Self {
+        Self::set(Section::View, key, value)
+    }
+
     /// Any key of any table.
     pub fn set(section: Section, key: &str, value: Value) -> Self {
         Self::Set {

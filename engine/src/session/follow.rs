@@ -9,6 +9,7 @@ use crate::scene::look::{
     EnvironmentLook, Look, LookDocument, MaterialLook, Section, Spanned, Table, find,
     placed_fields, table,
 };
+use crate::scene::view::ViewChoice;
 use crate::scene::{Camera, Environment, Material};
 
 use super::difference::{TableChange, difference};
@@ -20,6 +21,7 @@ struct Before {
     materials: Vec<Material>,
     environment: EnvironmentFactors,
     camera: Camera,
+    look_view: ViewChoice,
 }
 
 /// The part of an environment that is edited.
@@ -58,7 +60,10 @@ impl Session {
         let file = SourceFile::new("look", "", "");
         let mut touched = Touched::default();
         let followed = self.follow(&file, &change, &mut touched);
-        let outcome = followed.and_then(|()| self.commit(touched));
+        let outcome = followed.and_then(|()| match is_of_samples(section) {
+            true => self.commit(touched),
+            false => Ok(()),
+        });
         let Err(error) = outcome else {
             return Ok(());
         };
@@ -206,7 +211,11 @@ impl Session {
                 let mut changes = changes.iter();
                 changes.try_for_each(|change| self.follow(file, change, &mut touched))
             });
-        let outcome = outcome.and_then(|()| self.commit(touched));
+        let is_of_samples = changes.iter().any(|change| is_of_samples(&change.section));
+        let outcome = outcome.and_then(|()| match is_of_samples {
+            true => self.commit(touched),
+            false => Ok(()),
+        });
         if outcome.is_err() {
             *self.renderer.procedural_mut() = procedural;
             self.restore(before);
@@ -263,6 +272,10 @@ impl Session {
                 touched.environment = true;
                 self.follow_environment(&environment)
             }
+            (_, Table::View(view)) => {
+                self.look_view = view;
+                Ok(())
+            }
             (_, Table::Camera(camera)) => {
                 if self.inputs.camera.is_some() {
                     return Ok(());
@@ -313,14 +326,21 @@ impl Session {
                 },
             },
             camera: self.camera.clone(),
+            look_view: self.look_view,
         }
     }
 
     fn restore(&mut self, before: Before) {
         self.scene.materials = before.materials;
         self.camera = before.camera;
+        self.look_view = before.look_view;
         set_factors(&mut self.scene.environment, before.environment);
     }
+}
+
+/// Whether the samples of the picture depend on a table, and not only how they are shown.
+fn is_of_samples(section: &Section) -> bool {
+    *section != Section::View
 }
 
 /// False where the environment is of the other kind.

@@ -1,7 +1,7 @@
 //! Edits as JSON, for whoever talks to a session from another language or over a wire.
 //!
 //! An [`Edit`] is an object. `do` says what is done; `table` names the table of the look, as the list of its key and,
-//! where the table has one, its name: `["camera"]`, `["environment"]`, `["node", "rings"]`, `["material", "Red paint"]`,
+//! where the table has one, its name: `["camera"]`, `["environment"]`, `["view"]`, `["node", "rings"]`, `["material", "Red paint"]`,
 //! `["ao", "near"]`, `["light", "Sun"]`.
 //!
 //! | `do` | other members | what happens |
@@ -105,13 +105,14 @@ impl<'de> Deserialize<'de> for TableName {
         Ok(match place[..] {
             ["environment"] => Self(Section::Environment),
             ["camera"] => Self(Section::Camera),
+            ["view"] => Self(Section::View),
             ["light", name] => named(Section::Light, name),
             ["ao", name] => named(Section::Ao, name),
             ["node", name] => named(Section::Node, name),
             ["material", name] => named(Section::Material, name),
             _ => {
                 return Err(de::Error::custom(format!(
-                    "{place:?} is no table: write [\"camera\"], [\"environment\"], or [\"node\", NAME], and so for \
+                    "{place:?} is no table: write [\"camera\"], [\"environment\"], [\"view\"], or [\"node\", NAME], and so for \
                      \"material\", \"ao\" and \"light\""
                 )));
             }
@@ -251,6 +252,7 @@ mod tests {
         vec![
             Section::Environment,
             Section::Camera,
+            Section::View,
             Section::Light(name()),
             Section::Ao(name()),
             Section::Node(name()),

@@ -16,6 +16,7 @@
 //!
 //! | what changes | what happens |
 //! |---|---|
+//! | `[view]` | nothing: whoever shows the picture asks for [`Session::look_view`] |
 //! | keys of nodes, materials, AO tables; the sky's intensity and rotation; the camera | writes to buffers (`follow.rs`) |
 //! | the source of a texture; a node of another texture | the texture kernel is built in the background, then swapped |
 //! | what is made from the whole look (includes, images, which materials blend), the scene, image files | the renderer is built anew in the background, then swapped |
@@ -49,6 +50,7 @@ use crate::film::Film;
 use crate::procedural::Procedural;
 use crate::renderer::{Progress, RenderSettings, Renderer};
 use crate::scene::look::{Field, LookDocument};
+use crate::scene::view::ViewChoice;
 use crate::scene::{Camera, Scene};
 use crate::stats::Stats;
 use crate::system::System;
@@ -86,6 +88,8 @@ pub struct Session {
     scene: Scene,
     /// That of the look.
     camera: Camera,
+    /// How the look has its picture shown.
+    look_view: ViewChoice,
     /// Another one that is looked through meanwhile.
     view: Option<Camera>,
     renderer: Renderer,

@@ -118,7 +118,7 @@ impl Opening {
             procedural,
             camera,
             warnings,
-            ..
+            look,
         } = self.loaded;
         let settings = make_settings(camera.clone());
         let renderer =
@@ -135,6 +135,7 @@ impl Opening {
             scene,
             camera,
             view: None,
+            look_view: look.map_or_else(Default::default, |look| look.view),
             renderer,
             job: None,
             again: Again::default(),

@@ -12,12 +12,12 @@ const NAMED: [&str; 4] = ["node", "material", "ao", "light"];
 
 impl Edit {
     /// Sets a key: `NODE.PARAMETER=VALUE`, `material.NAME.KEY=VALUE`, and so with `node`, `ao` and `light`; `environment.KEY=VALUE`,
-    /// `camera.KEY=VALUE`. Names may have dots. The value is as in a look; text needs no quotes.
+    /// `camera.KEY=VALUE`, `view.KEY=VALUE`. Names may have dots. The value is as in a look; text needs no quotes.
     ///
     /// # Errors
     /// It has another form: says how it is written.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let form = "write NODE.PARAMETER=VALUE, material.NAME.KEY=VALUE, environment.KEY=VALUE or camera.KEY=VALUE";
+        let form = "write NODE.PARAMETER=VALUE, material.NAME.KEY=VALUE, environment.KEY=VALUE, camera.KEY=VALUE or view.KEY=VALUE";
         let (place, value) = text.split_once('=').ok_or(form)?;
         let (table, rest) = place.trim().split_once('.').ok_or(form)?;
         let named = |rest: &str| {
@@ -32,6 +32,7 @@ impl Edit {
         let (section, key) = match table {
             "environment" => (Section::Environment, rest.to_owned()),
             "camera" => (Section::Camera, rest.to_owned()),
+            "view" => (Section::View, rest.to_owned()),
             table if NAMED.contains(&table) => {
                 let (name, key) = named(rest).ok_or(form)?;
                 let section = match table {

@@ -10,6 +10,7 @@ use crate::film::Film;
 use crate::pick::{self, Pick};
 use crate::renderer::{RenderError, TextureCosts};
 use crate::scene::Camera;
+use crate::scene::view::ViewChoice;
 
 use super::{Session, SessionError};
 
@@ -30,6 +31,11 @@ impl Session {
     /// The camera that the look asks for.
     pub fn look_camera(&self) -> &Camera {
         &self.camera
+    }
+
+    /// How the look that is shown has its picture shown. No sample depends on it, so that a change of it is no new generation.
+    pub fn look_view(&self) -> ViewChoice {
+        self.look_view
     }
 
     /// Renders a picture of another size from now on, from the first sample; nothing is done where it has that size. What is

@@ -20,6 +20,8 @@ pub enum Section {
     Environment,
     /// `[camera]`.
     Camera,
+    /// `[view]`.
+    View,
     /// `[light.NAME]`.
     Light(String),
     /// `[ao.NAME]`.
@@ -36,6 +38,7 @@ impl Section {
         match self {
             Self::Environment => ("environment", None),
             Self::Camera => ("camera", None),
+            Self::View => ("view", None),
             Self::Light(name) => ("light", Some(name)),
             Self::Ao(name) => ("ao", Some(name)),
             Self::Node(name) => ("node", Some(name)),

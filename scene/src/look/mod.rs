@@ -14,6 +14,7 @@ mod rename;
 #[cfg(test)]
 mod tests;
 mod value;
+mod view;
 
 use std::path::{Path, PathBuf};
 
@@ -22,6 +23,7 @@ use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle};
 
 use crate::input::{self, Disk, Files};
 use crate::sky::Sky;
+use crate::view::ViewChoice;
 
 pub use document::{Kept, LookDocument, Section};
 pub use material::MaterialLook;
@@ -33,9 +35,10 @@ pub use value::{Field, Span, Spanned, Value, find, parse_value};
 pub const MAX_AO: usize = 4;
 
 /// Keys of a look.
-const KEYS: [&str; 7] = [
+const KEYS: [&str; 8] = [
     "environment",
     "camera",
+    "view",
     "light",
     "ao",
     "node",
@@ -54,6 +57,8 @@ pub struct Look {
     pub environment: Option<Spanned<EnvironmentLook>>,
     /// Overrides of a glTF camera, or a camera of its own.
     pub camera: CameraLook,
+    /// How the picture is shown.
+    pub view: ViewChoice,
     /// `[light.NAME]` tables, in the order of the file.
     pub lights: Vec<LightLook>,
     /// `[ao.NAME]` tables, in the order of the file; at most [`MAX_AO`].
@@ -292,6 +297,7 @@ impl Look {
             environment: None,
             lights: Vec::new(),
             camera: CameraLook::default(),
+            view: ViewChoice::default(),
             ao: Vec::new(),
             nodes: Vec::new(),
             materials: Vec::new(),

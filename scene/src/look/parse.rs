@@ -9,11 +9,14 @@ use glam::{Affine3A, EulerRot, Quat, Vec3};
 use texgen::{Diagnostics, SourceFile, did_you_mean};
 use toml_edit::Document;
 
+use crate::view::ViewChoice;
+
 use super::document::Section;
 use super::light::{environment, light};
 use super::material::{MaterialLook, material};
 use super::reader::{Reader, choice, is_name, unquoted};
 use super::value::{Field, Span, Spanned, Value, fields};
+use super::view::view;
 use super::{
     AoDirection, AoLook, AoSettings, CameraLook, EnvironmentLook, Include, Input, KEYS, Look,
     MAX_AO, NodeLook,
@@ -52,6 +55,7 @@ fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
         match key.value.as_str() {
             "environment" => look.environment = environment(reader, value),
             "camera" => look.camera = camera(reader, value),
+            "view" => look.view = view(reader, value),
             "light" => look.lights = named(reader, value, "[light.NAME]", light),
             "ao" => look.ao = named(reader, value, "[ao.NAME]", ao),
             "node" => look.nodes = named(reader, value, "[node.NAME]", node),
@@ -96,6 +100,7 @@ pub fn table(
             environment(&mut reader, &whole()).map(|e| Table::Environment(e.value))
         }
         Section::Camera => Some(Table::Camera(camera(&mut reader, &whole()))),
+        Section::View => Some(Table::View(view(&mut reader, &whole()))),
         // Lights are read with the scene.
         Section::Light(_) => None,
         Section::Ao(name) => {
@@ -119,6 +124,8 @@ pub enum Table {
     Environment(EnvironmentLook),
     /// `[camera]`.
     Camera(CameraLook),
+    /// `[view]`.
+    View(ViewChoice),
     /// `[ao.NAME]`.
     Ao(AoSettings),
     /// `[node.NAME]`.

@@ -1,6 +1,7 @@
 //! Looks as users write them, right and wrong.
 
 use super::*;
+use crate::view::{ViewTransform, WhiteBalance};
 
 fn parse(text: &str) -> Look {
     Look::parse(Path::new("looks/test.look.toml"), text).expect("this look is right")
@@ -359,4 +360,40 @@ fn no_text_panics() {
     }
     let deep = format!("a = {}", "[".repeat(100_000));
     assert!(Look::parse(Path::new("x"), &deep).is_err());
+}
+
+#[test]
+fn a_view_is_read() {
+    let view =
+        parse("[view]\ntransform = 'khronos-neutral'\nexposure = -2\nwhite_balance = 3200").view;
+    assert_eq!(view.transform, Some(ViewTransform::KhronosNeutral));
+    assert_eq!(view.exposure, Some(-2.0));
+    assert_eq!(view.white_balance, WhiteBalance::new(3200.0, None));
+    let view = parse("view = { white_balance = [5600, -12.5] }").view;
+    assert_eq!(view.white_balance, WhiteBalance::new(5600.0, Some(-12.5)));
+    assert_eq!((view.transform, view.exposure), (None, None));
+    assert_eq!(parse("").view, ViewChoice::default());
+}
+
+#[test]
+fn mistakes_of_a_view_have_their_places() {
+    one_problem("[view]\ntransform = 'AgX'", 2, 13, "\"agx\"");
+    one_problem("[view]\ntransform = 1", 2, 13, "expected a string");
+    one_problem("[view]\nexposure = 33", 2, 12, "from -32 to 32");
+    one_problem("[view]\nwhite_balance = 100", 2, 17, "from 1800 to 25000");
+    one_problem(
+        "[view]\nwhite_balance = [5000, 200]",
+        2,
+        17,
+        "from -100 to 100",
+    );
+    one_problem("[view]\nwhite_balance = [5000]", 2, 17, "found 1 values");
+    one_problem("[view]\nwhite_balance = 'warm'", 2, 17, "kelvins");
+    one_problem(
+        "[view]\ntransfrom = 'agx'",
+        2,
+        1,
+        "did you mean `transform`?",
+    );
+    one_problem("view = 'agx'", 1, 8, "a table headed [view]");
 }

@@ -1,7 +1,8 @@
 //! The bar of tools on top, the figures at the bottom, and what is wrong with the files.
 
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
-use engine::display::{Channel, DisplaySettings, ViewTransform};
+use engine::display::{Channel, DisplaySettings};
+use engine::scene::view::ViewTransform;
 
 use crate::link::{Command, Status};
 
@@ -179,20 +180,20 @@ impl Viewer {
 
 fn display_settings(ui: &mut Ui, display: &mut DisplaySettings) {
     let label = ui.label("Exposure");
-    let slider = Slider::new(&mut display.exposure, EXPOSURE)
+    let slider = Slider::new(&mut display.view.exposure, EXPOSURE)
         .fixed_decimals(2)
         .suffix(" EV");
     let response = ui.add(slider).labelled_by(label.id);
     if response.secondary_clicked() {
-        display.exposure = 0.0;
+        display.view.exposure = 0.0;
     }
     response.on_hover_text("brightness of what is shown; right-click for 0");
     let views = ComboBox::from_id_salt("view transform")
-        .selected_text(display.view.name())
+        .selected_text(display.view.transform.label())
         .width(80.0);
     let shown = views.show_ui(ui, |ui| {
         for view in ViewTransform::ALL {
-            ui.selectable_value(&mut display.view, view, view.name());
+            ui.selectable_value(&mut display.view.transform, view, view.label());
         }
     });
     call(&shown.response, "View transform");

@@ -103,9 +103,9 @@ impl Viewer {
             "r" => self.toggle_region(),
             "c" => self.toggle_compare(),
             "p" => self.link.send(Command::Pause(!self.status.is_paused)),
-            "[" => display.exposure -= STOP,
-            "]" => display.exposure += STOP,
-            "0" => display.exposure = 0.0,
+            "[" => display.view.exposure -= STOP,
+            "]" => display.view.exposure += STOP,
+            "0" => display.view.exposure = 0.0,
             digit => {
                 let number = digit.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
                 let camera = number.and_then(|n| self.scene.cameras.get(n).cloned());

@@ -1,20 +1,31 @@
 // What a window shows of a film: the mean or another channel of each pixel, exposed, brought to what a screen can show,
 // and encoded as sRGB. The sums of a film are those of `accumulate.wgsl`.
 //!include shared/vectors.wgsl
+//!include display/view.wgsl
 
 struct Display {
     width: u32,
     height: u32,
     channel: u32, // see `display::Channel`
-    view: u32, // see `display::ViewTransform`
+    view: u32, // see `scene::view::ViewTransform`
     gain: f32, // of radiance
     distance_scale: f32, // shown half bright, metres
     most_samples: f32,
-    spare: u32,
+    is_balanced: u32,
+    // Rows of the matrix of the white balance.
+    balance_red: vec4f,
+    balance_green: vec4f,
+    balance_blue: vec4f,
+}
+
+// In one buffer, as there may be no more than eight.
+struct DisplayBuffer {
+    settings: Display,
+    numbers: array<f32>, // of the view transform
 }
 
 // No uniform: Mesa's software driver would compile the kernel again for each picture, with the channel's code alone.
-@group(0) @binding(0) var<storage, read> display: Display;
+@group(0) @binding(0) var<storage, read> display: DisplayBuffer;
 @group(0) @binding(1) var<storage, read> film0: array<vec4u>;
 @group(0) @binding(2) var<storage, read> film1: array<vec4u>;
 @group(0) @binding(3) var<storage, read> film2: array<vec4u>;
@@ -35,9 +46,6 @@ const CHANNEL_OBJECT = 6u;
 const CHANNEL_BASE_COLOR = 7u;
 const CHANNEL_ROUGHNESS = 8u;
 const CHANNEL_METALLIC = 9u;
-
-const VIEW_STANDARD = 0u;
-const VIEW_NEUTRAL = 1u;
 
 const MISS = 0xffffffffu;
 
@@ -60,34 +68,6 @@ fn square_sum(words: vec3u) -> f32 {
     return f32(words.z) * 268435456.0 + f32(words.y) * 0.0625 + f32(words.x) * 1.4551915228366852e-11;
 }
 
-fn srgb(linear: vec3f) -> vec3f {
-    let c = clamp(linear, vec3f(0.0), vec3f(1.0));
-    return select(1.055 * pow(c, vec3f(1.0 / 2.4)) - 0.055, 12.92 * c, c <= vec3f(0.0031308));
-}
-
-// Khronos PBR Neutral: colours up to 0.8 stay as they are but for a small offset, brighter ones are compressed and lose
-// colour (Khronos PBR Neutral tone mapper, specification 1.0).
-fn neutral(linear: vec3f) -> vec3f {
-    let start = 0.8 - 0.04;
-    let least = min(linear.x, min(linear.y, linear.z));
-    let offset = select(0.04, least - 6.25 * least * least, least < 0.08);
-    let color = linear - offset;
-    let peak = max_component(color);
-    if (peak < start) {
-        return color;
-    }
-    let room = 1.0 - start;
-    let compressed = 1.0 - room * room / (peak + room - start);
-    let faded = 1.0 - 1.0 / (0.15 * (peak - compressed) + 1.0);
-    return mix(color * (compressed / peak), vec3f(compressed), faded);
-}
-
-// An S-shaped curve (Narkowicz, "ACES Filmic Tone Mapping Curve", 2016).
-fn filmic(linear: vec3f) -> vec3f {
-    let x = linear * 0.6;
-    return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
-}
-
 // Blue, cyan, green, yellow, red for 0 to 1.
 fn heat(x: f32) -> vec3f {
     let h = 4.0 * (1.0 - clamp(x, 0.0, 1.0));
@@ -106,22 +86,10 @@ fn name_color(number: u32) -> vec3f {
     return mix(pure, vec3f(1.0), pale) * 0.9;
 }
 
-// Radiance, exposed and brought to what a screen can show.
-fn viewed(radiance: vec3f) -> vec3f {
-    let exposed = max(radiance * display.gain, vec3f(0.0));
-    if (display.view == VIEW_STANDARD) {
-        return srgb(exposed);
-    }
-    if (display.view == VIEW_NEUTRAL) {
-        return srgb(neutral(exposed));
-    }
-    return srgb(filmic(exposed));
-}
-
 fn shown(at: u32, mean: vec3f, count: u32, relative_error: f32) -> vec3f {
-    switch display.channel {
+    switch display.settings.channel {
         case CHANNEL_RADIANCE: { return viewed(mean); }
-        case CHANNEL_SAMPLES: { return heat(f32(count) / max(display.most_samples, 1.0)); }
+        case CHANNEL_SAMPLES: { return heat(f32(count) / max(display.settings.most_samples, 1.0)); }
         // From 0.1 % to 100 %.
         case CHANNEL_ERROR: { return heat(1.0 + log2(max(relative_error, 1e-9)) / 9.9657843); }
         case CHANNEL_NORMAL: {
@@ -133,7 +101,7 @@ fn shown(at: u32, mean: vec3f, count: u32, relative_error: f32) -> vec3f {
         }
         case CHANNEL_DISTANCE: {
             let distance = bitcast<f32>(guides[2u * at].x);
-            return vec3f(display.distance_scale / (display.distance_scale + distance));
+            return vec3f(display.settings.distance_scale / (display.settings.distance_scale + distance));
         }
         case CHANNEL_MATERIAL: { return name_color(guides[2u * at].y); }
         case CHANNEL_OBJECT: { return name_color(guides[2u * at].z); }
@@ -145,7 +113,7 @@ fn shown(at: u32, mean: vec3f, count: u32, relative_error: f32) -> vec3f {
 fn look_of(guide: vec4u) -> vec3f {
     let base_color_red_green = unpack2x16unorm(guide.x);
     let base_color_blue_roughness = unpack2x16unorm(guide.y);
-    switch display.channel {
+    switch display.settings.channel {
         case CHANNEL_BASE_COLOR: { return srgb(vec3f(base_color_red_green, base_color_blue_roughness.x)); }
         case CHANNEL_ROUGHNESS: { return vec3f(base_color_blue_roughness.y); }
         case CHANNEL_METALLIC: { return vec3f(unpack2x16unorm(guide.z).x); }
@@ -176,7 +144,7 @@ fn display_film(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
     let group = workgroup.y * workgroups.x + workgroup.x;
     let at = group * 64u + local;
     var sums = vec3f(0.0);
-    if (at < display.width * display.height) {
+    if (at < display.settings.width * display.settings.height) {
         let words0 = film0[at];
         let words1 = film1[at];
         let words2 = film2[at];
@@ -201,7 +169,7 @@ fn display_film(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
             sums = vec3f(error, light, 1.0);
         }
         let color = shown(at, mean, count, relative);
-        textureStore(picture, vec2u(at % display.width, at / display.width), vec4f(color, 1.0));
+        textureStore(picture, vec2u(at % display.settings.width, at / display.settings.width), vec4f(color, 1.0));
     }
     partial[local] = sums;
     for (var step = 32u; step > 0u; step /= 2u) {

@@ -3,7 +3,10 @@
 
 use engine::display::{Channel, Display, DisplaySettings};
 use engine::film::Film;
+use engine::scene::look::Value;
+use engine::scene::view::{View, ViewTransform, WhiteBalance};
 use engine::session::{Edit, Session};
+use engine::view::ViewEncoder;
 use glam::{Vec2, Vec3};
 
 use super::look::{LOOK, TEXTURES};
@@ -93,7 +96,7 @@ fn the_display_shows_the_film() {
     };
     let mut display = Display::new(session.device()).expect("compiled");
     let settings = DisplaySettings {
-        exposure: 1.0,
+        view: View::exposed(1.0),
         ..DisplaySettings::default()
     };
     let shown = session.device_film(true).expect("guides");
@@ -134,6 +137,76 @@ fn the_display_shows_the_film() {
     session.restart();
     display.show(&kept, &settings).expect("shown");
     assert_eq!(display.read().expect("read"), rgba);
+}
+
+#[test]
+fn a_window_shows_what_a_file_would() {
+    let Some((_stage, mut session, whole)) = opened() else {
+        return;
+    };
+    let mut display = Display::new(session.device()).expect("compiled");
+    let shown = session.device_film(false).expect("a film");
+    // Lights of such colours leave little but the opposite of them, and negative components.
+    let whites = [None, Some([2000.0, -80.0]), Some([20_000.0, 90.0])];
+    for transform in ViewTransform::ALL {
+        for white in whites {
+            for exposure in [-6.0, -1.0, 0.0, 2.5, 9.0] {
+                let white = white.map(|[temperature, tint]| WhiteBalance { temperature, tint });
+                let view = View {
+                    exposure,
+                    white_balance: white,
+                    transform,
+                };
+                let settings = DisplaySettings {
+                    view,
+                    ..DisplaySettings::default()
+                };
+                display.show(&shown, &settings).expect("shown");
+                let encoder = ViewEncoder::new(&view);
+                let rgba = display.read().expect("read");
+                for (pixel, mean) in rgba.chunks(4).zip(whole.mean()) {
+                    for (byte, code) in pixel.iter().zip(encoder.encode(mean)) {
+                        // Half of it is rounding.
+                        let difference = f32::from(*byte) - 255.0 * code;
+                        assert!(
+                            difference.abs() <= 1.0,
+                            "{view:?} {mean:?}: {pixel:?} {code}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_look_says_how_it_is_shown_without_a_new_picture() {
+    let Some((_stage, mut session, whole)) = opened() else {
+        return;
+    };
+    let generation = session.generation();
+    assert_eq!(session.look_view().view(), View::default());
+    let agx = Value::Text("agx".to_owned());
+    session.edit(&Edit::view("transform", agx)).expect("edited");
+    let exposure = Edit::view("exposure", Value::number(-1.5));
+    session.edit(&exposure).expect("edited");
+    let view = session.look_view().view();
+    assert_eq!((view.transform, view.exposure), (ViewTransform::Agx, -1.5));
+    let bad = Edit::view("exposure", Value::number(99.0));
+    assert!(session.edit(&bad).is_err());
+    assert_eq!(session.look_view().view(), view);
+    assert!(session.look_text().contains("[view]"));
+    // As a whole text, too, together with nothing else.
+    let text = session.look_text().replace("agx", "filmic");
+    session.replace_look(&text).expect("a look");
+    let transform = session.look_view().transform;
+    assert_eq!(transform, Some(ViewTransform::Filmic));
+    assert_eq!(session.generation(), generation);
+    assert!(is_same(&session.snapshot().expect("read").film, &whole));
+    // What is built anew has it from the look.
+    session.assets_changed();
+    settle(&mut session);
+    assert_eq!(session.look_view().transform, transform);
 }
 
 #[test]
@@ -179,7 +252,7 @@ fn materials_are_picked_where_they_are_shown() {
 fn looks(session: &mut Session, display: &mut Display, channel: Channel) -> [[u8; 3]; 2] {
     let settings = DisplaySettings {
         channel,
-        exposure: 1.0,
+        view: View::exposed(1.0),
         ..DisplaySettings::default()
     };
     let shown = session.device_film(true).expect("guides");
