@@ -10,9 +10,11 @@ use engine::filter::PixelFilter;
 use engine::settings::{Estimator, Sampler};
 
 use crate::bench::args::BenchCommand;
+use crate::compare::args::CompareArgs;
 use crate::console::MessageFormat;
 use crate::farm::args::FarmCommand;
 use crate::flags::{CommonArgs, DisplayArgs, scene_help, words};
+use crate::info::args::InfoArgs;
 use crate::progress::Reader;
 use crate::texture::args::TextureCommand;
 use crate::view::args::ViewArgs;
@@ -24,6 +26,8 @@ Examples:
   patina render scene.glb -o a.png -o a.exr          a picture to look at and one to work with
   patina render scene.glb --look rust.look.toml      with procedural textures
   patina view scene.glb                              in a window, to be walked through and edited
+  patina info scene.glb                              what is in it
+  patina compare a.png b.png                         how far they are apart
   patina texture list                                which textures there are
   patina devices                                     which devices there are
 
@@ -53,6 +57,8 @@ Examples:
     patina render room.glb --noise 0.02 --time 10m -o room.exr
   For hours, with what is done kept each minute; after a crash the same line goes on:
     patina render room.glb --spp 4096 --checkpoint --resume -o room.exr
+  A few samples without their noise; needs Open Image Denoise (`pip install pyoidn`, or OIDN_DIR=FOLDER):
+    patina render room.glb --spp 32 --denoise -o room.png
   Where the time goes, for people and for programs:
     patina render room.gltf --stats --stats-json room.json
 
@@ -116,6 +122,12 @@ pub(crate) enum Command {
         #[command(subcommand)]
         what: FarmCommand,
     },
+    /// Say how far a picture is from another one: MSE, relative MSE, PSNR, FLIP.
+    #[command(after_help = crate::compare::args::EXAMPLES)]
+    Compare(CompareArgs),
+    /// Say what a scene, a look, a partial render or a picture holds.
+    #[command(after_help = crate::info::args::EXAMPLES)]
+    Info(InfoArgs),
     /// List, check, inspect, evaluate, preview and begin textures.
     Texture {
         /// What to do with them.
@@ -271,6 +283,11 @@ pub(crate) struct RenderArgs {
     #[arg(value_parser = words(engine::film::layers::known()))]
     pub(crate) layers: Vec<String>,
 
+    /// Take the noise out of the picture, by Open Image Denoise, where that is found. EXR files keep the noisy picture as the layer
+    /// "Noisy Image", and their other layers as they are; .patina-film files keep their sums, and what `merge --denoise` needs.
+    #[arg(long)]
+    pub(crate) denoise: bool,
+
     /// Leave out what rough surfaces scatter more than once between their microfacets, as glTF's own formula does.
     #[arg(long)]
     pub(crate) no_energy_compensation: bool,
@@ -322,6 +339,11 @@ pub(crate) struct MergeArgs {
     /// several times.
     #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append, required = true)]
     pub(crate) outputs: Vec<PathBuf>,
+
+    /// Take the noise out of the picture, by Open Image Denoise, where that is found. Parts that were rendered with --denoise, or
+    /// with the layers albedo and normal, keep textures and edges sharp.
+    #[arg(long)]
+    pub(crate) denoise: bool,
 
     /// The look whose [view] says how the picture is shown.
     #[arg(long, value_name = "FILE")]

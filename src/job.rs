@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use device::DeviceChoice;
+use engine::denoise::GUIDES;
 use engine::film::Layers;
 use engine::filter::PixelFilter;
 use engine::scene::view::ViewChoice;
@@ -17,7 +18,9 @@ use engine::settings::{Estimator, Sampler};
 
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
 use crate::bench::job::BenchJob;
+use crate::compare::job::CompareJob;
 use crate::farm::job::ExportJob;
+use crate::info::job::InfoJob;
 use crate::progress::Reader;
 use crate::render::{Checkpoints, Limits, overrides};
 use crate::texture::job::TextureJob;
@@ -48,6 +51,10 @@ pub(crate) enum Job {
     Merge(MergeJob),
     /// Write a job for a farm.
     Farm(ExportJob),
+    /// Compare two pictures.
+    Compare(CompareJob),
+    /// Tell what a file holds.
+    Info(InfoJob),
     /// Do something with textures.
     Texture(TextureJob),
     /// List devices.
@@ -106,6 +113,10 @@ pub(crate) struct RenderJob {
     pub(crate) sampler: Sampler,
     /// What the film gathers.
     pub(crate) layers: Layers,
+    /// What of that files of pictures hold.
+    pub(crate) shown_layers: Layers,
+    /// Take the noise out of the picture.
+    pub(crate) denoise: bool,
     /// Rough surfaces keep the energy that single scattering between microfacets loses.
     pub(crate) energy_compensation: bool,
     /// Seed of the random numbers.
@@ -137,6 +148,8 @@ pub(crate) struct MergeJob {
     pub(crate) look: Option<PathBuf>,
     /// Where the picture and the film go.
     pub(crate) outputs: Outputs,
+    /// Take the noise out of the picture.
+    pub(crate) denoise: bool,
     /// How PNG and JPEG show it, as far as the command line says it.
     pub(crate) display: ViewChoice,
 }
@@ -153,6 +166,8 @@ impl Job {
             Command::View(args) => Self::View(ViewJob::from_args(*args)?),
             Command::Merge(args) => Self::Merge(MergeJob::from_args(args)?),
             Command::Farm { what } => Self::Farm(ExportJob::from_args(what)?),
+            Command::Compare(args) => Self::Compare(CompareJob::from_args(args)?),
+            Command::Info(args) => Self::Info(InfoJob::from_args(args)),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,
             Command::Manuals { dir } => Self::Manuals(dir),
@@ -214,7 +229,7 @@ impl RenderJob {
             args.camera_at.as_deref(),
             args.look_at.as_deref(),
         )?;
-        let layers = parse_layers(&args.layers, &outputs)?;
+        let shown_layers = parse_layers(&args.layers, &outputs)?;
         let filter = parse_word(
             "--filter",
             &args.filter,
@@ -232,7 +247,12 @@ impl RenderJob {
             .flatten(),
         )?;
         Ok(Self {
-            layers,
+            layers: match args.denoise {
+                true => (shown_layers.with(GUIDES)).expect("the film knows what is denoised by"),
+                false => shown_layers.clone(),
+            },
+            shown_layers,
+            denoise: args.denoise,
             outputs,
             spp: NonZeroU32::new(samples.end - samples.start).expect("the range is not empty"),
             first_sample: samples.start,
@@ -323,6 +343,7 @@ impl MergeJob {
             parts: args.parts,
             look: args.look,
             outputs,
+            denoise: args.denoise,
             display: parse_display(&args.display)?,
         })
     }
@@ -375,6 +396,18 @@ mod tests {
     }
 
     #[test]
+    fn what_a_picture_is_denoised_by_is_gathered_and_not_shown() {
+        let names = |layers: &Layers| -> Vec<_> { layers.iter().map(|layer| layer.name).collect() };
+        let job = render("render a.glb --denoise").unwrap();
+        assert_eq!(names(&job.layers), ["combined", "normal", "albedo"]);
+        assert!(job.denoise && job.shown_layers.is_picture_alone());
+        let job = render("render a.glb --denoise --layers depth,normal -o x.exr").unwrap();
+        let gathered = ["combined", "depth", "normal", "albedo"];
+        assert_eq!(names(&job.layers), gathered);
+        assert_eq!(names(&job.shown_layers), ["combined", "depth", "normal"]);
+    }
+
+    #[test]
     fn formats_follow_the_extension_in_any_case() {
         let job = render("render a.glb -o x.PNG --output y.exr").unwrap();
         let formats: Vec<_> = job.outputs.pictures.iter().map(|o| o.format).collect();
@@ -415,6 +448,28 @@ mod tests {
         assert!(matches!(error, UsageError::OverwritesInput { .. }));
         let error = job("merge a.patina-film -o a.tiff").unwrap_err();
         assert!(matches!(error, UsageError::Extension { .. }));
+    }
+
+    #[test]
+    fn comparisons_have_limits_that_make_sense() {
+        let Ok(Job::Compare(found)) = job("compare a.png b.exr --max-flip 0.05 --exposure -1")
+        else {
+            panic!("a comparison");
+        };
+        assert_eq!((found.most.flip, found.most.mse), (Some(0.05), None));
+        assert_eq!((found.exposure, found.diff), (-1.0, None));
+        assert!(job("compare a.exr b.exr --diff d.PNG").is_ok());
+        for (line, because) in [
+            ("--diff d.exr", ".png"),
+            ("--diff b.png", "input"),
+            ("--max-flip -1", "isn't negative"),
+            ("--max-mse NaN", "isn't negative"),
+            ("--max-relative-mse little", "isn't negative"),
+            ("--exposure 99", "stops"),
+        ] {
+            let error = job(&format!("compare a.png b.png {line}")).unwrap_err();
+            assert!(error.to_string().contains(because), "{line}: {error}");
+        }
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! The `patina` command: renders scenes, opens a window on them, merges films, writes jobs for farms, works on textures, lists devices, measures itself.
+//! The `patina` command: renders scenes, opens a window on them, merges films, compares pictures, tells what files hold, writes jobs
+//! for farms, works on textures, lists devices, measures itself.
 //!
 //! This file only walks the path every invocation takes: raw flags ([`args`]) become a validated [`job`], the job
 //! is run by the file named after it, and what came of it becomes an exit code ([`exit`]). Nothing is decided here.
@@ -6,20 +7,24 @@
 mod args;
 mod bench;
 mod cache;
+mod compare;
 mod console;
 mod crash;
+mod denoise;
 mod devices;
 mod exit;
 mod failure;
 mod farm;
 mod fault;
 mod flags;
+mod info;
 mod interrupt;
 mod job;
 mod library;
 mod manuals;
 mod merge;
 mod output;
+mod picture;
 mod probe;
 mod progress;
 mod render;
@@ -71,6 +76,8 @@ fn run(job: Job) -> Result<(), Failure> {
         Job::View(job) => view::run(&job),
         Job::Merge(job) => merge::run(&job),
         Job::Farm(job) => farm::export(&job),
+        Job::Compare(job) => compare::run(&job),
+        Job::Info(job) => info::run(&job),
         Job::Texture(job) => texture::run(job),
         Job::Devices => {
             devices::run();

@@ -1,17 +1,16 @@
 //! `patina merge`: adds films of parts of a picture's samples and writes the picture they make.
 
-use std::io::BufReader;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use engine::film::{Part, PartError};
-use engine::input;
 use engine::scene::look::Look;
 use engine::scene::view::ViewChoice;
 
 use crate::failure::Failure;
 use crate::job::MergeJob;
-use crate::{console, interrupt, output};
+use crate::output::{self, Results};
+use crate::{console, denoise, interrupt, picture};
 
 /// Reads one film after the other, so that memory holds two at most, and writes their sum.
 ///
@@ -24,10 +23,11 @@ pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
     let look = job.look.as_deref().map(Look::load).transpose()?;
     let look_view = look.map_or_else(ViewChoice::default, |look| look.view);
     let view = job.display.or(look_view).view();
+    let denoiser = denoise::for_job(job.denoise, &job.outputs)?;
     let mut merged: Option<Part> = None;
     for path in &job.parts {
         let refused = |error: PartError| Failure::Failed(format!("{}: {error}", path.display()));
-        let part = read(path).map_err(refused)?;
+        let part = picture::film(path).map_err(refused)?;
         match &mut merged {
             Some(merged) => {
                 if part.origin.device != merged.origin.device {
@@ -62,7 +62,16 @@ pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
         ranges.join(", "),
         console::grouped(u64::from(merged.film.sample_bounds().0))
     ));
-    output::write_all(&job.outputs, &merged, &view)
+    let denoised = (denoiser.as_ref())
+        .map(|denoiser| denoise::film(denoiser, &merged.film).map_err(Failure::because))
+        .transpose()?;
+    let results = Results {
+        part: &merged,
+        layers: merged.film.layers(),
+        denoised: denoised.as_ref(),
+        view: &view,
+    };
+    output::write_all(&job.outputs, &results)
 }
 
 /// Whether a film has exactly these samples; else what is missing, or too much.
@@ -93,9 +102,4 @@ fn expect(part: &Part, expected: &Range<u32>) -> Result<(), String> {
         "--expect {}..{}: {because}; nothing was written",
         expected.start, expected.end
     ))
-}
-
-fn read(path: &Path) -> Result<Part, PartError> {
-    let (file, length) = input::open(path)?;
-    Part::read(&mut BufReader::new(file), length)
 }

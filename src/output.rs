@@ -12,15 +12,28 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use engine::aside::{self, Aside};
-use engine::film::write::{self, Metadata};
-use engine::film::{Film, Origin, Part};
+use engine::film::write::{self, Content, Metadata};
+use engine::film::{Layers, Origin, Part};
 use engine::scene::view::View;
 use thiserror::Error;
 
 pub(crate) use self::identity::refuse_overwriting;
 use crate::console;
+use crate::denoise::Denoised;
 use crate::failure::Failure;
 use crate::words::{Output, Outputs};
+
+/// What is written of a render, or of a merge.
+pub(crate) struct Results<'a> {
+    /// What was gathered, for files of films.
+    pub(crate) part: &'a Part,
+    /// What of it files of pictures hold.
+    pub(crate) layers: &'a Layers,
+    /// The picture that they show, where its noise has been taken out.
+    pub(crate) denoised: Option<&'a Denoised>,
+    /// How PNG and JPEG show it; EXR keeps the radiance.
+    pub(crate) view: &'a View,
+}
 
 /// A file that cannot be written.
 #[derive(Debug, Error)]
@@ -97,15 +110,24 @@ pub(crate) fn check_all<'a>(
 ///
 /// # Errors
 /// The file cannot be written; an older one is then untouched.
-pub(crate) fn write(
+pub(crate) fn write<'a>(
     output: &Output,
-    film: &Film,
+    content: impl Into<Content<'a>>,
     origin: Option<&Origin>,
     view: &View,
 ) -> Result<(), OutputError> {
-    let metadata = origin.map(|origin| Metadata::new(film, origin));
-    let metadata = metadata.unwrap_or_default();
-    let written = write::save(&output.path, output.format, film, &metadata, view);
+    let content = content.into();
+    let metadata = origin.map(|origin| Metadata::new(content.film, origin));
+    save(output, content, &metadata.unwrap_or_default(), view)
+}
+
+fn save(
+    output: &Output,
+    content: Content<'_>,
+    metadata: &Metadata,
+    view: &View,
+) -> Result<(), OutputError> {
+    let written = write::save(&output.path, output.format, content, metadata, view);
     written.map_err(|reason| OutputError::new(&output.path, reason))
 }
 
@@ -122,8 +144,8 @@ pub(crate) fn write_shown(output: &Output, size: [u32; 2], rgba: &[u8]) -> Resul
 ///
 /// # Errors
 /// What could not be written. The other files are written all the same: one full disk must not cost all.
-pub(crate) fn write_all(outputs: &Outputs, part: &Part, view: &View) -> Result<(), Failure> {
-    let failed = try_all(outputs, part, view);
+pub(crate) fn write_all(outputs: &Outputs, results: &Results<'_>) -> Result<(), Failure> {
+    let failed = try_all(outputs, results);
     match failed.is_empty() {
         true => Ok(()),
         false => Err(Failure::Failed(text(&failed))),
@@ -134,8 +156,8 @@ pub(crate) fn write_all(outputs: &Outputs, part: &Part, view: &View) -> Result<(
 ///
 /// # Errors
 /// As [`write_all`], with the place of the sums.
-pub(crate) fn write_or_keep(outputs: &Outputs, part: &Part, view: &View) -> Result<(), Failure> {
-    let failed = try_all(outputs, part, view);
+pub(crate) fn write_or_keep(outputs: &Outputs, results: &Results<'_>) -> Result<(), Failure> {
+    let failed = try_all(outputs, results);
     let lost: Vec<&Path> = failed.iter().map(|(path, _)| path.as_path()).collect();
     let Some(first) = lost.first() else {
         return Ok(());
@@ -146,13 +168,13 @@ pub(crate) fn write_or_keep(outputs: &Outputs, part: &Part, view: &View) -> Resu
         .find(|film| !lost.contains(&film.as_path()));
     let kept = match written {
         Some(film) => Some(film.clone()),
-        None => salvage::keep(part, first),
+        None => salvage::keep(results.part, first),
     };
     let hint = match &kept {
         Some(film) => format!(
             "the samples are in {}; what is missing is written by: {}",
             film.display(),
-            salvage::command(film, &lost)
+            salvage::command(film, &lost, results.denoised.is_some())
         ),
         None => "nor could the samples be kept anywhere else".to_owned(),
     };
@@ -160,9 +182,19 @@ pub(crate) fn write_or_keep(outputs: &Outputs, part: &Part, view: &View) -> Resu
 }
 
 /// Writes what can be written; what can't, with the reason.
-fn try_all(outputs: &Outputs, part: &Part, view: &View) -> Vec<(PathBuf, OutputError)> {
+fn try_all(outputs: &Outputs, results: &Results<'_>) -> Vec<(PathBuf, OutputError)> {
+    let part = results.part;
+    let content = Content {
+        film: &part.film,
+        layers: results.layers,
+        denoised: results.denoised.map(|denoised| &*denoised.picture),
+    };
+    let mut metadata = Metadata::new(&part.film, &part.origin);
+    if let Some(denoised) = results.denoised {
+        metadata = metadata.denoised_by(&denoised.by);
+    }
     let pictures = outputs.pictures.iter().map(|output| {
-        let written = write(output, &part.film, Some(&part.origin), view);
+        let written = save(output, content, &metadata, results.view);
         (&output.path, written)
     });
     let films = outputs.films.iter().map(|path| {

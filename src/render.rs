@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use device::Device;
+use engine::denoise::Denoiser;
 use engine::film::{Film, Origin, Part};
 use engine::fleet::{DeviceShare, Fleet};
 use engine::procedural::Procedural;
@@ -25,11 +26,11 @@ use engine::system::System;
 
 use crate::failure::Failure;
 use crate::job::RenderJob;
-use crate::output;
+use crate::output::{self, Results};
 use crate::progress::Bar;
 use crate::report::{Report, Seconds};
 use crate::usage::UsageError;
-use crate::{console, crash, devices, interrupt, library};
+use crate::{console, crash, denoise, devices, interrupt, library};
 
 pub(crate) use self::checkpoint::Checkpoints;
 pub(crate) use self::limits::Limits;
@@ -84,6 +85,7 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
         .collect();
     let named: Vec<PathBuf> = job.look.iter().chain([&job.scene]).cloned().collect();
     output::check_all(&written, &named)?;
+    let denoiser = denoise::for_job(job.denoise, &job.outputs)?;
     let inputs = Inputs {
         scene: job.scene.clone(),
         look: job.look.clone(),
@@ -117,7 +119,7 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
         Err(devices) => together::render(job, opening.into_loaded(), &devices, &bar, watch)?,
     };
     bar.finish();
-    write(job, rendered, &view, load_seconds)
+    write(job, rendered, &view, denoiser.as_ref(), load_seconds)
 }
 
 /// A picture, complete or not, and what is known of how it came about.
@@ -167,6 +169,7 @@ fn write(
     job: &RenderJob,
     rendered: Rendered,
     view: &View,
+    denoiser: Option<&Denoiser>,
     load_seconds: f64,
 ) -> Result<(), Failure> {
     let (lowest, _) = rendered.film.sample_bounds();
@@ -194,7 +197,23 @@ fn write(
     if let Some(summary) = limits::summary(&job.limits, limit, &part.film) {
         console::note(&summary);
     }
-    let mut outcome = output::write_or_keep(&job.outputs, &part, view);
+    let denoised = denoiser.map(|denoiser| denoise::film(denoiser, &part.film));
+    let (denoised, given_up) = match denoised.transpose() {
+        Ok(denoised) => (denoised, None),
+        // With its noise a picture is better than none.
+        Err(error) => (None, Some(error)),
+    };
+    let results = Results {
+        part: &part,
+        layers: &job.shown_layers,
+        denoised: denoised.as_ref(),
+        view,
+    };
+    let mut outcome = output::write_or_keep(&job.outputs, &results);
+    if let Some(error) = given_up {
+        let text = format!("{error}; the picture was written with its noise");
+        outcome = outcome.and(Err(Failure::Failed(text)));
+    }
 
     if job.stats || job.stats_json.is_some() {
         let seconds = Seconds {

@@ -93,6 +93,12 @@ pub(crate) enum UsageError {
         /// As typed.
         path: PathBuf,
     },
+    /// Differences are shown, not kept as radiance.
+    #[error("--diff {}: the file name must end in .png or .jpg", path.display())]
+    Difference {
+        /// As typed.
+        path: PathBuf,
+    },
     /// The extension says no form of a report.
     #[error(
         "-o {}: the file name must end in .html (a page to read), .json (figures for programs) or .svg (the chart)",

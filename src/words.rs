@@ -303,7 +303,7 @@ fn parse_white_balance(given: &str) -> Result<WhiteBalance, UsageError> {
     })
 }
 
-fn parse_exposure(given: &str) -> Result<f32, UsageError> {
+pub(crate) fn parse_exposure(given: &str) -> Result<f32, UsageError> {
     given
         .parse::<f32>()
         .ok()

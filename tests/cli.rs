@@ -9,6 +9,10 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
+#[path = "cli/compare.rs"]
+mod compare;
+#[path = "cli/denoise.rs"]
+mod denoise;
 #[path = "cli/devices.rs"]
 mod devices;
 #[cfg(unix)]
@@ -16,6 +20,8 @@ mod devices;
 mod endings;
 #[path = "cli/farm.rs"]
 mod farm;
+#[path = "cli/info.rs"]
+mod info;
 #[path = "cli/layers.rs"]
 mod layers;
 #[path = "cli/limits.rs"]

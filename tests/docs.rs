@@ -138,8 +138,10 @@ fn patina(words: &[String], folder: &Path) -> Result<String, String> {
 #[test]
 fn every_command_in_documents_and_help_is_understood() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let helps = ["", "bench", "farm", "texture", "view", "watch"]
-        .map(|folder| root.join("src").join(folder).join("args.rs"));
+    let helps = [
+        "", "bench", "compare", "farm", "info", "texture", "view", "watch",
+    ]
+    .map(|folder| root.join("src").join(folder).join("args.rs"));
     let mut understood = 0;
     for document in documents().into_iter().chain(helps) {
         let text = fs::read_to_string(&document).expect("a document is UTF-8");
@@ -189,7 +191,8 @@ fn the_readme_works_in_its_order() {
             block = Some(String::new());
         } else if let Some(command) = commands(line).next() {
             let mut words = words(command);
-            let rendering = ["render", "watch", "view", "merge", "devices"];
+            // Some of them read what the others have written.
+            let rendering = ["render", "watch", "view", "merge", "devices", "compare"];
             let renders_now = rendering.contains(&words[0].as_str()) || {
                 ["eval", "preview"].contains(&words[1].as_str())
             };

@@ -22,6 +22,7 @@ const ENGINE: &[(&str, &[&str])] = &[
     ("view", &[]),
     ("wave", &[]),
     ("film", &["view"]),
+    ("denoise", &["film"]),
     ("settings", &["film", "filter"]),
     (
         "gpu_scene",

@@ -26,7 +26,7 @@ pub(crate) use hash::Hash;
 pub use layers::{LAYERS, Layer, Layers};
 #[doc(hidden)]
 pub use part::sealed;
-pub use part::{Origin, Part, PartError};
+pub use part::{MAGIC_BYTES, Origin, Part, PartError, is_film};
 
 use ids::{Counts, Coverage, IDS};
 use layers::{MAX_CHANNELS, Rule};

@@ -32,6 +32,7 @@
 //! - [`session`] opens, edits, renders and saves: what programs use, who need nothing below it. [`display`] and [`pick`]
 //!   are what a window wants besides.
 //! - [`fleet`] has several devices render one picture.
+//! - [`denoise`] takes the noise out of a film's picture.
 //! - [`evaluate`], [`preview`] and [`isolated`] are about one texture, or one node of a look, without its scene.
 //! - [`wave`], [`frame`] and [`texturing`] are what passes, uploads and texture programs hand each other.
 //!
@@ -40,6 +41,7 @@
 
 pub mod alias;
 pub mod bvh;
+pub mod denoise;
 pub mod display;
 pub mod evaluate;
 pub mod film;

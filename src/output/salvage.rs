@@ -34,10 +34,13 @@ pub(super) fn keep(part: &Part, lost: &Path) -> Option<PathBuf> {
 }
 
 /// The command that writes what could not be written.
-pub(super) fn command(film: &Path, lost: &[&Path]) -> String {
+pub(super) fn command(film: &Path, lost: &[&Path], is_denoised: bool) -> String {
     let mut line = format!("patina merge {}", quoted(film));
     for path in lost {
         line += &format!(" -o {}", quoted(path));
+    }
+    if is_denoised {
+        line += " --denoise";
     }
     line
 }
@@ -59,7 +62,11 @@ mod tests {
 
     #[test]
     fn the_command_can_be_copied_into_a_shell() {
-        let line = command(Path::new("/tmp/a.kept.patina-film"), &[Path::new("b.png")]);
+        let line = command(
+            Path::new("/tmp/a.kept.patina-film"),
+            &[Path::new("b.png")],
+            false,
+        );
         assert_eq!(line, "patina merge /tmp/a.kept.patina-film -o b.png");
         if !cfg!(windows) {
             assert_eq!(quoted(Path::new("it's $x.png")), "'it'\\''s $x.png'");

@@ -77,6 +77,7 @@ pub(super) fn render(
             checkpoints,
             &job.outputs,
             job.display.or(session.look_view()).view(),
+            &job.shown_layers,
             origin,
             first,
         ));

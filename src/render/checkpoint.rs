@@ -1,19 +1,17 @@
 //! A render under way as a file, so that an hour's work isn't lost with the process: the film with how far it is, written aside and
 //! renamed while rendering goes on.
 
-use std::io::BufReader;
 use std::path::PathBuf;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use engine::film::{Film, Origin, Part, PartError};
-use engine::input;
+use engine::film::write::Content;
+use engine::film::{Film, Layers, Origin, Part};
 use engine::scene::view::View;
 
-use crate::console;
 use crate::failure::Failure;
-use crate::output;
 use crate::words::Outputs;
+use crate::{console, output, picture};
 
 /// What was asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,11 +51,7 @@ pub(super) fn read(
             path.display()
         ))
     };
-    let read = || -> Result<Part, PartError> {
-        let (file, length) = input::open(path)?;
-        Part::read(&mut BufReader::new(file), length)
-    };
-    let part = read().map_err(|error| refused(&error))?;
+    let part = picture::film(path).map_err(|error| refused(&error))?;
     origin.fits(&part.origin).map_err(|error| refused(&error))?;
     let (Some(paths), [samples]) = (part.paths(paths_per_sample), part.ranges()) else {
         return Err(refused(&"it lacks samples in between"));
@@ -89,6 +83,8 @@ pub(super) struct Writer<'a> {
     /// Written with each, where that is wanted.
     pictures: Outputs,
     view: View,
+    /// What they hold of the film.
+    layers: Layers,
     origin: Origin,
     first_sample: u32,
     last: Instant,
@@ -100,6 +96,7 @@ impl<'a> Writer<'a> {
         checkpoints: &'a Checkpoints,
         outputs: &Outputs,
         view: View,
+        layers: &Layers,
         origin: Origin,
         first_sample: u32,
     ) -> Self {
@@ -114,6 +111,7 @@ impl<'a> Writer<'a> {
                 films: Vec::new(),
             },
             view,
+            layers: layers.clone(),
             origin,
             first_sample,
             last: Instant::now(),
@@ -138,15 +136,20 @@ impl<'a> Writer<'a> {
         let first = self.first_sample;
         let part = Part::new(film, first..first + most, self.origin.clone()).under_way(paths);
         let (path, pictures) = (self.checkpoints.path.clone(), self.pictures.clone());
-        let view = self.view;
+        let (layers, view) = (self.layers.clone(), self.view);
         let work = move || {
             let written = output::write_aside(&path, |file| part.write(file));
             if let Err(error) = written {
                 console::warning(&format!("no checkpoint: {error}"));
             }
             // Pictures of less than a sample would have holes.
+            let content = Content {
+                film: &part.film,
+                layers: &layers,
+                denoised: None,
+            };
             for picture in pictures.pictures.iter().filter(|_| fewest > 0) {
-                let written = output::write(picture, &part.film, Some(&part.origin), &view);
+                let written = output::write(picture, content, Some(&part.origin), &view);
                 if let Err(error) = written {
                     console::warning(&error.to_string());
                 }

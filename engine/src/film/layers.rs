@@ -290,6 +290,15 @@ impl Layers {
         }
     }
 
+    /// These, and those of other names.
+    ///
+    /// # Errors
+    /// A name that no layer has.
+    pub fn with<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Result<Self, UnknownLayer> {
+        let own = self.others.iter().map(|layer| layer.name);
+        Self::named(own.chain(names))
+    }
+
     /// The layers, the picture first.
     pub fn iter(&self) -> impl Iterator<Item = &'static Layer> {
         LAYERS[..1].iter().chain(self.others.iter().copied())

@@ -27,8 +27,16 @@ const MAGIC_PLAIN: &[u8; 8] = b"PATINAFM";
 const MAGIC_PLAIN_LAYERS: &[u8; 8] = b"PATINAFL";
 /// Nothing that zlib writes unpacks to more times its length.
 const MOST_INFLATED: u64 = 1032;
+/// So many bytes at the beginning of a file say whether it is a film.
+pub const MAGIC_BYTES: u64 = MAGIC.len() as u64;
 /// Longest header that is believed.
 const MAX_HEADER: u32 = 1 << 24;
+
+/// Whether a file that begins so is a film.
+pub fn is_film(start: &[u8]) -> bool {
+    let known = [MAGIC, MAGIC_PLAIN, MAGIC_PLAIN_LAYERS];
+    known.into_iter().any(|magic| start.starts_with(magic))
+}
 
 /// Where samples come from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,6 +3,7 @@
 
 mod exr;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, Seek, Write};
 use std::path::Path;
@@ -12,7 +13,7 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use scene::view::View;
 
-use super::{Film, Origin};
+use super::{Film, Layers, Origin};
 use crate::aside;
 use crate::view::ViewEncoder;
 
@@ -39,6 +40,38 @@ impl Format {
             "jpg" | "jpeg" => Some(Self::Jpeg),
             "exr" => Some(Self::Exr),
             _ => None,
+        }
+    }
+}
+
+/// What of a film goes to files. Of a film as it is: all of its layers.
+#[derive(Debug, Clone, Copy)]
+pub struct Content<'a> {
+    /// What was gathered.
+    pub film: &'a Film,
+    /// Those of its layers that EXR files hold.
+    pub layers: &'a Layers,
+    /// The picture without its noise, pixel by pixel, where there is one: then it is the picture, and EXR files keep the noisy one
+    /// as a layer of its own.
+    pub denoised: Option<&'a [[f32; 3]]>,
+}
+
+impl<'a> From<&'a Film> for Content<'a> {
+    fn from(film: &'a Film) -> Self {
+        Self {
+            film,
+            layers: film.layers(),
+            denoised: None,
+        }
+    }
+}
+
+impl Content<'_> {
+    /// What files without layers show.
+    fn picture(&self) -> Cow<'_, [[f32; 3]]> {
+        match self.denoised {
+            Some(denoised) => denoised.into(),
+            None => self.film.mean().into(),
         }
     }
 }
@@ -80,30 +113,34 @@ impl Metadata {
         let names = origin.names.clone();
         Self { facts, names }
     }
+
+    /// With the name of what has taken the noise out of it.
+    #[must_use]
+    pub fn denoised_by(mut self, denoiser: &str) -> Self {
+        let denoiser = Fact::Text(denoiser.to_owned());
+        self.facts.push(("denoiser", denoiser));
+        self
+    }
 }
 
-/// Writes a film: the picture as `view` shows it as PNG or JPEG, or all of its layers and how it came about as EXR, as
-/// rendered.
+/// Writes a film: the picture as `view` shows it as PNG or JPEG, or its layers and how it came about as EXR, as rendered.
 ///
 /// # Errors
 /// What the system says, or a picture that is too large for the format.
-pub fn write(
+pub fn write<'a>(
     file: impl Write + Seek,
     format: Format,
-    film: &Film,
+    content: impl Into<Content<'a>>,
     metadata: &Metadata,
     view: &View,
 ) -> io::Result<()> {
+    let content = content.into();
     match format {
-        Format::Exr => exr::write(file, film, metadata),
+        Format::Exr => exr::write(file, &content, metadata),
         Format::Png | Format::Jpeg => {
-            let size = [film.width, film.height];
-            encode(
-                file,
-                format,
-                size,
-                &ViewEncoder::new(view).encode8(&film.mean()),
-            )
+            let size = [content.film.width, content.film.height];
+            let encoder = ViewEncoder::new(view);
+            encode(file, format, size, &encoder.encode8(&content.picture()))
         }
     }
 }
@@ -112,14 +149,14 @@ pub fn write(
 ///
 /// # Errors
 /// As [`write()`]; an older file is then untouched.
-pub fn save(
+pub fn save<'a>(
     path: &Path,
     format: Format,
-    film: &Film,
+    content: impl Into<Content<'a>>,
     metadata: &Metadata,
     view: &View,
 ) -> io::Result<()> {
-    aside::replace(path, |file| write(file, format, film, metadata, view))
+    aside::replace(path, |file| write(file, format, content, metadata, view))
 }
 
 /// Saves 8-bit RGBA that is encoded as it is to be shown, row 0 on top, without its alpha. EXR files hold radiance: none is

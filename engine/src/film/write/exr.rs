@@ -11,8 +11,8 @@ use exr::math::Vec2;
 use exr::meta::attribute::{self, AttributeValue, Chromaticities, Text};
 use exr::meta::header::{Header, LayerAttributes};
 
-use super::{Fact, Metadata};
-use crate::film::{self, Film, layers::Rule};
+use super::{Content, Fact, Metadata};
+use crate::film::{self, layers::Rule};
 
 /// What red, green, blue and white are.
 const REC709: Chromaticities = Chromaticities {
@@ -22,12 +22,24 @@ const REC709: Chromaticities = Chromaticities {
     white: Vec2(0.3127, 0.3290),
 };
 
-/// Writes all layers of a film.
-pub(super) fn write(file: impl Write + Seek, film: &Film, metadata: &Metadata) -> io::Result<()> {
+/// The channels of the picture as it was before it was denoised: Blender's "Noisy Image".
+const NOISY: [&str; 3] = [
+    "ViewLayer.Noisy Image.R",
+    "ViewLayer.Noisy Image.G",
+    "ViewLayer.Noisy Image.B",
+];
+
+/// Writes the picture, and what is kept beside it.
+pub(super) fn write(
+    file: impl Write + Seek,
+    content: &Content<'_>,
+    metadata: &Metadata,
+) -> io::Result<()> {
+    let film = content.film;
     let (width, height) = (film.width as usize, film.height as usize);
     let encoding = Encoding::SMALL_LOSSLESS;
-    if film.layers().is_picture_alone() {
-        let mean = film.mean();
+    if content.layers.is_picture_alone() && content.denoised.is_none() {
+        let mean = content.picture();
         let pixel = |Vec2(x, y): Vec2<usize>| {
             let [r, g, b] = mean[y * width + x];
             (r, g, b)
@@ -39,17 +51,25 @@ pub(super) fn write(file: impl Write + Seek, film: &Film, metadata: &Metadata) -
         return write_image(file, &image);
     }
     let mut channels = Vec::new();
-    for layer in film.layers().iter() {
-        let values = film.channels(layer).unwrap_or_default();
-        for (name, values) in layer.channel_names().zip(values) {
-            channels.push(AnyChannel::new(latin1(&name), FlatSamples::F32(values)));
+    let mut add = |name: &str, values| {
+        channels.push(AnyChannel::new(latin1(name), FlatSamples::F32(values)));
+    };
+    for layer in content.layers.iter() {
+        let mut values = film.channels(layer).unwrap_or_default();
+        if let (Some(denoised), true) = (content.denoised, *layer == film::LAYERS[0]) {
+            let noisy = std::mem::replace(&mut values, split(denoised));
+            let noisy = NOISY.into_iter().zip(noisy);
+            noisy.for_each(|(name, values)| add(name, values));
         }
+        let named = layer.channel_names().zip(values);
+        named.for_each(|(name, values)| add(&name, values));
     }
     // The format wants them sorted.
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let mut attributes = attributes(metadata);
     attributes.other.extend(
-        film.layers()
+        content
+            .layers
             .iter()
             .flat_map(|layer| cryptomatte(layer, metadata)),
     );
@@ -57,6 +77,12 @@ pub(super) fn write(file: impl Write + Seek, film: &Film, metadata: &Metadata) -
     let mut image = Image::from_layer(layer);
     image.attributes.chromaticities = Some(REC709);
     write_image(file, &image)
+}
+
+/// Pixels channel by channel.
+fn split(pixels: &[[f32; 3]]) -> Vec<Vec<f32>> {
+    let channel = |at: usize| pixels.iter().map(|rgb| rgb[at]).collect();
+    (0..3).map(channel).collect()
 }
 
 /// What the specification of Cryptomatte asks for in a header, for layers of ids.
@@ -154,7 +180,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::film::Layers;
+    use crate::film::{Film, Layers};
 
     fn film(layers: Layers) -> Film {
         let mut film = Film::with_layers(3, 2, layers);
@@ -180,9 +206,9 @@ mod tests {
         Metadata { facts, names }
     }
 
-    fn written(film: &Film) -> Vec<u8> {
+    fn written<'a>(content: impl Into<Content<'a>>) -> Vec<u8> {
         let mut file = io::Cursor::new(Vec::new());
-        write(&mut file, film, &metadata()).expect("memory takes everything");
+        write(&mut file, &content.into(), &metadata()).expect("memory takes everything");
         file.into_inner()
     }
 
@@ -279,6 +305,33 @@ mod tests {
         let name = Text::from(&*format!("cryptomatte/{}/name", &key[..7]));
         let expected = AttributeValue::Text(Text::from("ViewLayer.CryptoObject"));
         assert_eq!(attributes.other.get(&name), Some(&expected));
+    }
+
+    #[test]
+    fn a_denoised_picture_keeps_the_noisy_one_and_leaves_other_layers_alone() {
+        let film = film(Layers::named(["depth", "normal"]).expect("known"));
+        let denoised = [[0.5, 0.25, 0.125]; 6];
+        let depth = Layers::named(["depth"]).expect("known");
+        for layers in [&Layers::default(), &depth] {
+            let content = Content {
+                film: &film,
+                layers,
+                denoised: Some(&denoised),
+            };
+            let (channels, _) = read(&written(content));
+            for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
+                let noisy: Vec<_> = film.mean().iter().map(|rgb| rgb[channel]).collect();
+                assert_eq!(channels[&format!("ViewLayer.Noisy Image.{letter}")], noisy);
+                let combined = &channels[&format!("ViewLayer.Combined.{letter}")];
+                assert_eq!(*combined, [denoised[0][channel]; 6]);
+            }
+            let others = usize::from(!layers.is_picture_alone());
+            assert_eq!(channels.len(), 6 + others, "what was gathered to denoise");
+            let (noisy, _) = read(&written(&film));
+            if let Some(depth) = channels.get("ViewLayer.Depth.Z") {
+                assert_eq!(*depth, noisy["ViewLayer.Depth.Z"]);
+            }
+        }
     }
 
     #[test]

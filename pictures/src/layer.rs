@@ -1,0 +1,191 @@
+//! A picture's numbers, and how a layer of it is found.
+
+/// A picture with all of its layers, in the order of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// One at least.
+    pub layers: Vec<Layer>,
+}
+
+/// Some channels of a picture that belong together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layer {
+    /// As files have it, such as `ViewLayer.Depth`; empty where it has none.
+    pub name: String,
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Red, green and blue come first and in this order, where the layer has them; then there is no other one.
+    pub channels: Vec<Channel>,
+}
+
+/// One number of each pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Without that of its layer, such as `R`.
+    pub name: String,
+    /// Row by row; width times height of them.
+    pub values: Vec<f32>,
+}
+
+/// Channels of colours.
+const RGB: [&str; 3] = ["R", "G", "B"];
+/// What Patina and Blender call the picture itself.
+const COMBINED: &str = "Combined";
+
+impl Picture {
+    /// The layer of a name: its whole name, or the end of it behind a dot; upper and lower case are alike.
+    pub fn layer(&self, name: &str) -> Option<&Layer> {
+        let whole = |layer: &&Layer| layer.name.eq_ignore_ascii_case(name);
+        let found = self.layers.iter().find(whole);
+        found.or_else(|| self.layers.iter().find(|layer| layer.ends_with(name)))
+    }
+
+    /// What is meant by the picture, where no layer is named: that without a name, or `Combined`, or the first with colours, or the
+    /// first.
+    pub fn shown(&self) -> Option<&Layer> {
+        let named = |name| self.layer(name);
+        let colored = || self.layers.iter().find(|layer| layer.is_color());
+        named("")
+            .or_else(|| named(COMBINED))
+            .or_else(colored)
+            .or(self.layers.first())
+    }
+
+    /// The names of all layers, for people.
+    pub fn names(&self) -> Vec<&str> {
+        let names = self.layers.iter().map(|layer| layer.name.as_str());
+        names.filter(|name| !name.is_empty()).collect()
+    }
+}
+
+impl Layer {
+    /// A layer of colours.
+    ///
+    /// # Panics
+    /// There aren't width times height pixels.
+    pub fn rgb(name: &str, size: [usize; 2], pixels: &[[f32; 3]]) -> Self {
+        assert_eq!(pixels.len(), size[0] * size[1], "width times height pixels");
+        let channel = |(at, name): (usize, &str)| Channel {
+            name: name.to_owned(),
+            values: pixels.iter().map(|rgb| rgb[at]).collect(),
+        };
+        Self {
+            name: name.to_owned(),
+            size,
+            channels: RGB.into_iter().enumerate().map(channel).collect(),
+        }
+    }
+
+    /// A layer of some channels, each with width times height numbers: where there are red, green and blue, nothing else is kept.
+    pub fn new(name: String, size: [usize; 2], mut channels: Vec<Channel>) -> Self {
+        let place = |wanted: &str| {
+            // In small letters they are ids: Cryptomatte's.
+            channels.iter().position(|channel| channel.name == wanted)
+        };
+        if let [Some(r), Some(g), Some(b)] = RGB.map(place) {
+            let mut channel = |at: usize| Channel {
+                name: std::mem::take(&mut channels[at].name),
+                values: std::mem::take(&mut channels[at].values),
+            };
+            channels = vec![channel(r), channel(g), channel(b)];
+        }
+        Self {
+            name,
+            size,
+            channels,
+        }
+    }
+
+    /// Whether it is one of colours.
+    pub fn is_color(&self) -> bool {
+        let names = self.channels.iter().map(|channel| channel.name.as_str());
+        names.eq(RGB)
+    }
+
+    /// For people.
+    pub fn title(&self) -> &str {
+        match self.name.as_str() {
+            "" => "the picture",
+            name => name,
+        }
+    }
+
+    /// Pixels of colours, shown on a screen: brighter by so many stops, and 0 to 1; what is no number is black. `None` where the
+    /// layer is none of colours.
+    pub(crate) fn displayed(&self, exposure: f32) -> Option<Vec<[f32; 3]>> {
+        let [r, g, b] = self.channels.as_slice() else {
+            return None;
+        };
+        let gain = exposure.exp2();
+        let shown = |value: f32| match value.is_nan() {
+            true => 0.0,
+            false => (value * gain).clamp(0.0, 1.0),
+        };
+        let pixels = r.values.iter().zip(&g.values).zip(&b.values);
+        let pixels = pixels.map(|((&r, &g), &b)| [r, g, b].map(shown));
+        self.is_color().then(|| pixels.collect())
+    }
+
+    fn ends_with(&self, name: &str) -> bool {
+        let mut rest = self.name.as_str();
+        while let Some((_, end)) = rest.split_once('.') {
+            if end.eq_ignore_ascii_case(name) {
+                return true;
+            }
+            rest = end;
+        }
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layer(name: &str, channels: &str) -> Layer {
+        let channel = |(at, name): (usize, char)| Channel {
+            name: name.to_string(),
+            values: vec![at as f32],
+        };
+        let channels = channels.chars().enumerate().map(channel).collect();
+        Layer::new(name.to_owned(), [1, 1], channels)
+    }
+
+    #[test]
+    fn colours_come_in_their_order_and_without_alpha() {
+        let color = layer("a", "ABGR");
+        assert!(color.is_color());
+        let values: Vec<_> = color.channels.iter().map(|c| c.values[0]).collect();
+        assert_eq!(values, [3.0, 2.0, 1.0]);
+        assert!(!layer("CryptoObject00", "abgr").is_color());
+        let vector = layer("a", "XYZ");
+        assert!(!vector.is_color() && vector.displayed(0.0).is_none());
+        assert_eq!(vector.channels.len(), 3);
+    }
+
+    #[test]
+    fn layers_are_found_by_the_end_of_their_names() {
+        let names = [
+            "ViewLayer.Depth",
+            "ViewLayer.Denoising Albedo",
+            "ViewLayer.Combined",
+        ];
+        let mut picture = Picture {
+            layers: vec![
+                layer(names[0], "Z"),
+                layer(names[1], "BGR"),
+                layer(names[2], "BGR"),
+            ],
+        };
+        let found = |name: &str| picture.layer(name).map(|layer| layer.name.as_str());
+        assert_eq!(found("depth"), Some(names[0]));
+        assert_eq!(found("viewlayer.depth"), Some(names[0]));
+        assert_eq!(found("Albedo"), None);
+        assert_eq!(found(""), None);
+        assert_eq!(picture.shown().map(|l| &*l.name), Some(names[2]));
+        picture.layers.pop();
+        assert_eq!(picture.shown().map(|l| &*l.name), Some(names[1]));
+        picture.layers.push(layer("", "Y"));
+        assert_eq!(picture.shown().map(Layer::title), Some("the picture"));
+    }
+}
