@@ -170,11 +170,11 @@ fn what_the_look_says_of_the_view_is_shown_and_edited_there() {
     let mut stage = Stage::new();
     let shown = |stage: &Stage| {
         let sent = stage.sent();
-        let shown = sent.iter().filter_map(|command| match command {
+        let mut shown = sent.iter().filter_map(|command| match command {
             Command::Display(settings) => Some(settings.view),
             _ => None,
         });
-        shown.last()
+        shown.next_back()
     };
     let edit = Edit::view("transform", Value::Text("agx".to_owned()));
     let document = stage.harness.state_mut().document_mut();

@@ -263,7 +263,11 @@ impl Aces2 {
 
     /// From scene-linear Rec.709 to that of the display, 0 to 1.
     pub(super) fn apply(&self, rgb: DVec3) -> DVec3 {
-        let ap1 = map(self.to_ap1 * rgb, |x| x.max(0.0).min(BRIGHTEST));
+        let ap1 = map(self.to_ap1 * rgb, |x| match x > 0.0 {
+            true => x.min(BRIGHTEST),
+            // What is no number, too.
+            false => 0.0,
+        });
         let model = &self.model;
         let opponents = model.opponents(self.cones_of_ap1 * ap1);
         let color = model.jmh_of(opponents);
