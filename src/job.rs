@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::Parser;
 use device::DeviceChoice;
 use engine::denoise::GUIDES;
 use engine::film::Layers;
@@ -21,8 +22,8 @@ use crate::bench::job::BenchJob;
 use crate::compare::job::CompareJob;
 use crate::farm::job::ExportJob;
 use crate::info::job::InfoJob;
+use crate::overrides;
 use crate::progress::Reader;
-use crate::render::{Checkpoints, Limits, overrides};
 use crate::texture::job::TextureJob;
 use crate::usage::UsageError;
 use crate::view::job::ViewJob;
@@ -137,6 +138,28 @@ pub(crate) struct RenderJob {
     pub(crate) stats_json: Option<PathBuf>,
 }
 
+/// What ends a render before all samples are taken.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Limits {
+    /// Relative error of the picture: [`engine::film::Film::relative_error`].
+    pub(crate) noise: Option<f64>,
+    /// From the program's start.
+    pub(crate) time: Option<Duration>,
+}
+
+/// How a render is kept while it is under way.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Checkpoints {
+    /// The file.
+    pub(crate) path: PathBuf,
+    /// How often it is written.
+    pub(crate) every: Duration,
+    /// It is gone on with where it is there.
+    pub(crate) resumes: bool,
+    /// The pictures are written with it.
+    pub(crate) with_pictures: bool,
+}
+
 /// A merge, complete.
 #[derive(Debug, PartialEq)]
 pub(crate) struct MergeJob {
@@ -165,7 +188,7 @@ impl Job {
             Command::Watch(args) => Self::Watch(WatchJob::from_args(*args)?),
             Command::View(args) => Self::View(ViewJob::from_args(*args)?),
             Command::Merge(args) => Self::Merge(MergeJob::from_args(args)?),
-            Command::Farm { what } => Self::Farm(ExportJob::from_args(what)?),
+            Command::Farm { what } => Self::Farm(ExportJob::from_args(what, render_is_understood)?),
             Command::Compare(args) => Self::Compare(CompareJob::from_args(args)?),
             Command::Info(args) => Self::Info(InfoJob::from_args(args)),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
@@ -300,6 +323,16 @@ impl RenderJob {
     }
 }
 
+/// Whether `patina render` takes these words.
+fn render_is_understood(words: &[String]) -> Result<(), UsageError> {
+    let start = ["patina", "render"].map(str::to_owned);
+    let words = start.iter().chain(words);
+    let args = Args::try_parse_from(words).map_err(|error| UsageError::FarmFlags {
+        message: error.render().to_string(),
+    })?;
+    Job::from_args(args).map(drop)
+}
+
 /// The size of the picture.
 fn scaled(args: &RenderArgs) -> Result<(u32, u32), UsageError> {
     let (width, height) = parse_size(&args.size)?;
@@ -353,7 +386,6 @@ impl MergeJob {
 mod tests {
     use super::*;
     use crate::words::{Format, Output};
-    use clap::Parser;
     use engine::scene::view::{View, ViewTransform};
     use std::path::Path;
 

@@ -24,6 +24,7 @@ mod library;
 mod manuals;
 mod merge;
 mod output;
+mod overrides;
 mod picture;
 mod probe;
 mod progress;

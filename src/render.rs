@@ -4,7 +4,6 @@ mod alone;
 mod cameras;
 mod checkpoint;
 mod limits;
-pub(crate) mod overrides;
 mod together;
 
 use std::collections::BTreeMap;
@@ -32,8 +31,6 @@ use crate::report::{Report, Seconds};
 use crate::usage::UsageError;
 use crate::{console, crash, denoise, devices, interrupt, library};
 
-pub(crate) use self::checkpoint::Checkpoints;
-pub(crate) use self::limits::Limits;
 use self::limits::{Limit, Watch};
 
 /// The word for each camera in turn.

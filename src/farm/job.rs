@@ -2,10 +2,6 @@
 
 use std::path::PathBuf;
 
-use clap::Parser;
-
-use crate::args::Args;
-use crate::job::Job;
 use crate::usage::UsageError;
 use crate::words::{FILM_EXTENSION, MAX_SPP, Outputs, parse_number};
 
@@ -29,11 +25,14 @@ pub(crate) struct ExportJob {
 }
 
 impl ExportJob {
-    /// Validates a command line.
+    /// Validates a command line; `check` says whether `patina render` takes some words.
     ///
     /// # Errors
     /// The first flag that makes no sense, those of `patina render` among them.
-    pub(crate) fn from_args(command: FarmCommand) -> Result<Self, UsageError> {
+    pub(crate) fn from_args(
+        command: FarmCommand,
+        check: impl Fn(&[String]) -> Result<(), UsageError>,
+    ) -> Result<Self, UsageError> {
         let FarmCommand::Export(args) = command;
         let spp = parse_number("--spp", &args.spp, 1, MAX_SPP)?;
         let parts = parse_number("--parts", &args.parts, 1, MOST_PARTS)?;
@@ -55,13 +54,10 @@ impl ExportJob {
         }
         // What the farm would refuse hours later is refused now.
         let film = format!("part.{FILM_EXTENSION}");
-        let words = ["patina", "render", "--output", film.as_str()].map(str::to_owned);
+        let words = ["--output", film.as_str()].map(str::to_owned);
         let words = words.into_iter().chain(args.flags.iter().cloned());
         let words = words.chain(["--".to_owned(), args.scene.display().to_string()]);
-        let render = Args::try_parse_from(words).map_err(|error| UsageError::FarmFlags {
-            message: error.render().to_string(),
-        })?;
-        Job::from_args(render)?;
+        check(&words.collect::<Vec<_>>())?;
         Ok(Self {
             scheduler: args.to,
             scene: args.scene,

@@ -1,30 +1,17 @@
 //! A render under way as a file, so that an hour's work isn't lost with the process: the film with how far it is, written aside and
 //! renamed while rendering goes on.
 
-use std::path::PathBuf;
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use engine::film::write::Content;
 use engine::film::{Film, Layers, Origin, Part};
 use engine::scene::view::View;
 
 use crate::failure::Failure;
+use crate::job::Checkpoints;
 use crate::words::Outputs;
 use crate::{console, output, picture};
-
-/// What was asked for.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Checkpoints {
-    /// The file.
-    pub(crate) path: PathBuf,
-    /// How often it is written.
-    pub(crate) every: Duration,
-    /// It is gone on with where it is there.
-    pub(crate) resumes: bool,
-    /// The pictures are written with it.
-    pub(crate) with_pictures: bool,
-}
 
 /// Reads what a former run has left; nothing where there is no such file.
 ///

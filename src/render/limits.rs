@@ -7,21 +7,13 @@ use engine::film::Film;
 use engine::renderer::Progress;
 
 use crate::console;
+use crate::job::Limits;
 
 /// Samples before the error is looked at: with fewer, light that is seldom met may not have been met at all.
 const FEWEST: f64 = 16.0;
 /// The error is looked at again after so many times the samples, at the least and at the most.
 const SOONEST: f64 = 1.1;
 const LATEST: f64 = 2.0;
-
-/// What was asked for.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Limits {
-    /// Relative error of the picture: [`Film::relative_error`].
-    pub(crate) noise: Option<f64>,
-    /// From the program's start.
-    pub(crate) time: Option<Duration>,
-}
 
 /// What has ended a render.
 #[derive(Debug, Clone, Copy, PartialEq)]
