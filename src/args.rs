@@ -345,7 +345,7 @@ pub(crate) struct MergeArgs {
     #[arg(long)]
     pub(crate) denoise: bool,
 
-    /// The look whose [view] says how the picture is shown.
+    /// The look whose table view says how the picture is shown.
     #[arg(long, value_name = "FILE")]
     pub(crate) look: Option<PathBuf>,
 

@@ -27,19 +27,19 @@ pub(crate) struct CommonArgs {
 /// Flags of how a picture is shown, which `render`, `merge`, `watch` and `view` share. What they don't say, the look may.
 #[derive(Debug, clap::Args)]
 pub(crate) struct DisplayArgs {
-    /// View transform: how PNG, JPEG and windows show radiance. Without it that of the look's [view], or standard. EXR files
+    /// View transform: how PNG, JPEG and windows show radiance. Without it that of the look's table view, or standard. EXR files
     /// keep the radiance as it is.
     #[arg(long, value_name = "NAME")]
     #[arg(value_parser = words(ViewTransform::ALL.map(ViewTransform::name)))]
     pub(crate) view: Option<String>,
 
-    /// Brightness of PNG, JPEG and windows in stops: +1 is twice as bright. Without it that of the look's [view], or 0.
+    /// Brightness of PNG, JPEG and windows in stops: +1 is twice as bright. Without it that of the look's table view, or 0.
     #[arg(long, value_name = "STOPS")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) exposure: Option<String>,
 
     /// Colour of light that PNG, JPEG and windows show as white: its temperature, and how far it is off towards green. 6500,10
-    /// is daylight. Without it that of the look's [view], or nothing is balanced.
+    /// is daylight. Without it that of the look's table view, or nothing is balanced.
     #[arg(long, value_name = "KELVIN[,TINT]")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) white_balance: Option<String>,
