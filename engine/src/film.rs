@@ -24,9 +24,9 @@ pub mod write;
 
 pub(crate) use hash::Hash;
 pub use layers::{LAYERS, Layer, Layers};
-#[doc(hidden)]
-pub use part::sealed;
 pub use part::{MAGIC_BYTES, Origin, Part, PartError, is_film};
+#[doc(hidden)]
+pub use part::{sealed, unpacked};
 
 use ids::{Counts, Coverage, IDS};
 use layers::{MAX_CHANNELS, Rule};

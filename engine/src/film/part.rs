@@ -350,8 +350,9 @@ impl Part {
             hash.bytes(&packed);
             check(file, &hash)?;
             let mut planes = ZlibDecoder::new(&packed[..]);
-            film.read_planes(&mut planes, |_| {}).map_err(unpacked)?;
-            let is_at_its_end = planes.read(&mut [0]).map_err(unpacked)? == 0;
+            film.read_planes(&mut planes, |_| {})
+                .map_err(not_unpacked)?;
+            let is_at_its_end = planes.read(&mut [0]).map_err(not_unpacked)? == 0;
             if !is_at_its_end || planes.total_in() != stream {
                 return Err(PartError::Damaged("its planes are longer than its size"));
             }
@@ -406,7 +407,7 @@ fn check(file: &mut impl Read, hash: &Hash) -> Result<(), PartError> {
 }
 
 /// What is wrong with a stream that can't be unpacked.
-fn unpacked(_: io::Error) -> PartError {
+fn not_unpacked(_: io::Error) -> PartError {
     PartError::Damaged("its planes can't be unpacked")
 }
 
@@ -432,6 +433,25 @@ pub fn sealed(file: &[u8]) -> Option<Vec<u8>> {
     let planes = planes.chunks_exact(planes.len() / count);
     planes.for_each(|plane| hash.bytes(plane));
     Some([rest, &hash.value().to_le_bytes()].concat())
+}
+
+/// The file of a film as version 0.1 wrote it, with its planes as they are: so that changes of numbers can be tried, rather than of
+/// what zlib makes of them. `None` where it is no film, or one of that form.
+pub fn unpacked(file: &[u8]) -> Option<Vec<u8>> {
+    let (rest, _) = file.split_last_chunk::<8>()?;
+    let (length, data) = rest.strip_prefix(MAGIC)?.split_first_chunk::<4>()?;
+    let (header, packed) = data.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+    let layers = serde_json::from_slice::<Header>(header)
+        .ok()?
+        .layers()
+        .ok()?;
+    let magic = match layers.is_picture_alone() {
+        true => MAGIC_PLAIN,
+        false => MAGIC_PLAIN_LAYERS,
+    };
+    let mut planes = Vec::new();
+    ZlibDecoder::new(packed).read_to_end(&mut planes).ok()?;
+    sealed(&[magic, &length[..], header, &planes, &[0; 8]].concat())
 }
 
 /// The words as they lie in a file.

@@ -43,20 +43,6 @@ fn bytes(part: &Part) -> Vec<u8> {
     bytes
 }
 
-/// As version 0.1 wrote it.
-fn plain(part: &Part) -> Vec<u8> {
-    let file = bytes(part);
-    let header = 12 + u32::from_le_bytes([file[8], file[9], file[10], file[11]]) as usize;
-    let magic = match part.film.layers().is_picture_alone() {
-        true => MAGIC_PLAIN,
-        false => MAGIC_PLAIN_LAYERS,
-    };
-    let planes = part.film.planes().iter().flatten().flatten();
-    let planes: Vec<u8> = planes.flat_map(|word| word.to_le_bytes()).collect();
-    let unsealed = [magic, &file[8..header], &planes, &[0; 8]].concat();
-    sealed(&unsealed).expect("it has planes")
-}
-
 fn read(bytes: &[u8]) -> Result<Part, PartError> {
     Part::read(&mut &bytes[..], bytes.len() as u64)
 }
@@ -89,7 +75,8 @@ fn files_of_former_versions_are_read() {
         part(3..10, "0"),
         part_with_layers(0..20, &["depth", "normal"]),
     ] {
-        let file = plain(&part);
+        let file = unpacked(&bytes(&part)).expect("it was packed");
+        assert_eq!(unpacked(&file), None);
         assert_eq!(read(&file).expect("whole"), part);
         for length in 0..file.len() {
             assert!(read(&file[..length]).is_err(), "{length} bytes");
