@@ -194,7 +194,13 @@ impl Bar {
 
     /// Removes the bar so that other lines can be printed.
     pub(crate) fn finish(&self) {
-        self.shared.lock().is_finished = true;
+        {
+            let mut state = self.shared.lock();
+            if let (Form::Told(reader), false) = (self.shared.form, state.is_finished) {
+                console::print(&state.told(reader));
+            }
+            state.is_finished = true;
+        }
         self.shared.finished.notify_all();
         self.shared.bar.finish_and_clear();
         IS_SHOWN.store(false, Ordering::Relaxed);

@@ -108,7 +108,7 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
     bar.stage("preparing the device");
     let devices = devices::open(&job.devices, &bar)?;
     let rendered = match <[Device; 1]>::try_from(devices) {
-        Ok([device]) => alone::render(job, opening, &device, &bar, watch)?,
+        Ok([device]) => alone::render(job, opening, &device, &view, &bar, watch)?,
         Err(_) if job.checkpoints.is_some() => {
             let flag = "--checkpoint";
             return Err(UsageError::OneDevice { flag }.into());

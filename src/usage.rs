@@ -183,7 +183,7 @@ pub(crate) enum UsageError {
     },
     /// What the farm decides.
     #[error(
-        "{flag}: samples and files of parts are the farm's business; leave the flag out behind `--`"
+        "{flag}: which samples of one picture go to which file is the farm's business; leave the flag out behind `--`"
     )]
     FarmFlag {
         /// As typed.

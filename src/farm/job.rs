@@ -46,11 +46,20 @@ impl ExportJob {
             "--noise",
             "--time",
             "--resume",
+            "--checkpoint",
+            "--refresh",
         ] {
             let is_that = |flag: &&String| *flag == word || flag.starts_with(&format!("{word}="));
             if let Some(flag) = args.flags.iter().find(is_that) {
                 return Err(UsageError::FarmFlag { flag: flag.clone() });
             }
+        }
+        let is_each_camera = |pair: &[String]| pair[0] == "--camera" && pair[1] == "all";
+        if args.flags.windows(2).any(is_each_camera)
+            || args.flags.iter().any(|f| f == "--camera=all")
+        {
+            let flag = "--camera all".to_owned();
+            return Err(UsageError::FarmFlag { flag });
         }
         // What the farm would refuse hours later is refused now.
         let film = format!("part.{FILM_EXTENSION}");

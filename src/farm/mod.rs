@@ -34,13 +34,19 @@ struct FarmPart {
     film: PathBuf,
 }
 
-/// What the files of a job are written from. All paths are absolute: who runs it is in another folder.
+/// What the files of a job are written from.
 #[derive(Debug)]
 struct Plan {
     name: String,
+    /// Where the command was given: its words mean what they meant there, wherever a scheduler runs them.
+    here: PathBuf,
+    /// Absolute, and so all films and results.
     folder: PathBuf,
     scene: PathBuf,
+    /// Of `patina render`.
     flags: Vec<String>,
+    /// Of `patina merge`: those of them that say what is made of the samples.
+    merge_flags: Vec<String>,
     /// To be rendered.
     parts: Vec<FarmPart>,
     /// All that are merged, those that are there already too.
@@ -72,6 +78,7 @@ impl Plan {
             .iter()
             .flat_map(|path| ["-o".to_owned(), text(path)]);
         start
+            .chain(self.merge_flags.iter().cloned())
             .chain(results)
             .chain(self.films.iter().map(text))
             .collect()
@@ -169,8 +176,10 @@ fn plan(job: &ExportJob) -> Result<Plan, Failure> {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned(),
-        scene: absolute(&job.scene)?,
-        flags: absolute_files(&job.flags)?,
+        scene: job.scene.clone(),
+        here: std::env::current_dir().map_err(Failure::because)?,
+        merge_flags: merge_flags(&job.flags),
+        flags: job.flags.clone(),
         results: job
             .results
             .iter()
@@ -183,24 +192,21 @@ fn plan(job: &ExportJob) -> Result<Plan, Failure> {
     })
 }
 
-/// The flags with absolute paths where they name files.
-fn absolute_files(flags: &[String]) -> Result<Vec<String>, Failure> {
-    const FILES: [&str; 3] = ["--look", "--textures", "--environment"];
-    let absolute = |path: &str| {
-        let path = std::path::absolute(path).map_err(Failure::because)?;
-        Ok::<_, Failure>(path.display().to_string())
-    };
+/// The flags of a render that its merge takes, too.
+fn merge_flags(flags: &[String]) -> Vec<String> {
+    const WITH_VALUE: [&str; 4] = ["--look", "--view", "--exposure", "--white-balance"];
     let mut words = Vec::new();
-    let mut is_file = false;
-    for flag in flags {
-        words.push(match flag.split_once('=') {
-            _ if is_file => absolute(flag)?,
-            Some((name, path)) if FILES.contains(&name) => format!("{name}={}", absolute(path)?),
-            _ => flag.clone(),
-        });
-        is_file = FILES.contains(&flag.as_str());
+    let mut flags = flags.iter();
+    while let Some(flag) = flags.next() {
+        let name = flag.split('=').next().unwrap_or_default();
+        if flag == "--denoise" || (WITH_VALUE.contains(&name) && name != flag) {
+            words.push(flag.clone());
+        } else if WITH_VALUE.contains(&name) {
+            words.push(flag.clone());
+            words.extend(flags.next().cloned());
+        }
     }
-    Ok(words)
+    words
 }
 
 /// The films in a folder, with the samples that they have. Those that were ended early are left out: their samples are rendered
@@ -249,6 +255,14 @@ fn without(ranges: &[Range<u32>], taken: &Range<u32>) -> Samples {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_merge_shows_the_picture_as_the_render_would() {
+        let line = "--size 8x8 --look a.toml --view=agx --denoise --seed 3 --exposure -1";
+        let flags: Vec<String> = line.split(' ').map(str::to_owned).collect();
+        let expected = "--look a.toml --view=agx --denoise --exposure -1";
+        assert_eq!(merge_flags(&flags).join(" "), expected);
+    }
 
     fn whole(end: u32) -> Samples {
         Samples::from([Range { start: 0, end }])

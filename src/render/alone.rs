@@ -7,6 +7,7 @@ use device::Device;
 use engine::film::Origin;
 use engine::fingerprint::fingerprint;
 use engine::renderer::RenderSettings;
+use engine::scene::view::View;
 use engine::session::{Opening, Session};
 use engine::stats::DeviceFacts;
 
@@ -26,6 +27,7 @@ pub(super) fn render(
     job: &RenderJob,
     opening: Opening,
     gpu: &Device,
+    view: &View,
     bar: &Bar,
     mut watch: Watch,
 ) -> Result<Rendered, Failure> {
@@ -53,6 +55,7 @@ pub(super) fn render(
         session.time_passes().map_err(failure)?;
     }
     let name = gpu.description().name.clone();
+    let names = job.layers.names(session.scene());
     let mut writer = None;
     if let Some(checkpoints) = &job.checkpoints {
         let mut origin = Origin::new(
@@ -61,12 +64,12 @@ pub(super) fn render(
             job.look.as_deref(),
             settings_written.clone(),
         );
-        origin.names = job.layers.names(session.scene());
+        origin.names.clone_from(&names);
         if checkpoints.resumes
             && let Some((film, paths)) = checkpoint::read(
                 checkpoints,
                 &origin,
-                job.first_sample,
+                session.settings(),
                 session.paths_per_sample(),
             )?
         {
@@ -76,7 +79,7 @@ pub(super) fn render(
         writer = Some(checkpoint::Writer::new(
             checkpoints,
             &job.outputs,
-            job.display.or(session.look_view()).view(),
+            *view,
             &job.shown_layers,
             origin,
             first,
@@ -111,7 +114,7 @@ pub(super) fn render(
     Ok(Rendered {
         film,
         samples: job.first_sample..job.first_sample + most,
-        names: job.layers.names(session.scene()),
+        names,
         paths: Some(session.paths_done()),
         ended,
         device: name,

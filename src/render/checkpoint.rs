@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use engine::film::write::Content;
 use engine::film::{Film, Layers, Origin, Part};
+use engine::renderer::RenderSettings;
 use engine::scene::view::View;
 
 use crate::failure::Failure;
@@ -20,10 +21,17 @@ use crate::{console, output, picture};
 pub(super) fn read(
     checkpoints: &Checkpoints,
     origin: &Origin,
-    first_sample: u32,
+    settings: &RenderSettings,
     paths_per_sample: u64,
 ) -> Result<Option<(Film, u64)>, Failure> {
-    let path = &checkpoints.path;
+    let RenderSettings {
+        width,
+        height,
+        first_sample,
+        layers,
+        ..
+    } = settings;
+    let (path, size) = (&checkpoints.path, (*width, *height));
     if !path.exists() {
         console::note(&format!(
             "{} is not there yet: the render begins",
@@ -40,10 +48,15 @@ pub(super) fn read(
     };
     let part = picture::film(path).map_err(|error| refused(&error))?;
     origin.fits(&part.origin).map_err(|error| refused(&error))?;
+    // What its header says of itself may not be so.
+    let is_its_film = (part.film.width, part.film.height) == size && part.film.layers() == layers;
+    if !is_its_film {
+        return Err(refused(&"it has another size, or other layers"));
+    }
     let (Some(paths), [samples]) = (part.paths(paths_per_sample), part.ranges()) else {
         return Err(refused(&"it lacks samples in between"));
     };
-    if samples.start != first_sample {
+    if samples.start != *first_sample {
         let error = format!("its first sample is {}, not {first_sample}", samples.start);
         return Err(refused(&error));
     }

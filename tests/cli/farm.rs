@@ -35,7 +35,9 @@ fn parts_of_a_farm_make_the_whole_and_what_is_lost_is_made_again() {
             .env("PATINA_CACHE", "off");
         Outcome::of(command.output().expect("sh starts"), line)
     };
-    // The second part is lost.
+    // The second part is lost, and one was begun: it isn't taken for whole.
+    fs::create_dir_all(bench.path("job/begun")).expect("a folder");
+    fs::write(bench.path("job/begun/lost-1.patina-film"), "half of it").expect("written");
     run("sh job/part.sh 1").expect_code(0);
     run("sh job/part.sh 3").expect_code(0);
     run("sh job/part.sh 4").expect_code(2);
@@ -79,6 +81,8 @@ fn each_scheduler_gets_files_and_senseless_jobs_are_refused() {
         "Parts"
     );
     for wrong in [
+        "-- --camera all",
+        "-- --checkpoint",
         "-- --spp 3",
         "-- --nonsense",
         "-- --size 0x0",

@@ -29,6 +29,8 @@ const MAGIC_PLAIN_LAYERS: &[u8; 8] = b"PATINAFL";
 const MOST_INFLATED: u64 = 1032;
 /// So many bytes at the beginning of a file say whether it is a film.
 pub const MAGIC_BYTES: u64 = MAGIC.len() as u64;
+/// Paths come in blocks of so many.
+const BLOCK: u64 = 64;
 /// Longest header that is believed.
 const MAX_HEADER: u32 = 1 << 24;
 
@@ -80,19 +82,19 @@ impl Origin {
     /// # Errors
     /// The first setting that differs. The device may be another one.
     pub fn fits(&self, other: &Self) -> Result<(), PartError> {
-        let (here, there) = (&other.settings, &self.settings);
-        let mut pairs = here.iter().zip(there);
-        if let Some(((what, here), (_, there))) = pairs.find(|(here, there)| here != there) {
-            return Err(PartError::Foreigner {
-                what: what.clone(),
-                here: here.clone(),
-                there: there.clone(),
-            });
+        let names = self.settings.iter().chain(&other.settings);
+        for (what, _) in names {
+            let [here, there] = [other, self].map(|origin| origin.setting(what));
+            if here != there {
+                let said = |value: Option<&str>| value.unwrap_or("not said").to_owned();
+                return Err(PartError::Foreigner {
+                    what: what.clone(),
+                    here: said(here),
+                    there: said(there),
+                });
+            }
         }
-        match here.len() == there.len() {
-            true => Ok(()),
-            false => Err(PartError::Damaged("its settings don't fit")),
-        }
+        Ok(())
     }
 
     /// A setting by name.
@@ -218,7 +220,7 @@ impl Part {
             0 => Some(count * per_sample),
             _ => self
                 .paths
-                .filter(|paths| paths.div_ceil(per_sample) == count),
+                .filter(|paths| paths.div_ceil(per_sample) == count && paths % BLOCK == 0),
         }
     }
 

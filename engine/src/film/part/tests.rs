@@ -114,9 +114,10 @@ fn a_picture_under_way_knows_its_paths() {
     film.add_sample(0, [0.5; 3]);
     let begun = Part::new(film, 0..4, whole.origin.clone());
     assert_eq!(begun.paths(64), None);
-    let begun = begun.under_way(200);
-    assert_eq!(read(&bytes(&begun)).expect("whole").paths(64), Some(200));
+    let begun = begun.under_way(256);
+    assert_eq!(read(&bytes(&begun)).expect("whole").paths(64), Some(256));
     assert_eq!(begun.paths(8), None, "these would be more samples");
+    assert_eq!(begun.under_way(200).paths(64), None, "no block ends there");
     let mut gap = part(0..1, "0");
     gap.merge(&part(5..6, "0")).expect("they fit");
     assert_eq!(gap.paths(64), None);
