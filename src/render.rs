@@ -94,6 +94,7 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
     let clock = Instant::now();
     let mut opening = Opening::read_with(inputs, System::default(), &job.edits)?;
     bar.suspend(|| console::diagnostics(&opening.loaded().warnings));
+    let job = &job.for_scene(&opening.loaded().scene);
     // What else was read is known only now.
     output::check_all(&written, &opening.files())?;
     if let Some(wanted) = &job.camera {
@@ -194,18 +195,20 @@ fn write(
     if let Some(summary) = limits::summary(&job.limits, limit, &part.film) {
         console::note(&summary);
     }
-    let denoised = denoiser.map(|denoiser| denoise::film(denoiser, &part.film));
+    let mut results = Results {
+        part: &part,
+        layers: &job.shown_layers,
+        denoised: None,
+        transparent: job.transparent,
+        view,
+    };
+    let denoised = denoiser.map(|denoiser| denoise::film(denoiser, &results.content()));
     let (denoised, given_up) = match denoised.transpose() {
         Ok(denoised) => (denoised, None),
         // With its noise a picture is better than none.
         Err(error) => (None, Some(error)),
     };
-    let results = Results {
-        part: &part,
-        layers: &job.shown_layers,
-        denoised: denoised.as_ref(),
-        view,
-    };
+    results.denoised = denoised.as_ref();
     let mut outcome = output::write_or_keep(&job.outputs, &results);
     if let Some(error) = given_up {
         let text = format!("{error}; the picture was written with its noise");

@@ -7,7 +7,7 @@ use device::{Device, Resources, Usage};
 
 use crate::{
     bvh::SceneBvh,
-    scene::{Material, Scene},
+    scene::{LightSource, Material, Scene},
     texturing::ProgramTraits,
 };
 
@@ -104,7 +104,13 @@ impl GpuScene {
         }
         let mut records: Vec<GpuMaterial> = (0..)
             .zip(&scene.materials)
-            .map(|(i, m)| GpuMaterial::new(m, &program(i)))
+            .map(|(i, m)| {
+                GpuMaterial::new(
+                    m,
+                    scene.light_groups.of(LightSource::Material(&m.name)),
+                    &program(i),
+                )
+            })
             .collect();
         let mut is_moved = false;
         let emission = emission(scene, &program);

@@ -4,6 +4,7 @@
 
 mod camera;
 mod files;
+mod groups;
 mod include;
 mod light;
 
@@ -16,7 +17,7 @@ use texgen::{Diagnostic, Diagnostics, SourceFile, did_you_mean};
 use crate::procedural::{Procedural, SourcesError, TextureSources};
 use crate::scene::import::{self, ImportError, Imported, Importer};
 use crate::scene::look::{EnvironmentLook, Look, LookError, Spanned};
-use crate::scene::{Camera, Environment, Material, Scene, default_camera};
+use crate::scene::{Camera, Environment, LightSource, Material, Scene, default_camera};
 use crate::system::{Assets, Disk, Files};
 
 pub use files::{files, files_from};
@@ -200,6 +201,9 @@ fn apply(
     for table in &look.lights {
         problems.extend(light::apply(look, table, scene).err());
     }
+    if let Err(problem) = groups::apply(look, scene) {
+        problems.push(problem);
+    }
     match camera::resolve(look, scene) {
         Ok(camera) if problems.is_empty() => Ok(camera),
         Ok(_) => Err(problems.into()),
@@ -238,6 +242,10 @@ fn set_environment(
         }
         EnvironmentLook::Sky(sky) => {
             let (environment, sun) = sky.build();
+            // Before `[light.NAME]` may say otherwise.
+            if let (Some(sun), Some(group)) = (&sun, &look.environment_group) {
+                groups::assign(look, scene, LightSource::Light(&sun.name), group)?;
+            }
             scene.lights.extend(sun);
             environment
         }

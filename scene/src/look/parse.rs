@@ -12,7 +12,7 @@ use toml_edit::Document;
 use crate::view::ViewChoice;
 
 use super::document::Section;
-use super::light::{environment, light};
+use super::light::{environment, environment_group, light};
 use super::material::{MaterialLook, material};
 use super::reader::{Reader, choice, is_name, unquoted};
 use super::value::{Field, Span, Spanned, Value, fields};
@@ -53,7 +53,10 @@ pub(super) fn parse(path: &Path, text: &str) -> (Look, Reader) {
 fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
     for Field { key, value } in root {
         match key.value.as_str() {
-            "environment" => look.environment = environment(reader, value),
+            "environment" => {
+                look.environment = environment(reader, value);
+                look.environment_group = environment_group(reader, value);
+            }
             "camera" => look.camera = camera(reader, value),
             "view" => look.view = view(reader, value),
             "light" => look.lights = named(reader, value, "[light.NAME]", light),

@@ -1,4 +1,4 @@
-// Adds what was recorded of the paths of a wave to one plane of a layer. One thread owns a pixel.
+// Adds what was recorded of the paths of a wave to the planes of a layer. One thread owns a pixel.
 //!include shared/frame.wgsl
 //!include shared/random.wgsl
 //!include shared/filter.wgsl
@@ -9,10 +9,15 @@
 // Of each pixel a sum of 96 bits and a spare word, or a sample's number plus 1, 0 for none, and its numbers. Ids have a
 // kernel of their own.
 @group(0) @binding(43) var<storage, read_write> layer_film: array<vec4u>;
+// The second and third channel of a colour or a vector.
+@group(0) @binding(44) var<storage, read_write> layer_film1: array<vec4u>;
+@group(0) @binding(45) var<storage, read_write> layer_film2: array<vec4u>;
 
 // Where its numbers lie in a path's record, and how many there are.
 override sum_word: u32 = 1u;
 override sum_words: u32 = 1u;
+// Whether only paths that have met a surface have a value.
+override sum_of_surfaces: bool = true;
 
 // A number that isn't finite would spoil its pixel for good.
 fn finite_sample(word: u32, slot: u32) -> f32 {
@@ -21,6 +26,20 @@ fn finite_sample(word: u32, slot: u32) -> f32 {
     return select(0.0, value, is_finite);
 }
 
+// The weight that the pixel filter gives to the sample of a path.
+fn sample_weight(path: PathId) -> f32 {
+    if (frame.filter_positive < 1.0) {
+        return filter_weight(random4(path, DIMENSION_CAMERA, GROUP_CAMERA).xy);
+    }
+    return 1.0;
+}
+
+fn with_sample(words: vec4u, value: f32) -> vec4u {
+    let units = fixed_point(clamp(value, -LARGEST, LARGEST), SUM_BITS);
+    return vec4u(add_wide(words.xyz, units), words.w);
+}
+
+// Of one channel.
 @compute @workgroup_size(64)
 fn accumulate_mean(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
                    @builtin(local_invocation_index) local: u32) {
@@ -35,17 +54,42 @@ fn accumulate_mean(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgro
         if (path.sample >= frame.sample_limit) {
             break;
         }
-        if (layer_sample(0u, slot) == 0.0) {
+        if (sum_of_surfaces && layer_sample(0u, slot) == 0.0) {
             continue;
         }
-        var value = finite_sample(sum_word, slot);
-        if (frame.filter_positive < 1.0) {
-            value *= filter_weight(random4(path, DIMENSION_CAMERA, GROUP_CAMERA).xy);
-        }
-        let units = fixed_point(clamp(value, -LARGEST, LARGEST), SUM_BITS);
-        words = vec4u(add_wide(words.xyz, units), words.w);
+        words = with_sample(words, finite_sample(sum_word, slot) * sample_weight(path));
     }
     layer_film[at] = words;
+}
+
+// Of three.
+@compute @workgroup_size(64)
+fn accumulate_means(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+                    @builtin(local_invocation_index) local: u32) {
+    let first = thread_index(workgroup, workgroups, local);
+    let at = own_pixel(first);
+    if (at == NO_PIXEL) {
+        return;
+    }
+    var x = layer_film[at];
+    var y = layer_film1[at];
+    var z = layer_film2[at];
+    for (var slot = first; slot < frame.wave_size; slot += frame.padded_pixels) {
+        let path = path_id(slot);
+        if (path.sample >= frame.sample_limit) {
+            break;
+        }
+        if (sum_of_surfaces && layer_sample(0u, slot) == 0.0) {
+            continue;
+        }
+        let weight = sample_weight(path);
+        x = with_sample(x, finite_sample(sum_word, slot) * weight);
+        y = with_sample(y, finite_sample(sum_word + 1u, slot) * weight);
+        z = with_sample(z, finite_sample(sum_word + 2u, slot) * weight);
+    }
+    layer_film[at] = x;
+    layer_film1[at] = y;
+    layer_film2[at] = z;
 }
 
 @compute @workgroup_size(64)

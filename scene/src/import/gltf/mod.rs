@@ -30,7 +30,7 @@ use super::error::{ImportError, Warnings};
 use super::format::{Format, Imported, Request};
 use super::merge::make_names_unique;
 use crate::input::Files;
-use crate::{Environment, Scene};
+use crate::{Environment, LightGroups, Scene};
 use document::Document;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -114,6 +114,7 @@ fn assemble(document: &Document, request: Request<'_>) -> Result<Imported, Impor
             images,
             lights,
             cameras,
+            light_groups: LightGroups::default(),
             environment,
         },
         warnings: warnings.into_vec(),
