@@ -27,9 +27,9 @@ fn finite_sample(word: u32, slot: u32) -> f32 {
 }
 
 // The weight that the pixel filter gives to the sample of a path.
-fn sample_weight(path: PathId) -> f32 {
+fn sample_weight(slot: u32) -> f32 {
     if (frame.filter_positive < 1.0) {
-        return filter_weight(random4(path, DIMENSION_CAMERA, GROUP_CAMERA).xy);
+        return filter_weight(random4(path_id(slot), DIMENSION_CAMERA, GROUP_CAMERA).xy);
     }
     return 1.0;
 }
@@ -48,16 +48,13 @@ fn accumulate_mean(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgro
     if (at == NO_PIXEL) {
         return;
     }
+    let end = last_slot(first);
     var words = layer_film[at];
-    for (var slot = first; slot < frame.wave_size; slot += frame.padded_pixels) {
-        let path = path_id(slot);
-        if (path.sample >= frame.sample_limit) {
-            break;
+    for (var slot = first; slot < end; slot += frame.padded_pixels) {
+        let value = finite_sample(sum_word, slot);
+        if (value != 0.0 && (!sum_of_surfaces || layer_sample(0u, slot) != 0.0)) {
+            words = with_sample(words, value * sample_weight(slot));
         }
-        if (sum_of_surfaces && layer_sample(0u, slot) == 0.0) {
-            continue;
-        }
-        words = with_sample(words, finite_sample(sum_word, slot) * sample_weight(path));
     }
     layer_film[at] = words;
 }
@@ -71,25 +68,19 @@ fn accumulate_means(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     if (at == NO_PIXEL) {
         return;
     }
-    var x = layer_film[at];
-    var y = layer_film1[at];
-    var z = layer_film2[at];
-    for (var slot = first; slot < frame.wave_size; slot += frame.padded_pixels) {
-        let path = path_id(slot);
-        if (path.sample >= frame.sample_limit) {
-            break;
-        }
-        if (sum_of_surfaces && layer_sample(0u, slot) == 0.0) {
+    let end = last_slot(first);
+    for (var slot = first; slot < end; slot += frame.padded_pixels) {
+        let value = vec3f(finite_sample(sum_word, slot), finite_sample(sum_word + 1u, slot),
+            finite_sample(sum_word + 2u, slot));
+        // Most parts of the light are black most of the time: then nothing of the film is touched.
+        if (all(value == vec3f(0.0)) || (sum_of_surfaces && layer_sample(0u, slot) == 0.0)) {
             continue;
         }
-        let weight = sample_weight(path);
-        x = with_sample(x, finite_sample(sum_word, slot) * weight);
-        y = with_sample(y, finite_sample(sum_word + 1u, slot) * weight);
-        z = with_sample(z, finite_sample(sum_word + 2u, slot) * weight);
+        let weighed = value * sample_weight(slot);
+        layer_film[at] = with_sample(layer_film[at], weighed.x);
+        layer_film1[at] = with_sample(layer_film1[at], weighed.y);
+        layer_film2[at] = with_sample(layer_film2[at], weighed.z);
     }
-    layer_film[at] = x;
-    layer_film1[at] = y;
-    layer_film2[at] = z;
 }
 
 @compute @workgroup_size(64)
@@ -101,11 +92,10 @@ fn accumulate_first(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
         return;
     }
     var words = layer_film[at];
-    for (var slot = first; slot < frame.wave_size; slot += frame.padded_pixels) {
-        let number = path_id(slot).sample + 1u;
-        if (number > frame.sample_limit) {
-            break;
-        }
+    let end = last_slot(first);
+    var number = path_id(first).sample;
+    for (var slot = first; slot < end; slot += frame.padded_pixels) {
+        number += 1u;
         if (layer_sample(0u, slot) == 0.0 || (words.x != 0u && words.x < number)) {
             continue;
         }
