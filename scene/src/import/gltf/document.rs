@@ -56,11 +56,15 @@ pub(super) struct Document {
     pub(super) root: json::Root,
     /// `extras.environment` of each scene.
     pub(super) environments: Vec<Option<Value>>,
+    /// `animations`, whatever that is.
+    pub(super) animations: Value,
     /// Where it lies.
     pub(super) files: Arc<dyn Files>,
     /// What decoding may still take.
     pub(super) budget: Arc<Budget>,
     id: FileId,
+    /// Bytes of the file itself.
+    length: u64,
     file: Vec<u8>,
     buffers: Vec<Buffer>,
 }
@@ -95,7 +99,11 @@ impl Document {
                 problem: "has more than 512 MiB of JSON; save it as .glb, or with its buffers in files of their own".into(),
             });
         }
-        let Parsed { root, environments } =
+        let Parsed {
+            root,
+            environments,
+            animations,
+        } =
             json_text::parse(&file[parts.json.clone()], is_read).map_err(|error| match error {
                 JsonError::Invalid(source) => ImportError::Json {
                     path: path.to_owned(),
@@ -115,8 +123,10 @@ impl Document {
             path: path.to_owned(),
             root,
             environments,
+            animations,
             budget: Arc::clone(budget),
             id: files.id(path),
+            length,
             // Without a binary chunk nothing in it is needed any more.
             file: if parts.bin.is_some() {
                 file
@@ -127,10 +137,14 @@ impl Document {
         };
         document.check_extensions()?;
         document.load_buffers(parts.bin)?;
-        document
-            .budget
-            .allow(document.id.clone(), length + document.size());
+        document.allow();
         Ok(document)
+    }
+
+    /// Takes its own size for a reason to decode so much more.
+    pub(super) fn allow(&self) {
+        self.budget
+            .allow(self.id.clone(), self.length + self.size());
     }
 
     /// A buffer without data is legal as long as nothing reads it: it stands for what an extension would decompress.
