@@ -559,7 +559,7 @@ mod tests {
             name: name.to_owned(),
             width: 4,
             height: 2,
-            rgba8: vec![0; 32],
+            rgba8: vec![0; 32].into(),
             srgb: true,
         }
     }

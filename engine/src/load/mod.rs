@@ -6,6 +6,7 @@ mod camera;
 mod files;
 mod include;
 mod light;
+mod timeline;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,10 +17,11 @@ use texgen::{Diagnostic, Diagnostics, SourceFile, did_you_mean};
 use crate::procedural::{Procedural, SourcesError, TextureSources};
 use crate::scene::import::{self, ImportError, Imported, Importer};
 use crate::scene::look::{EnvironmentLook, Look, LookError, Spanned};
-use crate::scene::{Camera, Environment, Material, Scene, default_camera};
+use crate::scene::{Camera, Environment, Material, PunctualLight, Scene, default_camera};
 use crate::system::{Assets, Disk, Files};
 
 pub use files::{files, files_from};
+pub use timeline::Timeline;
 
 /// After so many includes that can't be read the others aren't tried.
 const MAX_BAD_INCLUDES: usize = 10;
@@ -113,9 +115,18 @@ pub fn load_from(
         mut warnings,
     } = files.scene(&mut importer, path)?;
 
+    let mut environments = EnvironmentMaker::default();
     let camera = match &look {
-        Some(look) => apply(&**files, look, &mut importer, &mut scene, &mut warnings)?,
-        None => first_camera(&scene),
+        Some(look) => apply(
+            &**files,
+            look,
+            &mut importer,
+            &mut environments,
+            &mut scene,
+            &mut warnings,
+            None,
+        )?,
+        None => first_camera(&scene, None),
     };
     if scene.instances.is_empty() {
         return Err(LoadError::Empty {
@@ -125,6 +136,17 @@ pub fn load_from(
     let nothing = Look::empty(Path::new(""), SourceFile::new("look", "", ""));
     let procedural = Procedural::build(look.as_ref().unwrap_or(&nothing), &mut scene, &sources)
         .map_err(LookError::from)?;
+    Ok(finish(scene, procedural, camera, look, warnings))
+}
+
+/// A scene with all that belongs to it, under a light if there is none.
+fn finish(
+    mut scene: Scene,
+    procedural: Procedural,
+    camera: Camera,
+    look: Option<Look>,
+    warnings: Vec<String>,
+) -> Loaded {
     let mut warnings: Diagnostics = warnings.into_iter().map(Diagnostic::warning).collect();
     if let Some(look) = &look {
         warnings.extend(look.warnings.iter().cloned());
@@ -138,13 +160,13 @@ pub fn load_from(
             "the scene has no light: it is shown under an even white sky; a look can set its own `environment`",
         ));
     }
-    Ok(Loaded {
+    Loaded {
         scene,
         procedural,
         camera,
         look,
         warnings,
-    })
+    }
 }
 
 impl Loaded {
@@ -177,8 +199,10 @@ fn apply(
     files: &dyn Files,
     look: &Look,
     importer: &mut Importer,
+    environments: &mut EnvironmentMaker,
     scene: &mut Scene,
     warnings: &mut Vec<String>,
+    still: Option<&Camera>,
 ) -> Result<Camera, LookError> {
     let mut problems = Diagnostics::new();
     for table in &look.includes {
@@ -192,7 +216,7 @@ fn apply(
         }
     }
     if let Some(environment) = &look.environment {
-        match set_environment(files, look, environment, scene) {
+        match environments.set(files, look, environment, scene) {
             Ok(more) => warnings.extend(more),
             Err(problem) => problems.push(problem),
         }
@@ -200,7 +224,7 @@ fn apply(
     for table in &look.lights {
         problems.extend(light::apply(look, table, scene).err());
     }
-    match camera::resolve(look, scene) {
+    match camera::resolve(look, scene, still) {
         Ok(camera) if problems.is_empty() => Ok(camera),
         Ok(_) => Err(problems.into()),
         Err(problem) => {
@@ -210,16 +234,44 @@ fn apply(
     }
 }
 
-/// Gives the scene the look's environment; returns warnings.
-fn set_environment(
+/// Makes environments of what a look says of them, and remembers the last one: another moment has the same, as a rule.
+#[derive(Debug, Default)]
+struct EnvironmentMaker {
+    last: Option<(EnvironmentLook, Environment, Option<PunctualLight>)>,
+}
+
+impl EnvironmentMaker {
+    /// Gives the scene the look's environment; returns warnings.
+    fn set(
+        &mut self,
+        files: &dyn Files,
+        look: &Look,
+        wanted: &Spanned<EnvironmentLook>,
+        scene: &mut Scene,
+    ) -> Result<Vec<String>, Diagnostic> {
+        if let Some((of, environment, sun)) = &self.last
+            && *of == wanted.value
+        {
+            scene.environment.clone_from(environment);
+            scene.lights.extend(sun.clone());
+            return Ok(Vec::new());
+        }
+        let (environment, sun, warnings) = environment_of(files, look, wanted)?;
+        self.last = Some((wanted.value.clone(), environment.clone(), sun.clone()));
+        scene.environment = environment;
+        scene.lights.extend(sun);
+        Ok(warnings)
+    }
+}
+
+/// An environment with its sun, and warnings.
+fn environment_of(
     files: &dyn Files,
     look: &Look,
-    environment: &Spanned<EnvironmentLook>,
-    scene: &mut Scene,
-) -> Result<Vec<String>, Diagnostic> {
-    let mut warnings = Vec::new();
-    scene.environment = match &environment.value {
-        EnvironmentLook::Constant(radiance) => Environment::Constant(*radiance),
+    wanted: &Spanned<EnvironmentLook>,
+) -> Result<(Environment, Option<PunctualLight>, Vec<String>), Diagnostic> {
+    Ok(match &wanted.value {
+        EnvironmentLook::Constant(radiance) => (Environment::Constant(*radiance), None, Vec::new()),
         EnvironmentLook::Image {
             image,
             rotation,
@@ -229,20 +281,18 @@ fn set_environment(
             let loaded = import::load_environment_image(files, &path).map_err(|error| {
                 Diagnostic::error(error.to_string()).with_label(&look.file, image.span.clone(), "")
             })?;
-            warnings = loaded.1;
-            Environment::Image {
+            let environment = Environment::Image {
                 image: loaded.0,
                 rotation: *rotation,
                 intensity: *intensity,
-            }
+            };
+            (environment, None, loaded.1)
         }
         EnvironmentLook::Sky(sky) => {
             let (environment, sun) = sky.build();
-            scene.lights.extend(sun);
-            environment
+            (environment, sun, Vec::new())
         }
-    };
-    Ok(warnings)
+    })
 }
 
 /// The camera that a look asks for.
@@ -250,7 +300,7 @@ fn set_environment(
 /// # Errors
 /// There is none of its name, or it has no direction.
 pub(crate) fn camera_of(look: &Look, scene: &Scene) -> Result<Camera, Diagnostic> {
-    camera::resolve(look, scene)
+    camera::resolve(look, scene, None)
 }
 
 /// Whether nothing in the scene gives light, so that its picture would be black.
@@ -267,9 +317,9 @@ pub(crate) fn has_no_lamp(scene: &Scene, glows: impl Fn(u32) -> bool) -> bool {
     scene.lights.is_empty() && !scene.materials.iter().enumerate().any(emits)
 }
 
-/// What is seen without a look: the file's first camera, or all of the scene.
-fn first_camera(scene: &Scene) -> Camera {
-    let first = scene.cameras.first().cloned();
+/// What is seen without a look: the file's first camera, or `still`, or all of the scene.
+fn first_camera(scene: &Scene, still: Option<&Camera>) -> Camera {
+    let first = scene.cameras.first().or(still).cloned();
     first.unwrap_or_else(|| default_camera(scene))
 }
 

@@ -177,6 +177,11 @@ impl Importer {
         }
     }
 
+    /// The scene is read as it is at this moment.
+    pub fn look_at(&mut self, moment: Moment) {
+        self.moment = moment;
+    }
+
     /// Begins the same scene at another moment.
     pub fn begin(&mut self, moment: Moment) {
         self.moment = moment;

@@ -309,11 +309,9 @@ mod tests {
             Some(Vec3::splat(0.5))
         );
         assert_eq!(half.includes[0].transform.translation.z, 4.0);
-        assert_eq!(half.key_times(), Some([0.0, 2.0]));
+        assert_eq!(half.key_times, Some([0.0, 2.0]));
         assert_eq!(
-            look("[camera]\ny_fov = 30", 1.0)
-                .expect("a look")
-                .key_times(),
+            look("[camera]\ny_fov = 30", 1.0).expect("a look").key_times,
             None
         );
     }

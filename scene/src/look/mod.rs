@@ -72,7 +72,8 @@ pub struct Look {
     pub includes: Vec<Include>,
     /// What can be read but is probably not meant so.
     pub warnings: Diagnostics,
-    key_times: Option<[f64; 2]>,
+    /// Times of the first and the last key, seconds; `None` where nothing changes with time.
+    pub key_times: Option<[f64; 2]>,
 }
 
 /// `environment = { ... }`.
@@ -299,11 +300,6 @@ impl Look {
         }
         reader.problems.sort_by_key(start);
         Err(reader.problems.into_iter().collect())
-    }
-
-    /// Times of the first and the last key, seconds; `None` where nothing changes with time.
-    pub fn key_times(&self) -> Option<[f64; 2]> {
-        self.key_times
     }
 
     /// A look that says nothing, as if read from `path`.
