@@ -4,11 +4,12 @@
 //! does is written here from top to bottom; how to run a step is in `steps`, how to find or install a Vulkan driver in
 //! `vulkan`, another one in `swiftshader`, which systems the program must compile for in `targets`, how the program is built
 //! to be given away in `dist`, a picture by many machines in `farm`, the comparison with other renderers in `peers`, that of view
-//! transforms with OpenColorIO in `views`.
+//! transforms with OpenColorIO in `views`, that of animated vertices with another evaluation in `poses`.
 
 mod dist;
 mod farm;
 mod peers;
+mod poses;
 mod steps;
 mod swiftshader;
 mod targets;
@@ -75,6 +76,7 @@ Commands:
   contact-sheet Render Khronos' sample models, where they lie beside the checkout, to docs/images/khronos.jpg
   farm          Render a picture in parts by Slurm on this host, lose a node, compare with the whole
   peers         Compare with other renderers that are installed; `cargo xtask peers --help` lists the options
+  poses         Compare vertices of animated models with another evaluation; `cargo xtask poses --help` lists the options
   views         Compare view transforms with OpenColorIO; `cargo xtask views --help` lists the options
 
 `test` first finds a Vulkan driver, or installs Mesa's on Debian and Ubuntu; the others need none.";
@@ -95,6 +97,11 @@ fn main() -> ExitCode {
             Ok(())
         }
         ["peers", ref rest @ ..] => peers::run(rest),
+        ["poses", "--help" | "-h"] => {
+            println!("{}", poses::USAGE);
+            Ok(())
+        }
+        ["poses", ref rest @ ..] => poses::run(rest),
         ["views", "--help" | "-h"] => {
             println!("{}", views::USAGE);
             Ok(())
