@@ -78,6 +78,9 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
         bar.finish();
         if let Some(Ended::Interrupted) = rendered.ended {
             // Whoever looks for a frame's file takes it for whole; what there is of it is in its checkpoint.
+            console::warning(&format!(
+                "interrupted in frame {number}, which isn't written; those before it are"
+            ));
             end(rendered.rest);
             return Err(Failure::Interrupted);
         }

@@ -12,12 +12,14 @@ use std::sync::Arc;
 
 /// What a format of scene files has to bring.
 pub(super) trait Format: fmt::Debug + Sync {
-    /// Opens a file with all that it refers to but pictures; what decoding takes comes out of the budget.
+    /// Opens a file with all that it refers to but pictures, and with its animations where they may be asked for; what decoding
+    /// takes comes out of the budget.
     fn open(
         &self,
         files: &Arc<dyn Files>,
         path: &Path,
         budget: &Arc<Budget>,
+        with_animations: bool,
     ) -> Result<Arc<dyn Opened>, ImportError>;
 
     /// The files beside it that it names; none where it can't be understood.

@@ -26,7 +26,7 @@ pub use merge::Appended;
 pub use pictures::load_picture;
 
 use crate::input::{Disk, Files};
-use crate::{Animation, Mesh, Moment, Scene};
+use crate::{Animation, Mesh, Moment, Motion, Scene};
 use budget::Budget;
 use format::{Format, Opened, Request};
 use glam::{Affine3A, DAffine3, DMat3};
@@ -202,7 +202,7 @@ impl Importer {
             .open
             .as_ref()
             .and_then(|open| Some(open.get(path)?.uses));
-        let animations = self.opened(path)?.animations();
+        let animations = self.opened(path, true)?.animations();
         // Looked at, it isn't added to the scene.
         if let Some(kept) = self.open.as_mut().and_then(|open| open.get_mut(path)) {
             kept.uses = uses.unwrap_or(0);
@@ -211,8 +211,9 @@ impl Importer {
     }
 
     /// A file, which stays open where it will be read again.
-    fn opened(&mut self, path: &Path) -> Result<Arc<dyn Opened>, ImportError> {
-        let open = || reader_of(path).open(&self.files, path, &self.budget);
+    fn opened(&mut self, path: &Path, moves: bool) -> Result<Arc<dyn Opened>, ImportError> {
+        let moves = moves || self.open.is_some();
+        let open = || reader_of(path).open(&self.files, path, &self.budget, moves);
         let Some(kept) = &mut self.open else {
             return open();
         };
@@ -245,14 +246,15 @@ impl Importer {
     /// # Errors
     /// As [`load`].
     pub fn load(&mut self, path: &Path) -> Result<Imported, ImportError> {
-        self.opened(path)?.read(Request {
-            placement: DAffine3::IDENTITY,
-            scene: &Scene::default(),
-            with_environment: true,
-            moment: &self.moment,
-            is_read_again: self.open.is_some(),
-            pictures: &mut self.pictures,
-        })
+        self.opened(path, self.moment.motion != Motion::Rest)?
+            .read(Request {
+                placement: DAffine3::IDENTITY,
+                scene: &Scene::default(),
+                with_environment: true,
+                moment: &self.moment,
+                is_read_again: self.open.is_some(),
+                pictures: &mut self.pictures,
+            })
     }
 
     /// Adds the contents of a file to the scene, as if its root nodes were children of a node with the transform
@@ -291,14 +293,16 @@ impl Importer {
         let Imported {
             scene: added,
             warnings,
-        } = self.opened(path)?.read(Request {
-            placement: world,
-            scene,
-            with_environment: false,
-            moment: &self.moment,
-            is_read_again: self.open.is_some(),
-            pictures: &mut self.pictures,
-        })?;
+        } = self
+            .opened(path, self.moment.motion != Motion::Rest)?
+            .read(Request {
+                placement: world,
+                scene,
+                with_environment: false,
+                moment: &self.moment,
+                is_read_again: self.open.is_some(),
+                pictures: &mut self.pictures,
+            })?;
         Ok(merge(scene, added, warnings))
     }
 }

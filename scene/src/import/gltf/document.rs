@@ -56,7 +56,7 @@ pub(super) struct Document {
     pub(super) root: json::Root,
     /// `extras.environment` of each scene.
     pub(super) environments: Vec<Option<Value>>,
-    /// `animations`, whatever that is.
+    /// `animations`, whatever that is; null where none are wanted.
     pub(super) animations: Value,
     /// Where it lies.
     pub(super) files: Arc<dyn Files>,
@@ -85,12 +85,14 @@ enum BufferSource {
 }
 
 impl Document {
-    /// Understands the bytes of a file and reads all its buffers. What decoding takes comes out of `budget`.
+    /// Understands the bytes of a file and reads all its buffers; animations are kept where they are wanted. What decoding takes
+    /// comes out of `budget`.
     pub(super) fn new(
         files: &Arc<dyn Files>,
         path: &Path,
         file: Vec<u8>,
         budget: &Arc<Budget>,
+        with_animations: bool,
     ) -> Result<Self, ImportError> {
         let parts = container::split(&file).at(path, || "GLB container".into())?;
         if parts.json.len() as u64 > MAX_JSON_BYTES {
@@ -104,7 +106,7 @@ impl Document {
             environments,
             animations,
         } =
-            json_text::parse(&file[parts.json.clone()], is_read).map_err(|error| match error {
+            json_text::parse(&file[parts.json.clone()], is_read, with_animations).map_err(|error| match error {
                 JsonError::Invalid(source) => ImportError::Json {
                     path: path.to_owned(),
                     source,

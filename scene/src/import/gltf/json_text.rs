@@ -26,8 +26,8 @@ const MAX_NAME_CHARS: usize = 256;
 /// Up to this length a text with mistakes is read once more, for the line of the mistake.
 const MAX_READ_AGAIN: usize = 16 << 20;
 
-/// Members of the file that are read by their types. Animations are kept as they are: whoever renders at rest needs none, so they
-/// need not be valid.
+/// Members of the file that are read by their types. Animations are kept as they are, and only where they are wanted: those of
+/// a scene at rest need not be valid.
 const ROOT: [&str; 16] = [
     "accessors",
     "asset",
@@ -52,7 +52,7 @@ pub(super) struct Parsed {
     pub(super) root: json::Root,
     /// `extras.environment` of each scene.
     pub(super) environments: Vec<Option<Value>>,
-    /// `animations`, whatever that is.
+    /// `animations`, whatever that is; null where it isn't wanted.
     pub(super) animations: Value,
 }
 
@@ -64,13 +64,19 @@ pub(super) enum JsonError {
     TooLarge,
 }
 
-/// Reads the JSON of a file; contents of extensions for which `is_read` doesn't hold are left out.
-pub(super) fn parse(text: &[u8], is_read: fn(&str) -> bool) -> Result<Parsed, JsonError> {
+/// Reads the JSON of a file; contents of extensions for which `is_read` doesn't hold are left out, and so are animations where
+/// none are wanted.
+pub(super) fn parse(
+    text: &[u8],
+    is_read: fn(&str) -> bool,
+    with_animations: bool,
+) -> Result<Parsed, JsonError> {
     let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
     let mut rewriter = Rewriter {
         text: Vec::new(),
         environments: Vec::new(),
         animations: Value::Null,
+        with_animations,
         left: FREE + FACTOR * text.len() as u64,
         is_read,
     };
@@ -104,6 +110,7 @@ struct Rewriter {
     text: Vec<u8>,
     environments: Vec<Option<Value>>,
     animations: Value,
+    with_animations: bool,
     /// Bytes that values may still take; 0 once one was refused.
     left: u64,
     is_read: fn(&str) -> bool,
@@ -144,7 +151,7 @@ impl<'r> Part<'r> {
         match (self.place, key) {
             (Place::Root, "scenes") => Some(Place::Scenes),
             (Place::Root, "textures") => Some(Place::Typed),
-            (Place::Root, "animations") => Some(Place::Animations),
+            (Place::Root, "animations") if self.to.with_animations => Some(Place::Animations),
             (Place::Root, key) if !ROOT.contains(&key) => None,
             (Place::Scene, "extras") => Some(Place::SceneExtras),
             (_, "extras") => None,
@@ -345,7 +352,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Parsed, JsonError> {
-        parse(text.as_bytes(), |name| name == "KNOWN")
+        parse(text.as_bytes(), |name| name == "KNOWN", true)
     }
 
     fn parsed(text: &str) -> Parsed {
@@ -402,6 +409,10 @@ mod tests {
             .replace("\"nodes\":", "\"extensions\":{\"KNOWN\":")
             .replace("}]}", "}]}}");
         assert!(matches!(read(&extension), Err(JsonError::TooLarge)));
+        let moving = kept.replace("\"nodes\"", "\"animations\"");
+        assert!(matches!(read(&moving), Err(JsonError::TooLarge)));
+        let resting = parse(moving.as_bytes(), |_| true, false);
+        assert!(resting.is_ok_and(|parsed| parsed.animations.is_null()));
         let ignored = kept.replace("\"nodes\"", "\"x\"");
         assert!(parsed(&ignored).root.nodes.is_empty());
     }

@@ -53,13 +53,14 @@ impl Format for Gltf {
         files: &Arc<dyn Files>,
         path: &Path,
         budget: &Arc<Budget>,
+        with_animations: bool,
     ) -> Result<Arc<dyn Opened>, ImportError> {
         let file = document::read(&**files, path).map_err(|source| ImportError::Read {
             path: path.to_owned(),
             source,
         })?;
         Ok(Arc::new(File {
-            document: parse(files, path, file, budget)?,
+            document: parse(files, path, file, budget, with_animations)?,
             tracks: Mutex::default(),
             kept: Kept::default(),
         }))
@@ -122,8 +123,9 @@ fn parse(
     path: &Path,
     file: Vec<u8>,
     budget: &Arc<Budget>,
+    with_animations: bool,
 ) -> Result<Document, ImportError> {
-    let mut document = Document::new(files, path, file, budget)?;
+    let mut document = Document::new(files, path, file, budget, with_animations)?;
     document.decompress()?;
     document.check_layout()?;
     Ok(document)

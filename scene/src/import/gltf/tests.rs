@@ -24,7 +24,7 @@ pub(super) fn import_at(tree: Value, moment: &Moment) -> Result<Imported, Import
     let path = Path::new("dir/test.gltf");
     let budget = Arc::new(Budget::for_geometry());
     let files: Arc<dyn Files> = Arc::new(Disk);
-    let document = parse(&files, path, text, &budget)?;
+    let document = parse(&files, path, text, &budget, true)?;
     let request = Request {
         placement: DAffine3::IDENTITY,
         scene: &Scene::default(),
@@ -547,7 +547,7 @@ fn broken_json_says_where() {
         .to_vec();
     let budget = Arc::new(Budget::for_geometry());
     let files: Arc<dyn Files> = Arc::new(Disk);
-    let Err(error) = parse(&files, Path::new("test.gltf"), text, &budget) else {
+    let Err(error) = parse(&files, Path::new("test.gltf"), text, &budget, true) else {
         panic!("must be refused");
     };
     assert!(error.to_string().contains("line 3"), "{error}");
