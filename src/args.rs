@@ -59,6 +59,10 @@ Examples:
     patina render room.glb --spp 4096 --checkpoint --resume -o room.exr
   A few samples without their noise; needs Open Image Denoise (`pip install pyoidn`, or OIDN_DIR=FOLDER):
     patina render room.glb --spp 32 --denoise -o room.png
+  The second second of an animation with motion blur, as walk.0024.png and so on:
+    patina render walk.glb --frames 24..48 --shutter 0.5 -o walk.png
+  Once around a model:
+    patina render helmet.glb --turntable 60 -o turn/####.png
   Where the time goes, for people and for programs:
     patina render room.gltf --stats --stats-json room.json
 
@@ -247,6 +251,10 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "KEY=VALUE", action = ArgAction::Append)]
     pub(crate) set: Vec<String>,
 
+    /// When the scene is seen.
+    #[command(flatten)]
+    pub(crate) motion: MotionArgs,
+
     /// How a pixel weighs the light around its centre.
     #[arg(long, value_name = "NAME", default_value = "box")]
     #[arg(value_parser = words(PixelFilter::ALL.map(PixelFilter::name)))]
@@ -325,6 +333,49 @@ pub(crate) struct RenderArgs {
     /// Write the same figures as JSON.
     #[arg(long, value_name = "FILE")]
     pub(crate) stats_json: Option<PathBuf>,
+}
+
+/// Flags of `patina render` for scenes that move.
+#[derive(Debug, clap::Args)]
+pub(crate) struct MotionArgs {
+    /// The scene as its animations have it after so many seconds. Without this, --frames, --animation or --shutter it is at rest.
+    #[arg(long, value_name = "SECONDS")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) at: Option<String>,
+
+    /// A picture for each frame from A up to, but not including, B, or each STEPth of them. Frame N is seen after N / FPS seconds. Names
+    /// of files get the number before their ending, or where they have ####. With --resume, frames whose pictures are there are left
+    /// out.
+    #[arg(long, value_name = "A..B[:STEP]", conflicts_with_all = ["at", "turntable"])]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) frames: Option<String>,
+
+    /// Frames of a second: 24 where nothing is said.
+    #[arg(long, value_name = "FPS")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) fps: Option<String>,
+
+    /// Which of the scene's animations moves it, by name or number as `patina info` lists them. Without it all do, or the first where
+    /// several move the same.
+    #[arg(long, value_name = "NAME|N")]
+    pub(crate) animation: Option<String>,
+
+    /// N pictures, numbered from 0, between which the camera goes once around the middle of the scene, counter-clockwise as seen from
+    /// above.
+    #[arg(long, value_name = "N")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) turntable: Option<String>,
+
+    /// Motion blur: the shutter is open for so much of a frame's time, half of it before the frame's own moment and half after. 0.5 is
+    /// what film calls 180 degrees; 0 is off.
+    #[arg(long, value_name = "SHARE")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) shutter: Option<String>,
+
+    /// At how many moments the scene is seen while the shutter is open: 8 where nothing is said. They share the samples evenly.
+    #[arg(long, value_name = "N", requires = "shutter")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) motion_samples: Option<String>,
 }
 
 /// Flags of `patina merge`.

@@ -24,6 +24,7 @@ use crate::bench::job::BenchJob;
 use crate::compare::job::CompareJob;
 use crate::farm::job::ExportJob;
 use crate::info::job::InfoJob;
+use crate::motion::MotionJob;
 use crate::overrides;
 use crate::progress::Reader;
 use crate::texture::job::TextureJob;
@@ -98,6 +99,10 @@ pub(crate) struct RenderJob {
     pub(crate) height: u32,
     /// Name of the camera.
     pub(crate) camera: Option<String>,
+    /// When the scene is seen.
+    pub(crate) motion: MotionJob,
+    /// Samples of the whole picture, of which this may be a part.
+    pub(crate) whole_spp: u32,
     /// What is to be otherwise than in the look.
     pub(crate) edits: Vec<Edit>,
     /// Most scattering vertices of a path.
@@ -247,6 +252,8 @@ impl RenderJob {
                 None => 0..MAX_SPP,
             },
         };
+        let whole_spp = samples.end;
+        let motion = motion(&args, &limits, whole_spp)?;
         let samples = match &args.part {
             Some(part) => parse_part(part, samples.end)?,
             None => samples,
@@ -293,6 +300,8 @@ impl RenderJob {
             width,
             height,
             camera: args.camera,
+            motion,
+            whole_spp,
             edits,
             filter,
             filter_width: match &args.filter_width {
@@ -352,6 +361,66 @@ fn scaled(args: &RenderArgs) -> Result<(u32, u32), UsageError> {
     let side = |pixels: u32| (f64::from(pixels) * factor).round().max(1.0);
     // The same limits as for a size that is typed.
     parse_size(&format!("{}x{}", side(width), side(height)))
+}
+
+/// When the scene is seen, and whether all else can be done so.
+fn motion(args: &RenderArgs, limits: &Limits, spp: u32) -> Result<MotionJob, UsageError> {
+    let motion = MotionJob::from_args(&args.motion)?;
+    let apart = |flag, other, because| {
+        Err(UsageError::Apart {
+            flag,
+            other,
+            because,
+        })
+    };
+    let devices = parse_devices(&args.devices)?;
+    let is_several = devices.all || devices.named.len() > 1;
+    if motion.is_sequence() {
+        let flag = match args.motion.frames {
+            Some(_) => "--frames",
+            None => "--turntable",
+        };
+        if is_several {
+            return Err(UsageError::OneDevice { flag });
+        }
+        if args.camera.as_deref() == Some("all") {
+            return apart(
+                flag,
+                "--camera all",
+                "render each camera's frames by themselves",
+            );
+        }
+        if args.refresh {
+            return apart(
+                flag,
+                "--refresh",
+                "frames are written when they are done; leave it out",
+            );
+        }
+    }
+    let Some(shutter) = motion.shutter else {
+        return Ok(motion);
+    };
+    if is_several {
+        return Err(UsageError::OneDevice { flag: "--shutter" });
+    }
+    if *limits != Limits::default() {
+        let because = "a picture that ends early would lack the last moments; say how many samples it gets, with --spp";
+        return apart("--shutter", "--noise or --time", because);
+    }
+    if args.sample_range.is_some() {
+        let because = "what a moment's samples are follows from those of the whole; write --part I/N with --spp";
+        return apart("--shutter", "--sample-range", because);
+    }
+    let moments = shutter.moments;
+    match spp % moments {
+        0 => Ok(motion),
+        _ => Err(UsageError::Moments {
+            spp,
+            moments,
+            near: spp.next_multiple_of(moments),
+        }),
+    }
 }
 
 /// How a render is to be kept while it is under way.

@@ -23,6 +23,7 @@ mod job;
 mod library;
 mod manuals;
 mod merge;
+mod motion;
 mod output;
 mod overrides;
 mod picture;

@@ -3,7 +3,9 @@
 mod alone;
 mod cameras;
 mod checkpoint;
+mod frames;
 mod limits;
+mod reel;
 mod together;
 
 use std::collections::BTreeMap;
@@ -19,19 +21,21 @@ use engine::procedural::Procedural;
 use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::view::{View, ViewChoice};
 use engine::scene::{Camera, Scene};
-use engine::session::{Inputs, Opening, Session, SessionError};
+use engine::session::{Inputs, Session, SessionError};
 use engine::stats::{DeviceFacts, Stats};
-use engine::system::System;
 
 use crate::failure::Failure;
 use crate::job::RenderJob;
+use crate::motion::{Frame, Sight};
 use crate::output::{self, Results};
 use crate::progress::Bar;
 use crate::report::{Report, Seconds};
 use crate::usage::UsageError;
 use crate::{console, crash, denoise, devices, interrupt, library};
 
+use self::alone::Take;
 use self::limits::{Limit, Watch};
+use self::reel::{Reel, View as Seen};
 
 /// The word for each camera in turn.
 const ALL_CAMERAS: &str = "all";
@@ -45,6 +49,9 @@ const FAREWELL: Duration = Duration::from_secs(1);
 /// # Errors
 /// Anything that keeps even one of the results from being written.
 pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
+    if job.motion.is_sequence() {
+        return frames::run(job);
+    }
     if job.camera.as_deref() != Some(ALL_CAMERAS) {
         return picture(job);
     }
@@ -69,55 +76,83 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
 
 /// Renders one picture.
 fn picture(job: &RenderJob) -> Result<(), Failure> {
-    let watch = Watch::new(job.limits, Instant::now());
-    let kept = job.checkpoints.iter().map(|checkpoints| &checkpoints.path);
-    // A film that is asked for is the checkpoint, too.
-    let kept = kept.filter(|path| !job.outputs.films.contains(path));
-    let written: Vec<PathBuf> = job
-        .outputs
-        .paths()
-        .chain(&job.stats_json)
-        .chain(kept)
-        .cloned()
-        .collect();
-    let named: Vec<PathBuf> = job.look.iter().chain([&job.scene]).cloned().collect();
-    output::check_all(&written, &named)?;
-    let denoiser = denoise::for_job(job.denoise, &job.outputs)?;
-    let inputs = Inputs {
-        scene: job.scene.clone(),
-        look: job.look.clone(),
-        textures: library::texture_dirs(&job.texture_dirs, job.look.as_deref())?,
-        camera: None,
-    };
-
-    let bar = Bar::read_by(job.progress, "loading the scene");
     let clock = Instant::now();
-    let mut opening = Opening::read_with(inputs, System::default(), &job.edits)?;
-    bar.suspend(|| console::diagnostics(&opening.loaded().warnings));
-    let job = &job.for_scene(&opening.loaded().scene);
+    let written = written(job);
+    check(job, &written)?;
+    let denoiser = denoise::for_job(job.denoise, &job.outputs)?;
+    let bar = Bar::read_by(job.progress, "loading the scene");
+    let mut reel = Reel::open(job, inputs(job)?)?;
+    let sights = job.motion.sights(Frame { number: None });
+    let others = sights.get(1..).unwrap_or_default();
+    let (first, mut reel) = match others.is_empty() {
+        true => (reel.once(&sights[0])?, None),
+        false => (reel.at(&sights[0])?, Some(reel)),
+    };
+    let loaded = first.opening.loaded();
+    bar.suspend(|| console::diagnostics(&loaded.warnings));
+    let job = &job.for_scene(&loaded.scene);
     // What else was read is known only now.
-    output::check_all(&written, &opening.files())?;
-    if let Some(wanted) = &job.camera {
-        let camera = find_camera(&opening.loaded().scene, wanted)?;
-        opening = opening.seen_by(camera);
-    }
-    let look = opening.loaded().look.as_ref();
-    let look_view = look.map_or_else(ViewChoice::default, |look| look.view);
-    let view = job.display.or(look_view).view();
+    output::check_all(&written, &first.opening.files())?;
+    let view = view_of(job, &first);
     let load_seconds = clock.elapsed().as_secs_f64();
 
     bar.stage("preparing the device");
+    let watch = Watch::new(job.limits, clock);
     let devices = devices::open(&job.devices, &bar)?;
     let rendered = match <[Device; 1]>::try_from(devices) {
-        Ok([device]) => alone::render(job, opening, &device, &view, &bar, watch)?,
+        Ok([device]) => {
+            let take = Take {
+                first,
+                others,
+                reel: reel.as_mut(),
+                session: None,
+            };
+            alone::render(job, take, &device, &view, &bar, watch)?
+        }
         Err(_) if job.checkpoints.is_some() => {
             let flag = "--checkpoint";
             return Err(UsageError::OneDevice { flag }.into());
         }
-        Err(devices) => together::render(job, opening.into_loaded(), &devices, &bar, watch)?,
+        Err(devices) => {
+            let Seen { opening, sight } = first;
+            together::render(job, opening.into_loaded(), &sight, &devices, &bar, watch)?
+        }
     };
     bar.finish();
-    write(job, rendered, &view, denoiser.as_ref(), load_seconds)
+    let (outcome, rest) = write(job, rendered, &view, denoiser.as_ref(), load_seconds);
+    end(rest);
+    outcome
+}
+
+/// The files that a render writes.
+fn written(job: &RenderJob) -> Vec<PathBuf> {
+    let kept = job.checkpoints.iter().map(|checkpoints| &checkpoints.path);
+    // A film that is asked for is the checkpoint, too.
+    let kept = kept.filter(|path| !job.outputs.films.contains(path));
+    let outputs = job.outputs.paths().chain(&job.stats_json);
+    outputs.chain(kept).cloned().collect()
+}
+
+/// Whether files can be written, none of them over what is named.
+fn check(job: &RenderJob, written: &[PathBuf]) -> Result<(), Failure> {
+    let named: Vec<PathBuf> = job.look.iter().chain([&job.scene]).cloned().collect();
+    output::check_all(written, &named)
+}
+
+fn inputs(job: &RenderJob) -> Result<Inputs, Failure> {
+    Ok(Inputs {
+        scene: job.scene.clone(),
+        look: job.look.clone(),
+        textures: library::texture_dirs(&job.texture_dirs, job.look.as_deref())?,
+        camera: None,
+    })
+}
+
+/// How a picture is shown, by the command line and the look.
+fn view_of(job: &RenderJob, seen: &Seen) -> View {
+    let look = seen.opening.loaded().look.as_ref();
+    let look_view = look.map_or_else(ViewChoice::default, |look| look.view);
+    job.display.or(look_view).view()
 }
 
 /// A picture, complete or not, and what is known of how it came about.
@@ -162,14 +197,14 @@ enum Rest {
     Together(Fleet),
 }
 
-/// Writes the pictures, and tells what is to be told.
+/// Writes the pictures, and tells what is to be told. What has rendered is given back.
 fn write(
     job: &RenderJob,
     rendered: Rendered,
     view: &View,
     denoiser: Option<&Denoiser>,
     load_seconds: f64,
-) -> Result<(), Failure> {
+) -> (Result<(), Failure>, Rest) {
     let (lowest, _) = rendered.film.sample_bounds();
     if let Some(Ended::Interrupted) = &rendered.ended {
         console::warning(&format!(
@@ -215,16 +250,20 @@ fn write(
         outcome = outcome.and(Err(Failure::Failed(text)));
     }
 
+    let mut rest = rendered.rest;
     if job.stats || job.stats_json.is_some() {
         let seconds = Seconds {
             load: load_seconds,
             prepare: rendered.prepare_seconds,
             render: rendered.render_seconds,
         };
-        let mut rest = rendered.rest;
         let textures = match &mut rest {
-            Rest::Alone(session) => texture_costs(session)?,
-            Rest::Together(_) => TextureCosts::default(),
+            Rest::Alone(session) => texture_costs(session),
+            Rest::Together(_) => Ok(TextureCosts::default()),
+        };
+        let textures = match textures {
+            Ok(textures) => textures,
+            Err(failure) => return (Err(failure), rest),
         };
         let (facts, shares) = (rendered.facts, rendered.shares);
         let report = Report::new(job, facts, shares, &part.film, seconds, stats, textures);
@@ -234,15 +273,13 @@ fn write(
         if let Some(path) = &job.stats_json {
             outcome = outcome.and(report.write_json(path).map_err(Failure::because));
         }
-        end(rest);
-    } else {
-        end(rendered.rest);
     }
-    match rendered.ended {
+    let outcome = match rendered.ended {
         None | Some(Ended::Enough(_)) => outcome,
         Some(Ended::Interrupted) => outcome.and(Err(Failure::Interrupted)),
         Some(Ended::Failed(reason)) => outcome.and(Err(Failure::Failed(reason))),
-    }
+    };
+    (outcome, rest)
 }
 
 /// Waits for threads that are still in a driver: the program's end would pull that away from under them. Whoever has interrupted
@@ -299,7 +336,7 @@ fn texture_costs(session: &mut Session) -> Result<TextureCosts, Failure> {
     }
 }
 
-fn settings(job: &RenderJob, camera: &Camera) -> RenderSettings {
+fn settings(job: &RenderJob, camera: &Camera, sight: &Sight) -> RenderSettings {
     RenderSettings {
         max_depth: job.max_depth,
         seed: job.seed,
@@ -312,6 +349,8 @@ fn settings(job: &RenderJob, camera: &Camera) -> RenderSettings {
         sampler: job.sampler,
         layers: job.layers.clone(),
         filter_width: job.filter_width,
+        time: sight.moment.seconds as f32,
+        frame_index: sight.frame_index,
         ..RenderSettings::new(job.width, job.height, camera)
     }
 }

@@ -171,6 +171,40 @@ pub(crate) enum UsageError {
         /// As typed.
         given: String,
     },
+    /// Not a range of frames.
+    #[error(
+        "--frames {given}: write two whole numbers from 0 to {most}, the smaller one first, and a step where not all are wanted, \
+         as in --frames 0..48 or --frames 0..48:2"
+    )]
+    Frames {
+        /// As typed.
+        given: String,
+        /// The last number of a frame.
+        most: u32,
+    },
+    /// Flags that make no sense together.
+    #[error("{flag} can't be combined with {other}: {because}")]
+    Apart {
+        /// A flag.
+        flag: &'static str,
+        /// Another one.
+        other: &'static str,
+        /// And the remedy.
+        because: &'static str,
+    },
+    /// Samples that can't be dealt out evenly.
+    #[error(
+        "--shutter: {spp} samples can't be dealt out evenly to {moments} moments; write --spp {near}, or another number of \
+         --motion-samples"
+    )]
+    Moments {
+        /// Samples of the whole picture.
+        spp: u32,
+        /// Moments.
+        moments: u32,
+        /// Samples that can.
+        near: u32,
+    },
     /// Not a part of a number of samples.
     #[error(
         "--part {given}: write which of how many, at most {spp}, as in --part 3/16; each part needs a sample"

@@ -20,6 +20,8 @@ mod devices;
 mod endings;
 #[path = "cli/farm.rs"]
 mod farm;
+#[path = "cli/frames.rs"]
+mod frames;
 #[path = "cli/info.rs"]
 mod info;
 #[path = "cli/layers.rs"]

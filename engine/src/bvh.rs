@@ -9,6 +9,8 @@ mod reinsertion;
 mod tests;
 mod wide;
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec3, Mat3, Vec3, Vec3A};
 use rayon::prelude::*;
 
@@ -47,17 +49,39 @@ pub enum BvhError {
     Empty,
 }
 
+/// The bottom level of a mesh, which stays the same as long as the mesh does.
+#[derive(Debug, Clone)]
+pub struct MeshBvh(Arc<WideBvh>);
+
+impl MeshBvh {
+    /// Those of all meshes, built in parallel but for those that `keep` has already.
+    pub fn build_all(scene: &Scene, keep: impl Fn(usize) -> Option<Self> + Sync) -> Vec<Self> {
+        let meshes = scene.meshes.par_iter().enumerate();
+        let build = |mesh| Self(Arc::new(build_mesh(mesh)));
+        meshes
+            .map(|(number, mesh)| keep(number).unwrap_or_else(|| build(mesh)))
+            .collect()
+    }
+}
+
 impl SceneBvh {
     /// Builds both levels, meshes in parallel.
     ///
     /// # Errors
     /// If the scene has no triangles.
     pub fn build(scene: &Scene) -> Result<Self, BvhError> {
-        let blas: Vec<WideBvh> = scene.meshes.par_iter().map(build_mesh).collect();
+        Self::join(scene, &MeshBvh::build_all(scene, |_| None))
+    }
+
+    /// Builds the top level over the bottom levels of the scene's meshes.
+    ///
+    /// # Errors
+    /// If the scene has no triangles.
+    pub fn join(scene: &Scene, blas: &[MeshBvh]) -> Result<Self, BvhError> {
         let placed = placed(scene)?;
         let boxes = placed.iter().map(|&i| {
             let instance = &scene.instances[i as usize];
-            instance_bounds(instance, &blas[instance.mesh as usize].bounds)
+            instance_bounds(instance, &blas[instance.mesh as usize].0.bounds)
         });
         let tlas = WideBvh::build(boxes, LEVELS);
 
@@ -69,13 +93,13 @@ impl SceneBvh {
         };
         result.append(&tlas, 0);
         let mut first_triangle = 0u32;
-        for bvh in blas {
+        for MeshBvh(bvh) in blas {
             result.mesh_first_triangle.push(first_triangle);
             let used = !bvh.primitives.is_empty();
-            let root = used.then(|| result.append(&bvh, first_triangle));
+            let root = used.then(|| result.append(bvh, first_triangle));
             result.mesh_roots.push(root);
             first_triangle += bvh.primitives.len() as u32;
-            result.triangle_order.push(bvh.primitives);
+            result.triangle_order.push(bvh.primitives.clone());
         }
         Ok(result)
     }

@@ -62,6 +62,8 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         roulette,
         sampler,
         layers: _,
+        time,
+        frame_index,
     } = settings;
     let Camera {
         name: _,
@@ -76,7 +78,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         "{transform:?}, {projection:?}, aperture of radius {aperture_radius} with {aperture_blades} blades turned by \
          {aperture_rotation}, focus distance {focus_distance}"
     );
-    [
+    let mut list: Vec<(String, String)> = [
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("size", format!("{width}x{height}")),
         ("max-depth", max_depth.to_string()),
@@ -93,7 +95,17 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         ("sampler", sampler.name().to_owned()),
     ]
     .map(|(name, value)| (name.to_owned(), value))
-    .into()
+    .into();
+    // Of pictures that stand still nothing is said.
+    for (name, value, is_said) in [
+        ("time", time.to_string(), *time != 0.0),
+        ("frame", frame_index.to_string(), *frame_index != 0),
+    ] {
+        if is_said {
+            list.push((name.to_owned(), value));
+        }
+    }
+    list
 }
 
 /// A hash of plain data.

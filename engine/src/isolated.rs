@@ -123,6 +123,7 @@ pub(crate) fn node(name: &str, texture: &str) -> NodeLook {
         occlusion: None,
         occlusion1: None,
         params: Vec::new(),
+        keyed: Vec::new(),
     }
 }
 

@@ -238,7 +238,7 @@ mod tests {
             name: String::new(),
             width: 2,
             height: 1,
-            rgba8: [[0, 0, 0, 255], [0, 0, 0, 10]].concat(),
+            rgba8: [[0, 0, 0, 255], [0, 0, 0, 10]].concat().into(),
             srgb: true,
         });
         scene.materials[0].base_color = Vec4::ONE;

@@ -39,6 +39,10 @@ pub struct RenderSettings {
     pub sampler: Sampler,
     /// What the film gathers; the picture doesn't depend on it.
     pub layers: Layers,
+    /// Seconds, which textures read as `Time`.
+    pub time: f32,
+    /// Number of the picture in a sequence, which textures read as `FrameIndex`.
+    pub frame_index: u32,
 }
 
 /// Where random numbers come from.
@@ -109,6 +113,8 @@ impl RenderSettings {
             roulette: true,
             sampler: Sampler::Sobol,
             layers: Layers::default(),
+            time: 0.0,
+            frame_index: 0,
         }
     }
 }

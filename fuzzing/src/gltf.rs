@@ -1,8 +1,10 @@
 //! glTF: import, and the hierarchy over what was imported.
 
+use std::path::Path;
+
 use engine::bvh::SceneBvh;
-use engine::scene::Scene;
-use engine::scene::import;
+use engine::scene::import::{self, Importer};
+use engine::scene::{Moment, Motion, Scene};
 
 use crate::{check_message, file, memory};
 
@@ -15,6 +17,7 @@ pub(crate) fn run(data: &[u8]) -> bool {
     let path = file("input.gltf", data);
     let imported = memory::within(data.len(), SLACK, || import::load(&path));
     import::referenced_files(&engine::input::Disk, &path);
+    move_it(data.len(), &path);
     match imported {
         Ok(imported) => {
             check(&imported.scene);
@@ -29,6 +32,30 @@ pub(crate) fn run(data: &[u8]) -> bool {
             check_message(&error.to_string());
             false
         }
+    }
+}
+
+/// Moments of the file, one after the other, by one importer.
+fn move_it(size: usize, path: &Path) {
+    let mut importer = Importer::new();
+    for seconds in [0.5, f64::MAX, -1.0] {
+        importer.begin(Moment {
+            seconds,
+            motion: Motion::Usual,
+        });
+        match memory::within(size, SLACK, || importer.load(path)) {
+            Ok(imported) => check(&imported.scene),
+            Err(error) => {
+                check_message(&error.to_string());
+                return;
+            }
+        }
+    }
+    match importer.animations(path) {
+        Ok(animations) => animations
+            .iter()
+            .for_each(|a| assert!(a.start.is_finite() && a.end.is_finite(), "a time")),
+        Err(error) => check_message(&error.to_string()),
     }
 }
 

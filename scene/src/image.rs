@@ -1,5 +1,7 @@
 //! Decoded pictures.
 
+use std::sync::Arc;
+
 /// A decoded picture, row 0 on top.
 #[derive(Debug, Clone)]
 pub struct Image {
@@ -9,8 +11,8 @@ pub struct Image {
     pub width: u32,
     /// Texels along v.
     pub height: u32,
-    /// 8-bit RGBA, `width * height * 4` bytes, as stored in the file.
-    pub rgba8: Vec<u8>,
+    /// 8-bit RGBA, `width * height * 4` bytes, as stored in the file; scenes of several moments share them.
+    pub rgba8: Arc<Vec<u8>>,
     /// RGB is sRGB-encoded (colour), not linear (data). An image used as both appears twice.
     pub srgb: bool,
 }

@@ -61,6 +61,7 @@ pub mod look;
 mod material;
 pub mod material_parameters;
 mod mesh;
+mod moment;
 mod name_id;
 mod scene;
 pub mod sky;
@@ -75,5 +76,6 @@ pub use material::{
     AlphaMode, Filter, Material, SURFACE_TEXTURES, Sampler, TEXTURES, TextureRef, Wrap, absorption,
 };
 pub use mesh::{CustomAttribute, Instance, Mesh};
+pub use moment::{Animation, Moment, Motion};
 pub use name_id::{murmur3, name_id};
 pub use scene::Scene;

@@ -1,6 +1,7 @@
 //! `patina info`: what a file holds, for people and as JSON. One file per kind of file; what kind one is, is decided here, by its
 //! contents where they say it.
 
+mod animation;
 pub(crate) mod args;
 mod film;
 pub(crate) mod job;

@@ -8,16 +8,17 @@ use engine::scene::import;
 use engine::scene::look::{Look, MaterialLook};
 use engine::scene::material_parameters::{Constant, PARAMETERS};
 use engine::scene::{
-    Camera, Environment, Image, LightKind, Material, Mesh, Projection, PunctualLight, Scene,
-    TEXTURES,
+    Animation, Camera, Environment, Image, LightKind, Material, Mesh, Projection, PunctualLight,
+    Scene, TEXTURES,
 };
 use serde::Serialize;
 
 use crate::console::{self, grouped};
 use crate::failure::Failure;
 
+use super::animation::AnimationInfo;
 use super::look::{Driven, unused_nodes};
-use super::table::{number, numbers, section};
+use super::table::{counted, number, numbers, section};
 
 /// A scene, with what a look makes of it where there is one.
 #[derive(Serialize)]
@@ -37,6 +38,7 @@ pub(super) struct SceneInfo {
     images: Vec<ImageInfo>,
     cameras: Vec<CameraInfo>,
     lights: Vec<LightInfo>,
+    animations: Vec<AnimationInfo>,
     unused: Unused,
 }
 
@@ -126,11 +128,16 @@ impl SceneInfo {
         look: Option<&Path>,
         textures: &[PathBuf],
     ) -> Result<Self, Failure> {
+        // Of a scene whose animations are damaged the rest is still worth knowing.
+        let animations = import::animations(path).unwrap_or_else(|error| {
+            console::warning(&error.to_string());
+            Vec::new()
+        });
         let Some(look) = look else {
             let imported = import::load(path).map_err(Failure::because)?;
             let warnings = imported.warnings.iter();
             warnings.for_each(|warning| console::warning(warning));
-            return Ok(Self::of(path, &imported.scene, None));
+            return Ok(Self::of(path, &imported.scene, &animations, None));
         };
         let mut loaded = load::load(path, Some(look), textures)?;
         console::diagnostics(&loaded.warnings);
@@ -143,10 +150,10 @@ impl SceneInfo {
             let is_own = index.next().is_some_and(|index| index < own);
             is_own || is_named(&material.name)
         });
-        Ok(Self::of(path, &loaded.scene, look))
+        Ok(Self::of(path, &loaded.scene, &animations, look))
     }
 
-    fn of(path: &Path, scene: &Scene, look: Option<&Look>) -> Self {
+    fn of(path: &Path, scene: &Scene, animations: &[Animation], look: Option<&Look>) -> Self {
         let triangles = triangles_of_materials(scene);
         let says = |name: &str| look.and_then(|look| Some(Driven::of(table(look, name)?, look)));
         let places = places_of_meshes(scene);
@@ -176,6 +183,7 @@ impl SceneInfo {
             images: scene.images.iter().map(ImageInfo::of).collect(),
             cameras: scene.cameras.iter().map(CameraInfo::of).collect(),
             lights: scene.lights.iter().map(LightInfo::of).collect(),
+            animations: animations.iter().map(AnimationInfo::of).collect(),
             unused: Unused::of(scene, look, &triangles, &places),
         }
     }
@@ -201,7 +209,7 @@ impl SceneInfo {
             );
         }
         text += &format!("  environment  {}\n", self.environment);
-        let rows: [(&str, Vec<Vec<String>>); 5] = [
+        let rows: [(&str, Vec<Vec<String>>); 6] = [
             ("meshes", self.meshes.iter().map(MeshInfo::row).collect()),
             (
                 "materials",
@@ -213,6 +221,10 @@ impl SceneInfo {
                 self.cameras.iter().map(CameraInfo::row).collect(),
             ),
             ("lights", self.lights.iter().map(LightInfo::row).collect()),
+            (
+                "animations",
+                self.animations.iter().map(AnimationInfo::row).collect(),
+            ),
         ];
         for (title, rows) in &rows {
             text += &section(title, rows);
@@ -523,13 +535,6 @@ fn environment(environment: &Environment) -> String {
     }
 }
 
-fn counted(count: usize, one: &str, many: &str) -> String {
-    match count {
-        1 => format!("1 {one}"),
-        _ => format!("{} {many}", grouped(count as u64)),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use engine::scene::{Instance, TextureRef};
@@ -559,7 +564,7 @@ mod tests {
             name: name.to_owned(),
             width: 4,
             height: 2,
-            rgba8: vec![0; 32],
+            rgba8: vec![0; 32].into(),
             srgb: true,
         }
     }
@@ -590,7 +595,7 @@ mod tests {
 
     #[test]
     fn what_is_there_is_counted_and_what_is_unused_is_named() {
-        let info = SceneInfo::of(Path::new("a.glb"), &scene(), None);
+        let info = SceneInfo::of(Path::new("a.glb"), &scene(), &[], None);
         assert_eq!(info.triangles, 4);
         assert_eq!(info.bounds, Some([[0.0; 3], [3.0, 1.0, 0.0]]));
         assert_eq!(info.materials[0].triangles, 4);
@@ -621,7 +626,7 @@ mod tests {
                     [material.Gold]\nbase_color = \"rust\"\n\
                     [material.Paint]\nblend = { base = \"Paint\", over = \"Steel\", mask = 0.25 }\n";
         let look = Look::parse(Path::new("a.look.toml"), text).expect("a look");
-        let info = SceneInfo::of(Path::new("a.glb"), &scene(), Some(&look));
+        let info = SceneInfo::of(Path::new("a.glb"), &scene(), &[], Some(&look));
         assert_eq!(info.unused.materials, ["Gold"]);
         assert_eq!(info.unused.look_materials, ["Gold"]);
         assert_eq!(info.unused.nodes, ["idle"]);

@@ -1,7 +1,17 @@
 //! Rows of words under each other.
 
+use crate::console::grouped;
+
 /// Most columns of blanks that one long word costs all the others.
 const WIDEST: usize = 32;
+
+/// A number of things.
+pub(super) fn counted(count: usize, one: &str, many: &str) -> String {
+    match count {
+        1 => format!("1 {one}"),
+        _ => format!("{} {many}", grouped(count as u64)),
+    }
+}
 
 /// Lines with two blanks before them, whose words stand in columns; the last one has all the room it needs.
 pub(super) fn table(rows: &[Vec<String>]) -> String {

@@ -6,18 +6,32 @@ use std::time::Instant;
 use device::Device;
 use engine::film::Origin;
 use engine::fingerprint::fingerprint;
-use engine::renderer::RenderSettings;
+use engine::renderer::{Progress, RenderSettings};
 use engine::scene::view::View;
-use engine::session::{Opening, Session};
+use engine::session::Session;
 use engine::stats::DeviceFacts;
 
 use crate::failure::Failure;
 use crate::job::RenderJob;
+use crate::motion::{self, Sight};
 use crate::progress::Bar;
 use crate::{cache, interrupt};
 
 use super::limits::Watch;
+use super::reel::{Reel, View as Seen};
 use super::{Ended, FAREWELL, Rendered, Rest, checkpoint, failure, mark, settings};
+
+/// What a picture is taken of.
+pub(super) struct Take<'a> {
+    /// The first moment.
+    pub(super) first: Seen,
+    /// The further ones at which its shutter is open.
+    pub(super) others: &'a [Sight],
+    /// Where they come from; `None` where there are none.
+    pub(super) reel: Option<&'a mut Reel>,
+    /// What has rendered the picture before.
+    pub(super) session: Option<Box<Session>>,
+}
 
 /// Renders until all samples are there, or a signal comes.
 ///
@@ -25,7 +39,7 @@ use super::{Ended, FAREWELL, Rendered, Rest, checkpoint, failure, mark, settings
 /// What the device refuses.
 pub(super) fn render(
     job: &RenderJob,
-    opening: Opening,
+    take: Take<'_>,
     gpu: &Device,
     view: &View,
     bar: &Bar,
@@ -33,25 +47,33 @@ pub(super) fn render(
 ) -> Result<Rendered, Failure> {
     let clock = Instant::now();
     bar.follow(gpu);
-    let mut marker = mark(
-        &opening.loaded().procedural,
-        gpu,
-        cache::folder().as_deref(),
-        bar,
-    )?;
-    // Nobody waits for a render that would begin anew on another device.
-    let (own, settings) = (gpu.clone(), settings(job, &opening.loaded().camera));
-    let mut session = opening
-        .start(
-            Arc::new(move || own.check().map(|()| own.clone())),
-            Arc::new(move |camera| RenderSettings {
-                camera,
-                ..settings.clone()
-            }),
-        )
-        .map_err(failure)?;
-    let settings_written = fingerprint(session.scene(), session.procedural(), session.settings());
-    if job.stats || job.stats_json.is_some() {
+    let Seen { opening, sight } = take.first;
+    let mut marker = None;
+    let settings = settings(job, &opening.loaded().camera, &sight);
+    let mut session = match take.session {
+        Some(mut session) => {
+            session.show(opening, &settings, false).map_err(failure)?;
+            session
+        }
+        None => {
+            let folder = cache::folder();
+            marker = mark(&opening.loaded().procedural, gpu, folder.as_deref(), bar)?;
+            // Nobody waits for a render that would begin anew on another device.
+            let own = gpu.clone();
+            let session = opening.start(
+                Arc::new(move || own.check().map(|()| own.clone())),
+                Arc::new(move |camera| RenderSettings {
+                    camera,
+                    ..settings.clone()
+                }),
+            );
+            Box::new(session.map_err(failure)?)
+        }
+    };
+    let mut settings_written =
+        fingerprint(session.scene(), session.procedural(), session.settings());
+    settings_written.extend(job.motion.written(job.whole_spp));
+    if (job.stats || job.stats_json.is_some()) && !session.is_timing() {
         session.time_passes().map_err(failure)?;
     }
     let name = gpu.description().name.clone();
@@ -87,7 +109,32 @@ pub(super) fn render(
         // A cache that can't be written costs time at the next start, nothing else.
         let _ = gpu.save_cache();
     };
-    let ended = accumulate(&mut session, job, bar, first, &mut watch, writer.as_mut())?;
+    let samples = job.first_sample..job.first_sample + job.spp.get();
+    let ends = motion::shares(take.others.len() as u32 + 1, job.whole_spp, &samples);
+    let mut exposure = Exposure {
+        job,
+        bar,
+        watch: &mut watch,
+        writer: writer.as_mut(),
+        after_first: Some(first),
+    };
+    let mut ended = None;
+    let mut reel = take.reel;
+    for (number, &end) in ends.iter().enumerate() {
+        if session.paths_done() >= u64::from(end) * session.paths_per_sample() {
+            continue; // a part of the samples, or a film that goes on, has no more of this moment
+        }
+        if let (Some(sight), Some(reel)) = (number.checked_sub(1), reel.as_deref_mut()) {
+            let Seen { opening, sight } = reel.at(&take.others[sight])?;
+            let settings = self::settings(job, &opening.loaded().camera, &sight);
+            session.show(opening, &settings, true).map_err(failure)?;
+        }
+        ended = exposure.accumulate(&mut session, end)?;
+        if ended.is_some() {
+            break;
+        }
+    }
+    drop(exposure);
     let mut film = session.snapshot().map_err(failure)?.film;
     interrupt::writes_results();
     let is_film_wanted = !job.outputs.films.is_empty();
@@ -116,49 +163,58 @@ pub(super) fn render(
         stats: session.stats().map_err(failure)?,
         prepare_seconds,
         render_seconds,
-        rest: Rest::Alone(Box::new(session)),
+        rest: Rest::Alone(session),
     })
 }
 
-/// Renders wave by wave, with something to do after the first, until all samples are taken, or for as long as nothing ends it before.
-fn accumulate(
-    session: &mut Session,
-    job: &RenderJob,
-    bar: &Bar,
-    after_first: impl FnOnce(),
-    watch: &mut Watch,
-    mut writer: Option<&mut checkpoint::Writer<'_>>,
-) -> Result<Option<Ended>, Failure> {
-    let spp = job.spp.get();
-    let pixels = f64::from(job.width) * f64::from(job.height);
-    let mut after_first = Some(after_first);
-    loop {
-        let progress = session.step(spp).map_err(failure)?;
-        if let Some(after_first) = after_first.take() {
-            after_first();
-        }
-        if progress.samples_done >= progress.samples_total {
-            bar.update(&progress, spp);
-            return Ok(None);
-        }
-        if interrupt::requested() {
-            return Ok(Some(Ended::Interrupted));
-        }
-        let samples = progress.samples_done as f64 / pixels;
-        let error = || {
-            Ok(Some(
-                session.snapshot().map_err(failure)?.film.relative_error(),
-            ))
-        };
-        if let Some(limit) = watch.reached::<Failure>(samples, error)? {
-            return Ok(Some(Ended::Enough(limit)));
-        }
-        bar.update(&watch.progress(&progress, samples), spp);
-        if let Some(writer) = writer.as_mut().filter(|writer| writer.is_due()) {
-            writer.write(
-                session.snapshot().map_err(failure)?.film,
-                session.paths_done(),
-            );
+/// A picture while it is rendered.
+struct Exposure<'a, 'w, F> {
+    job: &'a RenderJob,
+    bar: &'a Bar,
+    watch: &'a mut Watch,
+    writer: Option<&'a mut checkpoint::Writer<'w>>,
+    /// What is to be done after the first wave.
+    after_first: Option<F>,
+}
+
+impl<F: FnOnce()> Exposure<'_, '_, F> {
+    /// Renders wave by wave until `end` samples are taken, or for as long as nothing ends it before.
+    fn accumulate(&mut self, session: &mut Session, end: u32) -> Result<Option<Ended>, Failure> {
+        let (job, spp) = (self.job, self.job.spp.get());
+        let pixels = f64::from(job.width) * f64::from(job.height);
+        loop {
+            let step = session.step(end).map_err(failure)?;
+            if let Some(after_first) = self.after_first.take() {
+                after_first();
+            }
+            let progress = Progress {
+                samples_total: u64::from(spp) * u64::from(job.width) * u64::from(job.height),
+                ..step
+            };
+            if step.is_done() {
+                self.bar.update(&progress, spp);
+                return Ok(None);
+            }
+            if interrupt::requested() {
+                return Ok(Some(Ended::Interrupted));
+            }
+            let samples = progress.samples_done as f64 / pixels;
+            let error = || {
+                Ok(Some(
+                    session.snapshot().map_err(failure)?.film.relative_error(),
+                ))
+            };
+            if let Some(limit) = self.watch.reached::<Failure>(samples, error)? {
+                return Ok(Some(Ended::Enough(limit)));
+            }
+            self.bar
+                .update(&self.watch.progress(&progress, samples), spp);
+            if let Some(writer) = self.writer.as_mut().filter(|writer| writer.is_due()) {
+                writer.write(
+                    session.snapshot().map_err(failure)?.film,
+                    session.paths_done(),
+                );
+            }
         }
     }
 }

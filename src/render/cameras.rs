@@ -33,18 +33,24 @@ pub(super) fn file_names(cameras: &[Camera]) -> Vec<String> {
 impl RenderJob {
     /// The same through the camera of this number: `room.exr` becomes `room-Door.exr`.
     pub(super) fn through(&self, number: usize, name: &str) -> Self {
-        let mut job = self.clone();
+        let mut job = self.renamed(|path| named(path, name));
         job.camera = Some(number.to_string());
+        job
+    }
+
+    /// The same into files of other names.
+    pub(super) fn renamed(&self, name: impl Fn(&Path) -> PathBuf) -> Self {
+        let mut job = self.clone();
         for output in &mut job.outputs.pictures {
-            output.path = named(&output.path, name);
+            output.path = name(&output.path);
         }
         for path in &mut job.outputs.films {
-            *path = named(path, name);
+            *path = name(path);
         }
         if let Some(checkpoints) = &mut job.checkpoints {
-            checkpoints.path = named(&checkpoints.path, name);
+            checkpoints.path = name(&checkpoints.path);
         }
-        job.stats_json = job.stats_json.as_deref().map(|path| named(path, name));
+        job.stats_json = job.stats_json.as_deref().map(name);
         job
     }
 }

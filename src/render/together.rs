@@ -13,6 +13,7 @@ use engine::system::System;
 
 use crate::failure::Failure;
 use crate::job::RenderJob;
+use crate::motion::Sight;
 use crate::progress::Bar;
 use crate::{cache, console, interrupt};
 
@@ -29,6 +30,7 @@ const TICK: Duration = Duration::from_millis(100);
 pub(super) fn render(
     job: &RenderJob,
     loaded: Loaded,
+    sight: &Sight,
     devices: &[Device],
     bar: &Bar,
     mut watch: Watch,
@@ -38,7 +40,7 @@ pub(super) fn render(
         bar.follow(first);
     }
     let plan = Plan {
-        settings: settings(job, &loaded.camera),
+        settings: settings(job, &loaded.camera, sight),
         scene: Arc::new(loaded.scene),
         procedural: Arc::new(loaded.procedural),
         spp: job.spp.get(),

@@ -4,12 +4,14 @@
 //! does is written here from top to bottom; how to run a step is in `steps`, how to find or install a Vulkan driver in
 //! `vulkan`, another one in `swiftshader`, which systems the program must compile for in `targets`, how the program is built
 //! to be given away in `dist`, a picture by many machines in `farm`, the comparison with other renderers in `peers`, that of view
-//! transforms with OpenColorIO in `views`, reading our files with Blender in `blender`.
+//! transforms with OpenColorIO in `views`, reading our files with Blender in `blender`, comparing animated vertices with another
+//! evaluation in `poses`.
 
 mod blender;
 mod dist;
 mod farm;
 mod peers;
+mod poses;
 mod steps;
 mod swiftshader;
 mod targets;
@@ -27,9 +29,10 @@ use steps::{Step, Steps, cargo, root};
 /// Picture size and samples of the demo: some seconds of rendering on two cores without a GPU.
 const DEMO_SIZE: &str = "640x360";
 const DEMO_SPP: &str = "16";
-/// The same scene for the README: nobody waits for it.
-const PICTURE_SIZE: &str = "640x360";
-const PICTURE_SPP: &str = "96";
+/// The same scene for the README: nobody waits for it, and its noise is taken out.
+const PICTURE_SIZE: &str = "800x450";
+const PICTURE_SPP: &str = "64";
+const PICTURE_FLAGS: [&str; 3] = ["--view", "agx", "--denoise"];
 
 /// The tests of pictures, of rays and of schedules. Of the whole workspace: a package alone would ask for other features, and build its dependencies
 /// anew.
@@ -43,7 +46,7 @@ const DEMO_LOOK: &str = "examples/demo/demo.look.toml";
 
 /// Test data that is not part of the project.
 const SPONZA: &str = "../shared/scenes/Sponza/Sponza.gltf";
-const SPONZA_SIZE: &str = "480x270";
+const SPONZA_SIZE: &str = "640x360";
 /// Look and picture.
 const SPONZA_PICTURES: [(&str, &str); 2] = [
     (
@@ -55,6 +58,11 @@ const SPONZA_PICTURES: [(&str, &str); 2] = [
         "docs/images/sponza-scratches.jpg",
     ),
 ];
+
+/// An interior, with its sky, and how it is shown.
+const INTERIOR: &str = "../shared/scenes/interior-living-room/living-room.gltf";
+const INTERIOR_PICTURE: &str = "docs/images/living-room.jpg";
+const INTERIOR_EXPOSURE: &str = "0.25";
 
 /// Sample models and the light they are shown in.
 const MODELS: &str = "../shared/scenes/khronos";
@@ -77,6 +85,7 @@ Commands:
   blender       Read our layers with Blender; `cargo xtask blender --help` lists the options
   farm          Render a picture in parts by Slurm on this host, lose a node, compare with the whole
   peers         Compare with other renderers that are installed; `cargo xtask peers --help` lists the options
+  poses         Compare vertices of animated models with another evaluation; `cargo xtask poses --help` lists the options
   views         Compare view transforms with OpenColorIO; `cargo xtask views --help` lists the options
 
 `test` first finds a Vulkan driver, or installs Mesa's on Debian and Ubuntu; the others need none.";
@@ -102,6 +111,11 @@ fn main() -> ExitCode {
             Ok(())
         }
         ["peers", ref rest @ ..] => peers::run(rest),
+        ["poses", "--help" | "-h"] => {
+            println!("{}", poses::USAGE);
+            Ok(())
+        }
+        ["poses", ref rest @ ..] => poses::run(rest),
         ["views", "--help" | "-h"] => {
             println!("{}", views::USAGE);
             Ok(())
@@ -222,12 +236,22 @@ fn pictures() -> Result<()> {
     let images = root().join("docs/images");
     fs::create_dir_all(&images).with_context(|| format!("cannot create {}", images.display()))?;
     steps.run("docs/images/demo.jpg", || {
-        render_demo(PICTURE_SIZE, PICTURE_SPP, &["docs/images/demo.jpg"])
+        let shot = ["--look", DEMO_LOOK, "--size", PICTURE_SIZE];
+        render_picture(DEMO_SCENE, &shot, "docs/images/demo.jpg")
     })?;
+    if root().join(INTERIOR).is_file() {
+        steps.run(INTERIOR_PICTURE, || {
+            let shot = ["--exposure", INTERIOR_EXPOSURE, "--size", PICTURE_SIZE];
+            render_picture(INTERIOR, &shot, INTERIOR_PICTURE)
+        })?;
+    } else {
+        println!("{INTERIOR_PICTURE}: skipped, {INTERIOR} is not on this machine");
+    }
     for (look, picture) in SPONZA_PICTURES {
         if root().join(SPONZA).is_file() {
             steps.run(picture, || {
-                render(SPONZA, look, SPONZA_SIZE, PICTURE_SPP, &[picture])
+                let shot = ["--look", look, "--size", SPONZA_SIZE];
+                render_picture(SPONZA, &shot, picture)
             })?;
         } else {
             println!("{picture}: skipped, {SPONZA} is not on this machine");
@@ -266,10 +290,23 @@ fn render_demo(size: &str, spp: &str, outputs: &[&str]) -> Result<()> {
             bail!("{input} is missing; is this a complete checkout?");
         }
     }
-    render(DEMO_SCENE, DEMO_LOOK, size, spp, outputs)
+    patina(["render", DEMO_SCENE, "--look", DEMO_LOOK])
+        .args(["--size", size, "--spp", spp, "--stats"])
+        .args(outputs.iter().flat_map(|output| ["-o", output]))
+        .run()
 }
 
-fn render(scene: &str, look: &str, size: &str, spp: &str, outputs: &[&str]) -> Result<()> {
+/// A picture for a page: without noise, which needs Open Image Denoise.
+fn render_picture(scene: &str, shot: &[&str], output: &str) -> Result<()> {
+    patina(["render", scene])
+        .args(shot)
+        .args(PICTURE_FLAGS)
+        .args(["--spp", PICTURE_SPP, "--stats", "-o", output])
+        .run()
+}
+
+/// The program, built if it has to be.
+fn patina<const N: usize>(arguments: [&str; N]) -> Step {
     cargo([
         "run",
         "--locked",
@@ -279,10 +316,7 @@ fn render(scene: &str, look: &str, size: &str, spp: &str, outputs: &[&str]) -> R
         "patina",
         "--",
     ])
-    .args(["render", scene, "--look", look])
-    .args(["--size", size, "--spp", spp, "--stats"])
-    .args(outputs.iter().flat_map(|output| ["-o", output]))
-    .run()
+    .args(arguments)
 }
 
 /// Looks for a driver's device in the list of `patina devices`. A driver may be installed and still find none (a GPU's

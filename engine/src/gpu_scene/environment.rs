@@ -1,6 +1,6 @@
 //! The environment on the GPU: its picture and the alias table by which directions are sampled.
 
-use device::{Device, DeviceError, Format, Image};
+use device::{Device, DeviceError, Format, Image, Resources};
 
 use crate::{
     alias::alias_table,
@@ -88,6 +88,12 @@ impl GpuEnvironment {
                 )
             }
         }
+    }
+
+    /// Gives its images the names by which kernels know them.
+    pub(super) fn name(&self, resources: &mut Resources) {
+        resources.set_image("environment_image", self.image.clone());
+        resources.set_image("environment_table", self.table.clone());
     }
 
     /// Takes over intensity and rotation; false where that is not all that has changed, and nothing is done.

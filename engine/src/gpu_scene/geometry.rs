@@ -21,35 +21,123 @@ const TRIANGLE_SINGLE_SIDED: u32 = 1 << 26;
 const TRIANGLE_PROGRAM_ALPHA: u32 = 1 << 25;
 const TRIANGLE_HAS_CUSTOM: u32 = 1 << 24;
 
-/// Triangles in hierarchy order, and the heap of vertices: each mesh has records of one to three `vec4u`, and one more
-/// for each of the custom `attributes` that it has.
-pub(super) fn geometry(
-    scene: &Scene,
-    bvh: &SceneBvh,
-    program: impl Fn(u32) -> ProgramTraits,
-    attributes: &[String],
-) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
-    let mut triangles = Vec::with_capacity(scene.meshes.iter().map(|m| m.triangles.len()).sum());
-    let mut vertices = Vec::new();
-    let mut tables = CustomTables::default();
-    let flags = material_flags(scene, &program);
-    for (mesh, order) in scene.meshes.iter().zip(&bvh.triangle_order) {
-        if order.is_empty() {
-            continue;
+/// Where each mesh lies in the heap of vertices.
+#[derive(Debug, Default)]
+pub(super) struct Geometry {
+    places: Vec<MeshPlace>,
+}
+
+/// Where a mesh lies.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct MeshPlace {
+    /// Its first record.
+    base: u32,
+    /// That of the table of its custom attributes.
+    table: u32,
+    stride: u32,
+    flags: u32,
+    vertices: usize,
+    triangles: usize,
+}
+
+impl Geometry {
+    /// Triangles in hierarchy order, and the heap of vertices: each mesh has records of one to three `vec4u`, and one more
+    /// for each of the custom `attributes` that it has.
+    pub(super) fn lay_out(
+        scene: &Scene,
+        bvh: &SceneBvh,
+        program: impl Fn(u32) -> ProgramTraits,
+        attributes: &[String],
+    ) -> (Vec<[u32; 4]>, Vec<[u32; 4]>, Self) {
+        let mut triangles =
+            Vec::with_capacity(scene.meshes.iter().map(|m| m.triangles.len()).sum());
+        let mut vertices = Vec::new();
+        let mut tables = CustomTables::default();
+        let mut places = Vec::with_capacity(scene.meshes.len());
+        let flags = material_flags(scene, &program);
+        for (mesh, order) in scene.meshes.iter().zip(&bvh.triangle_order) {
+            if order.is_empty() {
+                places.push(MeshPlace::default());
+                continue;
+            }
+            let layout = VertexLayout::of(mesh, attributes);
+            let table = tables.place(&layout, attributes, &mut vertices);
+            let place = MeshPlace {
+                base: vertices.len() as u32,
+                table,
+                ..MeshPlace::of(mesh, &layout)
+            };
+            layout.append(mesh, table, &mut vertices);
+            place.append_triangles(mesh, order, &flags, &mut triangles);
+            places.push(place);
         }
-        let layout = VertexLayout::of(mesh, attributes);
-        let table = tables.place(&layout, attributes, &mut vertices);
-        let base = vertices.len() as u32;
-        layout.append(mesh, table, &mut vertices);
-        let has_colors = !mesh.colors.is_empty();
-        for &t in order {
-            let [a, b, c] = mesh.triangles[t as usize].map(|v| base + v * layout.stride);
-            let material = mesh.triangle_materials[t as usize];
-            let material_flags = flags[material as usize][usize::from(has_colors)];
-            triangles.push([a, b, c, material | layout.flags | material_flags]);
+        (triangles, vertices, Self { places })
+    }
+
+    /// Whether another scene's meshes fit where these lie, each in its own place.
+    pub(super) fn has_place_for(&self, scene: &Scene, attributes: &[String]) -> bool {
+        let fits = |(place, mesh): (&MeshPlace, &Mesh)| {
+            let wanted = match mesh.triangles.is_empty() {
+                true => MeshPlace::default(),
+                false => MeshPlace {
+                    base: place.base,
+                    table: place.table,
+                    ..MeshPlace::of(mesh, &VertexLayout::of(mesh, attributes))
+                },
+            };
+            *place == wanted
+        };
+        self.places.len() == scene.meshes.len() && self.places.iter().zip(&scene.meshes).all(fits)
+    }
+
+    /// Where a mesh lies.
+    pub(super) fn place(&self, mesh: usize) -> MeshPlace {
+        self.places[mesh]
+    }
+}
+
+impl MeshPlace {
+    fn of(mesh: &Mesh, layout: &VertexLayout<'_>) -> Self {
+        Self {
+            stride: layout.stride,
+            flags: layout.flags,
+            vertices: mesh.positions.len(),
+            triangles: mesh.triangles.len(),
+            ..Self::default()
         }
     }
-    (triangles, vertices)
+
+    /// Its first record in the heap.
+    pub(super) fn first_record(&self) -> u32 {
+        self.base
+    }
+
+    /// The records of a mesh that fits here.
+    pub(super) fn append_vertices(
+        &self,
+        mesh: &Mesh,
+        attributes: &[String],
+        heap: &mut Vec<[u32; 4]>,
+    ) {
+        VertexLayout::of(mesh, attributes).append(mesh, self.table, heap);
+    }
+
+    /// Its triangles in an order; `flags` are [`material_flags`].
+    pub(super) fn append_triangles(
+        &self,
+        mesh: &Mesh,
+        order: &[u32],
+        flags: &[[u32; 2]],
+        triangles: &mut Vec<[u32; 4]>,
+    ) {
+        let has_colors = !mesh.colors.is_empty();
+        triangles.extend(order.iter().map(|&t| {
+            let [a, b, c] = mesh.triangles[t as usize].map(|v| self.base + v * self.stride);
+            let material = mesh.triangle_materials[t as usize];
+            let material_flags = flags[material as usize][usize::from(has_colors)];
+            [a, b, c, material | self.flags | material_flags]
+        }));
+    }
 }
 
 /// What a material means for the rays that meet its triangles.

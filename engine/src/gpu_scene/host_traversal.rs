@@ -23,6 +23,7 @@ pub const FUNCTION: &str = "trace_surfaces";
 /// The scene's geometry, ready for rays.
 pub struct HostTraversal {
     scene: RayScene,
+    meshes: Vec<Arc<Mesh>>,
     /// Of each instance's mesh, the first triangle among all.
     first_triangles: Vec<u32>,
 }
@@ -39,9 +40,31 @@ impl HostTraversal {
         rules: &[[RayRules; 2]],
         activity: &Activity,
     ) -> Result<Self, BuildError> {
+        Self::with(scene, order, rules, activity, &|_| None)
+    }
+
+    /// The hierarchy of a mesh, by its number.
+    pub(super) fn mesh(&self, mesh: usize) -> Option<Arc<Mesh>> {
+        self.meshes.get(mesh).cloned()
+    }
+
+    /// As [`Self::new`], with hierarchies of meshes that there are already.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(super) fn with(
+        scene: &Scene,
+        order: &SceneBvh,
+        rules: &[[RayRules; 2]],
+        activity: &Activity,
+        keep: &(dyn Fn(usize) -> Option<Arc<Mesh>> + Sync),
+    ) -> Result<Self, BuildError> {
         let busy = activity.begin(|| "building the hierarchy of the geometry".to_owned());
         let total: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
-        let build = |(mesh, order): (&scene::Mesh, &Vec<u32>)| {
+        let build = |(number, (mesh, order)): (usize, (&scene::Mesh, &Vec<u32>))| {
+            if let Some(kept) = keep(number) {
+                return Ok(kept);
+            }
             let triangles: Vec<[u32; 3]> = (order.iter())
                 .map(|&t| mesh.triangles[t as usize])
                 .collect();
@@ -62,6 +85,7 @@ impl HostTraversal {
         };
         let meshes = (scene.meshes.par_iter())
             .zip(&order.triangle_order)
+            .enumerate()
             .map(build)
             .collect::<Result<Vec<_>, _>>()?;
         let placed = || {
@@ -75,7 +99,8 @@ impl HostTraversal {
         });
         let first = |mesh: u32| order.mesh_first_triangle[mesh as usize];
         Ok(Self {
-            scene: RayScene::new(meshes, instances.collect(), Kernel::best()),
+            scene: RayScene::new(meshes.clone(), instances.collect(), Kernel::best()),
+            meshes,
             first_triangles: placed().map(|instance| first(instance.mesh)).collect(),
         })
     }

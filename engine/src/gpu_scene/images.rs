@@ -1,6 +1,6 @@
 //! All image textures in the layers of one array texture, placed by shelves, and the table of where each lies.
 
-use device::{Device, DeviceError, Format, Image, ImageUse};
+use device::{Device, DeviceError, Format, Image, ImageUse, Resources};
 
 use crate::{
     scene::{self, Scene},
@@ -118,6 +118,15 @@ impl GpuImages {
     }
 }
 
+impl GpuImages {
+    /// Gives them the names by which kernels know them.
+    pub(super) fn name(&self, resources: &mut Resources) {
+        resources.set_image("image_table", self.table.clone());
+        resources.set_image("image_layers", self.layers.clone());
+        resources.set_image("image_layers_srgb", self.layers_srgb.clone());
+    }
+}
+
 /// `ImageRect` in `images.wgsl`, packed.
 fn row((width, height): (u32, u32), place: Place, srgb: bool) -> [u32; 4] {
     [
@@ -152,7 +161,7 @@ fn fit(image: &scene::Image, limit: u32) -> std::borrow::Cow<'_, scene::Image> {
         "image `{}` is larger than the device allows and is reduced to {width} x {height}",
         image.name
     );
-    let Some(buffer) = image::RgbaImage::from_raw(image.width, image.height, image.rgba8.clone())
+    let Some(buffer) = image::RgbaImage::from_raw(image.width, image.height, image.rgba8.to_vec())
     else {
         return std::borrow::Cow::Borrowed(image);
     };
@@ -165,7 +174,7 @@ fn fit(image: &scene::Image, limit: u32) -> std::borrow::Cow<'_, scene::Image> {
     std::borrow::Cow::Owned(scene::Image {
         width,
         height,
-        rgba8: small.into_raw(),
+        rgba8: small.into_raw().into(),
         ..image.clone()
     })
 }

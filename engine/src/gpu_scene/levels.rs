@@ -125,7 +125,7 @@ mod tests {
                 name: String::new(),
                 width,
                 height,
-                rgba8: rgba8.clone(),
+                rgba8: rgba8.clone().into(),
                 srgb: false,
             };
             let mean = |bytes: &[u8]| -> [f32; 4] {
@@ -163,7 +163,7 @@ mod tests {
             name: String::new(),
             width: 2,
             height: 1,
-            rgba8: vec![255, 255, 255, 255, 0, 0, 0, 0],
+            rgba8: vec![255, 255, 255, 255, 0, 0, 0, 0].into(),
             srgb: true,
         };
         // Half of the light is 188 in sRGB, and alpha is no light.

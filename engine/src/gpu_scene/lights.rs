@@ -82,8 +82,6 @@ impl LightTable {
         program: impl Fn(u32) -> ProgramTraits,
         materials: &mut [GpuMaterial],
     ) -> Self {
-        let mut table = Self::default();
-        let mut emitters = Vec::new();
         // Many materials may have the same picture.
         let mut means = HashMap::new();
         let mut mean = |image: u32| {
@@ -98,6 +96,13 @@ impl LightTable {
                 (false, false) => average_emission(source, &mut mean),
             });
         }
+        Self::of(scene, bvh, materials)
+    }
+
+    /// As [`Self::gather`], of materials that know how bright they are.
+    pub(super) fn of(scene: &Scene, bvh: &SceneBvh, materials: &[GpuMaterial]) -> Self {
+        let mut table = Self::default();
+        let mut emitters = Vec::new();
         table.add_triangles(scene, bvh, materials, &mut emitters);
         table.add_punctual(scene, &mut emitters);
         // In the scene's order, not the hierarchy's: which light a random number chooses is the same on every device.

@@ -10,6 +10,7 @@ mod levels;
 pub mod light_tree;
 pub mod lights;
 pub mod materials;
+mod moved;
 mod update;
 
 use std::sync::Arc;
@@ -27,7 +28,7 @@ use crate::{
 };
 
 use self::{
-    environment::GpuEnvironment, geometry::geometry, host_traversal::HostTraversal,
+    environment::GpuEnvironment, geometry::Geometry, host_traversal::HostTraversal,
     images::GpuImages, lights::LightTable, materials::GpuMaterial, update::Uploaded,
 };
 
@@ -122,6 +123,39 @@ impl SceneFeatures {
         }
     }
 
+    /// What a scene uses, whose triangles say so of their materials, and whose environment may emit light.
+    fn of(
+        scene: &Scene,
+        program: impl Fn(u32) -> ProgramTraits,
+        flags: &[[u32; 2]],
+        environment: bool,
+    ) -> Self {
+        let shadows = Shadows::of(scene, &program);
+        let may_be_transparent = |mesh: &Mesh| {
+            let has_colors = usize::from(!mesh.colors.is_empty());
+            let mut materials = mesh.triangle_materials.iter();
+            materials.any(|&m| flags[m as usize][has_colors] & TRIANGLE_ALPHA != 0)
+        };
+        Self {
+            alpha: scene.meshes.iter().any(may_be_transparent),
+            textures: !scene.images.is_empty(),
+            environment,
+            transmission: (0..)
+                .zip(&scene.materials)
+                .any(|(i, m)| materials::transmits(m) || program(i).transmits),
+            layers: (0..)
+                .zip(&scene.materials)
+                .any(|(i, m)| materials::has_layers(m) || program(i).has_layers),
+            energy_compensation: false,
+            film_layers: false,
+            splits_light: false,
+            programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
+            program_shadows: shadows.by_program,
+            clear: shadows.clear,
+            passages: shadows.passages,
+        }
+    }
+
     /// Values of the kernels' `override` constants.
     pub fn constants(&self) -> [(&'static str, f64); 10] {
         [
@@ -198,16 +232,15 @@ impl GpuScene {
             true => SceneBvh::in_scene_order(scene)?,
             false => SceneBvh::build(scene)?,
         };
+        let mut traversal = None;
         if calls_functions {
             let rules = ray_rules(scene, &program);
-            let traversal = HostTraversal::new(scene, &bvh, &rules, device.activity())?;
-            resources.set_function(host_traversal::FUNCTION, Arc::new(traversal));
+            let made = Arc::new(HostTraversal::new(scene, &bvh, &rules, device.activity())?);
+            resources.set_function(host_traversal::FUNCTION, made.clone());
+            traversal = Some(made);
         }
         let (lo, hi) = scene.bounds().ok_or(BvhError::Empty)?;
-        // The sum, the difference and its square may be out of range where the corners are not.
-        let center = lo * 0.5 + hi * 0.5;
-        let radius = 0.5 * (hi.as_dvec3() - lo.as_dvec3()).length();
-        let radius = (radius as f32).clamp(1e-6, f32::MAX);
+        let (center, radius) = sphere(lo, hi);
 
         let mut materials: Vec<GpuMaterial> = scene
             .materials
@@ -222,7 +255,8 @@ impl GpuScene {
             })
             .collect();
         let lights = LightTable::gather(scene, &bvh, &program, &mut materials);
-        let (triangles, vertices) = geometry(scene, &bvh, &program, reads.attributes);
+        let (triangles, vertices, geometry) =
+            Geometry::lay_out(scene, &bvh, &program, reads.attributes);
         let images = GpuImages::new(device, scene, reads)?;
         let environment = GpuEnvironment::new(device, &scene.environment)?;
 
@@ -266,36 +300,23 @@ impl GpuScene {
             "lights",
             device.filled_buffer("lights", Usage::Storage, &lights.bytes())?,
         );
-        resources.set_image("image_table", images.table.clone());
-        resources.set_image("image_layers", images.layers.clone());
-        resources.set_image("image_layers_srgb", images.layers_srgb.clone());
+        images.name(resources);
         resources.set_image("albedo_table", albedo::upload(device)?);
-        resources.set_image("environment_image", environment.image.clone());
-        resources.set_image("environment_table", environment.table.clone());
-        let shadows = Shadows::of(scene, &program);
+        environment.name(resources);
         bvh.nodes = Vec::new();
+        let uploaded = Uploaded {
+            geometry,
+            traversal,
+            ..Uploaded::new(scene, &program, materials, bvh)
+        };
         Ok(Self {
-            uploaded: Uploaded::new(scene, &program, materials, bvh),
+            features: SceneFeatures {
+                energy_compensation: true,
+                ..SceneFeatures::of(scene, &program, uploaded.flags(), environment.emits)
+            },
+            uploaded,
             light_count: lights.placed.len() as u32,
             directional_count: lights.directional.len() as u32,
-            features: SceneFeatures {
-                alpha: triangles.iter().any(|t| t[3] & TRIANGLE_ALPHA != 0),
-                textures: !scene.images.is_empty(),
-                environment: environment.emits,
-                transmission: (0..)
-                    .zip(&scene.materials)
-                    .any(|(i, m)| materials::transmits(m) || program(i).transmits),
-                layers: (0..)
-                    .zip(&scene.materials)
-                    .any(|(i, m)| materials::has_layers(m) || program(i).has_layers),
-                energy_compensation: true,
-                film_layers: false,
-                splits_light: false,
-                programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
-                program_shadows: shadows.by_program,
-                clear: shadows.clear,
-                passages: shadows.passages,
-            },
             environment,
             environment_group: scene.light_groups.of(LightSource::Environment),
             bounds: [lo, hi],
@@ -305,6 +326,14 @@ impl GpuScene {
             image_bytes: images.bytes,
         })
     }
+}
+
+/// Centre and radius of a sphere around a box, metres.
+fn sphere(lo: Vec3, hi: Vec3) -> (Vec3, f32) {
+    // The sum, the difference and its square may be out of range where the corners are not.
+    let center = lo * 0.5 + hi * 0.5;
+    let radius = 0.5 * (hi.as_dvec3() - lo.as_dvec3()).length();
+    (center, (radius as f32).clamp(1e-6, f32::MAX))
 }
 
 /// What rays may meet besides what ends them.

@@ -1,35 +1,47 @@
 //! Material constants that change while rendering: the records, and the lights that follow from them, are written
 //! anew. What kernels and geometry were made for stays, or the scene has to be uploaded again.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use device::{Device, Resources, Usage};
 
 use crate::{
-    bvh::SceneBvh,
+    bvh::{MeshBvh, SceneBvh},
     scene::{LightSource, Material, Scene},
     texturing::ProgramTraits,
 };
 
 use super::{
-    GpuScene, GpuSceneError, Shadows, geometry, lights::LightTable, materials,
+    GpuScene, GpuSceneError, Shadows,
+    geometry::{self, Geometry},
+    host_traversal::HostTraversal,
+    lights::LightTable,
+    materials,
     materials::GpuMaterial,
 };
 
 /// What is remembered of the upload.
 #[derive(Debug)]
 pub(super) struct Uploaded {
-    materials: Vec<GpuMaterial>,
+    pub(super) materials: Vec<GpuMaterial>,
     /// What the triangles say of their materials.
-    flags: Vec<[u32; 2]>,
-    emission: Vec<Emission>,
+    pub(super) flags: Vec<[u32; 2]>,
+    pub(super) emission: Vec<Emission>,
     /// Without its nodes.
-    bvh: SceneBvh,
+    pub(super) bvh: SceneBvh,
+    /// Where the meshes lie.
+    pub(super) geometry: Geometry,
+    /// The hierarchy of a device that has its own.
+    pub(super) traversal: Option<Arc<HostTraversal>>,
+    /// Those of meshes, once the scene has moved.
+    pub(super) meshes: Option<Vec<MeshBvh>>,
 }
 
 /// What the table of lights follows from, of one material.
 #[derive(Debug, Clone, PartialEq)]
-struct Emission {
+pub(super) struct Emission {
     constant: Vec3,
     image: Option<u32>,
     unlit: bool,
@@ -49,7 +61,14 @@ impl Uploaded {
             flags: geometry::material_flags(scene, &program),
             emission: emission(scene, program),
             bvh,
+            geometry: Geometry::default(),
+            traversal: None,
+            meshes: None,
         }
+    }
+
+    pub(super) fn flags(&self) -> &[[u32; 2]] {
+        &self.flags
     }
 
     pub(super) fn hierarchy(&self) -> &SceneBvh {
@@ -57,7 +76,7 @@ impl Uploaded {
     }
 }
 
-fn emission(scene: &Scene, program: impl Fn(u32) -> ProgramTraits) -> Vec<Emission> {
+pub(super) fn emission(scene: &Scene, program: impl Fn(u32) -> ProgramTraits) -> Vec<Emission> {
     let of = |(index, material): (u32, &Material)| {
         let program = program(index);
         Emission {

@@ -11,11 +11,15 @@ use super::{camera_remedy, first_camera};
 /// Height of a 35 mm film's picture, metres.
 const SENSOR_HEIGHT: f32 = 0.024;
 
-/// The camera that a look asks for.
-pub(super) fn resolve(look: &Look, scene: &Scene) -> Result<Camera, Diagnostic> {
+/// The camera that a look asks for. Where the scene has none, `still` is what it starts from, or a view of everything.
+pub(super) fn resolve(
+    look: &Look,
+    scene: &Scene,
+    still: Option<&Camera>,
+) -> Result<Camera, Diagnostic> {
     let wanted = &look.camera;
     let mut camera = match &wanted.name {
-        None => first_camera(scene),
+        None => first_camera(scene, still),
         Some(name) => {
             let found = scene.cameras.iter().find(|c| c.name == name.value);
             found.cloned().ok_or_else(|| {

@@ -7,6 +7,7 @@ mod files;
 mod groups;
 mod include;
 mod light;
+mod timeline;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,10 +18,13 @@ use texgen::{Diagnostic, Diagnostics, SourceFile, did_you_mean};
 use crate::procedural::{Procedural, SourcesError, TextureSources};
 use crate::scene::import::{self, ImportError, Imported, Importer};
 use crate::scene::look::{EnvironmentLook, Look, LookError, Spanned};
-use crate::scene::{Camera, Environment, LightSource, Material, Scene, default_camera};
+use crate::scene::{
+    Camera, Environment, LightSource, Material, PunctualLight, Scene, default_camera,
+};
 use crate::system::{Assets, Disk, Files};
 
 pub use files::{files, files_from};
+pub use timeline::Timeline;
 
 /// After so many includes that can't be read the others aren't tried.
 const MAX_BAD_INCLUDES: usize = 10;
@@ -114,9 +118,18 @@ pub fn load_from(
         mut warnings,
     } = files.scene(&mut importer, path)?;
 
+    let mut environments = EnvironmentMaker::default();
     let camera = match &look {
-        Some(look) => apply(&**files, look, &mut importer, &mut scene, &mut warnings)?,
-        None => first_camera(&scene),
+        Some(look) => apply(
+            &**files,
+            look,
+            &mut importer,
+            &mut environments,
+            &mut scene,
+            &mut warnings,
+            None,
+        )?,
+        None => first_camera(&scene, None),
     };
     if scene.instances.is_empty() {
         return Err(LoadError::Empty {
@@ -126,6 +139,17 @@ pub fn load_from(
     let nothing = Look::empty(Path::new(""), SourceFile::new("look", "", ""));
     let procedural = Procedural::build(look.as_ref().unwrap_or(&nothing), &mut scene, &sources)
         .map_err(LookError::from)?;
+    Ok(finish(scene, procedural, camera, look, warnings))
+}
+
+/// A scene with all that belongs to it, under a light if there is none.
+fn finish(
+    mut scene: Scene,
+    procedural: Procedural,
+    camera: Camera,
+    look: Option<Look>,
+    warnings: Vec<String>,
+) -> Loaded {
     let mut warnings: Diagnostics = warnings.into_iter().map(Diagnostic::warning).collect();
     if let Some(look) = &look {
         warnings.extend(look.warnings.iter().cloned());
@@ -139,13 +163,13 @@ pub fn load_from(
             "the scene has no light: it is shown under an even white sky; a look can set its own `environment`",
         ));
     }
-    Ok(Loaded {
+    Loaded {
         scene,
         procedural,
         camera,
         look,
         warnings,
-    })
+    }
 }
 
 impl Loaded {
@@ -178,8 +202,10 @@ fn apply(
     files: &dyn Files,
     look: &Look,
     importer: &mut Importer,
+    environments: &mut EnvironmentMaker,
     scene: &mut Scene,
     warnings: &mut Vec<String>,
+    still: Option<&Camera>,
 ) -> Result<Camera, LookError> {
     let mut problems = Diagnostics::new();
     for table in &look.includes {
@@ -193,7 +219,7 @@ fn apply(
         }
     }
     if let Some(environment) = &look.environment {
-        match set_environment(files, look, environment, scene) {
+        match environments.set(files, look, environment, scene) {
             Ok(more) => warnings.extend(more),
             Err(problem) => problems.push(problem),
         }
@@ -204,7 +230,7 @@ fn apply(
     if let Err(problem) = groups::apply(look, scene) {
         problems.push(problem);
     }
-    match camera::resolve(look, scene) {
+    match camera::resolve(look, scene, still) {
         Ok(camera) if problems.is_empty() => Ok(camera),
         Ok(_) => Err(problems.into()),
         Err(problem) => {
@@ -214,16 +240,50 @@ fn apply(
     }
 }
 
-/// Gives the scene the look's environment; returns warnings.
-fn set_environment(
+/// Makes environments of what a look says of them, and remembers the last one: another moment has the same, as a rule.
+#[derive(Debug, Default)]
+struct EnvironmentMaker {
+    last: Option<(EnvironmentLook, Environment, Option<PunctualLight>)>,
+}
+
+impl EnvironmentMaker {
+    /// Gives the scene the look's environment; returns warnings.
+    fn set(
+        &mut self,
+        files: &dyn Files,
+        look: &Look,
+        wanted: &Spanned<EnvironmentLook>,
+        scene: &mut Scene,
+    ) -> Result<Vec<String>, Diagnostic> {
+        let warnings = match &self.last {
+            Some((of, ..)) if *of == wanted.value => Vec::new(),
+            _ => {
+                let (environment, sun, warnings) = environment_of(files, look, wanted)?;
+                self.last = Some((wanted.value.clone(), environment, sun));
+                warnings
+            }
+        };
+        let Some((_, environment, sun)) = &self.last else {
+            return Ok(warnings);
+        };
+        // Before `[light.NAME]` may say otherwise.
+        if let (Some(sun), Some(group)) = (sun, &look.environment_group) {
+            groups::assign(look, scene, LightSource::Light(&sun.name), group)?;
+        }
+        scene.environment.clone_from(environment);
+        scene.lights.extend(sun.clone());
+        Ok(warnings)
+    }
+}
+
+/// An environment with its sun, and warnings.
+fn environment_of(
     files: &dyn Files,
     look: &Look,
-    environment: &Spanned<EnvironmentLook>,
-    scene: &mut Scene,
-) -> Result<Vec<String>, Diagnostic> {
-    let mut warnings = Vec::new();
-    scene.environment = match &environment.value {
-        EnvironmentLook::Constant(radiance) => Environment::Constant(*radiance),
+    wanted: &Spanned<EnvironmentLook>,
+) -> Result<(Environment, Option<PunctualLight>, Vec<String>), Diagnostic> {
+    Ok(match &wanted.value {
+        EnvironmentLook::Constant(radiance) => (Environment::Constant(*radiance), None, Vec::new()),
         EnvironmentLook::Image {
             image,
             rotation,
@@ -233,24 +293,18 @@ fn set_environment(
             let loaded = import::load_environment_image(files, &path).map_err(|error| {
                 Diagnostic::error(error.to_string()).with_label(&look.file, image.span.clone(), "")
             })?;
-            warnings = loaded.1;
-            Environment::Image {
+            let environment = Environment::Image {
                 image: loaded.0,
                 rotation: *rotation,
                 intensity: *intensity,
-            }
+            };
+            (environment, None, loaded.1)
         }
         EnvironmentLook::Sky(sky) => {
             let (environment, sun) = sky.build();
-            // Before `[light.NAME]` may say otherwise.
-            if let (Some(sun), Some(group)) = (&sun, &look.environment_group) {
-                groups::assign(look, scene, LightSource::Light(&sun.name), group)?;
-            }
-            scene.lights.extend(sun);
-            environment
+            (environment, sun, Vec::new())
         }
-    };
-    Ok(warnings)
+    })
 }
 
 /// The camera that a look asks for.
@@ -258,7 +312,7 @@ fn set_environment(
 /// # Errors
 /// There is none of its name, or it has no direction.
 pub(crate) fn camera_of(look: &Look, scene: &Scene) -> Result<Camera, Diagnostic> {
-    camera::resolve(look, scene)
+    camera::resolve(look, scene, None)
 }
 
 /// Whether nothing in the scene gives light, so that its picture would be black.
@@ -275,9 +329,9 @@ pub(crate) fn has_no_lamp(scene: &Scene, glows: impl Fn(u32) -> bool) -> bool {
     scene.lights.is_empty() && !scene.materials.iter().enumerate().any(emits)
 }
 
-/// What is seen without a look: the file's first camera, or all of the scene.
-fn first_camera(scene: &Scene) -> Camera {
-    let first = scene.cameras.first().cloned();
+/// What is seen without a look: the file's first camera, or `still`, or all of the scene.
+fn first_camera(scene: &Scene, still: Option<&Camera>) -> Camera {
+    let first = scene.cameras.first().or(still).cloned();
     first.unwrap_or_else(|| default_camera(scene))
 }
 

@@ -305,6 +305,7 @@ impl<'a> Builder<'a> {
         let Some(texture) = library.get(&table.texture.value) else {
             return;
         };
+        self.check_keys(table, texture);
         for field in &table.params {
             let Some(parameter) = texture
                 .parameters()
@@ -319,6 +320,24 @@ impl<'a> Builder<'a> {
                     self.warn_of(field, parameter, &argument);
                     self.set_argument(graph, node, field, parameter, argument, scene);
                 }
+                Err(bad) => self.problem(
+                    &bad.span,
+                    format!("`{}`: {}", parameter.name, bad.message),
+                    None,
+                ),
+            }
+        }
+    }
+
+    /// Points out what is wrong or odd at other moments than this one.
+    fn check_keys(&mut self, table: &NodeLook, texture: &TextureType) {
+        for field in &table.keyed {
+            let mut parameters = texture.parameters().iter();
+            let Some(parameter) = parameters.find(|p| p.name == field.key.value) else {
+                continue; // is reported once
+            };
+            match argument(&field.value, parameter.ty) {
+                Ok(argument) => self.warn_of(field, parameter, &argument),
                 Err(bad) => self.problem(
                     &bad.span,
                     format!("`{}`: {}", parameter.name, bad.message),

@@ -188,6 +188,14 @@ impl Procedural {
         self.graph.library().emit(self.stack_slots)
     }
 
+    /// Whether another graph's kernel is this one's.
+    pub(crate) fn has_kernel_of(&self, other: &Self) -> bool {
+        let is_shared = Arc::ptr_eq(self.graph.library(), other.graph.library())
+            && self.stack_slots == other.stack_slots;
+        self.is_empty() == other.is_empty()
+            && (is_shared || self.kernel().wgsl == other.kernel().wgsl)
+    }
+
     /// So many materials are those of the scene's files, its first ones; the look has added the others.
     pub fn scene_materials(&self) -> usize {
         self.scene_materials

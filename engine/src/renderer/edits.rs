@@ -142,6 +142,24 @@ impl Renderer {
         Ok(())
     }
 
+    /// Makes room for the programs and arguments of another graph than `former`, and writes them.
+    pub(super) fn resize_programs(&mut self, former: &Procedural) -> Result<(), RenderError> {
+        let now = &self.procedural;
+        let words = now.result_words() + self.scene.features.path_words();
+        (self.schedule).grow_results(&self.device, self.capacity, words, &mut self.resources)?;
+        (self.lanes).grow_results(&self.device, &*self.schedule, self.capacity, words)?;
+        let is_same = (
+            former.programs(),
+            former.args(),
+            former.ao(),
+            former.ao_count(),
+        ) == (now.programs(), now.args(), now.ao(), now.ao_count());
+        if !is_same {
+            allocate(&self.device, now, &*self.schedule, &mut self.resources)?;
+        }
+        Ok(())
+    }
+
     fn write_ranges(&self, name: &str, words: &[u32], ranges: &[Range<u32>]) {
         for range in ranges {
             let words = &words[range.start as usize..range.end as usize];

@@ -7,7 +7,8 @@ use crate::{
     scene::{Camera, Scene},
 };
 
-use super::{RenderError, Renderer};
+use super::pipeline::Kernels;
+use super::{RenderError, RenderSettings, Renderer};
 
 /// What else than the texture graph has changed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -69,6 +70,55 @@ impl Renderer {
             self.restart();
         }
         Ok(true)
+    }
+
+    /// Goes from one scene, which is on the device, to another one with textures of its own; only what has changed is sent. Size and
+    /// layers of the settings are those that it has.
+    ///
+    /// The picture begins anew, unless it `goes_on`: then what is rendered next is added to it.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`]; what is on the device then is of no use.
+    pub(crate) fn show(
+        &mut self,
+        [before, scene]: [&Scene; 2],
+        procedural: &Procedural,
+        settings: &RenderSettings,
+        goes_on: bool,
+    ) -> Result<(), RenderError> {
+        let device = self.device.clone();
+        let former = std::mem::replace(&mut self.procedural, procedural.clone());
+        let features = self.scene.features;
+        let reads = [&former.reads(), &procedural.reads()];
+        let program = |m| procedural.traits(m);
+        (self.scene).show(
+            &device,
+            [before, scene],
+            reads,
+            program,
+            &mut self.resources,
+        )?;
+        let needs_kernels = features != self.scene.features || !former.has_kernel_of(procedural);
+        if needs_kernels {
+            self.kernels = Kernels::new(
+                &device,
+                &self.scene.features,
+                &settings.layers,
+                procedural,
+                &*self.schedule,
+            )?;
+            self.is_warm = false;
+        }
+        self.resize_programs(&former)?;
+        self.settings = settings.clone();
+        self.bind();
+        self.frame = self.fresh_frame();
+        self.forget_guides();
+        self.survey = None;
+        if !goes_on {
+            self.restart();
+        }
+        Ok(device.check()?)
     }
 
     /// Renders another view from now on, from the first sample.

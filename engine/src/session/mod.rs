@@ -61,7 +61,7 @@ pub use change::{Change, ChangeQueue};
 pub use document::Document;
 pub use edit::{Edit, summary, written};
 pub use error::SessionError;
-pub use open::{Inputs, MakeSettings, OpenDevice, Opening};
+pub use open::{Inputs, MakeSettings, OpenDevice, Opening, Sequence};
 
 /// A picture as far as it is.
 #[derive(Debug, Clone)]

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use device::{Device, DeviceError};
 
-use crate::load::{LoadError, Loaded};
+use crate::load::{LoadError, Loaded, Timeline};
 use crate::renderer::{RenderError, RenderSettings, Renderer};
-use crate::scene::Camera;
 use crate::scene::look::{Look, LookDocument, LookError};
+use crate::scene::{Animation, Camera, Moment};
 use crate::system::System;
 
-use super::{Again, Edit, Problems, Session, SessionError, background, parse_look, setting};
+use super::{Again, Edit, Problems, Session, SessionError, parse_look, setting};
 
 /// What is rendered, by files.
 #[derive(Debug, Clone)]
@@ -42,6 +42,87 @@ pub struct Opening {
     loaded: Loaded,
 }
 
+/// What is rendered at one moment after the other: files are read once. See [`Timeline`].
+#[derive(Debug)]
+pub struct Sequence {
+    inputs: Inputs,
+    system: System,
+    /// The look's text.
+    text: String,
+    document: LookDocument,
+    edits: Vec<Edit>,
+    timeline: Timeline,
+}
+
+impl Sequence {
+    /// Reads the look, as if its file had these edits.
+    ///
+    /// # Errors
+    /// It can't be read, has mistakes, or can't have the edits.
+    pub fn read(inputs: Inputs, system: System, edits: &[Edit]) -> Result<Self, SessionError> {
+        let text = match &inputs.look {
+            Some(path) => Look::read_text(&*system.files, path).map_err(LoadError::from)?,
+            None => String::new(),
+        };
+        let path = inputs.look.clone().unwrap_or_default();
+        let text = setting::edited(&path, &text, edits).map_err(SessionError::Refused)?;
+        let document =
+            parse_look(&inputs, &text).map_err(|e| LoadError::from(LookError::from(e)))?;
+        // Edits make a look of what has no file.
+        let look = (inputs.look.is_some() || !text.is_empty()).then(|| (path, text.clone()));
+        let timeline = Timeline::new(&system.files, &inputs.scene, look, &inputs.textures);
+        Ok(Self {
+            inputs,
+            system,
+            text,
+            document,
+            edits: edits.to_vec(),
+            timeline,
+        })
+    }
+
+    /// See [`Timeline::animations`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn animations(&mut self) -> Result<Vec<Animation>, SessionError> {
+        Ok(self.timeline.animations()?)
+    }
+
+    /// Reads everything at a moment, as if it were the only one.
+    ///
+    /// # Errors
+    /// As [`crate::load::load`], and where there is no camera of the name that is asked for; a number outside of the range that
+    /// a texture declares.
+    pub fn at(&mut self, moment: &Moment) -> Result<Opening, SessionError> {
+        let loaded = self.timeline.at(moment)?;
+        let (inputs, system, text) = (&self.inputs, &self.system, &self.text);
+        let opening = Opening {
+            inputs: inputs.clone(),
+            system: system.clone(),
+            text: text.clone(),
+            document: self.document.clone(),
+            loaded,
+        };
+        opening.checked(&self.edits)
+    }
+
+    /// Reads everything at the one moment that is wanted.
+    ///
+    /// # Errors
+    /// As [`Self::at`].
+    pub fn once(self, moment: &Moment) -> Result<Opening, SessionError> {
+        let opening = Opening {
+            inputs: self.inputs,
+            system: self.system,
+            text: self.text,
+            document: self.document,
+            loaded: self.timeline.once(moment)?,
+        };
+        opening.checked(&self.edits)
+    }
+}
+
 impl Opening {
     /// Reads everything.
     ///
@@ -56,28 +137,21 @@ impl Opening {
     /// # Errors
     /// As [`Self::read`]; a look that can't have them; a number outside of the range that a texture declares.
     pub fn read_with(inputs: Inputs, system: System, edits: &[Edit]) -> Result<Self, SessionError> {
-        let text = match &inputs.look {
-            Some(path) => Look::read_text(&*system.files, path).map_err(LoadError::from)?,
-            None => String::new(),
-        };
-        let path = inputs.look.clone().unwrap_or_default();
-        let text = setting::edited(&path, &text, edits).map_err(SessionError::Refused)?;
-        let loaded = background::load(&system.files, &inputs, &text)?;
+        Sequence::read(inputs, system, edits)?.once(&Moment::default())
+    }
+
+    /// With the camera that is asked for, and edits in the ranges that textures declare.
+    fn checked(mut self, edits: &[Edit]) -> Result<Self, SessionError> {
+        if let Some(name) = &self.inputs.camera {
+            self.loaded.camera = self.loaded.camera_named(name)?;
+        }
         let mut outside = edits
             .iter()
-            .filter_map(|edit| edit.out_of_range(&loaded.procedural));
-        if let Some(message) = outside.next() {
-            return Err(SessionError::Refused(message));
+            .filter_map(|edit| edit.out_of_range(&self.loaded.procedural));
+        match outside.next() {
+            Some(message) => Err(SessionError::Refused(message)),
+            None => Ok(self),
         }
-        let document =
-            parse_look(&inputs, &text).map_err(|e| LoadError::from(LookError::from(e)))?;
-        Ok(Self {
-            inputs,
-            system,
-            text,
-            document,
-            loaded,
-        })
     }
 
     /// What was read.
@@ -149,6 +223,39 @@ impl Opening {
 }
 
 impl Session {
+    /// Shows what was read at another moment, of the same [`Sequence`]: only what has changed is sent to the device, and kernels are
+    /// compiled only where a scene needs what the former one didn't. The picture has the same size and layers.
+    ///
+    /// It begins anew, unless it `goes_on`: then further samples are of this moment, and the picture is the mean of what it has
+    /// seen, as a camera's is whose shutter is open meanwhile.
+    ///
+    /// # Errors
+    /// The device.
+    pub fn show(
+        &mut self,
+        opening: Opening,
+        settings: &RenderSettings,
+        goes_on: bool,
+    ) -> Result<(), SessionError> {
+        let Loaded {
+            scene,
+            procedural,
+            camera,
+            warnings,
+            look,
+        } = opening.loaded;
+        (self.renderer).show([&self.scene, &scene], &procedural, settings, goes_on)?;
+        self.scene = scene;
+        self.camera = camera;
+        self.warnings = warnings;
+        self.look_view = look.map_or_else(Default::default, |look| look.view);
+        self.was_without_lamp = self.has_no_lamp();
+        if !goes_on {
+            self.generation += 1;
+        }
+        Ok(())
+    }
+
     /// Reads everything from the disk and opens the device: [`Opening::read`], then [`Opening::start`].
     ///
     /// # Errors

@@ -16,6 +16,7 @@ mod khronos;
 mod layouts;
 mod lights;
 mod looks;
+mod moments;
 mod native;
 mod outputs;
 mod references;

@@ -87,7 +87,7 @@ impl Buffer {
 }
 
 /// A little of everything that is read: attributes, indices, sparse accessors, morph targets, a skin, instances,
-/// pictures, extensions of materials, lights and cameras.
+/// pictures, extensions of materials, lights and cameras, animations.
 fn rich() -> Value {
     let mut buffer = Buffer::default();
     let positions = buffer.add(&floats(&[
@@ -108,6 +108,10 @@ fn rich() -> Value {
     let places = buffer.add(&floats(&[0.0, 0.0, 0.0, 2.5, 0.0, -1.0]));
     let custom = buffer.add(&floats(&[0.1, 0.2, 0.3, 0.4]));
     let picture = buffer.add(&png());
+    let times = buffer.add(&floats(&[0.0, 1.0]));
+    let ways = buffer.add(&floats(&[0.0, 0.0, 0.0, 1.0, 2.0, 3.0]));
+    let turns = buffer.add(&floats(&[0.0, 0.0, 0.0, 1.0].repeat(6)));
+    let shares = buffer.add(&floats(&[0.0, 1.0]));
     let texture = json!({ "index": 0, "extensions": { "KHR_texture_transform":
         { "offset": [0.1, 0.2], "rotation": 0.5, "scale": [2, 2] } } });
     json!({
@@ -129,7 +133,23 @@ fn rich() -> Value {
                 "indices": { "bufferView": which, "componentType": 5121 }, "values": { "bufferView": moved } } },
             { "bufferView": places, "componentType": 5126, "count": 2, "type": "VEC3" },
             { "bufferView": custom, "componentType": 5126, "count": 4, "type": "SCALAR" },
+            { "bufferView": times, "componentType": 5126, "count": 2, "type": "SCALAR" },
+            { "bufferView": ways, "componentType": 5126, "count": 2, "type": "VEC3" },
+            { "bufferView": turns, "componentType": 5126, "count": 6, "type": "VEC4" },
+            { "bufferView": shares, "componentType": 5126, "count": 2, "type": "SCALAR" },
         ],
+        "animations": [{ "name": "Swing",
+            "channels": [
+                { "sampler": 0, "target": { "node": 3, "path": "translation" } },
+                { "sampler": 1, "target": { "node": 0, "path": "rotation" } },
+                { "sampler": 2, "target": { "node": 1, "path": "weights" } },
+                { "sampler": 0, "target": { "node": 5, "path": "scale" } },
+            ],
+            "samplers": [
+                { "input": 11, "output": 12 },
+                { "input": 11, "output": 13, "interpolation": "CUBICSPLINE" },
+                { "input": 11, "output": 14, "interpolation": "STEP" },
+            ] }],
         "images": [
             { "bufferView": picture, "mimeType": "image/png" },
             { "uri": data("image/png", &png()) },

@@ -95,7 +95,7 @@ impl<T> At<T> for Result<T, Fault> {
 const MAX_WARNINGS: usize = 64;
 
 /// Things the user should know although the import went on. Equal ones are kept once.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Warnings {
     list: Vec<String>,
     left_out: usize,

@@ -3,8 +3,8 @@
 use super::budget::Budget;
 use super::error::ImportError;
 use super::pictures::Pictures;
-use crate::Scene;
 use crate::input::Files;
+use crate::{Animation, Moment, Scene};
 use glam::DAffine3;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -12,27 +12,45 @@ use std::sync::Arc;
 
 /// What a format of scene files has to bring.
 pub(super) trait Format: fmt::Debug + Sync {
-    /// Reads a file, with all that it refers to: what it adds to a scene. Its materials refer to images by where they
-    /// will stand in `Scene::images`; all other indices begin at 0.
-    fn read(&self, request: Request<'_>) -> Result<Imported, ImportError>;
+    /// Opens a file with all that it refers to but pictures, and with its animations where they may be asked for; what decoding
+    /// takes comes out of the budget.
+    fn open(
+        &self,
+        files: &Arc<dyn Files>,
+        path: &Path,
+        budget: &Arc<Budget>,
+        with_animations: bool,
+    ) -> Result<Arc<dyn Opened>, ImportError>;
 
     /// The files beside it that it names; none where it can't be understood.
     fn referenced_files(&self, files: &dyn Files, path: &Path) -> Vec<PathBuf>;
 }
 
+/// A file that is open: its scene can be read at one moment after the other.
+pub(super) trait Opened: fmt::Debug + Send + Sync {
+    /// What it adds to a scene. Its materials refer to images by where they will stand in `Scene::images`; all other indices
+    /// begin at 0.
+    fn read(&self, request: Request<'_>) -> Result<Imported, ImportError>;
+
+    /// It is added to a scene once more, which allows for more memory.
+    fn allow_again(&self);
+
+    /// What can move it.
+    fn animations(&self) -> Result<Vec<Animation>, ImportError>;
+}
+
 /// What is to be read, and for whom.
 pub(super) struct Request<'a> {
-    /// Where it lies, and what it names.
-    pub(super) files: &'a Arc<dyn Files>,
-    pub(super) path: &'a Path,
     /// The file's world in that of the scene.
     pub(super) placement: DAffine3,
     /// What is there already.
     pub(super) scene: &'a Scene,
     /// Whether the file's environment is wanted.
     pub(super) with_environment: bool,
-    /// What decoding may still take.
-    pub(super) budget: &'a Arc<Budget>,
+    /// When.
+    pub(super) moment: &'a Moment,
+    /// Other moments follow: what looks the same then is worth keeping.
+    pub(super) is_read_again: bool,
     /// The pictures that are there already.
     pub(super) pictures: &'a mut Pictures,
 }

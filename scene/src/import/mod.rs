@@ -26,12 +26,13 @@ pub use merge::Appended;
 pub use pictures::load_picture;
 
 use crate::input::{Disk, Files};
-use crate::{Mesh, Scene};
+use crate::{Animation, Mesh, Moment, Motion, Scene};
 use budget::Budget;
-use format::{Format, Request};
+use format::{Format, Opened, Request};
 use glam::{Affine3A, DAffine3, DMat3};
 use merge::merge;
 use pictures::Pictures;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -51,7 +52,7 @@ pub struct SceneFormat {
 pub static FORMATS: [SceneFormat; 1] = [SceneFormat {
     name: "glTF 2.0",
     endings: &["gltf", "glb"],
-    help: "meshes, instances, materials with their textures, lights, cameras; the default scene, at rest",
+    help: "meshes, instances, materials with their textures, lights, cameras, animations; the default scene",
     reader: &gltf::Gltf,
 }];
 
@@ -86,6 +87,14 @@ pub fn referenced_files(files: &dyn Files, path: &Path) -> Vec<PathBuf> {
     reader_of(path).referenced_files(files, path)
 }
 
+/// The animations of a scene file of the disk.
+///
+/// # Errors
+/// As [`load`]; an animation that makes no sense.
+pub fn animations(path: &Path) -> Result<Vec<Animation>, ImportError> {
+    Importer::new().animations(path)
+}
+
 /// Reads a scene file with all its buffers and pictures from the disk: the default scene, at rest. [`Importer::from_files`] has
 /// other files.
 ///
@@ -112,12 +121,28 @@ pub fn append(
 
 /// Reads the files of one scene. What all of them together take is bounded, and a picture that several of them show is
 /// there once.
+///
+/// A scene that moves is read again and again: [`Self::begin`] begins it anew at another [`Moment`]. Files stay open then, pictures
+/// are decoded the first time only (the scenes that follow have none: they are those of the first), and meshes that don't bend are
+/// built once.
 #[derive(Debug)]
 pub struct Importer {
     files: Arc<dyn Files>,
     budget: Arc<Budget>,
     pictures: Pictures,
     held: Held,
+    moment: Moment,
+    /// Files that stay open; `None` where each is read once.
+    open: Option<HashMap<PathBuf, Kept>>,
+}
+
+/// A file that stays open.
+#[derive(Debug)]
+struct Kept {
+    file: Arc<dyn Opened>,
+    /// How often the scene of now has it, and the most that one has had it.
+    uses: u32,
+    most_uses: u32,
 }
 
 /// The meshes and instances of the scene that are counted, and what they take.
@@ -147,7 +172,73 @@ impl Importer {
             budget: Arc::new(Budget::for_geometry()),
             pictures: Pictures::default(),
             held: Held::default(),
+            moment: Moment::default(),
+            open: None,
         }
+    }
+
+    /// The scene is read as it is at this moment.
+    pub fn look_at(&mut self, moment: Moment) {
+        self.moment = moment;
+    }
+
+    /// Begins the same scene at another moment.
+    pub fn begin(&mut self, moment: Moment) {
+        self.moment = moment;
+        self.held = Held::default();
+        if let Some(open) = &mut self.open {
+            self.budget.hold(0);
+            open.values_mut().for_each(|kept| kept.uses = 0);
+        }
+        self.open.get_or_insert_default();
+    }
+
+    /// The animations of a file.
+    ///
+    /// # Errors
+    /// As [`load`]; an animation that makes no sense.
+    pub fn animations(&mut self, path: &Path) -> Result<Vec<Animation>, ImportError> {
+        let uses = self
+            .open
+            .as_ref()
+            .and_then(|open| Some(open.get(path)?.uses));
+        let animations = self.opened(path, true)?.animations();
+        // Looked at, it isn't added to the scene.
+        if let Some(kept) = self.open.as_mut().and_then(|open| open.get_mut(path)) {
+            kept.uses = uses.unwrap_or(0);
+        }
+        animations
+    }
+
+    /// A file, which stays open where it will be read again.
+    fn opened(&mut self, path: &Path, moves: bool) -> Result<Arc<dyn Opened>, ImportError> {
+        let moves = moves || self.open.is_some();
+        let open = || reader_of(path).open(&self.files, path, &self.budget, moves);
+        let Some(kept) = &mut self.open else {
+            return open();
+        };
+        if let Some(kept) = kept.get_mut(path) {
+            kept.uses += 1;
+            if kept.uses > kept.most_uses {
+                kept.most_uses = kept.uses;
+                // The first use was allowed for when it was opened.
+                if kept.uses > 1 {
+                    kept.file.allow_again();
+                }
+            }
+            return Ok(Arc::clone(&kept.file));
+        }
+        let file = open()?;
+        let (uses, most_uses) = (1, 1);
+        kept.insert(
+            path.to_owned(),
+            Kept {
+                file: Arc::clone(&file),
+                uses,
+                most_uses,
+            },
+        );
+        Ok(file)
     }
 
     /// The first file of the scene; as the function [`load`].
@@ -155,15 +246,15 @@ impl Importer {
     /// # Errors
     /// As [`load`].
     pub fn load(&mut self, path: &Path) -> Result<Imported, ImportError> {
-        reader_of(path).read(Request {
-            files: &self.files,
-            path,
-            placement: DAffine3::IDENTITY,
-            scene: &Scene::default(),
-            with_environment: true,
-            budget: &self.budget,
-            pictures: &mut self.pictures,
-        })
+        self.opened(path, self.moment.motion != Motion::Rest)?
+            .read(Request {
+                placement: DAffine3::IDENTITY,
+                scene: &Scene::default(),
+                with_environment: true,
+                moment: &self.moment,
+                is_read_again: self.open.is_some(),
+                pictures: &mut self.pictures,
+            })
     }
 
     /// Adds the contents of a file to the scene, as if its root nodes were children of a node with the transform
@@ -202,15 +293,16 @@ impl Importer {
         let Imported {
             scene: added,
             warnings,
-        } = reader_of(path).read(Request {
-            files: &self.files,
-            path,
-            placement: world,
-            scene,
-            with_environment: false,
-            budget: &self.budget,
-            pictures: &mut self.pictures,
-        })?;
+        } = self
+            .opened(path, self.moment.motion != Motion::Rest)?
+            .read(Request {
+                placement: world,
+                scene,
+                with_environment: false,
+                moment: &self.moment,
+                is_read_again: self.open.is_some(),
+                pictures: &mut self.pictures,
+            })?;
         Ok(merge(scene, added, warnings))
     }
 }

@@ -147,7 +147,7 @@ pub fn load_picture(
         name: path.display().to_string(),
         width: decoded.width(),
         height: decoded.height(),
-        rgba8: decoded.into_rgba8().into_raw(),
+        rgba8: decoded.into_rgba8().into_raw().into(),
         srgb,
     })
 }
@@ -165,7 +165,7 @@ fn load_one(album: &impl Album, index: usize, budget: &Budget) -> Result<Image, 
         name,
         width: decoded.width(),
         height: decoded.height(),
-        rgba8: decoded.into_rgba8().into_raw(),
+        rgba8: decoded.into_rgba8().into_raw().into(),
         srgb: false,
     })
 }

@@ -6,6 +6,7 @@
 //! `docs/look-file.md` is the reference for users.
 
 mod document;
+mod keys;
 mod light;
 mod material;
 mod parse;
@@ -73,6 +74,8 @@ pub struct Look {
     pub includes: Vec<Include>,
     /// What can be read but is probably not meant so.
     pub warnings: Diagnostics,
+    /// Times of the first and the last key, seconds; `None` where nothing changes with time.
+    pub key_times: Option<[f64; 2]>,
 }
 
 /// `environment = { ... }`.
@@ -197,6 +200,8 @@ pub struct NodeLook {
     pub occlusion1: Option<Spanned<String>>,
     /// Everything else, without meaning until the texture's parameters are known.
     pub params: Vec<Field>,
+    /// Of those of them whose values change with time, the values of all keys, each as a field of its own.
+    pub keyed: Vec<Field>,
 }
 
 /// What drives an input: an output of a node.
@@ -282,7 +287,15 @@ impl Look {
     /// # Errors
     /// All mistakes of the text, in its order.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Diagnostics> {
-        let (mut look, mut reader) = parse::parse(path, text);
+        Self::parse_at(path, text, 0.0)
+    }
+
+    /// As [`Self::parse`], with values that are keyed as they are after so many seconds.
+    ///
+    /// # Errors
+    /// All mistakes of the text, in its order, those at other keys included.
+    pub fn parse_at(path: &Path, text: &str, seconds: f64) -> Result<Self, Diagnostics> {
+        let (mut look, mut reader) = parse::parse(path, text, seconds);
         let start = |d: &Diagnostic| d.labels.first().map_or(0, |label| label.span.start);
         if reader.problems.is_empty() {
             reader.warnings.sort_by_key(start);
@@ -308,6 +321,7 @@ impl Look {
             materials: Vec::new(),
             includes: Vec::new(),
             warnings: Diagnostics::new(),
+            key_times: None,
         }
     }
 

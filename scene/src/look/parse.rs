@@ -12,6 +12,7 @@ use toml_edit::Document;
 use crate::view::ViewChoice;
 
 use super::document::Section;
+use super::keys::{self, Keyed, When};
 use super::light::{environment, environment_group, light};
 use super::material::{MaterialLook, material};
 use super::reader::{Reader, choice, is_name, unquoted};
@@ -25,7 +26,7 @@ use super::{
 /// A look larger than this is not one.
 pub(super) const MAX_BYTES: usize = 16 << 20;
 
-pub(super) fn parse(path: &Path, text: &str) -> (Look, Reader) {
+pub(super) fn parse(path: &Path, text: &str, seconds: f64) -> (Look, Reader) {
     let file = SourceFile::new("look", path.display().to_string(), text);
     let mut reader = Reader::new(file.clone());
     let mut look = Look::empty(path, file);
@@ -34,10 +35,11 @@ pub(super) fn parse(path: &Path, text: &str) -> (Look, Reader) {
         return (look, reader);
     }
     match Document::parse(text) {
-        Ok(document) => root(
+        Ok(document) => whole(
             &mut reader,
             &mut look,
-            &fields(document.as_table(), text.len()),
+            fields(document.as_table(), text.len()),
+            seconds,
         ),
         Err(error) => {
             let span = error.span().unwrap_or(text.len()..text.len());
@@ -48,6 +50,60 @@ pub(super) fn parse(path: &Path, text: &str) -> (Look, Reader) {
         }
     }
     (look, reader)
+}
+
+/// Reads all tables as they are after so many seconds.
+fn whole(reader: &mut Reader, look: &mut Look, written: Vec<Field>, seconds: f64) {
+    let keyed = match keys::find(&written) {
+        Ok(keyed) => keyed,
+        Err(problems) => {
+            for (span, message) in problems {
+                reader.problem(&span, message);
+            }
+            return;
+        }
+    };
+    if keyed.is_empty() {
+        return root(reader, look, &written);
+    }
+    let at = |when| {
+        let mut fields = written.clone();
+        keys::resolve(&mut fields, when);
+        fields
+    };
+    root(reader, look, &at(When::At(seconds)));
+    let most = keyed.iter().map(|keyed| keyed.keys.len()).max();
+    for number in 0..most.unwrap_or(0) {
+        if !reader.problems.is_empty() {
+            break;
+        }
+        let mut other = Look::empty(&look.path, look.file.clone());
+        root(reader, &mut other, &at(When::Key(number)));
+    }
+    let times = || keyed.iter().flat_map(|keyed| &keyed.keys).map(|key| key.0);
+    look.key_times = Some([
+        times().fold(f64::INFINITY, f64::min),
+        times().fold(f64::NEG_INFINITY, f64::max),
+    ]);
+    for keyed in keyed {
+        keep_keys(look, &keyed);
+    }
+}
+
+/// Gives a node the keys of a parameter, which are understood when its texture is known.
+fn keep_keys(look: &mut Look, keyed: &Keyed) {
+    let [table, node, parameter] = keyed.path.as_slice() else {
+        return;
+    };
+    let mut nodes = look.nodes.iter_mut();
+    let node = nodes.find(|found| table == "node" && found.name.value == *node);
+    if let Some(node) = node {
+        let field = |(_, value): &(f64, Spanned<Value>)| Field {
+            key: value.with(parameter.clone()),
+            value: value.clone(),
+        };
+        node.keyed.extend(keyed.keys.iter().map(field));
+    }
 }
 
 fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
@@ -96,6 +152,10 @@ pub fn table(
     span: &Span,
 ) -> Result<Table, Diagnostics> {
     let mut reader = Reader::new(file.clone());
+    // Where a look is edited, time stands still.
+    let mut fields = fields.to_vec();
+    keys::resolve(&mut fields, When::At(0.0));
+    let fields = &*fields;
     let whole = || Spanned::new(Value::Table(fields.to_vec()), span.clone());
     let named = |name: &str| Spanned::new(name.to_owned(), span.clone());
     let read = match section {
@@ -309,6 +369,7 @@ fn node(
         occlusion,
         occlusion1,
         params,
+        keyed: Vec::new(),
     })
 }
 

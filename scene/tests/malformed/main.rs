@@ -11,7 +11,8 @@ mod hostile;
 mod memory;
 
 use bounded::bounded;
-use scene::import::{Imported, load, load_environment_image};
+use scene::import::{ImportError, Imported, Importer, load, load_environment_image};
+use scene::{Moment, Motion};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -239,6 +240,19 @@ fn gltf_cases(folder: &Path) {
             }
         }
 
+        let path = case.clone();
+        match bounded(&case, move || moved(&path)) {
+            Ok(imported) => check(&imported),
+            Err(error) => {
+                let text = error.to_string();
+                assert!(text.contains(';'), "names no remedy: {text}");
+                assert!(
+                    !errors.is_empty() || result.is_err(),
+                    "moved, it is refused although valid: {text}"
+                );
+            }
+        }
+
         let shown = all_visible(&case).map(|tree| {
             let path = scratch.join("case.gltf");
             std::fs::write(&path, serde_json::to_vec(&tree).unwrap()).unwrap();
@@ -265,6 +279,16 @@ fn gltf_cases(folder: &Path) {
     }
     assert!(wrong.is_empty(), "accepted: {wrong:#?}");
     assert_eq!(cases, 372);
+}
+
+/// The file half a second after its beginning.
+fn moved(path: &Path) -> Result<Imported, ImportError> {
+    let mut importer = Importer::new();
+    importer.begin(Moment {
+        seconds: 0.5,
+        motion: Motion::Usual,
+    });
+    importer.load(path)
 }
 
 fn damaged_pictures(folder: &Path) {

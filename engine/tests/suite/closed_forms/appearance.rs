@@ -171,7 +171,7 @@ fn a_mask_cuts_along_its_texels() {
         name: "mask".to_owned(),
         width: 4,
         height: 4,
-        rgba8,
+        rgba8: std::sync::Arc::new(rgba8),
         srgb: true,
     });
     let film = render(&device, &mut scene, &from_above(1.0, 1.0), SHOT);

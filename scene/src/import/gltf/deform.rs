@@ -1,6 +1,6 @@
 //! Vertex data in a fixed pose: morph targets at their weights, skins at the transforms of their joints.
 //!
-//! Animation is not rendered. What a file shows at rest is baked into the vertices.
+//! What a file shows at a moment is baked into the vertices: kernels know neither joints nor targets.
 
 use super::accessor::Accessor;
 use super::document::Document;

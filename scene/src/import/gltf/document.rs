@@ -56,11 +56,15 @@ pub(super) struct Document {
     pub(super) root: json::Root,
     /// `extras.environment` of each scene.
     pub(super) environments: Vec<Option<Value>>,
+    /// `animations`, whatever that is; null where none are wanted.
+    pub(super) animations: Value,
     /// Where it lies.
     pub(super) files: Arc<dyn Files>,
     /// What decoding may still take.
     pub(super) budget: Arc<Budget>,
     id: FileId,
+    /// Bytes of the file itself.
+    length: u64,
     file: Vec<u8>,
     buffers: Vec<Buffer>,
 }
@@ -81,12 +85,14 @@ enum BufferSource {
 }
 
 impl Document {
-    /// Understands the bytes of a file and reads all its buffers. What decoding takes comes out of `budget`.
+    /// Understands the bytes of a file and reads all its buffers; animations are kept where they are wanted. What decoding takes
+    /// comes out of `budget`.
     pub(super) fn new(
         files: &Arc<dyn Files>,
         path: &Path,
         file: Vec<u8>,
         budget: &Arc<Budget>,
+        with_animations: bool,
     ) -> Result<Self, ImportError> {
         let parts = container::split(&file).at(path, || "GLB container".into())?;
         if parts.json.len() as u64 > MAX_JSON_BYTES {
@@ -95,8 +101,12 @@ impl Document {
                 problem: "has more than 512 MiB of JSON; save it as .glb, or with its buffers in files of their own".into(),
             });
         }
-        let Parsed { root, environments } =
-            json_text::parse(&file[parts.json.clone()], is_read).map_err(|error| match error {
+        let Parsed {
+            root,
+            environments,
+            animations,
+        } =
+            json_text::parse(&file[parts.json.clone()], is_read, with_animations).map_err(|error| match error {
                 JsonError::Invalid(source) => ImportError::Json {
                     path: path.to_owned(),
                     source,
@@ -115,8 +125,10 @@ impl Document {
             path: path.to_owned(),
             root,
             environments,
+            animations,
             budget: Arc::clone(budget),
             id: files.id(path),
+            length,
             // Without a binary chunk nothing in it is needed any more.
             file: if parts.bin.is_some() {
                 file
@@ -127,10 +139,14 @@ impl Document {
         };
         document.check_extensions()?;
         document.load_buffers(parts.bin)?;
-        document
-            .budget
-            .allow(document.id.clone(), length + document.size());
+        document.allow();
         Ok(document)
+    }
+
+    /// Takes its own size for a reason to decode so much more.
+    pub(super) fn allow(&self) {
+        self.budget
+            .allow(self.id.clone(), self.length + self.size());
     }
 
     /// A buffer without data is legal as long as nothing reads it: it stands for what an extension would decompress.

@@ -26,7 +26,7 @@ pub(super) struct Builder<'a> {
 }
 
 /// A mesh and what was left out of it.
-#[derive(Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Built {
     pub(super) mesh: Mesh,
     pub(super) dropped: Dropped,

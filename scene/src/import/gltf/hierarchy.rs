@@ -1,5 +1,6 @@
 //! The node tree: world transforms and what is visible. Works without recursion, for trees of any depth.
 
+use super::animation::{Local, Places};
 use super::document::Document;
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
 use glam::{DAffine3, DMat4, DQuat, DVec3};
@@ -15,10 +16,11 @@ pub(super) struct Nodes {
     pub(super) scene: Option<usize>,
 }
 
-/// Resolves the tree below `placement`. Nodes that have two parents or are their own ancestors are an error.
+/// Resolves the tree below `placement`, with the nodes that move at their `places`. Nodes that have two parents or are their own ancestors are an error.
 pub(super) fn resolve(
     document: &Document,
     placement: DAffine3,
+    places: &Places,
     warnings: &mut Warnings,
 ) -> Result<Nodes, ImportError> {
     let root = &document.root;
@@ -38,7 +40,7 @@ pub(super) fn resolve(
     }
     for &node in &order {
         let parent = parents[node].map_or(placement, |parent| world[parent]);
-        let local = local_transform(&root.nodes[node]).unwrap_or_else(|problem| {
+        let local = local_transform(&root.nodes[node], places.of(node)).unwrap_or_else(|problem| {
             warnings.push(format!("{}: {problem}", describe(root, node)));
             DAffine3::IDENTITY
         });
@@ -115,23 +117,27 @@ fn depth_first(root: &json::Root, tops: impl DoubleEndedIterator<Item = usize>) 
     order
 }
 
-fn local_transform(node: &json::Node) -> Result<DAffine3, Fault> {
+/// A node's transform, with what animations say in place of what is written.
+fn local_transform(node: &json::Node, moved: Option<&Local>) -> Result<DAffine3, Fault> {
     if let Some(matrix) = node.matrix {
         let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
         // The last row of an affine matrix is 0 0 0 1 and carries nothing.
         return Ok(DAffine3::from_mat4(matrix));
     }
-    let vector =
-        |v: Option<[f32; 3]>, default| v.map_or(default, |v| DVec3::from(v.map(f64::from)));
-    let rotation = match node.rotation {
-        None => DQuat::IDENTITY,
-        Some(json::scene::UnitQuaternion(q)) => unit_quaternion(q)
+    let moved = moved.copied().unwrap_or_default();
+    let vector = |moved: Option<DVec3>, v: Option<[f32; 3]>, default| {
+        moved.unwrap_or(v.map_or(default, |v| DVec3::from(v.map(f64::from))))
+    };
+    let rotation = match (moved.rotation, node.rotation) {
+        (Some(rotation), _) => rotation,
+        (None, None) => DQuat::IDENTITY,
+        (None, Some(json::scene::UnitQuaternion(q))) => unit_quaternion(q)
             .ok_or("its rotation is not a quaternion; its transform is ignored")?,
     };
     Ok(DAffine3::from_scale_rotation_translation(
-        vector(node.scale, DVec3::ONE),
+        vector(moved.scale, node.scale, DVec3::ONE),
         rotation,
-        vector(node.translation, DVec3::ZERO),
+        vector(moved.translation, node.translation, DVec3::ZERO),
     ))
 }
 

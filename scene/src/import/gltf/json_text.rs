@@ -26,7 +26,8 @@ const MAX_NAME_CHARS: usize = 256;
 /// Up to this length a text with mistakes is read once more, for the line of the mistake.
 const MAX_READ_AGAIN: usize = 16 << 20;
 
-/// Members of the file that are read. Animations are not rendered, so they need not be valid.
+/// Members of the file that are read by their types. Animations are kept as they are, and only where they are wanted: those of
+/// a scene at rest need not be valid.
 const ROOT: [&str; 16] = [
     "accessors",
     "asset",
@@ -51,6 +52,8 @@ pub(super) struct Parsed {
     pub(super) root: json::Root,
     /// `extras.environment` of each scene.
     pub(super) environments: Vec<Option<Value>>,
+    /// `animations`, whatever that is; null where it isn't wanted.
+    pub(super) animations: Value,
 }
 
 /// Why JSON can't be read.
@@ -61,12 +64,19 @@ pub(super) enum JsonError {
     TooLarge,
 }
 
-/// Reads the JSON of a file; contents of extensions for which `is_read` doesn't hold are left out.
-pub(super) fn parse(text: &[u8], is_read: fn(&str) -> bool) -> Result<Parsed, JsonError> {
+/// Reads the JSON of a file; contents of extensions for which `is_read` doesn't hold are left out, and so are animations where
+/// none are wanted.
+pub(super) fn parse(
+    text: &[u8],
+    is_read: fn(&str) -> bool,
+    with_animations: bool,
+) -> Result<Parsed, JsonError> {
     let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
     let mut rewriter = Rewriter {
         text: Vec::new(),
         environments: Vec::new(),
+        animations: Value::Null,
+        with_animations,
         left: FREE + FACTOR * text.len() as u64,
         is_read,
     };
@@ -84,6 +94,7 @@ pub(super) fn parse(text: &[u8], is_read: fn(&str) -> bool) -> Result<Parsed, Js
         Ok(root) => Ok(Parsed {
             root,
             environments: rewriter.environments,
+            animations: rewriter.animations,
         }),
         // Reading the text itself gives the same error with its own line and column.
         Err(error) if text.len() <= MAX_READ_AGAIN => Err(JsonError::Invalid(
@@ -98,6 +109,8 @@ pub(super) fn parse(text: &[u8], is_read: fn(&str) -> bool) -> Result<Parsed, Js
 struct Rewriter {
     text: Vec<u8>,
     environments: Vec<Option<Value>>,
+    animations: Value,
+    with_animations: bool,
     /// Bytes that values may still take; 0 once one was refused.
     left: u64,
     is_read: fn(&str) -> bool,
@@ -111,6 +124,7 @@ enum Place {
     Scenes,
     Scene,
     SceneExtras,
+    Animations,
     /// Whatever has a type.
     Typed,
     Name,
@@ -137,10 +151,11 @@ impl<'r> Part<'r> {
         match (self.place, key) {
             (Place::Root, "scenes") => Some(Place::Scenes),
             (Place::Root, "textures") => Some(Place::Typed),
+            (Place::Root, "animations") if self.to.with_animations => Some(Place::Animations),
             (Place::Root, key) if !ROOT.contains(&key) => None,
             (Place::Scene, "extras") => Some(Place::SceneExtras),
             (_, "extras") => None,
-            (Place::SceneExtras, _) => Some(Place::Untyped),
+            (Place::SceneExtras | Place::Animations, _) => Some(Place::Untyped),
             (Place::Untyped | Place::UntypedName, "name") => Some(Place::UntypedName),
             (_, "name") => Some(Place::Name),
             (Place::Untyped | Place::UntypedName, _) => Some(Place::Untyped),
@@ -153,9 +168,11 @@ impl<'r> Part<'r> {
 
     fn weigh<E: serde::de::Error>(&mut self, typed: u64) -> Result<(), E> {
         let weight = match self.place {
-            Place::Untyped | Place::UntypedName | Place::Extensions | Place::SceneExtras => {
-                typed.max(UNTYPED)
-            }
+            Place::Untyped
+            | Place::UntypedName
+            | Place::Extensions
+            | Place::SceneExtras
+            | Place::Animations => typed.max(UNTYPED),
             _ => typed,
         };
         match self.to.left.checked_sub(weight) {
@@ -177,6 +194,19 @@ impl<'r> Part<'r> {
 
     fn write<E: serde::de::Error>(&mut self, value: impl serde::Serialize) -> Result<(), E> {
         serde_json::to_writer(&mut self.to.text, &value).map_err(E::custom)
+    }
+
+    /// A value that doesn't go into the text.
+    fn aside<'de, A: MapAccess<'de>>(
+        &mut self,
+        place: Place,
+        map: &mut A,
+    ) -> Result<Value, A::Error> {
+        let start = self.to.text.len();
+        map.next_value_seed(Part::new(self.to, place))?;
+        let value = serde_json::from_slice(&self.to.text[start..]).map_err(A::Error::custom)?;
+        self.to.text.truncate(start);
+        Ok(value)
     }
 
     fn member<'de, A: MapAccess<'de>>(
@@ -248,7 +278,9 @@ impl<'de> Visitor<'de> for Part<'_> {
         self.weigh(2 * OTHER)?;
         let place = match self.place {
             Place::Scenes => Place::Scene,
-            Place::Untyped | Place::UntypedName | Place::SceneExtras => Place::Untyped,
+            Place::Untyped | Place::UntypedName | Place::SceneExtras | Place::Animations => {
+                Place::Untyped
+            }
             _ => Place::Typed,
         };
         self.to.text.push(b'[');
@@ -280,12 +312,11 @@ impl<'de> Visitor<'de> for Part<'_> {
         while let Some(key) = map.next_key::<String>()? {
             match self.place_of(&key) {
                 Some(Place::SceneExtras) => {
-                    let start = self.to.text.len();
-                    map.next_value_seed(Part::new(self.to, Place::SceneExtras))?;
-                    let extras: Value =
-                        serde_json::from_slice(&self.to.text[start..]).map_err(A::Error::custom)?;
+                    let extras = self.aside(Place::SceneExtras, &mut map)?;
                     environment = extras.get("environment").cloned();
-                    self.to.text.truncate(start);
+                }
+                Some(Place::Animations) => {
+                    self.to.animations = self.aside(Place::Animations, &mut map)?;
                 }
                 Some(place) => {
                     has_nodes |= key == "nodes";
@@ -321,7 +352,7 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<Parsed, JsonError> {
-        parse(text.as_bytes(), |name| name == "KNOWN")
+        parse(text.as_bytes(), |name| name == "KNOWN", true)
     }
 
     fn parsed(text: &str) -> Parsed {
@@ -334,7 +365,11 @@ mod tests {
 
     #[test]
     fn what_exporters_write_is_read() {
-        let Parsed { root, environments } = parsed(
+        let Parsed {
+            root,
+            environments,
+            animations,
+        } = parsed(
             r#"{"asset": {"version": "2.0", "extras": {"x": [1]}}, "unknown": [[[]]], "animations": 7, "scene": 1.0,
                 "scenes": [{"extras": {"environment": {"constant": [1, 0.5, -2.0]}}}, {"name": "b", "nodes": [0]}, {}],
                 "nodes": [{"translation": [1.0, -1.0, 0.1], "name": "a\u00e9\"", "extensions": {"OTHER": [1], "KNOWN": {"a": [2.0]}}}]}"#,
@@ -351,6 +386,7 @@ mod tests {
         let environment = environments[0].as_ref().map(Value::to_string);
         assert_eq!(environment.as_deref(), Some(r#"{"constant":[1,0.5,-2.0]}"#));
         assert_eq!(environments[1..], [None, None]);
+        assert_eq!(animations, 7);
     }
 
     #[test]
@@ -373,6 +409,10 @@ mod tests {
             .replace("\"nodes\":", "\"extensions\":{\"KNOWN\":")
             .replace("}]}", "}]}}");
         assert!(matches!(read(&extension), Err(JsonError::TooLarge)));
+        let moving = kept.replace("\"nodes\"", "\"animations\"");
+        assert!(matches!(read(&moving), Err(JsonError::TooLarge)));
+        let resting = parse(moving.as_bytes(), |_| true, false);
+        assert!(resting.is_ok_and(|parsed| parsed.animations.is_null()));
         let ignored = kept.replace("\"nodes\"", "\"x\"");
         assert!(parsed(&ignored).root.nodes.is_empty());
     }

@@ -3,6 +3,7 @@
 //! `assemble` reads as a table of contents of this folder.
 
 mod accessor;
+mod animation;
 mod attributes;
 mod container;
 mod custom;
@@ -19,39 +20,100 @@ mod json_text;
 mod layers;
 mod lights_cameras;
 mod materials;
+#[cfg(test)]
+mod moving_tests;
 mod nodes;
 mod reader;
 mod referenced;
+mod sampler;
 #[cfg(test)]
 mod tests;
 
 use super::budget::Budget;
 use super::error::{ImportError, Warnings};
-use super::format::{Format, Imported, Request};
+use super::format::{Format, Imported, Opened, Request};
 use super::merge::make_names_unique;
 use crate::input::Files;
-use crate::{Environment, LightGroups, Scene};
+use crate::{Animation, Environment, LightGroups, Motion, Scene};
+use animation::Tracks;
 use document::Document;
+use nodes::{Kept, Stage};
 use std::collections::HashSet;
+use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// `.gltf` and `.glb`.
 #[derive(Debug)]
 pub(super) struct Gltf;
 
 impl Format for Gltf {
-    fn read(&self, request: Request<'_>) -> Result<Imported, ImportError> {
-        let path = request.path;
-        let file = document::read(&**request.files, path).map_err(|source| ImportError::Read {
+    fn open(
+        &self,
+        files: &Arc<dyn Files>,
+        path: &Path,
+        budget: &Arc<Budget>,
+        with_animations: bool,
+    ) -> Result<Arc<dyn Opened>, ImportError> {
+        let file = document::read(&**files, path).map_err(|source| ImportError::Read {
             path: path.to_owned(),
             source,
         })?;
-        assemble(&parse(request.files, path, file, request.budget)?, request)
+        Ok(Arc::new(File {
+            document: parse(files, path, file, budget, with_animations)?,
+            tracks: Mutex::default(),
+            kept: Kept::default(),
+        }))
     }
 
     fn referenced_files(&self, files: &dyn Files, path: &Path) -> Vec<PathBuf> {
         referenced::referenced_files(files, path)
+    }
+}
+
+/// A file that can be read at any moment.
+struct File {
+    document: Document,
+    /// What moves it, as it was asked for last.
+    tracks: Mutex<Option<(Motion, Arc<Tracks>)>>,
+    kept: Kept,
+}
+
+impl fmt::Debug for File {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("File")
+            .field("path", &self.document.path)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Opened for File {
+    fn read(&self, request: Request<'_>) -> Result<Imported, ImportError> {
+        let tracks = self.tracks(&request.moment.motion)?;
+        let kept = request.is_read_again.then_some(&self.kept);
+        assemble(&self.document, &tracks, kept, request)
+    }
+
+    fn allow_again(&self) {
+        self.document.allow();
+    }
+
+    fn animations(&self) -> Result<Vec<Animation>, ImportError> {
+        animation::describe_all(&self.document)
+    }
+}
+
+impl File {
+    fn tracks(&self, motion: &Motion) -> Result<Arc<Tracks>, ImportError> {
+        let mut known = self.tracks.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, tracks)) = &*known
+            && of == motion
+        {
+            return Ok(Arc::clone(tracks));
+        }
+        let tracks = Arc::new(Tracks::read(&self.document, motion)?);
+        *known = Some((motion.clone(), Arc::clone(&tracks)));
+        Ok(tracks)
     }
 }
 
@@ -61,22 +123,34 @@ fn parse(
     path: &Path,
     file: Vec<u8>,
     budget: &Arc<Budget>,
+    with_animations: bool,
 ) -> Result<Document, ImportError> {
-    let mut document = Document::new(files, path, file, budget)?;
+    let mut document = Document::new(files, path, file, budget, with_animations)?;
     document.decompress()?;
     document.check_layout()?;
     Ok(document)
 }
 
-/// What a document adds to the scene of the request.
-fn assemble(document: &Document, request: Request<'_>) -> Result<Imported, ImportError> {
+/// What a document that is moved so adds to the scene of the request.
+fn assemble(
+    document: &Document,
+    tracks: &Tracks,
+    kept: Option<&Kept>,
+    request: Request<'_>,
+) -> Result<Imported, ImportError> {
     let mut warnings = Warnings::default();
     document.warn_of_extensions(&mut warnings);
-    let nodes = hierarchy::resolve(document, request.placement, &mut warnings)?;
+    let places = tracks.at(request.moment, &mut warnings);
+    let nodes = hierarchy::resolve(document, request.placement, &places, &mut warnings)?;
     let (mut materials, requests) = materials::read(document, &mut warnings)?;
+    let stage = Stage {
+        nodes: &nodes,
+        places: &places,
+        kept,
+    };
     let (meshes, instances) = nodes::instances(
         document,
-        &nodes,
+        &stage,
         &materials,
         request.scene.instances.len(),
         &mut warnings,

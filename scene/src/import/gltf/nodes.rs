@@ -1,5 +1,6 @@
 //! What hangs on the visible nodes: instances of meshes, lights and cameras.
 
+use super::animation::Places;
 use super::deform::Pose;
 use super::document::Document;
 use super::geometry::{Builder, Built};
@@ -13,28 +14,63 @@ use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A};
 use gltf::json;
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// A mesh to build. Nodes that show the same mesh in the same pose share it.
-#[derive(Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 struct Request {
     mesh: usize,
     /// Weights of the morph targets, as bits, where the node has its own.
     weights: Option<Vec<u32>>,
     /// A skinned mesh takes its place from its joints, not from its node.
     skin: Option<usize>,
+    /// The weights are an animation's.
+    has_moving_weights: bool,
+}
+
+impl Request {
+    /// Whether it may look otherwise at another time.
+    fn moves(&self) -> bool {
+        self.skin.is_some() || self.has_moving_weights
+    }
+}
+
+/// Meshes that look the same whenever they are seen, for files that are read again and again.
+#[derive(Debug, Default)]
+pub(super) struct Kept(Mutex<HashMap<Request, Built>>);
+
+impl Kept {
+    fn get(&self, request: &Request) -> Option<Built> {
+        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.get(request).cloned()
+    }
+
+    fn put(&self, request: &Request, built: &Built) {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.insert(request.clone(), built.clone());
+    }
+}
+
+/// Where everything stands, and what is kept of meshes.
+pub(super) struct Stage<'a> {
+    pub(super) nodes: &'a Nodes,
+    pub(super) places: &'a Places,
+    /// `None` for a file that is read once.
+    pub(super) kept: Option<&'a Kept>,
 }
 
 /// Builds the meshes that visible nodes show, and their instances, for a scene that has `before` instances.
 pub(super) fn instances(
     document: &Document,
-    nodes: &Nodes,
+    stage: &Stage<'_>,
     materials: &[Material],
     before: usize,
     warnings: &mut Warnings,
 ) -> Result<(Vec<Mesh>, Vec<Instance>), ImportError> {
-    let (requests, mut instances) = list(document, nodes, before, warnings)?;
+    let nodes = stage.nodes;
+    let (requests, mut instances) = list(document, stage, before, warnings)?;
     let builder = Builder {
         document,
         materials,
@@ -42,11 +78,21 @@ pub(super) fn instances(
     let built = requests
         .par_iter()
         .map(|request| {
+            let kept = stage.kept.filter(|_| !request.moves());
+            if let Some(built) = kept.and_then(|kept| kept.get(request)) {
+                return Ok(built);
+            }
             let pose = pose(document, nodes, request)?;
-            builder.build(request.mesh, &pose)
+            let built = builder.build(request.mesh, &pose)?;
+            if let Some(kept) = kept {
+                kept.put(request, &built);
+            }
+            Ok(built)
         })
-        .collect::<Result<Vec<Built>, _>>()?;
-    warn_of_poses(&requests, &document.root, warnings);
+        .collect::<Result<Vec<Built>, ImportError>>()?;
+    if !stage.places.is_moved {
+        warn_of_poses(&requests, &document.root, warnings);
+    }
     let dropped = built.iter().map(|b| (b.mesh.name.as_str(), b.dropped));
     warn_of_dropped(dropped, warnings);
 
@@ -74,10 +120,11 @@ pub(super) fn instances(
 /// The meshes to build, and instances that refer to that list.
 fn list(
     document: &Document,
-    nodes: &Nodes,
+    stage: &Stage<'_>,
     before: usize,
     warnings: &mut Warnings,
 ) -> Result<(Vec<Request>, Vec<Instance>), ImportError> {
+    let nodes = stage.nodes;
     let root = &document.root;
     let mut requests = Vec::new();
     let mut numbers: HashMap<Request, u32> = HashMap::new();
@@ -109,10 +156,12 @@ fn list(
             .budget
             .take(usable.len() as u64, name.len() as u64)
             .at(&document.path, place)?;
+        let moved = stage.places.weights.get(&index);
         let request = Request {
             mesh: mesh.value(),
-            weights: own_weights(root, node, mesh.value()),
+            weights: own_weights(root, node, mesh.value(), moved),
             skin: node.skin.map(|skin| skin.value()),
+            has_moving_weights: moved.is_some(),
         };
         let next = requests.len() as u32;
         let number = *numbers.entry(request).or_insert_with_key(|request| {
@@ -254,9 +303,14 @@ fn placements(
         .collect())
 }
 
-/// Bits of the morph weights of a node, where they differ from those of its mesh.
-fn own_weights(root: &json::Root, node: &json::Node, mesh: usize) -> Option<Vec<u32>> {
-    let own = node.weights.as_ref()?;
+/// Bits of the morph weights of a node, `moved` by an animation or its own, where they differ from those of its mesh.
+fn own_weights(
+    root: &json::Root,
+    node: &json::Node,
+    mesh: usize,
+    moved: Option<&Vec<f32>>,
+) -> Option<Vec<u32>> {
+    let own = moved.or(node.weights.as_ref())?;
     let default = root.meshes.get(mesh).and_then(|mesh| mesh.weights.as_ref());
     if default == Some(own) || (default.is_none() && own.iter().all(|&weight| weight == 0.0)) {
         return None;

@@ -1,10 +1,10 @@
 //! Whole files in miniature: JSON in, scene out.
 
-use super::{Budget, ImportError, Imported, Request, assemble, parse};
+use super::{Budget, ImportError, Imported, Request, Tracks, assemble, parse};
 use crate::import::merge::merge;
 use crate::import::pictures::Pictures;
 use crate::input::{Disk, Files};
-use crate::{AlphaMode, Environment, LightKind, Projection, Scene};
+use crate::{AlphaMode, Environment, LightKind, Moment, Projection, Scene};
 use base64::Engine as _;
 use glam::{DAffine3, Vec3};
 use serde_json::{Value, json};
@@ -13,22 +13,28 @@ use std::sync::Arc;
 
 /// Loads JSON as if it stood in `dir/test.gltf`.
 pub(super) fn import(tree: Value) -> Result<Imported, ImportError> {
+    import_at(tree, &Moment::default())
+}
+
+/// As it is at a moment.
+pub(super) fn import_at(tree: Value, moment: &Moment) -> Result<Imported, ImportError> {
     let mut tree = tree;
     tree["asset"] = json!({ "version": "2.0" });
     let text = serde_json::to_vec(&tree).unwrap();
     let path = Path::new("dir/test.gltf");
     let budget = Arc::new(Budget::for_geometry());
     let files: Arc<dyn Files> = Arc::new(Disk);
+    let document = parse(&files, path, text, &budget, true)?;
     let request = Request {
-        files: &files,
-        path,
         placement: DAffine3::IDENTITY,
         scene: &Scene::default(),
         with_environment: true,
-        budget: &budget,
+        moment,
+        is_read_again: false,
         pictures: &mut Pictures::default(),
     };
-    assemble(&parse(&files, path, text, &budget)?, request)
+    let tracks = Tracks::read(&document, &moment.motion)?;
+    assemble(&document, &tracks, None, request)
 }
 
 fn scene(tree: Value) -> Scene {
@@ -43,7 +49,7 @@ fn error(tree: Value) -> String {
 }
 
 /// A buffer that holds these floats.
-fn floats(values: &[f32]) -> Value {
+pub(super) fn floats(values: &[f32]) -> Value {
     let bytes: Vec<u8> = values
         .iter()
         .flat_map(|value| value.to_le_bytes())
@@ -541,7 +547,7 @@ fn broken_json_says_where() {
         .to_vec();
     let budget = Arc::new(Budget::for_geometry());
     let files: Arc<dyn Files> = Arc::new(Disk);
-    let Err(error) = parse(&files, Path::new("test.gltf"), text, &budget) else {
+    let Err(error) = parse(&files, Path::new("test.gltf"), text, &budget, true) else {
         panic!("must be refused");
     };
     assert!(error.to_string().contains("line 3"), "{error}");

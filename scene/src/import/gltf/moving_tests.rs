@@ -1,0 +1,332 @@
+//! Files that move, in miniature.
+
+use super::tests::{floats, import, import_at, square};
+use crate::import::Importer;
+use crate::input::{Disk, FileId, Files};
+use crate::{Moment, Motion, Scene};
+use glam::Vec3;
+use serde_json::{Value, json};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+fn usual(seconds: f64) -> Moment {
+    Moment {
+        seconds,
+        motion: Motion::Usual,
+    }
+}
+
+fn at(tree: &Value, seconds: f64) -> Scene {
+    import_at(tree.clone(), &usual(seconds))
+        .unwrap_or_else(|error| panic!("{error}"))
+        .scene
+}
+
+fn error(tree: &Value) -> String {
+    let read = import_at(tree.clone(), &usual(0.5)).map(drop);
+    read.expect_err("must be refused").to_string()
+}
+
+/// A list of a file, which is made where there is none.
+fn list<'t>(tree: &'t mut Value, name: &str) -> &'t mut Vec<Value> {
+    if tree[name].is_null() {
+        tree[name] = json!([]);
+    }
+    tree[name].as_array_mut().expect("a list")
+}
+
+/// Adds numbers as an accessor; its number.
+fn accessor(tree: &mut Value, numbers: &[f32], kind: &str) -> usize {
+    let width = match kind {
+        "VEC3" => 3,
+        "VEC4" => 4,
+        _ => 1,
+    };
+    let buffer = list(tree, "buffers").len();
+    list(tree, "buffers").push(floats(numbers));
+    let view = list(tree, "bufferViews").len();
+    list(tree, "bufferViews").push(json!({ "buffer": buffer, "byteLength": numbers.len() * 4 }));
+    let accessor = list(tree, "accessors").len();
+    list(tree, "accessors").push(json!({
+        "bufferView": view, "componentType": 5126, "count": numbers.len() / width, "type": kind,
+    }));
+    accessor
+}
+
+/// Adds an animation of one channel.
+fn animate(tree: &mut Value, node: usize, path: &str, times: &[f32], values: &[f32]) {
+    let input = accessor(tree, times, "SCALAR");
+    let kind = match path {
+        "rotation" => "VEC4",
+        "weights" => "SCALAR",
+        _ => "VEC3",
+    };
+    let output = accessor(tree, values, kind);
+    list(tree, "animations").push(json!({
+        "name": path,
+        "channels": [{ "sampler": 0, "target": { "node": node, "path": path } }],
+        "samplers": [{ "input": input, "output": output }],
+    }));
+}
+
+const RIGHT: [f32; 6] = [0.0, 0.0, 0.0, 4.0, 0.0, 0.0];
+
+#[test]
+fn nodes_move_with_their_children_and_not_at_rest() {
+    let mut tree = square();
+    tree["nodes"] = json!([{ "children": [1], "translation": [0, 7, 0] }, { "mesh": 0 }]);
+    animate(&mut tree, 0, "translation", &[1.0, 3.0], &RIGHT);
+    animate(
+        &mut tree,
+        1,
+        "scale",
+        &[0.0, 2.0],
+        &[1.0, 1.0, 1.0, 3.0, 3.0, 3.0],
+    );
+    let place = |scene: &Scene| {
+        let transform = scene.instances[0].transform;
+        (transform.translation.to_array(), transform.matrix3.x_axis.x)
+    };
+    assert_eq!(place(&at(&tree, 0.0)), ([0.0, 0.0, 0.0], 1.0));
+    assert_eq!(place(&at(&tree, 1.5)), ([1.0, 0.0, 0.0], 2.5));
+    assert_eq!(place(&at(&tree, 99.0)), ([4.0, 0.0, 0.0], 3.0));
+    let rest = import(tree.clone()).expect("it is sound").scene;
+    assert_eq!(place(&rest), ([0.0, 7.0, 0.0], 1.0));
+    // What doesn't move is built as it is without animations.
+    assert_eq!(rest.meshes[0].positions, at(&tree, 1.5).meshes[0].positions);
+    // One alone.
+    let named = |name: &str| {
+        let motion = Motion::Named(name.to_owned());
+        place(
+            &import_at(
+                tree.clone(),
+                &Moment {
+                    seconds: 1.5,
+                    motion,
+                },
+            )
+            .unwrap()
+            .scene,
+        )
+    };
+    assert_eq!(named("scale"), ([0.0, 7.0, 0.0], 2.5));
+    assert_eq!(named("0"), ([1.0, 0.0, 0.0], 1.0));
+}
+
+#[test]
+fn what_shrinks_to_nothing_is_gone_for_that_time() {
+    let mut tree = square();
+    animate(
+        &mut tree,
+        0,
+        "scale",
+        &[0.0, 1.0],
+        &[1.0, 1.0, 1.0, 0.0, 0.0, 0.0],
+    );
+    assert_eq!(at(&tree, 0.5).instances.len(), 1);
+    assert_eq!(at(&tree, 1.0).instances.len(), 0);
+}
+
+#[test]
+fn morph_targets_follow_their_weights() {
+    let mut tree = square();
+    let target = accessor(&mut tree, &[0.0, 0.0, 1.0].repeat(4), "VEC3");
+    tree["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": target }, {}]);
+    animate(&mut tree, 0, "weights", &[0.0, 1.0], &[0.0, 0.0, 8.0, 0.0]);
+    for (seconds, z) in [(0.0, 0.0), (0.25, 2.0), (1.0, 8.0)] {
+        assert_eq!(at(&tree, seconds).meshes[0].positions[0].z, z, "{seconds}");
+    }
+}
+
+#[test]
+fn skins_follow_their_joints() {
+    let mut tree = square();
+    let joints = accessor(&mut tree, &[0.0; 16], "VEC4");
+    tree["accessors"][joints]["componentType"] = 5121.into();
+    let weights = accessor(&mut tree, &[1.0, 0.0, 0.0, 0.0].repeat(4), "VEC4");
+    tree["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] = joints.into();
+    tree["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = weights.into();
+    tree["skins"] = json!([{ "joints": [1] }]);
+    tree["nodes"] = json!([{ "mesh": 0, "skin": 0 }, {}]);
+    animate(&mut tree, 1, "translation", &[0.0, 1.0], &RIGHT);
+    assert_eq!(
+        at(&tree, 0.5).meshes[0].positions[1],
+        Vec3::new(3.0, 0.0, 0.0)
+    );
+}
+
+#[test]
+fn animations_that_fight_are_not_mixed() {
+    let mut tree = square();
+    animate(&mut tree, 0, "translation", &[0.0, 1.0], &RIGHT);
+    animate(&mut tree, 0, "translation", &[0.0, 1.0], &[9.0; 6]);
+    let imported = import_at(tree, &usual(0.5)).expect("the first one is shown");
+    assert_eq!(imported.scene.instances[0].transform.translation.x, 2.0);
+    let warnings = imported.warnings.join("\n");
+    assert!(
+        warnings.contains("only `translation` is shown"),
+        "{warnings}"
+    );
+}
+
+#[test]
+fn malformed_animations_are_refused_with_their_place() {
+    let mut sound = square();
+    animate(&mut sound, 0, "translation", &[0.0, 1.0], &RIGHT);
+    let at = |pointer: &str, value: Value| {
+        let mut tree = sound.clone();
+        *tree
+            .pointer_mut(pointer)
+            .unwrap_or_else(|| panic!("{pointer}")) = value;
+        tree
+    };
+    let animation = "/animations/0";
+    for (pointer, value, says) in [
+        ("/animations", json!({}), "animations"),
+        ("/animations/0/channels/0", json!(3), "has no target"),
+        (
+            "/animations/0/channels/0/sampler",
+            json!(1),
+            "sampler 1 does not exist",
+        ),
+        (
+            "/animations/0/channels/0/sampler",
+            json!(-1),
+            "sampler is not a number",
+        ),
+        (
+            "/animations/0/channels/0/target/node",
+            json!(9),
+            "node 9 does not exist",
+        ),
+        (
+            "/animations/0/samplers/0/input",
+            json!(99),
+            "accessor 99 does not exist",
+        ),
+        ("/animations/0/samplers/0/input", json!(null), "input"),
+        ("/animations/0/samplers/0/output", json!(2), "components"),
+        ("/accessors/2/count", json!(1), "has 1 times and 2 values"),
+    ] {
+        let message = error(&at(pointer, value));
+        assert!(
+            message.contains(says) && message.contains("animation"),
+            "{pointer}: {message}"
+        );
+    }
+    let mut odd = at(
+        animation,
+        json!({ "channels": [{ "sampler": 0, "target": { "node": 0, "path": "translation" } }],
+        "samplers": [{ "input": 2, "output": 3, "interpolation": "CURVED" }] }),
+    );
+    assert!(error(&odd).contains("CURVED"));
+    // A spline has three values for each key.
+    odd["animations"][0]["samplers"][0]["interpolation"] = "CUBICSPLINE".into();
+    assert!(error(&odd).contains("6 values are needed"));
+    for times in [[1.0, 0.0], [0.0, f32::NAN]] {
+        let mut tree = square();
+        animate(&mut tree, 0, "translation", &times, &RIGHT);
+        assert!(error(&tree).contains("animation 0"));
+        // At rest nobody asks.
+        import(tree).expect("nothing of it is shown");
+    }
+}
+
+#[test]
+fn what_cannot_be_moved_stands_still_with_a_warning() {
+    let mut tree = square();
+    animate(&mut tree, 0, "translation", &[0.0, 1.0], &RIGHT);
+    let target = tree["animations"][0]["channels"][0]["target"].clone();
+    for (target, says) in [
+        (json!({ "path": "pointer" }), "KHR_animation_pointer"),
+        (
+            json!({ "node": 0, "path": "colour" }),
+            "`colour` can't be animated",
+        ),
+        (json!({ "node": 0, "path": "weights" }), ""),
+        (json!({ "path": "translation" }), ""),
+        (target, "has a matrix"),
+    ] {
+        tree["animations"][0]["channels"][0]["target"] = target;
+        tree["nodes"][0] = json!({ "mesh": 0 });
+        if says == "has a matrix" {
+            tree["nodes"][0]["matrix"] = json!(glam::Mat4::IDENTITY.to_cols_array());
+        }
+        let imported = import_at(tree.clone(), &usual(1.0)).expect("it is shown");
+        assert_eq!(imported.scene.instances[0].transform.translation.x, 0.0);
+        assert!(
+            imported.warnings.join("\n").contains(says),
+            "{says}: {:?}",
+            imported.warnings
+        );
+    }
+}
+
+/// A file in memory that counts how often it is read.
+#[derive(Debug)]
+struct Counting(Vec<u8>, std::sync::atomic::AtomicU32);
+
+impl Files for Counting {
+    fn read(&self, path: &Path, most: u64) -> io::Result<Vec<u8>> {
+        self.read_start(path, most)
+    }
+
+    fn read_start(&self, _: &Path, most: u64) -> io::Result<Vec<u8>> {
+        self.1.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        Ok(self.0[..self.0.len().min(most as usize)].to_vec())
+    }
+
+    fn has(&self, _: &Path) -> bool {
+        true
+    }
+
+    fn list(&self, _: &Path) -> io::Result<Vec<PathBuf>> {
+        Ok(Vec::new())
+    }
+
+    fn write(&self, _: &Path, _: &[u8]) -> io::Result<()> {
+        Err(io::ErrorKind::ReadOnlyFilesystem.into())
+    }
+
+    fn id(&self, path: &Path) -> FileId {
+        Disk.id(path)
+    }
+}
+
+#[test]
+fn one_moment_after_the_other_is_each_as_if_alone() {
+    let mut tree = square();
+    tree["asset"] = json!({ "version": "2.0" });
+    animate(&mut tree, 0, "translation", &[0.0, 1.0], &RIGHT);
+    let text = serde_json::to_vec(&tree).expect("it is JSON");
+    let files = Arc::new(Counting(text, Default::default()));
+    let mut importer = Importer::from_files(files.clone());
+    let reads = || files.1.load(std::sync::atomic::Ordering::Relaxed);
+    let mut first = 0;
+    for seconds in [0.25, 0.5, 0.25] {
+        importer.begin(usual(seconds));
+        let mut scene = importer
+            .load(Path::new("a.gltf"))
+            .expect("it is read")
+            .scene;
+        importer
+            .append(&mut scene, Path::new("a.gltf"), glam::Affine3A::IDENTITY)
+            .expect("once more");
+        let alone = at(&tree, seconds);
+        for instance in &scene.instances {
+            assert_eq!(instance.transform, alone.instances[0].transform);
+        }
+        assert_eq!(scene.meshes[1].positions, alone.meshes[0].positions);
+        first = if first == 0 { reads() } else { first };
+    }
+    assert_eq!(reads(), first, "it stays open");
+    let animations = importer
+        .animations(Path::new("a.gltf"))
+        .expect("there is one");
+    assert_eq!((animations[0].start, animations[0].end), (0.0, 1.0));
+    assert_eq!(
+        (&*animations[0].nodes, animations[0].channels),
+        (&["node 0".to_owned()][..], [1, 0, 0, 0])
+    );
+}

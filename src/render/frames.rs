@@ -1,0 +1,128 @@
+//! Frames: one picture after the other, by what has rendered the one before.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::Path;
+use std::time::Instant;
+
+use device::Device;
+use engine::session::Session;
+
+use crate::failure::Failure;
+use crate::job::RenderJob;
+use crate::motion::{Frame, numbered};
+use crate::progress::Bar;
+use crate::usage::UsageError;
+use crate::{console, denoise, devices, interrupt, output};
+
+use super::alone::{self, Take};
+use super::limits::Watch;
+use super::reel::Reel;
+use super::{Ended, Rest, check, end, inputs, view_of, write, written};
+
+/// Renders all frames.
+///
+/// # Errors
+/// The first frame that can't be rendered or written; a signal.
+pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
+    let denoiser = denoise::for_job(job.denoise, &job.outputs)?;
+    let frames = job.motion.frames();
+    let resumes = (job.checkpoints.as_ref()).is_some_and(|checkpoints| checkpoints.resumes);
+    let mut studio: Option<(Device, Reel)> = None;
+    let mut session: Option<Box<Session>> = None;
+    let mut told = HashSet::new();
+    let mut skipped = 0;
+    for &frame in &frames {
+        let own = job.of_frame(frame);
+        if resumes && is_done(&own) {
+            skipped += 1;
+            continue;
+        }
+        let clock = Instant::now();
+        let number = frame.number.unwrap_or(0);
+        let written = written(&own);
+        check(&own, &written)?;
+        let bar = Bar::read_by(job.progress, &format!("loading frame {number}"));
+        let (device, reel) = match &mut studio {
+            Some(studio) => studio,
+            None => {
+                let reel = Reel::open(job, inputs(job)?)?;
+                let devices = devices::open(&job.devices, &bar)?;
+                let Ok([device]) = <[Device; 1]>::try_from(devices) else {
+                    let flag = "--frames";
+                    return Err(UsageError::OneDevice { flag }.into());
+                };
+                studio.insert((device, reel))
+            }
+        };
+        let sights = job.motion.sights(frame);
+        let first = reel.at(&sights[0])?;
+        let warnings = &first.opening.loaded().warnings;
+        let news = warnings
+            .iter()
+            .filter(|warning| told.insert(warning.render()));
+        let news = news.cloned().collect();
+        bar.suspend(|| console::diagnostics(&news));
+        let own = own.for_scene(&first.opening.loaded().scene);
+        output::check_all(&written, &first.opening.files())?;
+        let view = view_of(job, &first);
+        let load_seconds = clock.elapsed().as_secs_f64();
+        bar.stage(&format!("preparing frame {number}"));
+        let take = Take {
+            first,
+            others: sights.get(1..).unwrap_or_default(),
+            reel: Some(reel),
+            session: session.take(),
+        };
+        let watch = Watch::new(job.limits, clock);
+        let rendered = alone::render(&own, take, device, &view, &bar, watch)?;
+        bar.finish();
+        if let Some(Ended::Interrupted) = rendered.ended {
+            // Whoever looks for a frame's file takes it for whole; what there is of it is in its checkpoint.
+            console::warning(&format!(
+                "interrupted in frame {number}, which isn't written; those before it are"
+            ));
+            end(rendered.rest);
+            return Err(Failure::Interrupted);
+        }
+        let (outcome, rest) = write(&own, rendered, &view, denoiser.as_ref(), load_seconds);
+        outcome?;
+        forget_checkpoint(&own);
+        if let Rest::Alone(used) = rest {
+            session = Some(used);
+        }
+        if interrupt::requested() {
+            return Err(Failure::Interrupted);
+        }
+    }
+    if skipped > 0 {
+        let all = frames.len();
+        console::note(&format!("{skipped} of {all} frames were there already"));
+    }
+    Ok(())
+}
+
+/// Whether all pictures of a frame are there. Where only films are written, each is gone on with.
+fn is_done(job: &RenderJob) -> bool {
+    let mut pictures = job.outputs.pictures.iter();
+    !job.outputs.pictures.is_empty() && pictures.all(|picture| picture.path.exists())
+}
+
+/// Takes away what was kept of a frame while it was under way, where nobody has asked for it.
+fn forget_checkpoint(job: &RenderJob) {
+    let kept = job.checkpoints.iter().map(|checkpoints| &checkpoints.path);
+    for path in kept.filter(|path| !job.outputs.films.contains(path)) {
+        // One that can't be taken away is in nobody's way.
+        let _ = fs::remove_file(path);
+    }
+}
+
+impl RenderJob {
+    /// The same for one frame.
+    fn of_frame(&self, frame: Frame) -> Self {
+        match frame.number {
+            Some(number) => self.renamed(|path: &Path| numbered(path, number)),
+            None => self.clone(),
+        }
+    }
+}

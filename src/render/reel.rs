@@ -1,0 +1,112 @@
+//! A scene over time as the render sees it: at each moment the scene, its camera, and what textures are told.
+
+use engine::scene::{Camera, Scene};
+use engine::session::{Inputs, Opening, Sequence};
+use engine::system::System;
+use glam::{Affine3A, DAffine3, DQuat, DVec3, Mat3, Vec3};
+
+use crate::failure::Failure;
+use crate::job::RenderJob;
+use crate::motion::Sight;
+
+use super::find_camera;
+
+/// What is rendered, to be opened at one moment after the other.
+pub(super) struct Reel {
+    sequence: Sequence,
+    camera: Option<String>,
+}
+
+/// What is seen at a moment.
+pub(super) struct View {
+    pub(super) opening: Opening,
+    pub(super) sight: Sight,
+}
+
+impl Reel {
+    /// Reads the look, and which animations there are where one is asked for.
+    ///
+    /// # Errors
+    /// What can't be read; an animation that isn't there.
+    pub(super) fn open(job: &RenderJob, inputs: Inputs) -> Result<Self, Failure> {
+        let mut sequence = Sequence::read(inputs, System::default(), &job.edits)?;
+        if let Some(wanted) = &job.motion.animation {
+            let animations = sequence.animations()?;
+            let names: Vec<&str> = animations.iter().map(|a| a.name.as_str()).collect();
+            let number = wanted.parse().ok().filter(|&n: &usize| n < names.len());
+            if !names.contains(&wanted.as_str()) && number.is_none() {
+                let there = match names.is_empty() {
+                    true => "the scene has no animations; leave the flag out".to_owned(),
+                    false => format!(
+                        "the scene has no animation of this name; it has {}",
+                        names.join(", ")
+                    ),
+                };
+                return Err(Failure::Failed(format!("--animation {wanted}: {there}")));
+            }
+        }
+        Ok(Self {
+            sequence,
+            camera: job.camera.clone(),
+        })
+    }
+
+    /// What is seen at a moment.
+    ///
+    /// # Errors
+    /// What can't be read, or makes no sense at that moment.
+    pub(super) fn at(&mut self, sight: &Sight) -> Result<View, Failure> {
+        let opening = self.sequence.at(&sight.moment)?;
+        self.seen(opening, sight)
+    }
+
+    /// What is seen at the one moment that is wanted.
+    ///
+    /// # Errors
+    /// As [`Self::at`].
+    pub(super) fn once(self, sight: &Sight) -> Result<View, Failure> {
+        let camera = self.camera;
+        let opening = self.sequence.once(&sight.moment)?;
+        seen(camera.as_deref(), opening, sight)
+    }
+
+    fn seen(&self, opening: Opening, sight: &Sight) -> Result<View, Failure> {
+        seen(self.camera.as_deref(), opening, sight)
+    }
+}
+
+/// Through the camera of that name, which may have gone around the scene.
+fn seen(camera: Option<&str>, mut opening: Opening, sight: &Sight) -> Result<View, Failure> {
+    if let Some(wanted) = camera {
+        let camera = find_camera(&opening.loaded().scene, wanted)?;
+        opening = opening.seen_by(camera);
+    }
+    if sight.turn != 0.0 {
+        let loaded = opening.loaded();
+        let camera = turned(&loaded.camera, &loaded.scene, sight.turn);
+        opening = opening.seen_by(camera);
+    }
+    Ok(View {
+        opening,
+        sight: sight.clone(),
+    })
+}
+
+/// A camera that has gone around the scene's centre about the vertical, by so many radians.
+fn turned(camera: &Camera, scene: &Scene, turn: f64) -> Camera {
+    let (low, high) = scene.bounds().unwrap_or_default();
+    let centre = low.as_dvec3() * 0.5 + high.as_dvec3() * 0.5;
+    let around = DAffine3::from_translation(centre)
+        * DAffine3::from_quat(DQuat::from_axis_angle(DVec3::Y, turn))
+        * DAffine3::from_translation(-centre);
+    let own = DAffine3::from_mat3_translation(
+        Mat3::from(camera.transform.matrix3).as_dmat3(),
+        Vec3::from(camera.transform.translation).as_dvec3(),
+    );
+    let moved = around * own;
+    let (axes, place) = (moved.matrix3.as_mat3(), moved.translation.as_vec3());
+    Camera {
+        transform: Affine3A::from_mat3_translation(axes, place),
+        ..camera.clone()
+    }
+}
