@@ -1,5 +1,7 @@
 //! Geometry and its places in the world.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 /// An indexed triangle mesh in object space. All attribute vectors are as long as `positions`, or empty where
@@ -26,6 +28,9 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Index into [`Scene::materials`](crate::Scene::materials) of each triangle; as long as `triangles`.
     pub triangle_materials: Vec<u32>,
+    /// Positions of the same vertices before they are bent, where the mesh is at a moment of an animation: what is sorted by place
+    /// can be sorted by these once, for all moments. As long as `positions`.
+    pub unbent: Option<Arc<Vec<Vec3>>>,
 }
 
 /// A custom attribute of a mesh (glTF 2.0, section 3.7.2.1), read by textures.

@@ -307,3 +307,68 @@ fn a_build_tells_its_progress_and_can_be_cancelled() {
     assert_eq!(built.err(), Some(BuildError::Cancelled));
     assert!(reports.into_inner() < 5);
 }
+
+/// A sheet of `side` x `side` corners that waves by so much.
+fn sheet(side: u32, wave: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let share = |x: u32| x as f32 / (side - 1) as f32;
+    let corner = |i: u32| {
+        let (u, v) = (share(i % side), share(i / side));
+        let height = wave * (11.0 * u + 7.0 * v).sin();
+        Vec3::new(4.0 * u - 2.0, height, 4.0 * v - 2.0)
+    };
+    let square = |x: u32, y: u32| {
+        let a = y * side + x;
+        [[a, a + side, a + 1], [a + 1, a + side, a + side + 1]]
+    };
+    let squares = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| (x, y)));
+    let triangles = squares.flat_map(|(x, y)| square(x, y)).collect();
+    ((0..side * side).map(corner).collect(), triangles)
+}
+
+#[test]
+fn a_hierarchy_that_follows_its_triangles_finds_what_a_new_one_finds() {
+    let go_on = |_: f32| ControlFlow::Continue(());
+    let (flat, triangles) = sheet(60, 0.05);
+    let build = |positions: &[Vec3]| {
+        let built = Mesh::build(positions, &triangles, |_| Flags::NONE, &go_on);
+        built.expect("nobody cancels")
+    };
+    let scene = |mesh: Mesh| {
+        let instance = Instance::new(Affine3A::IDENTITY, 0);
+        Scene::new(vec![Arc::new(mesh)], vec![instance], Kernel::best())
+    };
+    let base = build(&flat);
+    let (bent, _) = sheet(60, 0.3);
+    let followed = base.refit(&bent, &triangles).expect("it is bent a little");
+    assert_eq!(followed.depth(), base.depth());
+    assert_eq!(followed.bounds(), build(&bent).bounds());
+    let (followed, new) = (scene(followed), scene(build(&bent)));
+    let mut random = 1u32;
+    let mut number = || {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (random >> 8) as f32 / (1 << 24) as f32
+    };
+    let mut hits = 0;
+    for _ in 0..20_000 {
+        let ray = Ray {
+            origin: [4.0 * number() - 2.0, 2.0, 4.0 * number() - 2.0],
+            direction: [number() - 0.5, -1.0, number() - 0.5],
+            t_min: 0.0,
+            t_max: f32::INFINITY,
+        };
+        let (a, b) = (
+            followed.trace(&ray, false, None),
+            new.trace(&ray, false, None),
+        );
+        assert_eq!(a.map(|hit| hit.t), b.map(|hit| hit.t));
+        hits += usize::from(a.is_some());
+    }
+    assert!(hits > 10_000, "{hits}");
+    // Corners that have been dealt out anew are better sorted anew; so are those that aren't there.
+    let shuffled: Vec<Vec3> = (0..flat.len())
+        .map(|i| flat[i * 1009 % flat.len()])
+        .collect();
+    assert!(base.refit(&shuffled, &triangles).is_none());
+    assert!(base.refit(&flat[..100], &triangles).is_none());
+    assert!(base.refit(&[Vec3::NAN; 3600], &triangles).is_none());
+}

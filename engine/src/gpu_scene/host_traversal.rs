@@ -7,6 +7,7 @@ use device::{
     Activity, HostFunction,
     native::accel::{BuildError, Flags, Instance, Kernel, Mesh, Ray, Scene as RayScene},
 };
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::{
@@ -23,7 +24,7 @@ pub const FUNCTION: &str = "trace_surfaces";
 /// The scene's geometry, ready for rays.
 pub struct HostTraversal {
     scene: RayScene,
-    meshes: Vec<Arc<Mesh>>,
+    meshes: Vec<BuiltMesh>,
     /// Of each instance's mesh, the first triangle among all.
     first_triangles: Vec<u32>,
 }
@@ -40,30 +41,31 @@ impl HostTraversal {
         rules: &[[RayRules; 2]],
         activity: &Activity,
     ) -> Result<Self, BuildError> {
-        Self::with(scene, order, rules, activity, &|_| None)
+        Self::with(scene, order, rules, activity, &|_| Kept::Nothing)
     }
 
     /// The hierarchy of a mesh, by its number.
-    pub(super) fn mesh(&self, mesh: usize) -> Option<Arc<Mesh>> {
-        self.meshes.get(mesh).cloned()
+    pub(super) fn mesh(&self, mesh: usize) -> Option<&BuiltMesh> {
+        self.meshes.get(mesh)
     }
 
     /// As [`Self::new`], with hierarchies of meshes that there are already.
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub(super) fn with(
+    pub(super) fn with<'k>(
         scene: &Scene,
         order: &SceneBvh,
         rules: &[[RayRules; 2]],
         activity: &Activity,
-        keep: &(dyn Fn(usize) -> Option<Arc<Mesh>> + Sync),
+        keep: &(dyn Fn(usize) -> Kept<'k> + Sync),
     ) -> Result<Self, BuildError> {
         let busy = activity.begin(|| "building the hierarchy of the geometry".to_owned());
         let total: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
         let build = |(number, (mesh, order)): (usize, (&scene::Mesh, &Vec<u32>))| {
-            if let Some(kept) = keep(number) {
-                return Ok(kept);
+            let kept = keep(number);
+            if let Kept::Whole(mesh) = kept {
+                return Ok(mesh.clone());
             }
             let triangles: Vec<[u32; 3]> = (order.iter())
                 .map(|&t| mesh.triangles[t as usize])
@@ -81,13 +83,33 @@ impl HostTraversal {
                 }
                 ControlFlow::Continue(())
             };
-            Mesh::build(&mesh.positions, &triangles, flags_of, &progress).map(Arc::new)
+            let build = |positions: &[Vec3]| {
+                Mesh::build(positions, &triangles, flags_of, &progress).map(Arc::new)
+            };
+            let Some(unbent) = &mesh.unbent else {
+                return Ok(BuiltMesh::alone(build(&mesh.positions)?));
+            };
+            // Always from the mesh before it is bent, so that a picture doesn't depend on what was shown before.
+            let base = match kept {
+                Kept::Base(former) if former.is_base_of(unbent) => former.base.clone(),
+                _ => Some((Arc::clone(unbent), build(unbent)?)),
+            };
+            let refit = base
+                .as_ref()
+                .and_then(|(_, base)| base.refit(&mesh.positions, &triangles));
+            Ok(BuiltMesh {
+                mesh: match refit {
+                    Some(refit) => Arc::new(refit),
+                    None => build(&mesh.positions)?,
+                },
+                base,
+            })
         };
         let meshes = (scene.meshes.par_iter())
             .zip(&order.triangle_order)
             .enumerate()
             .map(build)
-            .collect::<Result<Vec<_>, _>>()?;
+            .collect::<Result<Vec<_>, BuildError>>()?;
         let placed = || {
             let sources = order.instance_order.iter();
             sources.map(|&source| &scene.instances[source as usize])
@@ -97,13 +119,42 @@ impl HostTraversal {
             object_from_world: rows(&inverse(&instance.transform)),
             mesh: instance.mesh,
         });
+        let hierarchies = meshes.iter().map(|built| Arc::clone(&built.mesh)).collect();
         let first = |mesh: u32| order.mesh_first_triangle[mesh as usize];
         Ok(Self {
-            scene: RayScene::new(meshes.clone(), instances.collect(), Kernel::best()),
+            scene: RayScene::new(hierarchies, instances.collect(), Kernel::best()),
             meshes,
             first_triangles: placed().map(|instance| first(instance.mesh)).collect(),
         })
     }
+}
+
+/// The hierarchy of a mesh.
+#[derive(Debug, Clone)]
+pub(super) struct BuiltMesh {
+    mesh: Arc<Mesh>,
+    /// That of a mesh that bends, before it is bent, with the positions that it is of.
+    base: Option<(Arc<Vec<Vec3>>, Arc<Mesh>)>,
+}
+
+impl BuiltMesh {
+    fn alone(mesh: Arc<Mesh>) -> Self {
+        Self { mesh, base: None }
+    }
+
+    fn is_base_of(&self, unbent: &Arc<Vec<Vec3>>) -> bool {
+        let mut base = self.base.iter();
+        base.any(|(positions, _)| Arc::ptr_eq(positions, unbent))
+    }
+}
+
+/// What there is of a mesh from another moment.
+pub(super) enum Kept<'a> {
+    Nothing,
+    /// It is the same.
+    Whole(&'a BuiltMesh),
+    /// It may be bent otherwise; its triangles and materials are the same.
+    Base(&'a BuiltMesh),
 }
 
 /// A material's rules as rays know them. The kernels judge what may be transparent and start again behind it.

@@ -1,7 +1,10 @@
 //! The scene at another moment: what has become of it is written over what was, and what stands still stays where it is.
 //!
-//! A hierarchy over a mesh that bends is built again, not adapted: the picture must not depend on what was shown before, and
-//! where two surfaces lie in one place, the order of the hierarchy decides which is hit.
+//! Where two surfaces lie in one place, the order of a hierarchy decides which is hit, and the picture must not depend on what was
+//! shown before. So the hierarchy over a mesh that bends follows from that mesh and from what it was before it was bent, never from
+//! another moment: on the processor that of the unbent mesh is fitted to it, on other devices one is built anew.
+
+use std::sync::Arc;
 
 use bytemuck::NoUninit;
 
@@ -17,7 +20,7 @@ use super::{
     GpuScene, GpuSceneError, MAX_MATERIALS, SceneFeatures,
     environment::GpuEnvironment,
     geometry::{self, Geometry},
-    host_traversal::{self, HostTraversal},
+    host_traversal::{self, HostTraversal, Kept},
     images::GpuImages,
     instances,
     lights::LightTable,
@@ -25,12 +28,25 @@ use super::{
     ray_rules, sphere, update,
 };
 
-/// Which meshes are the same as before, by their numbers.
-struct Same<'a>(&'a [bool]);
+/// What of each mesh is the same as before, by its number.
+struct Same<'a>(&'a [Sameness]);
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sameness {
+    All,
+    Triangles,
+    Nothing,
+}
 
 impl Same<'_> {
     fn is(&self, mesh: usize) -> bool {
-        self.0.get(mesh) == Some(&true)
+        self.0.get(mesh) == Some(&Sameness::All)
+    }
+
+    /// Whether it has the same triangles and materials, maybe in other places.
+    fn has_triangles_of(&self, mesh: usize) -> bool {
+        let sameness = self.0.get(mesh);
+        sameness.is_some_and(|&sameness| sameness != Sameness::Nothing)
     }
 }
 
@@ -57,7 +73,7 @@ impl GpuScene {
         let same = match flags == self.uploaded.flags && reads.attributes == reads_before.attributes
         {
             true => (before.meshes.iter().zip(&scene.meshes))
-                .map(|(before, mesh)| is_same(before, mesh))
+                .map(|(before, mesh)| sameness(before, mesh))
                 .collect(),
             false => Vec::new(),
         };
@@ -155,13 +171,14 @@ impl GpuScene {
         let bvh = SceneBvh::in_scene_order(scene)?;
         let rules = ray_rules(scene, program);
         let former = self.uploaded.traversal.take();
-        let keep = |mesh: usize| {
-            let former = former.as_ref().filter(|_| same.is(mesh))?;
-            former.mesh(mesh)
+        let keep = |mesh: usize| match former.as_ref().and_then(|former| former.mesh(mesh)) {
+            Some(built) if same.is(mesh) => Kept::Whole(built),
+            Some(built) if same.has_triangles_of(mesh) => Kept::Base(built),
+            _ => Kept::Nothing,
         };
         let traversal: Result<_, BuildError> =
             HostTraversal::with(scene, &bvh, &rules, device.activity(), &keep);
-        let traversal = std::sync::Arc::new(traversal?);
+        let traversal = Arc::new(traversal?);
         self.uploaded.traversal = Some(traversal.clone());
         resources.set_function(host_traversal::FUNCTION, traversal);
         Ok(bvh)
@@ -228,30 +245,43 @@ fn write_at<T: NoUninit>(device: &Device, buffer: &Buffer, first: u32, items: &[
     }
 }
 
-/// Whether two meshes are the same to the bit.
-fn is_same(a: &Mesh, b: &Mesh) -> bool {
+/// What of two meshes is the same to the bit.
+fn sameness(a: &Mesh, b: &Mesh) -> Sameness {
     fn bytes<T: NoUninit>(list: &[T]) -> &[u8] {
         bytemuck::cast_slice(list)
     }
     let custom = |mesh: &Mesh| mesh.custom.len();
     let mut customs = a.custom.iter().zip(&b.custom);
-    bytes(&a.positions) == bytes(&b.positions)
+    let is_unbent = |a: &Option<Arc<_>>, b: &Option<Arc<_>>| match (a, b) {
+        (None, None) => true,
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        _ => false,
+    };
+    let has_same_triangles = bytes(&a.triangles) == bytes(&b.triangles)
+        && a.triangle_materials == b.triangle_materials
+        && a.colors.is_empty() == b.colors.is_empty();
+    let is_all_same = has_same_triangles
+        && is_unbent(&a.unbent, &b.unbent)
+        && bytes(&a.positions) == bytes(&b.positions)
         && bytes(&a.normals) == bytes(&b.normals)
         && bytes(&a.tangents) == bytes(&b.tangents)
         && bytes(&a.uv0) == bytes(&b.uv0)
         && bytes(&a.uv1) == bytes(&b.uv1)
         && bytes(&a.colors) == bytes(&b.colors)
-        && bytes(&a.triangles) == bytes(&b.triangles)
-        && a.triangle_materials == b.triangle_materials
         && custom(a) == custom(b)
-        && customs.all(|(a, b)| a.name == b.name && bytes(&a.values) == bytes(&b.values))
+        && customs.all(|(a, b)| a.name == b.name && bytes(&a.values) == bytes(&b.values));
+    match (is_all_same, has_same_triangles) {
+        (true, _) => Sameness::All,
+        (false, true) => Sameness::Triangles,
+        (false, false) => Sameness::Nothing,
+    }
 }
 
 fn has_same_images(a: &Scene, b: &Scene) -> bool {
     let mut images = a.images.iter().zip(&b.images);
     a.images.len() == b.images.len()
         && images.all(|(a, b)| {
-            let is_shared = std::sync::Arc::ptr_eq(&a.rgba8, &b.rgba8);
+            let is_shared = Arc::ptr_eq(&a.rgba8, &b.rgba8);
             (a.width, a.height, a.srgb) == (b.width, b.height, b.srgb)
                 && (is_shared || a.rgba8 == b.rgba8)
         })

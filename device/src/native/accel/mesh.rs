@@ -9,6 +9,7 @@ use super::{
     bounds::Reference,
     build::{BuildError, Hierarchy, Progress},
     layout::{DEFERRED, FILTERED, INDEX, SINGLE_SIDED, TriangleBlock, WIDTH},
+    refit,
 };
 
 /// What rays have to know of a triangle.
@@ -95,6 +96,23 @@ impl Mesh {
             block
         })?;
         Ok(Self { level })
+    }
+
+    /// The same hierarchy around the same `triangles` with their corners elsewhere: a twentieth of the time that building one takes.
+    /// `None` where its boxes would overlap so much more than they do now that rays would pay for it.
+    ///
+    /// Triangles that were left out stay so; none of the others may have a corner that isn't finite or isn't there.
+    pub fn refit(&self, positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Self> {
+        let corners = |triangle: usize| -> Option<[[f32; 3]; 3]> {
+            let [a, b, c] = *triangles.get(triangle)?;
+            Some([
+                positions.get(a as usize)?.to_array(),
+                positions.get(b as usize)?.to_array(),
+                positions.get(c as usize)?.to_array(),
+            ])
+        };
+        let level = refit::around(&self.level, corners)?;
+        Some(Self { level })
     }
 
     /// Corners of the box around its triangles, or `None` if there are none.

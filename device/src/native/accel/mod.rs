@@ -28,6 +28,7 @@ mod bounds;
 mod build;
 mod layout;
 mod mesh;
+mod refit;
 mod scene;
 mod trace;
 

@@ -10,11 +10,11 @@ use crate::import::error::{At as _, Fault, ImportError, Warnings};
 use crate::import::mesh::warn_of_dropped;
 use crate::import::place::{MAX_INSTANCES, check_count, invertible};
 use crate::{Camera, Instance, Material, Mesh, PunctualLight};
-use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A};
+use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A, Vec3};
 use gltf::json;
 use rayon::prelude::*;
 use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
@@ -39,17 +39,55 @@ impl Request {
 
 /// Meshes that look the same whenever they are seen, for files that are read again and again.
 #[derive(Debug, Default)]
-pub(super) struct Kept(Mutex<HashMap<Request, Built>>);
+pub(super) struct Kept {
+    built: Mutex<HashMap<Request, Built>>,
+    /// Those that bend, by their numbers.
+    unbent: Mutex<HashMap<usize, Unbent>>,
+}
+
+/// A mesh as it is before it is bent.
+#[derive(Debug, Clone)]
+struct Unbent {
+    positions: Arc<Vec<Vec3>>,
+    triangles: Arc<Vec<[u32; 3]>>,
+}
 
 impl Kept {
     fn get(&self, request: &Request) -> Option<Built> {
-        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let kept = self.built.lock().unwrap_or_else(PoisonError::into_inner);
         kept.get(request).cloned()
     }
 
     fn put(&self, request: &Request, built: &Built) {
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut kept = self.built.lock().unwrap_or_else(PoisonError::into_inner);
         kept.insert(request.clone(), built.clone());
+    }
+
+    /// Tells a mesh where its vertices are before they are bent, where it has the same triangles then.
+    fn unbend(
+        &self,
+        number: usize,
+        builder: &Builder<'_>,
+        mesh: &mut Mesh,
+    ) -> Result<(), ImportError> {
+        let lock = || self.unbent.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = lock().get(&number).cloned();
+        let unbent = match known {
+            Some(unbent) => unbent,
+            None => {
+                let built = builder.build(number, &Pose::default())?.mesh;
+                let unbent = Unbent {
+                    positions: built.positions.into(),
+                    triangles: built.triangles.into(),
+                };
+                lock().insert(number, unbent.clone());
+                unbent
+            }
+        };
+        let is_same =
+            unbent.positions.len() == mesh.positions.len() && *unbent.triangles == mesh.triangles;
+        mesh.unbent = is_same.then_some(unbent.positions);
+        Ok(())
     }
 }
 
@@ -83,9 +121,14 @@ pub(super) fn instances(
                 return Ok(built);
             }
             let pose = pose(document, nodes, request)?;
-            let built = builder.build(request.mesh, &pose)?;
-            if let Some(kept) = kept {
-                kept.put(request, &built);
+            let mut built = builder.build(request.mesh, &pose)?;
+            match kept {
+                Some(kept) => kept.put(request, &built),
+                None => {
+                    if let Some(kept) = stage.kept.filter(|_| stage.places.is_moved) {
+                        kept.unbend(request.mesh, &builder, &mut built.mesh)?;
+                    }
+                }
             }
             Ok(built)
         })
