@@ -37,6 +37,8 @@ pub(crate) enum TextureCommand {
         #[command(flatten)]
         folders: Folders,
     },
+    /// Print the prelude: with it in front, a texture is a complete WGSL module.
+    Prelude,
     /// Show what Patina makes of a texture or a look: kernel, programs, arguments, memory.
     Inspect(InspectArgs),
     /// Print the value of a texture at points of your choice.

@@ -21,6 +21,8 @@ const MAX_NAME: usize = 64;
 pub(crate) enum TextureJob {
     /// Print a table of all.
     List(Vec<PathBuf>),
+    /// Print the prelude.
+    Prelude,
     /// Show mistakes.
     Check(CheckJob),
     /// Show what becomes of a texture or a look.
@@ -122,6 +124,7 @@ impl TextureJob {
             TextureCommand::List {
                 folders: Folders { texture_dirs },
             } => Self::List(texture_dirs),
+            TextureCommand::Prelude => Self::Prelude,
             TextureCommand::Check { files, folders } => Self::Check(CheckJob {
                 files,
                 texture_dirs: folders.texture_dirs,

@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use engine::procedural::{SourcesError, TextureSources};
 use texgen::{Diagnostic, Diagnostics, SourceFile, did_you_mean};
 
+use crate::console;
 use crate::failure::Failure;
 use crate::library;
 
@@ -28,6 +29,10 @@ use job::TextureJob;
 pub(crate) fn run(job: TextureJob) -> Result<(), Failure> {
     match job {
         TextureJob::List(texture_dirs) => list::run(&texture_dirs),
+        TextureJob::Prelude => {
+            console::print(texgen::PRELUDE);
+            Ok(())
+        }
         TextureJob::Check(job) => check::run(&job),
         TextureJob::New(job) => new::run(&job),
         TextureJob::Inspect(job) => inspect::run(&job),

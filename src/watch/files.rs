@@ -13,6 +13,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant, SystemTime};
 
 use engine::aside;
+use engine::procedural::LIBRARIES;
 use notify::event::{AccessKind, AccessMode, ModifyKind, RenameMode};
 use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
 
@@ -125,7 +126,10 @@ impl Watcher {
             watcher,
             events,
             files: HashMap::new(),
-            texture_folders: textures.iter().map(|folder| absolute(folder)).collect(),
+            // What textures share lies in a folder of its own.
+            texture_folders: (textures.iter().map(|folder| absolute(folder)))
+                .flat_map(|folder| [folder.join(LIBRARIES), folder])
+                .collect(),
             aliases: HashMap::new(),
             watched: BTreeMap::new(),
             stamps: HashMap::new(),
