@@ -89,7 +89,7 @@ fn row(parameter: &Parameter) -> [String; 4] {
     ]
 }
 
-fn default(parameter: &Parameter) -> Option<String> {
+pub(super) fn default(parameter: &Parameter) -> Option<String> {
     if let Some(attribute) = &parameter.attribute {
         return Some(format!("attribute {attribute}"));
     }

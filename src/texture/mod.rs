@@ -2,6 +2,7 @@
 
 pub(crate) mod args;
 mod check;
+mod doc;
 mod eval;
 mod inspect;
 pub(crate) mod job;
@@ -29,6 +30,7 @@ use job::TextureJob;
 pub(crate) fn run(job: TextureJob) -> Result<(), Failure> {
     match job {
         TextureJob::List(texture_dirs) => list::run(&texture_dirs),
+        TextureJob::Doc(job) => doc::run(&job),
         TextureJob::Prelude => {
             console::print(texgen::PRELUDE);
             Ok(())

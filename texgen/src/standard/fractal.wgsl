@@ -147,9 +147,9 @@ fn ridged3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, offset: f32, pix
             break;
         }
         let seen = octaveSeen(pixel * frequency);
-        var ridge = 0.55 * offset * offset;
+        var ridge = 0.33 * offset * offset;
         if seen > 0.0 {
-            let height = offset - 1.6 * abs(perlin3D(p * frequency + octaveOffset(octave)));
+            let height = max(offset - 2.4 * abs(perlin3D(p * frequency + octaveOffset(octave))), 0.0);
             ridge = mix(ridge, height * height, seen);
         }
         sum += amplitude * present * weight * ridge;
