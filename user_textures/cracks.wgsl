@@ -19,6 +19,6 @@ fn userProc(position: vec4f, scale: f32, width: f32, fray: f32, fine: f32) -> ve
     let here = smoothstep(0.15, -0.25, perlin3D(p * 0.7 + 3.0)) * fine;
     let thin = (1.0 - softStep(0.15 * half, 0.35 * half + 0.003, finer, pixel)) * here * 0.7;
     let seen = octaveSeen(0.5 * pixel);
-    let mean = vec3f(saturate(2.2 * width), 0.2, 0.5);
+    let mean = vec3f(saturate(2.2 * width), 0.125, 0.5);
     return mix(mean, vec3f(saturate(max(crack, thin)), edge, random1to1(id)), seen);
 }

@@ -3,7 +3,7 @@
 /// @param file    the image
 /// @param texcoord where; link `place2d` to change it [attr TexCoord0]
 /// @param columns pictures in a row [1 .. 64] = 4
-/// @param rows    rows [1 .. 64] = 4
+/// @param rows    rows of pictures [1 .. 64] = 4
 /// @param rate    pictures per second [0 .. 120] = 12
 /// @param start   the picture at time 0 [0 .. 4096] = 0
 /// @param blend   whether each becomes the next one smoothly = true

@@ -14,7 +14,7 @@ fn userProc(position: vec4f, size: f32, feldspar: vec3f, quartz: vec3f, mica: ve
     let q = p + 0.35 * vec3f(perlin3D(p * 2.1), perlin3D(p * 2.1 + 9.0), perlin3D(p * 2.1 + 17.0));
     let large = voronoi3D(q, 1.0);
     let small = voronoi3D(q * 2.6 + 4.0, 1.0);
-    let of_small = random1to1(small.id);
+    let of_small = random1to1(small.id + 17u);
     let use_small = of_small < 0.35;
     let r = random1to3(select(large.id, small.id, use_small));
     var color = mix(feldspar, feldspar * 1.25, r.y);

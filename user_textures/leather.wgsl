@@ -17,7 +17,7 @@ fn userProc(position: vec4f, scale: f32, color: vec3f, folds: vec3f, wear: f32) 
     let pore = 1.0 - smoothstep(0.06, 0.12, fine.nearest + 0.05 * f32(fine.id & 1u));
     let region = fbm3D(p * 0.06, 4.0, 2.0, 0.5, pixel * 0.06);
     let seen = octaveSeen(0.7 * pixel);
-    let height = mix(0.75, cushion * (0.75 + 0.25 * small) - 0.3 * pore, seen);
+    let height = mix(0.36, cushion * (0.75 + 0.25 * small) - 0.3 * pore, seen);
     let shade = saturate(height + wear * 0.45 * region);
     return vec4f(mix(folds, color * (1.0 + 0.5 * wear * region), smoothstep(0.0, 0.75, shade)), saturate(height));
 }

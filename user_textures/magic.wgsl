@@ -19,7 +19,8 @@ fn userProc(position: vec4f, scale: f32, depth: u32, distortion: f32) -> vec3f {
         y = next.y;
         z = next.z;
     }
-    return mix(vec3f(0.5), 0.5 - 0.5 * vec3f(x, y, z), octaveSeen(position.w * scale * 2.0));
+    // Far away it is its mean, as it is for the defaults.
+    return mix(vec3f(0.734, 0.235, 0.686), 0.5 - 0.5 * vec3f(x, y, z), octaveSeen(position.w * scale * 2.0));
 }
 
 fn modulo3(v: vec3f, y: f32) -> vec3f {

@@ -19,8 +19,9 @@ fn userProc(position: vec4f, scale: f32, warp: f32, width: f32, stone: vec3f, sh
         let s = pow(2.1, f32(layer));
         let line = abs(perlin3D(q * s + 31.7 * f32(layer))) * 4.0 / max(width, 0.01);
         let present = smoothstep(-0.15, 0.45, perlin3D(p * 0.6 * s + 5.3 * f32(layer)));
-        let edge = max(1.0, pixel * s * 4.0 / max(width, 0.01));
-        strength += pow(0.62, f32(layer)) * present * saturate(1.0 - line / edge) / edge;
+        // Veins thinner than the pixel are what they cover on the whole.
+        let cover = mix(0.65 * width, saturate(1.0 - line), octaveSeen(pixel * s * 3.0));
+        strength += pow(0.62, f32(layer)) * present * cover;
     }
     let s = saturate(strength * 1.1);
     let body = mix(shade, stone, smoothstep(-0.45, 0.35, clouds));

@@ -19,8 +19,8 @@ fn userProc(texcoord: vec4f, scale: f32, round: f32) -> vec3f {
         if end > d.y {
             let number = random2to1(vec2u(vec2i(vec2f(column, r))));
             let shown = vec3f(saturate(d.y / max(end, 1e-3)), saturate(2.0 * min(inside, end - d.y)), number);
-            return mix(vec3f(0.55, 0.4, 0.5), shown, octaveSeen(0.4 * pixel));
+            return mix(vec3f(0.69, 0.4, 0.5), shown, octaveSeen(0.4 * pixel));
         }
     }
-    return mix(vec3f(0.55, 0.4, 0.5), vec3f(0.0, 0.0, 0.5), octaveSeen(0.4 * pixel));
+    return mix(vec3f(0.69, 0.4, 0.5), vec3f(0.0, 0.0, 0.5), octaveSeen(0.4 * pixel));
 }

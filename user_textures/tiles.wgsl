@@ -19,5 +19,5 @@ fn userProc(texcoord: vec4f, uvtiling: vec2f, offset: f32, joint: f32, corner: f
     let height = smoothstep(0.0, max(bevel, 1e-4), -distance);
     let number = random2to1(vec2u(vec2i(cell)));
     let side = 1.0 - joint;
-    return mix(vec3f(side * side, side * side, 0.5), vec3f(mask, height, number), octaveSeen(0.6 * pixel));
+    return mix(vec3f(side * side, side * side * (1.0 - 2.0 * bevel), 0.5), vec3f(mask, height, number), octaveSeen(0.6 * pixel));
 }

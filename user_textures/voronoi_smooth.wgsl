@@ -6,5 +6,5 @@
 /// @param smoothness how wide cells run into each other [0 .. 1] [percent] = 0.4
 fn userProc(position: vec4f, scale: f32, randomness: f32, smoothness: f32) -> f32 {
     let distance = voronoiSmooth3D(position.xyz * scale, saturate(randomness), saturate(smoothness));
-    return saturate(mix(0.45, distance, octaveSeen(0.5 * position.w * scale)));
+    return saturate(mix(0.54, distance, octaveSeen(0.5 * position.w * scale)));
 }

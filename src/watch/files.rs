@@ -511,6 +511,19 @@ mod tests {
         expect("an edit of that");
     }
 
+    #[test]
+    fn shared_files_beside_textures_are_followed() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir(path("lib")).expect("a folder");
+        fs::write(path("lib/waves.wgsl"), "old").expect("written");
+        let mut watcher = Watcher::new(&[], None, &[folder.path().to_owned()]).expect("watched");
+        fs::write(path("lib/waves.wgsl"), "newer").expect("written");
+        let changes = next(&mut watcher).expect("noticed");
+        assert!(changes.textures, "{changes:?}");
+        assert_eq!(changes.names, ["waves.wgsl"]);
+    }
+
     #[cfg(unix)]
     #[test]
     fn edits_behind_a_link_are_seen_and_so_is_another_target() {

@@ -281,6 +281,32 @@ mod tests {
     }
 
     #[test]
+    fn shared_files_come_with_the_textures_that_use_them() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let write = |name: &str, text: &str| {
+            std::fs::write(folder.path().join(name), text).expect("a file");
+        };
+        std::fs::create_dir(folder.path().join(LIBRARIES)).expect("a folder");
+        write(
+            "t.wgsl",
+            "/// @use a, missing, ../t\nfn userProc() -> f32 { return f(); }",
+        );
+        write("lib/a.wgsl", "/// @use b\nfn f() -> f32 { return g(); }");
+        write("lib/b.wgsl", "/// @use a\nfn g() -> f32 { return 1.0; }");
+        let sources = TextureSources::scan(&[folder.path()]).expect("can be listed");
+        assert_eq!(sources.names().collect::<Vec<_>>(), ["t"]);
+        let file = sources.read("t").expect("is there").expect("is text");
+        let names: Vec<&str> = file.libraries().iter().map(SourceFile::name).collect();
+        assert_eq!(names, ["a", "b"]);
+        let opened = TextureSources::open(&folder.path().join("t.wgsl")).expect("is text");
+        assert_eq!(opened.libraries(), file.libraries());
+        // An edit of a shared file makes the texture another one.
+        write("lib/b.wgsl", "fn g() -> f32 { return 2.0; }");
+        let again = sources.read("t").expect("is there").expect("is text");
+        assert!(again.text() == file.text() && again.libraries() != file.libraries());
+    }
+
+    #[test]
     fn the_standard_textures_need_no_folder_and_give_way_to_files() {
         let nowhere: [&Path; 0] = [];
         let sources = TextureSources::search(&nowhere).expect("nothing to list");

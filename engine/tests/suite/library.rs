@@ -7,7 +7,7 @@ use device::{Device, DeviceChoice};
 use engine::evaluate::{Evaluator, Point};
 use engine::isolated::{Isolated, Subject};
 use engine::procedural::TextureSources;
-use texgen::{ParameterType, TextureType, Value};
+use texgen::{OutputType, ParameterType, TextureType, Value};
 
 use crate::support::device::open_driver;
 
@@ -87,25 +87,70 @@ fn every_standard_texture_gives_finite_values_in_its_range() {
             .evaluate(&places)
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         let components = texture.output().components();
-        let all = values.iter().flat_map(|value| &value[..components]);
-        let (low, high) = all.fold((f32::MAX, f32::MIN), |(low, high), &v| {
-            match v.is_finite() {
-                true => (low.min(v), high.max(v)),
-                false => (f32::NAN, f32::NAN),
-            }
+        let all = || values.iter().flat_map(|value| &value[..components]);
+        let (low, high) = all().fold((f32::MAX, f32::MIN), |(low, high), &v| {
+            (low.min(v), high.max(v))
         });
-        let is_share = [
-            "noise",
-            "patterns",
-            "materials",
-            "weathering",
-            "surface",
-            "random",
-        ]
-        .contains(&group)
-            && !UNBOUNDED.contains(&name);
-        if !low.is_finite() || (is_share && (low < -0.2 || high > 2.1)) {
+        let is_free =
+            ["images", "colour", "coordinates"].contains(&group) || UNBOUNDED.contains(&name);
+        // Colours may be brighter than white; noises with an amplitude of 0.5 reach a little beyond 0 and 1.
+        let [least, most] = match texture.output() {
+            OutputType::F32 => [-0.15, 1.15],
+            _ => [-0.05, 2.1],
+        };
+        let is_within = low >= least && high <= most;
+        if !all().all(|v| v.is_finite()) || !(is_free || is_within) {
             wrong.push(format!("{name}: {low} to {high}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn from_afar_a_texture_is_its_mean() {
+    let (device, sources) = (native(), standard());
+    let at = |pixel: f32| -> Vec<Point> {
+        let place = |i: u32| {
+            let r = |k: u32| random(16 * i + k);
+            Point::new()
+                .with("WorldPos", &[0, 1, 2].map(|k| 8.0 * r(k) - 4.0))
+                .with("TexCoord0", &[8.0 * r(3), 8.0 * r(4)])
+                .with("Normal", &[0.0, 0.0, 1.0])
+                .with("Footprint", &[pixel; 4])
+        };
+        (0..3000).map(place).collect()
+    };
+    let (near, far) = (at(1e-5), at(60.0));
+    let mut wrong = Vec::new();
+    for name in sources.names() {
+        let file = sources.read(name).expect("is there").expect("is text");
+        let texture = TextureType::parse(file).unwrap_or_else(|problems| panic!("{problems}"));
+        let group = texture.group().unwrap_or_default();
+        // What covers the whole of space, and doesn't hang on things that the places lack.
+        if !["noise", "patterns", "materials"].contains(&group)
+            || ["gradient", "white_noise"].contains(&name)
+        {
+            continue;
+        }
+        let mut evaluator = evaluator(&device, &sources, name);
+        let mut mean = |places: &[Point]| {
+            let values = evaluator
+                .evaluate(places)
+                .unwrap_or_else(|error| panic!("{error}"));
+            let mut sum = [0.0f32; 4];
+            for value in &values {
+                sum = std::array::from_fn(|c| sum[c] + value[c] / values.len() as f32);
+            }
+            sum
+        };
+        let (near, far) = (mean(&near), mean(&far));
+        for c in 0..texture.output().components() {
+            if (near[c] - far[c]).abs() > 0.06 {
+                wrong.push(format!(
+                    "{name}, component {c}: {} near, {} far",
+                    near[c], far[c]
+                ));
+            }
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

@@ -103,7 +103,7 @@ fn turbulence3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) 
             break;
         }
         let seen = octaveSeen(pixel * frequency);
-        var height = 0.21;
+        var height = 0.154;
         if seen > 0.0 {
             height = mix(height, abs(perlin3D(p * frequency + octaveOffset(octave))), seen);
         }
@@ -123,7 +123,7 @@ fn turbulence2D(p: vec2f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) 
             break;
         }
         let height = abs(perlin2D(p * frequency + octaveOffset(octave).xy));
-        sum += amplitude * present * mix(0.23, height, octaveSeen(pixel * frequency));
+        sum += amplitude * present * mix(0.14, height, octaveSeen(pixel * frequency));
         amplitude *= gain;
         frequency *= lacunarity;
     }
@@ -147,7 +147,7 @@ fn ridged3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, offset: f32, pix
             break;
         }
         let seen = octaveSeen(pixel * frequency);
-        var ridge = 0.33 * offset * offset;
+        var ridge = 0.43 * offset * offset;
         if seen > 0.0 {
             let height = max(offset - 2.4 * abs(perlin3D(p * frequency + octaveOffset(octave))), 0.0);
             ridge = mix(ridge, height * height, seen);
