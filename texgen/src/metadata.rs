@@ -14,6 +14,7 @@ use crate::libraries::Whole;
 use crate::literal::{self, Literal};
 use crate::scope::Outline;
 use crate::suggest::did_you_mean;
+use crate::tokens::{TokenKind, tokenize};
 use crate::value::{Interpolation, ParameterType, Ramp, Value};
 
 /// One line of documentation, without its comment marker.
@@ -322,7 +323,11 @@ impl<'a> ParamLine<'a> {
                 .with_label(self.file, span, "")
                 .with_note("numbers, vectors and `bool` can"));
         }
-        if name.len() > 1 && name.starts_with('_') {
+        // It becomes part of a name in the kernel.
+        let tokens = tokenize(name).tokens;
+        let is_word =
+            matches!(&tokens[..], [one] if one.kind == TokenKind::Word && one.text == name);
+        if is_word && name.len() > 1 && name.starts_with('_') {
             return Ok(Attribute::Custom(name.to_owned()));
         }
         BuiltinAttribute::from_name(name)

@@ -125,6 +125,12 @@ fn wrong_attributes_are_errors_with_their_place() {
         "/// @param r curve [attr UV]\nfn userProc(r: ramp1D) -> f32 { return rampEval(r, 0.0).x; }",
     );
     assert!(error.contains("can't take an attribute"), "{error}");
+    for wild in ["_A B", "_A;", "_A(", "_", "_/*"] {
+        let text = format!(
+            "/// @param p where [attr {wild}]\nfn userProc(p: vec3f) -> f32 {{ return p.x; }}"
+        );
+        assert!(errors(&text).contains("no attribute called"), "{wild}");
+    }
 }
 
 fn file(name: &str, text: &str) -> SourceFile {
