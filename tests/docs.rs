@@ -255,3 +255,17 @@ fn device() -> bool {
     }
     found.is_ok()
 }
+
+#[test]
+fn the_page_of_textures_is_what_the_command_prints() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let command = ["texture", "doc"].map(str::to_owned);
+    let printed = patina(&command, folder.path()).expect("the command works");
+    let page = include_str!("../docs/textures.md");
+    let same = page.lines().zip(printed.lines()).find(|(a, b)| a != b);
+    assert_eq!(
+        same, None,
+        "`patina texture doc -o docs/textures.md` writes the page anew"
+    );
+    assert_eq!(page.lines().count(), printed.lines().count());
+}

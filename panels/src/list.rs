@@ -370,8 +370,17 @@ pub(crate) fn node_parameter(ui: &mut Ui, cx: &mut Context<'_>, node: &str, para
         return;
     };
     let value = cx.model.graph.value(id, &parameter.name).cloned();
+    let attribute = cx.model.graph.attribute(id, &parameter.name);
+    let attribute = attribute.map(|attribute| attribute.name().to_owned());
     let widget = |ui: &mut Ui, cx: &mut Context<'_>| {
         let Edited { response, value } = match &value {
+            Some(value) if attribute.is_some() => {
+                let name = attribute.as_deref().unwrap_or_default();
+                let response = ui.button(format!("attribute {name}"));
+                let response = response.on_hover_text("a click gives it a constant of its own");
+                let value = response.clicked().then(|| written(value));
+                Edited { response, value }
+            }
             Some(value) => {
                 let spec = Spec::of(parameter, full.clone());
                 let Edited { response, value } = edit(ui, &spec, value);
@@ -425,6 +434,9 @@ fn help_of(parameter: &Parameter) -> String {
     }
     if let Some(unit) = &parameter.unit {
         help += &format!(" {unit}");
+    }
+    if let Some(attribute) = &parameter.attribute {
+        return help + &format!("\nwithout a link: attribute {attribute}");
     }
     match &parameter.default {
         Some(texgen::Value::Ramp(_) | texgen::Value::Array(_)) | None => {}

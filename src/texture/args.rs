@@ -37,6 +37,26 @@ pub(crate) enum TextureCommand {
         #[command(flatten)]
         folders: Folders,
     },
+    /// Write a page about all textures, with a sheet of swatches for each group.
+    Doc {
+        /// Where the page goes; without it, it is printed.
+        #[arg(short, long, value_name = "FILE")]
+        output: Option<PathBuf>,
+
+        /// Write the sheets into this folder, as textures-GROUP.jpg.
+        #[arg(long, value_name = "DIR")]
+        sheets: Option<PathBuf>,
+
+        /// Device by number or by part of its name, as `patina devices` lists them.
+        #[arg(long, value_name = "NAME|N")]
+        device: Option<String>,
+
+        /// Where textures are.
+        #[command(flatten)]
+        folders: Folders,
+    },
+    /// Print the prelude: with it in front, a texture is a complete WGSL module.
+    Prelude,
     /// Show what Patina makes of a texture or a look: kernel, programs, arguments, memory.
     Inspect(InspectArgs),
     /// Print the value of a texture at points of your choice.

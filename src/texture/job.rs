@@ -21,6 +21,10 @@ const MAX_NAME: usize = 64;
 pub(crate) enum TextureJob {
     /// Print a table of all.
     List(Vec<PathBuf>),
+    /// Write the page about all.
+    Doc(DocJob),
+    /// Print the prelude.
+    Prelude,
     /// Show mistakes.
     Check(CheckJob),
     /// Show what becomes of a texture or a look.
@@ -31,6 +35,19 @@ pub(crate) enum TextureJob {
     Preview(PreviewJob),
     /// Write a template.
     New(NewJob),
+}
+
+/// A page to be written.
+#[derive(Debug, PartialEq)]
+pub(crate) struct DocJob {
+    /// Where it goes; without it, it is printed.
+    pub(crate) output: Option<PathBuf>,
+    /// The folder of the sheets.
+    pub(crate) sheets: Option<PathBuf>,
+    /// Device that makes the swatches.
+    pub(crate) device: DeviceChoice,
+    /// Folders the user named, searched first.
+    pub(crate) texture_dirs: Vec<PathBuf>,
 }
 
 /// Textures to be checked.
@@ -122,6 +139,18 @@ impl TextureJob {
             TextureCommand::List {
                 folders: Folders { texture_dirs },
             } => Self::List(texture_dirs),
+            TextureCommand::Doc {
+                output,
+                sheets,
+                device,
+                folders,
+            } => Self::Doc(DocJob {
+                output,
+                sheets,
+                device: parse_device(device.as_deref())?,
+                texture_dirs: folders.texture_dirs,
+            }),
+            TextureCommand::Prelude => Self::Prelude,
             TextureCommand::Check { files, folders } => Self::Check(CheckJob {
                 files,
                 texture_dirs: folders.texture_dirs,

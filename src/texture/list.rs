@@ -89,7 +89,10 @@ fn row(parameter: &Parameter) -> [String; 4] {
     ]
 }
 
-fn default(parameter: &Parameter) -> Option<String> {
+pub(super) fn default(parameter: &Parameter) -> Option<String> {
+    if let Some(attribute) = &parameter.attribute {
+        return Some(format!("attribute {attribute}"));
+    }
     let default = parameter.default.as_ref()?;
     Some(written::value(default, parameter.widget))
 }
@@ -103,6 +106,8 @@ struct Entry<'a> {
     built_in: bool,
     returns: String,
     doc: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    group: Option<&'a str>,
     parameters: Vec<ParameterEntry<'a>>,
 }
 
@@ -117,6 +122,9 @@ struct ParameterEntry<'a> {
     range: Option<(f32, f32)>,
     soft_range: Option<(f32, f32)>,
     unit: Option<&'a str>,
+    /// What it takes at the hit where nothing is linked or set.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    attribute: Option<&'a str>,
     widget: &'static str,
 }
 
@@ -126,7 +134,10 @@ impl<'a> From<&'a TextureType> for Entry<'a> {
             name: &parameter.name,
             r#type: parameter.ty.to_string(),
             label: &parameter.label,
-            default: default(parameter),
+            default: (parameter.attribute.is_none())
+                .then(|| default(parameter))
+                .flatten(),
+            attribute: parameter.attribute.as_ref().map(texgen::Attribute::name),
             range: parameter.range,
             soft_range: parameter.soft_range,
             unit: parameter.unit.as_deref(),
@@ -145,6 +156,7 @@ impl<'a> From<&'a TextureType> for Entry<'a> {
             built_in: false,
             returns: texture.output().to_string(),
             doc: texture.docs(),
+            group: texture.group(),
             parameters: texture.parameters().iter().map(parameter).collect(),
         }
     }

@@ -2,6 +2,7 @@
 
 pub(crate) mod args;
 mod check;
+mod doc;
 mod eval;
 mod inspect;
 pub(crate) mod job;
@@ -16,6 +17,7 @@ use std::path::{Path, PathBuf};
 use engine::procedural::{SourcesError, TextureSources};
 use texgen::{Diagnostic, Diagnostics, SourceFile, did_you_mean};
 
+use crate::console;
 use crate::failure::Failure;
 use crate::library;
 
@@ -28,6 +30,11 @@ use job::TextureJob;
 pub(crate) fn run(job: TextureJob) -> Result<(), Failure> {
     match job {
         TextureJob::List(texture_dirs) => list::run(&texture_dirs),
+        TextureJob::Doc(job) => doc::run(&job),
+        TextureJob::Prelude => {
+            console::print(texgen::PRELUDE);
+            Ok(())
+        }
         TextureJob::Check(job) => check::run(&job),
         TextureJob::New(job) => new::run(&job),
         TextureJob::Inspect(job) => inspect::run(&job),

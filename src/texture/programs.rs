@@ -138,6 +138,9 @@ pub(super) fn arguments(graph: &Graph) -> String {
 }
 
 fn constant(graph: &Graph, node: NodeId, parameter: &str, widget: Widget) -> String {
+    if let Some(attribute) = graph.attribute(node, parameter) {
+        return format!("attribute {attribute}");
+    }
     let value = graph.value(node, parameter);
     value.map_or_else(|| "not set".to_owned(), |v| written::value(v, widget))
 }

@@ -13,6 +13,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant, SystemTime};
 
 use engine::aside;
+use engine::procedural::LIBRARIES;
 use notify::event::{AccessKind, AccessMode, ModifyKind, RenameMode};
 use notify::{EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
 
@@ -125,7 +126,10 @@ impl Watcher {
             watcher,
             events,
             files: HashMap::new(),
-            texture_folders: textures.iter().map(|folder| absolute(folder)).collect(),
+            // What textures share lies in a folder of its own.
+            texture_folders: (textures.iter().map(|folder| absolute(folder)))
+                .flat_map(|folder| [folder.join(LIBRARIES), folder])
+                .collect(),
             aliases: HashMap::new(),
             watched: BTreeMap::new(),
             stamps: HashMap::new(),
@@ -505,6 +509,19 @@ mod tests {
         expect("that there is another one");
         fs::write(path("textures/t.wgsl"), "the last").expect("written");
         expect("an edit of that");
+    }
+
+    #[test]
+    fn shared_files_beside_textures_are_followed() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir(path("lib")).expect("a folder");
+        fs::write(path("lib/waves.wgsl"), "old").expect("written");
+        let mut watcher = Watcher::new(&[], None, &[folder.path().to_owned()]).expect("watched");
+        fs::write(path("lib/waves.wgsl"), "newer").expect("written");
+        let changes = next(&mut watcher).expect("noticed");
+        assert!(changes.textures, "{changes:?}");
+        assert_eq!(changes.names, ["waves.wgsl"]);
     }
 
     #[cfg(unix)]

@@ -8,9 +8,11 @@ use std::fmt::Write;
 
 use crate::args;
 use crate::attribute::{Attribute, BuiltinAttribute};
+use crate::interface::Parameter;
 use crate::library::Library;
-use crate::rewrite::{Piece, array_reader, element_reader};
+use crate::rewrite::{Piece, array_reader, attribute_read, element_reader};
 use crate::source_map::{Segment, SourceMap};
+use crate::standard;
 use crate::texture::TextureType;
 use crate::value::{ElementType, OutputType, ParameterType};
 
@@ -84,7 +86,7 @@ pub(crate) fn section_names(library: &Library) -> Vec<String> {
                 _ => format!("t_{base}").trim_end_matches('_').to_owned(),
             };
             // A local of the file that looks like a prefixed name would capture it.
-            let clashes = |name: &str| texture.file().text().contains(&format!("{name}__"));
+            let clashes = |name: &str| (texture.whole().file.text()).contains(&format!("{name}__"));
             let mut name = base.clone();
             let mut number = 2;
             while taken.contains(&name) || clashes(&name) {
@@ -113,6 +115,7 @@ impl Emitter {
         emitter.runtime(stack_slots);
         emitter.array_readers(library);
         emitter.custom_attributes(library);
+        emitter.standard_functions(library);
         emitter
     }
 
@@ -191,6 +194,22 @@ impl Emitter {
         }
     }
 
+    /// The standard functions that some texture needs, each once.
+    fn standard_functions(&mut self, library: &Library) {
+        let needed: BTreeSet<usize> = (library.textures().iter())
+            .flat_map(TextureType::standard)
+            .copied()
+            .collect();
+        if !needed.is_empty() {
+            self.line("");
+            self.line("// ==== standard functions ====");
+        }
+        for place in needed {
+            self.line("");
+            self.line(standard::in_kernel(place));
+        }
+    }
+
     /// A texture's source under a title.
     pub(crate) fn section(&mut self, texture: &TextureType, name: &str) {
         self.line("");
@@ -205,13 +224,9 @@ impl Emitter {
 
     /// The user's text with its edits.
     fn source(&mut self, texture: &TextureType, name: &str) {
-        let file = texture.file();
-        let text = file.text();
-        let mut at = if text.starts_with('\u{feff}') {
-            '\u{feff}'.len_utf8()
-        } else {
-            0
-        };
+        let whole = texture.whole();
+        let text = whole.file.text();
+        let mut at = 0;
         for edit in &texture.rewrite().edits {
             self.copy(texture, at..edit.span.start);
             let start = self.text.len();
@@ -227,11 +242,12 @@ impl Emitter {
                     }
                 }
             }
-            let generated = start..self.text.len();
+            let part = whole.part_at(edit.span.start);
+            let first = part.range.start;
             self.source_map.push(Segment {
-                generated,
-                file: file.clone(),
-                source: edit.span.clone(),
+                generated: start..self.text.len(),
+                file: part.file.clone(),
+                source: edit.span.start - first..edit.span.end - first,
             });
             at = edit.span.end;
         }
@@ -242,14 +258,27 @@ impl Emitter {
     }
 
     fn copy(&mut self, texture: &TextureType, source: std::ops::Range<usize>) {
-        let file = texture.file();
-        let start = self.text.len();
-        self.text.push_str(&file.text()[source.clone()]);
-        self.source_map.push(Segment {
-            generated: start..self.text.len(),
-            file: file.clone(),
-            source,
-        });
+        let whole = texture.whole();
+        let mut at = source.start;
+        for part in &whole.parts {
+            let end = source.end.min(part.range.end);
+            if at >= end {
+                continue;
+            }
+            // What lies between two files is an end of line.
+            let start = at.max(part.range.start);
+            self.text.push_str(&whole.file.text()[at..start]);
+            let generated = self.text.len();
+            self.text.push_str(&whole.file.text()[start..end]);
+            self.source_map.push(Segment {
+                generated: generated..self.text.len(),
+                file: part.file.clone(),
+                source: start - part.range.start..end - part.range.start,
+            });
+            at = end;
+        }
+        self.text
+            .push_str(&whole.file.text()[at..source.end.max(at)]);
     }
 
     /// The function that loads a node's arguments and calls `userProc`.
@@ -263,6 +292,14 @@ impl Emitter {
         ));
         for (i, (parameter, offset)) in texture.parameters().iter().zip(&offsets).enumerate() {
             let word = format!("args + {offset}u");
+            if let Some(attribute) = &parameter.attribute {
+                let ty = parameter.ty;
+                self.line(&format!(
+                    "    var p{i} = {ty}(); // {}, unlinked {attribute}",
+                    parameter.name
+                ));
+                continue;
+            }
             let value = match parameter.ty {
                 ParameterType::Image => format!("sam2D(patina_arg_word({word}))"),
                 ParameterType::Ramp => format!("ramp1D(patina_arg_word({word}))"),
@@ -286,11 +323,26 @@ impl Emitter {
         for (word, group) in linkable.chunks(32).enumerate() {
             self.line(&format!("    if links{word} != 0u {{"));
             for (bit, &i) in group.iter().enumerate() {
-                let value = linked("patina_next_link(at)", texture.parameters()[i].ty);
+                let parameter = &texture.parameters()[i];
+                let value = linked("patina_next_link(at)", parameter.ty);
+                let mask = format!("(links{word} & {}u) != 0u", 1u32 << bit);
+                if parameter.attribute.is_none() {
+                    self.line(&format!("        if {mask} {{ p{i} = {value}; }}"));
+                    continue;
+                }
+                self.line(&format!("        if {mask} {{"));
+                self.line("            let word = patina_program_word(*at);");
+                self.line("            *at += 1u;");
+                self.line("            if word == patina_constant {");
+                let (ty, offset) = (parameter.ty, offsets[i]);
                 self.line(&format!(
-                    "        if (links{word} & {}u) != 0u {{ p{i} = {value}; }}",
-                    1u32 << bit
+                    "                p{i} = patina_arg_{ty}(args + {offset}u);"
                 ));
+                self.line("            } else {");
+                let value = linked("patina_link(word)", ty);
+                self.line(&format!("                p{i} = {value};"));
+                self.line("            }");
+                self.line("        }");
             }
             self.line("    }");
         }
@@ -300,6 +352,25 @@ impl Emitter {
             self.line(
                 "    patina_occlusion = vec2u(occlusion & 0xffu, (occlusion >> 8u) & 0xffu);",
             );
+        }
+        // Behind the AO slots, which an attribute may need.
+        for (place, &i) in linkable.iter().enumerate() {
+            let parameter = &texture.parameters()[i];
+            if let Some(attribute) = &parameter.attribute {
+                let (word, mask) = (place / 32, 1u32 << (place % 32));
+                let value = linked(&attribute_read(attribute), parameter.ty);
+                let value = match parameter.is_coordinate() {
+                    true => format!("vec4f({value}.xyz, 0.0)"),
+                    false => value,
+                };
+                self.line(&format!(
+                    "    if (links{word} & {mask}u) == 0u {{ p{i} = {value}; }}"
+                ));
+                if parameter.is_coordinate() {
+                    let pixel = own_pixel(parameter);
+                    self.line(&format!("    p{i} = patina_place(p{i}, {pixel});"));
+                }
+            }
         }
         if texture.rewrite().guards_loops {
             self.line("    patina_loops = 0u;");
@@ -351,6 +422,12 @@ impl Emitter {
             ));
         }
     }
+}
+
+/// Width of the hit's own pixel in the units of a place.
+pub(crate) fn own_pixel(parameter: &Parameter) -> String {
+    let component = parameter.pixel_component().unwrap_or("x");
+    format!("patina_attr_Footprint().{component}")
 }
 
 /// A link's `vec4f` as the value of a parameter of type `ty`.

@@ -5,7 +5,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::args::{self, FakeStack};
+use crate::attribute::Attribute;
 use crate::graph_error::GraphError;
+use crate::interface::Parameter;
 use crate::library::Library;
 use crate::suggest::did_you_mean;
 use crate::swizzle::Swizzle;
@@ -84,6 +86,13 @@ pub(crate) struct Input {
     pub(crate) link: Option<Link>,
     /// Where a ramp's stops lie in the fake stack.
     piece: Range<usize>,
+}
+
+impl Input {
+    /// Whether it has a constant of its own.
+    pub(crate) fn is_set(&self) -> bool {
+        self.value.is_some()
+    }
 }
 
 /// Nodes, links, and the fake stack that holds all constants.
@@ -241,6 +250,14 @@ impl Graph {
             .or(declared.default.as_ref())
     }
 
+    /// The attribute that a parameter takes: that of its texture, where it has neither a constant of its own nor a link.
+    pub fn attribute(&self, node: NodeId, parameter: &str) -> Option<&Attribute> {
+        let (place, declared) = self.texture(node).parameter(parameter)?;
+        let input = &self.nodes[node.index()].inputs[place];
+        let is_free = input.link.is_none() && !input.is_set();
+        declared.attribute.as_ref().filter(|_| is_free)
+    }
+
     /// A parameter's link, if it has one.
     pub fn link(&self, node: NodeId, parameter: &str) -> Option<Link> {
         let (place, _) = self.texture(node).parameter(parameter)?;
@@ -277,8 +294,9 @@ impl Graph {
             });
         }
         let words = self.store(node, place, Some(&value));
+        let takes_attribute = self.texture(node).parameters()[place].attribute.is_some();
         let input = &mut self.nodes[node.index()].inputs[place];
-        let program = input.link.take().is_some();
+        let program = input.link.take().is_some() || (takes_attribute && !input.is_set());
         input.value = Some(value);
         Ok(Edit { words, program })
     }
@@ -295,9 +313,10 @@ impl Graph {
         swizzle: Option<Swizzle>,
     ) -> Result<Edit, GraphError> {
         let place = self.place(node, parameter)?;
-        let expected = self.texture(node).parameters()[place].ty;
+        let declared = &self.texture(node).parameters()[place];
+        let expected = declared.ty;
         let found = self.link_output(source, swizzle)?;
-        if let Err(remedy) = link_fits(found, expected) {
+        if let Err(remedy) = link_fits(found, declared) {
             return Err(GraphError::LinkType {
                 node: self.name(node).to_owned(),
                 parameter: parameter.to_owned(),
@@ -343,9 +362,10 @@ impl Graph {
         let place = self.place(node, parameter)?;
         let default = self.texture(node).parameters()[place].default.clone();
         let words = self.store(node, place, default.as_ref());
+        let takes_attribute = self.texture(node).parameters()[place].attribute.is_some();
         let input = &mut self.nodes[node.index()].inputs[place];
-        input.value = None;
-        let program = input.link.take().is_some();
+        let was_set = input.value.take().is_some();
+        let program = input.link.take().is_some() || (takes_attribute && was_set);
         Ok(Edit { words, program })
     }
 
@@ -517,9 +537,10 @@ fn widened(value: Value, ty: ParameterType) -> Option<Value> {
 }
 
 /// Whether a link that gives `found` can drive a parameter of type `expected`: the same type, a number for
-/// everything, `vec3f` for `vec4f`. Else what to do.
-fn link_fits(found: OutputType, expected: ParameterType) -> Result<(), String> {
-    let wanted = match expected {
+/// everything, `vec3f` for `vec4f`; for a place any vector, whose missing components are 0. Else what to do.
+fn link_fits(found: OutputType, parameter: &Parameter) -> Result<(), String> {
+    let is_place = parameter.pixel_component().is_some();
+    let wanted = match parameter.ty {
         ParameterType::F32 | ParameterType::I32 | ParameterType::U32 | ParameterType::Bool => 1,
         ParameterType::Vec2 => 2,
         ParameterType::Vec3 => 3,
@@ -528,6 +549,7 @@ fn link_fits(found: OutputType, expected: ParameterType) -> Result<(), String> {
     };
     match found.components() {
         1 => Ok(()),
+        _ if is_place && wanted > 1 => Ok(()),
         3 if wanted == 4 => Ok(()),
         given if given == wanted => Ok(()),
         given if given > wanted => Err(format!("take a part of it, like `.{}`", &"xyz"[..wanted])),

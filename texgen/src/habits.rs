@@ -98,7 +98,7 @@ pub(crate) fn instead_of(word: &str) -> Option<String> {
         "textureSize" => "write `texSize(image)`",
         "noise" | "noise1" | "noise2" | "noise3" | "snoise" | "cnoise" | "perlin" | "simplex"
         | "fbm" | "voronoi" => {
-            "WGSL has no noise: copy the functions of `user_textures/fbm.wgsl` or `voronoi.wgsl`, or link a node of these textures to a parameter"
+            "the standard functions have `perlin3D`, `simplex3D`, `fbm3D`, `voronoi3D` and others; or link a node of `fbm` or `voronoi` to a parameter"
         }
         "rand" | "random" | "hash" => {
             "WGSL has no random numbers: hash what you have, as `user_textures/voronoi.wgsl` does, or use `readAttr(ObjectRandom)`"

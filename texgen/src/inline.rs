@@ -12,6 +12,7 @@ use crate::emit::{self, Emitter, GeneratedKernel};
 use crate::graph::{Graph, NodeId};
 use crate::graph_error::GraphError;
 use crate::program::{Instruction, compile};
+use crate::rewrite::attribute_read;
 use crate::value::{ParameterType, Value};
 
 /// A kernel whose `patina_run_program(k)` evaluates the roots `programs[k]`, with the graph pasted in. The result of
@@ -114,15 +115,31 @@ fn arguments(
                 .iter()
                 .find(|(linked, _)| *linked == place)
             {
-                return emit::linked(&swizzled(word, holder), parameter.ty);
+                let value = emit::linked(&swizzled(word, holder), parameter.ty);
+                return match parameter.is_coordinate() {
+                    true => format!("patina_place({value}, {})", emit::own_pixel(parameter)),
+                    false => value,
+                };
+            }
+            if let Some(attribute) = graph.attribute(node, &parameter.name) {
+                let value = emit::linked(&attribute_read(attribute), parameter.ty);
+                return match parameter.is_coordinate() {
+                    true => format!("vec4f({value}.xyz, {})", emit::own_pixel(parameter)),
+                    false => value,
+                };
             }
             let at = instruction.args + offsets[place];
             match parameter.ty {
                 ParameterType::Ramp => format!("ramp1D({}u)", graph.args()[at as usize]),
                 ParameterType::Array(..) => format!("{at}u"),
-                ty => graph
-                    .value(node, &parameter.name)
-                    .map_or(String::new(), |value| literal(value, ty)),
+                ty => {
+                    let value = graph.value(node, &parameter.name);
+                    let value = value.map_or(String::new(), |value| literal(value, ty));
+                    match parameter.is_coordinate() {
+                        true => format!("patina_place({value}, {})", emit::own_pixel(parameter)),
+                        false => value,
+                    }
+                }
             }
         })
         .collect();

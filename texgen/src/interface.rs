@@ -1,6 +1,7 @@
 //! What a texture shows to the outside: its parameters, their types, ranges and defaults, and its output.
 //! Plain data; `parse` fills it from naga's module and `metadata` from the `@param` lines.
 
+use crate::attribute::{Attribute, BuiltinAttribute};
 use crate::value::{ParameterType, Value};
 
 /// One parameter of `userProc`.
@@ -25,6 +26,26 @@ pub struct Parameter {
     /// For images: the pixels are numbers such as heights or normals, not colours, and are not converted from sRGB
     /// unless the look says so.
     pub is_data: bool,
+    /// What it takes at the hit where it has neither a link nor a constant of its own.
+    pub attribute: Option<Attribute>,
+}
+
+impl Parameter {
+    /// Whether it is a position or texture coordinates that come with the width of the pixel there in `w`, in the same units.
+    pub fn is_coordinate(&self) -> bool {
+        self.ty == ParameterType::Vec4 && self.pixel_component().is_some()
+    }
+
+    /// The component of `Footprint` that goes with its attribute, if that is a place.
+    pub(crate) fn pixel_component(&self) -> Option<&'static str> {
+        use BuiltinAttribute::{LocalPos, TexCoord0, TexCoord1, WorldPos};
+        match &self.attribute {
+            Some(Attribute::Builtin(WorldPos)) => Some("x"),
+            Some(Attribute::Builtin(TexCoord0 | TexCoord1)) => Some("y"),
+            Some(Attribute::Builtin(LocalPos)) => Some("z"),
+            _ => None,
+        }
+    }
 }
 
 /// How a user interface edits a parameter.

@@ -2,16 +2,19 @@
 //!
 //! A line reads `@param NAME label [RANGE or KEYS] = DEFAULT`, everything behind the name optional:
 //! `[0 .. 10]` is the range, `[soft 0 .. 1]` the usual range, `[unit m]` a unit, and `color`, `angle`, `log`,
-//! `percent`, `seed` a widget, `data` an image of numbers; several stand in brackets of their own or behind commas. `linear`, `smooth` and
+//! `percent`, `seed` a widget, `data` an image of numbers, `[attr LocalPos]` the attribute that is taken unlinked; several stand in brackets of their own or behind commas. `linear`, `smooth` and
 //! `constant` are the interpolation of a ramp's default.
 
 use std::ops::Range;
 
+use crate::attribute::{Attribute, BUILTIN_ATTRIBUTES, BuiltinAttribute};
 use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
 use crate::interface::{Parameter, Widget};
+use crate::libraries::Whole;
 use crate::literal::{self, Literal};
 use crate::scope::Outline;
 use crate::suggest::did_you_mean;
+use crate::tokens::{TokenKind, tokenize};
 use crate::value::{Interpolation, ParameterType, Ramp, Value};
 
 /// One line of documentation, without its comment marker.
@@ -23,15 +26,22 @@ struct DocLine<'a> {
 /// Fills `parameters` from the `@param` lines above `userProc` and returns the rest of the text. Problems of
 /// defaults are errors, of anything else warnings.
 pub(crate) fn read_docs(
-    file: &SourceFile,
+    whole: &Whole,
     outline: &Outline<'_>,
     parameters: &mut [Parameter],
     problems: &mut Diagnostics,
 ) -> String {
+    let file = &whole.file;
     let mut docs = String::new();
     let mut described: Vec<String> = Vec::new();
     for line in doc_lines(outline) {
         let trimmed = line.text.trim_start();
+        let is_read = ["@use ", "@group "]
+            .iter()
+            .any(|key| trimmed.starts_with(key));
+        if is_read || line.start >= whole.own_len() {
+            continue; // said elsewhere, or about a shared file
+        }
         let Some(rest) = trimmed.strip_prefix("@param") else {
             docs.push_str(line.text.strip_prefix(' ').unwrap_or(line.text).trim_end());
             docs.push('\n');
@@ -86,6 +96,13 @@ pub(crate) fn read_docs(
     }
     misplaced(file, outline, parameters, &described, problems);
     docs.trim().to_owned()
+}
+
+/// What stands behind the first `@group`.
+pub(crate) fn group(outline: &Outline<'_>) -> Option<String> {
+    let mut lines = doc_lines(outline).into_iter();
+    let group = lines.find_map(|line| line.text.trim_start().strip_prefix("@group "))?;
+    Some(group.trim().to_owned()).filter(|group| !group.is_empty())
 }
 
 /// Warns of a description that stands above something else than `userProc`, where it would silently do nothing.
@@ -254,6 +271,13 @@ impl<'a> ParamLine<'a> {
             parameter.unit = Some(unit.trim().to_owned());
             return;
         }
+        if let Some(name) = trimmed.strip_prefix("attr ") {
+            match self.attribute(name.trim(), parameter, span) {
+                Ok(attribute) => parameter.attribute = Some(attribute),
+                Err(problem) => problems.push(problem),
+            }
+            return;
+        }
         if trimmed.contains("..") {
             match range(trimmed) {
                 Some(range) => parameter.range = Some(range),
@@ -274,15 +298,48 @@ impl<'a> ParamLine<'a> {
             "constant" => *interpolation = Interpolation::Constant,
             unknown => {
                 const KEYS: &str =
-                    "color angle log percent seed data soft unit linear smooth constant";
+                    "color angle log percent seed data soft unit attr linear smooth constant";
                 let near = did_you_mean(unknown, KEYS.split(' '));
                 problems.push(
                     Diagnostic::warning(format!("unknown key `{unknown}`"))
                         .with_label(self.file, span, near.map_or(String::new(), |near| format!("did you mean `{near}`?")))
-                        .with_note("known are `min .. max`, `soft min .. max`, `unit NAME`, `color`, `angle`, `log`, `percent`, `seed`, for images `data`, and for ramps `linear`, `smooth`, `constant`"),
+                        .with_note("known are `min .. max`, `soft min .. max`, `unit NAME`, `attr NAME`, `color`, `angle`, `log`, `percent`, `seed`, for images `data`, and for ramps `linear`, `smooth`, `constant`"),
                 );
             }
         }
+    }
+
+    /// The attribute that a parameter takes where nothing is linked to it.
+    fn attribute(
+        &self,
+        name: &str,
+        parameter: &Parameter,
+        span: Range<usize>,
+    ) -> Result<Attribute, Diagnostic> {
+        let ty = parameter.ty;
+        if !ty.is_linkable() {
+            let message = format!("a parameter of type {ty} can't take an attribute");
+            return Err(Diagnostic::error(message)
+                .with_label(self.file, span, "")
+                .with_note("numbers, vectors and `bool` can"));
+        }
+        // It becomes part of a name in the kernel.
+        let tokens = tokenize(name).tokens;
+        let is_word =
+            matches!(&tokens[..], [one] if one.kind == TokenKind::Word && one.text == name);
+        if is_word && name.len() > 1 && name.starts_with('_') {
+            return Ok(Attribute::Custom(name.to_owned()));
+        }
+        BuiltinAttribute::from_name(name)
+            .map(Attribute::Builtin)
+            .ok_or_else(|| {
+                let names = BUILTIN_ATTRIBUTES.iter().map(|one| one.name());
+                let near = did_you_mean(name, names);
+                let near = near.map_or(String::new(), |near| format!("did you mean `{near}`?"));
+                Diagnostic::error(format!("there is no attribute called `{name}`"))
+                    .with_label(self.file, span, near)
+                    .with_note("write for example `[attr LocalPos]`; those of the mesh begin with an underscore")
+            })
     }
 
     fn default(

@@ -8,10 +8,11 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
 use crate::habits::Habit;
-use crate::prelude::PRELUDE;
+use crate::prelude::STUBS;
 use crate::problem::Problem;
 use crate::recover::Attempt;
 use crate::scope::Outline;
+use crate::standard;
 use crate::validation;
 
 /// No more errors of naga's than this are looked for in one file: each costs a parse.
@@ -21,7 +22,7 @@ const MAX_ERRORS: usize = 20;
 /// all Vulkan, Metal and DirectX 12 devices have them.
 pub const CAPABILITIES: Capabilities = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
 
-/// Parses and validates the file with the prelude behind it (spans in the file stay what they are) and constants
+/// Parses and validates the file with what it needs of the prelude behind it (spans in the file stay what they are) and constants
 /// for the custom attributes it reads. What comes from another language was found before: the file is read without it.
 ///
 /// # Errors
@@ -40,7 +41,11 @@ pub(crate) fn parse<'a>(
             .with_note("close it with `*/`; comments within it need their own")
             .into());
     }
-    let mut tail = format!("\n{PRELUDE}\n");
+    let mut tail = format!("\n{STUBS}\n");
+    for place in standard::needed_by(outline) {
+        tail.push_str(standard::source(place));
+        tail.push('\n');
+    }
     for (index, name) in custom.iter().enumerate() {
         let declared = outline
             .globals

@@ -5,7 +5,18 @@ use std::sync::LazyLock;
 use crate::scope::Outline;
 
 /// The published prelude: with it in front, a texture is a complete WGSL module.
-pub const PRELUDE: &str = include_str!("prelude.wgsl");
+pub const PRELUDE: &str = concat!(
+    include_str!("prelude.wgsl"),
+    include_str!("standard/hash.wgsl"),
+    include_str!("standard/noise.wgsl"),
+    include_str!("standard/fractal.wgsl"),
+    include_str!("standard/cells.wgsl"),
+    include_str!("standard/color.wgsl"),
+    include_str!("standard/shape.wgsl"),
+);
+
+/// Its part that asks the renderer for things: names and functions that do nothing.
+pub(crate) const STUBS: &str = include_str!("prelude.wgsl");
 
 /// As the text declares them: nothing else lists them.
 static NAMES: LazyLock<Vec<&'static str>> = LazyLock::new(|| {

@@ -7,8 +7,8 @@
 //! |---|---|
 //! | 1 | texture type in bits 0..16, result slot in bits 16..32 |
 //! | 1 | offset of the node's block in the fake stack |
-//! | ⌈linkable parameters / 32⌉ | bit i is set where the i-th linkable parameter is a link |
-//! | one per set bit | the link, see [`link_word`] |
+//! | ⌈linkable parameters / 32⌉ | bit i is set where the i-th linkable parameter is a link, or a constant in the place of an attribute |
+//! | one per set bit | the link, see [`link_word`]; 2^30 for a constant in the place of an attribute |
 //! | 1, only where the texture reads `AO` or `AO1` | AO slots of the node: `AO` in bits 0..8, `AO1` in bits 8..16 |
 //!
 //! Links lie here and not in the fake stack because slot numbers differ from program to program.
@@ -22,7 +22,7 @@ use crate::graph_error::GraphError;
 use crate::library::Library;
 use crate::schedule::{self, Dag};
 use crate::swizzle::Swizzle;
-use crate::value::ParameterType;
+use crate::value::{OutputType, ParameterType};
 
 /// A compiled program: data for the generated kernel.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -84,7 +84,10 @@ impl Program {
             let mut links = Vec::new();
             for (place, &parameter) in linkable.iter().enumerate() {
                 if masks[place / 32] >> (place % 32) & 1 == 1 {
-                    links.push((parameter, next()?));
+                    let word = next()?;
+                    if word != CONSTANT {
+                        links.push((parameter, word));
+                    }
                 }
             }
             let occlusion = if reads_occlusion(texture) {
@@ -106,6 +109,35 @@ impl Program {
     }
 }
 
+/// Stands in the place of a link where a parameter that would take an attribute has a constant.
+const CONSTANT: u32 = 1 << 30;
+
+/// The word for a place with the width of the pixel in its last component: what has no such component gives 0, and so the hit's
+/// own.
+fn coordinate_word(slot: u32, swizzle: Option<Swizzle>, output: OutputType) -> u32 {
+    let own = match output {
+        OutputType::F32 => [0, 0, 0, 4],
+        OutputType::Vec2 => [0, 1, 4, 4],
+        OutputType::Vec3 => [0, 1, 2, 4],
+        OutputType::Vec4 => [0, 1, 2, 3],
+    };
+    let selectors = match swizzle {
+        None => own,
+        Some(swizzle) if swizzle.components().len() == 4 => swizzle.selectors(),
+        Some(swizzle) => {
+            let [x, y, z, _] = swizzle.selectors();
+            [x, y, z, 4]
+        }
+    };
+    with_selectors(slot, selectors)
+}
+
+fn with_selectors(slot: u32, selectors: [u8; 4]) -> u32 {
+    (0..4).fold(slot & 0xffff | 1 << 31, |word, i| {
+        word | u32::from(selectors[i]) << (16 + 3 * i)
+    })
+}
+
 /// The word that reads stack slot `slot` through a swizzle. The generated kernel's `patina_link(word)` decodes it.
 ///
 /// Bits 0..16 are the slot. Without a swizzle that is all; else bit 31 is set and four selectors of three bits
@@ -114,12 +146,7 @@ pub fn link_word(slot: u32, swizzle: Option<Swizzle>) -> u32 {
     let slot = slot & 0xffff;
     match swizzle {
         None => slot,
-        Some(swizzle) => {
-            let selectors = swizzle.selectors();
-            (0..4).fold(slot | 1 << 31, |word, i| {
-                word | u32::from(selectors[i]) << (16 + 3 * i)
-            })
-        }
+        Some(swizzle) => with_selectors(slot, swizzle.selectors()),
     }
 }
 
@@ -163,12 +190,20 @@ pub(crate) fn compile(graph: &Graph, roots: &[NodeId]) -> Result<Program, GraphE
             .words
             .push(node.texture as u32 | schedule.slots[at] << 16);
         program.words.push(node.block);
-        let links: Vec<_> = node
-            .inputs
-            .iter()
-            .zip(texture.parameters())
+        let inputs = node.inputs.iter().zip(texture.parameters());
+        let links: Vec<Option<u32>> = inputs
             .filter(|(_, parameter)| parameter.ty.is_linkable())
-            .map(|(input, _)| input.link)
+            .map(|(input, parameter)| {
+                let Some(link) = input.link else {
+                    let constant = parameter.attribute.is_some() && input.is_set();
+                    return constant.then_some(CONSTANT);
+                };
+                let slot = slot_of[&link.source];
+                Some(match parameter.is_coordinate() {
+                    true => coordinate_word(slot, link.swizzle, graph.output(link.source)),
+                    false => link_word(slot, link.swizzle),
+                })
+            })
             .collect();
         for group in links.chunks(32) {
             let mask = group.iter().enumerate().fold(0, |mask, (bit, link)| {
@@ -176,11 +211,7 @@ pub(crate) fn compile(graph: &Graph, roots: &[NodeId]) -> Result<Program, GraphE
             });
             program.words.push(mask);
         }
-        for link in links.into_iter().flatten() {
-            program
-                .words
-                .push(link_word(slot_of[&link.source], link.swizzle));
-        }
+        program.words.extend(links.into_iter().flatten());
         if reads_occlusion(texture) {
             program
                 .words

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
 use crate::prelude::is_prelude_name;
 use crate::scope::{GlobalDecl, GlobalKind, Outline, Role};
+use crate::standard;
 use crate::tokens::TokenKind;
 
 /// Largest file accepted, bytes. Far beyond any texture; keeps compile time and memory bounded.
@@ -107,7 +108,12 @@ fn expanded_size(outline: &Outline<'_>) -> u64 {
     let (own, calls): (Vec<u64>, Vec<Vec<usize>>) = functions
         .map(|function| {
             let body = function.body.clone();
-            (body.len() as u64, outline.calls(body))
+            let predeclared = (body.clone()).filter(|&at| outline.roles[at] == Role::Predeclared);
+            let standard = predeclared.map(|at| standard::expanded_size(outline.word(at)));
+            (
+                body.len() as u64 + standard.sum::<u64>(),
+                outline.calls(body),
+            )
         })
         .unzip();
     let entry = outline

@@ -6,6 +6,7 @@ use std::ops::Range;
 use crate::attribute::{Attribute, BuiltinAttribute};
 use crate::reads::{Read, ReadSource};
 use crate::scope::{FunctionDecl, LoopDecl, Outline, Role};
+use crate::standard;
 use crate::value::{ElementType, ParameterType};
 
 /// A part of replacement text.
@@ -41,6 +42,26 @@ pub(crate) fn element_reader(element: ElementType) -> String {
 /// Name of the kernel's function that reads a whole array parameter.
 pub(crate) fn array_reader(element: ElementType, count: u32) -> String {
     format!("patina_array_{}_{count}", element.parameter_type())
+}
+
+/// The host's function for an attribute, and its argument.
+fn host_function(attribute: BuiltinAttribute) -> (String, &'static str) {
+    match attribute {
+        BuiltinAttribute::AO => ("patina_attr_AO".into(), "patina_occlusion.x"),
+        BuiltinAttribute::AO1 => ("patina_attr_AO".into(), "patina_occlusion.y"),
+        other => (format!("patina_attr_{}", other.name()), ""),
+    }
+}
+
+/// An attribute as the kernel reads it, a `vec4f`.
+pub(crate) fn attribute_read(attribute: &Attribute) -> String {
+    match attribute {
+        Attribute::Custom(name) => format!("patina_attr_custom(patina_custom{name})"),
+        Attribute::Builtin(builtin) => {
+            let (callee, argument) = host_function(*builtin);
+            format!("{callee}({argument})")
+        }
+    }
 }
 
 /// Works out the edits. `parameters` are the types of `userProc`'s parameters in order.
@@ -93,29 +114,29 @@ impl Rewriter<'_, '_> {
                     span: start..start,
                     pieces: vec![Piece::Prefix],
                 });
+            } else if self.is_standard(at) {
+                let start = self.outline.span(at).start;
+                self.replace(start..start, standard::PREFIX);
             }
         }
+    }
+
+    /// Whether this names a standard function or structure.
+    fn is_standard(&self, at: usize) -> bool {
+        self.outline.roles[at] == Role::Predeclared && standard::is_standard(self.outline.word(at))
     }
 
     fn reads(&mut self, reads: &[Read]) {
         for read in reads {
             let (callee, argument) = match &read.source {
-                ReadSource::Attribute(Attribute::Builtin(BuiltinAttribute::AO)) => (
-                    "patina_attr_AO".into(),
-                    Piece::Text("patina_occlusion.x".into()),
-                ),
-                ReadSource::Attribute(Attribute::Builtin(BuiltinAttribute::AO1)) => (
-                    "patina_attr_AO".into(),
-                    Piece::Text("patina_occlusion.y".into()),
-                ),
-                ReadSource::Attribute(Attribute::Builtin(builtin)) => (
-                    format!("patina_attr_{}", builtin.name()),
-                    Piece::Text(String::new()),
-                ),
                 ReadSource::Attribute(Attribute::Custom(name)) => (
                     "patina_attr_custom".into(),
                     Piece::CustomIndex(name.clone()),
                 ),
+                ReadSource::Attribute(Attribute::Builtin(builtin)) => {
+                    let (callee, argument) = host_function(*builtin);
+                    (callee, Piece::Text(argument.into()))
+                }
                 ReadSource::Global(global) => (
                     format!("patina_global_{}", global.name()),
                     Piece::Text(String::new()),
@@ -234,6 +255,8 @@ impl Rewriter<'_, '_> {
         for at in function.result.clone() {
             if self.outline.roles[at] == Role::Global {
                 pieces.push(Piece::Prefix);
+            } else if self.is_standard(at) {
+                pieces.push(Piece::Text(standard::PREFIX.into()));
             }
             pieces.push(Piece::Text(self.outline.word(at).to_owned()));
         }

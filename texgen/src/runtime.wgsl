@@ -33,6 +33,14 @@ fn patina_loops_spent() -> bool {
     return patina_loops > patina_loop_limit;
 }
 
+// In the place of a link: the node's constant, where there would be an attribute else.
+const patina_constant = 0x40000000u;
+
+// A place whose w is the width of the pixel there, or that of the hit where it has none.
+fn patina_place(p: vec4f, own: f32) -> vec4f {
+    return vec4f(p.xyz, select(own, p.w, p.w > 0.0));
+}
+
 // The result that a link word refers to, through its swizzle.
 fn patina_link(word: u32) -> vec4f {
     let v = patina_stack[word & 0xffffu];

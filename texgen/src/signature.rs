@@ -61,6 +61,7 @@ pub(crate) fn read(
                 unit: None,
                 widget: Widget::Plain,
                 is_data: false,
+                attribute: None,
             }),
             Err(problem) => problems.push(
                 Diagnostic::error(format!("parameter `{name}` {problem}"))

@@ -7,31 +7,36 @@
 use std::collections::BTreeSet;
 
 use crate::args;
-use crate::attribute::{Attribute, Global};
+use crate::attribute::{Attribute, BuiltinAttribute, Global};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile};
 use crate::habits::habits;
 use crate::interface::Parameter;
+use crate::libraries::Whole;
 use crate::memory_limit::{self, Needs};
 use crate::metadata;
 use crate::parse;
 use crate::reads::{self, ReadSource};
 use crate::refuse::{self, MAX_FILE_BYTES};
 use crate::rewrite::{self, Rewrite};
-use crate::scope::Outline;
+use crate::scope::{GlobalKind, Outline};
 use crate::signature;
+use crate::standard;
 use crate::value::{OutputType, ParameterType};
 
 /// A valid user texture.
 #[derive(Clone, Debug)]
 pub struct TextureType {
     file: SourceFile,
+    whole: Whole,
     docs: String,
+    group: Option<String>,
     parameters: Vec<Parameter>,
     output: OutputType,
     attributes: BTreeSet<Attribute>,
     globals: BTreeSet<Global>,
     reads_levels: bool,
     private_bytes: u32,
+    standard: BTreeSet<usize>,
     warnings: Diagnostics,
     rewrite: Rewrite,
 }
@@ -39,6 +44,19 @@ pub struct TextureType {
 impl TextureType {
     /// Checks all but whether the generated kernel compiles: see [`Self::parse`].
     pub(crate) fn check(file: SourceFile) -> Result<Self, Diagnostics> {
+        let whole = Whole::new(&file)?;
+        match Self::check_whole(file, &whole) {
+            Ok(texture) => Ok(Self {
+                warnings: whole.placed(texture.warnings),
+                ..texture
+            }),
+            Err(problems) => Err(whole.placed(problems)),
+        }
+    }
+
+    /// Checks a texture as one text with the files that it uses; places are those in the whole.
+    fn check_whole(own: SourceFile, whole: &Whole) -> Result<Self, Diagnostics> {
+        let file = whole.file.clone();
         if file.text().len() > MAX_FILE_BYTES {
             return Err(Diagnostic::error(format!(
                 "a texture of {} bytes is too long: at most {MAX_FILE_BYTES} are read",
@@ -48,19 +66,15 @@ impl TextureType {
             .with_note("tables belong into images, ramps or `array<T, N>` parameters")
             .into());
         }
-        // A byte-order mark is no WGSL; blanks of its length keep all positions.
-        let text = match file.text().strip_prefix('\u{feff}') {
-            Some(rest) => format!("   {rest}"),
-            None => file.text().to_owned(),
-        };
-        let outline = Outline::new(&text);
+        let outline = Outline::new(file.text());
         if let Some(problem) = refuse::too_deep(&file, &outline) {
             return Err(problem.into());
         }
         let mut problems = refuse::refused(&file, &outline);
         let (reads, read_problems) = reads::find_reads(&file, &outline);
         problems.append(read_problems);
-        let attributes: BTreeSet<Attribute> = reads
+        problems.extend(second_entry(whole, &outline));
+        let mut attributes: BTreeSet<Attribute> = reads
             .iter()
             .filter_map(|read| match &read.source {
                 ReadSource::Attribute(attribute) => Some(attribute.clone()),
@@ -87,7 +101,12 @@ impl TextureType {
             }
         };
         let (mut parameters, output) = signature::read(&file, &outline, &module)?;
-        let docs = metadata::read_docs(&file, &outline, &mut parameters, &mut problems);
+        let docs = metadata::read_docs(whole, &outline, &mut parameters, &mut problems);
+        attributes.extend(parameters.iter().filter_map(|p| p.attribute.clone()));
+        // How wide the pixel is comes with a position.
+        if parameters.iter().any(Parameter::is_coordinate) {
+            attributes.insert(Attribute::Builtin(BuiltinAttribute::Footprint));
+        }
         if problems.has_errors() {
             problems.errors_first();
             return Err(problems);
@@ -100,14 +119,17 @@ impl TextureType {
         let types: Vec<ParameterType> = parameters.iter().map(|parameter| parameter.ty).collect();
         let rewrite = rewrite::rewrite(&outline, &reads, &types);
         Ok(Self {
-            file,
+            file: own,
+            whole: whole.clone(),
             docs,
+            group: metadata::group(&outline),
             parameters,
             output,
             attributes,
             globals,
             reads_levels: reads::reads_levels(&outline),
             private_bytes: total,
+            standard: standard::needed_by(&outline),
             warnings: problems,
             rewrite,
         })
@@ -123,9 +145,14 @@ impl TextureType {
         &self.file
     }
 
-    /// The text of its `///` comment without the `@param` lines.
+    /// The text of its `///` comment without the lines that begin with `@`.
     pub fn docs(&self) -> &str {
         &self.docs
+    }
+
+    /// The group that its `@group` line puts it into, for lists.
+    pub fn group(&self) -> Option<&str> {
+        self.group.as_deref()
     }
 
     /// The parameters of `userProc` in their order.
@@ -179,9 +206,32 @@ impl TextureType {
         &self.warnings
     }
 
+    /// Places of the standard functions that it needs.
+    pub(crate) fn standard(&self) -> &BTreeSet<usize> {
+        &self.standard
+    }
+
+    /// Its text with the shared files that it uses.
+    pub(crate) fn whole(&self) -> &Whole {
+        &self.whole
+    }
+
     pub(crate) fn rewrite(&self) -> &Rewrite {
         &self.rewrite
     }
+}
+
+/// A shared file is no texture: what it has in common with others are functions.
+fn second_entry(whole: &Whole, outline: &Outline<'_>) -> Option<Diagnostic> {
+    let entry = outline.globals.iter().find(|global| {
+        let is_entry = |name: usize| outline.word(name) == "userProc";
+        global.kind == GlobalKind::Function
+            && global.name.is_some_and(is_entry)
+            && outline.span(global.keyword).start >= whole.own_len()
+    })?;
+    let error = Diagnostic::error("a shared file has no `userProc`: that is the texture's own");
+    let label = error.with_label(&whole.file, outline.span(entry.name?), "");
+    Some(label.with_note("give it another name, and call it from the texture"))
 }
 
 /// Names of the custom attributes among `attributes`, sorted.

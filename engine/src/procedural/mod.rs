@@ -79,7 +79,7 @@ pub use memory::{
     HEAD_PROGRAM,
 };
 pub use sketch::{resketch, sketch};
-pub use sources::{SourcesError, TextureSources};
+pub use sources::{LIBRARIES, SourcesError, TextureSources};
 pub(crate) use update::UpdateError;
 pub use wiring::CompileError;
 

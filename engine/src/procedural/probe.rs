@@ -39,7 +39,8 @@ impl Procedural {
             ..Scene::default()
         };
         let mut sources = TextureSources::default();
-        sources.insert("probe", texture.text());
+        let file = SourceFile::new("probe", "probe.wgsl", texture.text());
+        sources.insert_file(file.with_libraries(texture.libraries()));
         let look = Look::parse(Path::new(""), "[node.probe]\ntexture = \"probe\"\n")?;
         let mut procedural = Self::build(&look, &mut scene, &sources)?;
         if let Some(node) = procedural.graph.node("probe") {

@@ -23,7 +23,12 @@ impl Procedural {
         let textures = self.graph().library().textures().iter();
         textures
             .filter_map(|texture| match sources.read(texture.name())? {
-                Ok(file) => (file.text() != texture.file().text()).then_some(Ok(file)),
+                Ok(file) => {
+                    let former = texture.file();
+                    let is_same =
+                        file.text() == former.text() && file.libraries() == former.libraries();
+                    (!is_same).then_some(Ok(file))
+                }
                 Err(error) => Some(Err(error)),
             })
             .collect()

@@ -66,11 +66,18 @@ fn resketch_node(graph: &mut Graph, table: &NodeLook, node: NodeId) -> bool {
             (Some(Ok(Argument::Link(wanted))), Some(link))
                 if graph.name(link.source) == wanted.node && link.swizzle == wanted.swizzle => {}
             (Some(Ok(Argument::Link(_))), _) | (_, Some(_)) => return false,
-            (Some(Ok(Argument::Constant(value))), None) if known != Some(&value) => {
+            (Some(Ok(Argument::Constant(value))), None)
+                if known != Some(&value) || graph.attribute(node, name).is_some() =>
+            {
                 constants.push((name.clone(), Some(value)));
             }
             (Some(Ok(Argument::Constant(_))), None) => {}
-            _ if known != parameter.default.as_ref() => constants.push((name.clone(), None)),
+            // Where an attribute would hold, even the default is a constant of its own.
+            _ if known != parameter.default.as_ref()
+                || (parameter.attribute.is_some() && graph.attribute(node, name).is_none()) =>
+            {
+                constants.push((name.clone(), None));
+            }
             _ => {}
         }
     }

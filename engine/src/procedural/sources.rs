@@ -1,14 +1,20 @@
 //! Where textures come from: directories of `.wgsl` files, the program itself, or texts in memory. Nothing is parsed here.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use texgen::SourceFile;
+use texgen::{SourceFile, used_libraries};
 
 use super::standard;
 use crate::input::{self, Disk, Files};
+
+/// The folder beside textures that holds the files which they share.
+pub const LIBRARIES: &str = "lib";
+
+/// No more shared files than this are read for one texture.
+const MAX_LIBRARIES: usize = 64;
 
 /// A texture larger than this is not read.
 const MAX_BYTES: u64 = 4 << 20;
@@ -132,6 +138,12 @@ impl TextureSources {
             .insert(name.to_owned(), TextureOrigin::Text(file));
     }
 
+    /// Adds a texture whose text and shared files are at hand, in place of a file of its name.
+    pub fn insert_file(&mut self, file: SourceFile) {
+        let name = file.name().to_owned();
+        self.by_name.insert(name, TextureOrigin::Text(file));
+    }
+
     /// Adds a texture from a file anywhere on the disk, in place of one of that name, and returns its name. It is read now.
     ///
     /// # Errors
@@ -160,7 +172,8 @@ impl TextureSources {
     pub fn read(&self, name: &str) -> Option<Result<SourceFile, SourcesError>> {
         Some(match self.by_name.get(name)? {
             TextureOrigin::Text(file) | TextureOrigin::BuiltIn(file) => Ok(file.clone()),
-            TextureOrigin::File(path) => read_file(&*self.files, name, path),
+            TextureOrigin::File(path) => read_file(&*self.files, name, path)
+                .and_then(|file| with_libraries(&*self.files, file, path)),
         })
     }
 
@@ -179,7 +192,7 @@ impl TextureSources {
             return Ok(file);
         }
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        read_file(&Disk, &name, path)
+        read_file(&Disk, &name, path).and_then(|file| with_libraries(&Disk, file, path))
     }
 
     /// The file of a texture, where it comes from one.
@@ -210,6 +223,43 @@ fn read_file(files: &dyn Files, name: &str, path: &Path) -> Result<SourceFile, S
     Ok(SourceFile::new(name, path.display().to_string(), text))
 }
 
+/// The file with the shared files beside it that it uses, in `lib`. Those that aren't there are left out: the texture's errors
+/// say so.
+fn with_libraries(
+    files: &dyn Files,
+    file: SourceFile,
+    path: &Path,
+) -> Result<SourceFile, SourcesError> {
+    let folder = path.parent().unwrap_or(Path::new("")).join(LIBRARIES);
+    let mut wanted = used_libraries(file.text());
+    let mut found: Vec<SourceFile> = Vec::new();
+    let mut missing: BTreeSet<String> = BTreeSet::new();
+    while let Some(name) = wanted.pop() {
+        // A name is no path: what is used lies in that folder.
+        let is_name = name
+            .chars()
+            .all(|c| c.is_alphanumeric() || "_-".contains(c));
+        let known = missing.contains(&name) || found.iter().any(|one| one.name() == name);
+        if !is_name || known || found.len() >= MAX_LIBRARIES {
+            continue;
+        }
+        match read_file(files, &name, &folder.join(format!("{name}.wgsl"))) {
+            Ok(library) => {
+                wanted.extend(used_libraries(library.text()));
+                found.push(library);
+            }
+            Err(SourcesError::File { source, .. }) if source.kind() == ErrorKind::NotFound => {
+                missing.insert(name);
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(match found.is_empty() {
+        true => file,
+        false => file.with_libraries(found),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -228,6 +278,32 @@ mod tests {
         assert_eq!(sources.path("a"), Some(&*dirs[0].join("a.wgsl")));
         assert_eq!(sources.path("b"), Some(&*dirs[1].join("b.wgsl")));
         let _ = std::fs::remove_dir_all(&root);
+    }
+
+    #[test]
+    fn shared_files_come_with_the_textures_that_use_them() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let write = |name: &str, text: &str| {
+            std::fs::write(folder.path().join(name), text).expect("a file");
+        };
+        std::fs::create_dir(folder.path().join(LIBRARIES)).expect("a folder");
+        write(
+            "t.wgsl",
+            "/// @use a, missing, ../t\nfn userProc() -> f32 { return f(); }",
+        );
+        write("lib/a.wgsl", "/// @use b\nfn f() -> f32 { return g(); }");
+        write("lib/b.wgsl", "/// @use a\nfn g() -> f32 { return 1.0; }");
+        let sources = TextureSources::scan(&[folder.path()]).expect("can be listed");
+        assert_eq!(sources.names().collect::<Vec<_>>(), ["t"]);
+        let file = sources.read("t").expect("is there").expect("is text");
+        let names: Vec<&str> = file.libraries().iter().map(SourceFile::name).collect();
+        assert_eq!(names, ["a", "b"]);
+        let opened = TextureSources::open(&folder.path().join("t.wgsl")).expect("is text");
+        assert_eq!(opened.libraries(), file.libraries());
+        // An edit of a shared file makes the texture another one.
+        write("lib/b.wgsl", "fn g() -> f32 { return 2.0; }");
+        let again = sources.read("t").expect("is there").expect("is text");
+        assert!(again.text() == file.text() && again.libraries() != file.libraries());
     }
 
     #[test]

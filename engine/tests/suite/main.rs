@@ -14,6 +14,7 @@ mod gallery;
 mod image_arguments;
 mod khronos;
 mod layouts;
+mod library;
 mod lights;
 mod looks;
 mod moments;

@@ -40,6 +40,14 @@ impl Diagnostics {
         self.extend(other.kept);
     }
 
+    /// The same with something done to each that was kept.
+    pub(crate) fn map(self, change: impl Fn(Diagnostic) -> Diagnostic) -> Self {
+        Self {
+            kept: self.kept.into_iter().map(change).collect(),
+            ..self
+        }
+    }
+
     /// Those that were kept, in the order they were found.
     pub fn as_slice(&self) -> &[Diagnostic] {
         &self.kept

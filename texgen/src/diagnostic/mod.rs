@@ -25,6 +25,7 @@ pub struct SourceFile {
     name: Arc<str>,
     path: Arc<str>,
     text: Arc<str>,
+    libraries: Arc<[SourceFile]>,
 }
 
 impl SourceFile {
@@ -38,7 +39,22 @@ impl SourceFile {
             name: name.into(),
             path: path.into(),
             text: text.into(),
+            libraries: Arc::new([]),
         }
+    }
+
+    /// The same with the shared files that it may take functions from by `@use`: those that it names, and those that they name.
+    #[must_use]
+    pub fn with_libraries(self, libraries: impl Into<Arc<[SourceFile]>>) -> Self {
+        Self {
+            libraries: libraries.into(),
+            ..self
+        }
+    }
+
+    /// The shared files that it may take functions from.
+    pub fn libraries(&self) -> &[SourceFile] {
+        &self.libraries
     }
 
     /// The name the file's content goes by: for a texture, its name.

@@ -4,6 +4,7 @@ mod common;
 mod docs;
 mod errors;
 mod graph;
+mod inputs;
 mod kernel;
 mod language;
 mod messages;

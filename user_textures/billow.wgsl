@@ -1,0 +1,12 @@
+/// Billows: rounded heaps with sharp creases between them, as cushions or cumulus clouds.
+/// @group noise
+/// @param position where; link `mapping` or `warp` to change it [attr LocalPos]
+/// @param scale      features per metre [0.01 .. 1000] [soft 0.5 .. 50] [log] = 4
+/// @param octaves    finer details on coarse ones [1 .. 12] = 4
+/// @param lacunarity how much finer each octave is [1.5 .. 4] = 2
+/// @param gain       how much weaker each octave is [0 .. 1] = 0.4
+fn userProc(position: vec4f, scale: f32, octaves: f32, lacunarity: f32, gain: f32) -> f32 {
+    let shown = clamp(octaves, 1.0, 12.0);
+    let heaps = billow3D(position.xyz * scale, shown, lacunarity, gain, position.w * scale);
+    return saturate(0.5 + 0.5 * (1.6 * heaps + 0.5));
+}

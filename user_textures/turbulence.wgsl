@@ -1,0 +1,11 @@
+/// Turbulence: fractal noise with creases, as billows of smoke or veins of marble.
+/// @group noise
+/// @param position where; link `mapping` or `warp` to change it [attr LocalPos]
+/// @param scale      features per metre [0.01 .. 1000] [soft 0.5 .. 50] [log] = 4
+/// @param octaves    finer details on coarse ones [1 .. 12] = 5
+/// @param lacunarity how much finer each octave is [1.5 .. 4] = 2
+/// @param gain       how much weaker each octave is [0 .. 1] = 0.5
+fn userProc(position: vec4f, scale: f32, octaves: f32, lacunarity: f32, gain: f32) -> f32 {
+    let shown = clamp(octaves, 1.0, 12.0);
+    return saturate(1.3 * turbulence3D(position.xyz * scale, shown, lacunarity, gain, position.w * scale));
+}
