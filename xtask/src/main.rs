@@ -299,7 +299,7 @@ fn render_demo(size: &str, spp: &str, outputs: &[&str]) -> Result<()> {
 /// A picture for a page: without noise, which needs Open Image Denoise.
 fn render_picture(scene: &str, shot: &[&str], output: &str) -> Result<()> {
     patina(["render", scene])
-        .args(shot)
+        .args(shot.iter().copied())
         .args(PICTURE_FLAGS)
         .args(["--spp", PICTURE_SPP, "--stats", "-o", output])
         .run()
