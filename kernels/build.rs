@@ -35,6 +35,9 @@ const OMISSIONS: &[&str] = &[
 /// The others, by which a kernel does something else.
 const OTHERS: &[&str] = &["energy_compensation", "has_programs", "has_program_shadows"];
 
+/// The constant by which the film keeps parts of the light apart.
+const SPLIT: &str = "splits_light";
+
 /// What is set, for each set of features that is compiled: those of common scenes, and those with all that may be left out,
 /// which stand for the rest.
 const SETS: &[(&[&str], &[&str])] = &[
@@ -61,6 +64,18 @@ const SETS: &[(&[&str], &[&str])] = &[
     (OMISSIONS, &["energy_compensation"]),
     (OMISSIONS, &["energy_compensation", "has_programs"]),
     (OMISSIONS, OTHERS),
+    (&[], &["energy_compensation", SPLIT]),
+    (OMISSIONS, &["energy_compensation", SPLIT]),
+    (OMISSIONS, &["energy_compensation", "has_programs", SPLIT]),
+    (
+        OMISSIONS,
+        &[
+            "energy_compensation",
+            "has_programs",
+            "has_program_shadows",
+            SPLIT,
+        ],
+    ),
 ];
 
 /// What the functions may use of a processor; `src/lib.rs` asks whether it is there.
@@ -138,7 +153,7 @@ impl Text {
 
     fn program(&self, entry: &str, set: &[&str]) -> Result<kernel_ir::ir::Program> {
         let value = |name: &str| f64::from(u8::from(set.contains(&name)));
-        let names = OMISSIONS.iter().chain(OTHERS);
+        let names = OMISSIONS.iter().chain(OTHERS).chain([&SPLIT]);
         let constants: Vec<(&str, f64)> = names.map(|&name| (name, value(name))).collect();
         let (module, info) =
             kernel_ir::with_constants(&self.module, &self.info, entry, &constants)?;

@@ -296,6 +296,10 @@ pub(crate) struct RenderArgs {
     #[arg(long)]
     pub(crate) denoise: bool,
 
+    /// Leave out the environment behind everything: PNG and EXR files get an alpha. What lights the scene stays as it is.
+    #[arg(long)]
+    pub(crate) transparent: bool,
+
     /// Leave out what rough surfaces scatter more than once between their microfacets, as glTF's own formula does.
     #[arg(long)]
     pub(crate) no_energy_compensation: bool,
@@ -395,6 +399,10 @@ pub(crate) struct MergeArgs {
     /// with the layers albedo and normal, keep textures and edges sharp.
     #[arg(long)]
     pub(crate) denoise: bool,
+
+    /// Leave out the environment behind everything. The parts must have been rendered with --transparent.
+    #[arg(long)]
+    pub(crate) transparent: bool,
 
     /// The look whose table view says how the picture is shown.
     #[arg(long, value_name = "FILE")]

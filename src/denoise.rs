@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use engine::denoise::{DenoiseError, Denoiser, FILE};
-use engine::film::Film;
+use engine::film::write::Content;
 
 use crate::console;
 use crate::failure::Failure;
@@ -41,12 +41,12 @@ pub(crate) fn for_job(is_wanted: bool, outputs: &Outputs) -> Result<Option<Denoi
     }
 }
 
-/// Denoises a film's picture, and says how long that took.
+/// Denoises what files of a film show, and says how long that took.
 ///
 /// # Errors
 /// The library gives up.
-pub(crate) fn film(denoiser: &Denoiser, film: &Film) -> Result<Denoised, DenoiseError> {
-    if !Denoiser::has_guides(film) {
+pub(crate) fn film(denoiser: &Denoiser, content: &Content<'_>) -> Result<Denoised, DenoiseError> {
+    if !Denoiser::has_guides(content.film) {
         console::warning(
             "the film has no layers albedo and normal, so that fine detail is blurred with the noise: render it with --denoise, or \
              with --layers albedo,normal",
@@ -54,7 +54,7 @@ pub(crate) fn film(denoiser: &Denoiser, film: &Film) -> Result<Denoised, Denoise
     }
     let bar = Bar::new("taking the noise out");
     let clock = Instant::now();
-    let picture = denoiser.film(film);
+    let picture = denoiser.film(content);
     bar.finish();
     let by = denoiser.title();
     let picture = picture?;

@@ -12,7 +12,9 @@ use clap::Parser;
 use device::DeviceChoice;
 use engine::denoise::GUIDES;
 use engine::film::Layers;
+use engine::film::write::TRANSPARENCY;
 use engine::filter::PixelFilter;
+use engine::scene::Scene;
 use engine::scene::view::ViewChoice;
 use engine::session::Edit;
 use engine::settings::{Estimator, Sampler};
@@ -123,6 +125,8 @@ pub(crate) struct RenderJob {
     pub(crate) shown_layers: Layers,
     /// Take the noise out of the picture.
     pub(crate) denoise: bool,
+    /// Leave out the environment behind everything.
+    pub(crate) transparent: bool,
     /// Rough surfaces keep the energy that single scattering between microfacets loses.
     pub(crate) energy_compensation: bool,
     /// Seed of the random numbers.
@@ -178,6 +182,8 @@ pub(crate) struct MergeJob {
     pub(crate) outputs: Outputs,
     /// Take the noise out of the picture.
     pub(crate) denoise: bool,
+    /// Leave out the environment behind everything.
+    pub(crate) transparent: bool,
     /// How PNG and JPEG show it, as far as the command line says it.
     pub(crate) display: ViewChoice,
 }
@@ -277,12 +283,15 @@ impl RenderJob {
             .flatten(),
         )?;
         Ok(Self {
-            layers: match args.denoise {
-                true => (shown_layers.with(GUIDES)).expect("the film knows what is denoised by"),
-                false => shown_layers.clone(),
+            layers: {
+                let guides = GUIDES.iter().filter(|_| args.denoise);
+                let needed = guides.chain(TRANSPARENCY.iter().filter(|_| args.transparent));
+                let layers = shown_layers.with(needed.copied());
+                layers.expect("the film knows what it needs itself")
             },
             shown_layers,
             denoise: args.denoise,
+            transparent: args.transparent,
             outputs,
             spp: NonZeroU32::new(samples.end - samples.start).expect("the range is not empty"),
             first_sample: samples.start,
@@ -429,6 +438,17 @@ fn checkpoints(args: &RenderArgs, outputs: &Outputs) -> Result<Option<Checkpoint
     }))
 }
 
+impl RenderJob {
+    /// The same for a scene that is known: without groups of lights that it hasn't.
+    pub(crate) fn for_scene(&self, scene: &Scene) -> Self {
+        Self {
+            layers: self.layers.of_scene(scene),
+            shown_layers: self.shown_layers.of_scene(scene),
+            ..self.clone()
+        }
+    }
+}
+
 impl MergeJob {
     fn from_args(args: MergeArgs) -> Result<Self, UsageError> {
         let outputs = Outputs::from_paths(args.outputs, None)?;
@@ -446,6 +466,7 @@ impl MergeJob {
             look: args.look,
             outputs,
             denoise: args.denoise,
+            transparent: args.transparent,
             display: parse_display(&args.display)?,
         })
     }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::path::PathBuf;
 
+use engine::film::write::TRANSPARENCY;
 use engine::film::{Part, PartError};
 use engine::scene::look::Look;
 use engine::scene::view::ViewChoice;
@@ -62,15 +63,23 @@ pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
         ranges.join(", "),
         console::grouped(u64::from(merged.film.sample_bounds().0))
     ));
-    let denoised = (denoiser.as_ref())
-        .map(|denoiser| denoise::film(denoiser, &merged.film).map_err(Failure::because))
-        .transpose()?;
-    let results = Results {
+    let lacks = |name: &&&str| !merged.film.layers().iter().any(|l| l.name == **name);
+    if let (true, Some(name)) = (job.transparent, TRANSPARENCY.iter().find(lacks)) {
+        return Err(Failure::Failed(format!(
+            "--transparent: the parts have no layer `{name}`: render them with --transparent"
+        )));
+    }
+    let mut results = Results {
         part: &merged,
         layers: merged.film.layers(),
-        denoised: denoised.as_ref(),
+        denoised: None,
+        transparent: job.transparent,
         view: &view,
     };
+    let denoised = (denoiser.as_ref())
+        .map(|denoiser| denoise::film(denoiser, &results.content()).map_err(Failure::because))
+        .transpose()?;
+    results.denoised = denoised.as_ref();
     output::write_all(&job.outputs, &results)
 }
 

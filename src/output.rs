@@ -31,8 +31,22 @@ pub(crate) struct Results<'a> {
     pub(crate) layers: &'a Layers,
     /// The picture that they show, where its noise has been taken out.
     pub(crate) denoised: Option<&'a Denoised>,
+    /// Without the environment behind everything.
+    pub(crate) transparent: bool,
     /// How PNG and JPEG show it; EXR keeps the radiance.
     pub(crate) view: &'a View,
+}
+
+impl Results<'_> {
+    /// What goes to files of pictures.
+    pub(crate) fn content(&self) -> Content<'_> {
+        Content {
+            film: &self.part.film,
+            layers: self.layers,
+            denoised: self.denoised.map(|denoised| &*denoised.picture),
+            transparent: self.transparent,
+        }
+    }
 }
 
 /// A file that cannot be written.
@@ -174,7 +188,7 @@ pub(crate) fn write_or_keep(outputs: &Outputs, results: &Results<'_>) -> Result<
         Some(film) => format!(
             "the samples are in {}; what is missing is written by: {}",
             film.display(),
-            salvage::command(film, &lost, results.denoised.is_some())
+            salvage::command(film, &lost, results.denoised.is_some(), results.transparent)
         ),
         None => "nor could the samples be kept anywhere else".to_owned(),
     };
@@ -184,11 +198,7 @@ pub(crate) fn write_or_keep(outputs: &Outputs, results: &Results<'_>) -> Result<
 /// Writes what can be written; what can't, with the reason.
 fn try_all(outputs: &Outputs, results: &Results<'_>) -> Vec<(PathBuf, OutputError)> {
     let part = results.part;
-    let content = Content {
-        film: &part.film,
-        layers: results.layers,
-        denoised: results.denoised.map(|denoised| &*denoised.picture),
-    };
+    let content = results.content();
     let mut metadata = Metadata::new(&part.film, &part.origin);
     if let Some(denoised) = results.denoised {
         metadata = metadata.denoised_by(&denoised.by);

@@ -90,6 +90,7 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
     };
     let loaded = first.opening.loaded();
     bar.suspend(|| console::diagnostics(&loaded.warnings));
+    let job = &job.for_scene(&loaded.scene);
     // What else was read is known only now.
     output::check_all(&written, &first.opening.files())?;
     let view = view_of(job, &first);
@@ -229,18 +230,20 @@ fn write(
     if let Some(summary) = limits::summary(&job.limits, limit, &part.film) {
         console::note(&summary);
     }
-    let denoised = denoiser.map(|denoiser| denoise::film(denoiser, &part.film));
+    let mut results = Results {
+        part: &part,
+        layers: &job.shown_layers,
+        denoised: None,
+        transparent: job.transparent,
+        view,
+    };
+    let denoised = denoiser.map(|denoiser| denoise::film(denoiser, &results.content()));
     let (denoised, given_up) = match denoised.transpose() {
         Ok(denoised) => (denoised, None),
         // With its noise a picture is better than none.
         Err(error) => (None, Some(error)),
     };
-    let results = Results {
-        part: &part,
-        layers: &job.shown_layers,
-        denoised: denoised.as_ref(),
-        view,
-    };
+    results.denoised = denoised.as_ref();
     let mut outcome = output::write_or_keep(&job.outputs, &results);
     if let Some(error) = given_up {
         let text = format!("{error}; the picture was written with its noise");

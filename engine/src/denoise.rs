@@ -13,6 +13,7 @@ mod library;
 use std::ffi::CStr;
 use std::path::{Path, PathBuf};
 
+use crate::film::write::Content;
 use crate::film::{Film, Layer};
 use library::Library;
 
@@ -100,11 +101,12 @@ impl Denoiser {
         })
     }
 
-    /// The mean radiance of a film without its noise, with the help of the [`GUIDES`] where the film has both.
+    /// What files of a film show without its noise, with the help of the [`GUIDES`] where the film has both.
     ///
     /// # Errors
     /// As [`Self::picture`].
-    pub fn film(&self, film: &Film) -> Result<Vec<[f32; 3]>, DenoiseError> {
+    pub fn film(&self, content: &Content<'_>) -> Result<Vec<[f32; 3]>, DenoiseError> {
+        let film = content.film;
         let guides: Vec<_> = (GUIDES.iter())
             .filter_map(|name| film.values(Layer::named(name)?))
             .collect();
@@ -112,7 +114,7 @@ impl Denoiser {
             [albedo, normal] => Some(Guides { albedo, normal }),
             _ => None,
         };
-        self.picture([film.width, film.height], &film.mean(), guides)
+        self.picture([film.width, film.height], &content.picture(), guides)
     }
 
     /// Linear radiance without its noise; row 0 is on top of all of them.

@@ -147,6 +147,29 @@ impl Film {
         }
     }
 
+    /// As [`Self::mean`] without the environment that the camera sees itself: what lies in front of it, by its coverage
+    /// ([`Self::alpha`]). `None` where the film hasn't gathered the layer `environment`.
+    pub fn foreground(&self) -> Option<Vec<[f32; 3]>> {
+        let environment = &self.planes[self.layers.first_plane(Layer::named("environment")?)?..];
+        let pixel = |pixel: usize| {
+            let n = f64::from(self.samples(pixel).max(1));
+            let sum = self.sum(pixel);
+            std::array::from_fn(|c| {
+                let [low, middle, high, _] = environment[c][pixel];
+                // Both sums are exact, so that nothing is left where there is nothing else.
+                ((sum[c] - signed([low, middle, high])) / n) as f32
+            })
+        };
+        Some((0..self.pixels()).map(pixel).collect())
+    }
+
+    /// Share of each pixel that surfaces cover, 0 to 1. `None` where the film hasn't gathered the layer `alpha`.
+    pub fn alpha(&self) -> Option<Vec<f32>> {
+        let means = self.means(Layer::named("alpha")?)?;
+        // Filters with negative weights may leave that range.
+        Some(means.iter().map(|mean| mean[0].clamp(0.0, 1.0)).collect())
+    }
+
     /// Standard error of each pixel's mean, from the spread of its samples; infinite below two samples.
     ///
     /// The samples are points of a low-discrepancy sequence, so this overestimates the error.
@@ -198,17 +221,25 @@ impl Film {
         Some(match layer.rule {
             Rule::Derived(of) => pixels.map(|pixel| of(self, pixel)).collect(),
             Rule::Mean(_) => {
-                let planes = &planes()?[..layer.channel_count()];
-                let mean = |pixel: usize| {
-                    let n = f64::from(self.samples(pixel).max(1));
-                    let mut means = [0.0; MAX_CHANNELS];
-                    for (mean, plane) in means.iter_mut().zip(planes) {
-                        let [low, middle, high, _] = plane[pixel];
-                        *mean = (signed([low, middle, high]) / n) as f32;
+                let mut means = self.means(layer)?;
+                self.shine_through(layer, &mut means);
+                means
+            }
+            Rule::Light { color, .. } => {
+                let mut light = self.means(layer)?;
+                let color = color.and_then(Layer::named);
+                for (light, color) in light.iter_mut().zip(
+                    color
+                        .and_then(|color| self.values(color))
+                        .into_iter()
+                        .flatten(),
+                ) {
+                    for (light, color) in light.iter_mut().zip(color) {
+                        // Where the colour is black there is no light.
+                        *light = if color == 0.0 { 0.0 } else { *light / color };
                     }
-                    means
-                };
-                pixels.map(mean).collect()
+                }
+                light
             }
             Rule::First { empty, .. } => {
                 let found = planes()?[0].iter().map(|&[sample, values @ ..]| {
@@ -222,6 +253,39 @@ impl Film {
             }
             Rule::Ids { .. } => return None,
         })
+    }
+
+    /// The mean of what samples give to a layer of sums.
+    fn means(&self, layer: &Layer) -> Option<Vec<[f32; MAX_CHANNELS]>> {
+        let first = self.layers.first_plane(layer)?;
+        let planes = &self.planes[first..][..layer.channel_count()];
+        let mean = |pixel: usize| {
+            let n = f64::from(self.samples(pixel).max(1));
+            let mut means = [0.0; MAX_CHANNELS];
+            for (mean, plane) in means.iter_mut().zip(planes) {
+                let [low, middle, high, _] = plane[pixel];
+                *mean = (signed([low, middle, high]) / n) as f32;
+            }
+            means
+        };
+        Some((0..self.pixels()).map(mean).collect())
+    }
+
+    /// Makes a colour white where it is black and there is light that is divided by it: a black metal reflects at its rim.
+    fn shine_through(&self, color: &Layer, means: &mut [[f32; MAX_CHANNELS]]) {
+        let divides = |layer: &&Layer| matches!(layer.rule, Rule::Light { color: Some(name), .. } if name == color.name);
+        for layer in self.layers.iter().filter(divides) {
+            for (color, light) in means
+                .iter_mut()
+                .zip(self.means(layer).into_iter().flatten())
+            {
+                for (color, light) in color.iter_mut().zip(light) {
+                    if *color == 0.0 && light != 0.0 {
+                        *color = 1.0;
+                    }
+                }
+            }
+        }
     }
 
     /// What the pixels of a layer of ids show, what covers most first. `None` where the film hasn't gathered it, and for other
@@ -283,7 +347,7 @@ impl Film {
             let first = self.layers.first_plane(layer);
             let planes = &mut self.planes[first.expect("layers with WGSL have planes")..];
             match layer.rule {
-                Rule::Mean(_) => {
+                Rule::Mean(_) | Rule::Light { .. } => {
                     for (value, plane) in values[..layer.channel_count()].iter().zip(planes) {
                         let value = value.clamp(-LARGEST, LARGEST);
                         add_wide(&mut plane[pixel], words(whole(value, SUM_BITS)));
@@ -327,7 +391,7 @@ impl Film {
             let (here, there) = (&mut self.planes[first..], &other.planes[first..]);
             match layer.rule {
                 Rule::Derived(_) => {}
-                Rule::Mean(_) => {
+                Rule::Mean(_) | Rule::Light { .. } => {
                     let planes = here.iter_mut().zip(there).take(layer.channel_count());
                     for (here, &[low, middle, high, _]) in
                         planes.flat_map(|(a, b)| a.iter_mut().zip(b))
@@ -362,7 +426,7 @@ impl Film {
             };
             let planes = &self.planes[first..];
             match layer.rule {
-                Rule::Derived(_) | Rule::Mean(_) => true,
+                Rule::Derived(_) | Rule::Mean(_) | Rule::Light { .. } => true,
                 Rule::First { .. } => planes[0].iter().all(is_first),
                 Rule::Ids { .. } => {
                     let is_right = |p| Counts::of(planes, p).is_of(self.samples(p));

@@ -141,6 +141,7 @@ impl Contents {
             self.0.bytes(&image.rgba8);
         }
         self.text(&(&scene.instances, &scene.materials, &scene.lights));
+        self.text(&scene.light_groups);
         match &scene.environment {
             Environment::Constant(radiance) => self.text(radiance),
             Environment::Image {

@@ -68,6 +68,10 @@ pub struct Frame {
     pub region_min: u32,
     /// See `region_min`; exclusive.
     pub region_max: u32,
+    environment_group: u32,
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
     sobol: [[u32; 4]; sobol::ROWS],
 }
 
@@ -124,6 +128,10 @@ impl Frame {
             aperture_rotation,
             region_min,
             region_max,
+            environment_group,
+            unused_a,
+            unused_b,
+            unused_c,
             sobol
         ]
     }
@@ -234,6 +242,10 @@ impl Frame {
             aperture_rotation: camera.aperture_rotation,
             region_min: 0,
             region_max: u32::MAX,
+            environment_group: scene.environment_group,
+            unused_a: 0,
+            unused_b: 0,
+            unused_c: 0,
             sobol: sobol::nibbles(),
         }
     }

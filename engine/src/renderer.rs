@@ -277,6 +277,7 @@ impl Renderer {
             return Err(ScheduleError::Unsupported(reason).into());
         }
         gpu_scene.features.film_layers = record_words > 0;
+        gpu_scene.features.splits_light = layers.split_light();
         let upload = Upload {
             device,
             scene,
@@ -512,7 +513,7 @@ impl Renderer {
 
     /// GPU memory of one path.
     pub fn path_bytes(&self) -> PathBytes {
-        PathBytes::new(self.procedural.result_words())
+        PathBytes::new(self.procedural.result_words() + self.scene.features.path_words())
     }
 
     /// Milliseconds and dispatches of each pass that has run.

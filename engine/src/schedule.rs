@@ -20,7 +20,7 @@ use crate::wave;
 
 /// The passes of a wave, in the order in which they first run. Those of textures exist only where a
 /// material has a program, those of layers where the film has more than the picture.
-pub static WAVE: [&Pass; 15] = [
+pub static WAVE: [&Pass; 18] = [
     &raygen::PASS,
     &advance::AFTER_RAYGEN,
     &traverse::CLOSEST,
@@ -29,11 +29,14 @@ pub static WAVE: [&Pass; 15] = [
     &ao::PASS,
     &proctex::PASS,
     &film_layers::RECORD,
+    &film_layers::LIGHT,
     &brdf::PASS,
     &advance::AFTER_BRDF,
     &traverse::OCCLUSION,
+    &film_layers::LAST_LIGHT,
     &accumulate::PASS,
     &film_layers::MEAN,
+    &film_layers::MEANS,
     &film_layers::FIRST,
     &film_layers::IDS,
 ];
@@ -63,6 +66,7 @@ pub fn find_hits(wave: &mut dyn Run) {
 pub fn round(wave: &mut dyn Run) {
     find_hits(wave);
     wave.run(&film_layers::RECORD);
+    wave.run(&film_layers::LIGHT);
     wave.run(&brdf::PASS);
     wave.run(&advance::AFTER_BRDF);
     wave.run(&traverse::OCCLUSION);
@@ -70,8 +74,10 @@ pub fn round(wave: &mut dyn Run) {
 
 /// What the paths have gathered goes to the film.
 pub fn end(wave: &mut dyn Run) {
+    wave.run(&film_layers::LAST_LIGHT);
     wave.run(&accumulate::PASS);
     wave.run(&film_layers::MEAN);
+    wave.run(&film_layers::MEANS);
     wave.run(&film_layers::FIRST);
     wave.run(&film_layers::IDS);
 }
@@ -149,7 +155,7 @@ pub trait Schedule: fmt::Debug + Send + Sync {
     /// # Errors
     /// The device has no room for them, or can't run these kernels.
     fn allocate(&mut self, upload: Upload<'_>, to: &mut Resources) -> Result<(), ScheduleError> {
-        let words = upload.procedural.result_words();
+        let words = upload.procedural.result_words() + upload.gpu_scene.features.path_words();
         Ok(wave::allocate(upload.device, upload.capacity, words, to)?)
     }
 

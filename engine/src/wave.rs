@@ -9,6 +9,8 @@ use device::{Device, DeviceError, Resources, Usage};
 
 /// `vec4u` fields of a path in `paths.wgsl`, before the results of texture programs.
 const PATH_FIELDS: u64 = 6;
+/// Words of the fields that follow where the film keeps parts of the light apart: `SPLIT_FIELDS` of `paths.wgsl`.
+pub const SPLIT_WORDS: u32 = 12;
 /// Words before the lists in `queues.wgsl`.
 pub const QUEUE_HEADER: u64 = 32;
 /// Lists of `capacity` words behind the header: both halves of the active list, the shadow list, and two each for the

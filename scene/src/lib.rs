@@ -56,6 +56,7 @@ mod image;
 pub mod import;
 pub mod input;
 mod light;
+mod light_groups;
 pub mod look;
 mod material;
 pub mod material_parameters;
@@ -70,6 +71,7 @@ pub use self::image::{FloatImage, Image};
 pub use camera::{Camera, Projection, default_camera};
 pub use environment::Environment;
 pub use light::{LightKind, MAX_ANGULAR_DIAMETER, PunctualLight};
+pub use light_groups::{LightGroups, LightSource, MAX_LIGHT_GROUPS, TooManyLightGroups, UNGROUPED};
 pub use material::{
     AlphaMode, Filter, Material, SURFACE_TEXTURES, Sampler, TEXTURES, TextureRef, Wrap, absorption,
 };

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::{Camera, Environment, Image, Instance, Material, Mesh, PunctualLight};
+use crate::{Camera, Environment, Image, Instance, LightGroups, Material, Mesh, PunctualLight};
 
 /// Everything that is rendered.
 #[derive(Debug, Clone, Default)]
@@ -21,6 +21,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Light from infinitely far away.
     pub environment: Environment,
+    /// Which of all these lights a film keeps apart.
+    pub light_groups: LightGroups,
 }
 
 impl Scene {

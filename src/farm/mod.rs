@@ -199,7 +199,9 @@ fn merge_flags(flags: &[String]) -> Vec<String> {
     let mut flags = flags.iter();
     while let Some(flag) = flags.next() {
         let name = flag.split('=').next().unwrap_or_default();
-        if flag == "--denoise" || (WITH_VALUE.contains(&name) && name != flag) {
+        if matches!(flag.as_str(), "--denoise" | "--transparent")
+            || (WITH_VALUE.contains(&name) && name != flag)
+        {
             words.push(flag.clone());
         } else if WITH_VALUE.contains(&name) {
             words.push(flag.clone());

@@ -34,13 +34,21 @@ pub(super) fn keep(part: &Part, lost: &Path) -> Option<PathBuf> {
 }
 
 /// The command that writes what could not be written.
-pub(super) fn command(film: &Path, lost: &[&Path], is_denoised: bool) -> String {
+pub(super) fn command(
+    film: &Path,
+    lost: &[&Path],
+    is_denoised: bool,
+    is_transparent: bool,
+) -> String {
     let mut line = format!("patina merge {}", quoted(film));
     for path in lost {
         line += &format!(" -o {}", quoted(path));
     }
     if is_denoised {
         line += " --denoise";
+    }
+    if is_transparent {
+        line += " --transparent";
     }
     line
 }
@@ -65,6 +73,7 @@ mod tests {
         let line = command(
             Path::new("/tmp/a.kept.patina-film"),
             &[Path::new("b.png")],
+            false,
             false,
         );
         assert_eq!(line, "patina merge /tmp/a.kept.patina-film -o b.png");

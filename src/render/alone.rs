@@ -97,15 +97,7 @@ pub(super) fn render(
         {
             session.resume(&film, paths).map_err(failure)?;
         }
-        let first = job.first_sample;
-        writer = Some(checkpoint::Writer::new(
-            checkpoints,
-            &job.outputs,
-            *view,
-            &job.shown_layers,
-            origin,
-            first,
-        ));
+        writer = Some(checkpoint::Writer::new(checkpoints, job, *view, origin));
     }
     let prepare_seconds = clock.elapsed().as_secs_f64();
 

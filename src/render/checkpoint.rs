@@ -10,7 +10,7 @@ use engine::renderer::RenderSettings;
 use engine::scene::view::View;
 
 use crate::failure::Failure;
-use crate::job::Checkpoints;
+use crate::job::{Checkpoints, RenderJob};
 use crate::words::Outputs;
 use crate::{console, output, picture};
 
@@ -85,6 +85,7 @@ pub(super) struct Writer<'a> {
     view: View,
     /// What they hold of the film.
     layers: Layers,
+    transparent: bool,
     origin: Origin,
     first_sample: u32,
     last: Instant,
@@ -94,14 +95,12 @@ pub(super) struct Writer<'a> {
 impl<'a> Writer<'a> {
     pub(super) fn new(
         checkpoints: &'a Checkpoints,
-        outputs: &Outputs,
+        job: &RenderJob,
         view: View,
-        layers: &Layers,
         origin: Origin,
-        first_sample: u32,
     ) -> Self {
         let pictures = match checkpoints.with_pictures {
-            true => outputs.pictures.clone(),
+            true => job.outputs.pictures.clone(),
             false => Vec::new(),
         };
         Self {
@@ -111,9 +110,10 @@ impl<'a> Writer<'a> {
                 films: Vec::new(),
             },
             view,
-            layers: layers.clone(),
+            layers: job.shown_layers.clone(),
+            transparent: job.transparent,
             origin,
-            first_sample,
+            first_sample: job.first_sample,
             last: Instant::now(),
             writing: None,
         }
@@ -136,7 +136,7 @@ impl<'a> Writer<'a> {
         let first = self.first_sample;
         let part = Part::new(film, first..first + most, self.origin.clone()).under_way(paths);
         let (path, pictures) = (self.checkpoints.path.clone(), self.pictures.clone());
-        let (layers, view) = (self.layers.clone(), self.view);
+        let (layers, view, transparent) = (self.layers.clone(), self.view, self.transparent);
         let work = move || {
             let written = output::write_aside(&path, |file| part.write(file));
             if let Err(error) = written {
@@ -147,6 +147,7 @@ impl<'a> Writer<'a> {
                 film: &part.film,
                 layers: &layers,
                 denoised: None,
+                transparent,
             };
             for picture in pictures.pictures.iter().filter(|_| fewest > 0) {
                 let written = output::write(picture, content, Some(&part.origin), &view);

@@ -32,6 +32,59 @@ fn layers_are_named_on_the_command_line() {
 }
 
 #[test]
+fn what_nothing_covers_is_transparent_in_renders_and_merges() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let render = "render triangle.gltf --size 33x17 --max-depth 2 --transparent";
+    let line = format!("{render} --spp 6 -o a.png -o a.exr -o a.patina-film");
+    bench.run(&line).expect_code(0);
+    for (name, range) in [("b", "0..2"), ("c", "2..6")] {
+        let line = format!("{render} --sample-range {range} -o {name}.patina-film");
+        bench.run(&line).expect_code(0);
+    }
+    let merge = "merge b.patina-film c.patina-film --transparent -o m.png -o m.exr";
+    bench.run(merge).expect_code(0);
+    let bytes = |name: &str| fs::read(bench.path(name)).expect("it was written");
+    assert!(bytes("a.png") == bytes("m.png"));
+    let merged = contents(&bench.path("m.exr")).0;
+    assert!(merged.contains(&"ViewLayer.Combined.A".to_owned()));
+    assert_eq!(contents(&bench.path("a.exr")).0, ["A", "B", "G", "R"]);
+    let picture = image::open(bench.path("a.png")).expect("a picture");
+    let picture = picture.as_rgba8().expect("it has an alpha");
+    assert_eq!(picture.get_pixel(0, 0).0, [0; 4], "a corner");
+    assert_eq!(picture.get_pixel(16, 9).0[3], 255, "the triangle");
+    bench
+        .run("render triangle.gltf --size 33x17 --spp 1 -o d.patina-film")
+        .expect_code(0);
+    bench
+        .run("merge d.patina-film --transparent -o d.png")
+        .expect_error(1, "--transparent");
+}
+
+#[test]
+fn groups_of_lights_are_named_by_the_look() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let look = "environment = { color = [1, 1, 1], group = \"sky\" }\n";
+    fs::write(bench.path("groups.look.toml"), look).expect("written");
+    let render = "render triangle.gltf --look groups.look.toml --size 9x9 --spp 2 --layers light_groups -o g.exr";
+    bench.run(render).expect_code(0);
+    let (channels, _) = contents(&bench.path("g.exr"));
+    let groups = ["Combined", "Combined_rest", "Combined_sky"];
+    let expected = groups.map(|group| ["B", "G", "R"].map(|c| format!("ViewLayer.{group}.{c}")));
+    assert_eq!(channels, expected.as_flattened());
+    for wrong in ["rest", "a b", ""] {
+        let look = format!("environment = {{ color = [1, 1, 1], group = \"{wrong}\" }}\n");
+        fs::write(bench.path("groups.look.toml"), look).expect("written");
+        bench.run(render).expect_error(1, "group");
+    }
+}
+
+#[test]
 fn layers_are_written_and_merged_to_exactly_the_whole() {
     if !device() {
         return;

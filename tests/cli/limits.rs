@@ -57,25 +57,37 @@ fn a_render_that_is_killed_goes_on_to_the_same_bits() {
         "render triangle.gltf --look sky.look.toml --size 192x192 --spp 48 --layers normal,depth";
     let whole = whole(&bench, line);
     let resumed = format!("{line} --checkpoint=0.02 --resume -o part.patina-film");
+    let wanted = match std::env::var_os("PATINA_FULL") {
+        Some(_) => 50,
+        None => 12,
+    };
     let mut kills = 0;
-    // It may be done before it is killed often; then it is begun anew.
-    for round in 0..40_u64 {
+    for round in 0..4 * wanted as u64 {
         let mut child = bench
             .command(&resumed)
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()
             .expect("patina starts");
-        std::thread::sleep(std::time::Duration::from_millis(100 + 37 * (round % 13)));
-        if child.try_wait().expect("it is known").is_none() {
+        let pause = 60 + (round * 0x9e37_79b9 >> 7) % 500;
+        std::thread::sleep(std::time::Duration::from_millis(pause));
+        let is_done = child.try_wait().expect("it is known").is_some();
+        if !is_done {
             child.kill().expect("killed");
             kills += 1;
         }
         child.wait().expect("it has ended");
-        if kills >= 12 {
+        if is_done {
+            let film = fs::read(bench.path("part.patina-film")).expect("it is there");
+            assert!(film == whole, "after {kills} kills");
+            // Begun anew.
+            fs::remove_file(bench.path("part.patina-film")).expect("removed");
+        }
+        if kills >= wanted {
             break;
         }
     }
+    assert!(kills >= wanted / 2, "{kills} kills");
     bench.run(&resumed).expect_code(0);
     assert!(
         fs::read(bench.path("part.patina-film")).expect("it is there") == whole,

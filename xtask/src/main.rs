@@ -4,8 +4,10 @@
 //! does is written here from top to bottom; how to run a step is in `steps`, how to find or install a Vulkan driver in
 //! `vulkan`, another one in `swiftshader`, which systems the program must compile for in `targets`, how the program is built
 //! to be given away in `dist`, a picture by many machines in `farm`, the comparison with other renderers in `peers`, that of view
-//! transforms with OpenColorIO in `views`, that of animated vertices with another evaluation in `poses`.
+//! transforms with OpenColorIO in `views`, reading our files with Blender in `blender`, that of animated vertices with another
+//! evaluation in `poses`.
 
+mod blender;
 mod dist;
 mod farm;
 mod peers;
@@ -74,6 +76,7 @@ Commands:
   dist          Pack the program with its manual and all licences: out/patina-VERSION-PLATFORM.tar.gz
   pictures      Render the README's pictures to docs/images/
   contact-sheet Render Khronos' sample models, where they lie beside the checkout, to docs/images/khronos.jpg
+  blender       Read our layers with Blender; `cargo xtask blender --help` lists the options
   farm          Render a picture in parts by Slurm on this host, lose a node, compare with the whole
   peers         Compare with other renderers that are installed; `cargo xtask peers --help` lists the options
   poses         Compare vertices of animated models with another evaluation; `cargo xtask poses --help` lists the options
@@ -91,6 +94,11 @@ fn main() -> ExitCode {
         ["dist"] => dist::run(),
         ["pictures"] => pictures(),
         ["contact-sheet"] => contact_sheet(),
+        ["blender", "--help" | "-h"] => {
+            println!("{}", blender::USAGE);
+            Ok(())
+        }
+        ["blender", ref rest @ ..] => blender::run(rest),
         ["farm"] => farm::run(),
         ["peers", "--help" | "-h"] => {
             println!("{}", peers::USAGE);

@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
 
-use scene::Scene;
+use scene::{Scene, UNGROUPED};
 
 use super::{Film, PICTURE_PLANES, ids};
 
@@ -45,6 +45,14 @@ pub enum Rule {
     /// The mean of all samples, weighed by the pixel filter like the picture; a path that meets nothing gives 0. The sums
     /// are exact, in the picture's units.
     Mean(&'static str),
+    /// A part of the picture: the mean of what an expression gives for each piece of light that a path finds, named `found`, a
+    /// `Found` of `passes/shared/found_light.wgsl`. It may use the functions of `film_layers/parts.wgsl`.
+    Light {
+        /// The part of the piece: `vec3f`.
+        wgsl: &'static str,
+        /// The layer of the colour by which files have it divided: light times colour is the part.
+        color: Option<&'static str>,
+    },
     /// The value of the sample with the lowest number among those that meet something, as it is: for values whose mean
     /// means nothing at an edge. Where no sample meets anything, the number `empty`.
     First {
@@ -63,8 +71,33 @@ pub enum Rule {
     },
 }
 
+/// The layer of a group of lights, by its number; 0 is what belongs to none.
+macro_rules! light_group {
+    ($number:literal) => {
+        Layer {
+            name: concat!("light_group_", $number),
+            pass: concat!("Combined_", $number),
+            channels: "RGB",
+            rule: Rule::Light {
+                wgsl: concat!(
+                    "select(vec3f(0.0), found.light, found.group == ",
+                    $number,
+                    "u)"
+                ),
+                color: None,
+            },
+            help: "light of one group",
+        }
+    };
+}
+
+/// What all layers of groups are called together.
+pub const LIGHT_GROUPS: &str = "light_groups";
+/// How the name of each begins; its number follows.
+const LIGHT_GROUP: &str = "light_group_";
+
 /// All layers. The picture itself is the first and always there.
-pub static LAYERS: [Layer; 13] = [
+pub static LAYERS: [Layer; 40] = [
     Layer {
         name: "combined",
         pass: "Combined",
@@ -117,11 +150,112 @@ pub static LAYERS: [Layer; 13] = [
         help: "base colour, textures included",
     },
     Layer {
+        name: "diffuse_direct",
+        pass: "Diffuse Direct",
+        channels: "RGB",
+        rule: Rule::Light {
+            wgsl: "direct(diffuse(found), found)",
+            color: Some("diffuse_color"),
+        },
+        help: "light that the first surface scatters diffusely, straight from a lamp; divided by `diffuse_color`",
+    },
+    Layer {
+        name: "diffuse_indirect",
+        pass: "Diffuse Indirect",
+        channels: "RGB",
+        rule: Rule::Light {
+            wgsl: "indirect(diffuse(found), found)",
+            color: Some("diffuse_color"),
+        },
+        help: "the same from other surfaces; divided by `diffuse_color`",
+    },
+    Layer {
+        name: "diffuse_color",
+        pass: "Diffuse Color",
+        channels: "RGB",
+        rule: Rule::Mean("first_colors(at).diffuse"),
+        help: "the colour of diffuse scattering at the first surface",
+    },
+    Layer {
+        name: "glossy_direct",
+        pass: "Glossy Direct",
+        channels: "RGB",
+        rule: Rule::Light {
+            wgsl: "direct(glossy(found), found)",
+            color: Some("glossy_color"),
+        },
+        help: "light that it reflects, straight from a lamp; divided by `glossy_color`",
+    },
+    Layer {
+        name: "glossy_indirect",
+        pass: "Glossy Indirect",
+        channels: "RGB",
+        rule: Rule::Light {
+            wgsl: "indirect(glossy(found), found)",
+            color: Some("glossy_color"),
+        },
+        help: "the same from other surfaces; divided by `glossy_color`",
+    },
+    Layer {
+        name: "glossy_color",
+        pass: "Glossy Color",
+        channels: "RGB",
+        rule: Rule::Mean("first_colors(at).glossy"),
+        help: "the colour of its reflection, seen straight on",
+    },
+    Layer {
+        name: "transmission_direct",
+        pass: "Transmission Direct",
+        channels: "RGB",
+        rule: Rule::Light {
+            wgsl: "direct(transmission(found), found)",
+            color: Some("transmission_color"),
+        },
+        help: "light that it lets through, straight from a lamp; divided by `transmission_color`",
+    },
+    Layer {
+        name: "transmission_indirect",
+        pass: "Transmission Indirect",
+        channels: "RGB",
+        rule: Rule::Light {
+            wgsl: "indirect(transmission(found), found)",
+            color: Some("transmission_color"),
+        },
+        help: "the same from other surfaces; divided by `transmission_color`",
+    },
+    Layer {
+        name: "transmission_color",
+        pass: "Transmission Color",
+        channels: "RGB",
+        rule: Rule::Mean("first_colors(at).transmission"),
+        help: "the colour of what it lets through",
+    },
+    Layer {
         name: "emission",
         pass: "Emission",
         channels: "RGB",
-        rule: Rule::Mean("first_emission(at)"),
-        help: "radiance that the surface emits towards the viewer",
+        rule: Rule::Light {
+            wgsl: "emitted(found)",
+            color: None,
+        },
+        help: "radiance that the first surface emits towards the viewer",
+    },
+    Layer {
+        name: "environment",
+        pass: "Environment",
+        channels: "RGB",
+        rule: Rule::Light {
+            wgsl: "from_far(found)",
+            color: None,
+        },
+        help: "radiance of the environment where nothing is in front of it",
+    },
+    Layer {
+        name: "alpha",
+        pass: "Combined",
+        channels: "A",
+        rule: Rule::Mean("1.0"),
+        help: "share of the samples that meet a surface",
     },
     Layer {
         name: "crypto_object",
@@ -163,6 +297,22 @@ pub static LAYERS: [Layer; 13] = [
         },
         help: "number of the material in the scene, from 1 on; 0 where nothing is",
     },
+    light_group!(0),
+    light_group!(1),
+    light_group!(2),
+    light_group!(3),
+    light_group!(4),
+    light_group!(5),
+    light_group!(6),
+    light_group!(7),
+    light_group!(8),
+    light_group!(9),
+    light_group!(10),
+    light_group!(11),
+    light_group!(12),
+    light_group!(13),
+    light_group!(14),
+    light_group!(15),
     Layer {
         name: "samples",
         pass: "Debug Sample Count",
@@ -208,12 +358,25 @@ impl Layer {
         })
     }
 
-    /// What the first surface of a path gives, where anything is kept of it.
+    /// What a path gives to it, where anything is kept of it.
     pub fn wgsl(&self) -> Option<&'static str> {
         match self.rule {
             Rule::Derived(_) => None,
-            Rule::Mean(wgsl) | Rule::First { wgsl, .. } | Rule::Ids { wgsl, .. } => Some(wgsl),
+            Rule::Mean(wgsl)
+            | Rule::Light { wgsl, .. }
+            | Rule::First { wgsl, .. }
+            | Rule::Ids { wgsl, .. } => Some(wgsl),
         }
+    }
+
+    /// Whether it is a part of the picture.
+    pub fn is_light(&self) -> bool {
+        matches!(self.rule, Rule::Light { .. })
+    }
+
+    /// The number of the group of lights that it is of.
+    pub fn light_group(&self) -> Option<usize> {
+        self.name.strip_prefix(LIGHT_GROUP)?.parse().ok()
     }
 
     /// How many channels it has in files.
@@ -229,7 +392,7 @@ impl Layer {
         match self.rule {
             Rule::Derived(_) => 0,
             Rule::Ids { .. } => 1,
-            Rule::Mean(_) | Rule::First { .. } => self.channels.len(),
+            Rule::Mean(_) | Rule::Light { .. } | Rule::First { .. } => self.channels.len(),
         }
     }
 
@@ -237,7 +400,7 @@ impl Layer {
     fn plane_count(&self) -> usize {
         match self.rule {
             Rule::Derived(_) => 0,
-            Rule::Mean(_) => self.channels.len(),
+            Rule::Mean(_) | Rule::Light { .. } => self.channels.len(),
             Rule::First { .. } => 1,
             Rule::Ids { .. } => ids::PLANES,
         }
@@ -252,9 +415,13 @@ pub struct UnknownLayer {
     pub name: String,
 }
 
-/// Names of all layers.
+/// Names by which layers are asked for: those of light groups are one.
 pub fn known() -> Vec<&'static str> {
-    LAYERS.iter().map(|layer| layer.name).collect()
+    let single = LAYERS.iter().filter(|layer| layer.light_group().is_none());
+    single
+        .map(|layer| layer.name)
+        .chain([LIGHT_GROUPS])
+        .collect()
 }
 
 /// The layers of a film, each once, in the order of [`LAYERS`]: the picture, and what was asked for beside it.
@@ -265,17 +432,24 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Those of these names, and the picture.
+    /// Those of these names, and the picture; light comes with the colour that it is divided by.
     ///
     /// # Errors
     /// A name that no layer has.
     pub fn named<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Self, UnknownLayer> {
         let mut wanted = Vec::new();
         for name in names {
+            if name == LIGHT_GROUPS {
+                wanted.extend(LAYERS.iter().filter(|layer| layer.light_group().is_some()));
+                continue;
+            }
             let layer = Layer::named(name).ok_or_else(|| UnknownLayer {
                 name: name.to_owned(),
             })?;
             wanted.push(layer);
+            if let Rule::Light { color, .. } = layer.rule {
+                wanted.extend(color.and_then(Layer::named));
+            }
         }
         let others = LAYERS[1..].iter();
         Ok(Self {
@@ -288,6 +462,21 @@ impl Layers {
         Self {
             others: LAYERS[1..].iter().collect(),
         }
+    }
+
+    /// Without groups of lights that a scene hasn't.
+    #[must_use]
+    pub fn of_scene(&self, scene: &Scene) -> Self {
+        let groups = scene.light_groups.names().len();
+        let is_there = |layer: &&&Layer| layer.light_group().is_none_or(|number| number <= groups);
+        Self {
+            others: self.others.iter().filter(is_there).copied().collect(),
+        }
+    }
+
+    /// Whether some of them are parts of the picture.
+    pub(crate) fn split_light(&self) -> bool {
+        self.others.iter().any(|layer| layer.is_light())
     }
 
     /// These, and those of other names.
@@ -309,14 +498,24 @@ impl Layers {
         self.others.is_empty()
     }
 
-    /// The names of what a scene has to show in layers of ids, by layer: for [`Origin::names`](super::Origin::names). None where
-    /// they are too many for the header of a file.
+    /// The names of what a scene has to show in layers of ids, and of its groups of lights, by layer: for
+    /// [`Origin::names`](super::Origin::names). None where they are too many for the header of a file.
     pub fn names(&self, scene: &Scene) -> BTreeMap<String, Vec<String>> {
         let mut bytes = 0;
         let mut names = BTreeMap::new();
         for layer in self.iter() {
-            if let Rule::Ids { names: of, .. } = layer.rule {
-                let list: Vec<String> = of(scene).into_iter().map(str::to_owned).collect();
+            let list: Option<Vec<String>> = match (layer.light_group(), &layer.rule) {
+                (Some(0), _) => Some(vec![UNGROUPED.to_owned()]),
+                (Some(number), _) => {
+                    let name = scene.light_groups.names().get(number - 1);
+                    name.map(|name| vec![name.clone()])
+                }
+                (None, Rule::Ids { names: of, .. }) => {
+                    Some(of(scene).into_iter().map(str::to_owned).collect())
+                }
+                _ => None,
+            };
+            if let Some(list) = list {
                 // Any character may need six in JSON.
                 bytes += list.iter().map(|name| 6 * name.len() + 16).sum::<usize>();
                 names.insert(layer.name.to_owned(), list);
@@ -334,22 +533,17 @@ impl Layers {
         // The first word of a path's record says whether it met anything.
         let mut word = 1;
         for &layer in self.others.iter().filter(|layer| layer.wgsl().is_some()) {
-            // A mean is a plane for each channel, each by itself; anything else goes to all of its planes at once.
-            let count = match layer.rule {
-                Rule::Mean(_) => layer.plane_count(),
-                _ => 1,
-            };
-            let (planes, words) = (layer.plane_count() / count, layer.word_count() / count);
-            for index in 0..count {
-                let planes = index * planes..(index + 1) * planes;
-                sums.push(Sum {
-                    planes: planes.map(|plane| plane_name(layer, plane)).collect(),
-                    layer,
-                    word,
-                    words: words as u32,
-                });
-                word += words as u32;
-            }
+            let words = layer.word_count() as u32;
+            sums.push(Sum {
+                planes: (0..layer.plane_count())
+                    .map(|plane| plane_name(layer, plane))
+                    .collect(),
+                layer,
+                word,
+                words,
+                is_of_surfaces: !layer.is_light(),
+            });
+            word += words;
         }
         sums
     }
@@ -381,7 +575,7 @@ impl Layers {
 }
 
 /// What is added to one or more planes of the film. A plane has four words per pixel: a sum of 96 bits and a spare word
-/// ([`Rule::Mean`], a plane for each channel), the number of a sample plus 1 and up to three numbers ([`Rule::First`]; 0: no
+/// ([`Rule::Mean`] and [`Rule::Light`], a plane for each channel), the number of a sample plus 1 and up to three numbers ([`Rule::First`]; 0: no
 /// sample), or two ids with their numbers of samples ([`Rule::Ids`]).
 #[derive(Debug, Clone)]
 pub(crate) struct Sum {
@@ -393,6 +587,8 @@ pub(crate) struct Sum {
     pub(crate) word: u32,
     /// How many of these words it takes.
     pub(crate) words: u32,
+    /// Whether only paths that have met a surface give anything to it.
+    pub(crate) is_of_surfaces: bool,
 }
 
 fn plane_name(layer: &Layer, index: usize) -> &'static str {
@@ -417,11 +613,9 @@ mod tests {
     fn declarations_are_consistent() {
         for (number, layer) in LAYERS.iter().enumerate() {
             let before = &LAYERS[..number];
-            assert!(
-                before
-                    .iter()
-                    .all(|b| b.name != layer.name && b.pass != layer.pass)
-            );
+            let names = |layer: &Layer| layer.channel_names().collect::<BTreeSet<_>>();
+            assert!(before.iter().all(|b| b.name != layer.name));
+            assert!(before.iter().all(|b| names(b).is_disjoint(&names(layer))));
             let most = match layer.rule {
                 Rule::Ids { .. } => 4,
                 _ => MAX_CHANNELS,
@@ -430,9 +624,56 @@ mod tests {
             assert_eq!(layer.channel_names().count(), layer.channel_count());
             // It is part of names in WGSL.
             let mut letters = layer.name.chars();
-            assert!(letters.all(|c| c.is_ascii_lowercase() || c == '_'));
+            assert!(letters.all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_'));
+            if let Rule::Light {
+                color: Some(color), ..
+            } = layer.rule
+            {
+                assert!(matches!(
+                    Layer::named(color).expect("there").rule,
+                    Rule::Mean(_)
+                ));
+            }
         }
         assert_eq!(LAYERS[0].name, "combined");
+    }
+
+    #[test]
+    fn light_is_divided_by_its_color_and_comes_with_it() {
+        let layers = Layers::named(["glossy_direct"]).expect("known");
+        let names: Vec<_> = layers.iter().map(|layer| layer.name).collect();
+        assert_eq!(names, ["combined", "glossy_direct", "glossy_color"]);
+        let mut film = Film::with_layers(1, 1, layers);
+        for sample in 0..2 {
+            film.add_sample(0, [0.0; 3]);
+            film.add_surface(0, sample, |layer| match layer.is_light() {
+                true => [0.5, 0.25, 0.0],
+                false => [0.25, 0.0, 0.0],
+            });
+        }
+        let value = |name| {
+            film.values(Layer::named(name).expect("known"))
+                .expect("gathered")[0]
+        };
+        // Light that has no colour to be divided by makes it white.
+        assert_eq!(value("glossy_color"), [0.25, 1.0, 0.0]);
+        assert_eq!(value("glossy_direct"), [2.0, 0.25, 0.0]);
+    }
+
+    #[test]
+    fn groups_of_lights_are_those_of_a_scene() {
+        let mut scene = Scene::default();
+        let source = scene::LightSource::Environment;
+        scene.light_groups.assign(source, "sky").expect("room");
+        let layers = Layers::named([LIGHT_GROUPS])
+            .expect("known")
+            .of_scene(&scene);
+        let names: Vec<_> = layers.iter().map(|layer| layer.name).collect();
+        assert_eq!(names, ["combined", "light_group_0", "light_group_1"]);
+        let names = layers.names(&scene);
+        assert_eq!(names["light_group_0"], [UNGROUPED]);
+        assert_eq!(names["light_group_1"], ["sky"]);
+        assert!(known().contains(&LIGHT_GROUPS) && !known().contains(&"light_group_1"));
     }
 
     #[test]
@@ -450,9 +691,7 @@ mod tests {
             words,
             [
                 ("layer depth 0", 1, 1, 1),
-                ("layer normal 0", 1, 2, 1),
-                ("layer normal 1", 1, 3, 1),
-                ("layer normal 2", 1, 4, 1),
+                ("layer normal 0", 3, 2, 3),
                 ("layer crypto_object 0", ids::PLANES, 5, 1),
             ]
         );

@@ -4,15 +4,11 @@ use std::sync::LazyLock;
 
 use super::layers::{LAYERS, Layers, Rule};
 
-/// Constants that tell `film_layers/record.wgsl` where the values of these layers go.
+/// Constants that tell `film_layers/record.wgsl` and `light.wgsl` where the values of these layers go.
 pub(crate) fn record_constants(layers: &Layers) -> Vec<(&'static str, f64)> {
     let mut constants: Vec<(&'static str, f64)> = Vec::new();
     for sum in layers.sums() {
-        let name = word_name(sum.layer.name);
-        // The first of a layer is where it begins.
-        if constants.last().is_none_or(|&(last, _)| last != name) {
-            constants.push((name, f64::from(sum.word)));
-        }
+        constants.push((word_name(sum.layer.name), f64::from(sum.word)));
     }
     constants
 }
@@ -27,10 +23,10 @@ fn word_name(layer: &str) -> &'static str {
     &NAMES[at.expect("one of the table")]
 }
 
-/// `generated/film_layers.wgsl`: a function that records all layers that are asked for.
+/// `generated/film_layers.wgsl`: a function that records all layers of surfaces that are asked for.
 pub(crate) fn record_wgsl() -> String {
     let (mut words, mut body) = (String::new(), String::new());
-    for layer in &LAYERS {
+    for layer in LAYERS.iter().filter(|layer| !layer.is_light()) {
         let Some(wgsl) = layer.wgsl() else { continue };
         let word = word_name(layer.name);
         words += &format!("override {word}: u32 = 0u;\n");
@@ -46,8 +42,26 @@ pub(crate) fn record_wgsl() -> String {
         }
         body += "    }\n";
     }
+    format!("{WORDS}{words}\nfn record_each(at: FirstSurface) {{\n{body}}}\n")
+}
+
+const WORDS: &str = "// Where the values of each layer lie in what is recorded of a path; 0: it is not asked for.\n";
+
+/// `generated/film_light.wgsl`: functions that add a piece of light to all parts of the picture that are asked for, and that begin
+/// anew with nothing.
+pub(crate) fn light_wgsl() -> String {
+    let (mut words, mut add, mut forget) = (String::new(), String::new(), String::new());
+    for layer in LAYERS.iter().filter(|layer| layer.is_light()) {
+        let Some(wgsl) = layer.wgsl() else { continue };
+        let word = word_name(layer.name);
+        words += &format!("override {word}: u32 = 0u;\n");
+        add += &format!(
+            "    if ({word} != 0u) {{\n        layer_add({word}, slot, {wgsl});\n    }}\n"
+        );
+        forget +=
+            &format!("    if ({word} != 0u) {{\n        layer_clear({word}, slot);\n    }}\n");
+    }
     format!(
-        "// Where the values of each layer lie in what is recorded of a path; 0: it is not asked for.\n{words}\n\
-         fn record_each(at: FirstSurface) {{\n{body}}}\n"
+        "{WORDS}{words}\nfn add_found(slot: u32, found: Found) {{\n{add}}}\n\nfn forget_found(slot: u32) {{\n{forget}}}\n"
     )
 }

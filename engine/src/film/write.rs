@@ -44,6 +44,9 @@ impl Format {
     }
 }
 
+/// Layers that a film needs for [`Content::transparent`] files.
+pub const TRANSPARENCY: [&str; 2] = ["environment", "alpha"];
+
 /// What of a film goes to files. Of a film as it is: all of its layers.
 #[derive(Debug, Clone, Copy)]
 pub struct Content<'a> {
@@ -54,6 +57,9 @@ pub struct Content<'a> {
     /// The picture without its noise, pixel by pixel, where there is one: then it is the picture, and EXR files keep the noisy one
     /// as a layer of its own.
     pub denoised: Option<&'a [[f32; 3]]>,
+    /// Whether the environment behind everything is left out, and files tell how much of each pixel is covered (but for JPEG, which
+    /// can't). Of a film that has gathered [`TRANSPARENCY`].
+    pub transparent: bool,
 }
 
 impl<'a> From<&'a Film> for Content<'a> {
@@ -62,18 +68,41 @@ impl<'a> From<&'a Film> for Content<'a> {
             film,
             layers: film.layers(),
             denoised: None,
+            transparent: false,
         }
     }
 }
 
 impl Content<'_> {
-    /// What files without layers show.
-    fn picture(&self) -> Cow<'_, [[f32; 3]]> {
+    /// What files without layers show; where it is transparent, as much of it as there is.
+    pub(crate) fn picture(&self) -> Cow<'_, [[f32; 3]]> {
         match self.denoised {
             Some(denoised) => denoised.into(),
-            None => self.film.mean().into(),
+            None => self.rendered().into(),
         }
     }
+
+    /// The same with its noise.
+    fn rendered(&self) -> Vec<[f32; 3]> {
+        let foreground = self.transparent.then(|| self.film.foreground());
+        foreground.flatten().unwrap_or_else(|| self.film.mean())
+    }
+
+    /// How much of each pixel is covered, where that is wanted.
+    fn alpha(&self) -> Option<Vec<f32>> {
+        self.transparent.then(|| self.film.alpha()).flatten()
+    }
+}
+
+/// Colours as they would be where a pixel is covered as a whole.
+fn unassociated(picture: &[[f32; 3]], alpha: &[f32]) -> Vec<[f32; 3]> {
+    let pixels = picture.iter().zip(alpha);
+    pixels
+        .map(|(rgb, &alpha)| match alpha > 0.0 {
+            true => rgb.map(|x| x / alpha),
+            false => [0.0; 3],
+        })
+        .collect()
 }
 
 /// How a picture came about, as named facts: they go into the headers of EXR files.
@@ -140,7 +169,22 @@ pub fn write<'a>(
         Format::Png | Format::Jpeg => {
             let size = [content.film.width, content.film.height];
             let encoder = ViewEncoder::new(view);
-            encode(file, format, size, &encoder.encode8(&content.picture()))
+            let picture = content.picture();
+            match (content.alpha(), format) {
+                (Some(alpha), Format::Png) => {
+                    let shown = encoder.encode8(&unassociated(&picture, &alpha));
+                    let covered = |alpha: &f32| (alpha * 255.0 + 0.5) as u8;
+                    let pixels = shown.chunks_exact(3).zip(alpha.iter().map(covered));
+                    let rgba: Vec<u8> = pixels
+                        .flat_map(|(rgb, alpha)| [rgb[0], rgb[1], rgb[2], alpha])
+                        .collect();
+                    let ([width, height], color) = (size, ExtendedColorType::Rgba8);
+                    let encoder = PngEncoder::new(file);
+                    let written = encoder.write_image(&rgba, width, height, color);
+                    written.map_err(io::Error::other)
+                }
+                _ => encode(file, format, size, &encoder.encode8(&picture)),
+            }
         }
     }
 }

@@ -9,7 +9,7 @@ use glam::{Mat3, Vec3};
 use crate::{
     alias::alias_table,
     bvh::SceneBvh,
-    scene::{Image, LightKind, MAX_ANGULAR_DIAMETER, Material, PunctualLight, Scene},
+    scene::{Image, LightKind, LightSource, MAX_ANGULAR_DIAMETER, Material, PunctualLight, Scene},
     texturing::ProgramTraits,
 };
 
@@ -23,7 +23,7 @@ const POINT: u32 = 1;
 const SPOT: u32 = 2;
 const DIRECTIONAL: u32 = 3;
 
-/// `Light` in `lights.wgsl`.
+/// `Light` in `lights.wgsl`. Of lights that aren't triangles `triangle` is their group.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct GpuLight {
@@ -104,7 +104,7 @@ impl LightTable {
         let mut table = Self::default();
         let mut emitters = Vec::new();
         table.add_triangles(scene, bvh, materials, &mut emitters);
-        table.add_punctual(&scene.lights, &mut emitters);
+        table.add_punctual(scene, &mut emitters);
         // In the scene's order, not the hierarchy's: which light a random number chooses is the same on every device.
         emitters.sort_by_key(|emitter| emitter.source);
         let numbered: Vec<_> = emitters.iter().map(|e| (e.light, e.emitter)).collect();
@@ -177,9 +177,9 @@ impl LightTable {
         }
     }
 
-    fn add_punctual(&mut self, lights: &[PunctualLight], emitters: &mut Vec<Placed>) {
+    fn add_punctual(&mut self, scene: &Scene, emitters: &mut Vec<Placed>) {
         let mut irradiances = Vec::new();
-        for (number, light) in (0..).zip(lights) {
+        for (number, light) in (0..).zip(&scene.lights) {
             let strength = luminance(light.intensity);
             if !(strength > 0.0 && strength.is_finite()) {
                 continue;
@@ -189,6 +189,7 @@ impl LightTable {
                 direction: light.direction,
                 range: light.range,
                 intensity: light.intensity,
+                triangle: scene.light_groups.of(LightSource::Light(&light.name)),
                 ..GpuLight::zeroed()
             };
             let angle = match light.kind {

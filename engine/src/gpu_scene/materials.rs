@@ -60,8 +60,8 @@ impl GpuMaterial {
             .collect()
     }
 
-    /// `program` is what is known of its texture program.
-    pub fn new(material: &Material, program: &ProgramTraits) -> Self {
+    /// `group` is the number of the light group that its emission is in, `program` what is known of its texture program.
+    pub fn new(material: &Material, group: u32, program: &ProgramTraits) -> Self {
         let textures = material.textures();
         let mut record = Self {
             words: [[0; 4]; ROWS],
@@ -97,7 +97,10 @@ impl GpuMaterial {
             const { place_of("iridescence_thickness") },
             material.iridescence_thickness,
         );
-        record.set_word(const { place_of("flags") }, flags(material, program));
+        record.set_word(
+            const { place_of("flags") },
+            flags(material, program) | group << flag::LIGHT_GROUP_SHIFT,
+        );
         record.set_word(const { place_of("id") }, name_id(&material.name));
         let texture_mask = (0..textures.len())
             .filter(|&i| textures[i].is_some())

@@ -22,8 +22,9 @@ use device::{Device, DeviceError, Resources, Usage, native::accel};
 
 use crate::{
     bvh::{BvhError, SceneBvh},
-    scene::{Mesh, Scene, name_id},
+    scene::{LightSource, Mesh, Scene, name_id},
     texturing::{ProgramTraits, TextureReads},
+    wave,
 };
 
 use self::{
@@ -105,6 +106,8 @@ pub struct SceneFeatures {
     pub energy_compensation: bool,
     /// The film has layers beside the picture: asked for as well.
     pub film_layers: bool,
+    /// Some of them are parts of the light, told apart by how it came.
+    pub splits_light: bool,
     /// Some material has a texture program.
     pub programs: bool,
     /// A texture program decides about the opacity or the light of some surface, so that shadow rays need it too.
@@ -137,6 +140,7 @@ impl SceneFeatures {
                 .any(|(i, m)| materials::has_layers(m) || program(i).has_layers),
             energy_compensation: false,
             film_layers: false,
+            splits_light: false,
             programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
             program_shadows: shadows.by_program,
             clear: shadows.clear,
@@ -144,8 +148,16 @@ impl SceneFeatures {
         }
     }
 
+    /// Words of a path, besides the results of its texture program, that not every scene needs.
+    pub fn path_words(&self) -> u32 {
+        match self.splits_light {
+            true => wave::SPLIT_WORDS,
+            false => 0,
+        }
+    }
+
     /// Values of the kernels' `override` constants.
-    pub fn constants(&self) -> [(&'static str, f64); 9] {
+    pub fn constants(&self) -> [(&'static str, f64); 10] {
         [
             ("has_alpha", f64::from(u8::from(self.alpha))),
             ("has_textures", f64::from(u8::from(self.textures))),
@@ -162,6 +174,7 @@ impl SceneFeatures {
                 "has_program_shadows",
                 f64::from(u8::from(self.program_shadows)),
             ),
+            ("splits_light", f64::from(u8::from(self.splits_light))),
         ]
     }
 }
@@ -177,6 +190,8 @@ pub struct GpuScene {
     pub features: SceneFeatures,
     /// The environment's numbers.
     pub environment: GpuEnvironment,
+    /// Number of the light group that it is in.
+    pub environment_group: u32,
     /// Least and greatest corner of a box around the scene, metres.
     pub bounds: [Vec3; 2],
     /// Centre of a sphere around the scene, metres.
@@ -231,7 +246,13 @@ impl GpuScene {
             .materials
             .iter()
             .enumerate()
-            .map(|(i, m)| GpuMaterial::new(m, &program(i as u32)))
+            .map(|(i, m)| {
+                GpuMaterial::new(
+                    m,
+                    scene.light_groups.of(LightSource::Material(&m.name)),
+                    &program(i as u32),
+                )
+            })
             .collect();
         let lights = LightTable::gather(scene, &bvh, &program, &mut materials);
         let (triangles, vertices, geometry) =
@@ -297,6 +318,7 @@ impl GpuScene {
             light_count: lights.placed.len() as u32,
             directional_count: lights.directional.len() as u32,
             environment,
+            environment_group: scene.light_groups.of(LightSource::Environment),
             bounds: [lo, hi],
             center,
             radius,

@@ -12,7 +12,7 @@ use device::{Buffer, Device, Resources, Usage, native::accel::BuildError};
 
 use crate::{
     bvh::{BvhError, MeshBvh, SceneBvh},
-    scene::{Environment, Mesh, Scene},
+    scene::{Environment, LightSource, Mesh, Scene},
     texturing::{ProgramTraits, TextureReads},
 };
 
@@ -97,8 +97,10 @@ impl GpuScene {
         self.features = SceneFeatures {
             energy_compensation: self.features.energy_compensation,
             film_layers: self.features.film_layers,
+            splits_light: self.features.splits_light,
             ..SceneFeatures::of(scene, &program, &flags, self.environment.emits)
         };
+        self.environment_group = scene.light_groups.of(LightSource::Environment);
         self.uploaded.flags = flags;
         Ok(())
     }
@@ -191,7 +193,10 @@ impl GpuScene {
     ) -> Result<(), GpuSceneError> {
         let mut records: Vec<GpuMaterial> = (0..)
             .zip(&scene.materials)
-            .map(|(i, m)| GpuMaterial::new(m, &program(i)))
+            .map(|(i, m)| {
+                let group = scene.light_groups.of(LightSource::Material(&m.name));
+                GpuMaterial::new(m, group, &program(i))
+            })
             .collect();
         let emission = update::emission(scene, program);
         let lights = match emission == self.uploaded.emission {

@@ -9,7 +9,7 @@ use device::{Device, Resources, Usage};
 
 use crate::{
     bvh::{MeshBvh, SceneBvh},
-    scene::{Material, Scene},
+    scene::{LightSource, Material, Scene},
     texturing::ProgramTraits,
 };
 
@@ -123,7 +123,13 @@ impl GpuScene {
         }
         let mut records: Vec<GpuMaterial> = (0..)
             .zip(&scene.materials)
-            .map(|(i, m)| GpuMaterial::new(m, &program(i)))
+            .map(|(i, m)| {
+                GpuMaterial::new(
+                    m,
+                    scene.light_groups.of(LightSource::Material(&m.name)),
+                    &program(i),
+                )
+            })
             .collect();
         let mut is_moved = false;
         let emission = emission(scene, &program);

@@ -4,6 +4,7 @@
 
 mod camera;
 mod files;
+mod groups;
 mod include;
 mod light;
 mod timeline;
@@ -17,7 +18,9 @@ use texgen::{Diagnostic, Diagnostics, SourceFile, did_you_mean};
 use crate::procedural::{Procedural, SourcesError, TextureSources};
 use crate::scene::import::{self, ImportError, Imported, Importer};
 use crate::scene::look::{EnvironmentLook, Look, LookError, Spanned};
-use crate::scene::{Camera, Environment, Material, PunctualLight, Scene, default_camera};
+use crate::scene::{
+    Camera, Environment, LightSource, Material, PunctualLight, Scene, default_camera,
+};
 use crate::system::{Assets, Disk, Files};
 
 pub use files::{files, files_from};
@@ -224,6 +227,9 @@ fn apply(
     for table in &look.lights {
         problems.extend(light::apply(look, table, scene).err());
     }
+    if let Err(problem) = groups::apply(look, scene) {
+        problems.push(problem);
+    }
     match camera::resolve(look, scene, still) {
         Ok(camera) if problems.is_empty() => Ok(camera),
         Ok(_) => Err(problems.into()),
@@ -249,17 +255,18 @@ impl EnvironmentMaker {
         wanted: &Spanned<EnvironmentLook>,
         scene: &mut Scene,
     ) -> Result<Vec<String>, Diagnostic> {
-        if let Some((of, environment, sun)) = &self.last
-            && *of == wanted.value
-        {
-            scene.environment.clone_from(environment);
-            scene.lights.extend(sun.clone());
-            return Ok(Vec::new());
+        let known = self.last.take().filter(|(of, ..)| *of == wanted.value);
+        let (environment, sun, warnings) = match known {
+            Some((_, environment, sun)) => (environment, sun, Vec::new()),
+            None => environment_of(files, look, wanted)?,
+        };
+        // Before `[light.NAME]` may say otherwise.
+        if let (Some(sun), Some(group)) = (&sun, &look.environment_group) {
+            groups::assign(look, scene, LightSource::Light(&sun.name), group)?;
         }
-        let (environment, sun, warnings) = environment_of(files, look, wanted)?;
-        self.last = Some((wanted.value.clone(), environment.clone(), sun.clone()));
-        scene.environment = environment;
-        scene.lights.extend(sun);
+        scene.environment.clone_from(&environment);
+        scene.lights.extend(sun.clone());
+        self.last = Some((wanted.value.clone(), environment, sun));
         Ok(warnings)
     }
 }

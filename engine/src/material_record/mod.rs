@@ -215,6 +215,9 @@ macro_rules! flags {
         pub mod flag {
             $($(#[doc = $doc])+ pub const $name: u32 = $value;)*
 
+            /// Above the flags: the number of the light group that its emission is in.
+            pub const LIGHT_GROUP_SHIFT: u32 = 28;
+
             /// All of them, by their names.
             pub const ALL: &[(&str, u32)] = &[$((stringify!($name), $name)),*];
         }

@@ -22,6 +22,8 @@ pub fn material_wgsl() -> String {
     for (name, bit) in flag::ALL {
         let _ = writeln!(text, "const MATERIAL_{name} = {bit}u;");
     }
+    let shift = flag::LIGHT_GROUP_SHIFT;
+    let _ = writeln!(text, "const MATERIAL_LIGHT_GROUP_SHIFT = {shift}u;");
     let (surface, layers) = TEXTURES.split_at(SURFACE_TEXTURES);
     for (number, name) in surface.iter().enumerate() {
         let _ = writeln!(text, "const TEXTURE_{} = {number}u;", name.to_uppercase());

@@ -181,6 +181,7 @@ pub fn compile(device: &Device, source: &KernelSource<'_>) -> Result<Kernel, Dev
 fn generated(file: &str) -> Option<String> {
     match file {
         "generated/film_layers.wgsl" => Some(layers_wgsl::record_wgsl()),
+        "generated/film_light.wgsl" => Some(layers_wgsl::light_wgsl()),
         _ => None,
     }
 }

@@ -109,18 +109,10 @@ impl Renderer {
                 &*self.schedule,
             )?;
         }
-        let grown = self.schedule.grow_results(
-            &self.device,
-            self.capacity,
-            self.procedural.result_words(),
-            &mut self.resources,
-        )?;
-        self.lanes.grow_results(
-            &self.device,
-            &*self.schedule,
-            self.capacity,
-            self.procedural.result_words(),
-        )?;
+        let words = self.procedural.result_words() + self.scene.features.path_words();
+        let (device, capacity) = (&self.device, self.capacity);
+        let grown = (self.schedule).grow_results(device, capacity, words, &mut self.resources)?;
+        (self.lanes).grow_results(device, &*self.schedule, capacity, words)?;
         let fits = |name: &str, words: &[u32]| {
             self.resources.buffer(name).size() >= words.len() as u64 * 4
         };
@@ -153,7 +145,7 @@ impl Renderer {
     /// Makes room for the programs and arguments of another graph than `former`, and writes them.
     pub(super) fn resize_programs(&mut self, former: &Procedural) -> Result<(), RenderError> {
         let now = &self.procedural;
-        let words = now.result_words();
+        let words = now.result_words() + self.scene.features.path_words();
         (self.schedule).grow_results(&self.device, self.capacity, words, &mut self.resources)?;
         (self.lanes).grow_results(&self.device, &*self.schedule, self.capacity, words)?;
         let is_same = (

@@ -77,6 +77,7 @@ impl Kernels {
         let apart = [
             self.texture,
             film_layers::MEAN.name,
+            film_layers::MEANS.name,
             film_layers::FIRST.name,
             film_layers::IDS.name,
         ];
@@ -114,7 +115,7 @@ impl Kernels {
         if !self.has_texture() {
             // They were compiled without programs.
             let former = self.by_name.clone();
-            for pass in [brdf::PASS, film_layers::RECORD] {
+            for pass in [brdf::PASS, film_layers::RECORD, film_layers::LIGHT] {
                 self.by_name.remove(pass.name);
             }
             match self.missing(device, features) {

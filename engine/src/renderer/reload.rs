@@ -122,7 +122,7 @@ impl Renderer {
         };
         // On copies of the handles, so that a device without memory leaves all as it is.
         let mut resources = self.resources.clone();
-        let words = procedural.result_words();
+        let words = procedural.result_words() + self.scene.features.path_words();
         self.schedule
             .grow_results(&self.device, self.capacity, words, &mut resources)
             .map_err(RenderError::from)?;

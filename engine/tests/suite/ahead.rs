@@ -51,7 +51,10 @@ fn every_set_of_features_finds_its_kernels() {
     // Some sets of what may be left out, among them ones that no build has listed.
     for bits in [0, 0b00_0001, 0b00_0101, 0b10_1010, 0b11_1111_u32] {
         let has = |bit: u32| bits >> bit & 1 == 1;
-        for (programs, program_shadows) in [(false, false), (true, false), (true, true)] {
+        let programs = [(false, false), (true, false), (true, true)];
+        for ((programs, program_shadows), splits_light) in
+            programs.into_iter().flat_map(|p| [(p, false), (p, true)])
+        {
             let features = SceneFeatures {
                 alpha: has(0),
                 textures: has(1),
@@ -61,6 +64,7 @@ fn every_set_of_features_finds_its_kernels() {
                 layers: has(5),
                 programs,
                 program_shadows,
+                splits_light,
                 energy_compensation: true,
                 ..SceneFeatures::default()
             };

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::MAX_ANGULAR_DIAMETER;
 use crate::sky::Sky;
+use crate::{MAX_ANGULAR_DIAMETER, UNGROUPED};
 
 use super::reader::{Reader, unit};
 use super::value::{Field, Span, Spanned, Value};
@@ -14,7 +14,7 @@ pub(super) fn environment(
     reader: &mut Reader,
     value: &Spanned<Value>,
 ) -> Option<Spanned<EnvironmentLook>> {
-    const KEYS: [&str; 5] = ["image", "color", "sky", "rotation", "intensity"];
+    const KEYS: [&str; 6] = ["image", "color", "sky", "rotation", "intensity", "group"];
     const SHAPES: &str =
         "{ image = \"sky.hdr\" }, { color = [r, g, b] } or { sky = { sun_elevation = 35 } }";
     let table = reader.table(value, SHAPES)?;
@@ -29,6 +29,7 @@ pub(super) fn environment(
             "intensity" => {
                 intensity = reader.number(value, "a number that isn't negative", |x| x >= 0.0)
             }
+            "group" => {} // read by `environment_group`
             _ => reader.unknown_key(key, "`environment`", &KEYS),
         }
     }
@@ -67,6 +68,38 @@ pub(super) fn environment(
             None
         }
     }
+}
+
+/// The group of lights that an environment is in.
+pub(super) fn environment_group(
+    reader: &mut Reader,
+    value: &Spanned<Value>,
+) -> Option<Spanned<String>> {
+    let Value::Table(fields) = &value.value else {
+        return None; // which `environment` complains about
+    };
+    let field = fields.iter().find(|field| field.key.value == "group")?;
+    group(reader, &field.value)
+}
+
+/// The name of a group of lights.
+pub(super) fn group(reader: &mut Reader, value: &Spanned<Value>) -> Option<Spanned<String>> {
+    let name = reader.text(value)?;
+    let is_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
+    if name.value.is_empty() || !name.value.chars().all(is_word) {
+        reader.problem_with_note(
+            &value.span,
+            "a group of lights has a name of letters, digits, `_` and `-`",
+            "it becomes part of the name of a layer, as in group = \"key\"",
+        );
+        return None;
+    }
+    if name.value == UNGROUPED {
+        let problem = format!("`{UNGROUPED}` is what belongs to no group: choose another name");
+        reader.problem(&value.span, problem);
+        return None;
+    }
+    Some(name)
 }
 
 fn sky(reader: &mut Reader, value: &Spanned<Value>) -> Option<Sky> {
@@ -142,10 +175,11 @@ pub(super) fn light(
     table: &[Field],
     _: &Span,
 ) -> Option<LightLook> {
-    const KEYS: [&str; 1] = ["angular_diameter"];
+    const KEYS: [&str; 2] = ["angular_diameter", "group"];
     let mut light = LightLook {
         name: name.clone(),
         angular_diameter: None,
+        group: None,
     };
     let largest = MAX_ANGULAR_DIAMETER.to_degrees();
     for Field { key, value } in table {
@@ -155,6 +189,7 @@ pub(super) fn light(
                 light.angular_diameter =
                     reader.number(value, &wanted, |x| (0.0..=largest).contains(&x));
             }
+            "group" => light.group = group(reader, value),
             _ => reader.unknown_key(key, "[light.NAME]", &KEYS),
         }
     }

@@ -1,11 +1,12 @@
 //! `[material.NAME]`: what a look says about a material. Which keys there are, and what each takes, says
-//! [`PARAMETERS`]; only `blend` is not a parameter.
+//! [`PARAMETERS`]; only `blend` and `group` are no parameters.
 
 use glam::Vec3;
 
 use crate::material_parameters::{Field as Kept, PARAMETERS, Parameter, Takes, Unit};
 use crate::{AlphaMode, Material, absorption};
 
+use super::light;
 use super::reader::{Reader, choice};
 use super::value::{Field, Span, Spanned, Value};
 use super::{BlendLook, Input};
@@ -21,6 +22,8 @@ pub struct MaterialLook {
     words: Vec<(&'static str, Spanned<&'static str>)>,
     /// This material is a blend of two others.
     pub blend: Option<Spanned<BlendLook>>,
+    /// The group of lights that what it emits belongs to.
+    pub group: Option<Spanned<String>>,
 }
 
 fn find<'l, T>(list: &'l [(&'static str, T)], key: &str) -> Option<&'l T> {
@@ -36,6 +39,7 @@ impl MaterialLook {
             flags: Vec::new(),
             words: Vec::new(),
             blend: None,
+            group: None,
         }
     }
 
@@ -198,9 +202,10 @@ pub(super) fn material(
         match (Parameter::of(&key.value), key.value.as_str()) {
             (Some(parameter), _) => m.read(reader, parameter, value),
             (None, "blend") => m.blend = blend(reader, value),
+            (None, "group") => m.group = light::group(reader, value),
             (None, _) => {
                 let parameters = PARAMETERS.iter().map(|parameter| parameter.key);
-                let keys: Vec<&str> = parameters.chain(["blend"]).collect();
+                let keys: Vec<&str> = parameters.chain(["blend", "group"]).collect();
                 reader.unknown_key(key, "[material.NAME]", &keys);
             }
         }

@@ -56,6 +56,8 @@ pub struct Look {
     pub file: SourceFile,
     /// Replaces the scene's environment.
     pub environment: Option<Spanned<EnvironmentLook>>,
+    /// The group of lights that it is in.
+    pub environment_group: Option<Spanned<String>>,
     /// Overrides of a glTF camera, or a camera of its own.
     pub camera: CameraLook,
     /// How the picture is shown.
@@ -131,10 +133,12 @@ impl CameraLook {
 /// `[light.NAME]`: overrides of the lights of that name; whatever is `None` is left as it is in the glTF file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightLook {
-    /// A directional light of the glTF file.
+    /// A light of the glTF file.
     pub name: Spanned<String>,
     /// Degrees; 0 for light from a single direction.
     pub angular_diameter: Option<Spanned<f32>>,
+    /// The group of lights that they belong to.
+    pub group: Option<Spanned<String>>,
 }
 
 /// `[ao.NAME]`: one kind of ambient occlusion, traced for every hit whose textures read it.
@@ -308,6 +312,7 @@ impl Look {
             path: path.to_owned(),
             file,
             environment: None,
+            environment_group: None,
             lights: Vec::new(),
             camera: CameraLook::default(),
             view: ViewChoice::default(),

@@ -13,7 +13,7 @@ use crate::view::ViewChoice;
 
 use super::document::Section;
 use super::keys::{self, Keyed, When};
-use super::light::{environment, light};
+use super::light::{environment, environment_group, light};
 use super::material::{MaterialLook, material};
 use super::reader::{Reader, choice, is_name, unquoted};
 use super::value::{Field, Span, Spanned, Value, fields};
@@ -109,7 +109,10 @@ fn keep_keys(look: &mut Look, keyed: &Keyed) {
 fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
     for Field { key, value } in root {
         match key.value.as_str() {
-            "environment" => look.environment = environment(reader, value),
+            "environment" => {
+                look.environment = environment(reader, value);
+                look.environment_group = environment_group(reader, value);
+            }
             "camera" => look.camera = camera(reader, value),
             "view" => look.view = view(reader, value),
             "light" => look.lights = named(reader, value, "[light.NAME]", light),

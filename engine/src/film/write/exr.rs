@@ -40,6 +40,18 @@ pub(super) fn write(
     let encoding = Encoding::SMALL_LOSSLESS;
     if content.layers.is_picture_alone() && content.denoised.is_none() {
         let mean = content.picture();
+        if let Some(alpha) = content.alpha() {
+            let pixel = |Vec2(x, y): Vec2<usize>| {
+                let at = y * width + x;
+                let [r, g, b] = mean[at];
+                (r, g, b, alpha[at])
+            };
+            let channels = SpecificChannels::rgba(pixel);
+            let layer = Layer::new((width, height), attributes(metadata), encoding, channels);
+            let mut image = Image::from_layer(layer);
+            image.attributes.chromaticities = Some(REC709);
+            return write_image(file, &image);
+        }
         let pixel = |Vec2(x, y): Vec2<usize>| {
             let [r, g, b] = mean[y * width + x];
             (r, g, b)
@@ -54,29 +66,45 @@ pub(super) fn write(
     let mut add = |name: &str, values| {
         channels.push(AnyChannel::new(latin1(name), FlatSamples::F32(values)));
     };
-    for layer in content.layers.iter() {
+    let with_alpha = content.layers.with(["alpha"]);
+    let layers = match (content.transparent, &with_alpha) {
+        (true, Ok(layers)) => layers,
+        _ => content.layers,
+    };
+    for layer in layers.iter() {
         let mut values = film.channels(layer).unwrap_or_default();
-        if let (Some(denoised), true) = (content.denoised, *layer == film::LAYERS[0]) {
+        let is_picture = *layer == film::LAYERS[0];
+        if is_picture && content.transparent {
+            values = split(&content.rendered());
+        }
+        if let (Some(denoised), true) = (content.denoised, is_picture) {
             let noisy = std::mem::replace(&mut values, split(denoised));
             let noisy = NOISY.into_iter().zip(noisy);
             noisy.for_each(|(name, values)| add(name, values));
         }
-        let named = layer.channel_names().zip(values);
-        named.for_each(|(name, values)| add(&name, values));
+        for (name, values) in layer.channel_names().zip(values) {
+            add(&with_group(name, layer, metadata), values);
+        }
     }
     // The format wants them sorted.
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let mut attributes = attributes(metadata);
-    attributes.other.extend(
-        content
-            .layers
-            .iter()
-            .flat_map(|layer| cryptomatte(layer, metadata)),
-    );
+    attributes
+        .other
+        .extend(layers.iter().flat_map(|layer| cryptomatte(layer, metadata)));
     let layer = Layer::new((width, height), attributes, encoding, channels);
     let mut image = Image::from_layer(layer);
     image.attributes.chromaticities = Some(REC709);
     write_image(file, &image)
+}
+
+/// A channel's name with that of the group of lights that its layer is of.
+fn with_group(channel: String, layer: &film::Layer, metadata: &Metadata) -> String {
+    let groups = layer.light_group().and(metadata.names.get(layer.name));
+    match groups.map(Vec::as_slice) {
+        Some([group]) => channel.replace(layer.pass, &format!("Combined_{group}")),
+        _ => channel,
+    }
 }
 
 /// Pixels channel by channel.
@@ -178,9 +206,11 @@ fn latin1(text: &str) -> Text {
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeMap;
+    use std::path::Path;
 
     use super::*;
-    use crate::film::{Film, Layers};
+    use crate::film::write::TRANSPARENCY;
+    use crate::film::{Film, Layers, Origin};
 
     fn film(layers: Layers) -> Film {
         let mut film = Film::with_layers(3, 2, layers);
@@ -317,6 +347,7 @@ mod tests {
                 film: &film,
                 layers,
                 denoised: Some(&denoised),
+                transparent: false,
             };
             let (channels, _) = read(&written(content));
             for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
@@ -332,6 +363,60 @@ mod tests {
                 assert_eq!(*depth, noisy["ViewLayer.Depth.Z"]);
             }
         }
+    }
+
+    #[test]
+    fn what_nothing_covers_is_transparent() {
+        let layers = Layers::named(TRANSPARENCY).expect("known");
+        let mut film = Film::with_layers(2, 1, layers);
+        // The sky alone, and half a surface of 0.5 in front of it.
+        for pixel in 0..2 {
+            film.add_sample(pixel, [0.25, 0.5, 0.1]);
+            film.add_surface(pixel, 0, |layer| match layer.name {
+                "environment" => [0.25, 0.5, 0.1],
+                _ => [0.0; 3],
+            });
+            film.add_sample(pixel, [0.5 * pixel as f32; 3]);
+            film.add_surface(pixel, 1, |layer| match layer.name {
+                "alpha" => [pixel as f32, 0.0, 0.0],
+                _ => [0.0; 3],
+            });
+        }
+        let alone = Layers::default();
+        let depth = Layers::named(["depth"]).expect("known");
+        for (layers, prefix) in [(&alone, ""), (&depth, "ViewLayer.Combined.")] {
+            let content = Content {
+                layers,
+                transparent: true,
+                ..Content::from(&film)
+            };
+            let (channels, _) = read(&written(content));
+            for letter in ["R", "G", "B"] {
+                assert_eq!(channels[&format!("{prefix}{letter}")], [0.0, 0.25]);
+            }
+            assert_eq!(channels[&format!("{prefix}A")], [0.0, 0.5]);
+        }
+    }
+
+    #[test]
+    fn groups_of_lights_have_their_names() {
+        let film = Film::with_layers(2, 1, Layers::named(["light_groups"]).expect("known"));
+        let mut origin = Origin::new("", Path::new(""), None, Vec::new());
+        let groups = [("light_group_0", "rest"), ("light_group_1", "key")];
+        for (layer, name) in groups {
+            origin.names.insert(layer.to_owned(), vec![name.to_owned()]);
+        }
+        let mut file = io::Cursor::new(Vec::new());
+        write(
+            &mut file,
+            &Content::from(&film),
+            &Metadata::new(&film, &origin),
+        )
+        .expect("written");
+        let (channels, _) = read(&file.into_inner());
+        assert!(channels.contains_key("ViewLayer.Combined_rest.G"));
+        assert!(channels.contains_key("ViewLayer.Combined_key.B"));
+        assert!(!channels.contains_key("ViewLayer.Combined_1.B"));
     }
 
     #[test]

@@ -40,7 +40,11 @@ fn shade_vertex(slot: u32) {
     let texels = material_textures(v.material, wanted, v.surface.triangle, v.surface.weights);
     let base_color = base_color_at(slot, v.driven, v.material, v.surface, texels[TEXTURE_BASE_COLOR]);
     if (is_unlit) {
-        p.radiance += limited(p.throughput * base_color, f32(p.depth));
+        let found = limited(p.throughput * base_color, f32(p.depth));
+        if (splits_light) {
+            note_found(p, PATH_FOUND, found, true, light_group(materials[v.own_material].flags));
+        }
+        p.radiance += found;
         path_write(PATH_RADIANCE, slot, vec4f(p.radiance, cone_width));
         return;
     }

@@ -2,12 +2,8 @@
 //!include shared/environment.wgsl
 //!include shared/lights.wgsl
 //!include shared/estimator.wgsl
-
-// Whether the shadow ray met a surface whose texture program lets some of it pass.
-fn waits_for_program(slot: u32) -> bool {
-    let blocker = rays[shadow_ray(slot)].triangle;
-    return has_program_shadows && blocker != MISS && (triangles[blocker].w & TRIANGLE_PROGRAM_ALPHA) != 0u;
-}
+//!include shared/shadow_rays.wgsl
+//!include brdf/split.wgsl
 
 // How much passes is part of PATH_LIGHT by now: the shadow ray goes on behind that surface, and the path waits for it.
 fn follow_shadow_ray(slot: u32, hit: RayHit) {
@@ -39,8 +35,16 @@ fn handle_escaped_ray(p: Path, hit: RayHit) -> vec3f {
     if (has_environment && p.bsdf_pdf > 0.0) {
         weight = met_light_weight(p.bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
     }
-    let sky = environment_radiance(hit.direction) * weight + disk_radiance(hit.direction, p.bsdf_pdf);
-    return p.radiance + limited(p.throughput * sky, f32(p.depth));
+    let sky = environment_radiance(hit.direction) * weight;
+    let disks = disk_radiance(hit.direction, p.bsdf_pdf);
+    if (splits_light) {
+        // Clamped as one, as it is for the picture.
+        let all = p.throughput * (sky + disks.radiance);
+        let factor = limited(all, f32(p.depth)) / max(all, vec3f(1e-37));
+        note_found(p, PATH_FOUND, p.throughput * sky * factor, false, frame.environment_group);
+        note_found(p, PATH_FOUND_DISKS, p.throughput * disks.radiance * factor, false, disks.group);
+    }
+    return p.radiance + limited(p.throughput * (sky + disks.radiance), f32(p.depth));
 }
 
 // The radiance with what the surface emits. `receiver_before` is what light samples know of the vertex before.
@@ -54,5 +58,9 @@ fn handle_emissive_intersection(p: Path, v: Vertex, hit: RayHit, receiver_before
         let cosine = max(dot(v.surface.geometric_normal, v.surface.wo), 1e-7);
         weight = met_light_weight(p.bsdf_pdf, light_hit_pdf(hit, receiver_before, cosine));
     }
-    return p.radiance + limited(p.throughput * emission * weight, f32(p.depth));
+    let found = limited(p.throughput * emission * weight, f32(p.depth));
+    if (splits_light) {
+        note_found(p, PATH_FOUND, found, true, light_group(materials[v.own_material].flags));
+    }
+    return p.radiance + found;
 }

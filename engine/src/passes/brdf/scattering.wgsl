@@ -90,6 +90,9 @@ fn sample_direct_light(p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3
     if (has_program_shadows) {
         path_set_words(PATH_LIGHT_POINT, v.slot, light.point);
     }
+    if (splits_light) {
+        note_light_sample(v, m.bsdf, l, wo, wi, value.xyz, light.group);
+    }
     queue_append(QUEUE_SHADOW, v.slot);
     return true;
 }
@@ -128,6 +131,9 @@ fn sample_indirect(p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3f, o
     let throughput = russian_roulette(p.throughput * sampled.weight, v.depth, density, numbers.w);
     if (max_component(throughput) <= 0.0) {
         return false;
+    }
+    if (splits_light) {
+        note_path(v, m.bsdf, l, wo, sampled.wi, sampled.weight * sampled.pdf);
     }
     path_write(PATH_THROUGHPUT, v.slot, vec4f(throughput, sampled.pdf));
     path_set_words(PATH_STATE, v.slot, vec4u(0u, 0u, v.depth + 1u, path_words(PATH_STATE, v.slot).w));

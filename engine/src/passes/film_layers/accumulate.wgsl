@@ -1,4 +1,4 @@
-// Adds what was recorded of the paths of a wave to one plane of a layer. One thread owns a pixel.
+// Adds what was recorded of the paths of a wave to the planes of a layer. One thread owns a pixel.
 //!include shared/frame.wgsl
 //!include shared/random.wgsl
 //!include shared/filter.wgsl
@@ -9,10 +9,15 @@
 // Of each pixel a sum of 96 bits and a spare word, or a sample's number plus 1, 0 for none, and its numbers. Ids have a
 // kernel of their own.
 @group(0) @binding(43) var<storage, read_write> layer_film: array<vec4u>;
+// The second and third channel of a colour or a vector.
+@group(0) @binding(44) var<storage, read_write> layer_film1: array<vec4u>;
+@group(0) @binding(45) var<storage, read_write> layer_film2: array<vec4u>;
 
 // Where its numbers lie in a path's record, and how many there are.
 override sum_word: u32 = 1u;
 override sum_words: u32 = 1u;
+// Whether only paths that have met a surface have a value.
+override sum_of_surfaces: bool = true;
 
 // A number that isn't finite would spoil its pixel for good.
 fn finite_sample(word: u32, slot: u32) -> f32 {
@@ -21,6 +26,20 @@ fn finite_sample(word: u32, slot: u32) -> f32 {
     return select(0.0, value, is_finite);
 }
 
+// The weight that the pixel filter gives to the sample of a path.
+fn sample_weight(slot: u32) -> f32 {
+    if (frame.filter_positive < 1.0) {
+        return filter_weight(random4(path_id(slot), DIMENSION_CAMERA, GROUP_CAMERA).xy);
+    }
+    return 1.0;
+}
+
+fn with_sample(words: vec4u, value: f32) -> vec4u {
+    let units = fixed_point(clamp(value, -LARGEST, LARGEST), SUM_BITS);
+    return vec4u(add_wide(words.xyz, units), words.w);
+}
+
+// Of one channel.
 @compute @workgroup_size(64)
 fn accumulate_mean(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
                    @builtin(local_invocation_index) local: u32) {
@@ -29,23 +48,39 @@ fn accumulate_mean(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgro
     if (at == NO_PIXEL) {
         return;
     }
+    let end = last_slot(first);
     var words = layer_film[at];
-    for (var slot = first; slot < frame.wave_size; slot += frame.padded_pixels) {
-        let path = path_id(slot);
-        if (path.sample >= frame.sample_limit) {
-            break;
+    for (var slot = first; slot < end; slot += frame.padded_pixels) {
+        let value = finite_sample(sum_word, slot);
+        if (value != 0.0 && (!sum_of_surfaces || layer_sample(0u, slot) != 0.0)) {
+            words = with_sample(words, value * sample_weight(slot));
         }
-        if (layer_sample(0u, slot) == 0.0) {
-            continue;
-        }
-        var value = finite_sample(sum_word, slot);
-        if (frame.filter_positive < 1.0) {
-            value *= filter_weight(random4(path, DIMENSION_CAMERA, GROUP_CAMERA).xy);
-        }
-        let units = fixed_point(clamp(value, -LARGEST, LARGEST), SUM_BITS);
-        words = vec4u(add_wide(words.xyz, units), words.w);
     }
     layer_film[at] = words;
+}
+
+// Of three.
+@compute @workgroup_size(64)
+fn accumulate_means(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+                    @builtin(local_invocation_index) local: u32) {
+    let first = thread_index(workgroup, workgroups, local);
+    let at = own_pixel(first);
+    if (at == NO_PIXEL) {
+        return;
+    }
+    let end = last_slot(first);
+    for (var slot = first; slot < end; slot += frame.padded_pixels) {
+        let value = vec3f(finite_sample(sum_word, slot), finite_sample(sum_word + 1u, slot),
+            finite_sample(sum_word + 2u, slot));
+        // Most parts of the light are black most of the time: then nothing of the film is touched.
+        if (all(value == vec3f(0.0)) || (sum_of_surfaces && layer_sample(0u, slot) == 0.0)) {
+            continue;
+        }
+        let weighed = value * sample_weight(slot);
+        layer_film[at] = with_sample(layer_film[at], weighed.x);
+        layer_film1[at] = with_sample(layer_film1[at], weighed.y);
+        layer_film2[at] = with_sample(layer_film2[at], weighed.z);
+    }
 }
 
 @compute @workgroup_size(64)
@@ -57,11 +92,10 @@ fn accumulate_first(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
         return;
     }
     var words = layer_film[at];
-    for (var slot = first; slot < frame.wave_size; slot += frame.padded_pixels) {
-        let number = path_id(slot).sample + 1u;
-        if (number > frame.sample_limit) {
-            break;
-        }
+    let end = last_slot(first);
+    var number = path_id(first).sample;
+    for (var slot = first; slot < end; slot += frame.padded_pixels) {
+        number += 1u;
         if (layer_sample(0u, slot) == 0.0 || (words.x != 0u && words.x < number)) {
             continue;
         }

@@ -28,10 +28,8 @@ fn accumulate_ids(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
     let c = layer_film2[at];
     let d = layer_film3[at];
     var counts = array<vec2u, IDS>(a.xy, a.zw, b.xy, b.zw, c.xy, c.zw, d.xy, d.zw);
-    for (var slot = first; slot < frame.wave_size; slot += frame.padded_pixels) {
-        if (path_id(slot).sample >= frame.sample_limit) {
-            break;
-        }
+    let end = last_slot(first);
+    for (var slot = first; slot < end; slot += frame.padded_pixels) {
         if (layer_sample(0u, slot) == 0.0) {
             continue;
         }

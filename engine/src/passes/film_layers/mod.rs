@@ -35,6 +35,24 @@ pub const RECORD: Pass = Pass {
     exists: |features| features.film_layers,
 };
 
+/// Adds up the light that paths have found, before each vertex.
+pub const LIGHT: Pass = Pass {
+    name: "record_light",
+    file: "film_layers/light.wgsl",
+    work: Work::Queue(Queue::Active),
+    reads: &["frame", "queues", "rays", "triangles"],
+    writes: &["layer_samples", "paths"],
+    exists: |features| features.splits_light,
+};
+
+/// Adds what is left of it at the end.
+pub const LAST_LIGHT: Pass = Pass {
+    name: "record_last_light",
+    work: Work::Paths,
+    reads: &["frame", "rays"],
+    ..LIGHT
+};
+
 /// Adds them to a plane that holds sums.
 pub const MEAN: Pass = Pass {
     name: "accumulate_mean",
@@ -43,6 +61,13 @@ pub const MEAN: Pass = Pass {
     reads: &["frame", "layer_samples"],
     writes: &["layer_film"],
     exists: |features| features.film_layers,
+};
+
+/// The same of three channels.
+pub const MEANS: Pass = Pass {
+    name: "accumulate_means",
+    writes: &["layer_film", "layer_film1", "layer_film2"],
+    ..MEAN
 };
 
 /// Keeps those of the first sample.
@@ -68,7 +93,8 @@ pub(crate) fn pass_of(sum: &Sum) -> &'static Pass {
     match sum.layer.rule {
         Rule::Ids { .. } => &IDS,
         Rule::First { .. } => &FIRST,
-        Rule::Mean(_) | Rule::Derived(_) => &MEAN,
+        _ if sum.words == 3 => &MEANS,
+        _ => &MEAN,
     }
 }
 
@@ -81,6 +107,7 @@ pub(crate) fn sum_kernel(device: &Device, sum: &Sum) -> Result<Kernel, DeviceErr
     let constants = [
         ("sum_word", f64::from(sum.word)),
         ("sum_words", f64::from(sum.words)),
+        ("sum_of_surfaces", f64::from(u8::from(sum.is_of_surfaces))),
     ];
     let source = pass.source();
     source.compile(device, pass.name, Trust::All, &constants)

@@ -4,6 +4,7 @@
 // is under way, before the surface is shaded.
 //!include shared/wave_memory.wgsl
 //!include shared/queue_lists.wgsl
+//!include shared/abilities.wgsl
 //!include shared/appearance.wgsl
 //!include film_layers/samples.wgsl
 //!include generated/film_layers.wgsl
@@ -27,17 +28,46 @@ fn first_base_color(at: FirstSurface) -> vec3f {
     return base_color_at(at.slot, at.driven, at.material, at.surface, texels[TEXTURE_BASE_COLOR]);
 }
 
-// Surfaces without shading emit their colour.
-fn first_emission(at: FirstSurface) -> vec3f {
-    let flags = materials[at.material].flags;
-    if ((flags & MATERIAL_UNLIT) != 0u) {
-        return first_base_color(at);
+// The colours by which the surface scatters light diffusely, reflects it when seen straight on, and lets it through.
+struct FirstColors {
+    diffuse: vec3f,
+    glossy: vec3f,
+    transmission: vec3f,
+}
+
+fn first_colors(at: FirstSurface) -> FirstColors {
+    if ((materials[at.material].flags & MATERIAL_UNLIT) != 0u) {
+        return FirstColors(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     }
-    if (!at.surface.front && (flags & MATERIAL_DOUBLE_SIDED) == 0u) {
-        return vec3f(0.0);
+    let texels = material_textures(at.material, 0xffffffffu, at.surface.triangle, at.surface.weights);
+    let base = saturate(base_color_at(at.slot, at.driven, at.material, at.surface, texels[TEXTURE_BASE_COLOR]));
+    let metallic = saturate(metallic_at(at.slot, at.driven, at.material, texels[TEXTURE_METALLIC_ROUGHNESS]));
+    var transmission = 0.0;
+    var back = 0.0;
+    var back_color = vec3f(0.0);
+    if (has_transmission) {
+        let layers = layer_textures(at.material, at.surface.triangle, at.surface.weights);
+        transmission = saturate(scalar_or(at.slot, at.driven, OUTPUT_TRANSMISSION,
+            materials[at.material].transmission * layers[LAYER_TRANSMISSION].x));
+        back = saturate(scalar_or(at.slot, at.driven, OUTPUT_DIFFUSE_TRANSMISSION,
+            materials[at.material].diffuse_transmission * layers[LAYER_DIFFUSE_TRANSMISSION].w));
+        back_color = saturate(color_or(at.slot, at.driven, OUTPUT_DIFFUSE_TRANSMISSION_COLOR,
+            materials[at.material].diffuse_transmission_color * layers[LAYER_DIFFUSE_TRANSMISSION_COLOR].xyz));
     }
-    let texels = material_textures(at.material, 1u << TEXTURE_EMISSION, at.surface.triangle, at.surface.weights);
-    return emission_at(at.slot, at.driven, at.material, texels[TEXTURE_EMISSION]);
+    let specular = scalar_or(at.slot, at.driven, OUTPUT_SPECULAR,
+        materials[at.material].specular * texels[TEXTURE_SPECULAR].w);
+    let specular_color = color_or(at.slot, at.driven, OUTPUT_SPECULAR_COLOR,
+        materials[at.material].specular_color * texels[TEXTURE_SPECULAR_COLOR].xyz);
+    var f0 = materials[at.material].dielectric_f0;
+    if (gives(at.slot, at.driven, OUTPUT_IOR)) {
+        let ior = max(scalar_or(at.slot, at.driven, OUTPUT_IOR, 1.0), 0.0);
+        let ratio = (ior - 1.0) / (ior + 1.0);
+        f0 = ratio * ratio;
+    }
+    let dielectric = saturate(specular) * min(f0 * specular_color, vec3f(1.0));
+    let body = 1.0 - metallic;
+    return FirstColors(mix(base, back_color, back) * (body * (1.0 - transmission)), mix(dielectric, base, metallic),
+        base * (body * transmission));
 }
 
 // glTF counts v from the upper edge of a picture.

@@ -5,14 +5,11 @@
 // Directions are in the local frame of the shading normal: z is the cosine, x the direction of anisotropy. `wo` is
 // above; `wi` may be below, where light is transmitted.
 //!include shared/microfacet.wgsl
+//!include shared/abilities.wgsl
 
 // Whether the light that single scattering between microfacets loses is given back (Turquin, "Practical Multiple
 // Scattering Compensation for Microfacet Models", 2019). Off for comparisons with renderers that don't.
 override energy_compensation: bool = true;
-
-// What the materials of the scene have: a coat, sheen or iridescence; transmission.
-override has_layers: bool = true;
-override has_transmission: bool = true;
 
 struct Bsdf {
     base_color: vec3f,
@@ -150,7 +147,7 @@ fn lobes(b: Bsdf, wo: vec3f) -> Lobes {
         l.sheen = albedo_lookup(wo.z, b.sheen_roughness).z;
     }
 
-    let below = (1.0 - l.cover) * (1.0 - max_component(b.sheen_color) * l.sheen);
+    let below = below_layers(b, l);
     let inside = below * (1.0 - b.metallic) * (1.0 - max_component(dielectric));
     l.coat_p = l.cover;
     l.sheen_p = (1.0 - l.cover) * max_component(b.sheen_color) * l.sheen;
@@ -226,12 +223,11 @@ fn eval_above(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
         pdf += l.specular_p * ggx_reflection_pdf(wo, h, b.alpha);
     }
     if (l.diffuse_p > 0.0) {
-        f += body_share(b, l, dielectric) * (1.0 - b.diffuse_transmission) * b.base_color / PI;
+        f += diffuse_above(b, l, dielectric);
         pdf += l.diffuse_p * wi.z / PI;
     }
     if (has_layers && l.sheen_p > 0.0) {
-        let darker = 1.0 - max_component(b.sheen_color) * max(l.sheen, albedo_lookup(wi.z, b.sheen_roughness).z);
-        f = f * darker + b.sheen_color * charlie(wo, wi, max(b.sheen_roughness * b.sheen_roughness, 0.0025));
+        f = f * below_sheen(b, l, wi) + sheen_above(b, wo, wi);
         pdf += l.sheen_p / (2.0 * PI);
     }
     f *= (1.0 - l.cover) * wi.z;
@@ -257,12 +253,36 @@ fn body_share(b: Bsdf, l: Lobes, dielectric: vec3f) -> vec3f {
     return share * ((1.0 - b.metallic) * (1.0 - b.transmission));
 }
 
+// The parts of `eval_above`, without the cosine and what the coat leaves.
+fn diffuse_above(b: Bsdf, l: Lobes, dielectric: vec3f) -> vec3f {
+    return body_share(b, l, dielectric) * (1.0 - b.diffuse_transmission) * b.base_color / PI;
+}
+
+fn sheen_above(b: Bsdf, wo: vec3f, wi: vec3f) -> vec3f {
+    return b.sheen_color * charlie(wo, wi, max(b.sheen_roughness * b.sheen_roughness, 0.0025));
+}
+
+// What the sheen leaves of the light that is reflected below it.
+fn below_sheen(b: Bsdf, l: Lobes, wi: vec3f) -> f32 {
+    return 1.0 - max_component(b.sheen_color) * max(l.sheen, albedo_lookup(wi.z, b.sheen_roughness).z);
+}
+
+// Light that is scattered to the other side, without what coat and sheen leave of it.
+fn diffuse_below(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec3f {
+    let share = body_share(b, l, dielectric_fresnel(b, wo.z));
+    return share * b.diffuse_transmission * b.diffuse_transmission_color * (-wi.z / PI);
+}
+
+// What coat and sheen leave of light that comes from below.
+fn below_layers(b: Bsdf, l: Lobes) -> f32 {
+    return (1.0 - l.cover) * (1.0 - max_component(b.sheen_color) * l.sheen);
+}
+
 fn eval_below(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
     var f = vec3f(0.0);
     var pdf = 0.0;
     if (l.back_p > 0.0) {
-        let share = body_share(b, l, dielectric_fresnel(b, wo.z));
-        f += share * b.diffuse_transmission * b.diffuse_transmission_color * (-wi.z / PI);
+        f += diffuse_below(b, l, wo, wi);
         pdf += l.back_p * -wi.z / PI;
     }
     if (l.through_p > 0.0) {
@@ -292,7 +312,7 @@ fn eval_below(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
             }
         }
     }
-    f *= (1.0 - l.cover) * (1.0 - max_component(b.sheen_color) * l.sheen);
+    f *= below_layers(b, l);
     return vec4f(f, pdf);
 }
 

@@ -49,6 +49,10 @@ struct Frame {
     aperture_rotation: f32, // radians
     region_min: u32, // first column | first row << 16 in which paths start
     region_max: u32, // first column | first row << 16 behind these
+    environment_group: u32, // of lights
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
     sobol: array<vec4u, 384>, // what four bits of an index add to three groups of four dimensions, see sobol.rs
 }
 

@@ -8,7 +8,7 @@ struct Light {
     range: f32,
     intensity: vec3f, // of a triangle: second edge
     leaf: u32, // its node in the light tree; of a directional light: what the alias table has instead
-    triangle: u32,
+    triangle: u32, // of others the group of lights
     instance: u32,
     spot_scale: f32, // 1 / (cos inner - cos outer)
     spot_outer: f32, // cos outer
@@ -43,6 +43,7 @@ struct LightSample {
     delta: bool, // can't be hit by a BSDF sample
     // Where a texture program has yet to tell the radiance: triangle, instance, barycentrics. Else MISS.
     point: vec4u,
+    group: u32, // of lights
 }
 
 const FAR = 1e30;
@@ -59,7 +60,7 @@ fn light_sample(p: vec3f, origin: vec3f, receiver: u32, choice: f32, u: vec2f) -
     var pick = choice;
     if (has_environment && pick < frame.environment_probability) {
         let e = environment_sample(u);
-        return LightSample(e.wi, FAR, e.radiance, share * e.pdf, false, vec4u(MISS));
+        return LightSample(e.wi, FAR, e.radiance, share * e.pdf, false, vec4u(MISS), frame.environment_group);
     }
     pick -= frame.environment_probability;
     let salt = bitcast<u32>(choice) ^ hash(bitcast<u32>(u.x));
@@ -85,7 +86,7 @@ fn light_sample(p: vec3f, origin: vec3f, receiver: u32, choice: f32, u: vec2f) -
 }
 
 fn no_light() -> LightSample {
-    return LightSample(vec3f(0.0, 1.0, 0.0), 0.0, vec3f(0.0), 0.0, true, vec4u(MISS));
+    return LightSample(vec3f(0.0, 1.0, 0.0), 0.0, vec3f(0.0), 0.0, true, vec4u(MISS), 0u);
 }
 
 fn directional_sample(pick: f32, share: f32, salt: u32, u: vec2f) -> LightSample {
@@ -97,7 +98,7 @@ fn directional_sample(pick: f32, share: f32, salt: u32, u: vec2f) -> LightSample
     let probability = light.position[DISTANT_PROBABILITY] * share;
     let extent = light.position[DISTANT_EXTENT];
     if (extent <= 0.0) {
-        return LightSample(-light.direction, FAR, light.intensity, probability, true, vec4u(MISS));
+        return LightSample(-light.direction, FAR, light.intensity, probability, true, vec4u(MISS), light.triangle);
     }
     // Uniform over the cone.
     let height = u.x * extent;
@@ -106,7 +107,8 @@ fn directional_sample(pick: f32, share: f32, salt: u32, u: vec2f) -> LightSample
     let bitangent = cross(light.direction, tangent);
     let turn = unit_circle(u.y);
     let wi = (tangent * turn.x + bitangent * turn.y) * sine - light.direction * (1.0 - height);
-    return LightSample(normalize(wi), FAR, light.intensity, probability * disk_pdf(extent), false, vec4u(MISS));
+    let pdf = probability * disk_pdf(extent);
+    return LightSample(normalize(wi), FAR, light.intensity, pdf, false, vec4u(MISS), light.triangle);
 }
 
 // pdf per solid angle inside a cone.
@@ -114,9 +116,15 @@ fn disk_pdf(extent: f32) -> f32 {
     return 1.0 / (2.0 * PI * extent);
 }
 
+// What disks in the sky give to a ray.
+struct DiskLight {
+    radiance: vec3f,
+    group: u32, // of lights: that of the last disk, where they overlap
+}
+
 // Radiance of the disks in the sky that a ray meets, weighed against their own samples. `bsdf_pdf` is 0 for camera rays.
-fn disk_radiance(direction: vec3f, bsdf_pdf: f32) -> vec3f {
-    var sum = vec3f(0.0);
+fn disk_radiance(direction: vec3f, bsdf_pdf: f32) -> DiskLight {
+    var sum = DiskLight(vec3f(0.0), 0u);
     let share = 1.0 / f32(max(light_groups(), 1u));
     for (var i = 0u; i < frame.directional_count; i++) {
         let light = light_at(frame.light_count + i);
@@ -125,7 +133,8 @@ fn disk_radiance(direction: vec3f, bsdf_pdf: f32) -> vec3f {
         // 1 - cos of the angle to its middle.
         if (extent > 0.0 && 0.5 * dot(off, off) <= extent) {
             let light_pdf = light.position[DISTANT_PROBABILITY] * share * disk_pdf(extent);
-            sum += light.intensity * met_light_weight(bsdf_pdf, light_pdf);
+            sum.radiance += light.intensity * met_light_weight(bsdf_pdf, light_pdf);
+            sum.group = light.triangle;
         }
     }
     return sum;
@@ -165,7 +174,8 @@ fn triangle_sample(light: Light, probability: f32, p: vec3f, u: vec2f) -> LightS
         // Scattered rays find the lamp only where it is there.
         radiance *= material_coverage(material, triangle, barycentric_weights(b));
     }
-    return LightSample(wi, distance, radiance, probability / area * distance2 / abs(cosine), false, point);
+    let pdf = probability / area * distance2 / abs(cosine);
+    return LightSample(wi, distance, radiance, pdf, false, point, light_group(materials[material].flags));
 }
 
 fn punctual_sample(light: Light, probability: f32, p: vec3f) -> LightSample {
@@ -182,7 +192,7 @@ fn punctual_sample(light: Light, probability: f32, p: vec3f) -> LightSample {
         let cone = saturate((dot(light.direction, -wi) - light.spot_outer) * light.spot_scale);
         radiance *= cone * cone;
     }
-    return LightSample(wi, distance, radiance, probability, true, vec4u(MISS));
+    return LightSample(wi, distance, radiance, probability, true, vec4u(MISS), light.triangle);
 }
 
 // The number of a triangle's light; `frame.light_count` where it is none.

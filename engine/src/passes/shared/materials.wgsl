@@ -19,6 +19,11 @@ fn runs_program(flags: u32, depth: u32) -> bool {
     return has_programs && (flags & select(MATERIAL_PROGRAM, MATERIAL_PROGRAM_LAST, depth >= frame.max_depth)) != 0u;
 }
 
+// The group of lights that what a material emits belongs to.
+fn light_group(flags: u32) -> u32 {
+    return flags >> MATERIAL_LIGHT_GROUP_SHIFT;
+}
+
 // Whether any material of the scene has a texture.
 override has_textures: bool = true;
 

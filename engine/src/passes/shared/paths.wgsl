@@ -13,6 +13,19 @@ const PATH_LIGHT_POINT = 4u; // triangle (or MISS), instance and barycentrics of
 const PATH_MEDIA = 5u; // the bodies that the path is in, see media.wgsl; read only where light goes through something
 const PATH_RESULTS = 6u; // the driven outputs' values, word by word: as many fields as the hungriest material needs
 
+// Before these, where the film keeps parts of the light apart: see split.wgsl.
+const PATH_FOUND = 6u;
+const PATH_FOUND_DISKS = 7u;
+const PATH_SHARES = 8u;
+const SPLIT_FIELDS = 3u;
+
+// Whether it does.
+override splits_light: bool = false;
+
+fn results_field() -> u32 {
+    return PATH_RESULTS + select(0u, SPLIT_FIELDS, splits_light);
+}
+
 // Whether texture programs decide about the opacity or the light of some surface. Then shadow rays wait for them, and a
 // path whose end has come lives on until its last shadow ray is through: its own ray is dead, see DEAD.
 override has_program_shadows: bool = true;

@@ -41,9 +41,9 @@ fn path_set_words(field: u32, slot: u32, value: vec4u) {
 
 // Word `at` of the results of the path's texture program.
 fn result_read(slot: u32, at: u32) -> f32 {
-    return bitcast<f32>(paths[(PATH_RESULTS + at / 4u) * frame.capacity + slot][at % 4u]);
+    return bitcast<f32>(paths[(results_field() + at / 4u) * frame.capacity + slot][at % 4u]);
 }
 
 fn result_write(slot: u32, at: u32, value: f32) {
-    paths[(PATH_RESULTS + at / 4u) * frame.capacity + slot][at % 4u] = bitcast<u32>(value);
+    paths[(results_field() + at / 4u) * frame.capacity + slot][at % 4u] = bitcast<u32>(value);
 }

@@ -13,6 +13,7 @@ mod estimators;
 mod film_layers;
 mod filters;
 mod furnace;
+mod light_layers;
 mod non_finite;
 mod seeds;
 

@@ -34,7 +34,7 @@ use super::error::{ImportError, Warnings};
 use super::format::{Format, Imported, Opened, Request};
 use super::merge::make_names_unique;
 use crate::input::Files;
-use crate::{Animation, Environment, Motion, Scene};
+use crate::{Animation, Environment, LightGroups, Motion, Scene};
 use animation::Tracks;
 use document::Document;
 use nodes::{Kept, Stage};
@@ -188,6 +188,7 @@ fn assemble(
             images,
             lights,
             cameras,
+            light_groups: LightGroups::default(),
             environment,
         },
         warnings: warnings.into_vec(),

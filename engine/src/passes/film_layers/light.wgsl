@@ -1,0 +1,89 @@
+// Adds up the pieces of light that paths find for the layers that are parts of the light: before each vertex what the path
+// has found since the one before, and at the end of a wave what is left. One thread per path.
+//!include shared/wave_memory.wgsl
+//!include shared/queue_lists.wgsl
+//!include shared/shadow_rays.wgsl
+//!include shared/found_light.wgsl
+//!include shared/vectors.wgsl
+//!include film_layers/parts.wgsl
+//!include film_layers/samples.wgsl
+//!include generated/film_light.wgsl
+
+fn layer_add(word: u32, slot: u32, value: vec3f) {
+    layer_sample_set(word, slot, layer_sample(word, slot) + value.x);
+    layer_sample_set(word + 1u, slot, layer_sample(word + 1u, slot) + value.y);
+    layer_sample_set(word + 2u, slot, layer_sample(word + 2u, slot) + value.z);
+}
+
+fn layer_clear(word: u32, slot: u32) {
+    layer_sample_set(word, slot, 0.0);
+    layer_sample_set(word + 1u, slot, 0.0);
+    layer_sample_set(word + 2u, slot, 0.0);
+}
+
+// What the path's own ray has found, and that it has been taken.
+fn take_own(slot: u32, field: u32) {
+    let words = path_words(field, slot);
+    path_set_words(field, slot, vec4u(0u));
+    var found: Found;
+    found.light = bitcast<vec3f>(words.xyz);
+    if (max_component(abs(found.light)) > 0.0) {
+        let shares = path_words(PATH_SHARES, slot).zw;
+        found.scatterings = words.w & 3u;
+        found.is_surface = (words.w & FOUND_SURFACE) != 0u;
+        found.group = words.w >> FOUND_GROUP_SHIFT;
+        found.diffuse = shares_diffuse(shares);
+        found.is_above = (shares.y & SHARES_ABOVE) != 0u;
+        add_found(slot, found);
+    }
+}
+
+// What the path's shadow ray brings, which so many surfaces will have scattered.
+fn take_light_sample(slot: u32, scatterings: u32) {
+    let light = waiting_light(slot, scatterings);
+    if (rays[shadow_ray(slot)].triangle != MISS || max_component(light) <= 0.0) {
+        return;
+    }
+    let words = path_words(PATH_SHARES, slot);
+    let shares = select(words.zw, words.xy, scatterings <= 1u);
+    add_found(slot, Found(light, min(scatterings, SCATTERINGS_MOST), true, words.y >> SHARES_GROUP_SHIFT,
+        shares_diffuse(shares), (shares.y & SHARES_ABOVE) != 0u));
+}
+
+@compute @workgroup_size(64)
+fn record_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+                @builtin(local_invocation_index) local: u32) {
+    let index = thread_index(workgroup, workgroups, local);
+    if (index >= queue_length(QUEUE_ACTIVE)) {
+        return;
+    }
+    let slot = queue_read(QUEUE_ACTIVE, index);
+    let depth = path_depth(slot);
+    if (depth == 0u) {
+        // Nothing has been found before the first surface, but by the path that was here in the wave before.
+        forget_found(slot);
+        path_set_words(PATH_FOUND, slot, vec4u(0u));
+        path_set_words(PATH_FOUND_DISKS, slot, vec4u(0u));
+        return;
+    }
+    take_own(slot, PATH_FOUND);
+    take_own(slot, PATH_FOUND_DISKS);
+    if (!waits_for_program(slot)) {
+        take_light_sample(slot, depth);
+    }
+}
+
+// As `accumulate` takes it for the picture.
+@compute @workgroup_size(64)
+fn record_last_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+                     @builtin(local_invocation_index) local: u32) {
+    let slot = thread_index(workgroup, workgroups, local);
+    if (slot >= frame.wave_size) {
+        return;
+    }
+    take_own(slot, PATH_FOUND);
+    take_own(slot, PATH_FOUND_DISKS);
+    if (!has_program_shadows || path_words(PATH_LIGHT_POINT, slot).x == MISS) {
+        take_light_sample(slot, path_depth(slot) + 1u);
+    }
+}
