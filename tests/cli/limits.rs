@@ -69,7 +69,7 @@ fn a_render_that_is_killed_goes_on_to_the_same_bits() {
             .stderr(Stdio::null())
             .spawn()
             .expect("patina starts");
-        let pause = 60 + (round * 0x9e37_79b9 >> 7) % 500;
+        let pause = 60 + ((round * 0x9e37_79b9) >> 7) % 500;
         std::thread::sleep(std::time::Duration::from_millis(pause));
         let is_done = child.try_wait().expect("it is known").is_some();
         if !is_done {
