@@ -46,7 +46,7 @@ const CHECKPOINTS: Duration = Duration::from_secs(60);
 #[derive(Debug, PartialEq)]
 pub(crate) enum Job {
     /// Render a scene.
-    Render(RenderJob),
+    Render(Box<RenderJob>),
     /// Render a scene whenever its files change.
     Watch(WatchJob),
     /// Open a window.
@@ -195,7 +195,7 @@ impl Job {
     /// The first flag that makes no sense.
     pub(crate) fn from_args(args: Args) -> Result<Self, UsageError> {
         Ok(match args.command {
-            Command::Render(args) => Self::Render(RenderJob::from_args(*args)?),
+            Command::Render(args) => Self::Render(Box::new(RenderJob::from_args(*args)?)),
             Command::Watch(args) => Self::Watch(WatchJob::from_args(*args)?),
             Command::View(args) => Self::View(ViewJob::from_args(*args)?),
             Command::Merge(args) => Self::Merge(MergeJob::from_args(args)?),
@@ -486,7 +486,7 @@ mod tests {
 
     fn render(line: &str) -> Result<RenderJob, UsageError> {
         job(line).map(|job| match job {
-            Job::Render(job) => job,
+            Job::Render(job) => *job,
             other => panic!("not a render: {other:?}"),
         })
     }

@@ -134,7 +134,6 @@ pub(super) fn render(
             break;
         }
     }
-    drop(exposure);
     let mut film = session.snapshot().map_err(failure)?.film;
     interrupt::writes_results();
     let is_film_wanted = !job.outputs.films.is_empty();
