@@ -65,7 +65,6 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
         bar.suspend(|| console::diagnostics(&news));
         let own = own.for_scene(&first.opening.loaded().scene);
         output::check_all(&written, &first.opening.files())?;
-        let own = own.for_scene(&first.opening.loaded().scene);
         let view = view_of(job, &first);
         let load_seconds = clock.elapsed().as_secs_f64();
         bar.stage(&format!("preparing frame {number}"));
