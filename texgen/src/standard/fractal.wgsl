@@ -3,9 +3,6 @@
 // `lacunarity` times finer and `gain` times weaker than the one before. `pixel` is the width of the pixel in units of p: octaves
 // finer than that fade away. 0 shows them all.
 
-// How much of a detail can be seen that is `size` pixels' widths fine: 1 all, 0 nothing.
-fn detailSeen(pixelsPerDetail: f32) -> f32 { return smoothstep(1.43, 3.33, pixelsPerDetail); }
-
 // How much of an octave is shown in which a feature is of size 1.
 fn octaveSeen(pixel: f32) -> f32 { return 1.0 - smoothstep(0.3, 0.7, pixel); }
 
