@@ -149,7 +149,7 @@ fn problems<'p>(
 /// The file can't be read, the texture is wrong, or the device refuses it.
 pub(crate) fn probe(path: &Path, device: &DeviceChoice) -> Result<(), Failure> {
     let file = TextureSources::open(path).map_err(Failure::because)?;
-    let file = SourceFile::new("probe", file.path(), file.text());
+    let file = SourceFile::new("probe", file.path(), file.text()).with_libraries(file.libraries());
     let (scene, procedural) = Procedural::probe(&file).map_err(Failure::because)?;
     let device = Device::open(device).map_err(Failure::because)?;
     let settings = RenderSettings {

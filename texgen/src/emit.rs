@@ -335,9 +335,11 @@ impl Emitter {
                 self.line("            *at += 1u;");
                 self.line("            if word == patina_constant {");
                 let (ty, offset) = (parameter.ty, offsets[i]);
-                self.line(&format!(
-                    "                p{i} = patina_arg_{ty}(args + {offset}u);"
-                ));
+                let constant = match parameter.is_coordinate() {
+                    true => format!("vec4f(patina_arg_vec3f(args + {offset}u), 0.0)"),
+                    false => format!("patina_arg_{ty}(args + {offset}u)"),
+                };
+                self.line(&format!("                p{i} = {constant};"));
                 self.line("            } else {");
                 let value = linked("patina_link(word)", ty);
                 self.line(&format!("                p{i} = {value};"));

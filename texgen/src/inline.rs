@@ -136,7 +136,7 @@ fn arguments(
                     let value = graph.value(node, &parameter.name);
                     let value = value.map_or(String::new(), |value| literal(value, ty));
                     match parameter.is_coordinate() {
-                        true => format!("patina_place({value}, {})", emit::own_pixel(parameter)),
+                        true => format!("vec4f({value}.xyz, {})", emit::own_pixel(parameter)),
                         false => value,
                     }
                 }

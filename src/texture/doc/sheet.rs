@@ -1,5 +1,6 @@
 //! Sheets: the swatches of a group in rows.
 
+use std::f32::consts::TAU;
 use std::path::Path;
 
 use device::{Device, DeviceChoice};
@@ -101,9 +102,9 @@ fn test_card() -> Vec<[u8; 3]> {
             match (dx * dx + dy * dy).sqrt() < radius {
                 true => colors[number % colors.len()],
                 false => [
-                    (70.0 + 60.0 * (x * 6.283).cos()) as u8,
+                    (70.0 + 60.0 * (x * TAU).cos()) as u8,
                     90,
-                    (90.0 + 50.0 * (y * 6.283).cos()) as u8,
+                    (90.0 + 50.0 * (y * TAU).cos()) as u8,
                 ],
             }
         })

@@ -30,8 +30,9 @@ fn cellJitter(hash: u32) -> vec3f {
 fn voronoi3D(p: vec3f, randomness: f32) -> VoronoiCell { return voronoiMetric3D(p, randomness, METRIC_EUCLIDEAN); }
 
 fn voronoiMetric3D(p: vec3f, randomness: f32, metric: u32) -> VoronoiCell {
-    let cell = vec3i(floor(p));
-    let f = p - floor(p);
+    let q = settled3(p);
+    let cell = vec3i(floor(q));
+    let f = q - floor(q);
     var found = VoronoiCell(1e9, 1e9, 0u, vec3f(), vec3f());
     for (var z = -1; z <= 1; z++) {
         for (var y = -1; y <= 1; y++) {
@@ -60,8 +61,9 @@ fn voronoiMetric3D(p: vec3f, randomness: f32, metric: u32) -> VoronoiCell {
 fn voronoi2D(p: vec2f, randomness: f32) -> VoronoiCell { return voronoiMetric2D(p, randomness, METRIC_EUCLIDEAN); }
 
 fn voronoiMetric2D(p: vec2f, randomness: f32, metric: u32) -> VoronoiCell {
-    let cell = vec2i(floor(p));
-    let f = p - floor(p);
+    let q = settled2(p);
+    let cell = vec2i(floor(q));
+    let f = q - floor(q);
     var found = VoronoiCell(1e9, 1e9, 0u, vec3f(), vec3f());
     for (var y = -1; y <= 1; y++) {
         for (var x = -1; x <= 1; x++) {
@@ -87,9 +89,10 @@ fn voronoiMetric2D(p: vec2f, randomness: f32, metric: u32) -> VoronoiCell {
 
 // Distance to the cell's border, exactly (Quilez 2012): 0 on it.
 fn voronoiEdge3D(p: vec3f, randomness: f32) -> f32 {
-    let cell = vec3i(floor(p));
-    let f = p - floor(p);
-    let own = voronoi3D(p, randomness).toNearest;
+    let q = settled3(p);
+    let cell = vec3i(floor(q));
+    let f = q - floor(q);
+    let own = voronoi3D(q, randomness).toNearest;
     var edge = 1e9;
     for (var z = -1; z <= 1; z++) {
         for (var y = -1; y <= 1; y++) {
@@ -108,9 +111,10 @@ fn voronoiEdge3D(p: vec3f, randomness: f32) -> f32 {
 }
 
 fn voronoiEdge2D(p: vec2f, randomness: f32) -> f32 {
-    let cell = vec2i(floor(p));
-    let f = p - floor(p);
-    let own = voronoi2D(p, randomness).toNearest.xy;
+    let q = settled2(p);
+    let cell = vec2i(floor(q));
+    let f = q - floor(q);
+    let own = voronoi2D(q, randomness).toNearest.xy;
     var edge = 1e9;
     for (var y = -2; y <= 2; y++) {
         for (var x = -2; x <= 2; x++) {
@@ -130,8 +134,9 @@ fn voronoiEdge2D(p: vec2f, randomness: f32) -> f32 {
 
 // Distance to the nearest centre without creases: `smoothness` (0 to 1) is how wide cells run into each other.
 fn voronoiSmooth3D(p: vec3f, randomness: f32, smoothness: f32) -> f32 {
-    let cell = vec3i(floor(p));
-    let f = p - floor(p);
+    let q = settled3(p);
+    let cell = vec3i(floor(q));
+    let f = q - floor(q);
     let width = max(smoothness, 1e-3);
     var smallest = 8.0;
     for (var z = -1; z <= 1; z++) {

@@ -3,9 +3,6 @@
 // `lacunarity` times finer and `gain` times weaker than the one before. `pixel` is the width of the pixel in units of p: octaves
 // finer than that fade away. 0 shows them all.
 
-// How much of a detail can be seen that is `size` pixels' widths fine: 1 all, 0 nothing.
-fn detailSeen(pixelsPerDetail: f32) -> f32 { return smoothstep(1.43, 3.33, pixelsPerDetail); }
-
 // How much of an octave is shown in which a feature is of size 1.
 fn octaveSeen(pixel: f32) -> f32 { return 1.0 - smoothstep(0.3, 0.7, pixel); }
 
@@ -38,6 +35,7 @@ fn fractalSeen(octaves: f32, lacunarity: f32, gain: f32, pixel: f32) -> f32 {
 
 // Fractal noise, about -1 to 1.
 fn fbm2D(p: vec2f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) -> f32 {
+    let settled = settled2(p);
     var sum = 0.0;
     var amplitude = 1.0;
     var frequency = 1.0;
@@ -46,13 +44,14 @@ fn fbm2D(p: vec2f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) -> f32 
         if shown <= 0.0 {
             break; // all further octaves are finer still
         }
-        sum += amplitude * shown * perlin2D(p * frequency + octaveOffset(octave).xy);
+        sum += amplitude * shown * perlin2D(settled * frequency + octaveOffset(octave).xy);
         amplitude *= gain;
         frequency *= lacunarity;
     }
     return 1.6 * sum / fractalWeight(octaves, gain);
 }
 fn fbm3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) -> f32 {
+    let settled = settled3(p);
     var sum = 0.0;
     var amplitude = 1.0;
     var frequency = 1.0;
@@ -61,13 +60,14 @@ fn fbm3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) -> f32 
         if shown <= 0.0 {
             break;
         }
-        sum += amplitude * shown * perlin3D(p * frequency + octaveOffset(octave));
+        sum += amplitude * shown * perlin3D(settled * frequency + octaveOffset(octave));
         amplitude *= gain;
         frequency *= lacunarity;
     }
     return 1.6 * sum / fractalWeight(octaves, gain);
 }
 fn fbm4D(p: vec4f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) -> f32 {
+    let settled = settled4(p);
     var sum = 0.0;
     var amplitude = 1.0;
     var frequency = 1.0;
@@ -76,7 +76,7 @@ fn fbm4D(p: vec4f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) -> f32 
         if shown <= 0.0 {
             break;
         }
-        sum += amplitude * shown * perlin4D(p * frequency + vec4f(octaveOffset(octave), 7.7 * f32(octave)));
+        sum += amplitude * shown * perlin4D(settled * frequency + vec4f(octaveOffset(octave), 7.7 * f32(octave)));
         amplitude *= gain;
         frequency *= lacunarity;
     }
@@ -94,6 +94,7 @@ fn fbmVector3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) -
 
 // Sum of absolute values: creases at 0, about 0 to 1. What a pixel hides has its mean.
 fn turbulence3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) -> f32 {
+    let settled = settled3(p);
     var sum = 0.0;
     var amplitude = 1.0;
     var frequency = 1.0;
@@ -105,7 +106,7 @@ fn turbulence3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) 
         let seen = octaveSeen(pixel * frequency);
         var height = 0.154;
         if seen > 0.0 {
-            height = mix(height, abs(perlin3D(p * frequency + octaveOffset(octave))), seen);
+            height = mix(height, abs(perlin3D(settled * frequency + octaveOffset(octave))), seen);
         }
         sum += amplitude * present * height;
         amplitude *= gain;
@@ -114,6 +115,7 @@ fn turbulence3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) 
     return 1.6 * sum / fractalWeight(octaves, gain);
 }
 fn turbulence2D(p: vec2f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) -> f32 {
+    let settled = settled2(p);
     var sum = 0.0;
     var amplitude = 1.0;
     var frequency = 1.0;
@@ -122,7 +124,7 @@ fn turbulence2D(p: vec2f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) 
         if present <= 0.0 {
             break;
         }
-        let height = abs(perlin2D(p * frequency + octaveOffset(octave).xy));
+        let height = abs(perlin2D(settled * frequency + octaveOffset(octave).xy));
         sum += amplitude * present * mix(0.14, height, octaveSeen(pixel * frequency));
         amplitude *= gain;
         frequency *= lacunarity;
@@ -137,6 +139,7 @@ fn billow3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) -> f
 
 // Sharp ridges that carry finer ones (Musgrave 1998), about 0 to 1. `offset` is how high ridges are: 1 is usual.
 fn ridged3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, offset: f32, pixel: f32) -> f32 {
+    let settled = settled3(p);
     var sum = 0.0;
     var weight = 1.0;
     var amplitude = 1.0;
@@ -149,7 +152,7 @@ fn ridged3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, offset: f32, pix
         let seen = octaveSeen(pixel * frequency);
         var ridge = 0.43 * offset * offset;
         if seen > 0.0 {
-            let height = max(offset - 2.4 * abs(perlin3D(p * frequency + octaveOffset(octave))), 0.0);
+            let height = max(offset - 2.4 * abs(perlin3D(settled * frequency + octaveOffset(octave))), 0.0);
             ridge = mix(ridge, height * height, seen);
         }
         sum += amplitude * present * weight * ridge;

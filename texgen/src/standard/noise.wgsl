@@ -293,8 +293,9 @@ fn simplexCorner4(before: NoiseGrad4, hash: u32, d: vec4f) -> NoiseGrad4 {
 // Gabor noise (Lagae et al. 2009): waves of one frequency, in cycles per cell. `angle` is their direction in radians, and
 // `spread` how far the directions differ: 0 all run the same way, 1 they run anywhere. About -1 to 1.
 fn gabor2D(p: vec2f, frequency: f32, angle: f32, spread: f32) -> f32 {
-    let cell = floor(p);
-    let f = p - cell;
+    let q = settled2(p);
+    let cell = floor(q);
+    let f = q - cell;
     var sum = 0.0;
     for (var k = 0; k < 9; k++) {
         let step = vec2f(f32(k % 3), f32(k / 3)) - 1.0;
@@ -315,8 +316,9 @@ fn gabor2D(p: vec2f, frequency: f32, angle: f32, spread: f32) -> f32 {
 
 // The same in three dimensions, along `axis` (unit length).
 fn gabor3D(p: vec3f, frequency: f32, axis: vec3f, spread: f32) -> f32 {
-    let cell = floor(p);
-    let f = p - cell;
+    let q = settled3(p);
+    let cell = floor(q);
+    let f = q - cell;
     var sum = 0.0;
     for (var k = 0; k < 27; k++) {
         let step = vec3f(f32(k % 3), f32(k / 3 % 3), f32(k / 9)) - 1.0;

@@ -37,6 +37,18 @@ fn rotateEuler(v: vec3f, angles: vec3f) -> vec3f {
     return rotateAxis(y, vec3f(0.0, 0.0, 1.0), angles.z);
 }
 
+// p itself. Compilers that would compute what p comes from again in each iteration find it computed.
+fn settled2(p: vec2f) -> vec2f { return settled4(vec4f(p, 0.0, 0.0)).xy; }
+fn settled3(p: vec3f) -> vec3f { return settled4(vec4f(p, 0.0)).xyz; }
+fn settled4(p: vec4f) -> vec4f {
+    var q = p;
+    // Never so: but then q would be another value, so it has to be one of its own.
+    if p.x > 1e38 {
+        q = vec4f();
+    }
+    return q;
+}
+
 // How much the projections along x, y and z count on a surface with this normal; their sum is 1. `blend` 0 is sharp, 1 soft.
 fn triplanarWeights(normal: vec3f, blend: f32) -> vec3f {
     let sharp = mix(16.0, 1.0, saturate(blend));

@@ -53,6 +53,11 @@ fn a_parameter_takes_its_attribute_until_it_is_linked_or_set() {
         .set_value(t, "p", Value::Vec4([1.0; 4]))
         .expect("fits");
     assert!(edit.program && graph.attribute(t, "p").is_none());
+    // Its last component is no width of a pixel.
+    assert!(
+        kernel.contains("p0 = vec4f(patina_arg_vec3f(args + 0u), 0.0);"),
+        "{kernel}"
+    );
     let again = graph
         .set_value(t, "p", Value::Vec4([2.0; 4]))
         .expect("fits");
