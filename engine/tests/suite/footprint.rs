@@ -25,6 +25,9 @@ const BAND: f64 = 0.05;
 /// Features of a pattern in a pixel far away. No round number, or samples might meet the pattern at the same places.
 const FAR: f32 = 7.3;
 
+/// How textures say the width of a pixel, and what makes it nothing.
+const WIDTHS: [(&str, &str); 2] = [("texcoord.w", "0.0"), ("position.w", "0.0")];
+
 /// A texture from `user_textures` in a use of it.
 struct Case {
     texture: &'static str,
@@ -73,9 +76,11 @@ fn pixels(
     let file = format!("user_textures/{}.wgsl", case.texture);
     let path = root().join(file);
     let mut text = std::fs::read_to_string(path).expect("a standard texture");
-    assert!(text.contains("readAttr(Footprint)"));
+    assert!(WIDTHS.iter().any(|(width, _)| text.contains(width)));
     if !fades {
-        text = text.replace("readAttr(Footprint)", "vec4f(0.0)");
+        for (width, none) in WIDTHS {
+            text = text.replace(width, none);
+        }
     }
     let mut sources = TextureSources::default();
     sources.insert(case.texture, &text);
