@@ -119,7 +119,7 @@ fn the_list_has_names_parameters_and_documentation() {
 fn userProc(tint: vec3f, depth: f32, photo: sam2D) -> vec3f { return tint * depth * tex2D(photo, vec2f(0.0)).rgb; }",
     );
     let list = desk.run("texture list --textures mine", 0).stdout;
-    let waves = list.split("\n\n").find(|part| part.contains("waves"));
+    let waves = (list.split("\n\n")).find(|part| part.trim_start().starts_with("waves -> vec3f"));
     let waves = waves.expect("it is listed");
     for wanted in [
         "waves -> vec3f",
