@@ -70,8 +70,11 @@ fn parameters() -> String {
         let (key, takes, help) = (parameter.key, parameter.takes_text(), parameter.help);
         format!("| `{key}` | {takes} | {help} |\n")
     });
-    rows.chain(["| `blend` | table | see below |\n".to_owned()])
-        .collect()
+    let others = [
+        "| `blend` | table | see below |\n",
+        "| `group` | `\"NAME\"` | the [group of lights](layers.md#parts-of-the-light) that what it emits belongs to |\n",
+    ];
+    rows.chain(others.map(str::to_owned)).collect()
 }
 
 /// `UPDATE_SNAPSHOTS=1` writes what is wrong.
