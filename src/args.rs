@@ -217,6 +217,11 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "I/N", conflicts_with_all = ["sample_range", "noise"])]
     pub(crate) part: Option<String>,
 
+    /// Samples go where the picture is noisiest: --spp is then their number on average over the picture. The error that --noise
+    /// compares with is known better, so that such a render ends sooner.
+    #[arg(long, conflicts_with_all = ["sample_range", "part"])]
+    pub(crate) adaptive: bool,
+
     /// Width and height of the picture in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     #[arg(allow_hyphen_values = true)]

@@ -89,6 +89,8 @@ pub(crate) struct RenderJob {
     pub(crate) spp: NonZeroU32,
     /// What ends it before.
     pub(crate) limits: Limits,
+    /// Samples go where they help most; `spp` is their average.
+    pub(crate) adaptive: bool,
     /// How it is kept while it is under way.
     pub(crate) checkpoints: Option<Checkpoints>,
     /// The first of them.
@@ -296,6 +298,7 @@ impl RenderJob {
             spp: NonZeroU32::new(samples.end - samples.start).expect("the range is not empty"),
             first_sample: samples.start,
             limits,
+            adaptive: args.adaptive,
             checkpoints,
             width,
             height,
@@ -407,6 +410,10 @@ fn motion(args: &RenderArgs, limits: &Limits, spp: u32) -> Result<MotionJob, Usa
     if *limits != Limits::default() {
         let because = "a picture that ends early would lack the last moments; say how many samples it gets, with --spp";
         return apart("--shutter", "--noise or --time", because);
+    }
+    if args.adaptive {
+        let because = "each moment has its share of a pixel's samples";
+        return apart("--shutter", "--adaptive", because);
     }
     if args.sample_range.is_some() {
         let because = "what a moment's samples are follows from those of the whole; write --part I/N with --spp";

@@ -1,5 +1,6 @@
 //! `patina render`: loads, renders, writes. Reads in the order things happen.
 
+mod adaptive;
 mod alone;
 mod cameras;
 mod checkpoint;
@@ -109,8 +110,11 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
             };
             alone::render(job, take, &device, &view, &bar, watch)?
         }
-        Err(_) if job.checkpoints.is_some() => {
-            let flag = "--checkpoint";
+        Err(_) if job.checkpoints.is_some() || job.adaptive => {
+            let flag = match job.adaptive {
+                true => "--adaptive",
+                false => "--checkpoint",
+            };
             return Err(UsageError::OneDevice { flag }.into());
         }
         Err(devices) => {
@@ -227,7 +231,7 @@ fn write(
         Ended::Enough(limit) => Some(limit),
         Ended::Interrupted | Ended::Failed(_) => None,
     });
-    if let Some(summary) = limits::summary(&job.limits, limit, &part.film) {
+    if let Some(summary) = limits::summary(job, limit, &part.film) {
         console::note(&summary);
     }
     let mut results = Results {
@@ -347,6 +351,7 @@ fn settings(job: &RenderJob, camera: &Camera, sight: &Sight) -> RenderSettings {
         estimator: job.estimator,
         roulette: job.roulette,
         sampler: job.sampler,
+        halves: job.adaptive,
         layers: job.layers.clone(),
         filter_width: job.filter_width,
         time: sight.moment.seconds as f32,

@@ -64,6 +64,7 @@ const ENGINE: &[(&str, &[&str])] = &[
             "system",
         ],
     ),
+    ("adaptive", &["film", "frame", "renderer"]),
     ("isolated", &["procedural"]),
     (
         "evaluate",

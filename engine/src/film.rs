@@ -14,6 +14,12 @@
 //! 24 bits of a sample's radiance are kept from 1e-6 on, and the sun's disk in W/m²/sr has room above. Larger samples
 //! are clamped and counted ([`crate::stats::Stats::clamped_samples`]). Larger squares are clamped in silence: the
 //! picture stays as it is, and the error of such a pixel, which is enormous anyway, is underestimated.
+//!
+//! Samples may come in two halves, whose random numbers have nothing in common (`RenderSettings::halves`): runs of [`HALF_RUN`]
+//! in turn. Then the sums of the first
+//! half stand where those of the squares would, and the error is known from how far the halves are apart. Squares make it too
+//! large, for the points of one sequence fill the pixel more evenly than random numbers; the halves make it right, if rough:
+//! what one pixel says is to be averaged over many.
 
 mod hash;
 pub mod ids;
@@ -44,6 +50,11 @@ pub(crate) const PICTURE_PLANES: [&str; 5] = ["film0", "film1", "film2", "film3"
 /// Words before the sums of squares, and before the number of samples, in the order of the planes.
 const SQUARES: usize = 9;
 const COUNT: usize = 18;
+/// The word with the number of samples in the first half; 0 where there are sums of squares.
+const FIRST_HALF: usize = 19;
+/// Samples of one half in a row: of a pixel's samples, so many are of the first one, then as many of the second, and so on.
+/// `frame.wgsl` has the same number.
+pub const HALF_RUN: u32 = 16;
 /// Bits behind the point, and the largest sample, of both kinds of sums. `exact_sums.wgsl` and `accumulate.wgsl` have the same
 /// numbers.
 const SUM_BITS: i32 = 44;
@@ -60,7 +71,7 @@ pub struct Film {
     pub height: u32,
     layers: Layers,
     /// As on the device. Those of the picture: three words for each sum of red, green and blue, three for each of their
-    /// squares, the least significant one first, the number of samples, and a spare word. Then those of the layers.
+    /// squares, the least significant one first, the number of samples, and of those in the first half. Then those of the layers.
     planes: Vec<Vec<[u32; 4]>>,
 }
 
@@ -121,18 +132,48 @@ impl Film {
             .unwrap_or_default()
     }
 
+    /// Samples of a pixel on average over the picture.
+    pub fn mean_samples(&self) -> f64 {
+        let sum: u64 = (0..self.pixels()).map(|p| u64::from(self.samples(p))).sum();
+        sum as f64 / self.pixels().max(1) as f64
+    }
+
     /// Sum of a pixel's radiance, linear Rec.709.
     pub fn sum(&self, pixel: usize) -> [f64; 3] {
         std::array::from_fn(|c| signed(self.words(pixel, 3 * c)))
     }
 
-    /// Sum of a pixel's squared radiance.
+    /// Sum of a pixel's squared radiance, as its samples tell it: where they come in halves, what the halves let guess.
     pub fn sum_squares(&self, pixel: usize) -> [f64; 3] {
+        if let Some(variance) = self.variance_by_halves(pixel) {
+            let n = f64::from(self.samples(pixel));
+            let sum = self.sum(pixel);
+            return std::array::from_fn(|c| sum[c] * sum[c] / n + variance[c] * n * (n - 1.0));
+        }
         std::array::from_fn(|c| {
             let [low, middle, high] = self.words(pixel, SQUARES + 3 * c);
             let whole = u128::from(high) << 64 | u128::from(middle) << 32 | u128::from(low);
             whole as f64 * f64::from(-SQUARE_BITS).exp2()
         })
+    }
+
+    /// The variance of a pixel's mean, by the difference of its halves: one number of it, right on average. `None` where samples
+    /// don't come in halves, or all are of one.
+    pub fn variance_by_halves(&self, pixel: usize) -> Option<[f64; 3]> {
+        let first = self.word(pixel, FIRST_HALF);
+        let second = self.samples(pixel).checked_sub(first)?;
+        if first == 0 || second == 0 {
+            return None;
+        }
+        let (first, second) = (f64::from(first), f64::from(second));
+        let n = first + second;
+        let sum = self.sum(pixel);
+        Some(std::array::from_fn(|c| {
+            let of_first = signed(self.words(pixel, SQUARES + 3 * c));
+            let apart = of_first / first - (sum[c] - of_first) / second;
+            // (1/first + 1/second) σ² on average, and the mean's variance is σ²/n.
+            apart * apart * first * second / (n * n)
+        }))
     }
 
     /// Mean radiance of each pixel; black where there is no sample.
@@ -172,14 +213,16 @@ impl Film {
 
     /// Standard error of each pixel's mean, from the spread of its samples; infinite below two samples.
     ///
-    /// The samples are points of a low-discrepancy sequence, so this overestimates the error.
+    /// The samples are points of a low-discrepancy sequence, so this overestimates the error; but where they come in halves, it
+    /// is right on average over many pixels.
     pub fn standard_error(&self) -> Vec<[f32; 3]> {
         (0..self.pixels()).map(|p| self.pixel_error(p)).collect()
     }
 
     /// The error of the whole picture, relative to its brightness, as far as the samples tell: the root of the mean squared
     /// standard error of pixels and channels, divided by their mean radiance. Infinite where a pixel has less than two samples, or all
-    /// are black. As [`Self::standard_error`] it is rather too large than too small, but for light that no sample has met yet.
+    /// are black. As [`Self::standard_error`] it is rather too large than too small without halves, but for light that no sample has met
+    /// yet.
     pub fn relative_error(&self) -> f64 {
         let (mut variance, mut sum) = (0.0, 0.0);
         for pixel in 0..self.pixels() {
@@ -199,6 +242,10 @@ impl Film {
     }
 
     fn pixel_error(&self, pixel: usize) -> [f32; 3] {
+        if self.word(pixel, FIRST_HALF) > 0 {
+            let variance = self.variance_by_halves(pixel);
+            return variance.map_or([f32::INFINITY; 3], |v| v.map(|v| v.sqrt() as f32));
+        }
         let count = self.samples(pixel);
         if count < 2 {
             return [f32::INFINITY; 3];
@@ -334,6 +381,25 @@ impl Film {
         self.set_word(pixel, COUNT, count);
     }
 
+    /// As [`Self::add_sample`], of a pixel whose samples come in halves: the sample of this number.
+    pub fn add_sample_of_half(&mut self, pixel: usize, number: u32, radiance: [f32; 3]) {
+        let is_first = number / HALF_RUN % 2 == 0;
+        for (c, value) in radiance.into_iter().enumerate() {
+            let value = words(whole(value.clamp(-LARGEST, LARGEST), SUM_BITS));
+            self.add_words(pixel, 3 * c, value);
+            if is_first {
+                self.add_words(pixel, SQUARES + 3 * c, value);
+            }
+        }
+        for word in [Some(COUNT), is_first.then_some(FIRST_HALF)]
+            .into_iter()
+            .flatten()
+        {
+            let count = self.word(pixel, word) + 1;
+            self.set_word(pixel, word, count);
+        }
+    }
+
     /// Adds to a pixel what the first surface of the sample of this number, counted from the first of the picture, gives to each
     /// layer, ids as the bits of the first number: the twin of `film_layers/accumulate.wgsl` and `accumulate_ids.wgsl`.
     pub fn add_surface(
@@ -381,8 +447,12 @@ impl Film {
             for first in (0..COUNT).step_by(3) {
                 self.add_words(pixel, first, other.words(pixel, first));
             }
-            let count = self.samples(pixel).saturating_add(other.samples(pixel));
-            self.set_word(pixel, COUNT, count);
+            for word in [COUNT, FIRST_HALF] {
+                let count = self
+                    .word(pixel, word)
+                    .saturating_add(other.word(pixel, word));
+                self.set_word(pixel, word, count);
+            }
         }
         for layer in self.layers.iter() {
             let Some(first) = self.layers.first_plane(layer) else {
@@ -555,6 +625,30 @@ mod tests {
         assert_eq!(whole.sum(1)[0], -whole.sum(1)[1]);
         assert_eq!((whole.samples(0), whole.samples(1)), (0, 9));
         assert_eq!(whole.sample_bounds(), (0, 9));
+    }
+
+    #[test]
+    fn halves_tell_the_variance_of_the_mean() {
+        // Halves of 1 and 3: apart by 2, so that the mean's variance is (2/2)² = 1.
+        let mut film = Film::new(1, 1);
+        for number in 0..64 {
+            let value = if number / HALF_RUN % 2 == 0 { 1.0 } else { 3.0 };
+            film.add_sample_of_half(0, number, [value; 3]);
+        }
+        assert_eq!(film.mean(), vec![[2.0; 3]]);
+        assert_eq!(film.variance_by_halves(0), Some([1.0; 3]));
+        assert!((film.relative_error() - 0.5).abs() < 1e-6);
+        let squares = film.sum_squares(0)[0];
+        let spread = (squares / 64.0 - 4.0) / 63.0;
+        assert!((spread - 1.0).abs() < 1e-9, "{spread}");
+        // Twice the same half twice as often is the same variance.
+        let mut twice = film.clone();
+        twice.add(&film);
+        assert_eq!(twice.variance_by_halves(0), Some([1.0; 3]));
+        // One half alone tells nothing.
+        let mut film = Film::new(1, 1);
+        film.add_sample_of_half(0, 0, [1.0; 3]);
+        assert_eq!(film.relative_error(), f64::INFINITY);
     }
 
     #[test]

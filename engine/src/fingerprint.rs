@@ -61,6 +61,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         estimator,
         roulette,
         sampler,
+        halves,
         layers: _,
         time,
         frame_index,
@@ -96,10 +97,11 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into();
-    // Of pictures that stand still nothing is said.
+    // Of what is as usual nothing is said.
     for (name, value, is_said) in [
         ("time", time.to_string(), *time != 0.0),
         ("frame", frame_index.to_string(), *frame_index != 0),
+        ("halves", halves.to_string(), *halves),
     ] {
         if is_said {
             list.push((name.to_owned(), value));

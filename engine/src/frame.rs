@@ -69,10 +69,11 @@ pub struct Frame {
     /// See `region_min`; exclusive.
     pub region_max: u32,
     environment_group: u32,
-    unused_a: u32,
-    unused_b: u32,
-    unused_c: u32,
+    has_halves: u32,
+    has_lot: u32,
+    unused: u32,
     sobol: [[u32; 4]; sobol::ROWS],
+    lot: [[u32; 2]; LOT_BLOCKS],
 }
 
 impl Frame {
@@ -129,10 +130,11 @@ impl Frame {
             region_min,
             region_max,
             environment_group,
-            unused_a,
-            unused_b,
-            unused_c,
-            sobol
+            has_halves,
+            has_lot,
+            unused,
+            sobol,
+            lot
         ]
     }
 }
@@ -140,7 +142,11 @@ impl Frame {
 /// Vertices that scatter before Russian roulette begins.
 const ROULETTE_START: u32 = 4;
 /// Pixels along the side of a block.
-const BLOCK: u32 = 8;
+pub(crate) const BLOCK: u32 = 8;
+/// Pixels of a block.
+pub(crate) const BLOCK_PIXELS: u32 = BLOCK * BLOCK;
+/// Most blocks of a lot, so that the frame stays within the 64 KiB that every device can bind as a uniform.
+pub(crate) const LOT_BLOCKS: usize = 4096;
 
 /// Paths of one sample of every pixel of a picture, with those that fill up blocks at its border.
 pub(crate) fn paths_per_sample(width: u32, height: u32) -> u64 {
@@ -243,10 +249,11 @@ impl Frame {
             region_min: 0,
             region_max: u32::MAX,
             environment_group: scene.environment_group,
-            unused_a: 0,
-            unused_b: 0,
-            unused_c: 0,
+            has_halves: u32::from(settings.halves),
+            has_lot: 0,
+            unused: 0,
             sobol: sobol::nibbles(),
+            lot: [[0; 2]; LOT_BLOCKS],
         }
     }
 
@@ -258,5 +265,18 @@ impl Frame {
         self.first_sample = first_sample + (position / padded) as u32;
         self.wave_size = paths;
         self.sample_limit = first_sample + spp;
+        self.has_lot = 0;
+    }
+
+    /// Sets what a wave renders: so many samples of each of these blocks, at most [`LOT_BLOCKS`]; a block is its place in the
+    /// picture, row by row, and the number of its first sample.
+    pub(crate) fn set_lot(&mut self, blocks: &[[u32; 2]], samples: u32) {
+        self.first_pixel = 0;
+        self.first_sample = 0;
+        self.padded_pixels = blocks.len() as u32 * BLOCK_PIXELS;
+        self.wave_size = self.padded_pixels * samples;
+        self.sample_limit = u32::MAX;
+        self.has_lot = 1;
+        self.lot[..blocks.len()].copy_from_slice(blocks);
     }
 }

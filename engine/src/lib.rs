@@ -39,6 +39,7 @@
 //! The crate never prints: every failure is a value that names file, place and remedy, and what is odd but not wrong is a
 //! warning in the result. `docs/architecture.md` has the whole picture.
 
+pub mod adaptive;
 pub mod alias;
 pub mod bvh;
 pub mod denoise;

@@ -4,6 +4,7 @@ mod costs;
 pub(crate) mod culprit;
 mod edits;
 mod lanes;
+mod lots;
 mod paths;
 mod pipeline;
 mod record;
@@ -28,7 +29,7 @@ use crate::{
     wave::{self, PathBytes, Totals},
 };
 
-use self::lanes::{Lanes, Plan, Wave, begin_wave};
+use self::lanes::{Lanes, Plan, Wave, Work, begin_wave};
 use self::pipeline::{Bound, Kernels};
 use self::record::Recorder;
 
@@ -40,6 +41,7 @@ pub use self::{
     costs::{TextureCost, TextureCosts},
     culprit::{Culprit, culprits},
     edits::RenderEditError,
+    lots::Lot,
     reload::{Reload, ReloadError},
 };
 
@@ -382,23 +384,34 @@ impl Renderer {
 
     /// Renders a wave from a path on, of a picture of so many samples per pixel.
     fn wave_at(&mut self, position: u64, paths: u32, spp: u32) -> Result<(), RenderError> {
+        let first_sample = self.settings.first_sample;
+        self.frame.set_wave(position, paths, first_sample, spp);
+        let frame = self.frame;
+        let work = Work::Range {
+            position,
+            first_sample,
+            spp,
+        };
+        self.play_wave(&frame, work)
+    }
+
+    /// Renders the wave of a frame.
+    fn play_wave(&mut self, frame: &Frame, work: Work<'_>) -> Result<(), RenderError> {
         // A window that shares the device may have a frame under way: that is no time of the wave's.
         self.device.wait()?;
         let start = self.system.clock.now();
         self.clear_stale_film()?;
-        let (first, plan) = (self.settings.first_sample, self.plan());
-        self.frame.set_wave(position, paths, first, spp);
+        let paths = frame.wave_size;
         match self.lanes.is_empty() {
-            true => self.render_wave()?,
+            true => self.render_wave(frame)?,
             false => {
                 let wave = Wave {
-                    frame: &self.frame,
-                    position,
+                    frame,
                     paths,
-                    first_sample: first,
-                    spp,
+                    work,
                     capacity: self.capacity,
                 };
+                let plan = self.plan();
                 self.lanes.render(&self.device, &plan, &wave)?;
             }
         }
@@ -429,9 +442,9 @@ impl Renderer {
     }
 
     /// Takes the paths of the frame to the film, all at once.
-    fn render_wave(&mut self) -> Result<(), DeviceError> {
-        begin_wave(&self.device, &self.resources, &self.frame);
-        let paths = self.frame.wave_size;
+    fn render_wave(&mut self, frame: &Frame) -> Result<(), DeviceError> {
+        begin_wave(&self.device, &self.resources, frame);
+        let paths = frame.wave_size;
         let (device, resources) = (self.device.clone(), self.resources.clone());
         let plan = self.plan();
         plan.play(&device, &resources, &mut |record| {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use device::Device;
-use engine::film::Origin;
+use engine::film::{Film, Origin};
 use engine::fingerprint::fingerprint;
 use engine::renderer::{Progress, RenderSettings};
 use engine::scene::view::View;
@@ -19,7 +19,7 @@ use crate::{cache, interrupt};
 
 use super::limits::Watch;
 use super::reel::{Reel, View as Seen};
-use super::{Ended, FAREWELL, Rendered, Rest, checkpoint, failure, mark, settings};
+use super::{Ended, FAREWELL, Rendered, Rest, adaptive, checkpoint, failure, mark, settings};
 
 /// What a picture is taken of.
 pub(super) struct Take<'a> {
@@ -120,7 +120,10 @@ pub(super) fn render(
     };
     let mut ended = None;
     let mut reel = take.reel;
-    for (number, &end) in ends.iter().enumerate() {
+    if job.adaptive {
+        ended = exposure.distribute(&mut session)?;
+    }
+    for (number, &end) in ends.iter().enumerate().filter(|_| !job.adaptive) {
         if session.paths_done() >= u64::from(end) * session.paths_per_sample() {
             continue; // a part of the samples, or a film that goes on, has no more of this moment
         }
@@ -138,22 +141,23 @@ pub(super) fn render(
     interrupt::writes_results();
     let is_film_wanted = !job.outputs.films.is_empty();
     if let (Some(writer), false) = (&mut writer, is_film_wanted) {
-        writer.write(film.clone(), session.paths_done());
+        writer.write(film.clone(), paths_of(job, &film, &session));
         writer.finish();
     }
     drop(writer);
-    if ended.is_some() && is_film_wanted {
+    if ended.is_some() && is_film_wanted && !job.adaptive {
         let (_, most) = film.sample_bounds();
         complete_sample(&mut session, most)?;
         film = session.snapshot().map_err(failure)?.film;
     }
     let render_seconds = clock.elapsed().as_secs_f64();
     let (_, most) = film.sample_bounds();
+    let paths = paths_of(job, &film, &session);
     Ok(Rendered {
         film,
         samples: job.first_sample..job.first_sample + most,
         names,
-        paths: Some(session.paths_done()),
+        paths: Some(paths),
         ended,
         device: name,
         facts: DeviceFacts::new(gpu.description()),
@@ -166,26 +170,39 @@ pub(super) fn render(
     })
 }
 
+/// How far a film is that may be gone on with.
+fn paths_of(job: &RenderJob, film: &Film, session: &Session) -> u64 {
+    match job.adaptive {
+        true => adaptive::paths(film, session),
+        false => session.paths_done(),
+    }
+}
+
 /// A picture while it is rendered.
-struct Exposure<'a, 'w, F> {
-    job: &'a RenderJob,
-    bar: &'a Bar,
-    watch: &'a mut Watch,
-    writer: Option<&'a mut checkpoint::Writer<'w>>,
+pub(super) struct Exposure<'a, 'w, F> {
+    pub(super) job: &'a RenderJob,
+    pub(super) bar: &'a Bar,
+    pub(super) watch: &'a mut Watch,
+    pub(super) writer: Option<&'a mut checkpoint::Writer<'w>>,
     /// What is to be done after the first wave.
     after_first: Option<F>,
 }
 
 impl<F: FnOnce()> Exposure<'_, '_, F> {
+    /// A wave is done, perhaps the first one.
+    pub(super) fn first_is_done(&mut self) {
+        if let Some(after_first) = self.after_first.take() {
+            after_first();
+        }
+    }
+
     /// Renders wave by wave until `end` samples are taken, or for as long as nothing ends it before.
     fn accumulate(&mut self, session: &mut Session, end: u32) -> Result<Option<Ended>, Failure> {
         let (job, spp) = (self.job, self.job.spp.get());
         let pixels = f64::from(job.width) * f64::from(job.height);
         loop {
             let step = session.step(end).map_err(failure)?;
-            if let Some(after_first) = self.after_first.take() {
-                after_first();
-            }
+            self.first_is_done();
             let progress = Progress {
                 samples_total: u64::from(spp) * u64::from(job.width) * u64::from(job.height),
                 ..step

@@ -7,7 +7,7 @@ use engine::film::Film;
 use engine::renderer::Progress;
 
 use crate::console;
-use crate::job::Limits;
+use crate::job::{Limits, RenderJob};
 
 /// Samples before the error is looked at: with fewer, light that is seldom met may not have been met at all.
 const FEWEST: f64 = 16.0;
@@ -79,6 +79,17 @@ impl Watch {
         }
     }
 
+    /// What the error is found to be by others.
+    pub(super) fn has_error(&mut self, spp: f64, error: f64) {
+        self.error = Some((spp, error));
+    }
+
+    /// Whether the time is over.
+    pub(super) fn time_is_over(&self) -> Option<Limit> {
+        let time = self.limits.time?;
+        (self.start.elapsed() >= time).then_some(Limit::Time(time))
+    }
+
     /// The limit that is reached by so many samples per pixel, if one is. `error` finds out the error of the picture; it takes a
     /// moment, so it is asked for seldom. Where it can't be known yet, it gives nothing.
     ///
@@ -89,10 +100,8 @@ impl Watch {
         spp: f64,
         error: impl FnOnce() -> Result<Option<f64>, E>,
     ) -> Result<Option<Limit>, E> {
-        if let Some(time) = self.limits.time
-            && self.start.elapsed() >= time
-        {
-            return Ok(Some(Limit::Time(time)));
+        if let Some(limit) = self.time_is_over() {
+            return Ok(Some(limit));
         }
         let Some(limit) = self.limits.noise.filter(|_| spp >= self.next) else {
             return Ok(None);
@@ -112,20 +121,26 @@ impl Watch {
 }
 
 /// What is said of a render that had limits, when it has ended.
-pub(super) fn summary(limits: &Limits, reached: Option<&Limit>, film: &Film) -> Option<String> {
-    if *limits == Limits::default() {
+pub(super) fn summary(job: &RenderJob, reached: Option<&Limit>, film: &Film) -> Option<String> {
+    if job.limits == Limits::default() && !job.adaptive {
         return None;
     }
-    let (fewest, _) = film.sample_bounds();
+    let (fewest, most) = film.sample_bounds();
     let error = film.relative_error();
     let error = match error.is_finite() {
         true => format!("relative error {}", console::significant(error)),
         false => "relative error unknown".to_owned(),
     };
-    let samples = format!(
-        "{error} after {} samples per pixel",
-        console::grouped(u64::from(fewest))
-    );
+    let whole = |samples: u32| console::grouped(u64::from(samples));
+    let samples = match job.adaptive {
+        true => format!(
+            "{error} after {:.1} samples per pixel on average, {} to {}",
+            film.mean_samples(),
+            whole(fewest),
+            whole(most)
+        ),
+        false => format!("{error} after {} samples per pixel", whole(fewest)),
+    };
     Some(match reached {
         Some(limit) => format!("{samples}, ended by {limit}"),
         None => samples,

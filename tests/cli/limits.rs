@@ -39,6 +39,39 @@ fn noise_and_time_end_a_render_and_say_so() {
     bench.run("render triangle.gltf --noise 0").expect_code(2);
 }
 
+#[test]
+fn an_adaptive_render_says_where_it_ended() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let scene = "render triangle.gltf --look sky.look.toml --size 52x40";
+    let line = format!("{scene} --adaptive --noise 0.004 --spp 4096 -o a.exr --layers samples");
+    let ended = bench.run(&line).expect_code(0);
+    let said = &ended.stdout;
+    assert!(
+        said.contains("samples per pixel on average, 64 to"),
+        "{said}"
+    );
+    assert!(said.contains("ended by --noise 0.004"), "{said}");
+    let line = format!("{scene} --adaptive --spp 96 -o b.png");
+    let ended = bench.run(&line).expect_code(0);
+    assert!(
+        ended.stdout.contains("on average, 32 to"),
+        "{}",
+        ended.stdout
+    );
+    let part = format!("{scene} --adaptive --part 1/2");
+    bench.run(&part).expect_code(2);
+    let several = format!("{scene} --adaptive --device native:1,native:1");
+    let refused = bench.run(&several).expect_code(2);
+    assert!(
+        refused.stderr.contains("--adaptive needs a single device"),
+        "{}",
+        refused.stderr
+    );
+}
+
 /// The bytes of a film that is rendered at one go.
 fn whole(bench: &Bench, line: &str) -> Vec<u8> {
     bench
@@ -52,15 +85,20 @@ fn a_render_that_is_killed_goes_on_to_the_same_bits() {
     if !device() {
         return;
     }
-    let bench = sky();
-    let line =
-        "render triangle.gltf --look sky.look.toml --size 192x192 --spp 48 --layers normal,depth";
-    let whole = whole(&bench, line);
-    let resumed = format!("{line} --checkpoint=0.02 --resume -o part.patina-film");
     let wanted = match std::env::var_os("PATINA_FULL") {
         Some(_) => 50,
         None => 12,
     };
+    killed("--spp 48 --layers normal,depth", wanted);
+    killed("--spp 96 --adaptive", wanted / 4);
+}
+
+/// Kills a render at random times, so often, and goes on with it.
+fn killed(flags: &str, wanted: usize) {
+    let bench = sky();
+    let line = format!("render triangle.gltf --look sky.look.toml --size 192x192 {flags}");
+    let whole = whole(&bench, &line);
+    let resumed = format!("{line} --checkpoint=0.02 --resume -o part.patina-film");
     let mut kills = 0;
     for round in 0..4 * wanted as u64 {
         let mut child = bench

@@ -11,7 +11,7 @@ use std::sync::{
 use device::{Device, DeviceError, Resources, Timer, Usage};
 
 use crate::{
-    frame::Frame,
+    frame::{BLOCK_PIXELS, Frame},
     schedule::{Schedule, ScheduleError, Upload},
     wave::{self, Queue, Totals},
 };
@@ -221,7 +221,7 @@ impl Lanes {
         self.list.iter().flat_map(|lane| lane.own.buffer_sizes())
     }
 
-    /// Takes the paths of a wave to the film. It has at most one path for each pixel.
+    /// Takes the paths of a wave to the film.
     pub(super) fn render(
         &mut self,
         device: &Device,
@@ -233,6 +233,7 @@ impl Lanes {
             .next_multiple_of(64)
             .clamp(FEWEST_PATHS, MOST_PATHS)
             .min(wave.capacity);
+        let slice = wave.work.even(slice);
         let next = AtomicU32::new(0);
         device.side_by_side(&mut self.list, |lane| {
             loop {
@@ -258,22 +259,59 @@ impl Lanes {
 #[derive(Debug)]
 pub(super) struct Wave<'a> {
     pub(super) frame: &'a Frame,
-    /// Its first path, of all of the picture.
-    pub(super) position: u64,
     pub(super) paths: u32,
-    /// First sample of the picture.
-    pub(super) first_sample: u32,
-    /// Samples of each pixel.
-    pub(super) spp: u32,
+    pub(super) work: Work<'a>,
     /// Path slots of a lane.
     pub(super) capacity: u32,
+}
+
+/// What a wave holds of a picture.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Work<'a> {
+    /// Paths in the order sample by sample, at most one for each pixel.
+    Range {
+        /// The first of them, of all of the picture.
+        position: u64,
+        /// First sample of the picture.
+        first_sample: u32,
+        /// Samples of each pixel.
+        spp: u32,
+    },
+    /// So many samples of each of these blocks, as for [`Frame::set_lot`].
+    Lot {
+        blocks: &'a [[u32; 2]],
+        samples: u32,
+    },
+}
+
+impl Work<'_> {
+    /// Paths of a slice that may be cut off so that no two slices meet at a pixel: about so many, and no more but for one block.
+    fn even(&self, paths: u32) -> u32 {
+        match *self {
+            Self::Range { .. } => paths,
+            Self::Lot { samples, .. } => {
+                let block = samples * BLOCK_PIXELS;
+                (paths / block).max(1) * block
+            }
+        }
+    }
 }
 
 impl Wave<'_> {
     fn slice(&self, first: u32, paths: u32) -> Frame {
         let mut frame = *self.frame;
-        let position = self.position + u64::from(first);
-        frame.set_wave(position, paths, self.first_sample, self.spp);
+        match self.work {
+            Work::Range {
+                position,
+                first_sample,
+                spp,
+            } => frame.set_wave(position + u64::from(first), paths, first_sample, spp),
+            Work::Lot { blocks, samples } => {
+                let block = samples * BLOCK_PIXELS;
+                let (first, count) = ((first / block) as usize, (paths / block) as usize);
+                frame.set_lot(&blocks[first..][..count], samples);
+            }
+        }
         frame
     }
 }

@@ -8,7 +8,7 @@ use glam::Vec2;
 use crate::display::DeviceFilm;
 use crate::film::Film;
 use crate::pick::{self, Pick};
-use crate::renderer::{RenderError, TextureCosts};
+use crate::renderer::{Lot, RenderError, TextureCosts};
 use crate::scene::Camera;
 use crate::scene::view::ViewChoice;
 
@@ -70,6 +70,14 @@ impl Session {
     /// See [`crate::renderer::Renderer::paths_done`].
     pub fn paths_done(&self) -> u64 {
         self.renderer.paths_done()
+    }
+
+    /// See [`crate::renderer::Renderer::render_lot`].
+    ///
+    /// # Errors
+    /// The device; it isn't known then what of the lot is in the film.
+    pub fn render_lot(&mut self, lot: &Lot, from: usize) -> Result<usize, SessionError> {
+        Ok(self.renderer.render_lot(lot, from)?)
     }
 
     /// See [`crate::renderer::Renderer::paths_per_sample`].

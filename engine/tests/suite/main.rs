@@ -3,6 +3,7 @@
 mod ahead;
 mod support;
 
+mod adaptive;
 mod bsdf;
 mod closed_forms;
 mod custom_attributes;

@@ -8,7 +8,8 @@
 //!include shared/filter.wgsl
 //!include shared/exact_sums.wgsl
 
-// Twenty words per pixel: the sums of red, green and blue, of their squares, the number of samples, one to spare.
+// Twenty words per pixel: the sums of red, green and blue, of their squares, the number of samples, and where these come in
+// halves, the number of those in the first one, whose sums take the place of the squares.
 // Five buffers, because a device need not bind more than 128 MiB of one.
 @group(0) @binding(5) var<storage, read_write> film0: array<vec4u>;
 @group(0) @binding(6) var<storage, read_write> film1: array<vec4u>;
@@ -33,6 +34,7 @@ struct Sums {
     green_squares: vec3u,
     blue_squares: vec3u,
     count: u32,
+    first_half: u32,
 }
 
 fn sums_read(at: u32) -> Sums {
@@ -42,7 +44,7 @@ fn sums_read(at: u32) -> Sums {
     let words3 = film3[at];
     let words4 = film4[at];
     return Sums(words0.xyz, vec3u(words0.w, words1.xy), vec3u(words1.zw, words2.x), words2.yzw, words3.xyz,
-        vec3u(words3.w, words4.xy), words4.z);
+        vec3u(words3.w, words4.xy), words4.z, words4.w);
 }
 
 fn sums_write(at: u32, sums: Sums) {
@@ -50,7 +52,7 @@ fn sums_write(at: u32, sums: Sums) {
     film1[at] = vec4u(sums.green.yz, sums.blue.xy);
     film2[at] = vec4u(sums.blue.z, sums.red_squares);
     film3[at] = vec4u(sums.green_squares, sums.blue_squares.x);
-    film4[at] = vec4u(sums.blue_squares.yz, sums.count, 0u);
+    film4[at] = vec4u(sums.blue_squares.yz, sums.count, sums.first_half);
 }
 
 // Adds the sample of a finished path.
@@ -76,12 +78,22 @@ fn add_sample(sums: ptr<function, Sums>, slot: u32) {
         value = clamp(value, vec3f(-LARGEST), vec3f(LARGEST));
         atomicAdd(&queues[WORD_CLAMPED], 1u);
     }
-    let square = min(value * value, vec3f(LARGEST_SQUARE));
-    (*sums).red = add_wide((*sums).red, fixed_point(value.x, SUM_BITS));
-    (*sums).green = add_wide((*sums).green, fixed_point(value.y, SUM_BITS));
-    (*sums).blue = add_wide((*sums).blue, fixed_point(value.z, SUM_BITS));
-    (*sums).red_squares = add_wide((*sums).red_squares, fixed_point(square.x, SQUARE_BITS));
-    (*sums).green_squares = add_wide((*sums).green_squares, fixed_point(square.y, SQUARE_BITS));
-    (*sums).blue_squares = add_wide((*sums).blue_squares, fixed_point(square.z, SQUARE_BITS));
+    let red = fixed_point(value.x, SUM_BITS);
+    let green = fixed_point(value.y, SUM_BITS);
+    let blue = fixed_point(value.z, SUM_BITS);
+    (*sums).red = add_wide((*sums).red, red);
+    (*sums).green = add_wide((*sums).green, green);
+    (*sums).blue = add_wide((*sums).blue, blue);
     (*sums).count += 1u;
+    if (frame.has_halves == 0u) {
+        let square = min(value * value, vec3f(LARGEST_SQUARE));
+        (*sums).red_squares = add_wide((*sums).red_squares, fixed_point(square.x, SQUARE_BITS));
+        (*sums).green_squares = add_wide((*sums).green_squares, fixed_point(square.y, SQUARE_BITS));
+        (*sums).blue_squares = add_wide((*sums).blue_squares, fixed_point(square.z, SQUARE_BITS));
+    } else if (is_first_half(path_id(slot).number)) {
+        (*sums).red_squares = add_wide((*sums).red_squares, red);
+        (*sums).green_squares = add_wide((*sums).green_squares, green);
+        (*sums).blue_squares = add_wide((*sums).blue_squares, blue);
+        (*sums).first_half += 1u;
+    }
 }

@@ -16,7 +16,7 @@ fn accumulate(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
     let at = pixel.y * frame.width + pixel.x;
     var sums = sums_read(at);
     for (var slot = first; slot < frame.wave_size; slot += frame.padded_pixels) {
-        if (path_id(slot).sample >= frame.sample_limit) {
+        if (path_id(slot).number >= frame.sample_limit) {
             break;
         }
         add_sample(&sums, slot);

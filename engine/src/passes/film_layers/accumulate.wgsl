@@ -93,7 +93,7 @@ fn accumulate_first(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     }
     var words = layer_film[at];
     let end = last_slot(first);
-    var number = path_id(first).sample;
+    var number = path_id(first).number;
     for (var slot = first; slot < end; slot += frame.padded_pixels) {
         number += 1u;
         if (layer_sample(0u, slot) == 0.0 || (words.x != 0u && words.x < number)) {

@@ -14,7 +14,7 @@ fn own_pixel(first: u32) -> u32 {
 
 // Behind the last slot of the wave whose path is of this job: a pixel's next sample is `padded_pixels` slots further on.
 fn last_slot(first: u32) -> u32 {
-    let sample = path_id(first).sample;
+    let sample = path_id(first).number;
     let left = select(frame.sample_limit - sample, 0u, sample >= frame.sample_limit);
     // Those that are left may be more than slots can be counted.
     let rounds = (frame.wave_size - first + frame.padded_pixels - 1u) / frame.padded_pixels;

@@ -67,7 +67,7 @@ fn start_path(slot: u32) {
     path_set_words(PATH_MEDIA, slot, vec4u(0u));
     path_set_words(PATH_LIGHT_POINT, slot, vec4u(MISS, 0u, 0u, 0u));
     rays[shadow_ray(slot)].triangle = MISS;
-    if (!is_rendered(pixel) || path.sample >= frame.sample_limit) {
+    if (!is_rendered(pixel) || path.number >= frame.sample_limit) {
         // Padding of a block at the border, or a part that nobody looks at.
         return;
     }

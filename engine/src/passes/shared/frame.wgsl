@@ -50,26 +50,50 @@ struct Frame {
     region_min: u32, // first column | first row << 16 in which paths start
     region_max: u32, // first column | first row << 16 behind these
     environment_group: u32, // of lights
-    unused_a: u32,
-    unused_b: u32,
-    unused_c: u32,
+    has_halves: u32, // whether samples come in two halves that know nothing of each other, see `path_id`
+    has_lot: u32, // whether the wave's blocks are those of `lot`, not neighbours in the picture
+    unused: u32,
     sobol: array<vec4u, 384>, // what four bits of an index add to three groups of four dimensions, see sobol.rs
+    lot: array<vec4u, 2048>, // two in each: a block of the picture, and the first of the samples that it gets
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 
+// Samples of one half in a row; `film.rs` has the same number.
+const HALF_RUN_BITS = 4u;
+
 // A path slot of a wave and the sample of the picture it carries.
 struct PathId {
     pixel: u32, // padded pixel index, Morton order inside blocks of 8x8
-    sample: u32,
+    number: u32, // of the sample
+    sample: u32, // its place in the sequence of random numbers
     key: u32, // of the pixel's random numbers under this seed
 }
 
 fn path_id(slot: u32) -> PathId {
     let linear = frame.first_pixel + slot;
-    let pixel = linear % frame.padded_pixels;
+    var pixel = linear % frame.padded_pixels;
+    var number = frame.first_sample + linear / frame.padded_pixels;
+    if (frame.has_lot != 0u) {
+        let place = pixel >> 6u;
+        let two = frame.lot[place >> 1u];
+        let block = select(two.xy, two.zw, (place & 1u) != 0u);
+        pixel = (block.x << 6u) | (pixel & 63u);
+        number += block.y;
+    }
     // Both are hashed: a plain `pixel ^ seed` would give another seed the same picture with its pixels swapped.
-    return PathId(pixel, frame.first_sample + linear / frame.padded_pixels, hash2(hash(pixel), frame.seed));
+    let key = hash2(hash(pixel), frame.seed);
+    if (frame.has_halves == 0u) {
+        return PathId(pixel, number, number, key);
+    }
+    let run = number >> HALF_RUN_BITS;
+    let inside = number & ((1u << HALF_RUN_BITS) - 1u);
+    return PathId(pixel, number, ((run >> 1u) << HALF_RUN_BITS) | inside, hash2(key, 1u + (run & 1u)));
+}
+
+// Whether a sample is of the first half.
+fn is_first_half(number: u32) -> bool {
+    return ((number >> HALF_RUN_BITS) & 1u) == 0u;
 }
 
 // Every other bit of x, packed.

@@ -1,0 +1,392 @@
+//! Adaptive sampling: which parts of a picture get how many further samples, so that its error falls fastest.
+//!
+//! The picture is divided into blocks of 8 x 8 pixels. All get [`FIRST`] samples; then, round by round, the film tells how much the
+//! samples of each block differ, and the blocks where more samples help most get them. Of N samples per pixel in a block whose
+//! samples have the variance s², the error squared is s²/N, and for a given number of samples in all the sum over the blocks is
+//! least where N is proportional to s (Neyman, "On the Two Different Aspects of the Representative Method", 1934). Blocks that
+//! are done cost nothing any more, and those that are left keep the device busy with many samples of each: the distribution of work
+//! over blocks of Frolov's thesis ("Methods for solving the global illumination problem on GPUs", 2014), with another rule.
+//!
+//! What is decided depends on the film alone, whose sums are exact, and is decided only between rounds. So the picture
+//! depends neither on the device's speed nor on how work was cut, and a film that was kept between two rounds can be gone on with.
+//!
+//! Where the samples decide how many there are, the mean of what they give may be off: light that no sample has met yet looks as if
+//! there were none (Kirk and Arvo, "Unbiased Sampling Techniques for Image Synthesis", 1991). Three things keep that
+//! below what can be measured: a block's spread is averaged with its neighbours', the first samples are many, and a share of all
+//! further ones goes everywhere.
+
+use crate::film::{Film, HALF_RUN, MAX_SAMPLES};
+use crate::frame::BLOCK;
+use crate::renderer::Lot;
+
+/// Samples of each pixel before anything is decided, where the picture may have four times as many.
+pub const FIRST: u32 = 64;
+/// Blocks get samples in multiples of this: a run of each half.
+pub const GRAIN: u32 = 2 * HALF_RUN;
+/// A round has so many of the samples that there are before it, at most: what it decides is as rough as what they tell.
+const GROWTH: f64 = 0.5;
+/// Share of what an even block would get that each block gets, whatever it looks like.
+const EVEN: f64 = 0.1;
+
+/// How far a picture is to be taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Goal {
+    /// [`Film::relative_error`] that is small enough; `None` if only the samples end it.
+    pub error: Option<f64>,
+    /// Samples per pixel at most, on average over the picture.
+    pub spp: u32,
+}
+
+impl Goal {
+    /// Samples that all pixels begin with.
+    fn first(&self) -> u32 {
+        (self.spp / 4 / GRAIN * GRAIN).clamp(GRAIN, FIRST)
+    }
+}
+
+/// What comes next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Round {
+    /// Work to be done, in any order; none where the goal is reached.
+    pub lots: Vec<Lot>,
+    /// Samples per pixel so far, on average.
+    pub spp: f64,
+    /// [`Film::relative_error`] so far.
+    pub error: f64,
+    /// Whether it is the error that ends the picture, where nothing comes any more.
+    pub is_clean: bool,
+}
+
+/// A block of the picture as its film shows it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Block {
+    /// Pixels inside the picture.
+    pixels: f64,
+    /// Samples of each of them.
+    samples: u32,
+    /// Of a pixel's samples, on average over pixels and channels.
+    variance: f64,
+}
+
+/// What comes next for a picture whose samples come in halves and whose blocks have multiples of [`GRAIN`].
+///
+/// # Panics
+/// Never; a film whose pixels have other numbers of samples gives rounds that make little sense.
+pub fn next_round(film: &Film, goal: &Goal) -> Round {
+    let columns = film.width.div_ceil(BLOCK);
+    let blocks = blocks(film);
+    let samples = |block: &Block| block.pixels * f64::from(block.samples);
+    let pixels = film.pixels() as f64;
+    let total: f64 = blocks.iter().map(samples).sum();
+    let mut round = Round {
+        lots: Vec::new(),
+        spp: total / pixels,
+        error: film.relative_error(),
+        is_clean: false,
+    };
+    let first = goal.first();
+    if blocks.iter().any(|block| block.samples < first) {
+        let wanted: Vec<u32> = blocks
+            .iter()
+            .map(|block| first.saturating_sub(block.samples) / GRAIN)
+            .collect();
+        round.lots = lots(&blocks, &wanted);
+        return round;
+    }
+    round.is_clean = goal.error.is_some_and(|limit| round.error <= limit);
+    let budget = (pixels * f64::from(goal.spp) - total).min(GROWTH * total);
+    if round.is_clean || budget < pixels.min(f64::from(GRAIN * BLOCK * BLOCK)) {
+        return round;
+    }
+    let shares = shares(&blocks, columns as usize);
+    // How much of the error squared has to go.
+    let keep = goal
+        .error
+        .map_or(0.0, |limit| 0.97 * (limit / round.error).powi(2));
+    let wanted = distribute(&blocks, &shares, budget, keep);
+    round.lots = lots(&blocks, &wanted);
+    round
+}
+
+/// The blocks of a film, row by row.
+fn blocks(film: &Film) -> Vec<Block> {
+    let (columns, rows) = (film.width.div_ceil(BLOCK), film.height.div_ceil(BLOCK));
+    let block = |at: u32| {
+        let (left, top) = (at % columns * BLOCK, at / columns * BLOCK);
+        let (right, bottom) = (film.width.min(left + BLOCK), film.height.min(top + BLOCK));
+        let places = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
+        let mut block = Block {
+            samples: u32::MAX,
+            ..Block::default()
+        };
+        for (x, y) in places {
+            let pixel = y as usize * film.width as usize + x as usize;
+            block.pixels += 1.0;
+            block.samples = block.samples.min(film.samples(pixel));
+            if let Some(of_mean) = film.variance_by_halves(pixel) {
+                let n = f64::from(film.samples(pixel));
+                block.variance += n * of_mean.iter().sum::<f64>() / 3.0;
+            }
+        }
+        block.variance /= block.pixels;
+        block
+    };
+    (0..columns * rows).map(block).collect()
+}
+
+/// What number of samples each block should have, but for a factor: the spread of its samples, in which its neighbours' are seen,
+/// too, and some of everybody's.
+fn shares(blocks: &[Block], columns: usize) -> Vec<f64> {
+    let rows = blocks.len() / columns.max(1);
+    let spread = |at: usize| {
+        let (x, y) = (at % columns, at / columns);
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for v in y.saturating_sub(1)..(y + 2).min(rows) {
+            for u in x.saturating_sub(1)..(x + 2).min(columns) {
+                // Binomial: a quarter of the sum is the block's own.
+                let weight = [2.0, 1.0][x.abs_diff(u)] * [2.0, 1.0][y.abs_diff(v)];
+                sum += weight * blocks[v * columns + u].variance;
+                weights += weight;
+            }
+        }
+        (sum / weights).max(blocks[at].variance * 0.5).sqrt()
+    };
+    let spreads: Vec<f64> = (0..blocks.len()).map(spread).collect();
+    let mean = spreads.iter().sum::<f64>() / spreads.len().max(1) as f64;
+    let least = EVEN * mean;
+    spreads.into_iter().map(|spread| spread + least).collect()
+}
+
+/// How many grains each block gets: as many samples of pixels in all as the budget has, or as are needed for so much of the error
+/// squared to be left.
+fn distribute(blocks: &[Block], shares: &[f64], budget: f64, keep: f64) -> Vec<u32> {
+    let grain = f64::from(GRAIN);
+    let target = |block: &Block, share: f64, scale: f64| {
+        (scale * share).clamp(f64::from(block.samples), f64::from(MAX_SAMPLES - GRAIN))
+    };
+    let with = |of: &dyn Fn(&Block, f64) -> f64, scale: f64| -> f64 {
+        let each = blocks.iter().zip(shares);
+        each.map(|(block, &share)| of(block, target(block, share, scale)))
+            .sum()
+    };
+    let cost = |block: &Block, n: f64| block.pixels * (n - f64::from(block.samples));
+    let error = |block: &Block, n: f64| block.pixels * block.variance / n.max(1.0);
+    let now = with(&error, 0.0);
+    // The largest scale that the budget allows, unless a smaller one does. Both sums are monotonic in it.
+    let (mut low, mut high) = (0.0, 1.0);
+    let is_too_much = |scale: f64| with(&cost, scale) > budget || with(&error, scale) < keep * now;
+    while high < 1e30 && !is_too_much(high) {
+        high *= 2.0;
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        match is_too_much(middle) {
+            true => high = middle,
+            false => low = middle,
+        }
+    }
+    let missing = |(block, &share): (&Block, &f64)| {
+        (target(block, share, high) - f64::from(block.samples)) / grain
+    };
+    let round_up = |least: f64| -> Vec<u32> {
+        let each = blocks.iter().zip(shares).map(missing);
+        each.map(|grains| (grains + 1.0 - least).floor().max(0.0) as u32)
+            .collect()
+    };
+    // Grains are rounded to the nearest; where all would get none, those get one that want most.
+    for least in [0.5, 0.25, 0.1, 0.01] {
+        let grains = round_up(least);
+        if grains.iter().any(|&grains| grains > 0) {
+            return grains;
+        }
+    }
+    let wishes: Vec<f64> = (blocks.iter().zip(shares))
+        .map(|(block, share)| share / f64::from(block.samples))
+        .collect();
+    let most = wishes.iter().copied().fold(0.0, f64::max);
+    wishes
+        .iter()
+        .map(|&wish| u32::from(wish >= 0.9 * most))
+        .collect()
+}
+
+/// Work by which each block gets so many grains: by the binary digits of their number, so that a wave has as many samples of each
+/// of its blocks.
+fn lots(blocks: &[Block], grains: &[u32]) -> Vec<Lot> {
+    let digits = grains
+        .iter()
+        .map(|grains| grains.checked_ilog2().map_or(0, |log| log + 1));
+    let lot = |digit: u32| {
+        let mut lot = Lot {
+            blocks: Vec::new(),
+            samples: GRAIN << digit,
+        };
+        for (at, (block, &grains)) in blocks.iter().zip(grains).enumerate() {
+            if grains >> digit & 1 != 0 {
+                let before = grains & ((1 << digit) - 1);
+                lot.blocks.push([at as u32, block.samples + GRAIN * before]);
+            }
+        }
+        lot
+    };
+    let lots = (0..digits.max().unwrap_or(0)).map(lot);
+    lots.filter(|lot| !lot.blocks.is_empty()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A film of blocks in a row, each with samples of a spread: those of the halves lie this far from 1 on both sides.
+    fn film(spreads: &[f32], samples: u32) -> Film {
+        let mut film = Film::new(8 * spreads.len() as u32, 8);
+        for (block, &spread) in spreads.iter().enumerate() {
+            // As far apart as the means of halves of so many samples are.
+            let apart = spread / (samples as f32).sqrt();
+            for pixel in 0..64 {
+                let at = pixel / 8 * film.width as usize + 8 * block + pixel % 8;
+                for number in 0..samples {
+                    let is_first = number / HALF_RUN % 2 == 0;
+                    let value = if is_first { 1.0 + apart } else { 1.0 - apart };
+                    film.add_sample_of_half(at, number, [value; 3]);
+                }
+            }
+        }
+        film
+    }
+
+    fn spp(film: &Film, lots: &[Lot]) -> Vec<u32> {
+        let columns = film.width / BLOCK;
+        let mut samples: Vec<u32> = (0..columns)
+            .map(|at| film.samples(8 * at as usize))
+            .collect();
+        // Lots may come in any order, but each says where it goes on.
+        let mut pieces: Vec<_> = lots
+            .iter()
+            .flat_map(|lot| lot.blocks.iter().map(move |block| (block, lot.samples)))
+            .collect();
+        pieces.sort();
+        for (&[at, first], count) in pieces {
+            assert_eq!(samples[at as usize], first);
+            samples[at as usize] += count;
+        }
+        samples
+    }
+
+    #[test]
+    fn all_begin_with_the_same_samples() {
+        let empty = Film::new(20, 9);
+        let goal = Goal {
+            error: None,
+            spp: 1024,
+        };
+        let round = next_round(&empty, &goal);
+        let blocks = (0..6).map(|at| [at, 0]).collect();
+        assert_eq!(
+            round.lots,
+            [Lot {
+                blocks,
+                samples: FIRST
+            }]
+        );
+        let few = next_round(&empty, &Goal { spp: 40, ..goal });
+        assert_eq!(few.lots[0].samples, GRAIN);
+    }
+
+    #[test]
+    fn samples_go_where_they_differ() {
+        let mut spreads = [0.05_f32; 12];
+        spreads[5] = 4.0;
+        let film = film(&spreads, FIRST);
+        let goal = Goal {
+            error: None,
+            spp: 1024,
+        };
+        let round = next_round(&film, &goal);
+        assert!((round.spp - 64.0).abs() < 1e-9 && !round.is_clean);
+        let samples = spp(&film, &round.lots);
+        assert!(
+            samples[5] > samples[4] && samples[4] > samples[1],
+            "{samples:?}"
+        );
+        assert_eq!(samples[0], 64);
+        let added: u32 = samples.iter().map(|n| n - 64).sum();
+        assert!(
+            (250..=450).contains(&added),
+            "{samples:?}: a half of 768, in grains"
+        );
+    }
+
+    #[test]
+    fn the_error_ends_it() {
+        let film = film(&[1.0; 4], 64);
+        let error = film.relative_error();
+        assert!((error - 1.0 / 8.0).abs() < 1e-3, "{error}");
+        let goal = Goal {
+            error: Some(0.13),
+            spp: 4096,
+        };
+        let round = next_round(&film, &goal);
+        assert!(round.is_clean && round.lots.is_empty());
+        // What is just missing is added, not half of all.
+        let goal = Goal {
+            error: Some(0.11),
+            ..goal
+        };
+        let samples = spp(&film, &next_round(&film, &goal).lots);
+        assert_eq!(samples, [96; 4]);
+        // And the samples end it, too.
+        let goal = Goal {
+            error: None,
+            spp: 64,
+        };
+        assert!(next_round(&film, &goal).lots.is_empty());
+    }
+
+    #[test]
+    fn neyman_is_reached_in_the_end() {
+        // Blocks far apart, so that neighbours say nothing: 4 times the spread is 4 times the samples.
+        let spreads = [1.0, 1.0, 1.0, 1.0, 4.0, 4.0, 4.0, 4.0];
+        let mut samples = [64_u32; 8];
+        for _ in 0..20 {
+            let mut blocks: Vec<Block> = Vec::new();
+            for (&spread, &n) in spreads.iter().zip(&samples) {
+                blocks.push(Block {
+                    pixels: 64.0,
+                    samples: n,
+                    variance: spread * spread,
+                });
+            }
+            let total: u32 = samples.iter().sum();
+            let total = f64::from(total);
+            let budget = 64.0 * (8.0 * 1024.0 - total).clamp(0.0, GROWTH * total);
+            let grains = distribute(&blocks, &shares(&blocks, 8), budget, 0.0);
+            for (n, grains) in samples.iter_mut().zip(grains) {
+                *n += GRAIN * grains;
+            }
+        }
+        let ratio = f64::from(samples[7]) / f64::from(samples[0]);
+        // With a tenth of the mean for all: (4 + 0.25) / (1 + 0.25).
+        assert!((3.0..3.8).contains(&ratio), "{samples:?}");
+    }
+
+    #[test]
+    fn what_is_black_ends() {
+        let film = film(&[0.0; 4], 64);
+        let goal = Goal {
+            error: Some(0.01),
+            spp: 4096,
+        };
+        let round = next_round(&film, &goal);
+        assert!(round.is_clean, "{round:?}");
+        let mut black = Film::new(8, 8);
+        for pixel in 0..64 {
+            for number in 0..64 {
+                black.add_sample_of_half(pixel, number, [0.0; 3]);
+            }
+        }
+        // Nothing is known of what nothing was seen of: the samples end it.
+        let round = next_round(&black, &goal);
+        assert!(!round.is_clean && !round.lots.is_empty());
+    }
+}

@@ -1,0 +1,67 @@
+//! A picture whose samples go where they help most: see [`engine::adaptive`].
+
+use engine::adaptive::{Goal, next_round};
+use engine::film::Film;
+use engine::renderer::Progress;
+use engine::session::Session;
+
+use crate::failure::Failure;
+use crate::interrupt;
+
+use super::alone::Exposure;
+use super::limits::Limit;
+use super::{Ended, failure};
+
+/// What the film of such a picture says of how far it is: as many paths as if all pixels had the samples of that with the most.
+pub(super) fn paths(film: &Film, session: &Session) -> u64 {
+    let (_, most) = film.sample_bounds();
+    u64::from(most) * session.paths_per_sample()
+}
+
+impl<F: FnOnce()> Exposure<'_, '_, F> {
+    /// Renders round by round until the picture is good enough, its samples are taken, or something ends it before. What is kept
+    /// of it meanwhile is as it is between two rounds, so that it is gone on with as if nothing had come between.
+    pub(super) fn distribute(&mut self, session: &mut Session) -> Result<Option<Ended>, Failure> {
+        let job = self.job;
+        let goal = Goal {
+            error: job.limits.noise,
+            spp: job.spp.get(),
+        };
+        let pixels = f64::from(job.width) * f64::from(job.height);
+        loop {
+            let film = session.snapshot().map_err(failure)?.film;
+            let round = next_round(&film, &goal);
+            self.watch.has_error(round.spp, round.error);
+            if round.lots.is_empty() {
+                let limit = goal.error.filter(|_| round.is_clean);
+                return Ok(limit.map(|limit| Ended::Enough(Limit::Noise(limit))));
+            }
+            if let Some(writer) = self.writer.as_mut().filter(|writer| writer.is_due()) {
+                let paths = paths(&film, session);
+                writer.write(film, paths);
+            }
+            let mut done = round.spp * pixels;
+            for lot in &round.lots {
+                let mut from = 0;
+                while from < lot.blocks.len() {
+                    let blocks = session.render_lot(lot, from).map_err(failure)?;
+                    from += blocks;
+                    self.first_is_done();
+                    if interrupt::requested() {
+                        return Ok(Some(Ended::Interrupted));
+                    }
+                    if let Some(limit) = self.watch.time_is_over() {
+                        return Ok(Some(Ended::Enough(limit)));
+                    }
+                    done += lot.paths() as f64 * blocks as f64 / lot.blocks.len() as f64;
+                    let progress = Progress {
+                        samples_done: done as u64,
+                        samples_total: (pixels * f64::from(goal.spp)) as u64,
+                    };
+                    let progress = self.watch.progress(&progress, done / pixels);
+                    self.bar.update(&progress, goal.spp);
+                }
+            }
+        }
+    }
+}
