@@ -83,7 +83,6 @@ const X86_64: &str = r#"#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")
 
 fn main() -> Result<()> {
     println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rerun-if-changed={PASSES}");
     let architecture = env::var("CARGO_CFG_TARGET_ARCH").unwrap_or_default();
     let attributes = match architecture.as_str() {
         "x86_64" => X86_64,
@@ -171,6 +170,8 @@ fn include(file: &str, seen: &mut HashSet<String>, text: &mut String) -> Result<
         return Ok(());
     }
     let path = Path::new(PASSES).join(file);
+    // What no kernel includes is none of its business.
+    println!("cargo::rerun-if-changed={}", path.display());
     let own =
         fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
     for line in own.lines() {

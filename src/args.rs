@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Parser, Subcommand};
 use engine::filter::PixelFilter;
-use engine::settings::{Estimator, Sampler};
+use engine::settings::{Estimator, Method, Sampler};
 
 use crate::bench::args::BenchCommand;
 use crate::compare::args::CompareArgs;
@@ -275,6 +275,12 @@ pub(crate) struct RenderArgs {
     #[arg(long, visible_alias = "clamp-indirect", value_name = "X")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) clamp: Option<String>,
+
+    /// How light that is scattered more than once is found: path, which is right on average, or draft, by a cache of what surfaces scatter:
+    /// faster, with less noise, but biased.
+    #[arg(long, value_name = "NAME", default_value = "path")]
+    #[arg(value_parser = words(Method::ALL.map(Method::name)))]
+    pub(crate) method: String,
 
     /// How direct light is sampled: mis (multiple importance sampling of lights and BSDFs), bsdf or lights (one of both alone).
     /// The picture is the same but for its noise.

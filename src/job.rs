@@ -17,7 +17,7 @@ use engine::filter::PixelFilter;
 use engine::scene::Scene;
 use engine::scene::view::ViewChoice;
 use engine::session::Edit;
-use engine::settings::{Estimator, Sampler};
+use engine::settings::{Estimator, Method, Sampler};
 
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
 use crate::bench::job::BenchJob;
@@ -117,6 +117,8 @@ pub(crate) struct RenderJob {
     pub(crate) clamp: Option<f32>,
     /// How light is found.
     pub(crate) estimator: Estimator,
+    /// How light that is scattered more than once is found.
+    pub(crate) method: Method,
     /// Russian roulette: dark paths may end early.
     pub(crate) roulette: bool,
     /// Where random numbers come from.
@@ -268,6 +270,7 @@ impl RenderJob {
             args.look_at.as_deref(),
         )?;
         let shown_layers = parse_layers(&args.layers, &outputs)?;
+        let method = method(&args)?;
         let filter = parse_word(
             "--filter",
             &args.filter,
@@ -324,6 +327,7 @@ impl RenderJob {
                 Estimator::ALL,
                 Estimator::name,
             )?,
+            method,
             roulette: !args.no_roulette,
             sampler: parse_word("--sampler", &args.sampler, Sampler::ALL, Sampler::name)?,
             energy_compensation: !args.no_energy_compensation,
@@ -431,6 +435,29 @@ fn motion(args: &RenderArgs, limits: &Limits, spp: u32) -> Result<MotionJob, Usa
 }
 
 /// How a render is to be kept while it is under way.
+fn method(args: &RenderArgs) -> Result<Method, UsageError> {
+    let method = parse_word("--method", &args.method, Method::ALL, Method::name)?;
+    let is_asked_for = [
+        ("--part", args.part.is_some()),
+        ("--sample-range", args.sample_range.is_some()),
+        ("--adaptive", args.adaptive),
+        ("--checkpoint", args.checkpoint.is_some()),
+        ("--resume", args.resume),
+        ("--shutter", args.motion.shutter.is_some()),
+    ];
+    match is_asked_for.iter().find(|(_, is_asked_for)| *is_asked_for) {
+        Some(&(flag, _)) if method != Method::Path => {
+            let because = "what the first samples of a picture have taught the cache isn't kept with its film";
+            Err(UsageError::Apart {
+                flag: "--method draft",
+                other: flag,
+                because,
+            })
+        }
+        _ => Ok(method),
+    }
+}
+
 fn checkpoints(args: &RenderArgs, outputs: &Outputs) -> Result<Option<Checkpoints>, UsageError> {
     let every = match &args.checkpoint {
         Some(time) => parse_duration("--checkpoint", time)?,

@@ -23,6 +23,7 @@ use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::view::{View, ViewChoice};
 use engine::scene::{Camera, Scene};
 use engine::session::{Inputs, Session, SessionError};
+use engine::settings::Method;
 use engine::stats::{DeviceFacts, Stats};
 
 use crate::failure::Failure;
@@ -110,10 +111,11 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
             };
             alone::render(job, take, &device, &view, &bar, watch)?
         }
-        Err(_) if job.checkpoints.is_some() || job.adaptive => {
-            let flag = match job.adaptive {
-                true => "--adaptive",
-                false => "--checkpoint",
+        Err(_) if job.checkpoints.is_some() || job.adaptive || job.method != Method::Path => {
+            let flag = match (job.adaptive, job.method) {
+                (true, _) => "--adaptive",
+                (false, Method::Draft) => "--method draft",
+                (false, Method::Path) => "--checkpoint",
             };
             return Err(UsageError::OneDevice { flag }.into());
         }
@@ -352,6 +354,7 @@ fn settings(job: &RenderJob, camera: &Camera, sight: &Sight) -> RenderSettings {
         roulette: job.roulette,
         sampler: job.sampler,
         halves: job.adaptive,
+        method: job.method,
         layers: job.layers.clone(),
         filter_width: job.filter_width,
         time: sight.moment.seconds as f32,

@@ -8,7 +8,7 @@ use device::Device;
 use crate::film::{Hash, Origin};
 use crate::procedural::Procedural;
 use crate::scene::{Camera, Environment, Scene};
-use crate::settings::RenderSettings;
+use crate::settings::{Method, RenderSettings};
 
 /// Everything that the samples of a picture depend on, but for the device and which samples they are: each setting by
 /// name, and hashes of the scene and of its textures.
@@ -62,6 +62,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         roulette,
         sampler,
         halves,
+        method,
         layers: _,
         time,
         frame_index,
@@ -102,6 +103,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         ("time", time.to_string(), *time != 0.0),
         ("frame", frame_index.to_string(), *frame_index != 0),
         ("halves", halves.to_string(), *halves),
+        ("method", method.name().to_owned(), *method != Method::Path),
     ] {
         if is_said {
             list.push((name.to_owned(), value));

@@ -165,6 +165,11 @@ impl Frame {
         self.pixel_spread = of.pixel_spread;
     }
 
+    /// Side of a pixel over its distance to the camera; 0 for parallel rays.
+    pub(crate) fn pixel_side(&self) -> f32 {
+        self.pixel_spread
+    }
+
     /// Columns times rows.
     pub(crate) fn pixels(&self) -> u32 {
         self.width * self.height

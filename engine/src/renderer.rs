@@ -4,6 +4,7 @@ mod costs;
 pub(crate) mod culprit;
 mod edits;
 mod lanes;
+mod light_cache;
 mod lots;
 mod paths;
 mod pipeline;
@@ -24,6 +25,7 @@ use crate::{
     procedural::{CompileError, Procedural},
     scene::Scene,
     schedule::{self, Schedule, ScheduleError, Upload, Wavefront},
+    settings::Method,
     stats::{NodeName, PassStats, Stats},
     system::System,
     wave::{self, PathBytes, Totals},
@@ -280,6 +282,19 @@ impl Renderer {
         }
         gpu_scene.features.film_layers = record_words > 0;
         gpu_scene.features.splits_light = layers.split_light();
+        gpu_scene.features.light_cache = settings.method != Method::Path;
+        if gpu_scene.features.light_cache {
+            if !schedule::has_light_cache(&*schedule) {
+                let reason = "this schedule has no cache of light";
+                return Err(ScheduleError::Unsupported(reason).into());
+            }
+            if layers.split_light() {
+                let reason =
+                    "where paths end in a cache, the film can't tell parts of the light apart";
+                return Err(ScheduleError::Unsupported(reason).into());
+            }
+        }
+        light_cache::allocate(device, settings.method, &mut resources)?;
         let upload = Upload {
             device,
             scene,
@@ -360,6 +375,7 @@ impl Renderer {
         let total = padded * u64::from(target_spp);
         if self.position < total {
             let wave = u64::from(self.next_wave_size()).min(total - self.position);
+            let wave = self.until_learned(wave, target_spp);
             self.wave_at(self.position, wave as u32, target_spp)?;
             self.position += wave;
         }
@@ -385,6 +401,7 @@ impl Renderer {
     /// Renders a wave from a path on, of a picture of so many samples per pixel.
     fn wave_at(&mut self, position: u64, paths: u32, spp: u32) -> Result<(), RenderError> {
         let first_sample = self.settings.first_sample;
+        let learns = position < self.learned_paths(spp);
         self.frame.set_wave(position, paths, first_sample, spp);
         let frame = self.frame;
         let work = Work::Range {
@@ -392,15 +409,21 @@ impl Renderer {
             first_sample,
             spp,
         };
-        self.play_wave(&frame, work)
+        self.play_wave(&frame, work, learns)
     }
 
     /// Renders the wave of a frame.
-    fn play_wave(&mut self, frame: &Frame, work: Work<'_>) -> Result<(), RenderError> {
+    fn play_wave(
+        &mut self,
+        frame: &Frame,
+        work: Work<'_>,
+        learns: bool,
+    ) -> Result<(), RenderError> {
         // A window that shares the device may have a frame under way: that is no time of the wave's.
         self.device.wait()?;
         let start = self.system.clock.now();
         self.clear_stale_film()?;
+        self.set_light_cache(learns);
         let paths = frame.wave_size;
         match self.lanes.is_empty() {
             true => self.render_wave(frame)?,
@@ -489,6 +512,7 @@ impl Renderer {
     fn clear_stale_film(&mut self) -> Result<(), DeviceError> {
         if std::mem::take(&mut self.is_stale) {
             clear_picture(&self.device, &self.settings, &self.resources)?;
+            light_cache::clear(&self.device, self.settings.method, &self.resources)?;
             wave::clear_faults(&self.device, &self.resources);
             self.lanes.clear_faults(&self.device);
         }

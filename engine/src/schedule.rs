@@ -12,7 +12,8 @@ use device::{Device, DeviceError, KernelText, Resources};
 
 use crate::gpu_scene::{GpuScene, SceneFeatures};
 use crate::passes::{
-    accumulate, advance, ao, brdf, classify, film_layers, pass::Pass, proctex, raygen, traverse,
+    accumulate, advance, ao, brdf, classify, film_layers, light_cache, pass::Pass, proctex, raygen,
+    traverse,
 };
 use crate::procedural::{CompileError, Procedural};
 use crate::scene::Scene;
@@ -20,10 +21,11 @@ use crate::wave;
 
 /// The passes of a wave, in the order in which they first run. Those of textures exist only where a
 /// material has a program, those of layers where the film has more than the picture.
-pub static WAVE: [&Pass; 18] = [
+pub static WAVE: [&Pass; 21] = [
     &raygen::PASS,
     &advance::AFTER_RAYGEN,
     &traverse::CLOSEST,
+    &light_cache::LOOK_UP,
     &classify::PASS,
     &advance::AFTER_CLASSIFY,
     &ao::PASS,
@@ -31,8 +33,10 @@ pub static WAVE: [&Pass; 18] = [
     &film_layers::RECORD,
     &film_layers::LIGHT,
     &brdf::PASS,
+    &light_cache::NOTE,
     &advance::AFTER_BRDF,
     &traverse::OCCLUSION,
+    &light_cache::LEARN,
     &film_layers::LAST_LIGHT,
     &accumulate::PASS,
     &film_layers::MEAN,
@@ -56,6 +60,7 @@ pub fn start(wave: &mut dyn Run) {
 /// What rays meet, and what the texture programs say about it.
 pub fn find_hits(wave: &mut dyn Run) {
     wave.run(&traverse::CLOSEST);
+    wave.run(&light_cache::LOOK_UP);
     wave.run(&classify::PASS);
     wave.run(&advance::AFTER_CLASSIFY);
     wave.run(&ao::PASS);
@@ -68,12 +73,14 @@ pub fn round(wave: &mut dyn Run) {
     wave.run(&film_layers::RECORD);
     wave.run(&film_layers::LIGHT);
     wave.run(&brdf::PASS);
+    wave.run(&light_cache::NOTE);
     wave.run(&advance::AFTER_BRDF);
     wave.run(&traverse::OCCLUSION);
 }
 
 /// What the paths have gathered goes to the film.
 pub fn end(wave: &mut dyn Run) {
+    wave.run(&light_cache::LEARN);
     wave.run(&film_layers::LAST_LIGHT);
     wave.run(&accumulate::PASS);
     wave.run(&film_layers::MEAN);
@@ -87,6 +94,12 @@ pub fn end(wave: &mut dyn Run) {
 pub(crate) fn records_layers(schedule: &dyn Schedule) -> bool {
     let mut passes = schedule.passes().iter();
     passes.any(|pass| pass.name == film_layers::RECORD.name)
+}
+
+/// Whether paths may end in a cache of light: where [`light_cache::LOOK_UP`] is among the passes.
+pub(crate) fn has_light_cache(schedule: &dyn Schedule) -> bool {
+    let mut passes = schedule.passes().iter();
+    passes.any(|pass| pass.name == light_cache::LOOK_UP.name)
 }
 
 /// Why a schedule can't be played on a device.

@@ -40,6 +40,8 @@ pub struct RenderSettings {
     /// Whether samples come in two halves whose random numbers have nothing in common, so that the film knows its error rightly
     /// instead of rather too large; where no samples are left out between them. A smooth picture has a little more noise for it.
     pub halves: bool,
+    /// How light that is scattered more than once is found.
+    pub method: Method,
     /// What the film gathers; the picture doesn't depend on it.
     pub layers: Layers,
     /// Seconds, which textures read as `Time`.
@@ -67,6 +69,29 @@ impl Sampler {
         match self {
             Self::Sobol => "sobol",
             Self::Independent => "independent",
+        }
+    }
+}
+
+/// How light that is scattered more than once is found.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Method {
+    /// By paths that go on until they end by chance: right on average.
+    #[default]
+    Path,
+    /// By paths that end in a cache of what surfaces scatter, which the first samples have filled: faster, with less noise, and *biased*.
+    Draft,
+}
+
+impl Method {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Path, Self::Draft];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Path => "path",
+            Self::Draft => "draft",
         }
     }
 }
@@ -116,6 +141,7 @@ impl RenderSettings {
             roulette: true,
             sampler: Sampler::Sobol,
             halves: false,
+            method: Method::Path,
             layers: Layers::default(),
             time: 0.0,
             frame_index: 0,

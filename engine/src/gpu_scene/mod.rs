@@ -108,6 +108,8 @@ pub struct SceneFeatures {
     pub film_layers: bool,
     /// Some of them are parts of the light, told apart by how it came.
     pub splits_light: bool,
+    /// Paths end in a cache of light: asked for, too.
+    pub light_cache: bool,
     /// Some material has a texture program.
     pub programs: bool,
     /// A texture program decides about the opacity or the light of some surface, so that shadow rays need it too.
@@ -117,10 +119,12 @@ pub struct SceneFeatures {
 impl SceneFeatures {
     /// Words of a path, besides the results of its texture program, that not every scene needs.
     pub fn path_words(&self) -> u32 {
-        match self.splits_light {
-            true => wave::SPLIT_WORDS,
-            false => 0,
-        }
+        let words = [
+            (self.splits_light, wave::SPLIT_WORDS),
+            (self.light_cache, wave::LIGHT_RECORD_WORDS),
+        ];
+        let needed = words.into_iter().filter(|(is_needed, _)| *is_needed);
+        needed.map(|(_, words)| words).sum()
     }
 
     /// What a scene uses, whose triangles say so of their materials, and whose environment may emit light.
@@ -149,6 +153,7 @@ impl SceneFeatures {
             energy_compensation: false,
             film_layers: false,
             splits_light: false,
+            light_cache: false,
             programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
             program_shadows: shadows.by_program,
             clear: shadows.clear,

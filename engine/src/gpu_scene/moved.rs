@@ -97,6 +97,7 @@ impl GpuScene {
         self.features = SceneFeatures {
             energy_compensation: self.features.energy_compensation,
             film_layers: self.features.film_layers,
+            light_cache: self.features.light_cache,
             splits_light: self.features.splits_light,
             ..SceneFeatures::of(scene, &program, &flags, self.environment.emits)
         };

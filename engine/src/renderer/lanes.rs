@@ -158,6 +158,11 @@ impl Lanes {
         Ok(Self { list })
     }
 
+    /// What the first of them doesn't share.
+    pub(super) fn first_resources(&self) -> Option<&Resources> {
+        self.list.first().map(|lane| &lane.own)
+    }
+
     pub(super) fn is_empty(&self) -> bool {
         self.list.is_empty()
     }

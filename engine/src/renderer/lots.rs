@@ -51,7 +51,7 @@ impl Renderer {
                 blocks: &from_here,
                 samples,
             };
-            self.play_wave(&frame, work)?;
+            self.play_wave(&frame, work, false)?;
             done += samples;
         }
         Ok(blocks.len())

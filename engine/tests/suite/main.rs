@@ -16,6 +16,7 @@ mod image_arguments;
 mod khronos;
 mod layouts;
 mod library;
+mod light_cache;
 mod lights;
 mod looks;
 mod moments;

@@ -1,0 +1,117 @@
+// A cache of the light that surfaces scatter, in cells of a grid over the scene that a hash finds (Binder et al., "Massively Parallel
+// Path Space Filtering", arXiv 1902.05942, 2019). A cell knows the mean of what paths have found that went on
+// from inside it.
+//!include shared/frame.wgsl
+//!include shared/hash.wgsl
+//!include shared/exact_sums.wgsl
+
+// The Rust twin is `renderer::light_cache::Settings`.
+struct LightCacheSettings {
+    learns: u32, // paths go on and are learned from; else they end in the cache
+    mask: u32, // cells less one: a power of two
+    record: u32, // field of a path's state where its record begins
+    least_count: u32, // paths that must have gone on from a cell before it is believed
+    scale: f32, // side of a cell over its distance to the camera
+    least_side: f32, // metres
+    unused_a: u32,
+    unused_b: u32,
+}
+
+@group(0) @binding(47) var<uniform> light_cache_settings: LightCacheSettings;
+
+// Eight words for each cell: a number by which it is known, or 0 where it is free; how many paths have gone on from it; three
+// sums of 64 bits, in units of 2^-24.
+@group(0) @binding(48) var<storage, read_write> light_cache: array<atomic<u32>>;
+
+const CELL_WORDS = 8u;
+const CELL_COUNT = 1u;
+const CELL_SUMS = 2u;
+const CELL_BITS = 24;
+const LARGEST_CELL_SAMPLE = 16777216.0;
+// Places that are looked at for a cell.
+const CELL_PROBES = 32u;
+const NO_CELL = 0xffffffffu;
+
+// The side of the cells at a point: a power of two that grows with the distance to the camera.
+fn cell_side(position: vec3f) -> f32 {
+    let wanted = max(distance(position, frame.camera_position) * light_cache_settings.scale, light_cache_settings.least_side);
+    return exp2(floor(log2(wanted)));
+}
+
+// The first word of the cell of a point of a surface, or NO_CELL where there is none. A cell that isn't there is begun where that
+// is wanted and there is room.
+fn cell_at(position: vec3f, normal: vec3f, side: f32, begins: bool) -> u32 {
+    let place = vec3i(floor(position / side));
+    // Surfaces of other directions have cells of their own, thin walls one on each side.
+    let toward = vec3i(round(normal * 2.0)) + 2;
+    let direction = u32(toward.x + 5 * toward.y + 25 * toward.z);
+    let known_by = hash2(hash2(hash2(bitcast<u32>(place.x), bitcast<u32>(place.y)), bitcast<u32>(place.z)),
+        hash2(direction, bitcast<u32>(side)));
+    let number = max(hash(known_by ^ 0x5bd1e995u), 1u);
+    for (var i = 0u; i < CELL_PROBES; i++) {
+        let cell = ((known_by + i) & light_cache_settings.mask) * CELL_WORDS;
+        var found = atomicLoad(&light_cache[cell]);
+        if (found == 0u && begins) {
+            let former = atomicCompareExchangeWeak(&light_cache[cell], 0u, number);
+            if (former.exchanged) {
+                return cell;
+            }
+            // Another thread was there first, or the exchange failed for no reason: what is there now says which.
+            found = atomicLoad(&light_cache[cell]);
+            if (found == 0u) {
+                i--;
+                continue;
+            }
+        }
+        if (found == number) {
+            return cell;
+        }
+        if (found == 0u) {
+            return NO_CELL;
+        }
+    }
+    return NO_CELL;
+}
+
+// What surfaces scatter from a cell on average, and in w whether enough is known of it.
+fn cell_mean(cell: u32) -> vec4f {
+    if (cell == NO_CELL) {
+        return vec4f(0.0);
+    }
+    let count = atomicLoad(&light_cache[cell + CELL_COUNT]);
+    var sums = vec3f(0.0);
+    for (var i = 0u; i < 3u; i++) {
+        let low = f32(atomicLoad(&light_cache[cell + CELL_SUMS + 2u * i]));
+        let high = f32(atomicLoad(&light_cache[cell + CELL_SUMS + 2u * i + 1u]));
+        sums[i] = fma(high, 4294967296.0, low);
+    }
+    let is_known = count >= light_cache_settings.least_count;
+    return vec4f(sums * (exp2(f32(-CELL_BITS)) / f32(max(count, 1u))), f32(is_known));
+}
+
+fn cell_add(cell: u32, value: vec3f) {
+    if (cell == NO_CELL) {
+        return;
+    }
+    let clamped = clamp(value, vec3f(0.0), vec3f(LARGEST_CELL_SAMPLE));
+    atomicAdd(&light_cache[cell + CELL_COUNT], 1u);
+    for (var i = 0u; i < 3u; i++) {
+        let units = fixed_point(clamped[i], CELL_BITS);
+        let before = atomicAdd(&light_cache[cell + CELL_SUMS + 2u * i], units.x);
+        let high = units.y + u32(before + units.x < before);
+        if (high != 0u) {
+            atomicAdd(&light_cache[cell + CELL_SUMS + 2u * i + 1u], high);
+        }
+    }
+}
+
+// Where a cell isn't known well enough, a wider one stands in for it, with a side so many times as long.
+const WIDER = 4.0;
+
+// Of a path that is learned from: its cell, or NO_CELL, and its throughput there; what it had gathered before, and its wider cell,
+// or NO_WIDER_CELL, plus whether all of this is known yet. Cells begin at multiples of eight words.
+const RECORD_NONE = 0u;
+const RECORD_BEGUN = 1u;
+const RECORD_KNOWN = 2u;
+const RECORD_STATE = 7u;
+const NO_WIDER_CELL = 0xfffffff8u;

@@ -1,0 +1,126 @@
+//! A cache of scattered light: the memory of it, and when it learns.
+//!
+//! The first samples of a picture are paths as ever. From them the cache learns what surfaces scatter: each path tells one cell what
+//! it found after the first place where it could have ended. Then the cache is left as it is, and further paths end in it.
+//! What they find there is a mean over the cell and over the directions from which paths came, so the picture is *biased*: light varies
+//! within a cell, and smooth surfaces scatter differently to different sides. At the first surface that the camera sees nothing of
+//! that shows, for everything there is sampled as ever; paths end one vertex later at the earliest, and only where they have spread
+//! wider than a cell.
+//!
+//! The sums of cells are whole numbers, so that what a cell holds doesn't depend on the order of the paths, and the picture not on
+//! how it was cut. (Where so many cells are needed that the table is full, which ones are there does depend on it.)
+
+use bytemuck::{Pod, Zeroable};
+use device::{Device, DeviceError, Recording, Resources, Usage};
+
+use crate::settings::Method;
+use crate::wave;
+
+use super::Renderer;
+
+/// Cells of the table, 32 bytes each.
+const CELLS: u32 = 1 << 20;
+/// Bytes of a cell.
+const CELL_BYTES: u64 = 32;
+/// Samples of a pixel from which the cache learns: a part of all, but no more and no less than these.
+const LEARNED_SHARE: u32 = 4;
+const LEARNED_MOST: u32 = 16;
+/// Paths that must have gone on from a cell before others end there.
+const LEAST_COUNT: u32 = 8;
+/// Side of a cell over that of a pixel at its distance, before it is rounded down to a power of two: cells are met by some
+/// hundred paths that are learned from, whatever the picture's size.
+const SIDE: f32 = 8.0;
+/// Least and most that it is over the distance.
+const SIDES: std::ops::RangeInclusive<f32> = 0.01..=0.08;
+
+/// `LightCacheSettings` of `cells.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct Settings {
+    learns: u32,
+    mask: u32,
+    record: u32,
+    least_count: u32,
+    scale: f32,
+    least_side: f32,
+    unused: [u32; 2],
+}
+
+/// Makes its buffers, of which [`Method::Path`] needs none.
+pub(super) fn allocate(
+    device: &Device,
+    method: Method,
+    resources: &mut Resources,
+) -> Result<(), DeviceError> {
+    if method == Method::Path {
+        return Ok(());
+    }
+    let cells = u64::from(CELLS) * CELL_BYTES;
+    let cells = device.buffer("light cache", Usage::Storage, cells)?;
+    resources.set_buffer("light_cache", cells);
+    let bytes = size_of::<Settings>() as u64;
+    let settings = device.buffer("light cache settings", Usage::Uniform, bytes)?;
+    resources.set_buffer("light_cache_settings", settings);
+    Ok(())
+}
+
+/// How many samples of each pixel it learns from, of a picture that is to have so many.
+pub(super) fn learned(method: Method, spp: u32) -> u32 {
+    match method {
+        Method::Path => 0,
+        Method::Draft => (spp / LEARNED_SHARE).clamp(1, LEARNED_MOST),
+    }
+}
+
+/// Forgets what it has learned.
+pub(super) fn clear(
+    device: &Device,
+    method: Method,
+    resources: &Resources,
+) -> Result<(), DeviceError> {
+    if method == Method::Path {
+        return Ok(());
+    }
+    let mut recording = Recording::new("forget");
+    recording.clear(resources.buffer("light_cache"));
+    device.start(&recording)
+}
+
+impl Renderer {
+    /// Paths of the picture's beginning from which the cache learns, if it is to have so many samples per pixel.
+    pub(super) fn learned_paths(&self, spp: u32) -> u64 {
+        u64::from(learned(self.settings.method, spp)) * u64::from(self.frame.padded_pixels)
+    }
+
+    /// As many of the next paths as may be taken at once: either all are learned from, or none.
+    pub(super) fn until_learned(&self, paths: u64, spp: u32) -> u64 {
+        match self.learned_paths(spp).checked_sub(self.position) {
+            Some(left) if left > 0 => paths.min(left),
+            _ => paths,
+        }
+    }
+
+    /// Says what the next wave does with the cache.
+    pub(super) fn set_light_cache(&self, learns: bool) {
+        if self.settings.method == Method::Path {
+            return;
+        }
+        // The record of a path lies behind the results of its texture program.
+        let paths = match self.lanes.first_resources() {
+            Some(own) => own.buffer("paths").size(),
+            None => self.resources.buffer("paths").size(),
+        };
+        let fields = paths / 16 / u64::from(self.capacity);
+        let words = Settings {
+            learns: u32::from(learns),
+            mask: CELLS - 1,
+            record: fields as u32 - wave::LIGHT_RECORD_WORDS / 4,
+            least_count: LEAST_COUNT,
+            scale: (SIDE * self.frame.pixel_side()).clamp(*SIDES.start(), *SIDES.end()),
+            least_side: (1e-4 * self.scene.radius).max(1e-6),
+            unused: [0; 2],
+        };
+        let uniform = self.resources.buffer("light_cache_settings");
+        self.device.write(uniform, 0, bytemuck::bytes_of(&words));
+    }
+}

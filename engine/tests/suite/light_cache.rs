@@ -1,0 +1,161 @@
+//! Paths that end in a cache of scattered light: what they find there is what paths find, nearly.
+
+use ::device::Device;
+use engine::film::{Film, Layers};
+use engine::renderer::Renderer;
+use engine::scene::{Material, Projection, Scene};
+use engine::settings::{Method, RenderSettings};
+use glam::Vec3;
+
+use crate::support::device;
+use crate::support::scenes::{
+    Shot, camera, faceted_sphere, floor, lambert, lamp, no_textures, quad, render_with, scene,
+    settings,
+};
+
+/// A room with walls of two colours, a ball of metal and a lamp below the ceiling that shines up: nearly all of its light is
+/// scattered twice or more.
+fn room() -> Scene {
+    let wall = |color| Material {
+        double_sided: true,
+        ..lambert(color)
+    };
+    let (white, red) = (Vec3::splat(0.7), Vec3::new(0.7, 0.2, 0.1));
+    let metal = Material {
+        roughness: 0.1,
+        ..Material::default()
+    };
+    let (x, y, z) = (Vec3::X * 4.0, Vec3::Y * 3.0, Vec3::Z * 4.0);
+    let corner = Vec3::new(-2.0, 0.0, -2.0);
+    scene(
+        [
+            (quad(corner, z, x), wall(white)),
+            (quad(corner + y, x, z), wall(white)),
+            (quad(corner, x, y), wall(white)),
+            (quad(corner + z, y, x), wall(white)),
+            (quad(corner, y, z), wall(red)),
+            (quad(corner + x, z, y), wall(white)),
+            (faceted_sphere(16), metal),
+            (
+                quad(Vec3::new(-0.4, 2.2, -0.4), Vec3::Z * 0.8, Vec3::X * 0.8),
+                lamp(Vec3::splat(12.0)),
+            ),
+        ],
+        Vec3::ZERO,
+    )
+}
+
+fn seen(size: (u32, u32), seed: u32, method: Method) -> RenderSettings {
+    let camera = camera(
+        Vec3::new(1.4, 1.8, 1.8),
+        Vec3::new(0.0, 1.0, 0.0),
+        Vec3::Y,
+        Projection::Perspective { y_fov: 1.3 },
+    );
+    let shot = Shot {
+        size,
+        max_depth: 12,
+        spp: 0,
+    };
+    let mut settings = settings(&camera, shot);
+    (settings.seed, settings.method) = (seed, method);
+    settings
+}
+
+fn film(device: &Device, mut scene: Scene, settings: &RenderSettings, spp: u32) -> Film {
+    let procedural = no_textures(&mut scene);
+    render_with(device, &scene, &procedural, settings, spp)
+}
+
+fn mean(film: &Film) -> Vec3 {
+    let sum: Vec3 = film.mean().into_iter().map(Vec3::from).sum();
+    sum / film.pixels() as f32
+}
+
+#[test]
+fn a_furnace_stays_a_furnace() {
+    let Some(device) = device::open() else { return };
+    // Inside of a ball that emits e and reflects r of what meets it there is e / (1 - r) everywhere.
+    let (emitted, reflected) = (0.4, 0.5);
+    let wall = Material {
+        double_sided: true,
+        emission: Vec3::splat(emitted),
+        ..lambert(Vec3::splat(reflected))
+    };
+    let ball = scene([(faceted_sphere(12), wall)], Vec3::ZERO);
+    let camera = camera(
+        Vec3::new(0.1, 0.2, 0.1),
+        Vec3::Z,
+        Vec3::Y,
+        Projection::Perspective { y_fov: 1.0 },
+    );
+    let shot = Shot {
+        size: (48, 32),
+        max_depth: 24,
+        spp: 0,
+    };
+    let mut settings = settings(&camera, shot);
+    settings.method = Method::Draft;
+    let film = film(&device, ball, &settings, 64);
+    let found = mean(&film).x;
+    let expected = emitted / (1.0 - reflected);
+    println!("{found} where {expected} is right");
+    assert!(
+        (found / expected - 1.0).abs() < 0.01,
+        "{found} is not {expected}"
+    );
+}
+
+#[test]
+fn light_that_is_scattered_often_is_nearly_right_and_less_noisy() {
+    let Some(device) = device::open() else { return };
+    let size = (48, 36);
+    let right = film(&device, room(), &seen(size, 7, Method::Path), 2048);
+    let [path, draft] = [Method::Path, Method::Draft].map(|method| {
+        let film = film(&device, room(), &seen(size, 1, method), 128);
+        let (found, wanted) = (mean(&film), mean(&right));
+        let off = (found / wanted - 1.0).abs().max_element();
+        let right = right.mean();
+        let apart = film.mean().into_iter().zip(right);
+        let squares: f32 = apart
+            .map(|(a, b)| (Vec3::from(a) - Vec3::from(b)).length_squared())
+            .sum();
+        println!(
+            "{}: mean off by {off:.4}, squared error {squares:.4}",
+            method.name()
+        );
+        (off, squares)
+    });
+    assert!(draft.0 < 0.02, "the mean is off by {}", draft.0);
+    assert!(draft.1 < 0.8 * path.1, "{} and {}", draft.1, path.1);
+}
+
+#[test]
+fn the_picture_does_not_depend_on_how_waves_are_cut() {
+    let Some(device) = device::open() else { return };
+    let films = [512, 1 << 13].map(|capacity| {
+        let mut scene = room();
+        let procedural = no_textures(&mut scene);
+        let mut settings = seen((40, 24), 3, Method::Draft);
+        settings.layers = Layers::named(["albedo"]).expect("known");
+        let renderer = Renderer::with_capacity(&device, &scene, &procedural, &settings, capacity);
+        let mut renderer = renderer.expect("the scene renders");
+        renderer.render(8).expect("the device renders");
+        // An edit of the camera forgets what was learned.
+        renderer.set_camera(&settings.camera);
+        renderer.render(24).expect("the device renders");
+        renderer.film().expect("the device reads")
+    });
+    assert!(films[0] == films[1]);
+}
+
+#[test]
+fn where_paths_cannot_end_in_a_cache_nothing_changes() {
+    let Some(device) = device::open() else { return };
+    // A floor under a sky: light is scattered once.
+    let of = |method| {
+        let open = scene([(floor(3.0), lambert(Vec3::splat(0.5)))], Vec3::splat(0.6));
+        film(&device, open, &seen((24, 16), 0, method), 32)
+    };
+    assert!(of(Method::Path) == of(Method::Draft));
+}
