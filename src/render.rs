@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use device::Device;
+use engine::audit::Audit;
 use engine::denoise::Denoiser;
 use engine::film::{Film, Origin, Part};
 use engine::fleet::{DeviceShare, Fleet};
@@ -178,6 +179,8 @@ struct Rendered {
     /// Each one's part, where there are several.
     shares: Vec<DeviceShare>,
     settings: Vec<(String, String)>,
+    /// What paths say of it, where it is biased.
+    audit: Option<Audit>,
     stats: Stats,
     /// Opening the device, acceleration structures and kernels.
     prepare_seconds: f64,
@@ -235,6 +238,9 @@ fn write(
     });
     if let Some(summary) = limits::summary(job, limit, &part.film) {
         console::note(&summary);
+    }
+    if let Some(audit) = &rendered.audit {
+        console::note(&limits::bias(audit));
     }
     let mut results = Results {
         part: &part,
@@ -353,7 +359,9 @@ fn settings(job: &RenderJob, camera: &Camera, sight: &Sight) -> RenderSettings {
         estimator: job.estimator,
         roulette: job.roulette,
         sampler: job.sampler,
-        halves: job.adaptive,
+        // Both are of use where the error has to be known well; the second half begins late.
+        halves: job.adaptive
+            || job.method != Method::Path && job.spp.get() >= engine::adaptive::GRAIN,
         method: job.method,
         layers: job.layers.clone(),
         filter_width: job.filter_width,

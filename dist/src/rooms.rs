@@ -65,6 +65,7 @@ const ENGINE: &[(&str, &[&str])] = &[
         ],
     ),
     ("adaptive", &["film", "frame", "renderer"]),
+    ("audit", &["film", "frame"]),
     ("isolated", &["procedural"]),
     (
         "evaluate",

@@ -246,7 +246,7 @@ mod tests {
             for pixel in 0..64 {
                 let at = pixel / 8 * film.width as usize + 8 * block + pixel % 8;
                 for number in 0..samples {
-                    let is_first = number / HALF_RUN % 2 == 0;
+                    let is_first = (number / HALF_RUN).is_multiple_of(2);
                     let value = if is_first { 1.0 + apart } else { 1.0 - apart };
                     film.add_sample_of_half(at, number, [value; 3]);
                 }

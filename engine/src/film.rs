@@ -157,22 +157,32 @@ impl Film {
         })
     }
 
-    /// The variance of a pixel's mean, by the difference of its halves: one number of it, right on average. `None` where samples
-    /// don't come in halves, or all are of one.
-    pub fn variance_by_halves(&self, pixel: usize) -> Option<[f64; 3]> {
+    /// The means of a pixel's two halves. `None` where samples don't come in halves, or all are of one.
+    pub fn half_means(&self, pixel: usize) -> Option<[[f64; 3]; 2]> {
         let first = self.word(pixel, FIRST_HALF);
         let second = self.samples(pixel).checked_sub(first)?;
         if first == 0 || second == 0 {
             return None;
         }
-        let (first, second) = (f64::from(first), f64::from(second));
-        let n = first + second;
         let sum = self.sum(pixel);
+        let of_first = std::array::from_fn(|c| signed(self.words(pixel, SQUARES + 3 * c)));
+        let of_second: [f64; 3] = std::array::from_fn(|c| sum[c] - of_first[c]);
+        Some([
+            of_first.map(|sum| sum / f64::from(first)),
+            of_second.map(|sum| sum / f64::from(second)),
+        ])
+    }
+
+    /// The variance of a pixel's mean, by the difference of its halves: one number of it, right on average. `None` where samples
+    /// don't come in halves, or all are of one.
+    pub fn variance_by_halves(&self, pixel: usize) -> Option<[f64; 3]> {
+        let means = self.half_means(pixel)?;
+        let n = f64::from(self.samples(pixel));
+        let first = f64::from(self.word(pixel, FIRST_HALF));
         Some(std::array::from_fn(|c| {
-            let of_first = signed(self.words(pixel, SQUARES + 3 * c));
-            let apart = of_first / first - (sum[c] - of_first) / second;
+            let apart = means[0][c] - means[1][c];
             // (1/first + 1/second) σ² on average, and the mean's variance is σ²/n.
-            apart * apart * first * second / (n * n)
+            apart * apart * first * (n - first) / (n * n)
         }))
     }
 
@@ -383,7 +393,7 @@ impl Film {
 
     /// As [`Self::add_sample`], of a pixel whose samples come in halves: the sample of this number.
     pub fn add_sample_of_half(&mut self, pixel: usize, number: u32, radiance: [f32; 3]) {
-        let is_first = number / HALF_RUN % 2 == 0;
+        let is_first = (number / HALF_RUN).is_multiple_of(2);
         for (c, value) in radiance.into_iter().enumerate() {
             let value = words(whole(value.clamp(-LARGEST, LARGEST), SUM_BITS));
             self.add_words(pixel, 3 * c, value);
@@ -632,7 +642,11 @@ mod tests {
         // Halves of 1 and 3: apart by 2, so that the mean's variance is (2/2)² = 1.
         let mut film = Film::new(1, 1);
         for number in 0..64 {
-            let value = if number / HALF_RUN % 2 == 0 { 1.0 } else { 3.0 };
+            let value = if (number / HALF_RUN).is_multiple_of(2) {
+                1.0
+            } else {
+                3.0
+            };
             film.add_sample_of_half(0, number, [value; 3]);
         }
         assert_eq!(film.mean(), vec![[2.0; 3]]);

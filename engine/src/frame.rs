@@ -165,6 +165,16 @@ impl Frame {
         self.pixel_spread = of.pixel_spread;
     }
 
+    /// Of the random numbers.
+    pub(crate) fn seed(&self) -> u32 {
+        self.seed
+    }
+
+    /// Other random numbers.
+    pub(crate) fn set_seed(&mut self, seed: u32) {
+        self.seed = seed;
+    }
+
     /// Side of a pixel over its distance to the camera; 0 for parallel rays.
     pub(crate) fn pixel_side(&self) -> f32 {
         self.pixel_spread

@@ -41,6 +41,7 @@
 
 pub mod adaptive;
 pub mod alias;
+pub mod audit;
 pub mod bvh;
 pub mod denoise;
 pub mod display;

@@ -206,6 +206,8 @@ pub struct Renderer {
     survey: Option<costs::Survey>,
     /// The film is to be cleared before anything is added to it or seen of it.
     is_stale: bool,
+    /// No path ends in a cache.
+    is_apart: bool,
     /// All kernels have run, so that drivers that compile them then have done so.
     is_warm: bool,
 }
@@ -336,6 +338,7 @@ impl Renderer {
             guides: None,
             survey: None,
             is_stale: false,
+            is_apart: false,
             is_warm: false,
         })
     }

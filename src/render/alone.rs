@@ -4,11 +4,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use device::Device;
+use engine::audit::{self, Audit};
 use engine::film::{Film, Origin};
 use engine::fingerprint::fingerprint;
 use engine::renderer::{Progress, RenderSettings};
 use engine::scene::view::View;
 use engine::session::Session;
+use engine::settings::Method;
 use engine::stats::DeviceFacts;
 
 use crate::failure::Failure;
@@ -150,6 +152,11 @@ pub(super) fn render(
         complete_sample(&mut session, most)?;
         film = session.snapshot().map_err(failure)?.film;
     }
+    let stats = session.stats().map_err(failure)?;
+    let audit = match job.method {
+        Method::Draft if ended.is_none() => audit(&mut session, &film)?,
+        _ => None,
+    };
     let render_seconds = clock.elapsed().as_secs_f64();
     let (_, most) = film.sample_bounds();
     let paths = paths_of(job, &film, &session);
@@ -163,11 +170,19 @@ pub(super) fn render(
         facts: DeviceFacts::new(gpu.description()),
         shares: Vec::new(),
         settings: settings_written,
-        stats: session.stats().map_err(failure)?,
+        audit,
+        stats,
         prepare_seconds,
         render_seconds,
         rest: Rest::Alone(session),
     })
+}
+
+/// What a few paths say of a biased picture, which is gone from the device after that.
+fn audit(session: &mut Session, film: &Film) -> Result<Option<Audit>, Failure> {
+    let a = session.trace_apart(1, audit::SAMPLES).map_err(failure)?;
+    let b = session.trace_apart(2, audit::SAMPLES).map_err(failure)?;
+    Ok(Audit::new(film, [&a, &b]))
 }
 
 /// How far a film is that may be gone on with.

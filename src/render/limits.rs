@@ -3,6 +3,7 @@
 use std::fmt;
 use std::time::{Duration, Instant};
 
+use engine::audit::Audit;
 use engine::film::Film;
 use engine::renderer::Progress;
 
@@ -145,6 +146,20 @@ pub(super) fn summary(job: &RenderJob, reached: Option<&Limit>, film: &Film) -> 
         Some(limit) => format!("{samples}, ended by {limit}"),
         None => samples,
     })
+}
+
+/// What is said of a picture that is biased.
+pub(super) fn bias(audit: &Audit) -> String {
+    let percent = |share: f64| format!("{:.1}", 100.0 * share);
+    let (whole, blocks) = (&audit.brightness, &audit.blocks);
+    let middle = 0.5 * (whole.start + whole.end);
+    format!(
+        "biased: brightness off by {:+.1} % (± {}), blocks of 8 x 8 pixels by {} to {} % of the picture's mean, with 95 % certainty",
+        100.0 * middle,
+        percent(whole.end - middle),
+        percent(blocks.start),
+        percent(blocks.end)
+    )
 }
 
 #[cfg(test)]

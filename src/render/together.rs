@@ -119,6 +119,7 @@ pub(super) fn render(
         facts,
         shares: outcome.devices,
         settings: settings_written,
+        audit: None,
         stats: outcome.stats,
         prepare_seconds,
         render_seconds,

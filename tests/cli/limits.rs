@@ -72,6 +72,42 @@ fn an_adaptive_render_says_where_it_ended() {
     );
 }
 
+#[test]
+fn a_draft_says_how_wrong_it_is() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let scene = "render triangle.gltf --look sky.look.toml --size 48x40 --method draft";
+    let ended = bench
+        .run(&format!("{scene} --spp 32 -o a.png"))
+        .expect_code(0);
+    let said = &ended.stdout;
+    assert!(said.contains("biased: brightness off by"), "{said}");
+    bench
+        .run(&format!("{scene} --spp 2 -o b.png"))
+        .expect_code(0);
+    for other in [
+        "--adaptive",
+        "--part 1/2",
+        "--checkpoint",
+        "--shutter 0.5 --spp 32",
+    ] {
+        let refused = bench.run(&format!("{scene} {other}")).expect_code(2);
+        assert!(
+            refused.stderr.contains("--method draft"),
+            "{}",
+            refused.stderr
+        );
+    }
+    let several = format!("{scene} --device native:1,native:1");
+    bench
+        .run(&several)
+        .expect_error(2, "--method draft needs a single device");
+    let light = format!("{scene} --layers diffuse_direct -o c.exr");
+    bench.run(&light).expect_error(1, "parts of the light");
+}
+
 /// The bytes of a film that is rendered at one go.
 fn whole(bench: &Bench, line: &str) -> Vec<u8> {
     bench

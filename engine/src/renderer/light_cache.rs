@@ -16,7 +16,9 @@ use device::{Device, DeviceError, Recording, Resources, Usage};
 use crate::settings::Method;
 use crate::wave;
 
-use super::Renderer;
+use crate::film::Film;
+
+use super::{RenderError, Renderer};
 
 /// Cells of the table, 32 bytes each.
 const CELLS: u32 = 1 << 20;
@@ -89,7 +91,11 @@ pub(super) fn clear(
 impl Renderer {
     /// Paths of the picture's beginning from which the cache learns, if it is to have so many samples per pixel.
     pub(super) fn learned_paths(&self, spp: u32) -> u64 {
-        u64::from(learned(self.settings.method, spp)) * u64::from(self.frame.padded_pixels)
+        let samples = match self.is_apart {
+            true => spp,
+            false => learned(self.settings.method, spp),
+        };
+        u64::from(samples) * u64::from(self.frame.padded_pixels)
     }
 
     /// As many of the next paths as may be taken at once: either all are learned from, or none.
@@ -98,6 +104,23 @@ impl Renderer {
             Some(left) if left > 0 => paths.min(left),
             _ => paths,
         }
+    }
+
+    /// A picture by other random numbers than this one's, so many samples per pixel of paths that end in no cache, to compare with. What
+    /// has been gathered so far is gone after that, and the picture begins anew.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn trace_apart(&mut self, seed: u32, spp: u32) -> Result<Film, RenderError> {
+        self.restart();
+        let own = self.frame;
+        self.frame.set_seed(own.seed().wrapping_add(seed));
+        self.is_apart = true;
+        let film = self.render(spp).and_then(|()| self.film());
+        self.is_apart = false;
+        self.frame = own;
+        self.restart();
+        film
     }
 
     /// Says what the next wave does with the cache.

@@ -72,6 +72,14 @@ impl Session {
         self.renderer.paths_done()
     }
 
+    /// See [`crate::renderer::Renderer::trace_apart`].
+    ///
+    /// # Errors
+    /// The device.
+    pub fn trace_apart(&mut self, seed: u32, spp: u32) -> Result<Film, SessionError> {
+        Ok(self.renderer.trace_apart(seed, spp)?)
+    }
+
     /// See [`crate::renderer::Renderer::render_lot`].
     ///
     /// # Errors

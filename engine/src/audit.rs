@@ -1,0 +1,178 @@
+//! How far a biased picture is from the truth, as a few paths tell that know nothing of it.
+//!
+//! Given are the halves of the picture, C and C', whose noise is independent, and two pictures A and B of few paths each, which are right
+//! on average. Then (C - A)(C' - B) is on average the square of what is wrong with C, however noisy all four are. The means of blocks of
+//! pixels take the place of single ones, for their noise is less, and what is wrong with a picture of cached light is wrong for
+//! many neighbours. How sure that is, the spread over the blocks says: all of them are drawn again many times (Efron, "Bootstrap Methods:
+//! Another Look at the Jackknife", 1979).
+
+use std::ops::Range;
+
+use crate::film::Film;
+use crate::frame::BLOCK;
+
+/// Samples per pixel of each of the two pictures that are compared with.
+pub const SAMPLES: u32 = 2;
+/// Times that blocks are drawn anew.
+const DRAWS: usize = 400;
+/// Of these, so many are left out at each end: 95 % of them lie between.
+const LEFT_OUT: usize = DRAWS / 40;
+
+/// What is wrong with a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Audit {
+    /// How much too bright it is as a whole, relative; with 95 % certainty.
+    pub brightness: Range<f64>,
+    /// How far blocks of 8 x 8 pixels are off: root of the mean square, relative to the mean radiance of the picture; with 95 %
+    /// certainty.
+    pub blocks: Range<f64>,
+}
+
+/// A block, sums over its channels.
+#[derive(Debug, Clone, Copy, Default)]
+struct Block {
+    /// Numbers in it.
+    count: f64,
+    /// Of (C + C')/2 and of (A + B)/2.
+    picture: f64,
+    truth: f64,
+    /// (C - A)(C' - B) of the block's means, times the count.
+    square: f64,
+}
+
+impl Audit {
+    /// Of a picture whose samples come in halves, by two others of the same size. `None` where there is nothing to compare: too few
+    /// samples, or all is black.
+    pub fn new(picture: &Film, truth: [&Film; 2]) -> Option<Self> {
+        let blocks = blocks(picture, truth)?;
+        let brightness = |blocks: &mut dyn Iterator<Item = Block>| {
+            let (picture, truth) = blocks.fold((0.0, 0.0), |(a, b), block| {
+                (a + block.picture, b + block.truth)
+            });
+            picture / truth - 1.0
+        };
+        let off = |blocks: &mut dyn Iterator<Item = Block>| {
+            let sum = |sums: Block, block: Block| Block {
+                count: sums.count + block.count,
+                truth: sums.truth + block.truth,
+                square: sums.square + block.square,
+                ..sums
+            };
+            let sums = blocks.fold(Block::default(), sum);
+            // Of what is nearly right the square may come out below 0.
+            (sums.square / sums.count).max(0.0).sqrt() / (sums.truth / sums.count)
+        };
+        let audit = Self {
+            brightness: certain(&blocks, brightness),
+            blocks: certain(&blocks, off),
+        };
+        let ends = [&audit.brightness, &audit.blocks];
+        let is_known = ends
+            .iter()
+            .all(|range| range.start.is_finite() && range.end.is_finite());
+        is_known.then_some(audit)
+    }
+}
+
+/// The blocks of a picture.
+fn blocks(picture: &Film, [a, b]: [&Film; 2]) -> Option<Vec<Block>> {
+    let (width, height) = (picture.width, picture.height);
+    let (columns, rows) = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
+    let [a, b] = [a, b].map(Film::mean);
+    let block = |at: u32| {
+        let (left, top) = (at % columns * BLOCK, at / columns * BLOCK);
+        let (mut sums, mut count) = ([[0.0; 3]; 4], 0.0);
+        for y in top..height.min(top + BLOCK) {
+            for x in left..width.min(left + BLOCK) {
+                let pixel = y as usize * width as usize + x as usize;
+                let [first, second] = picture.half_means(pixel)?;
+                let all = [
+                    first,
+                    second,
+                    a[pixel].map(f64::from),
+                    b[pixel].map(f64::from),
+                ];
+                for (sum, value) in sums.iter_mut().zip(all) {
+                    for (sum, value) in sum.iter_mut().zip(value) {
+                        *sum += value;
+                    }
+                }
+                count += 1.0;
+            }
+        }
+        let [c, d, a, b] = sums;
+        let sum = |x: [f64; 3]| x.iter().sum::<f64>();
+        Some(Block {
+            count: 3.0 * count,
+            picture: 0.5 * (sum(c) + sum(d)),
+            truth: 0.5 * (sum(a) + sum(b)),
+            square: (0..3).map(|i| (c[i] - a[i]) * (d[i] - b[i])).sum::<f64>() / count,
+        })
+    };
+    (0..columns * rows).map(block).collect()
+}
+
+/// Between what bounds a number lies that depends on all blocks, with 95 % certainty.
+fn certain(blocks: &[Block], of: impl Fn(&mut dyn Iterator<Item = Block>) -> f64) -> Range<f64> {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut draw = || {
+        // A step of Knuth's generator; its upper bits are random enough to pick blocks.
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        blocks[((state >> 33) as usize) % blocks.len()]
+    };
+    let mut draws: Vec<f64> = (0..DRAWS)
+        .map(|_| of(&mut (0..blocks.len()).map(|_| draw())))
+        .collect();
+    draws.sort_by(f64::total_cmp);
+    draws[LEFT_OUT]..draws[DRAWS - 1 - LEFT_OUT]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A film of noise around a brightness, in runs of both halves.
+    fn noise(seed: u64, brightness: f32, spread: f32, samples: u32) -> Film {
+        let mut film = Film::new(64, 64);
+        let mut state = seed << 40;
+        for pixel in 0..film.pixels() {
+            for number in 0..samples {
+                // SplitMix64 (Steele, Lea and Flood 2014).
+                state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+                let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+                let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+                let uniform = (mixed >> 40) as f32 / 16_777_216.0 - 0.5;
+                film.add_sample_of_half(pixel, number, [brightness + spread * uniform; 3]);
+            }
+        }
+        film
+    }
+
+    #[test]
+    fn what_is_wrong_is_found_below_the_noise() {
+        let (a, b) = (noise(1, 1.0, 2.0, 2), noise(2, 1.0, 2.0, 2));
+        let wrong = Audit::new(&noise(3, 1.05, 2.0, 32), [&a, &b]).expect("there is light");
+        assert!(wrong.brightness.contains(&0.05), "{wrong:?}");
+        assert!(wrong.blocks.contains(&0.05), "{wrong:?}");
+        assert!(
+            wrong.brightness.start > 0.02 && wrong.blocks.start > 0.02,
+            "{wrong:?}"
+        );
+        let right = Audit::new(&noise(4, 1.0, 2.0, 32), [&a, &b]).expect("there is light");
+        assert!(right.brightness.contains(&0.0), "{right:?}");
+        assert!(
+            right.blocks.start < 0.01 && right.blocks.end < 0.04,
+            "{right:?}"
+        );
+    }
+
+    #[test]
+    fn nothing_is_known_of_too_little() {
+        let black = noise(1, 0.0, 0.0, 2);
+        assert_eq!(Audit::new(&noise(3, 0.0, 0.0, 32), [&black, &black]), None);
+        let few = noise(3, 1.0, 0.0, 16);
+        assert_eq!(Audit::new(&few, [&few, &few]), None, "one half alone");
+    }
+}
