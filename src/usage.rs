@@ -235,6 +235,32 @@ pub(crate) enum UsageError {
          -o room.exr"
     )]
     NoFileOfLayers,
+    /// What EXR files can't be.
+    #[error("{flag}: {problem}")]
+    Form {
+        /// The flag's name.
+        flag: &'static str,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// Not an amount of memory.
+    #[error("--memory {given}: write a number with its unit, as in --memory 8G or --memory 500M")]
+    Memory {
+        /// As typed.
+        given: String,
+    },
+    /// Not a part of the picture.
+    #[error(
+        "--crop {given}: write the part's first column and row, its width and its height, as in --crop 100,50,640,360; it must lie          in the picture of {width} x {height}"
+    )]
+    Crop {
+        /// As typed.
+        given: String,
+        /// Columns of the picture.
+        width: u32,
+        /// Its rows.
+        height: u32,
+    },
     /// Not `NAME=VALUE`.
     #[error("{flag} {given}: write NAME=VALUE, as in {example}")]
     Pair {

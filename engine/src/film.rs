@@ -15,6 +15,7 @@
 //! are clamped and counted ([`crate::stats::Stats::clamped_samples`]). Larger squares are clamped in silence: the
 //! picture stays as it is, and the error of such a pixel, which is enormous anyway, is underestimated.
 
+mod crop;
 mod hash;
 pub mod ids;
 pub mod layers;
@@ -22,6 +23,7 @@ pub(crate) mod layers_wgsl;
 mod part;
 pub mod write;
 
+pub use crop::Crop;
 pub(crate) use hash::Hash;
 pub use layers::{LAYERS, Layer, Layers};
 pub use part::{MAGIC_BYTES, Origin, Part, PartError, is_film};

@@ -4,6 +4,7 @@ mod costs;
 pub(crate) mod culprit;
 mod edits;
 mod lanes;
+mod memory;
 mod paths;
 mod pipeline;
 mod record;
@@ -40,6 +41,7 @@ pub use self::{
     costs::{TextureCost, TextureCosts},
     culprit::{Culprit, culprits},
     edits::RenderEditError,
+    memory::{DeviceMemory, file_bytes, snapshot_bytes},
     reload::{Reload, ReloadError},
 };
 
@@ -56,6 +58,14 @@ pub enum RenderError {
         width: u32,
         /// Rows.
         height: u32,
+    },
+    /// The part of a picture isn't in it.
+    #[error("the part that is to be rendered reaches beyond the picture of {columns} x {rows}")]
+    Crop {
+        /// Columns of the whole.
+        columns: u32,
+        /// Rows of the whole.
+        rows: u32,
     },
     /// The scene does not fit.
     #[error(transparent)]
@@ -120,8 +130,12 @@ fn allocate_picture(
     resources: &mut Resources,
 ) -> Result<(), RenderError> {
     let (width, height) = (settings.width, settings.height);
-    if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+    let [columns, rows] = settings.whole();
+    if width == 0 || height == 0 || columns > MAX_SIDE || rows > MAX_SIDE {
         return Err(RenderError::Size { width, height });
+    }
+    if settings.crop.is_some_and(|crop| !crop.holds(width, height)) {
+        return Err(RenderError::Crop { columns, rows });
     }
     view::allocate_film(device, width, height, &settings.layers, resources)?;
     let filter = &FilterTable::of(settings.filter).distances;

@@ -369,6 +369,17 @@ impl Layer {
         }
     }
 
+    /// Whether its numbers are ids.
+    pub fn is_of_ids(&self) -> bool {
+        matches!(self.rule, Rule::Ids { .. })
+    }
+
+    /// Whether it is something to look at: colours, or how much of a pixel is covered.
+    pub fn is_color(&self) -> bool {
+        // A variance is the square of a colour.
+        ["RGB", "A"].contains(&self.channels) && self.name != "variance"
+    }
+
     /// Whether it is a part of the picture.
     pub fn is_light(&self) -> bool {
         matches!(self.rule, Rule::Light { .. })
@@ -424,6 +435,21 @@ pub fn known() -> Vec<&'static str> {
         .collect()
 }
 
+/// What is asked for by a name.
+///
+/// # Errors
+/// A name that no layer has.
+pub(super) fn of_name(name: &str) -> Result<Vec<&'static Layer>, UnknownLayer> {
+    let groups = || LAYERS.iter().filter(|layer| layer.light_group().is_some());
+    match (name, Layer::named(name)) {
+        (LIGHT_GROUPS, _) => Ok(groups().collect()),
+        (_, Some(layer)) => Ok(vec![layer]),
+        (_, None) => Err(UnknownLayer {
+            name: name.to_owned(),
+        }),
+    }
+}
+
 /// The layers of a film, each once, in the order of [`LAYERS`]: the picture, and what was asked for beside it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Layers {
@@ -439,16 +465,11 @@ impl Layers {
     pub fn named<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Self, UnknownLayer> {
         let mut wanted = Vec::new();
         for name in names {
-            if name == LIGHT_GROUPS {
-                wanted.extend(LAYERS.iter().filter(|layer| layer.light_group().is_some()));
-                continue;
-            }
-            let layer = Layer::named(name).ok_or_else(|| UnknownLayer {
-                name: name.to_owned(),
-            })?;
-            wanted.push(layer);
-            if let Rule::Light { color, .. } = layer.rule {
-                wanted.extend(color.and_then(Layer::named));
+            for layer in of_name(name)? {
+                wanted.push(layer);
+                if let Rule::Light { color, .. } = layer.rule {
+                    wanted.extend(color.and_then(Layer::named));
+                }
             }
         }
         let others = LAYERS[1..].iter();

@@ -3,6 +3,7 @@
 
 pub mod albedo;
 pub mod environment;
+mod estimate;
 mod geometry;
 pub mod host_traversal;
 pub mod images;
@@ -32,6 +33,7 @@ use self::{
     images::GpuImages, lights::LightTable, materials::GpuMaterial, update::Uploaded,
 };
 
+pub(crate) use self::estimate::bytes;
 use self::geometry::TRIANGLE_ALPHA;
 pub use self::geometry::{RayRules, ray_rules};
 pub(crate) use self::update::Update;

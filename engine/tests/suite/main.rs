@@ -5,6 +5,7 @@ mod support;
 
 mod bsdf;
 mod closed_forms;
+mod crop;
 mod custom_attributes;
 mod driven_surfaces;
 mod edits_are_data;
@@ -17,6 +18,7 @@ mod layouts;
 mod library;
 mod lights;
 mod looks;
+mod memory;
 mod moments;
 mod native;
 mod outputs;
