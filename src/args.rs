@@ -368,6 +368,10 @@ pub(crate) struct MotionArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) frames: Option<String>,
 
+    /// Of all frames only part I of N, the parts numbered from 1: for many machines, each with frames of its own.
+    #[arg(long, value_name = "I/N")]
+    pub(crate) frame_part: Option<String>,
+
     /// Frames of a second: 24 where nothing is said.
     #[arg(long, value_name = "FPS")]
     #[arg(allow_hyphen_values = true)]

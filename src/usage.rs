@@ -215,6 +215,17 @@ pub(crate) enum UsageError {
         /// Samples of the whole.
         spp: u32,
     },
+    /// Not a part of a number of frames.
+    #[error(
+        "--frame-part {given}: write which of how many, as in --frame-part 3/16; each part needs one of the {frames} frames that \
+         --frames or --turntable ask for"
+    )]
+    FramePart {
+        /// As typed.
+        given: String,
+        /// All of them.
+        frames: u32,
+    },
     /// What the farm decides.
     #[error(
         "{flag}: which samples of one picture go to which file is the farm's business; leave the flag out behind `--`"

@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
 
-use scene::{Scene, UNGROUPED};
+use scene::{Instance, Scene, UNGROUPED};
 
 use super::{Film, PICTURE_PLANES, ids};
 
@@ -37,7 +37,7 @@ pub struct Layer {
 ///
 /// Where WGSL is asked for, it is an expression: `f32`, `vec2f` or `vec3f`, as many as there are channels, or `u32` for ids. It is evaluated
 /// for the first surface that a path doesn't pass through, once its texture program has run, and may name `at`, a
-/// `FirstSurface`, `frame`, and the functions of `passes/film_layers/record.wgsl`.
+/// `FirstSurface`, `frame`, `normal` and `colors` (the surface's `first_normal` and `first_colors`, worked out once), and the functions of `passes/film_layers/record.wgsl`.
 #[derive(Debug)]
 pub enum Rule {
     /// It follows from the sums of the picture's samples: nothing more is kept. Of a pixel, counted row by row.
@@ -97,7 +97,7 @@ pub const LIGHT_GROUPS: &str = "light_groups";
 const LIGHT_GROUP: &str = "light_group_";
 
 /// All layers. The picture itself is the first and always there.
-pub static LAYERS: [Layer; 40] = [
+pub static LAYERS: [Layer; 43] = [
     Layer {
         name: "combined",
         pass: "Combined",
@@ -129,7 +129,7 @@ pub static LAYERS: [Layer; 40] = [
         name: "normal",
         pass: "Normal",
         channels: "XYZ",
-        rule: Rule::Mean("first_normal(at)"),
+        rule: Rule::Mean("normal"),
         help: "shading normal in the world, towards the viewer, normal maps and textures included",
     },
     Layer {
@@ -148,6 +148,20 @@ pub static LAYERS: [Layer; 40] = [
         channels: "RGB",
         rule: Rule::Mean("first_base_color(at)"),
         help: "base colour, textures included",
+    },
+    Layer {
+        name: "denoising_normal",
+        pass: "Denoising Normal",
+        channels: "XYZ",
+        rule: Rule::Mean("in_camera_axes(normal)"),
+        help: "as `normal`, along the axes of the camera: right, up, towards the viewer",
+    },
+    Layer {
+        name: "denoising_depth",
+        pass: "Denoising Depth",
+        channels: "Z",
+        rule: Rule::Mean("dot(frame.camera_position - at.surface.position, frame.camera_back)"),
+        help: "as `depth`, but the mean of all samples; 0 where nothing is",
     },
     Layer {
         name: "diffuse_direct",
@@ -173,7 +187,7 @@ pub static LAYERS: [Layer; 40] = [
         name: "diffuse_color",
         pass: "Diffuse Color",
         channels: "RGB",
-        rule: Rule::Mean("first_colors(at).diffuse"),
+        rule: Rule::Mean("colors.diffuse"),
         help: "the colour of diffuse scattering at the first surface",
     },
     Layer {
@@ -200,7 +214,7 @@ pub static LAYERS: [Layer; 40] = [
         name: "glossy_color",
         pass: "Glossy Color",
         channels: "RGB",
-        rule: Rule::Mean("first_colors(at).glossy"),
+        rule: Rule::Mean("colors.glossy"),
         help: "the colour of its reflection, seen straight on",
     },
     Layer {
@@ -227,7 +241,7 @@ pub static LAYERS: [Layer; 40] = [
         name: "transmission_color",
         pass: "Transmission Color",
         channels: "RGB",
-        rule: Rule::Mean("first_colors(at).transmission"),
+        rule: Rule::Mean("colors.transmission"),
         help: "the colour of what it lets through",
     },
     Layer {
@@ -276,6 +290,16 @@ pub static LAYERS: [Layer; 40] = [
             names: |scene| (scene.materials.iter()).map(|m| m.name.as_str()).collect(),
         },
         help: "Cryptomatte: the same of materials",
+    },
+    Layer {
+        name: "crypto_asset",
+        pass: "CryptoAsset",
+        channels: "rgba",
+        rule: Rule::Ids {
+            wgsl: "instances[at.instance].asset",
+            names: |scene| scene.instances.iter().map(Instance::asset).collect(),
+        },
+        help: "Cryptomatte: the same of the topmost nodes that objects hang below",
     },
     Layer {
         name: "object_index",

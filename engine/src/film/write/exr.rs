@@ -332,7 +332,7 @@ mod tests {
     fn layers_have_the_names_of_blender() {
         let film = film(Layers::all());
         let (channels, attributes) = read(&in_floats(&film));
-        let layers_of_ids = 2;
+        let layers_of_ids = 3;
         // One of them has a manifest.
         let facts = metadata().facts.len() + 3 * layers_of_ids + 1;
         assert_eq!(attributes.other.len(), facts);

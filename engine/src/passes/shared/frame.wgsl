@@ -85,7 +85,8 @@ fn compact_bits(x: u32) -> u32 {
 fn pixel_coordinates(pixel: u32) -> vec2u {
     let block = pixel >> 6u;
     let inside = pixel & 63u;
-    let corner = vec2u(block % frame.blocks_x, block / frame.blocks_x) * 8u;
+    let row = block / frame.blocks_x;
+    let corner = vec2u(block - row * frame.blocks_x, row) * 8u;
     return corner + vec2u(compact_bits(inside), compact_bits(inside >> 1u));
 }
 
