@@ -13,6 +13,10 @@ const PASSES: &str = "../engine/src/passes";
 /// Entry points and the files that their texts begin with.
 const KERNELS: &[(&str, &str)] = &[
     ("accumulate", "accumulate/entry.wgsl"),
+    ("accumulate_first", "film_layers/accumulate.wgsl"),
+    ("accumulate_ids", "film_layers/accumulate_ids.wgsl"),
+    ("accumulate_mean", "film_layers/accumulate.wgsl"),
+    ("accumulate_means", "film_layers/accumulate.wgsl"),
     ("brdf", "brdf/entry.wgsl"),
     ("raygen", "raygen/entry.wgsl"),
     ("traverse_closest", "traverse/entry.wgsl"),

@@ -14,6 +14,7 @@ use crate::compare::args::CompareArgs;
 use crate::console::MessageFormat;
 use crate::farm::args::FarmCommand;
 use crate::flags::{CommonArgs, DisplayArgs, scene_help, words};
+use crate::form::FormArgs;
 use crate::info::args::InfoArgs;
 use crate::progress::Reader;
 use crate::texture::args::TextureCommand;
@@ -53,6 +54,8 @@ Examples:
     patina render room.gltf --device native,llvmpipe
   The picture with depth and normals, in one EXR for compositing:
     patina render room.glb --layers depth,normal -o room.exr
+  A part of it, which its EXR puts in its place in the whole:
+    patina render room.glb --crop 400,200,320,180 -o door.exr
   As good as 2 % of noise allow, but in ten minutes at most:
     patina render room.glb --noise 0.02 --time 10m -o room.exr
   For hours, with what is done kept each minute; after a crash the same line goes on:
@@ -232,6 +235,11 @@ pub(crate) struct RenderArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) scale: Option<String>,
 
+    /// Only this part of the picture: first column and row, width and height, in pixels of the whole. EXR files say where it lies.
+    #[arg(long, value_name = "X,Y,W,H")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) crop: Option<String>,
+
     /// Camera of the scene by name or number; without it the first one, or a view of everything where there is none. `all` renders a
     /// picture through each, into files named after them.
     #[arg(long, value_name = "NAME|N|all")]
@@ -311,6 +319,10 @@ pub(crate) struct RenderArgs {
     #[arg(long)]
     pub(crate) transparent: bool,
 
+    /// How EXR files are written.
+    #[command(flatten)]
+    pub(crate) form: FormArgs,
+
     /// Leave out what rough surfaces scatter more than once between their microfacets, as glTF's own formula does.
     #[arg(long)]
     pub(crate) no_energy_compensation: bool,
@@ -328,6 +340,12 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) threads: Option<String>,
+
+    /// Most memory that the render may take, of the machine and of each device, as in 8G or 500M; more is refused before it begins.
+    /// Without it what the system has left.
+    #[arg(long, value_name = "SIZE")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) memory: Option<String>,
 
     /// How the picture is shown.
     #[command(flatten)]
@@ -360,6 +378,10 @@ pub(crate) struct MotionArgs {
     #[arg(long, value_name = "A..B[:STEP]", conflicts_with_all = ["at", "turntable"])]
     #[arg(allow_hyphen_values = true)]
     pub(crate) frames: Option<String>,
+
+    /// Of all frames only part I of N, the parts numbered from 1: for many machines, each with frames of its own.
+    #[arg(long, value_name = "I/N")]
+    pub(crate) frame_part: Option<String>,
 
     /// Frames of a second: 24 where nothing is said.
     #[arg(long, value_name = "FPS")]
@@ -414,6 +436,10 @@ pub(crate) struct MergeArgs {
     /// Leave out the environment behind everything. The parts must have been rendered with --transparent.
     #[arg(long)]
     pub(crate) transparent: bool,
+
+    /// How EXR files are written.
+    #[command(flatten)]
+    pub(crate) form: FormArgs,
 
     /// The look whose table view says how the picture is shown.
     #[arg(long, value_name = "FILE")]

@@ -11,8 +11,8 @@ use std::time::Duration;
 use clap::Parser;
 use device::DeviceChoice;
 use engine::denoise::GUIDES;
-use engine::film::Layers;
-use engine::film::write::TRANSPARENCY;
+use engine::film::write::{Form, TRANSPARENCY};
+use engine::film::{Crop, Layers};
 use engine::filter::PixelFilter;
 use engine::scene::Scene;
 use engine::scene::view::ViewChoice;
@@ -23,6 +23,7 @@ use crate::args::{Args, Command, MergeArgs, RenderArgs};
 use crate::bench::job::BenchJob;
 use crate::compare::job::CompareJob;
 use crate::farm::job::ExportJob;
+use crate::form;
 use crate::info::job::InfoJob;
 use crate::motion::MotionJob;
 use crate::overrides;
@@ -32,9 +33,9 @@ use crate::usage::UsageError;
 use crate::view::job::ViewJob;
 use crate::watch::job::WatchJob;
 use crate::words::{
-    Devices, MAX_DEPTH, MAX_SPP, MOST_THREADS, Outputs, parse_decimal, parse_device, parse_devices,
-    parse_display, parse_duration, parse_layers, parse_number, parse_part, parse_sample_range,
-    parse_scale, parse_size, parse_word, refuse_overwriting,
+    Devices, MAX_DEPTH, MAX_SPP, MOST_THREADS, Outputs, parse_crop, parse_decimal, parse_device,
+    parse_devices, parse_display, parse_duration, parse_layers, parse_memory, parse_number,
+    parse_part, parse_sample_range, parse_scale, parse_size, parse_word, refuse_overwriting,
 };
 
 /// Samples per pixel where nothing else ends a render.
@@ -99,6 +100,8 @@ pub(crate) struct RenderJob {
     pub(crate) width: u32,
     /// Pixels.
     pub(crate) height: u32,
+    /// Where these lie in a larger picture, of which nothing else is rendered.
+    pub(crate) crop: Option<Crop>,
     /// Name of the camera.
     pub(crate) camera: Option<String>,
     /// When the scene is seen.
@@ -131,6 +134,8 @@ pub(crate) struct RenderJob {
     pub(crate) denoise: bool,
     /// Leave out the environment behind everything.
     pub(crate) transparent: bool,
+    /// How EXR files are written.
+    pub(crate) form: Form,
     /// Rough surfaces keep the energy that single scattering between microfacets loses.
     pub(crate) energy_compensation: bool,
     /// Seed of the random numbers.
@@ -139,6 +144,8 @@ pub(crate) struct RenderJob {
     pub(crate) devices: Devices,
     /// Threads that compute, if not one for each processor.
     pub(crate) threads: Option<u32>,
+    /// Most bytes of memory, where that is said.
+    pub(crate) memory: Option<u64>,
     /// Folders the user named, searched first.
     pub(crate) texture_dirs: Vec<PathBuf>,
     /// How PNG and JPEG show it, as far as the command line says it.
@@ -188,6 +195,8 @@ pub(crate) struct MergeJob {
     pub(crate) denoise: bool,
     /// Leave out the environment behind everything.
     pub(crate) transparent: bool,
+    /// How EXR files are written.
+    pub(crate) form: Form,
     /// How PNG and JPEG show it, as far as the command line says it.
     pub(crate) display: ViewChoice,
 }
@@ -231,6 +240,14 @@ impl Job {
 impl RenderJob {
     fn from_args(args: RenderArgs) -> Result<Self, UsageError> {
         let (width, height) = scaled(&args)?;
+        let part = (args.crop.as_deref())
+            .map(|part| parse_crop(part, [width, height]))
+            .transpose()?;
+        let (crop, (width, height)) = match part {
+            Some((crop, size)) => (Some(crop), size),
+            None => (None, (width, height)),
+        };
+        let form = form::parse(&args.form)?;
         let outputs = Outputs::from_paths(args.outputs.clone(), Some(&args.scene))?;
         let noise = (args.noise.as_deref())
             .map(|most| {
@@ -271,6 +288,8 @@ impl RenderJob {
         )?;
         let shown_layers = parse_layers(&args.layers, &outputs)?;
         let method = method(&args)?;
+        form.check(&shown_layers)
+            .map_err(|error| form::refused("--exr-compression", &error))?;
         let filter = parse_word(
             "--filter",
             &args.filter,
@@ -305,6 +324,8 @@ impl RenderJob {
             checkpoints,
             width,
             height,
+            crop,
+            form,
             camera: args.camera,
             motion,
             whole_spp,
@@ -337,6 +358,7 @@ impl RenderJob {
             threads: (args.threads.as_deref())
                 .map(|threads| parse_number("--threads", threads, 1, MOST_THREADS))
                 .transpose()?,
+            memory: args.memory.as_deref().map(parse_memory).transpose()?,
             texture_dirs: args.common.texture_dirs,
             display: parse_display(&args.display)?,
             progress: args.progress,
@@ -501,6 +523,7 @@ impl MergeJob {
             outputs,
             denoise: args.denoise,
             transparent: args.transparent,
+            form: form::parse(&args.form)?,
             display: parse_display(&args.display)?,
         })
     }
@@ -676,6 +699,51 @@ mod tests {
         }
         let job = render("render a.glb --exposure -1.5").unwrap();
         assert_eq!(job.display.exposure, Some(-1.5));
+    }
+
+    #[test]
+    fn a_part_of_the_picture_lies_in_it() {
+        let job = render("render a.glb --size 64x40 --crop 8,4,20,36").unwrap();
+        assert_eq!((job.width, job.height), (20, 36));
+        let crop = job.crop.expect("it is said");
+        assert_eq!((crop.left, crop.top, crop.whole), (8, 4, [64, 40]));
+        assert_eq!(render("render a.glb").unwrap().crop, None);
+        for bad in [
+            "8,4,20,37",
+            "0,0,0,1",
+            "1,2,3",
+            "a,0,1,1",
+            "-1,0,1,1",
+            "64,0,1,1",
+        ] {
+            let error = render(&format!("render a.glb --size 64x40 --crop {bad}")).unwrap_err();
+            let text = error.to_string();
+            assert!(text.contains("64 x 40"), "{bad}: {text}");
+        }
+        // Of what --scale makes of it.
+        assert!(render("render a.glb --size 64x40 --scale 50% --crop 8,4,20,16").is_ok());
+        assert!(render("render a.glb --size 64x40 --scale 50% --crop 8,4,30,16").is_err());
+    }
+
+    #[test]
+    fn ids_are_not_packed_with_loss() {
+        let line = "render a.glb --exr-compression dwaa -o a.exr --layers";
+        assert!(render(&format!("{line} depth")).is_ok());
+        let error = render(&format!("{line} depth,crypto_object")).unwrap_err();
+        assert!(error.to_string().contains("choose zip"), "{error}");
+    }
+
+    #[test]
+    fn memory_has_a_unit() {
+        let memory =
+            |given: &str| render(&format!("render a.glb --memory {given}")).map(|j| j.memory);
+        assert_eq!(memory("8G"), Ok(Some(8 << 30)));
+        assert_eq!(memory("1.5m"), Ok(Some(3 << 19)));
+        assert_eq!(memory("2GiB"), Ok(Some(2 << 30)));
+        for bad in ["8", "G", "-1G", "nanG", "1e30T", "0G", "much", ""] {
+            let error = parse_memory(bad).unwrap_err().to_string();
+            assert!(error.contains("500M"), "{bad}: {error}");
+        }
     }
 
     #[test]

@@ -11,7 +11,7 @@ use engine::scene::view::ViewChoice;
 use crate::failure::Failure;
 use crate::job::MergeJob;
 use crate::output::{self, Results};
-use crate::{console, denoise, interrupt, picture};
+use crate::{console, denoise, form, interrupt, picture};
 
 /// Reads one film after the other, so that memory holds two at most, and writes their sum.
 ///
@@ -69,11 +69,15 @@ pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
             "--transparent: the parts have no layer `{name}`: render them with --transparent"
         )));
     }
+    job.form
+        .check(merged.film.layers())
+        .map_err(|error| form::refused("--exr-compression", &error))?;
     let mut results = Results {
         part: &merged,
         layers: merged.film.layers(),
         denoised: None,
         transparent: job.transparent,
+        form: &job.form,
         view: &view,
     };
     let denoised = (denoiser.as_ref())

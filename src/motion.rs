@@ -8,7 +8,7 @@ use engine::scene::{Moment, Motion};
 
 use crate::args::MotionArgs;
 use crate::usage::UsageError;
-use crate::words::{MAX_SPP, parse_decimal, parse_number};
+use crate::words::{MAX_SPP, parse_decimal, parse_number, part_of};
 
 /// Frames of a second where nothing is said.
 const FPS: f64 = 24.0;
@@ -23,6 +23,8 @@ const DIGITS: usize = 4;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct MotionJob {
     frames: Frames,
+    /// Which of them are rendered, counted from the first; all where nothing is said.
+    share: Option<Range<u32>>,
     /// Frames of a second.
     fps: f64,
     /// Of the file, by name or number.
@@ -39,6 +41,29 @@ enum Frames {
     Range(Range<u32>, u32),
     /// The camera goes around once in so many frames, as the scene is after so many seconds.
     Turntable(u32, Option<f64>),
+}
+
+impl Frames {
+    /// Pictures with numbers.
+    fn count(&self) -> u32 {
+        match self {
+            Self::One(_) => 0,
+            Self::Range(range, step) => range.len().div_ceil(*step as usize) as u32,
+            Self::Turntable(count, _) => *count,
+        }
+    }
+}
+
+/// Which of so many frames part `I/N` has: as many as the others, but for one.
+fn parse_frame_part(given: &str, frames: u32) -> Result<Range<u32>, UsageError> {
+    let part = given.split_once('/').and_then(|(part, parts)| {
+        let (part, parts) = (part.trim().parse().ok()?, parts.trim().parse().ok()?);
+        ((1..=parts).contains(&part) && parts <= frames).then(|| part_of(frames, part, parts))
+    });
+    part.ok_or_else(|| UsageError::FramePart {
+        given: given.to_owned(),
+        frames,
+    })
 }
 
 /// An open shutter.
@@ -102,7 +127,10 @@ impl MotionJob {
             Some(moments) => parse_number("--motion-samples", moments, 1, MAX_SPP)?,
             None => MOMENTS,
         };
+        let count = frames.count();
+        let part = args.frame_part.as_deref();
         Ok(Self {
+            share: part.map(|part| parse_frame_part(part, count)).transpose()?,
             frames,
             fps: fps.transpose()?.unwrap_or(FPS),
             animation: args.animation.clone(),
@@ -120,7 +148,7 @@ impl MotionJob {
         let numbered = |number| Frame {
             number: Some(number),
         };
-        match &self.frames {
+        let all: Vec<Frame> = match &self.frames {
             Frames::One(_) => vec![Frame { number: None }],
             Frames::Range(range, step) => range
                 .clone()
@@ -128,6 +156,10 @@ impl MotionJob {
                 .map(numbered)
                 .collect(),
             Frames::Turntable(count, _) => (0..*count).map(numbered).collect(),
+        };
+        match &self.share {
+            None => all,
+            Some(share) => all[share.start as usize..share.end as usize].to_vec(),
         }
     }
 
@@ -277,6 +309,23 @@ mod tests {
             let error = job(&format!("--frames={bad}")).expect_err(bad);
             assert!(matches!(error, UsageError::Frames { .. }), "{bad}: {error}");
         }
+    }
+
+    #[test]
+    fn parts_of_frames_are_all_of_them() {
+        assert_eq!(numbers("--frames 3..10 --frame-part 1/3"), [3, 4]);
+        let parts = (1..=4).flat_map(|i| numbers(&format!("--frames 0..20:2 --frame-part {i}/4")));
+        assert_eq!(parts.collect::<Vec<_>>(), numbers("--frames 0..20:2"));
+        assert_eq!(numbers("--turntable 4 --frame-part 4/4"), [3]);
+        for bad in ["0/3", "4/3", "3", "1/8", "a/b", "1/0"] {
+            let error = job(&format!("--frames 3..10 --frame-part {bad}")).expect_err(bad);
+            assert!(
+                matches!(error, UsageError::FramePart { .. }),
+                "{bad}: {error}"
+            );
+        }
+        let error = job("--frame-part 1/1").expect_err("no frames");
+        assert!(error.to_string().contains("--turntable"), "{error}");
     }
 
     #[test]

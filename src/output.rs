@@ -12,7 +12,7 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use engine::aside::{self, Aside};
-use engine::film::write::{self, Content, Metadata};
+use engine::film::write::{self, Content, Form, Metadata};
 use engine::film::{Layers, Origin, Part};
 use engine::scene::view::View;
 use thiserror::Error;
@@ -33,6 +33,8 @@ pub(crate) struct Results<'a> {
     pub(crate) denoised: Option<&'a Denoised>,
     /// Without the environment behind everything.
     pub(crate) transparent: bool,
+    /// How EXR files are written.
+    pub(crate) form: &'a Form,
     /// How PNG and JPEG show it; EXR keeps the radiance.
     pub(crate) view: &'a View,
 }
@@ -45,6 +47,7 @@ impl Results<'_> {
             layers: self.layers,
             denoised: self.denoised.map(|denoised| &*denoised.picture),
             transparent: self.transparent,
+            form: self.form,
         }
     }
 }

@@ -247,6 +247,7 @@ fn write(
         layers: &job.shown_layers,
         denoised: None,
         transparent: job.transparent,
+        form: &job.form,
         view,
     };
     let denoised = denoiser.map(|denoiser| denoise::film(denoiser, &results.content()));
@@ -364,6 +365,7 @@ fn settings(job: &RenderJob, camera: &Camera, sight: &Sight) -> RenderSettings {
             || job.method != Method::Path && job.spp.get() >= engine::adaptive::GRAIN,
         method: job.method,
         layers: job.layers.clone(),
+        crop: job.crop,
         filter_width: job.filter_width,
         time: sight.moment.seconds as f32,
         frame_index: sight.frame_index,

@@ -215,6 +215,17 @@ pub(crate) enum UsageError {
         /// Samples of the whole.
         spp: u32,
     },
+    /// Not a part of a number of frames.
+    #[error(
+        "--frame-part {given}: write which of how many, as in --frame-part 3/16; each part needs one of the {frames} frames that \
+         --frames or --turntable ask for"
+    )]
+    FramePart {
+        /// As typed.
+        given: String,
+        /// All of them.
+        frames: u32,
+    },
     /// What the farm decides.
     #[error(
         "{flag}: which samples of one picture go to which file is the farm's business; leave the flag out behind `--`"
@@ -235,6 +246,32 @@ pub(crate) enum UsageError {
          -o room.exr"
     )]
     NoFileOfLayers,
+    /// What EXR files can't be.
+    #[error("{flag}: {problem}")]
+    Form {
+        /// The flag's name.
+        flag: &'static str,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// Not an amount of memory.
+    #[error("--memory {given}: write a number with its unit, as in --memory 8G or --memory 500M")]
+    Memory {
+        /// As typed.
+        given: String,
+    },
+    /// Not a part of the picture.
+    #[error(
+        "--crop {given}: write the part's first column and row, its width and its height, as in --crop 100,50,640,360; it must lie          in the picture of {width} x {height}"
+    )]
+    Crop {
+        /// As typed.
+        given: String,
+        /// Columns of the picture.
+        width: u32,
+        /// Its rows.
+        height: u32,
+    },
     /// Not `NAME=VALUE`.
     #[error("{flag} {given}: write NAME=VALUE, as in {example}")]
     Pair {

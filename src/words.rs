@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use device::DeviceChoice;
 pub(crate) use engine::film::write::Format;
-use engine::film::{Layers, layers};
+use engine::film::{Crop, Layers, layers};
 use engine::scene::view::{ViewChoice, ViewTransform, WhiteBalance};
 
 use crate::flags::DisplayArgs;
@@ -162,6 +162,33 @@ pub(crate) fn parse_decimal(
             given: given.to_owned(),
             range,
         })
+}
+
+/// So many bytes: a number with K, M, G or T for the powers of 1024.
+pub(crate) fn parse_memory(given: &str) -> Result<u64, UsageError> {
+    let text = given
+        .trim()
+        .trim_end_matches(['B', 'b'])
+        .trim_end_matches('i');
+    let unit = text.chars().last().map(|c| c.to_ascii_uppercase());
+    let factor = match unit {
+        Some('K') => 1 << 10,
+        Some('M') => 1 << 20,
+        Some('G') => 1 << 30,
+        Some('T') => 1_u64 << 40,
+        _ => 0,
+    };
+    let number: Option<f64> = text
+        .get(..text.len().saturating_sub(1))
+        .and_then(|n| n.trim().parse().ok());
+    let bytes = number.map_or(0.0, |number| number * factor as f64);
+    // A number that isn't one is in no range.
+    match (1.0..1e18).contains(&bytes) {
+        true => Ok(bytes as u64),
+        false => Err(UsageError::Memory {
+            given: given.to_owned(),
+        }),
+    }
 }
 
 /// A time: numbers with units, as in `90s`, `10m`, `1h30m`; a number alone is seconds.
@@ -363,6 +390,27 @@ pub(crate) fn parse_output(path: PathBuf) -> Result<Output, UsageError> {
         Some(format) => Ok(Output { path, format }),
         None => Err(UsageError::Extension { path }),
     }
+}
+
+/// A part of a picture of so many columns and rows: where it lies, and its own size.
+pub(crate) fn parse_crop(
+    given: &str,
+    [width, height]: [u32; 2],
+) -> Result<(Crop, (u32, u32)), UsageError> {
+    let numbers: Result<Vec<u32>, _> = given.split(',').map(|n| n.trim().parse()).collect();
+    let part = match numbers.as_deref() {
+        Ok(&[left, top, columns, rows]) if columns > 0 && rows > 0 => {
+            let whole = [width, height];
+            Some((Crop { left, top, whole }, (columns, rows)))
+        }
+        _ => None,
+    };
+    let part = part.filter(|(crop, (columns, rows))| crop.holds(*columns, *rows));
+    part.ok_or_else(|| UsageError::Crop {
+        given: given.to_owned(),
+        width,
+        height,
+    })
 }
 
 /// Layers by name, for which there must be a file that can hold them.

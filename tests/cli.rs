@@ -30,6 +30,8 @@ mod layers;
 mod limits;
 #[path = "cli/lost_work.rs"]
 mod lost_work;
+#[path = "cli/parts_of_pictures.rs"]
+mod parts_of_pictures;
 
 /// One triangle that glows, facing +Z; no other file is needed.
 const TRIANGLE: &str = r#"{

@@ -389,6 +389,7 @@ fn renderer(
             name: format!("square {number}"),
             mesh: number,
             transform: Affine3A::IDENTITY,
+            asset: None,
         });
         scene.materials.push(Material {
             name: format!("material {number}"),

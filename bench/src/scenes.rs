@@ -314,6 +314,7 @@ fn add(scene: &mut Scene, mut mesh: Mesh, material: Material) {
         name: mesh.name.clone(),
         mesh: scene.meshes.len() as u32,
         transform: Affine3A::IDENTITY,
+        asset: None,
     });
     scene.meshes.push(mesh);
 }

@@ -35,7 +35,7 @@ def _render(job, look, spp):
     _call(
         job, "render", str(job.scene), "--look", str(look), "--size", f"{job.width}x{job.height}", "--spp", str(spp),
         "--max-depth", str(job.max_depth), "--seed", str(job.seed), "--filter", "box", "--no-energy-compensation",
-        "--threads", str(job.threads), "-o", str(picture), "--stats-json", str(figures),
+        "--threads", str(job.threads), "--exr-float", "all", "-o", str(picture), "--stats-json", str(figures),
     )  # fmt: skip
     return str(picture), json.loads(figures.read_text())
 

@@ -21,6 +21,7 @@
 //! large, for the points of one sequence fill the pixel more evenly than random numbers; the halves make it right, if rough:
 //! what one pixel says is to be averaged over many.
 
+mod crop;
 mod hash;
 pub mod ids;
 pub mod layers;
@@ -28,6 +29,7 @@ pub(crate) mod layers_wgsl;
 mod part;
 pub mod write;
 
+pub use crop::Crop;
 pub(crate) use hash::Hash;
 pub use layers::{LAYERS, Layer, Layers};
 pub use part::{MAGIC_BYTES, Origin, Part, PartError, is_film};

@@ -50,6 +50,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
     let RenderSettings {
         width,
         height,
+        crop,
         max_depth,
         seed,
         camera,
@@ -80,9 +81,10 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         "{transform:?}, {projection:?}, aperture of radius {aperture_radius} with {aperture_blades} blades turned by \
          {aperture_rotation}, focus distance {focus_distance}"
     );
+    let [columns, rows] = settings.whole();
     let mut list: Vec<(String, String)> = [
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("size", format!("{width}x{height}")),
+        ("size", format!("{columns}x{rows}")),
         ("max-depth", max_depth.to_string()),
         ("seed", seed.to_string()),
         ("camera", camera),
@@ -99,7 +101,9 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
     .map(|(name, value)| (name.to_owned(), value))
     .into();
     // Of what is as usual nothing is said.
+    let part = crop.map(|crop| crop.written(*width, *height));
     for (name, value, is_said) in [
+        ("crop", part.clone().unwrap_or_default(), part.is_some()),
         ("time", time.to_string(), *time != 0.0),
         ("frame", frame_index.to_string(), *frame_index != 0),
         ("halves", halves.to_string(), *halves),

@@ -71,7 +71,12 @@ pub struct Frame {
     environment_group: u32,
     has_halves: u32,
     has_lot: u32,
-    unused: u32,
+    /// Of the whole that the picture is a part of: column in the low half, row in the high one.
+    crop_min: u32,
+    crop_whole: u32,
+    crop_blocks_x: u32,
+    unused_a: u32,
+    unused_b: u32,
     sobol: [[u32; 4]; sobol::ROWS],
     lot: [[u32; 2]; LOT_BLOCKS],
 }
@@ -132,7 +137,11 @@ impl Frame {
             environment_group,
             has_halves,
             has_lot,
-            unused,
+            crop_min,
+            crop_whole,
+            crop_blocks_x,
+            unused_a,
+            unused_b,
             sobol,
             lot
         ]
@@ -188,6 +197,7 @@ impl Frame {
     /// For a picture of a scene. `capacity` is the number of path slots of a wave.
     pub fn new(settings: &RenderSettings, capacity: u32, scene: &GpuScene) -> Self {
         let (width, height) = (settings.width, settings.height);
+        let [columns, rows] = settings.whole();
         let camera = &settings.camera;
         let filter = FilterTable::of(settings.filter);
         let blocks = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
@@ -195,7 +205,7 @@ impl Frame {
         let (half_height, orthographic, pixel_spread) = match camera.projection {
             Projection::Perspective { y_fov } => {
                 let half = (0.5 * y_fov).tan();
-                (half, 0, 2.0 * half / height as f32)
+                (half, 0, 2.0 * half / rows as f32)
             }
             Projection::Orthographic { y_mag } => (y_mag, 1, 0.0),
         };
@@ -266,7 +276,11 @@ impl Frame {
             environment_group: scene.environment_group,
             has_halves: u32::from(settings.halves),
             has_lot: 0,
-            unused: 0,
+            crop_min: settings.crop.map_or(0, |crop| crop.left | crop.top << 16),
+            crop_whole: columns | rows << 16,
+            crop_blocks_x: settings.crop.map_or(0, |_| columns.div_ceil(BLOCK)),
+            unused_a: 0,
+            unused_b: 0,
             sobol: sobol::nibbles(),
             lot: [[0; 2]; LOT_BLOCKS],
         }

@@ -192,6 +192,7 @@ mod tests {
             name: String::new(),
             mesh,
             transform: Affine3A::from_translation(Vec3::new(0.0, 0.0, z)),
+            asset: None,
         };
         let scene = Scene {
             meshes: vec![mesh(0), mesh(1)],

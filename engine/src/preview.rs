@@ -216,6 +216,7 @@ fn add(scene: &mut Scene, mut mesh: Mesh, transform: Affine3A) {
         name: mesh.name.clone(),
         mesh: scene.meshes.len() as u32,
         transform,
+        asset: None,
     });
     scene.meshes.push(mesh);
 }

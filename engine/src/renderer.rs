@@ -6,6 +6,7 @@ mod edits;
 mod lanes;
 mod light_cache;
 mod lots;
+mod memory;
 mod paths;
 mod pipeline;
 mod record;
@@ -44,6 +45,7 @@ pub use self::{
     culprit::{Culprit, culprits},
     edits::RenderEditError,
     lots::Lot,
+    memory::{DeviceMemory, file_bytes, snapshot_bytes},
     reload::{Reload, ReloadError},
 };
 
@@ -60,6 +62,14 @@ pub enum RenderError {
         width: u32,
         /// Rows.
         height: u32,
+    },
+    /// The part of a picture isn't in it.
+    #[error("the part that is to be rendered reaches beyond the picture of {columns} x {rows}")]
+    Crop {
+        /// Columns of the whole.
+        columns: u32,
+        /// Rows of the whole.
+        rows: u32,
     },
     /// The scene does not fit.
     #[error(transparent)]
@@ -124,8 +134,12 @@ fn allocate_picture(
     resources: &mut Resources,
 ) -> Result<(), RenderError> {
     let (width, height) = (settings.width, settings.height);
-    if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+    let [columns, rows] = settings.whole();
+    if width == 0 || height == 0 || columns > MAX_SIDE || rows > MAX_SIDE {
         return Err(RenderError::Size { width, height });
+    }
+    if settings.crop.is_some_and(|crop| !crop.holds(width, height)) {
+        return Err(RenderError::Crop { columns, rows });
     }
     view::allocate_film(device, width, height, &settings.layers, resources)?;
     let filter = &FilterTable::of(settings.filter).distances;

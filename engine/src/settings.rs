@@ -1,6 +1,6 @@
 //! What is rendered and how: the settings of a render that are neither scene nor texture.
 
-use crate::film::Layers;
+use crate::film::{Crop, Layers};
 use crate::filter::PixelFilter;
 use crate::scene::Camera;
 
@@ -11,6 +11,9 @@ pub struct RenderSettings {
     pub width: u32,
     /// Rows.
     pub height: u32,
+    /// Where these columns and rows lie in a larger picture, of which nothing else is rendered; `None` where they are all. They get
+    /// the samples that they have there, to the last bit.
+    pub crop: Option<Crop>,
     /// At most this many surface vertices scatter along a path; 1 is direct light only.
     pub max_depth: u32,
     /// Of the random numbers: same seed, same device, same picture.
@@ -123,12 +126,19 @@ impl Estimator {
 }
 
 impl RenderSettings {
+    /// Columns and rows of the picture that the camera sees.
+    pub fn whole(&self) -> [u32; 2] {
+        self.crop
+            .map_or([self.width, self.height], |crop| crop.whole)
+    }
+
     /// A picture of `width` x `height` pixels: nine vertices at most, seed 0, from the first sample on,
     /// a box of one pixel as filter, no layers beside it.
     pub fn new(width: u32, height: u32, camera: &Camera) -> Self {
         Self {
             width,
             height,
+            crop: None,
             max_depth: 9,
             seed: 0,
             camera: camera.clone(),

@@ -4,12 +4,20 @@
 //! Which such files there are is known at any time ([`discard_all`]), so that a program that is ended from outside
 //! leaves none behind.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, SystemTime};
 
 use tempfile::NamedTempFile;
+
+/// How the names of temporary files begin, and how many letters and digits follow.
+const PREFIX: &str = ".patina-";
+const RANDOM: usize = 6;
+/// A file that was last written to so long ago is nobody's: writing one takes minutes at most.
+const ABANDONED: Duration = Duration::from_hours(24);
 
 /// Links that are followed one after the other: as many as Linux follows.
 const MOST_LINKS: u32 = 40;
@@ -90,7 +98,7 @@ impl Aside {
         }
         let target = followed(path)?;
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".patina-");
+        builder.prefix(PREFIX).rand_bytes(RANDOM);
         #[cfg(unix)]
         {
             // Temporary files are private by default; a result should be as readable as any other new file.
@@ -102,6 +110,9 @@ impl Aside {
         let file = builder.tempfile_in(folder_of(&target)).map_err(plain)?;
         all.push(file.path().to_owned());
         drop(all);
+        if let Ok(now) = file.as_file().metadata().and_then(|meta| meta.modified()) {
+            remove_abandoned(folder_of(&target), now);
+        }
         let leftover = Leftover(file.path().to_owned());
         Ok(Self {
             target,
@@ -182,6 +193,32 @@ fn write(
     let mut writer = BufWriter::new(aside.file());
     fill(&mut writer)?;
     writer.flush()
+}
+
+/// Removes temporary files of runs that were killed or lost their power: once for each folder that is written to. What can't be
+/// removed stays. `now` is the time that the folder's file system has.
+fn remove_abandoned(folder: &Path, now: SystemTime) {
+    static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
+    if !seen.insert(folder.to_owned()) {
+        return;
+    }
+    drop(seen);
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let random = name.to_str().and_then(|name| name.strip_prefix(PREFIX));
+        let is_random = |r: &str| r.len() == RANDOM && r.bytes().all(|b| b.is_ascii_alphanumeric());
+        if !random.is_some_and(is_random) {
+            continue;
+        }
+        // Of the entry itself: a link is none of ours.
+        let written = entry.metadata().ok().filter(fs::Metadata::is_file);
+        let written = written.and_then(|meta| meta.modified().ok());
+        let age = written.and_then(|written| now.duration_since(written).ok());
+        if age.is_some_and(|age| age > ABANDONED) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// Where a path leads: links are followed, also to what isn't there yet.
@@ -265,6 +302,32 @@ mod tests {
         assert!(!leftovers().iter().any(known), "all are forgotten");
     }
 
+    #[test]
+    fn what_a_killed_run_has_left_is_removed_by_a_later_one() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let day = Duration::from_hours(24);
+        let now = SystemTime::now();
+        let file = |name: &str, age: Duration| {
+            let file = File::create(dir.path().join(name)).expect("created");
+            file.set_modified(now - age).expect("the time is set");
+        };
+        file(".patina-a1B2c3", day + Duration::from_secs(60));
+        file(".patina-d4E5f6", day - Duration::from_secs(600));
+        // Others' files, however old.
+        for name in [
+            ".patina-a1B2c",
+            ".patina-notes1.txt",
+            "patina-a1B2c3",
+            "x.png",
+        ] {
+            file(name, 9 * day);
+        }
+        replace(&dir.path().join("y.png"), |_| Ok(())).expect("written");
+        let is_there = |name: &str| dir.path().join(name).exists();
+        assert!(!is_there(".patina-a1B2c3") && is_there(".patina-d4E5f6"));
+        assert_eq!(fs::read_dir(dir.path()).expect("a folder").count(), 6);
+    }
+
     #[cfg(unix)]
     #[test]
     fn a_link_stays_and_what_it_points_to_is_replaced() {
@@ -316,9 +379,7 @@ mod tests {
     fn errors_do_not_name_temporary_files() {
         let dir = tempfile::tempdir().expect("a temporary folder");
         let gone = dir.path().join("no/such/folder");
-        let wrapped = tempfile::Builder::new()
-            .prefix(".patina-")
-            .tempfile_in(gone);
+        let wrapped = tempfile::Builder::new().prefix(PREFIX).tempfile_in(gone);
         let wrapped = wrapped.expect_err("there is no such folder");
         assert!(wrapped.to_string().contains(".patina-"), "{wrapped}");
         let said = plain(wrapped);

@@ -80,6 +80,7 @@ mod tests {
             name: String::new(),
             mesh: 0,
             transform: Affine3A::IDENTITY,
+            asset: None,
         });
         let camera = default_camera(&scene);
         let Projection::Perspective { y_fov } = camera.projection else {

@@ -51,6 +51,15 @@ pub struct Instance {
     pub mesh: u32,
     /// Object to world; invertible. May mirror and scale non-uniformly.
     pub transform: Affine3A,
+    /// Name of the topmost node that it hangs below, where that is another one.
+    pub asset: Option<Arc<str>>,
+}
+
+impl Instance {
+    /// Name of the whole that it is a piece of: of the topmost node above it, or its own.
+    pub fn asset(&self) -> &str {
+        self.asset.as_deref().unwrap_or(&self.name)
+    }
 }
 
 impl Mesh {

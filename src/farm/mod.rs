@@ -194,7 +194,16 @@ fn plan(job: &ExportJob) -> Result<Plan, Failure> {
 
 /// The flags of a render that its merge takes, too.
 fn merge_flags(flags: &[String]) -> Vec<String> {
-    const WITH_VALUE: [&str; 4] = ["--look", "--view", "--exposure", "--white-balance"];
+    const WITH_VALUE: [&str; 8] = [
+        "--look",
+        "--view",
+        "--exposure",
+        "--white-balance",
+        "--exr-compression",
+        "--exr-half",
+        "--exr-float",
+        "--metadata",
+    ];
     let mut words = Vec::new();
     let mut flags = flags.iter();
     while let Some(flag) = flags.next() {

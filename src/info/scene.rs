@@ -583,6 +583,7 @@ mod tests {
             name: "Node".to_owned(),
             mesh: 0,
             transform: glam::Affine3A::from_translation(glam::Vec3::new(x, 0.0, 0.0)),
+            asset: None,
         };
         Scene {
             meshes: vec![mesh("Car", 0), mesh("Spare", 1)],

@@ -15,9 +15,10 @@ use engine::stats::DeviceFacts;
 
 use crate::failure::Failure;
 use crate::job::RenderJob;
+use crate::memory::Need;
 use crate::motion::{self, Sight};
 use crate::progress::Bar;
-use crate::{cache, interrupt};
+use crate::{cache, interrupt, memory};
 
 use super::limits::Watch;
 use super::reel::{Reel, View as Seen};
@@ -58,6 +59,10 @@ pub(super) fn render(
             session
         }
         None => {
+            let loaded = opening.loaded();
+            let devices = std::slice::from_ref(gpu);
+            let need = Need::of(job, &settings, &loaded.scene, &loaded.procedural, devices);
+            memory::state(job, &need, bar)?;
             let folder = cache::folder();
             marker = mark(&opening.loaded().procedural, gpu, folder.as_deref(), bar)?;
             // Nobody waits for a render that would begin anew on another device.

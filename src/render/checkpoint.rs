@@ -4,7 +4,7 @@
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-use engine::film::write::Content;
+use engine::film::write::{Content, Form};
 use engine::film::{Film, Layers, Origin, Part};
 use engine::renderer::RenderSettings;
 use engine::scene::view::View;
@@ -86,6 +86,7 @@ pub(super) struct Writer<'a> {
     /// What they hold of the film.
     layers: Layers,
     transparent: bool,
+    form: Form,
     origin: Origin,
     first_sample: u32,
     last: Instant,
@@ -112,6 +113,7 @@ impl<'a> Writer<'a> {
             view,
             layers: job.shown_layers.clone(),
             transparent: job.transparent,
+            form: job.form.clone(),
             origin,
             first_sample: job.first_sample,
             last: Instant::now(),
@@ -137,6 +139,7 @@ impl<'a> Writer<'a> {
         let part = Part::new(film, first..first + most, self.origin.clone()).under_way(paths);
         let (path, pictures) = (self.checkpoints.path.clone(), self.pictures.clone());
         let (layers, view, transparent) = (self.layers.clone(), self.view, self.transparent);
+        let form = self.form.clone();
         let work = move || {
             let written = output::write_aside(&path, |file| part.write(file));
             if let Err(error) = written {
@@ -148,6 +151,7 @@ impl<'a> Writer<'a> {
                 layers: &layers,
                 denoised: None,
                 transparent,
+                form: &form,
             };
             for picture in pictures.pictures.iter().filter(|_| fewest > 0) {
                 let written = output::write(picture, content, Some(&part.origin), &view);

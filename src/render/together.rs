@@ -13,9 +13,10 @@ use engine::system::System;
 
 use crate::failure::Failure;
 use crate::job::RenderJob;
+use crate::memory::Need;
 use crate::motion::Sight;
 use crate::progress::Bar;
-use crate::{cache, console, interrupt};
+use crate::{cache, console, interrupt, memory};
 
 use super::limits::Watch;
 use super::{Ended, FAREWELL, Rendered, Rest, mark, settings};
@@ -47,6 +48,8 @@ pub(super) fn render(
         times_passes: job.stats || job.stats_json.is_some(),
         system: System::default(),
     };
+    let need = Need::of(job, &plan.settings, &plan.scene, &plan.procedural, devices);
+    memory::state(job, &need, bar)?;
     let fleet = Fleet::start(&plan, recruits(&plan, devices, bar)?);
     let settings_written = fingerprint(&plan.scene, &plan.procedural, &plan.settings);
     while !fleet.is_ready() {

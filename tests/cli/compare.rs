@@ -102,7 +102,7 @@ fn layers_of_films_and_pictures_are_compared_by_name() {
         return;
     }
     let bench = Bench::new();
-    let render = "render triangle.gltf --size 33x17 --max-depth 2 --spp 3 --layers depth,normal";
+    let render = "render triangle.gltf --size 33x17 --max-depth 2 --spp 3 --layers depth,normal --exr-float all";
     let outputs = "-o a.exr -o a.patina-film -o a.png";
     bench.run(&format!("{render} {outputs}")).expect_code(0);
     let far = "render triangle.gltf --size 33x17 --max-depth 2 --seed 7 --spp 3 -o far.exr";

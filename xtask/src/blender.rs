@@ -71,7 +71,9 @@ pub(crate) fn run(arguments: &[&str]) -> Result<()> {
     let help = output(patina().args(["render", "--help"]))?;
     let layers = every_layer(&help)?;
     let mut render = render(&look);
-    render.args(["--layers", &layers, "-o"]).arg(&picture);
+    render
+        .args(["--exr-float", "all", "--layers", &layers, "-o"])
+        .arg(&picture);
     output(&mut render)?;
     let mut info = patina();
     info.args(["info", "--json"]).arg(&picture);
@@ -93,7 +95,9 @@ pub(crate) fn run(arguments: &[&str]) -> Result<()> {
         );
         fs::write(&look, matte_look(&names, matte))?;
         let mut render = self::render(&look);
-        render.args(["--max-depth", "1", "-o"]).arg(&truth);
+        render
+            .args(["--exr-float", "all", "--max-depth", "1", "-o"])
+            .arg(&truth);
         output(&mut render)?;
         check.arg(matte).arg(&truth);
     }

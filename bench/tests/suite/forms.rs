@@ -290,6 +290,7 @@ fn hall(has_glass: bool) -> (Scene, Procedural) {
             Quat::from_rotation_y(0.3),
             Vec3::new(0.2, 0.0, -0.8),
         ),
+        asset: None,
     });
     let procedural = textured(&mut scene, "", &TextureSources::default());
     (scene, procedural)

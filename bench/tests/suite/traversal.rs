@@ -259,6 +259,7 @@ fn squares(transforms: impl IntoIterator<Item = Affine3A>) -> Scene {
             name: format!("instance {i}"),
             mesh: 0,
             transform,
+            asset: None,
         })
         .collect();
     scene
@@ -376,6 +377,7 @@ fn awkward_scene() -> Scene {
             name: format!("instance {i}"),
             mesh: 0,
             transform: Affine3A::from_scale_rotation_translation(stretch, turn, place),
+            asset: None,
         });
     }
     scene

@@ -198,6 +198,7 @@ fn an_instance_is_within_its_bounds() {
             name: String::new(),
             mesh: 0,
             transform,
+            asset: None,
         };
         let bounds = instance_bounds(&instance, &object);
         for corner in 0..8 {

@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
 
-use scene::{Scene, UNGROUPED};
+use scene::{Instance, Scene, UNGROUPED};
 
 use super::{Film, PICTURE_PLANES, ids};
 
@@ -37,7 +37,7 @@ pub struct Layer {
 ///
 /// Where WGSL is asked for, it is an expression: `f32`, `vec2f` or `vec3f`, as many as there are channels, or `u32` for ids. It is evaluated
 /// for the first surface that a path doesn't pass through, once its texture program has run, and may name `at`, a
-/// `FirstSurface`, `frame`, and the functions of `passes/film_layers/record.wgsl`.
+/// `FirstSurface`, `frame`, `normal` and `colors` (the surface's `first_normal` and `first_colors`, worked out once), and the functions of `passes/film_layers/record.wgsl`.
 #[derive(Debug)]
 pub enum Rule {
     /// It follows from the sums of the picture's samples: nothing more is kept. Of a pixel, counted row by row.
@@ -97,7 +97,7 @@ pub const LIGHT_GROUPS: &str = "light_groups";
 const LIGHT_GROUP: &str = "light_group_";
 
 /// All layers. The picture itself is the first and always there.
-pub static LAYERS: [Layer; 40] = [
+pub static LAYERS: [Layer; 43] = [
     Layer {
         name: "combined",
         pass: "Combined",
@@ -129,7 +129,7 @@ pub static LAYERS: [Layer; 40] = [
         name: "normal",
         pass: "Normal",
         channels: "XYZ",
-        rule: Rule::Mean("first_normal(at)"),
+        rule: Rule::Mean("normal"),
         help: "shading normal in the world, towards the viewer, normal maps and textures included",
     },
     Layer {
@@ -148,6 +148,20 @@ pub static LAYERS: [Layer; 40] = [
         channels: "RGB",
         rule: Rule::Mean("first_base_color(at)"),
         help: "base colour, textures included",
+    },
+    Layer {
+        name: "denoising_normal",
+        pass: "Denoising Normal",
+        channels: "XYZ",
+        rule: Rule::Mean("in_camera_axes(normal)"),
+        help: "as `normal`, along the axes of the camera: right, up, towards the viewer",
+    },
+    Layer {
+        name: "denoising_depth",
+        pass: "Denoising Depth",
+        channels: "Z",
+        rule: Rule::Mean("dot(frame.camera_position - at.surface.position, frame.camera_back)"),
+        help: "as `depth`, but the mean of all samples; 0 where nothing is",
     },
     Layer {
         name: "diffuse_direct",
@@ -173,7 +187,7 @@ pub static LAYERS: [Layer; 40] = [
         name: "diffuse_color",
         pass: "Diffuse Color",
         channels: "RGB",
-        rule: Rule::Mean("first_colors(at).diffuse"),
+        rule: Rule::Mean("colors.diffuse"),
         help: "the colour of diffuse scattering at the first surface",
     },
     Layer {
@@ -200,7 +214,7 @@ pub static LAYERS: [Layer; 40] = [
         name: "glossy_color",
         pass: "Glossy Color",
         channels: "RGB",
-        rule: Rule::Mean("first_colors(at).glossy"),
+        rule: Rule::Mean("colors.glossy"),
         help: "the colour of its reflection, seen straight on",
     },
     Layer {
@@ -227,7 +241,7 @@ pub static LAYERS: [Layer; 40] = [
         name: "transmission_color",
         pass: "Transmission Color",
         channels: "RGB",
-        rule: Rule::Mean("first_colors(at).transmission"),
+        rule: Rule::Mean("colors.transmission"),
         help: "the colour of what it lets through",
     },
     Layer {
@@ -276,6 +290,16 @@ pub static LAYERS: [Layer; 40] = [
             names: |scene| (scene.materials.iter()).map(|m| m.name.as_str()).collect(),
         },
         help: "Cryptomatte: the same of materials",
+    },
+    Layer {
+        name: "crypto_asset",
+        pass: "CryptoAsset",
+        channels: "rgba",
+        rule: Rule::Ids {
+            wgsl: "instances[at.instance].asset",
+            names: |scene| scene.instances.iter().map(Instance::asset).collect(),
+        },
+        help: "Cryptomatte: the same of the topmost nodes that objects hang below",
     },
     Layer {
         name: "object_index",
@@ -369,6 +393,17 @@ impl Layer {
         }
     }
 
+    /// Whether its numbers are ids.
+    pub fn is_of_ids(&self) -> bool {
+        matches!(self.rule, Rule::Ids { .. })
+    }
+
+    /// Whether it is something to look at: colours, or how much of a pixel is covered.
+    pub fn is_color(&self) -> bool {
+        // A variance is the square of a colour.
+        ["RGB", "A"].contains(&self.channels) && self.name != "variance"
+    }
+
     /// Whether it is a part of the picture.
     pub fn is_light(&self) -> bool {
         matches!(self.rule, Rule::Light { .. })
@@ -424,6 +459,21 @@ pub fn known() -> Vec<&'static str> {
         .collect()
 }
 
+/// What is asked for by a name.
+///
+/// # Errors
+/// A name that no layer has.
+pub(super) fn of_name(name: &str) -> Result<Vec<&'static Layer>, UnknownLayer> {
+    let groups = || LAYERS.iter().filter(|layer| layer.light_group().is_some());
+    match (name, Layer::named(name)) {
+        (LIGHT_GROUPS, _) => Ok(groups().collect()),
+        (_, Some(layer)) => Ok(vec![layer]),
+        (_, None) => Err(UnknownLayer {
+            name: name.to_owned(),
+        }),
+    }
+}
+
 /// The layers of a film, each once, in the order of [`LAYERS`]: the picture, and what was asked for beside it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Layers {
@@ -439,16 +489,11 @@ impl Layers {
     pub fn named<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Self, UnknownLayer> {
         let mut wanted = Vec::new();
         for name in names {
-            if name == LIGHT_GROUPS {
-                wanted.extend(LAYERS.iter().filter(|layer| layer.light_group().is_some()));
-                continue;
-            }
-            let layer = Layer::named(name).ok_or_else(|| UnknownLayer {
-                name: name.to_owned(),
-            })?;
-            wanted.push(layer);
-            if let Rule::Light { color, .. } = layer.rule {
-                wanted.extend(color.and_then(Layer::named));
+            for layer in of_name(name)? {
+                wanted.push(layer);
+                if let Rule::Light { color, .. } = layer.rule {
+                    wanted.extend(color.and_then(Layer::named));
+                }
             }
         }
         let others = LAYERS[1..].iter();

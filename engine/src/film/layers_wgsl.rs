@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::layers::{LAYERS, Layers, Rule};
+use super::layers::{LAYERS, Layer, Layers, Rule};
 
 /// Constants that tell `film_layers/record.wgsl` and `light.wgsl` where the values of these layers go.
 pub(crate) fn record_constants(layers: &Layers) -> Vec<(&'static str, f64)> {
@@ -26,6 +26,16 @@ fn word_name(layer: &str) -> &'static str {
 /// `generated/film_layers.wgsl`: a function that records all layers of surfaces that are asked for.
 pub(crate) fn record_wgsl() -> String {
     let (mut words, mut body) = (String::new(), String::new());
+    for (name, kind) in SHARED {
+        let users = LAYERS.iter().filter(|layer| uses(layer, name));
+        let wanted: Vec<_> = users
+            .map(|layer| format!("{} != 0u", word_name(layer.name)))
+            .collect();
+        let wanted = wanted.join(" || ");
+        body += &format!(
+            "    var {name}: {kind};\n    if ({wanted}) {{\n        {name} = first_{name}(at);\n    }}\n"
+        );
+    }
     for layer in LAYERS.iter().filter(|layer| !layer.is_light()) {
         let Some(wgsl) = layer.wgsl() else { continue };
         let word = word_name(layer.name);
@@ -43,6 +53,19 @@ pub(crate) fn record_wgsl() -> String {
         body += "    }\n";
     }
     format!("{WORDS}{words}\nfn record_each(at: FirstSurface) {{\n{body}}}\n")
+}
+
+/// What several layers are made from: `NAME`, which the function `first_NAME` gives, and its type.
+const SHARED: [(&str, &str); 2] = [("normal", "vec3f"), ("colors", "FirstColors")];
+
+/// Whether a layer's expression names a value.
+fn uses(layer: &Layer, name: &str) -> bool {
+    let is_of_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let mut words = layer
+        .wgsl()
+        .into_iter()
+        .flat_map(|wgsl| wgsl.split(|c| !is_of_name(c)));
+    words.any(|word| word == name)
 }
 
 const WORDS: &str = "// Where the values of each layer lie in what is recorded of a path; 0: it is not asked for.\n";

@@ -2,6 +2,7 @@
 //! layer). Every picture of a film is written here, whoever asks for it.
 
 mod exr;
+mod form;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -13,9 +14,11 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use scene::view::View;
 
-use super::{Film, Layers, Origin};
+use super::{Crop, Film, Layers, Origin};
 use crate::aside;
 use crate::view::ViewEncoder;
+
+pub use form::{ALL_LAYERS, Compression, Form, FormError};
 
 /// Of 100: artefacts are below the noise of a render.
 const JPEG_QUALITY: u8 = 90;
@@ -27,7 +30,7 @@ pub enum Format {
     Png,
     /// The same, compressed with loss: a noisy picture takes a tenth of the room.
     Jpeg,
-    /// 32-bit linear Rec.709 floats, as rendered.
+    /// Linear Rec.709 floats, as rendered.
     Exr,
 }
 
@@ -60,7 +63,12 @@ pub struct Content<'a> {
     /// Whether the environment behind everything is left out, and files tell how much of each pixel is covered (but for JPEG, which
     /// can't). Of a film that has gathered [`TRANSPARENCY`].
     pub transparent: bool,
+    /// How EXR files hold it.
+    pub form: &'a Form,
 }
+
+/// How EXR files are written where nothing is said.
+static USUAL: Form = Form::USUAL;
 
 impl<'a> From<&'a Film> for Content<'a> {
     fn from(film: &'a Film) -> Self {
@@ -69,6 +77,7 @@ impl<'a> From<&'a Film> for Content<'a> {
             layers: film.layers(),
             denoised: None,
             transparent: false,
+            form: &USUAL,
         }
     }
 }
@@ -111,7 +120,22 @@ pub struct Metadata {
     facts: Vec<(&'static str, Fact)>,
     /// Of what layers of ids show, by layer.
     names: BTreeMap<String, Vec<String>>,
+    /// Where the film lies in a larger picture.
+    crop: Option<Crop>,
 }
+
+/// Settings that headers have by the names of the command line, in the order in which they are looked at.
+const TOLD: [(&str, &str); 9] = [
+    ("size", "patina:size"),
+    ("camera", "patina:camera"),
+    ("filter", "patina:filter"),
+    ("clamp", "patina:clamp"),
+    ("estimator", "patina:estimator"),
+    ("sampler", "patina:sampler"),
+    ("time", "patina:time"),
+    ("frame", "patina:frame"),
+    ("motion", "patina:motion"),
+];
 
 /// A value of an EXR header.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -139,8 +163,19 @@ impl Metadata {
             ("scene", Fact::Text(origin.scene.clone())),
         ];
         facts.extend(origin.look.clone().map(|look| ("look", Fact::Text(look))));
-        let names = origin.names.clone();
-        Self { facts, names }
+        let told = TOLD.into_iter().filter_map(|(setting, name)| {
+            let value = origin.setting(setting)?;
+            Some((name, Fact::Text(value.to_owned())))
+        });
+        facts.extend(told);
+        let crop = origin
+            .setting("crop")
+            .and_then(|crop| Crop::read(crop, setting("size"), film.width, film.height));
+        Self {
+            facts,
+            names: origin.names.clone(),
+            crop,
+        }
     }
 
     /// With the name of what has taken the noise out of it.

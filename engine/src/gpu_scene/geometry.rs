@@ -96,6 +96,19 @@ impl Geometry {
     }
 }
 
+/// Bytes of the heap of vertices of a scene whose textures read these attributes, but for the few tables in it.
+pub(super) fn vertex_bytes(scene: &Scene, attributes: &[String]) -> u64 {
+    let meshes = scene
+        .meshes
+        .iter()
+        .filter(|mesh| !mesh.triangles.is_empty());
+    let of = |mesh: &Mesh| {
+        let stride = VertexLayout::of(mesh, attributes).stride;
+        16 * u64::from(stride) * mesh.positions.len() as u64
+    };
+    meshes.map(of).sum()
+}
+
 impl MeshPlace {
     fn of(mesh: &Mesh, layout: &VertexLayout<'_>) -> Self {
         Self {

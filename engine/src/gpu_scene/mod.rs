@@ -3,6 +3,7 @@
 
 pub mod albedo;
 pub mod environment;
+mod estimate;
 mod geometry;
 pub mod host_traversal;
 pub mod images;
@@ -32,6 +33,7 @@ use self::{
     images::GpuImages, lights::LightTable, materials::GpuMaterial, update::Uploaded,
 };
 
+pub(crate) use self::estimate::bytes;
 use self::geometry::TRIANGLE_ALPHA;
 pub use self::geometry::{RayRules, ray_rules};
 pub(crate) use self::update::Update;
@@ -66,6 +68,10 @@ pub struct GpuInstance {
     handedness: f32,
     id: u32,
     source: u32,
+    asset: u32,
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
 }
 
 impl GpuInstance {
@@ -80,7 +86,11 @@ impl GpuInstance {
             root,
             handedness,
             id,
-            source
+            source,
+            asset,
+            unused_a,
+            unused_b,
+            unused_c
         ]
     }
 }
@@ -399,6 +409,10 @@ fn instances(scene: &Scene, bvh: &SceneBvh) -> Vec<GpuInstance> {
                 handedness: lights::handedness(&glam::Mat3::from(instance.transform.matrix3)),
                 id: name_id(&instance.name),
                 source,
+                asset: name_id(instance.asset()),
+                unused_a: 0,
+                unused_b: 0,
+                unused_c: 0,
             }
         })
         .collect()

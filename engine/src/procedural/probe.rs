@@ -30,6 +30,7 @@ impl Procedural {
                 name: "probe".to_owned(),
                 mesh: 0,
                 transform: glam::Affine3A::IDENTITY,
+                asset: None,
             }],
             materials: vec![Material {
                 name: "probe".to_owned(),

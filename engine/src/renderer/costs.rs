@@ -147,9 +147,11 @@ impl Renderer {
         };
         let of = |divisor: u32| {
             let side = |pixels: u32| (pixels / divisor).max(1);
+            let [columns, rows] = self.settings.whole();
             let settings = RenderSettings {
-                width: side(self.settings.width),
-                height: side(self.settings.height),
+                width: side(columns),
+                height: side(rows),
+                crop: None,
                 ..self.settings.clone()
             };
             Frame::new(&settings, self.capacity, &self.scene)

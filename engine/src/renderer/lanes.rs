@@ -127,6 +127,11 @@ impl Lanes {
         }
     }
 
+    /// How many there are.
+    pub(super) fn number(device: &Device, schedule: &dyn Schedule) -> u64 {
+        u64::from(Self::count(device, schedule))
+    }
+
     fn count(device: &Device, schedule: &dyn Schedule) -> u32 {
         match schedule.goes_in_rounds() {
             true => device.traits().lanes,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use device::{BoundKernel, Device, DeviceError, Kernel, KernelCost, Resources};
+use device::{BoundKernel, Buffer, Device, DeviceError, Kernel, KernelCost, Resources, Usage};
 use rayon::prelude::*;
 
 use crate::{
@@ -23,8 +23,8 @@ pub(super) struct Kernels {
     passes: &'static [&'static Pass],
     /// The pass that the users' functions are in.
     texture: &'static str,
-    /// Those that add to the planes of the film's layers.
-    sums: Vec<(Sum, Kernel)>,
+    /// What those that add to the planes of the film's layers are to do, one after the other.
+    sums: Vec<(Sum, Buffer)>,
 }
 
 impl Kernels {
@@ -47,20 +47,18 @@ impl Kernels {
             let activity = device.activity();
             activity.begin(|| compiling(procedural))
         });
-        let sums = layers.sums();
-        let sums = || {
-            let sums = sums.into_par_iter().map(|sum| {
-                let kernel = film_layers::sum_kernel(device, &sum)?;
-                Ok((sum, kernel))
-            });
-            sums.collect::<Result<_, DeviceError>>()
-        };
-        let (texture, (passes, sums)) = rayon::join(
+        let sums = layers.sums().into_iter().map(|sum| {
+            let words = film_layers::sum_words(&sum);
+            let bytes = bytemuck::cast_slice(&words);
+            let buffer = device.filled_buffer("a layer's sum", Usage::Uniform, bytes)?;
+            Ok((sum, buffer))
+        });
+        kernels.sums = sums.collect::<Result<_, DeviceError>>()?;
+        let (texture, passes) = rayon::join(
             || texture_kernel(device, features, procedural, schedule),
-            || rayon::join(|| kernels.missing(device, features), sums),
+            || kernels.missing(device, features),
         );
         kernels.by_name.extend(passes?);
-        kernels.sums = sums?;
         if let Some(kernel) = texture? {
             kernels.by_name.insert(kernels.texture, kernel);
         }
@@ -68,19 +66,26 @@ impl Kernels {
     }
 
     /// Compiles the passes that scenes with these features need and that aren't there, all but the generated one and those
-    /// that add to the film's layers.
+    /// that add to layers of which there are none.
     fn missing(
         &self,
         device: &Device,
         features: &SceneFeatures,
     ) -> Result<Vec<(&'static str, Kernel)>, DeviceError> {
-        let apart = [
-            self.texture,
-            film_layers::MEAN.name,
-            film_layers::MEANS.name,
-            film_layers::FIRST.name,
-            film_layers::IDS.name,
+        let adding = [
+            &film_layers::MEAN,
+            &film_layers::MEANS,
+            &film_layers::FIRST,
+            &film_layers::IDS,
         ];
+        let used: Vec<_> = self
+            .sums
+            .iter()
+            .map(|(sum, _)| film_layers::pass_of(sum).name)
+            .collect();
+        let adding = adding.iter().map(|pass| pass.name);
+        let mut apart: Vec<_> = adding.filter(|name| !used.contains(name)).collect();
+        apart.push(self.texture);
         let layers = layers_wgsl::record_constants(&self.layers);
         let is_missing = |pass: &&Pass| {
             let is_there = self.by_name.contains_key(pass.name) || apart.contains(&pass.name);
@@ -141,16 +146,27 @@ impl Kernels {
 
     pub(super) fn bind(&self, device: &Device, resources: &Resources) -> Bound {
         let mut by_name = BTreeMap::<&'static str, Vec<BoundKernel>>::new();
+        let names: Vec<_> = self
+            .sums
+            .iter()
+            .map(|(sum, _)| film_layers::pass_of(sum).name)
+            .collect();
         for (name, kernel) in &self.by_name {
-            by_name.insert(name, vec![kernel.bind(device, resources)]);
+            if !names.contains(name) {
+                by_name.insert(name, vec![kernel.bind(device, resources)]);
+            }
         }
-        for (sum, kernel) in &self.sums {
+        for (sum, words) in &self.sums {
+            let name = film_layers::pass_of(sum).name;
+            let Some(kernel) = self.by_name.get(name) else {
+                continue; // each has been compiled
+            };
             let mut resources = resources.clone();
+            resources.set_buffer("layer_sum", words.clone());
             for (name, plane) in film_layers::PLANES.into_iter().zip(&sum.planes) {
                 let buffer = resources.buffer(plane).clone();
                 resources.set_buffer(name, buffer);
             }
-            let name = film_layers::pass_of(sum).name;
             let bound = kernel.bind(device, &resources);
             by_name.entry(name).or_default().push(bound);
         }

@@ -59,6 +59,7 @@ impl Renderer {
         let layers = &self.settings.layers;
         allocate_film(&self.device, width, height, layers, &mut self.resources)?;
         (self.settings.width, self.settings.height) = (width, height);
+        self.settings.crop = None;
         self.bind();
         self.region = None;
         self.forget_guides();

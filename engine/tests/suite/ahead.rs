@@ -8,8 +8,12 @@ use device::native::{
 use engine::{gpu_scene::SceneFeatures, passes::wgsl::ComposedWgsl};
 
 /// Entry points and what their texts begin with.
-const KERNELS: [(&str, &str); 5] = [
+const KERNELS: [(&str, &str); 9] = [
     ("accumulate", "accumulate/entry.wgsl"),
+    ("accumulate_first", "film_layers/accumulate.wgsl"),
+    ("accumulate_ids", "film_layers/accumulate_ids.wgsl"),
+    ("accumulate_mean", "film_layers/accumulate.wgsl"),
+    ("accumulate_means", "film_layers/accumulate.wgsl"),
     ("brdf", "brdf/entry.wgsl"),
     ("raygen", "raygen/entry.wgsl"),
     ("traverse_closest", "traverse/entry.wgsl"),

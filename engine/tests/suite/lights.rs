@@ -254,6 +254,7 @@ fn zoo() -> Scene {
         mesh: 1,
         transform: Affine3A::from_translation(Vec3::new(-4.0, 1.0, 2.0))
             * Affine3A::from_scale(Vec3::new(-0.5, 1.0, 2.0)),
+        asset: None,
     });
     let mut numbers = Normal::new(3);
     for _ in 0..20 {

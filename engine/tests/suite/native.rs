@@ -299,6 +299,7 @@ fn room() -> Scene {
             name: String::new(),
             mesh: number,
             transform: Affine3A::IDENTITY,
+            asset: None,
         });
         scene.materials.push(Material {
             base_color: color.extend(1.0),

@@ -408,6 +408,7 @@ fn nothing_leaks_into_a_coarse_sphere() {
         name: "again".to_owned(),
         mesh: 0,
         transform: Affine3A::from_translation(Vec3::X * 1.7),
+        asset: None,
     });
     let camera = camera(
         Vec3::ZERO,

@@ -1,4 +1,4 @@
-//! OpenEXR: 32-bit floats, compressed without loss. A film of the picture alone has the channels R, G and B; one with
+//! OpenEXR: floats of 16 or 32 bits as the [`Form`](super::Form) says. A film of the picture alone has the channels R, G and B; one with
 //! layers is one part whose channels have the names that Blender 5 gives them.
 
 use std::io::{self, Seek, SeekFrom, Write};
@@ -6,13 +6,13 @@ use std::io::{self, Seek, SeekFrom, Write};
 use exr::error::Error;
 use exr::image::write::WritableImage;
 use exr::image::write::layers::WritableLayers;
-use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, SpecificChannels};
+use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
 use exr::math::Vec2;
-use exr::meta::attribute::{self, AttributeValue, Chromaticities, Text};
+use exr::meta::attribute::{self, AttributeValue, Chromaticities, IntegerBounds, Text};
 use exr::meta::header::{Header, LayerAttributes};
 
 use super::{Content, Fact, Metadata};
-use crate::film::{self, layers::Rule};
+use crate::film::{self, Layers, layers::Rule};
 
 /// What red, green, blue and white are.
 const REC709: Chromaticities = Chromaticities {
@@ -35,67 +35,91 @@ pub(super) fn write(
     content: &Content<'_>,
     metadata: &Metadata,
 ) -> io::Result<()> {
+    content
+        .form
+        .check(content.layers)
+        .map_err(io::Error::other)?;
     let film = content.film;
-    let (width, height) = (film.width as usize, film.height as usize);
-    let encoding = Encoding::SMALL_LOSSLESS;
-    if content.layers.is_picture_alone() && content.denoised.is_none() {
-        let mean = content.picture();
-        if let Some(alpha) = content.alpha() {
-            let pixel = |Vec2(x, y): Vec2<usize>| {
-                let at = y * width + x;
-                let [r, g, b] = mean[at];
-                (r, g, b, alpha[at])
+    let mut attributes = attributes(content, metadata);
+    let channels = match content.layers.is_picture_alone() && content.denoised.is_none() {
+        true => picture_alone(content),
+        false => {
+            let with_alpha = content.layers.with(["alpha"]);
+            let layers = match (content.transparent, &with_alpha) {
+                (true, Ok(layers)) => layers,
+                _ => content.layers,
             };
-            let channels = SpecificChannels::rgba(pixel);
-            let layer = Layer::new((width, height), attributes(metadata), encoding, channels);
-            let mut image = Image::from_layer(layer);
-            image.attributes.chromaticities = Some(REC709);
-            return write_image(file, &image);
+            let matte = layers.iter().flat_map(|layer| cryptomatte(layer, metadata));
+            attributes.other.extend(matte);
+            layered(content, layers, metadata)
         }
-        let pixel = |Vec2(x, y): Vec2<usize>| {
-            let [r, g, b] = mean[y * width + x];
-            (r, g, b)
-        };
-        let channels = SpecificChannels::rgb(pixel);
-        let layer = Layer::new((width, height), attributes(metadata), encoding, channels);
-        let mut image = Image::from_layer(layer);
-        image.attributes.chromaticities = Some(REC709);
-        return write_image(file, &image);
+    };
+    let channels = channels.into_iter();
+    let channels = channels.map(|(name, samples)| AnyChannel::new(latin1(&name), samples));
+    let encoding = Encoding {
+        compression: content.form.compression.packing(),
+        ..Encoding::SMALL_LOSSLESS
+    };
+    let size = (film.width as usize, film.height as usize);
+    // The format wants them sorted.
+    let channels = AnyChannels::sort(channels.collect());
+    let mut image = Image::from_layer(Layer::new(size, attributes, encoding, channels));
+    image.attributes.chromaticities = Some(REC709);
+    if let Some(crop) = metadata.crop {
+        let at = |place: u32| i32::try_from(place).unwrap_or_default();
+        let [columns, rows] = crop.whole;
+        // Sides are bounded, as the film's are.
+        image.layer_data.attributes.layer_position = Vec2(at(crop.left), at(crop.top));
+        image.attributes.display_window =
+            IntegerBounds::from_dimensions(Vec2(columns as usize, rows as usize));
     }
-    let mut channels = Vec::new();
-    let mut add = |name: &str, values| {
-        channels.push(AnyChannel::new(latin1(name), FlatSamples::F32(values)));
+    write_image(file, &image)
+}
+
+/// Channels by name.
+type Named = Vec<(String, FlatSamples)>;
+
+/// The picture, and its coverage where that is wanted.
+fn picture_alone(content: &Content<'_>) -> Named {
+    let of = |layer: &film::Layer, names: &[&str], channels| {
+        let samples = content.form.samples(layer, channels);
+        let names = names.iter().map(|&name| name.to_owned());
+        names.zip(samples).collect::<Named>()
     };
-    let with_alpha = content.layers.with(["alpha"]);
-    let layers = match (content.transparent, &with_alpha) {
-        (true, Ok(layers)) => layers,
-        _ => content.layers,
-    };
+    let mut channels = of(
+        &film::LAYERS[0],
+        &["R", "G", "B"],
+        split(&content.picture()),
+    );
+    if let (Some(alpha), Some(layer)) = (content.alpha(), film::Layer::named("alpha")) {
+        channels.extend(of(layer, &["A"], vec![alpha]));
+    }
+    channels
+}
+
+/// All layers by the names that Blender gives them.
+fn layered(content: &Content<'_>, layers: &Layers, metadata: &Metadata) -> Named {
+    let mut named = Named::new();
     for layer in layers.iter() {
-        let mut values = film.channels(layer).unwrap_or_default();
+        let mut channels = content.film.channels(layer).unwrap_or_default();
         let is_picture = *layer == film::LAYERS[0];
         if is_picture && content.transparent {
-            values = split(&content.rendered());
+            channels = split(&content.rendered());
         }
         if let (Some(denoised), true) = (content.denoised, is_picture) {
-            let noisy = std::mem::replace(&mut values, split(denoised));
-            let noisy = NOISY.into_iter().zip(noisy);
-            noisy.for_each(|(name, values)| add(name, values));
+            let noisy = std::mem::replace(&mut channels, split(denoised));
+            let noisy = content.form.samples(layer, noisy);
+            named.extend(NOISY.map(str::to_owned).into_iter().zip(noisy));
         }
-        for (name, values) in layer.channel_names().zip(values) {
-            add(&with_group(name, layer, metadata), values);
-        }
+        let samples = content.form.samples(layer, channels);
+        let names = layer.channel_names();
+        named.extend(
+            names
+                .map(|name| with_group(name, layer, metadata))
+                .zip(samples),
+        );
     }
-    // The format wants them sorted.
-    let channels = AnyChannels::sort(channels.into_iter().collect());
-    let mut attributes = attributes(metadata);
-    attributes
-        .other
-        .extend(layers.iter().flat_map(|layer| cryptomatte(layer, metadata)));
-    let layer = Layer::new((width, height), attributes, encoding, channels);
-    let mut image = Image::from_layer(layer);
-    image.attributes.chromaticities = Some(REC709);
-    write_image(file, &image)
+    named
 }
 
 /// A channel's name with that of the group of lights that its layer is of.
@@ -154,7 +178,7 @@ fn manifest(names: &[String]) -> String {
     escaped
 }
 
-fn attributes(metadata: &Metadata) -> LayerAttributes {
+fn attributes(content: &Content<'_>, metadata: &Metadata) -> LayerAttributes {
     let mut attributes = LayerAttributes {
         software_name: Some(latin1(concat!("patina ", env!("CARGO_PKG_VERSION")))),
         ..LayerAttributes::default()
@@ -165,6 +189,18 @@ fn attributes(metadata: &Metadata) -> LayerAttributes {
             Fact::Text(text) => AttributeValue::Text(latin1(text)),
         };
         attributes.other.insert(latin1(name), value);
+    }
+    for (name, value) in &content.form.facts {
+        let value = latin1(value);
+        match name.as_str() {
+            "owner" => attributes.owner = Some(value),
+            "comments" => attributes.comments = Some(value),
+            "capDate" => attributes.capture_date = Some(value),
+            _ => {
+                let value = AttributeValue::Text(value);
+                attributes.other.insert(latin1(name), value);
+            }
+        }
     }
     attributes
 }
@@ -209,7 +245,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::film::write::TRANSPARENCY;
+    use crate::film::write::{Compression, Form, TRANSPARENCY};
     use crate::film::{Film, Layers, Origin};
 
     fn film(layers: Layers) -> Film {
@@ -233,13 +269,30 @@ mod tests {
         let names = ["crypto_object".to_owned()]
             .map(|layer| (layer, vec!["Tür".to_owned(), "世".to_owned()]));
         let names = names.into();
-        Metadata { facts, names }
+        Metadata {
+            facts,
+            names,
+            crop: None,
+        }
     }
 
     fn written<'a>(content: impl Into<Content<'a>>) -> Vec<u8> {
         let mut file = io::Cursor::new(Vec::new());
         write(&mut file, &content.into(), &metadata()).expect("memory takes everything");
         file.into_inner()
+    }
+
+    /// Every bit.
+    fn float() -> Form {
+        Form::new(Compression::Zip, &[""; 0], &["all"]).expect("a form")
+    }
+
+    fn in_floats(film: &Film) -> Vec<u8> {
+        let content = Content {
+            form: &float(),
+            ..Content::from(film)
+        };
+        written(content)
     }
 
     /// The channels of a file by name, and its facts.
@@ -260,7 +313,7 @@ mod tests {
     #[test]
     fn a_picture_keeps_every_bit_and_says_how_it_was_made() {
         let film = film(Layers::default());
-        let (channels, attributes) = read(&written(&film));
+        let (channels, attributes) = read(&in_floats(&film));
         let names: Vec<_> = channels.keys().map(String::as_str).collect();
         assert_eq!(names, ["B", "G", "R"]);
         for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
@@ -278,8 +331,8 @@ mod tests {
     #[test]
     fn layers_have_the_names_of_blender() {
         let film = film(Layers::all());
-        let (channels, attributes) = read(&written(&film));
-        let layers_of_ids = 2;
+        let (channels, attributes) = read(&in_floats(&film));
+        let layers_of_ids = 3;
         // One of them has a manifest.
         let facts = metadata().facts.len() + 3 * layers_of_ids + 1;
         assert_eq!(attributes.other.len(), facts);
@@ -348,6 +401,7 @@ mod tests {
                 layers,
                 denoised: Some(&denoised),
                 transparent: false,
+                form: &float(),
             };
             let (channels, _) = read(&written(content));
             for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
@@ -395,6 +449,62 @@ mod tests {
                 assert_eq!(channels[&format!("{prefix}{letter}")], [0.0, 0.25]);
             }
             assert_eq!(channels[&format!("{prefix}A")], [0.0, 0.5]);
+        }
+    }
+
+    #[test]
+    fn a_part_lies_in_its_place_in_the_whole() {
+        let film = film(Layers::default());
+        let setting = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+        let settings = vec![setting("size", "40x20"), setting("crop", "10,4,3,2")];
+        let origin = Origin::new("", Path::new(""), None, settings);
+        let mut file = io::Cursor::new(Vec::new());
+        let metadata = Metadata::new(&film, &origin);
+        write(&mut file, &Content::from(&film), &metadata).expect("written");
+        let meta = exr::meta::MetaData::read_from_buffered(&file.into_inner()[..], true);
+        let header = meta.expect("read").headers.remove(0);
+        let window = header.shared_attributes.display_window;
+        assert_eq!((window.position, window.size), (Vec2(0, 0), Vec2(40, 20)));
+        assert_eq!(header.own_attributes.layer_position, Vec2(10, 4));
+        assert_eq!(header.layer_size, Vec2(3, 2));
+    }
+
+    #[test]
+    fn files_are_packed_in_every_way() {
+        let layers = Layers::named(["depth", "normal", "variance"]).expect("known");
+        // No multiple of the blocks of any of them.
+        let (width, height) = (37, 41);
+        let mut film = Film::with_layers(width, height, layers);
+        for pixel in 0..film.pixels() {
+            let value = 0.5 + 0.4 * (0.1 * pixel as f32).sin();
+            film.add_sample(pixel, [value, 0.5 * value, 0.25]);
+            film.add_surface(pixel, 0, |_| [value, 0.0, 1.0]);
+            film.add_sample(pixel, [value, 0.25, 0.25]);
+        }
+        for compression in Compression::ALL {
+            let form = Form::new(compression, &[""; 0], &[""; 0]).expect("a form");
+            let form = form.with_fact("owner", "Studio").expect("free");
+            let form = form.with_fact("shot", "0420").expect("free");
+            let content = Content {
+                form: &form,
+                ..Content::from(&film)
+            };
+            let (channels, attributes) = read(&written(content));
+            assert_eq!(attributes.owner, Some(Text::from("Studio")));
+            let shot = attributes.other.get(&Text::from("shot"));
+            assert_eq!(shot, Some(&AttributeValue::Text(Text::from("0420"))));
+            // Halves are as near as they can be; what loses more is near enough to be looked at.
+            let is_lossy = ["b44", "b44a", "dwaa", "dwab"].contains(&compression.name());
+            let tolerance = if is_lossy { 0.05 } else { 1e-3 };
+            for name in ["combined", "depth", "normal", "variance"] {
+                let layer = crate::film::Layer::named(name).expect("known");
+                let expected = film.channels(layer).expect("gathered");
+                for (channel, expected) in layer.channel_names().zip(expected) {
+                    let is_near = |(a, b): (&f32, &f32)| a == b || (a - b).abs() <= tolerance;
+                    let mut pairs = channels[&channel].iter().zip(&expected);
+                    assert!(pairs.all(is_near), "{compression:?} {channel}");
+                }
+            }
         }
     }
 

@@ -4,6 +4,7 @@
 //!include shared/filter.wgsl
 //!include shared/exact_sums.wgsl
 //!include film_layers/samples.wgsl
+//!include film_layers/sum.wgsl
 //!include film_layers/pixel.wgsl
 
 // Of each pixel a sum of 96 bits and a spare word, or a sample's number plus 1, 0 for none, and its numbers. Ids have a
@@ -12,12 +13,6 @@
 // The second and third channel of a colour or a vector.
 @group(0) @binding(44) var<storage, read_write> layer_film1: array<vec4u>;
 @group(0) @binding(45) var<storage, read_write> layer_film2: array<vec4u>;
-
-// Where its numbers lie in a path's record, and how many there are.
-override sum_word: u32 = 1u;
-override sum_words: u32 = 1u;
-// Whether only paths that have met a surface have a value.
-override sum_of_surfaces: bool = true;
 
 // A number that isn't finite would spoil its pixel for good.
 fn finite_sample(word: u32, slot: u32) -> f32 {
@@ -51,8 +46,8 @@ fn accumulate_mean(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgro
     let end = last_slot(first);
     var words = layer_film[at];
     for (var slot = first; slot < end; slot += frame.padded_pixels) {
-        let value = finite_sample(sum_word, slot);
-        if (value != 0.0 && (!sum_of_surfaces || layer_sample(0u, slot) != 0.0)) {
+        let value = finite_sample(layer_sum.word, slot);
+        if (value != 0.0 && (layer_sum.of_surfaces == 0u || layer_sample(0u, slot) != 0.0)) {
             words = with_sample(words, value * sample_weight(slot));
         }
     }
@@ -64,17 +59,24 @@ fn accumulate_mean(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgro
 fn accumulate_means(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
                     @builtin(local_invocation_index) local: u32) {
     let first = thread_index(workgroup, workgroups, local);
-    let at = own_pixel(first);
-    if (at == NO_PIXEL) {
+    if (first >= min(frame.wave_size, frame.padded_pixels)) {
         return;
     }
-    let end = last_slot(first);
+    var at = NO_PIXEL;
+    var end = frame.wave_size;
     for (var slot = first; slot < end; slot += frame.padded_pixels) {
-        let value = vec3f(finite_sample(sum_word, slot), finite_sample(sum_word + 1u, slot),
-            finite_sample(sum_word + 2u, slot));
-        // Most parts of the light are black most of the time: then nothing of the film is touched.
-        if (all(value == vec3f(0.0)) || (sum_of_surfaces && layer_sample(0u, slot) == 0.0)) {
+        let value = vec3f(finite_sample(layer_sum.word, slot), finite_sample(layer_sum.word + 1u, slot),
+            finite_sample(layer_sum.word + 2u, slot));
+        // Most parts of the light are black most of the time: then nothing of the film is touched, nor its place worked out.
+        if (all(value == vec3f(0.0)) || (layer_sum.of_surfaces != 0u && layer_sample(0u, slot) == 0.0)) {
             continue;
+        }
+        if (at == NO_PIXEL) {
+            at = own_pixel(first);
+            end = last_slot(first);
+            if (at == NO_PIXEL || slot >= end) {
+                return;
+            }
         }
         let weighed = value * sample_weight(slot);
         layer_film[at] = with_sample(layer_film[at], weighed.x);
@@ -93,18 +95,18 @@ fn accumulate_first(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     }
     var words = layer_film[at];
     let end = last_slot(first);
-    var number = path_id(first).number;
+    var number = own_sample(first);
     for (var slot = first; slot < end; slot += frame.padded_pixels) {
         number += 1u;
         if (layer_sample(0u, slot) == 0.0 || (words.x != 0u && words.x < number)) {
             continue;
         }
-        var values = vec3f(finite_sample(sum_word, slot), 0.0, 0.0);
-        if (sum_words > 1u) {
-            values.y = finite_sample(sum_word + 1u, slot);
+        var values = vec3f(finite_sample(layer_sum.word, slot), 0.0, 0.0);
+        if (layer_sum.words > 1u) {
+            values.y = finite_sample(layer_sum.word + 1u, slot);
         }
-        if (sum_words > 2u) {
-            values.z = finite_sample(sum_word + 2u, slot);
+        if (layer_sum.words > 2u) {
+            values.z = finite_sample(layer_sum.word + 2u, slot);
         }
         words = vec4u(number, bitcast<vec3u>(values));
     }

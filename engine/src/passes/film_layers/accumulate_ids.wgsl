@@ -1,6 +1,7 @@
 // Counts the samples of a wave by what they met, in the planes of a layer of ids. One thread owns a pixel.
 //!include shared/frame.wgsl
 //!include film_layers/samples.wgsl
+//!include film_layers/sum.wgsl
 //!include film_layers/pixel.wgsl
 
 // Two ids and their numbers of samples each, ascending from the first to the last plane; 0 where there is none.
@@ -11,9 +12,6 @@
 
 // Most ids of a pixel; `film/ids.rs` has the same number.
 const IDS = 8u;
-
-// Where the layer's id lies in a path's record.
-override sum_word: u32 = 1u;
 
 @compute @workgroup_size(64)
 fn accumulate_ids(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
@@ -34,7 +32,7 @@ fn accumulate_ids(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
             continue;
         }
         // Moves what is larger up by one. What finds no room is dropped: the largest.
-        var carried = vec2u(bitcast<u32>(layer_sample(sum_word, slot)), 1u);
+        var carried = vec2u(bitcast<u32>(layer_sample(layer_sum.word, slot)), 1u);
         for (var i = 0u; i < IDS && carried.x != 0u; i += 1u) {
             let here = counts[i];
             if (here.x == carried.x) {

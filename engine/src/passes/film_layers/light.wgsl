@@ -10,6 +10,10 @@
 //!include generated/film_light.wgsl
 
 fn layer_add(word: u32, slot: u32, value: vec3f) {
+    // A piece of light belongs to few of the layers, and to the others nothing is added.
+    if (all(value == vec3f(0.0))) {
+        return;
+    }
     layer_sample_set(word, slot, layer_sample(word, slot) + value.x);
     layer_sample_set(word + 1u, slot, layer_sample(word + 1u, slot) + value.y);
     layer_sample_set(word + 2u, slot, layer_sample(word + 2u, slot) + value.z);

@@ -1,10 +1,8 @@
 //! The layers of a film beside the picture: what the first surface of each path gives to them is recorded in each round,
 //! and added to their planes at the end of a wave, sum by sum. One thread per path.
 //!
-//! What a layer is, its declaration says ([`crate::film::layers`]): the film makes WGSL of all of them, and constants tell a kernel
-//! which are asked for.
-
-use device::{Device, DeviceError, Kernel, Trust};
+//! What a layer is, its declaration says ([`crate::film::layers`]): the film makes WGSL of all of them, and constants tell the kernels
+//! that record which are asked for. Those that add know it by a uniform, so that they can come compiled with the program.
 
 use crate::{
     film::layers::{Rule, Sum},
@@ -58,7 +56,7 @@ pub const MEAN: Pass = Pass {
     name: "accumulate_mean",
     file: "film_layers/accumulate.wgsl",
     work: Work::Paths,
-    reads: &["frame", "layer_samples"],
+    reads: &["frame", "layer_samples", "layer_sum"],
     writes: &["layer_film"],
     exists: |features| features.film_layers,
 };
@@ -98,17 +96,7 @@ pub(crate) fn pass_of(sum: &Sum) -> &'static Pass {
     }
 }
 
-/// Compiles the kernel that adds to a layer's planes.
-///
-/// # Errors
-/// If the driver refuses it.
-pub(crate) fn sum_kernel(device: &Device, sum: &Sum) -> Result<Kernel, DeviceError> {
-    let pass = pass_of(sum);
-    let constants = [
-        ("sum_word", f64::from(sum.word)),
-        ("sum_words", f64::from(sum.words)),
-        ("sum_of_surfaces", f64::from(u8::from(sum.is_of_surfaces))),
-    ];
-    let source = pass.source();
-    source.compile(device, pass.name, Trust::All, &constants)
+/// `LayerSum` in `film_layers/sum.wgsl`.
+pub(crate) fn sum_words(sum: &Sum) -> [u32; 4] {
+    [sum.word, sum.words, u32::from(sum.is_of_surfaces), 0]
 }

@@ -8,15 +8,31 @@ fn own_pixel(first: u32) -> u32 {
     if (first >= min(frame.wave_size, frame.padded_pixels)) {
         return NO_PIXEL;
     }
-    let pixel = pixel_coordinates(path_id(first).pixel);
+    // Both numbers are below `padded_pixels`: no division is needed, as it is for other slots.
+    let linear = frame.first_pixel + first;
+    let padded = select(linear, linear - frame.padded_pixels, linear >= frame.padded_pixels);
+    let pixel = pixel_coordinates(padded);
     return select(NO_PIXEL, pixel.y * frame.width + pixel.x, is_rendered(pixel));
+}
+
+// The sample of a thread's first slot.
+fn own_sample(first: u32) -> u32 {
+    if (frame.has_lot != 0u) {
+        return path_id(first).number;
+    }
+    return frame.first_sample + u32(frame.first_pixel + first >= frame.padded_pixels);
 }
 
 // Behind the last slot of the wave whose path is of this job: a pixel's next sample is `padded_pixels` slots further on.
 fn last_slot(first: u32) -> u32 {
-    let sample = path_id(first).number;
-    let left = select(frame.sample_limit - sample, 0u, sample >= frame.sample_limit);
+    let sample = own_sample(first);
+    if (sample >= frame.sample_limit) {
+        return first;
+    }
+    if (first + frame.padded_pixels >= frame.wave_size) {
+        return first + 1u;
+    }
     // Those that are left may be more than slots can be counted.
     let rounds = (frame.wave_size - first + frame.padded_pixels - 1u) / frame.padded_pixels;
-    return min(frame.wave_size, first + min(left, rounds) * frame.padded_pixels);
+    return min(frame.wave_size, first + min(frame.sample_limit - sample, rounds) * frame.padded_pixels);
 }

@@ -23,6 +23,10 @@ fn first_normal(at: FirstSurface) -> vec3f {
     return shading_normal_at(at.slot, at.driven, at.material, at.surface, at.instance, texels[TEXTURE_NORMAL]);
 }
 
+fn in_camera_axes(v: vec3f) -> vec3f {
+    return vec3f(dot(v, frame.camera_right), dot(v, frame.camera_up), dot(v, frame.camera_back));
+}
+
 fn first_base_color(at: FirstSurface) -> vec3f {
     let texels = material_textures(at.material, 1u << TEXTURE_BASE_COLOR, at.surface.triangle, at.surface.weights);
     return base_color_at(at.slot, at.driven, at.material, at.surface, texels[TEXTURE_BASE_COLOR]);
@@ -39,7 +43,9 @@ fn first_colors(at: FirstSurface) -> FirstColors {
     if ((materials[at.material].flags & MATERIAL_UNLIT) != 0u) {
         return FirstColors(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     }
-    let texels = material_textures(at.material, 0xffffffffu, at.surface.triangle, at.surface.weights);
+    let wanted = (1u << TEXTURE_BASE_COLOR) | (1u << TEXTURE_METALLIC_ROUGHNESS) | (1u << TEXTURE_SPECULAR)
+        | (1u << TEXTURE_SPECULAR_COLOR);
+    let texels = material_textures(at.material, wanted, at.surface.triangle, at.surface.weights);
     let base = saturate(base_color_at(at.slot, at.driven, at.material, at.surface, texels[TEXTURE_BASE_COLOR]));
     let metallic = saturate(metallic_at(at.slot, at.driven, at.material, texels[TEXTURE_METALLIC_ROUGHNESS]));
     var transmission = 0.0;

@@ -167,7 +167,7 @@ fn patina_global_SampleIndex() -> vec4f {
 }
 
 fn patina_global_Resolution() -> vec4f {
-    let size = vec2f(f32(frame.width), f32(frame.height));
+    let size = whole_size();
     return vec4f(size, 1.0 / size);
 }
 

@@ -60,7 +60,7 @@ fn start_path(slot: u32) {
     let path = path_id(slot);
     let pixel = pixel_coordinates(path.pixel);
     // Parallel rays are as wide as a pixel from the start.
-    let width = select(0.0, 2.0 * frame.half_height / f32(frame.height), frame.orthographic != 0u);
+    let width = select(0.0, 2.0 * frame.half_height / whole_size().y, frame.orthographic != 0u);
     path_write(PATH_RADIANCE, slot, vec4f(0.0, 0.0, 0.0, width));
     path_write(PATH_LIGHT, slot, vec4f(0.0));
     path_set_words(PATH_STATE, slot, vec4u(0u));
@@ -71,9 +71,9 @@ fn start_path(slot: u32) {
         // Padding of a block at the border, or a part that nobody looks at.
         return;
     }
-    let size = vec2f(f32(frame.width), f32(frame.height));
+    let size = whole_size();
     let place = random4(path, DIMENSION_CAMERA, GROUP_CAMERA);
-    let film = vec2f(pixel) + 0.5 + vec2f(filter_offset(place.x), filter_offset(place.y));
+    let film = vec2f(place_in_whole(pixel)) + 0.5 + vec2f(filter_offset(place.x), filter_offset(place.y));
     let ndc = vec2f(2.0 * film.x - size.x, size.y - 2.0 * film.y) / size.y * frame.half_height;
     var origin: vec3f;
     var direction: vec3f; // in the camera's frame

@@ -52,7 +52,11 @@ struct Frame {
     environment_group: u32, // of lights
     has_halves: u32, // whether samples come in two halves that know nothing of each other, see `path_id`
     has_lot: u32, // whether the wave's blocks are those of `lot`, not neighbours in the picture
-    unused: u32,
+    crop_min: u32, // column | row << 16 of the film's first pixel in the whole picture
+    crop_whole: u32, // columns | rows << 16 of the whole
+    crop_blocks_x: u32, // blocks in a row of the whole; 0 where the film is the whole
+    unused_a: u32,
+    unused_b: u32,
     sobol: array<vec4u, 384>, // what four bits of an index add to three groups of four dimensions, see sobol.rs
     lot: array<vec4u, 2048>, // two in each: a block of the picture, and the first of the samples that it gets
 }
@@ -82,7 +86,7 @@ fn path_id(slot: u32) -> PathId {
         number += block.y;
     }
     // Both are hashed: a plain `pixel ^ seed` would give another seed the same picture with its pixels swapped.
-    let key = hash2(hash(pixel), frame.seed);
+    let key = hash2(hash(number_in_whole(pixel)), frame.seed);
     if (frame.has_halves == 0u) {
         return PathId(pixel, number, number, key);
     }
@@ -104,12 +108,37 @@ fn compact_bits(x: u32) -> u32 {
     return v;
 }
 
-// Column and row of a padded pixel: blocks row by row, Morton order inside a block.
+// Column and row of a padded pixel in the film: blocks row by row, Morton order inside a block.
 fn pixel_coordinates(pixel: u32) -> vec2u {
     let block = pixel >> 6u;
     let inside = pixel & 63u;
-    let corner = vec2u(block % frame.blocks_x, block / frame.blocks_x) * 8u;
+    let row = block / frame.blocks_x;
+    let corner = vec2u(block - row * frame.blocks_x, row) * 8u;
     return corner + vec2u(compact_bits(inside), compact_bits(inside >> 1u));
+}
+
+// Column and row in the whole picture of what lies there in the film.
+fn place_in_whole(pixel: vec2u) -> vec2u {
+    return pixel + vec2u(frame.crop_min & 0xffffu, frame.crop_min >> 16u);
+}
+
+fn whole_size() -> vec2f {
+    return vec2f(f32(frame.crop_whole & 0xffffu), f32(frame.crop_whole >> 16u));
+}
+
+// The opposite of `compact_bits`, of three bits.
+fn spread_bits(x: u32) -> u32 {
+    return (x & 1u) | ((x & 2u) << 1u) | ((x & 4u) << 2u);
+}
+
+// The padded pixel of the whole picture that a padded pixel of the film is: it has the same random numbers in both.
+fn number_in_whole(pixel: u32) -> u32 {
+    if (frame.crop_blocks_x == 0u) {
+        return pixel;
+    }
+    let place = place_in_whole(pixel_coordinates(pixel));
+    let block = (place.y / 8u) * frame.crop_blocks_x + place.x / 8u;
+    return (block << 6u) | spread_bits(place.x & 7u) | (spread_bits(place.y & 7u) << 1u);
 }
 
 // Whether paths start in a pixel: it lies in the picture, and in the part of it that is asked for.

@@ -33,6 +33,11 @@ struct Instance {
     handedness: f32, // sign of the determinant
     id: u32, // of its name
     source: u32, // index of the instance in the scene
+    asset: u32, // of the name of the whole that it is a piece of
+    // Padding: the maps are 16-byte words.
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
 }
 
 @group(0) @binding(13) var<storage, read> instances: array<Instance>;

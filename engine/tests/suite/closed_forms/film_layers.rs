@@ -98,7 +98,11 @@ fn a_floor_from_above_is_known_in_all_layers() {
     }
     for at in 0..film.pixels() {
         near(values(&film, "depth")[at], Vec3::X * 3.0, "depth");
+        near(values(&film, "denoising_depth")[at], Vec3::X * 3.0, "depth");
         near(values(&film, "normal")[at], Vec3::Y, "normal");
+        // It faces the camera.
+        let normal = values(&film, "denoising_normal")[at];
+        near(normal, Vec3::Z, "normal as the camera sees it");
         near(values(&film, "albedo")[at], color, "albedo");
         near(values(&film, "emission")[at], emission, "emission");
         near(values(&film, "samples")[at], Vec3::X * 16.0, "samples");
@@ -321,6 +325,10 @@ fn stripes(names: &[String], width: f32) -> Scene {
     for (instance, name) in scene.instances.iter_mut().zip(names) {
         instance.name.clone_from(name);
     }
+    // But for the first two they hang in pairs below nodes.
+    for (at, instance) in scene.instances.iter_mut().enumerate().skip(2) {
+        instance.asset = Some(format!("pair {}", at / 2).into());
+    }
     // Two stripes are of one material each.
     for (at, material) in scene.materials.iter_mut().enumerate() {
         material.name = format!("of {}", at / 2);
@@ -364,15 +372,19 @@ fn ids_cover_what_they_are_known_to_cover() {
             );
         }
     }
-    for (pixel, found) in covered(&film, "crypto_material").iter().enumerate() {
-        for material in 0..3 {
-            let id = engine::scene::name_id(&format!("of {material}"));
-            let found: f32 = (found.iter().filter(|c| c.id == id).map(|c| c.share)).sum();
-            let stripes = (2 * material..5).take(2);
-            let expected: f32 = stripes.map(|stripe| share(stripe, pixel % 4)).sum();
-            assert!((found - expected).abs() <= 4.0 / 1024.0, "{material}");
+    let pairs = |layer: &str, word: &str, pairs: std::ops::Range<usize>| {
+        for (pixel, found) in covered(&film, layer).iter().enumerate() {
+            for pair in pairs.clone() {
+                let id = engine::scene::name_id(&format!("{word} {pair}"));
+                let found: f32 = (found.iter().filter(|c| c.id == id).map(|c| c.share)).sum();
+                let stripes = (2 * pair..5).take(2);
+                let expected: f32 = stripes.map(|stripe| share(stripe, pixel % 4)).sum();
+                assert!((found - expected).abs() <= 4.0 / 1024.0, "{word} {pair}");
+            }
         }
-    }
+    };
+    pairs("crypto_material", "of", 0..3);
+    pairs("crypto_asset", "pair", 1..3);
 }
 
 #[test]

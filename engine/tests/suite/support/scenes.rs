@@ -106,6 +106,7 @@ pub(crate) fn add(scene: &mut Scene, mut mesh: Mesh, material: Material) {
         name: mesh.name.clone(),
         mesh: u32::try_from(scene.meshes.len()).expect("tests have few meshes"),
         transform: Affine3A::IDENTITY,
+        asset: None,
     });
     scene.meshes.push(mesh);
 }

@@ -10,6 +10,8 @@ use gltf::json;
 pub(super) struct Nodes {
     /// Node to world; may hold anything, also infinities.
     pub(super) world: Vec<DAffine3>,
+    /// The topmost node above each, which may be itself.
+    pub(super) tops: Vec<usize>,
     /// Nodes of the rendered scene, parents before children.
     pub(super) visible: Vec<usize>,
     /// The rendered scene, where the file has any.
@@ -38,7 +40,9 @@ pub(super) fn resolve(
         let node = reached.iter().position(|reached| !reached).unwrap_or(0);
         return Err("is its own ancestor".to_owned()).at(&document.path, || describe(root, node));
     }
+    let mut topmost: Vec<usize> = (0..root.nodes.len()).collect();
     for &node in &order {
+        topmost[node] = parents[node].map_or(node, |parent| topmost[parent]);
         let parent = parents[node].map_or(placement, |parent| world[parent]);
         let local = local_transform(&root.nodes[node], places.of(node)).unwrap_or_else(|problem| {
             warnings.push(format!("{}: {problem}", describe(root, node)));
@@ -71,6 +75,7 @@ pub(super) fn resolve(
     };
     Ok(Nodes {
         world,
+        tops: topmost,
         visible,
         scene,
     })

@@ -172,6 +172,7 @@ fn list(
     let mut requests = Vec::new();
     let mut numbers: HashMap<Request, u32> = HashMap::new();
     let mut instances = Vec::new();
+    let mut assets: HashMap<usize, Arc<str>> = HashMap::new();
     for &index in &nodes.visible {
         let node = &root.nodes[index];
         let Some(mesh) = node.mesh else {
@@ -195,6 +196,18 @@ fn list(
         }
         check_count(&document.path, before + instances.len() + usable.len())?;
         let name = node.name.clone().unwrap_or_else(|| format!("node {index}"));
+        // All pieces share the text.
+        let top = nodes.tops[index];
+        let asset = (top != index).then(|| {
+            let names = assets.entry(top);
+            let name = || {
+                root.nodes[top]
+                    .name
+                    .clone()
+                    .unwrap_or_else(|| format!("node {top}"))
+            };
+            Arc::clone(names.or_insert_with(|| name().into()))
+        });
         document
             .budget
             .take(usable.len() as u64, name.len() as u64)
@@ -215,6 +228,7 @@ fn list(
             name: name.clone(),
             mesh: number,
             transform,
+            asset: asset.clone(),
         }));
     }
     Ok((requests, instances))

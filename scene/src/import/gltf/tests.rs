@@ -507,6 +507,30 @@ fn morph_targets_are_applied_at_their_default_weights() {
 }
 
 #[test]
+fn pieces_know_the_topmost_node_above_them() {
+    let mut tree = square();
+    tree["nodes"] = json!([
+        { "name": "car", "children": [1] },
+        { "mesh": 0, "children": [2] },
+        { "name": "wheel", "mesh": 0 },
+        { "name": "tree", "mesh": 0 },
+        { "children": [5] },
+        { "name": "lost", "mesh": 0 },
+    ]);
+    tree["scenes"] = json!([{ "nodes": [0, 3, 4] }]);
+    tree["scene"] = 0.into();
+    let scene = scene(tree);
+    let assets = scene.instances.iter().map(|i| (i.name.as_str(), i.asset()));
+    let expected = [
+        ("node 1", "car"),
+        ("wheel", "car"),
+        ("tree", "tree"),
+        ("lost", "node 4"),
+    ];
+    assert_eq!(assets.collect::<Vec<_>>(), expected);
+}
+
+#[test]
 fn only_the_default_scene_is_shown_and_its_environment_read() {
     let mut tree = square();
     tree["nodes"] = json!([{ "mesh": 0 }, { "mesh": 0, "name": "shown" }]);

@@ -1,0 +1,89 @@
+//! What a render will take, known before anything is allocated.
+
+use device::Device;
+
+use crate::{
+    film::{self, Layers},
+    gpu_scene,
+    procedural::Procedural,
+    scene::Scene,
+    schedule::Wavefront,
+    settings::RenderSettings,
+    wave::{PathBytes, QUEUE_HEADER, SPLIT_WORDS},
+};
+
+use super::lanes::Lanes;
+use super::most_paths;
+
+/// Bytes on a device.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct DeviceMemory {
+    /// The picture's sums.
+    pub film: u64,
+    /// The layers beside it.
+    pub layers: u64,
+    /// Geometry, materials, lights, images: about so much.
+    pub scene: u64,
+    /// The paths of a wave.
+    pub paths: u64,
+}
+
+impl DeviceMemory {
+    /// What a render takes on a device.
+    pub fn of(
+        device: &Device,
+        scene: &Scene,
+        procedural: &Procedural,
+        settings: &RenderSettings,
+    ) -> Self {
+        let (picture, layers) = film_bytes(settings);
+        Self {
+            film: picture,
+            layers,
+            scene: gpu_scene::bytes(device, scene, &procedural.reads()),
+            paths: paths(device, procedural, &settings.layers),
+        }
+    }
+
+    /// All of it.
+    pub fn total(&self) -> u64 {
+        self.film + self.layers + self.scene + self.paths
+    }
+}
+
+/// Bytes of a film as it is gathered: the picture's, and those of its layers.
+fn film_bytes(settings: &RenderSettings) -> (u64, u64) {
+    let plane = 16 * u64::from(settings.width) * u64::from(settings.height);
+    let planes = settings.layers.buffers().len() as u64;
+    let of_picture = film::PICTURE_PLANES.len() as u64;
+    (plane * of_picture, plane * (planes - of_picture))
+}
+
+/// Bytes of a film's copy in the program, which is what files are written from.
+pub fn snapshot_bytes(settings: &RenderSettings) -> u64 {
+    let (picture, layers) = film_bytes(settings);
+    picture + layers
+}
+
+/// Bytes of what an EXR file of these layers is packed from.
+pub fn file_bytes(settings: &RenderSettings, layers: &Layers) -> u64 {
+    let channels: usize = layers.iter().map(|layer| layer.channel_count()).sum();
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    // The numbers as they are, and as they are packed; and those of the layer that is being worked out.
+    let single = size_of::<f32>() as u64;
+    pixels * single * (2 * channels as u64 + 2 * film::layers::MAX_CHANNELS as u64)
+}
+
+/// Bytes of the paths under way: a device with lanes has as much for each of them, and once more for what runs beside.
+fn paths(device: &Device, procedural: &Procedural, layers: &Layers) -> u64 {
+    let schedule = Wavefront;
+    let capacity = Lanes::capacity(device, &schedule, most_paths(device));
+    let split = match layers.split_light() {
+        true => SPLIT_WORDS,
+        false => 0,
+    };
+    let path = PathBytes::new(procedural.result_words() + split).total();
+    let recorded = 4 * u64::from(layers.record_words());
+    let wave = u64::from(capacity) * (path + recorded) + 4 * QUEUE_HEADER;
+    wave * (1 + Lanes::number(device, &schedule))
+}

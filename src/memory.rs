@@ -1,0 +1,269 @@
+//! What a render will take: told before it begins, and refused where that isn't there. How much there is, the system says where it
+//! is Linux; elsewhere `--memory` does.
+
+use std::fs;
+use std::path::Path;
+
+use device::Device;
+use engine::film::write::Format;
+use engine::procedural::Procedural;
+use engine::renderer::{DeviceMemory, RenderSettings, file_bytes, snapshot_bytes};
+use engine::scene::Scene;
+
+use crate::console;
+use crate::failure::Failure;
+use crate::job::RenderJob;
+use crate::progress::Bar;
+
+/// Bytes of a pixel while PNG and JPEG files are made: radiance, what is shown of it, and its coverage.
+const SHOWN: u64 = 32;
+
+/// What a render takes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Need {
+    devices: Vec<OnDevice>,
+    /// Copies of the film that are handed around.
+    film: u64,
+    /// What files are made from.
+    files: u64,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct OnDevice {
+    name: String,
+    bytes: DeviceMemory,
+    /// Its memory is the machine's.
+    is_shared: bool,
+}
+
+impl Need {
+    /// Of a job on these devices.
+    pub(crate) fn of(
+        job: &RenderJob,
+        settings: &RenderSettings,
+        scene: &Scene,
+        procedural: &Procedural,
+        devices: &[Device],
+    ) -> Self {
+        let on_device = |device: &Device| OnDevice {
+            name: device.description().name.clone(),
+            bytes: DeviceMemory::of(device, scene, procedural, settings),
+            is_shared: device.traits().shares_the_processor,
+        };
+        let copies = match devices.len() {
+            // One is written while the next one is read.
+            1 => 1 + u64::from(job.checkpoints.is_some()),
+            // Each hands over its own, and they are added up.
+            several => 1 + several as u64,
+        };
+        let pixels = u64::from(settings.width) * u64::from(settings.height);
+        let file = |format| match format {
+            Format::Exr => file_bytes(settings, &job.shown_layers),
+            Format::Png | Format::Jpeg => SHOWN * pixels,
+        };
+        let pictures = job.outputs.pictures.iter();
+        Self {
+            devices: devices.iter().map(on_device).collect(),
+            film: copies * snapshot_bytes(settings),
+            files: pictures
+                .map(|output| file(output.format))
+                .max()
+                .unwrap_or_default(),
+        }
+    }
+
+    /// Of the machine's memory.
+    fn machine(&self) -> u64 {
+        let shared = self.devices.iter().filter(|device| device.is_shared);
+        self.film + self.files + shared.map(|device| device.bytes.total()).sum::<u64>()
+    }
+
+    /// In words.
+    pub(crate) fn text(&self) -> String {
+        let of_device = |device: &OnDevice| {
+            let DeviceMemory {
+                film,
+                layers,
+                scene,
+                paths,
+            } = device.bytes;
+            format!(
+                "{} on {} (film {}, layers {}, scene about {}, paths {})",
+                shown(device.bytes.total()),
+                device.name,
+                shown(film),
+                shown(layers),
+                shown(scene),
+                shown(paths)
+            )
+        };
+        let devices: Vec<_> = self.devices.iter().map(of_device).collect();
+        format!(
+            "{}, and {} for files and copies of the film",
+            devices.join(", "),
+            shown(self.film + self.files)
+        )
+    }
+
+    /// Whether it is there: within `most` where that is said, else within what the system has left.
+    ///
+    /// # Errors
+    /// It isn't; the text says what to do.
+    fn check(&self, most: Option<u64>, left: Option<u64>) -> Result<(), Failure> {
+        let remedy = "render a part (--crop), a smaller picture (--scale), or fewer layers";
+        let alone = |device: &&OnDevice| {
+            !device.is_shared && most.is_some_and(|most| device.bytes.total() > most)
+        };
+        if let (Some(device), Some(most)) = (self.devices.iter().find(alone), most) {
+            return Err(Failure::Failed(format!(
+                "the render takes {} on {}, more than --memory {}: {remedy}; it would take {}",
+                shown(device.bytes.total()),
+                device.name,
+                shown(most),
+                self.text()
+            )));
+        }
+        let (limit, because) = match (most, left) {
+            (Some(most), _) => (most, format!("more than --memory {}", shown(most))),
+            (None, Some(left)) => (left, format!("but {} are left", shown(left))),
+            (None, None) => return Ok(()),
+        };
+        let needed = self.machine();
+        if needed <= limit {
+            return Ok(());
+        }
+        let retry = match most {
+            Some(_) => String::new(),
+            None => format!(
+                "; --memory {}G tries it all the same",
+                needed.div_ceil(1 << 30)
+            ),
+        };
+        Err(Failure::Failed(format!(
+            "the render takes {} of memory, {because}: {remedy}{retry}; it would take {}",
+            shown(needed),
+            self.text()
+        )))
+    }
+}
+
+/// Tells what a render will take.
+///
+/// # Errors
+/// It is more than there is.
+pub(crate) fn state(job: &RenderJob, need: &Need, bar: &Bar) -> Result<(), Failure> {
+    need.check(job.memory, left())?;
+    bar.suspend(|| console::note(&format!("memory: at most {}", need.text())));
+    Ok(())
+}
+
+/// Bytes in the unit that suits them.
+fn shown(bytes: u64) -> String {
+    let bytes = bytes as f64;
+    match bytes {
+        b if b >= 1024.0 * 1024.0 * 1024.0 => format!("{:.1} GiB", b / f64::from(1 << 30)),
+        b => format!("{:.0} MiB", (b / f64::from(1 << 20)).ceil()),
+    }
+}
+
+/// Bytes that programs can still have: of the machine, and of the group of processes that this one is in.
+fn left() -> Option<u64> {
+    let machine = fs::read_to_string("/proc/meminfo").ok()?;
+    let machine = available(&machine)?;
+    let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+    let group = groups.lines().find_map(|line| line.strip_prefix("0::/"));
+    let group = group.and_then(|group| left_of_group(&Path::new("/sys/fs/cgroup").join(group)));
+    Some(group.map_or(machine, |group| group.min(machine)))
+}
+
+/// What is available, by the text of `/proc/meminfo`.
+fn available(text: &str) -> Option<u64> {
+    let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    kibibytes.checked_mul(1024)
+}
+
+/// What a group of processes may still take; `None` where it has no limit. Files that are kept in memory can be dropped.
+fn left_of_group(folder: &Path) -> Option<u64> {
+    let number = |name: &str| -> Option<u64> {
+        let text = fs::read_to_string(folder.join(name)).ok()?;
+        text.trim().parse().ok()
+    };
+    let files = fs::read_to_string(folder.join("memory.stat")).unwrap_or_default();
+    let files = files.lines().find_map(|l| l.strip_prefix("inactive_file "));
+    let files: u64 = files.and_then(|n| n.trim().parse().ok()).unwrap_or(0);
+    let used = number("memory.current")?.saturating_sub(files);
+    Some(number("memory.max")?.saturating_sub(used))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn need(gibibytes: u64, is_shared: bool) -> Need {
+        let bytes = DeviceMemory {
+            film: gibibytes << 29,
+            layers: gibibytes << 29,
+            scene: 5 << 20,
+            paths: 3 << 20,
+        };
+        let name = "A".to_owned();
+        Need {
+            devices: vec![OnDevice {
+                name,
+                bytes,
+                is_shared,
+            }],
+            film: 1 << 30,
+            files: 1 << 30,
+        }
+    }
+
+    #[test]
+    fn what_is_not_there_is_refused() {
+        let gibibytes = |n: u64| Some(n << 30);
+        let refused = |need: &Need, most, left| match need.check(most, left) {
+            Ok(()) => None,
+            Err(failure) => Some(failure.to_string()),
+        };
+        let shared = need(4, true);
+        assert_eq!(refused(&shared, None, gibibytes(7)), None);
+        assert_eq!(refused(&shared, None, None), None);
+        let text = refused(&shared, None, gibibytes(6)).expect("it isn't there");
+        for word in [
+            "6.0 GiB",
+            "--crop",
+            "--memory 7G",
+            "layers 2.0 GiB",
+            "scene about 5 MiB",
+        ] {
+            assert!(text.contains(word), "{word}: {text}");
+        }
+        // Who says how much it may be knows better than the system.
+        assert_eq!(refused(&shared, gibibytes(7), gibibytes(1)), None);
+        assert!(refused(&shared, gibibytes(6), gibibytes(64)).is_some());
+        // A device of its own has its own memory.
+        let own = need(4, false);
+        assert_eq!(refused(&own, None, gibibytes(2)), None);
+        let text = refused(&own, gibibytes(3), None).expect("too much for the device");
+        assert!(text.contains("on A"), "{text}");
+    }
+
+    #[test]
+    fn the_system_says_what_is_left() {
+        let text = "MemTotal:       24682416 kB\nMemAvailable:   20458936 kB\n";
+        assert_eq!(available(text), Some(20_458_936 * 1024));
+        assert_eq!(available("MemFree: 1 kB"), None);
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: &str| {
+            fs::write(folder.path().join(name), text).expect("written");
+        };
+        assert_eq!(left_of_group(folder.path()), None);
+        write("memory.max", "max\n");
+        write("memory.current", "700\n");
+        assert_eq!(left_of_group(folder.path()), None);
+        write("memory.max", "1000\n");
+        write("memory.stat", "anon 5\ninactive_file 200\n");
+        assert_eq!(left_of_group(folder.path()), Some(500));
+    }
+}

@@ -1,0 +1,118 @@
+//! Parts of pictures, how EXR files hold numbers, and the memory that a render may take.
+
+use super::*;
+
+use exr::math::Vec2;
+use exr::prelude::{FlatImage, FlatSamples, ReadChannels, ReadLayers};
+
+fn read(path: &Path) -> FlatImage {
+    let read = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level();
+    let read = read.all_channels().all_layers().all_attributes();
+    read.from_file(path).expect("an EXR file")
+}
+
+/// Numbers of a channel, and whether they have 16 bits.
+fn channel(image: &FlatImage, name: &str) -> (Vec<f32>, bool) {
+    let channels = &image.layer_data[0].channel_data.list;
+    let channel = channels.iter().find(|c| c.name.to_string() == name);
+    let samples = &channel.expect("it is there").sample_data;
+    let is_half = matches!(samples, FlatSamples::F16(_));
+    (samples.values_as_f32().collect(), is_half)
+}
+
+#[test]
+fn a_part_of_a_picture_is_that_of_the_whole() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let render = "render triangle.gltf --size 66x34 --scale 50% --max-depth 2 --layers depth";
+    let run = |flags: &str| bench.run(&format!("{render} {flags}")).expect_code(0);
+    run("--spp 5 -o whole.exr");
+    run("--spp 5 --crop 9,3,11,13 -o part.exr -o part.png");
+    for (name, range) in [("a", "0..2"), ("b", "2..5")] {
+        let line = format!("--crop 9,3,11,13 --sample-range {range} -o {name}.patina-film");
+        run(&line);
+    }
+    let merge = "merge a.patina-film b.patina-film -o merged.exr -o merged.png";
+    bench.run(merge).expect_code(0);
+    let bytes = |name: &str| fs::read(bench.path(name)).expect("it was written");
+    for kind in ["exr", "png"] {
+        let same = bytes(&format!("part.{kind}")) == bytes(&format!("merged.{kind}"));
+        assert!(same, "{kind}");
+    }
+    let [whole, part] = ["whole.exr", "part.exr"].map(|name| read(&bench.path(name)));
+    let layer = &part.layer_data[0];
+    assert_eq!(layer.attributes.layer_position, Vec2(9, 3));
+    assert_eq!(layer.size, Vec2(11, 13));
+    let window = part.attributes.display_window;
+    assert_eq!((window.position, window.size), (Vec2(0, 0), Vec2(33, 17)));
+    for name in ["ViewLayer.Combined.G", "ViewLayer.Depth.Z"] {
+        let [(whole, _), (part, is_half)] = [&whole, &part].map(|image| channel(image, name));
+        let there = |at: usize| (3 + at / 11) * 33 + 9 + at % 11;
+        let is_same = |(at, value): (usize, &f32)| *value == whole[there(at)];
+        assert!(part.iter().enumerate().all(is_same), "{name}");
+        assert_eq!(is_half, name.contains("Combined"), "{name}");
+    }
+    run("--crop 10,3,11,13 --sample-range 5..6 -o c.patina-film");
+    bench
+        .run("merge a.patina-film c.patina-film -o refused.exr")
+        .expect_error(1, "crop");
+    bench
+        .run(&format!("{render} --crop 30,3,11,13 -o refused.exr"))
+        .expect_error(2, "33 x 17");
+}
+
+#[test]
+fn exr_files_are_as_they_are_asked_for() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let render = "render triangle.gltf --size 33x17 --max-depth 2 --spp 2 --layers depth,normal";
+    let form = "--exr-float all --exr-half normal --exr-compression piz --metadata shot=0420 --metadata owner=Us";
+    bench
+        .run(&format!("{render} {form} -o a.exr -o a.patina-film"))
+        .expect_code(0);
+    let merge = format!("merge a.patina-film {form} -o b.exr");
+    bench.run(&merge).expect_code(0);
+    let bytes = |name: &str| fs::read(bench.path(name)).expect("it was written");
+    assert!(bytes("a.exr") == bytes("b.exr"));
+    let image = read(&bench.path("a.exr"));
+    for (name, is_half) in [
+        ("Combined.R", false),
+        ("Depth.Z", false),
+        ("Normal.X", true),
+    ] {
+        let found = channel(&image, &format!("ViewLayer.{name}")).1;
+        assert_eq!(found, is_half, "{name}");
+    }
+    let picture = bench.run("info a.exr").expect_code(0).stdout;
+    for wanted in ["piz", "shot", "0420", "patina:camera"] {
+        assert!(picture.contains(wanted), "{wanted}:\n{picture}");
+    }
+    let refused = "--layers crypto_object --exr-compression dwab -o c.exr";
+    bench
+        .run(&format!("render triangle.gltf --spp 1 {refused}"))
+        .expect_error(2, "choose zip");
+    for wrong in ["shot", "tiles=1", "=x"] {
+        let line = format!("render triangle.gltf -o c.exr --metadata {wrong}");
+        bench.run(&line).expect_error(2, "--metadata");
+    }
+}
+
+#[test]
+fn memory_is_stated_before_a_render_and_refused_where_it_is_too_much() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let render = "render triangle.gltf --spp 1 --max-depth 1 -o a.exr --layers depth";
+    let run = bench.run(&format!("{render} --size 32x32 --memory 8G"));
+    let said = run.expect_code(0).stdout;
+    assert!(said.contains("memory: at most"), "{said}");
+    let refused = bench.run(&format!("{render} --size 4096x4096 --memory 200M"));
+    refused.expect_error(1, "--memory 200 MiB");
+}
