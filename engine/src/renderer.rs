@@ -222,6 +222,8 @@ pub struct Renderer {
     is_stale: bool,
     /// No path ends in a cache.
     is_apart: bool,
+    /// How often the picture has begun anew.
+    restarts: u64,
     /// All kernels have run, so that drivers that compile them then have done so.
     is_warm: bool,
 }
@@ -353,6 +355,7 @@ impl Renderer {
             survey: None,
             is_stale: false,
             is_apart: false,
+            restarts: 0,
             is_warm: false,
         })
     }
@@ -516,6 +519,7 @@ impl Renderer {
 
     /// Forgets all samples: the next wave starts the picture anew. What was written before is submitted.
     pub fn restart(&mut self) {
+        self.restarts += 1;
         // The film is cleared when it is needed next: an edit doesn't wait for that, nor do hundreds of them clear it
         // hundreds of times.
         self.is_stale = true;
@@ -524,6 +528,11 @@ impl Renderer {
         self.position = 0;
         self.rendered = 0;
         self.device.flush();
+    }
+
+    /// How often the picture has begun anew since the renderer was made.
+    pub fn restarts(&self) -> u64 {
+        self.restarts
     }
 
     fn clear_stale_film(&mut self) -> Result<(), DeviceError> {

@@ -11,6 +11,9 @@ pub(crate) fn add_menu(ui: &mut Ui, cx: &mut Context<'_>, search: &mut String) -
     let field = egui::TextEdit::singleline(search).hint_text("search");
     let field = ui.add(field);
     widgets::name(&field, "Search textures");
+    if is_new(ui, field.id) {
+        field.request_focus();
+    }
     let wanted = search.to_lowercase();
     let textures = cx.textures.library.textures().iter();
     let mut found: Vec<_> = textures
@@ -45,4 +48,16 @@ pub(crate) fn add_menu(ui: &mut Ui, cx: &mut Context<'_>, search: &mut String) -
         search.clear();
     }
     added
+}
+
+/// Whether something is shown that was not a frame ago: what is written goes there then.
+fn is_new(ui: &Ui, id: egui::Id) -> bool {
+    let now = ui.ctx().cumulative_pass_nr();
+    let id = id.with("seen");
+    let last = ui.data_mut(|data| {
+        let last: Option<u64> = data.get_temp(id);
+        data.insert_temp(id, now);
+        last
+    });
+    last.is_none_or(|last| last + 1 < now)
 }

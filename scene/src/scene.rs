@@ -34,6 +34,20 @@ impl Scene {
             .sum()
     }
 
+    /// Corners of a box around one of the instances; none where there is no such instance, or nothing of it.
+    pub fn bounds_of(&self, instance: usize) -> Option<(Vec3, Vec3)> {
+        let instance = self.instances.get(instance)?;
+        let points = self.meshes[instance.mesh as usize].positions.iter();
+        let points = points.map(|&p| {
+            let p = instance.transform.transform_point3(p);
+            p.clamp(Vec3::MIN, Vec3::MAX)
+        });
+        points.fold(None, |bounds, p| match bounds {
+            None => Some((p, p)),
+            Some((low, high)) => Some((low.min(p), high.max(p))),
+        })
+    }
+
     /// World-space bounds of all instances as (min, max); `None` for an empty scene. Tight, except for scenes with so
     /// many instances of large meshes that the transformed boxes of the meshes have to do.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {

@@ -204,15 +204,24 @@ impl Host for ProgramHost {
         })
     }
 
-    fn write_film(&self, path: &Path, film: &Film, origin: &Origin) -> Result<(), String> {
-        let output = self.output(path)?;
-        output::write(&output, film, Some(origin), &View::default())
-            .map_err(|error| error.to_string())
+    fn report(&self, text: &str) {
+        console::error(text.trim_end());
     }
 
-    fn write_shown(&self, path: &Path, size: [u32; 2], rgba: &[u8]) -> Result<(), String> {
+    fn check_picture(&self, path: &Path) -> Result<(), String> {
         let output = self.output(path)?;
-        output::write_shown(&output, size, rgba).map_err(|error| error.to_string())
+        output::check(&output.path).map_err(|error| error.to_string())
+    }
+
+    fn write_picture(
+        &self,
+        path: &Path,
+        film: &Film,
+        origin: &Origin,
+        view: &View,
+    ) -> Result<(), String> {
+        let output = self.output(path)?;
+        output::write(&output, film, Some(origin), view).map_err(|error| error.to_string())
     }
 }
 

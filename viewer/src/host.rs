@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use engine::film::{Film, Origin};
+use engine::scene::view::View;
 
 /// What of the files that are rendered has changed.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -38,15 +39,25 @@ pub trait Host: Send {
     /// What has changed since the last call. Returns at once.
     fn changes(&mut self) -> Changes;
 
-    /// Writes a film as linear radiance (.exr), and where it came from.
-    ///
-    /// # Errors
-    /// The text is for people.
-    fn write_film(&self, path: &Path, film: &Film, origin: &Origin) -> Result<(), String>;
+    /// Says on the terminal what is wrong, as what the window shows may be overlooked.
+    fn report(&self, text: &str);
 
-    /// Writes 8-bit RGBA as it is shown on screen (.png, .jpg).
+    /// Whether a picture can be written there: by its ending, and without overwriting what is shown.
     ///
     /// # Errors
     /// The text is for people.
-    fn write_shown(&self, path: &Path, size: [u32; 2], rgba: &[u8]) -> Result<(), String>;
+    fn check_picture(&self, path: &Path) -> Result<(), String>;
+
+    /// Writes a picture: as the view shows it (.png, .jpg), or as linear radiance with all layers of the film and where it came
+    /// from (.exr).
+    ///
+    /// # Errors
+    /// The text is for people.
+    fn write_picture(
+        &self,
+        path: &Path,
+        film: &Film,
+        origin: &Origin,
+        view: &View,
+    ) -> Result<(), String>;
 }

@@ -13,6 +13,7 @@
 //!
 //! Panels that edit the look are `patina_panels`. Nothing here prints.
 
+pub mod appearance;
 pub mod blit;
 pub mod host;
 pub mod link;

@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use engine::display::DisplaySettings;
 use engine::renderer::TextureCosts;
+use engine::scene::view::View;
 use engine::scene::{Camera, Material};
 use engine::session::Change;
 use engine::stats::PassStats;
@@ -29,8 +30,8 @@ pub enum Command {
     Region(Option<[f32; 4]>),
     /// Say what is seen at this place, (0, 0) the upper left corner, (1, 1) the lower right one.
     Pick(Vec2, PickPurpose),
-    /// Say how large the scene is.
-    Bounds,
+    /// Say how large something is.
+    Bounds(Extent),
     /// Keep the picture to compare with, or forget it.
     KeepBefore(bool),
     /// Render, or wait.
@@ -41,14 +42,42 @@ pub enum Command {
     Target(u32),
     /// Save the look to its file, or to another one, which is its file from then on.
     Save(Option<PathBuf>),
-    /// Write the picture: what is shown as .png or .jpg, radiance as .exr.
-    SavePicture(PathBuf),
+    /// Write a picture once it is finished.
+    SavePicture(PictureOrder),
+    /// Write it not.
+    CancelPicture,
     /// Render other files.
     Open(Files),
     /// Search textures in this folder, too.
     TextureFolder(PathBuf),
     /// End.
     Quit,
+}
+
+/// A picture that is to be written: as a view shows it as .png or .jpg, radiance as .exr.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PictureOrder {
+    /// The file.
+    pub path: PathBuf,
+    /// Pixels.
+    pub size: [u32; 2],
+    /// Samples of each pixel.
+    pub spp: u32,
+    /// All layers that there are, where the file can hold them.
+    pub layers: bool,
+    /// How it is shown.
+    pub view: View,
+}
+
+/// How far a picture is that is to be written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Saving {
+    /// The file.
+    pub path: PathBuf,
+    /// Samples of each pixel so far.
+    pub spp: f64,
+    /// Wanted.
+    pub target: u32,
 }
 
 /// What is rendered.
@@ -60,6 +89,15 @@ pub struct Files {
     pub look: Option<PathBuf>,
     /// A camera of the scene in place of the look's.
     pub camera: Option<String>,
+}
+
+/// What is to be framed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// Everything.
+    Scene,
+    /// What was picked last; everything where that was nothing.
+    Picked,
 }
 
 /// What a pick is for.
@@ -85,7 +123,7 @@ pub enum Reply {
     Done(String),
     /// Something could not be done.
     Failed(String),
-    /// Corners of a box around everything, metres.
+    /// Corners of a box around what was asked for, metres.
     Bounds([glam::Vec3; 2]),
     /// Other files are rendered from now on.
     Opened(Files),
@@ -100,6 +138,8 @@ pub struct Shown {
     pub size: [u32; 2],
     /// What was kept to compare with, shown in the same way.
     pub before: Option<wgpu::TextureView>,
+    /// What lies beside the region, where only that follows changes.
+    pub beside: Option<wgpu::TextureView>,
     /// Another one with each texture, not with each sample.
     pub texture_number: u64,
 }
@@ -133,12 +173,18 @@ pub struct Status {
     pub latency: Option<f64>,
     /// Something is being built in the background.
     pub is_building: bool,
+    /// The picture has the size of the viewport, all of it.
+    pub is_whole: bool,
+    /// A picture that is being finished to be written.
+    pub saving: Option<Saving>,
     /// The scene is being read.
     pub is_loading: bool,
     /// Nothing is rendered for now.
     pub is_paused: bool,
     /// What is wrong with the files, each with line and caret.
     pub problems: String,
+    /// Why files that were to be opened are not.
+    pub refused: Option<String>,
     /// What is odd about them.
     pub warnings: String,
     /// What is wrong with the picture, a line each.
@@ -147,6 +193,8 @@ pub struct Status {
     pub has_unsaved_edits: bool,
     /// The device.
     pub device: String,
+    /// Why nothing is rendered until something changes.
+    pub stuck: Option<String>,
     /// Why nothing can be rendered any more.
     pub fatal: Option<String>,
 }
@@ -167,12 +215,18 @@ pub struct SceneFacts {
 pub struct LookFacts {
     /// With all changes that it has heard of.
     pub text: Arc<str>,
+    /// As its file has it.
+    pub saved: Arc<str>,
+    /// How often that came from another program.
+    pub outside: u64,
     /// How many these are.
     pub heard: u64,
     /// As they are shown.
     pub materials: Arc<Vec<Material>>,
     /// So many of them are those of the scene's files.
     pub own_materials: usize,
+    /// There is no light but a white sky that nobody asked for.
+    pub has_stand_in_light: bool,
     /// Names of the directional lights.
     pub suns: Arc<[String]>,
     /// That there are.

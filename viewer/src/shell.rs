@@ -10,6 +10,7 @@ use egui::{TextureId, Ui, ViewportBuilder, ViewportCommand};
 use engine::scene::view::ViewChoice;
 use patina_panels::Previews;
 
+use crate::appearance;
 use crate::blit::Blit;
 use crate::host::Host;
 use crate::link::{Files, Link};
@@ -21,6 +22,8 @@ const PREFERENCES: &str = "preferences";
 /// Points of a window that is opened for the first time.
 const SIZE: [f32; 2] = [1280.0, 800.0];
 
+/// What the driver refused to draw is drawn again after so long: by then a window has the size that it says it has.
+const DRAWN_AGAIN: Duration = Duration::from_millis(30);
 /// How long a render may take to notice that the device is lost.
 const FAREWELL: Duration = Duration::from_secs(10);
 
@@ -160,7 +163,8 @@ struct Shell {
     link: Link,
     viewer: Viewer,
     thread: Arc<Mutex<Option<RenderThread>>>,
-    ids: Option<(TextureId, Option<TextureId>)>,
+    /// Of the picture, of that before, and of what lies beside the region.
+    ids: [Option<TextureId>; 3],
     blit: Option<Blit>,
     texture_number: u64,
     picture_at_spp: Option<u32>,
@@ -179,6 +183,7 @@ impl Shell {
         host: Box<dyn Host>,
         taken: Taken,
     ) -> std::io::Result<Self> {
+        appearance::apply(&context.egui_ctx);
         let storage = context.storage.filter(|_| options.picture_at_spp.is_none());
         let preferences: Preferences = storage
             .and_then(|storage| eframe::get_value(storage, PREFERENCES))
@@ -188,6 +193,11 @@ impl Shell {
             files.filter(|files| files.scene.exists())
         };
         let files = options.files.or_else(last);
+        // While a window is resized its surface may be refused: that is drawn again, and no failure of the render.
+        let ctx = context.egui_ctx.clone();
+        if let Some(driver) = device.gpu() {
+            driver.draw_here(move |_| ctx.request_repaint_after(DRAWN_AGAIN));
+        }
         let ctx = context.egui_ctx.clone();
         let wake = Box::new(move || ctx.request_repaint());
         let thread = RenderThread::start(device.clone(), files, options.render, host, wake)?;
@@ -201,7 +211,7 @@ impl Shell {
             link: thread.link.clone(),
             viewer,
             thread: Arc::new(Mutex::new(Some(thread))),
-            ids: None,
+            ids: [None; 3],
             blit: context
                 .wgpu_render_state
                 .as_ref()
@@ -233,19 +243,25 @@ impl Shell {
                 id
             }
         };
-        let (now_id, before_id) = self.ids.unzip();
-        let now = register(&shown.view, now_id);
-        let before_id = before_id.flatten();
-        let before = match &shown.before {
-            Some(view) => Some(register(view, before_id)),
-            None => before_id,
+        let views = [
+            Some(&shown.view),
+            shown.before.as_ref(),
+            shown.beside.as_ref(),
+        ];
+        for (id, view) in self.ids.iter_mut().zip(views) {
+            if let Some(view) = view {
+                *id = Some(register(view, *id));
+            }
+        }
+        let [Some(now), before, beside] = self.ids else {
+            return;
         };
-        self.ids = Some((now, before));
         let blit = self.blit.as_ref();
         self.viewer.drawn = blit.map(|blit| blit.bind(&state.device, &shown.view));
         self.viewer.picture = Some(PictureIds {
             now,
             before: before.filter(|_| shown.before.is_some()),
+            beside: beside.filter(|_| shown.beside.is_some()),
             size: shown.size,
         });
     }
@@ -270,7 +286,8 @@ impl Shell {
             return;
         }
         let status = self.viewer.status();
-        let is_ready = status.spp >= f64::from(spp) || status.fatal.is_some();
+        let is_finished = status.is_whole && status.spp >= f64::from(spp);
+        let is_ready = is_finished || status.fatal.is_some() || status.refused.is_some();
         if is_ready && !self.is_taking {
             self.is_taking = true;
             let (taken, ctx) = (Taken::clone(&self.taken), ui.ctx().clone());

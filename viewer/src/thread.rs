@@ -1,7 +1,10 @@
 //! The render's thread: takes commands, follows files, renders wave by wave, and puts what there is to see on the board.
 
 mod commands;
+mod compare;
 mod failure;
+mod opening;
+mod picture;
 mod publish;
 mod size;
 
@@ -10,20 +13,21 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use device::{Device, DeviceError};
+use device::Device;
 use engine::display::{DeviceFilm, Display, DisplaySettings};
-use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::Camera;
-use engine::session::{ChangeQueue, Inputs, Session, SessionError};
+use engine::session::{ChangeQueue, Session, SessionError};
 
-use crate::host::Host;
+use crate::host::{Changes, Host};
 use crate::link::{Board, Command, Files, Link, Reply, lock};
 use crate::pace::{self, Pace};
 
 /// Parsing recurses along a texture's expressions.
 const STACK_BYTES: usize = 8 << 20;
 /// How often a render that has nothing to do looks for commands, files and what is built.
-const IDLE: Duration = Duration::from_millis(20);
+const IDLE: Duration = Duration::from_millis(50);
+/// The same while something is built.
+const BUILDING: Duration = Duration::from_millis(10);
 
 /// How it is rendered, whatever is.
 #[derive(Debug, Clone)]
@@ -87,12 +91,17 @@ impl RenderThread {
                     divisor: 1,
                     full,
                     region: None,
+                    beside: None,
+                    picked: None,
                     before: None,
-                    whole: None,
                     pace,
                     run: Run::default(),
                     is_stale: false,
+                    making: None,
+                    waiting: None,
                     failures: 0,
+                    outside: 0,
+                    is_stuck: false,
                     published: publish::Published::default(),
                 };
                 render.run(&commands, files);
@@ -132,15 +141,25 @@ struct Render {
     /// Pixels of the picture while nothing moves, as the last turn had them.
     full: [u32; 2],
     region: Option<[f32; 4]>,
-    before: Option<DeviceFilm>,
-    /// The last picture that was whole, while one of another size has just begun.
-    whole: Option<DeviceFilm>,
+    /// What lies beside the region, from before changes that only the region shows.
+    beside: Option<DeviceFilm>,
+    /// The instance that was picked last.
+    picked: Option<usize>,
+    before: Option<compare::Before>,
     pace: Pace,
     run: Run,
     /// The scene, or its files, may be others than those on the board.
     is_stale: bool,
+    /// A picture that is being finished to be written.
+    making: Option<picture::Making>,
+    /// Files that could not be opened, until they can.
+    waiting: Option<Files>,
     /// Failures in a row.
     failures: u32,
+    /// Texts of the look that other programs have written.
+    outside: u64,
+    /// There were so many that nothing is tried until something changes.
+    is_stuck: bool,
     published: publish::Published,
 }
 
@@ -148,6 +167,7 @@ struct Render {
 struct Displays {
     now: Display,
     before: Display,
+    beside: Display,
 }
 
 /// Changes that wait until the picture of those before them has been seen: without that, a steady stream of them would
@@ -195,23 +215,31 @@ impl Render {
             self.open(files);
         }
         loop {
-            let wait = match self.has_work() {
-                true => Duration::ZERO,
-                false => IDLE,
+            let is_building = (self.session.as_ref()).is_some_and(Session::is_building);
+            let wait = match (self.has_work(), is_building) {
+                (true, _) => Duration::ZERO,
+                (false, true) => BUILDING,
+                (false, false) => IDLE,
             };
             if !self.take_commands(commands, wait) {
                 return;
             }
+            self.finish_picture();
             match self.turn() {
-                Ok(()) => self.failures = 0,
+                Ok(()) => self.go_on(),
                 Err(error) => self.fail(&error),
             }
         }
     }
 
     fn has_work(&self) -> bool {
-        let is_rendering = !self.is_paused && !self.run.is_done;
-        self.session.is_some() && (is_rendering || self.pending.since.is_some())
+        let has_more = self.is_rendering() || self.pending.since.is_some() || self.refines_before();
+        !self.is_stuck && self.session.is_some() && has_more
+    }
+
+    /// Paused, too, what has changed is seen once.
+    fn is_rendering(&self) -> bool {
+        !self.run.is_done && (!self.is_paused || !self.run.is_seen)
     }
 
     /// Takes all commands that have come; waits at most so long for the first. False when there will be no more.
@@ -232,96 +260,30 @@ impl Render {
         }
     }
 
-    /// Renders other files, if they can be read.
-    fn open(&mut self, files: Files) {
-        self.publish_loading(true);
-        match self.opened(&files) {
-            Ok(session) => {
-                self.session = Some(session);
-                self.run = Run::default();
-                self.run.cause = Some(Instant::now());
-                // The first picture comes soon, too.
-                self.motion = self.run.cause;
-                self.before = None;
-                self.whole = None;
-                self.region = None;
-                self.pending = Pending::default();
-                self.published.forget();
-                {
-                    let mut board = lock(&self.board);
-                    board.status.fatal = None;
-                    board.status.textures = TextureCosts::default();
-                }
-                self.publish_scene();
-                self.watch();
-                self.reply(Reply::Opened(files));
-            }
-            Err(why) => self.reply(Reply::Failed(why)),
-        }
-        self.publish_loading(false);
-    }
-
-    fn opened(&self, files: &Files) -> Result<Session, String> {
-        let inputs = Inputs {
-            scene: files.scene.clone(),
-            look: files.look.clone(),
-            textures: self.host.texture_folders(files.look.as_deref())?,
-            camera: files.camera.clone(),
-        };
-        // The window shows what lies on its own device: there can be no other one.
-        let (device, is_first) = (self.device.clone(), Mutex::new(true));
-        let open_device = move || {
-            let mut is_first = is_first
-                .lock()
-                .map_err(|e| DeviceError::Lost(e.to_string()))?;
-            match std::mem::replace(&mut *is_first, false) {
-                true => Ok(device.clone()),
-                false => Err(DeviceError::Lost(
-                    "the window has to be opened again".to_owned(),
-                )),
-            }
-        };
-        let (size, max_depth, seed) = (
-            Arc::clone(&self.size),
-            self.options.max_depth,
-            self.options.seed,
-        );
-        let make_settings = move |camera: Camera| {
-            let [width, height] = *size
-                .lock()
-                .unwrap_or_else(std::sync::PoisonError::into_inner);
-            RenderSettings {
-                max_depth,
-                seed,
-                ..RenderSettings::new(width, height, &camera)
-            }
-        };
-        let opened = Session::open(inputs, Arc::new(open_device), Arc::new(make_settings));
-        opened.map_err(|error| publish::message(&error))
-    }
-
-    fn watch(&mut self) {
-        let Some(session) = &self.session else {
-            return;
-        };
-        let inputs = session.inputs();
-        let watched = self
-            .host
-            .watch(&session.files(), inputs.look.as_deref(), &inputs.textures);
-        if let Err(why) = watched {
-            self.reply(Reply::Failed(why));
-        }
-    }
-
     /// One turn of the loop: files, changes, a wave, what there is to see.
     fn turn(&mut self) -> Result<(), SessionError> {
+        if let Some(files) = self.waiting.clone() {
+            if self.host.changes() != Changes::default() {
+                self.open(files);
+            }
+            return Ok(());
+        }
         let Some(session) = &mut self.session else {
             return Ok(());
         };
         let changes = self.host.changes();
+        self.is_stuck &= changes == Changes::default();
+        if self.is_stuck {
+            return Ok(());
+        }
         let generation = session.generation();
         if changes.look {
-            session.look_changed();
+            let saved = session.saved_text().to_owned();
+            match session.has_unsaved_edits() || !self.pending.changes.is_empty() {
+                true => session.look_changed_beside_edits(),
+                false => session.look_changed(),
+            }
+            self.outside += u64::from(session.saved_text() != saved);
         }
         if changes.textures {
             session.sources_changed();
@@ -346,9 +308,10 @@ impl Render {
             self.publish_scene();
             self.watch();
         }
-        if !self.is_paused && !self.run.is_done {
+        if self.is_rendering() {
             self.render()?;
         }
+        self.refine_before()?;
         self.measure_costs()?;
         self.publish_status(false);
         Ok(())
@@ -357,8 +320,11 @@ impl Render {
     /// What files have changed is seen as soon as what the user does: in fewer pixels first.
     fn begin_small(&mut self) {
         let now = Instant::now();
-        self.motion = Some(now);
         self.run.cause.get_or_insert(now);
+        // Of a region there is not much to wait for.
+        if self.beside.is_none() {
+            self.motion = Some(now);
+        }
     }
 
     /// Makes the changes that have been waiting, unless a picture that began with the last ones is still to be seen.
@@ -366,14 +332,17 @@ impl Render {
         let Some(since) = self.pending.since else {
             return Ok(());
         };
-        let is_awaited = self.is_moving && !self.run.is_seen && !self.is_paused;
+        let is_awaited = self.is_moving && !self.run.is_seen;
         if is_awaited && !self.run.is_done {
             return Ok(());
         }
+        self.keep_beside()?;
         let Some(session) = &mut self.session else {
             return Ok(());
         };
-        self.motion = Some(Instant::now());
+        if self.beside.is_none() {
+            self.motion = Some(Instant::now());
+        }
         self.run.cause = Some(since);
         self.pending.since = None;
         if let Some(view) = self.pending.view.take() {
@@ -433,7 +402,6 @@ impl Render {
             self.show()?;
             if !self.run.is_seen {
                 self.run.is_seen = true;
-                self.whole = None;
                 let cause = self.run.cause.take();
                 if let Some(cause) = cause {
                     let latency = cause.elapsed();
@@ -464,6 +432,11 @@ impl Render {
             shown.clone_from(costs);
         }
         Ok(())
+    }
+
+    /// The picture has the size that it is to have, and all of it has been seen.
+    fn is_whole(&self) -> bool {
+        self.run.is_seen && self.region.is_none() && self.picture_size() == *lock_size(&self.size)
     }
 
     fn picture_size(&self) -> [u32; 2] {

@@ -6,12 +6,14 @@ mod dialogs;
 mod dropped;
 mod lens;
 mod look;
+mod problems;
+mod questions;
 mod shortcuts;
 mod view;
 mod viewport;
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use egui::{CentralPanel, Color32, Panel, Ui};
 use engine::display::DisplaySettings;
@@ -20,12 +22,16 @@ use engine::scene::view::{View, ViewChoice, ViewTransform};
 use crate::blit::Drawn;
 use crate::link::{Command, Files, Link, PickPurpose, Reply, SceneFacts, Status};
 
-use dialogs::{Closing, Dialog};
-use look::Editor;
+use dialogs::Dialog;
+use look::{Editor, Outside};
+use problems::Problems;
+use questions::Questions;
 use viewport::Viewport;
 
 /// How long a message stays, seconds.
 const MESSAGE: f64 = 6.0;
+/// Points of the panel of the look, in which its widgets can be used.
+const LEAST_PANEL: f32 = 260.0;
 /// Messages that are kept.
 const MESSAGES: usize = 4;
 
@@ -81,6 +87,8 @@ pub struct PictureIds {
     pub now: egui::TextureId,
     /// What it is compared with.
     pub before: Option<egui::TextureId>,
+    /// What lies beside the region, where only that follows changes.
+    pub beside: Option<egui::TextureId>,
     /// Pixels of what is rendered.
     pub size: [u32; 2],
 }
@@ -105,7 +113,10 @@ pub struct Viewer {
     messages: Vec<Message>,
     dialog: Option<Dialog>,
     lists_shortcuts: bool,
-    closing: Closing,
+    questions: Questions,
+    /// Of the window.
+    shown_title: String,
+    problems: Problems,
     /// Material that was clicked.
     material: Option<String>,
 }
@@ -140,7 +151,9 @@ impl Viewer {
             messages: Vec::new(),
             dialog: None,
             lists_shortcuts: false,
-            closing: Closing::No,
+            questions: Questions::default(),
+            shown_title: String::new(),
+            problems: Problems::default(),
             material: None,
         }
     }
@@ -190,27 +203,53 @@ impl Viewer {
             let times = Panel::bottom("times").frame(bare).resizable(true);
             times.default_size(190.0).show(ui, |ui| self.times(ui));
         }
-        if !self.status.problems.is_empty() || self.status.fatal.is_some() {
-            Panel::bottom("problems")
-                .frame(bare)
-                .resizable(true)
-                .default_size(140.0)
-                .show(ui, |ui| self.problems(ui));
-        }
         Panel::right("look")
             .frame(bare)
             .resizable(true)
             .default_size(340.0)
-            .show(ui, |ui| self.look_panel(ui));
+            .min_size(LEAST_PANEL)
+            .show(ui, |ui| match self.lists_shortcuts {
+                true => self.shortcut_list(ui),
+                false => self.look_panel(ui),
+            });
         CentralPanel::default()
             .frame(egui::Frame::NONE)
             .show(ui, |ui| {
+                let picture = ui.available_rect_before_wrap();
                 self.viewport(ui);
-                self.messages(ui, now);
+                self.stand_in_light(ui, now, picture);
+                self.problems(ui, picture);
+                self.messages(ui, now, picture);
             });
         self.dialogs(ui);
         self.flush_edits();
+        self.show_title(ui);
         self.close(ui);
+    }
+
+    /// What is rendered, and whether it has edits that are not saved.
+    fn title(&self) -> String {
+        let files = &self.scene.files;
+        let mut title = name(&files.scene);
+        if let Some(look) = &files.look {
+            title = format!("{title} with {}", name(look));
+        }
+        if self.has_unsaved_edits() {
+            title.push_str(" *");
+        }
+        title
+    }
+
+    fn show_title(&mut self, ui: &Ui) {
+        let title = match self.title() {
+            nothing if nothing.is_empty() => "Patina".to_owned(),
+            title => format!("{title} - Patina"),
+        };
+        if title != self.shown_title {
+            self.shown_title.clone_from(&title);
+            ui.ctx()
+                .send_viewport_cmd(egui::ViewportCommand::Title(title));
+        }
     }
 
     fn read_board(&mut self, now: f64) {
@@ -230,7 +269,16 @@ impl Viewer {
         }
         if let Some(look) = look {
             let path = self.scene.files.look.clone().unwrap_or_default();
-            self.editor.read(&look, &path);
+            match self.editor.read(&look, &path) {
+                Some(Outside::Conflict(conflict)) => self.ask_about(Some(conflict)),
+                outside => {
+                    self.ask_about(None);
+                    if outside.is_some() {
+                        let text = "another program has changed the look's file: its changes are here, together with yours";
+                        self.tell(text.to_owned(), false, now);
+                    }
+                }
+            }
         }
     }
 
@@ -250,7 +298,10 @@ impl Viewer {
                 (PickPurpose::Focus, None) => {}
             },
             Reply::Done(text) => self.tell(text, false, now),
-            Reply::Failed(text) => self.tell(text, true, now),
+            Reply::Failed(text) => {
+                self.stay_if_unsaved();
+                self.tell(text, true, now);
+            }
             Reply::Bounds([low, high]) => {
                 let view = self.viewport.moved(|camera| camera.frame(low, high));
                 self.send_view(view);
@@ -270,46 +321,16 @@ impl Viewer {
             self.link.send(Command::View(Some(camera)));
         }
     }
-
-    /// Saves the look; asks for a file where it has none.
-    fn save(&mut self) {
-        match self.scene.files.look {
-            Some(_) => self.link.send(Command::Save(None)),
-            None => self.dialog = Some(Dialog::save_as(&self.scene.files)),
-        }
-    }
-
-    fn open(&mut self, files: Files) {
-        self.link.send(Command::Open(files));
-    }
-
-    /// Messages lie over the picture and vanish.
-    fn messages(&mut self, ui: &mut Ui, now: f64) {
-        self.messages.retain(|message| message.until > now);
-        if self.messages.is_empty() {
-            return;
-        }
-        let corner = ui.max_rect().left_bottom() + egui::vec2(12.0, -12.0);
-        egui::Area::new(egui::Id::unique("messages"))
-            .fixed_pos(corner)
-            .pivot(egui::Align2::LEFT_BOTTOM)
-            .show(ui.ctx(), |ui| {
-                for message in &self.messages {
-                    egui::Frame::popup(ui.style()).show(ui, |ui| {
-                        let text = egui::RichText::new(&message.text);
-                        ui.label(match message.is_error {
-                            true => text.color(ui.visuals().error_fg_color),
-                            false => text,
-                        });
-                    });
-                }
-            });
-        ui.ctx().request_repaint_after(Duration::from_millis(500));
-    }
 }
 
 /// A path for people.
 fn name(path: &std::path::Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str());
     name.to_string_lossy().into_owned()
+}
+
+/// Gives a list the name by which assistive technology finds it, and so do tests.
+fn call(list: &egui::Response, name: &str) {
+    list.ctx
+        .accesskit_node_builder(list.id, |node| node.set_label(name));
 }

@@ -11,10 +11,10 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use engine::film::{Film, Origin};
 use engine::scene::look::Value;
-use engine::scene::view::ViewChoice;
+use engine::scene::view::{View, ViewChoice};
 use engine::session::Edit;
 use patina_viewer::host::{Changes, Host};
-use patina_viewer::link::{Command, Files, PickPurpose};
+use patina_viewer::link::{Command, Files, PickPurpose, PictureOrder};
 use patina_viewer::thread::{RenderOptions, RenderThread};
 use patina_viewer::viewer::{Preferences, Viewer};
 use tempfile::TempDir;
@@ -54,21 +54,32 @@ impl Host for TestHost {
         self.changes.try_recv().unwrap_or_default()
     }
 
-    fn write_film(&self, path: &Path, film: &Film, _: &Origin) -> Result<(), String> {
-        let text = format!("film of {} x {}", film.width, film.height);
-        fs::write(path, text).map_err(|error| error.to_string())
+    fn report(&self, text: &str) {
+        assert!(!text.is_empty());
     }
 
-    fn write_shown(
+    fn check_picture(&self, path: &Path) -> Result<(), String> {
+        let has_folder = path.parent().is_some_and(Path::is_dir);
+        has_folder.then_some(()).ok_or("no folder".to_owned())
+    }
+
+    fn write_picture(
         &self,
         path: &Path,
-        [width, height]: [u32; 2],
-        rgba: &[u8],
+        film: &Film,
+        origin: &Origin,
+        view: &View,
     ) -> Result<(), String> {
-        assert_eq!(rgba.len(), (width * height * 4) as usize);
-        let bright = rgba.iter().any(|byte| (1..255).contains(byte));
-        assert!(bright, "a picture has some colour in it");
-        fs::write(path, format!("picture of {width} x {height}")).map_err(|error| error.to_string())
+        let (least, most) = film.sample_bounds();
+        assert_eq!(least, most, "each pixel has all of its samples");
+        // Of few samples some are black, but no part of the picture is.
+        let black = film.mean().iter().filter(|rgb| rgb[0] <= 0.0).count();
+        assert!(black < film.mean().len() / 8, "{black} pixels are black");
+        let layers = film.layers().iter().count();
+        let (width, height) = (film.width, film.height);
+        let (depth, shown) = (origin.setting("max-depth"), view.transform.name());
+        let text = format!("{width} x {height}, {least} spp, {layers} layers, {depth:?}, {shown}");
+        fs::write(path, text).map_err(|error| error.to_string())
     }
 }
 
@@ -82,6 +93,15 @@ struct Stage {
 
 impl Stage {
     fn new() -> Option<Self> {
+        let mut stage = Self::beginning(LOOK)?;
+        stage.wait("a picture", |stage| {
+            stage.harness.state().status().spp >= 4.0
+        });
+        Some(stage)
+    }
+
+    /// With a look that may be wrong.
+    fn beginning(look: &str) -> Option<Self> {
         let device = match Device::open(&DeviceChoice::Driver) {
             Ok(device) => device,
             Err(error) => {
@@ -99,7 +119,7 @@ impl Stage {
         let bytes: Vec<u8> = corners.iter().flat_map(|x| x.to_le_bytes()).collect();
         fs::write(path("triangle.bin"), bytes).expect("written");
         fs::write(path("scene.gltf"), SCENE).expect("written");
-        fs::write(path("scene.look.toml"), LOOK).expect("written");
+        fs::write(path("scene.look.toml"), look).expect("written");
         let files = Files {
             scene: path("scene.gltf"),
             look: Some(path("scene.look.toml")),
@@ -126,17 +146,13 @@ impl Stage {
         let harness = Harness::builder()
             .with_size([900.0, 400.0])
             .build_ui_state(|ui, viewer: &mut Viewer| viewer.ui(ui), viewer);
-        let mut stage = Self {
+        Some(Self {
             device,
             folder,
             harness,
             thread,
             changes: sender,
-        };
-        stage.wait("a picture", |stage| {
-            stage.harness.state().status().spp >= 4.0
-        });
-        Some(stage)
+        })
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -198,17 +214,248 @@ fn edits_are_seen_without_pipelines_and_saved_with_comments() {
     let status = stage.harness.state().status();
     assert_eq!(status.pipelines, pipelines);
     assert!(status.memory > 0);
-    let size = status.size;
+    stage.thread.finish();
+}
 
-    for (name, expected) in [("a.png", "picture"), ("a.exr", "film")] {
-        let path = stage.path(name);
-        stage.thread.link.send(Command::SavePicture(path));
-        let name = name.to_owned();
-        stage.wait("written picture", move |stage| {
-            !stage.read(&name).is_empty()
+#[test]
+fn pictures_are_finished_before_they_are_written() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let size = stage.harness.state().status().size;
+    let order = |stage: &Stage, name: &str, size, spp, layers| PictureOrder {
+        path: stage.path(name),
+        size,
+        spp,
+        layers,
+        view: View::default(),
+    };
+    // In motion there is a coarse picture only; what is written is as large and as fine as it was asked for.
+    let camera = stage.thread.link.board().scene.look_camera.clone();
+    for (name, size, spp, layers, count) in [
+        ("a.png", size, 2, false, 1),
+        ("b.png", [40, 30], 3, false, 1),
+        ("c.exr", [20, 10], 1, true, 2),
+        ("d.png", size, 2, false, 1),
+    ] {
+        stage.thread.link.send(Command::View(camera.clone()));
+        let order = order(&stage, name, size, spp, layers);
+        stage.thread.link.send(Command::SavePicture(order));
+        stage.wait("written picture", |stage| !stage.read(name).is_empty());
+        let text = stage.read(name);
+        let start = format!("{} x {}, {spp} spp, ", size[0], size[1]);
+        let rest = text
+            .strip_prefix(&start)
+            .unwrap_or_else(|| panic!("{text}"));
+        let layers: usize = rest
+            .split(' ')
+            .next()
+            .expect("a word")
+            .parse()
+            .expect("a number");
+        assert!(layers >= count && rest.ends_with("standard"), "{text}");
+    }
+    // One that takes too long is given up, and one that has nowhere to go isn't begun.
+    let long = order(&stage, "long.png", [300, 300], 1 << 20, false);
+    stage.thread.link.send(Command::SavePicture(long));
+    stage.wait("progress", |stage| {
+        let saving = &stage.harness.state().status().saving;
+        saving.as_ref().is_some_and(|saving| saving.spp > 0.0)
+    });
+    stage.harness.get_by_label("Cancel").click();
+    stage.wait("end of it", |stage| {
+        stage.harness.state().status().saving.is_none()
+    });
+    assert_eq!(stage.read("long.png"), "");
+    let nowhere = order(&stage, "nowhere/a.png", [8, 8], 1, false);
+    stage.thread.link.send(Command::SavePicture(nowhere));
+    stage.wait("reason", |stage| {
+        stage.harness.query_by_label_contains("no folder").is_some()
+    });
+    stage.thread.finish();
+}
+
+/// What two write at the same time.
+fn theirs() -> String {
+    LOOK.replace("# Light", "# More light")
+        .replace("intensity = 1.0", "intensity = 2.0")
+}
+
+#[test]
+fn edits_and_what_others_have_saved_are_kept_both() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let change = Changes {
+        look: true,
+        ..Changes::default()
+    };
+    stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
+    fs::write(stage.path("scene.look.toml"), theirs()).expect("written");
+    stage.changes.send(change.clone()).expect("heard");
+    let both = theirs().replace("0.5 ", "0.25 ");
+    let text = |stage: &mut Stage| {
+        let document = stage.harness.state_mut().document_mut().expect("read");
+        document.text().to_owned()
+    };
+    stage.wait("both", |stage| {
+        let board = stage.thread.link.board();
+        board.look.as_ref().is_some_and(|look| *look.text == *both)
+    });
+    assert_eq!(text(&mut stage), both);
+    assert_eq!(
+        stage.read("scene.look.toml"),
+        theirs(),
+        "nothing is written unasked"
+    );
+    stage
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::S);
+    stage.wait("saved look", |stage| stage.read("scene.look.toml") == both);
+
+    // Undone, what they have saved is taken out of the file by nobody who wasn't asked.
+    stage
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    stage.harness.run_steps(2);
+    assert_eq!(text(&mut stage), LOOK.replace("0.5 ", "0.25 "));
+    stage
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::S);
+    stage.harness.run_steps(3);
+    assert_eq!(stage.read("scene.look.toml"), both);
+    stage.harness.get_by_label("Save over it").click();
+    let mine = LOOK.replace("0.5 ", "0.25 ");
+    stage.wait("saved look", |stage| stage.read("scene.look.toml") == mine);
+
+    // Where both have changed the same, somebody is asked.
+    stage.edit(Edit::material("Brass", "roughness", Value::number(0.75)));
+    fs::write(stage.path("scene.look.toml"), LOOK).expect("written");
+    stage.changes.send(change).expect("heard");
+    stage.wait("question", |stage| {
+        stage.harness.query_by_label("Keep mine there").is_some()
+    });
+    assert!(
+        stage
+            .harness
+            .query_by_label("[material.Brass] roughness")
+            .is_some()
+    );
+    stage.harness.get_by_label("Take the file's there").click();
+    stage.wait("answer", |stage| {
+        stage.harness.query_by_label("Keep mine there").is_none()
+    });
+    assert_eq!(text(&mut stage), LOOK);
+    stage
+        .harness
+        .key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    stage.harness.run_steps(2);
+    assert_eq!(text(&mut stage), LOOK.replace("0.5 ", "0.75 "));
+    stage.thread.finish();
+}
+
+#[test]
+fn files_that_are_wrong_at_the_start_are_taken_up_once_they_are_mended() {
+    let wrong = LOOK.replace("roughness = 0.5", "rouhgness = 0.5\nmetallc = 1");
+    let Some(mut stage) = Stage::beginning(&wrong) else {
+        return;
+    };
+    stage.wait("reason", |stage| {
+        stage.harness.state().status().refused.is_some()
+    });
+    stage.harness.run_steps(2);
+    for mistake in ["rouhgness", "metallc", "scene.look.toml:5:"] {
+        let shown = stage.harness.query_all_by_label_contains(mistake);
+        assert!(shown.count() > 0, "{mistake}");
+    }
+    fs::write(stage.path("scene.look.toml"), LOOK).expect("written");
+    let change = Changes {
+        look: true,
+        ..Changes::default()
+    };
+    stage.changes.send(change).expect("heard");
+    stage.wait("a picture", |stage| {
+        let status = stage.harness.state().status();
+        status.spp >= 4.0 && status.refused.is_none()
+    });
+    stage.thread.finish();
+}
+
+#[test]
+fn a_region_alone_follows_edits_and_the_picture_of_before_is_kept() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let whole = |stage: &Stage| {
+        let status = stage.harness.state().status();
+        status.spp >= 4.0 && status.is_whole
+    };
+    stage.wait("whole picture", whole);
+    let size = stage.harness.state().status().size;
+    let has = |stage: &Stage| {
+        let board = stage.thread.link.board();
+        let shown = board.shown.as_ref();
+        shown.map_or((false, false), |shown| {
+            (shown.before.is_some(), shown.beside.is_some())
+        })
+    };
+    stage.thread.link.send(Command::KeepBefore(true));
+    stage.wait("picture of before", |stage| has(stage) == (true, false));
+    let region = Some([0.0, 0.0, 0.5, 1.0]);
+    stage.thread.link.send(Command::Region(region));
+    stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
+    stage.wait("region", |stage| has(stage) == (true, true));
+    for _ in 0..20 {
+        stage.harness.run_steps(1);
+        assert_eq!(
+            stage.harness.state().status().size,
+            size,
+            "nothing is coarse"
+        );
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    stage.thread.link.send(Command::Region(None));
+    stage.wait("all of it", |stage| {
+        has(stage) == (true, false) && whole(stage)
+    });
+    stage.thread.link.send(Command::KeepBefore(false));
+    stage.wait("picture alone", |stage| has(stage) == (false, false));
+    stage.thread.finish();
+}
+
+#[test]
+fn mistakes_leave_the_picture_as_it_is() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    stage.thread.link.send(Command::Target(1 << 20));
+    stage.wait("more samples", |stage| {
+        let status = stage.harness.state().status();
+        status.is_whole && status.spp >= 8.0
+    });
+    let change = Changes {
+        look: true,
+        ..Changes::default()
+    };
+    let (size, mut spp) = {
+        let status = stage.harness.state().status();
+        (status.size, status.spp)
+    };
+    for text in [&LOOK.replace("roughness", "rouhgness"), LOOK] {
+        fs::write(stage.path("scene.look.toml"), text).expect("written");
+        stage.changes.send(change.clone()).expect("heard");
+        let is_wrong = text != LOOK;
+        stage.wait("news", |stage| {
+            stage.harness.state().status().problems.is_empty() != is_wrong
         });
-        let text = stage.read(if expected == "film" { "a.exr" } else { "a.png" });
-        assert_eq!(text, format!("{expected} of {} x {}", size[0], size[1]));
+        for _ in 0..20 {
+            stage.harness.run_steps(1);
+            std::thread::sleep(Duration::from_millis(10));
+            let status = stage.harness.state().status();
+            assert!(status.spp >= spp, "it has begun anew");
+            assert_eq!(status.size, size);
+            spp = status.spp;
+        }
     }
     stage.thread.finish();
 }
@@ -230,6 +477,7 @@ fn mistakes_in_files_are_shown_until_they_are_mended() {
     });
     let problems = stage.harness.state().status().problems.clone();
     assert!(problems.contains("scene.look.toml:5:"), "{problems}");
+    stage.harness.run_steps(3);
     assert!(stage.harness.query_by_label(problems.trim_end()).is_some());
     fs::write(stage.path("scene.look.toml"), LOOK).expect("written");
     stage.changes.send(change).expect("heard");
@@ -335,6 +583,7 @@ fn a_lost_device_ends_the_render_and_keeps_the_edits() {
     let fatal = fatal.expect("it has just been there");
     assert!(fatal.contains("lost"), "{fatal}");
     assert!(fatal.contains("scene.look.toml.recovered"), "{fatal}");
+    stage.harness.run_steps(3);
     assert!(stage.harness.query_by_label(fatal.trim_end()).is_some());
     let recovered = stage.read("scene.look.toml.recovered");
     assert_eq!(recovered, LOOK.replace("0.5 ", "0.25 "));
@@ -349,7 +598,13 @@ fn a_lost_device_ends_the_render_and_keeps_the_edits() {
         Command::Pick(glam::Vec2::splat(0.5), PickPurpose::Material),
         Command::TimePasses(true),
         Command::Save(None),
-        Command::SavePicture(picture),
+        Command::SavePicture(PictureOrder {
+            path: picture,
+            size: [8, 8],
+            spp: 1,
+            layers: false,
+            view: View::default(),
+        }),
     ] {
         stage.thread.link.send(command);
     }

@@ -240,7 +240,7 @@ fn saving_has_keys_and_asks_for_a_file_where_there_is_none() {
     stage.press(Modifiers::COMMAND, Key::E);
     stage.click("Save");
     assert!(
-        matches!(&stage.sent()[..], [Command::SavePicture(path)] if path.as_os_str() == "lamp.png")
+        matches!(&stage.sent()[..], [Command::SavePicture(order)] if order.path.as_os_str() == "lamp.png" && order.spp == 1)
     );
 }
 
@@ -481,6 +481,84 @@ fn dropped_files_are_opened_used_or_refused() {
         let message = stage.harness.query_by_label_contains(said);
         assert!(message.is_some(), "{file}");
     }
+}
+
+#[test]
+fn edits_are_not_lost_by_opening_something_else() {
+    let mut stage = Stage::new();
+    let edit = Edit::view("exposure", Value::number(1.0));
+    let document = stage.harness.state_mut().document_mut();
+    let document = document.expect("there is a look");
+    document.apply("view", &[edit], None).expect("an edit");
+    stage.harness.run_steps(2);
+    stage.sent();
+    for answer in ["Stay", "Save and open", "Open without saving"] {
+        stage.drop_files(&["/models/car.glb"]);
+        assert!(stage.sent().is_empty(), "it is asked first");
+        stage.click(answer);
+        let sent = stage.sent();
+        match answer {
+            "Stay" => assert!(sent.is_empty()),
+            // It is opened once that has been done, which the render says, or fails to do.
+            "Save and open" => {
+                assert!(matches!(sent[..], [Command::Save(None)]), "{sent:?}");
+                stage.reply(Reply::Failed("no room".to_owned()));
+                assert!(stage.sent().is_empty());
+            }
+            _ => assert!(matches!(sent[..], [Command::Open(_)]), "{sent:?}"),
+        }
+    }
+    stage.drop_files(&["/models/car.glb"]);
+    stage.click("Save and open");
+    let text = stage.harness.state_mut().document_mut();
+    let text: Arc<str> = text.expect("there is a look").text().into();
+    stage.board.lock().unwrap().look = Some(LookFacts {
+        text: Arc::clone(&text),
+        saved: text,
+        heard: 1,
+        ..LookFacts::default()
+    });
+    stage.harness.run_steps(3);
+    let sent = stage.sent();
+    assert!(
+        matches!(sent[..], [Command::Save(None), Command::Open(_)]),
+        "{sent:?}"
+    );
+}
+
+#[test]
+fn what_is_typed_into_a_menu_is_no_shortcut() {
+    let mut stage = Stage::new();
+    stage.click("Add a node");
+    stage.type_text("f");
+    stage.type_text("p");
+    assert!(stage.sent().is_empty());
+    let field = stage.harness.get_by_label("Search textures");
+    assert_eq!(field.value().as_deref(), Some("fp"));
+    stage.click("View transform");
+    stage.type_text("f");
+    assert!(stage.sent().is_empty());
+}
+
+#[test]
+fn a_light_that_nobody_asked_for_is_marked_and_turned_off() {
+    let mut stage = Stage::new();
+    let said = "No light in the files: seen under a white sky";
+    assert!(stage.harness.query_by_label(said).is_none());
+    stage.board.lock().unwrap().look = Some(LookFacts {
+        has_stand_in_light: true,
+        ..LookFacts::default()
+    });
+    stage.harness.run_steps(3);
+    assert!(stage.harness.query_by_label(said).is_some());
+    stage.click("Turn off");
+    let sent = stage.sent();
+    let black = |change: &engine::session::Change| change.text().contains("[0.0, 0.0, 0.0]");
+    assert!(
+        matches!(&sent[..], [Command::Change(change, _)] if black(change)),
+        "{sent:?}"
+    );
+    assert!(stage.harness.query_by_label(said).is_none());
 }
 
 #[test]

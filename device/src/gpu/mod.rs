@@ -14,6 +14,7 @@ use std::sync::{
     Arc, Mutex, OnceLock,
     atomic::{AtomicU64, Ordering},
 };
+use std::thread::ThreadId;
 
 use crate::{
     Activity, Counts, DeviceDescription, DeviceError, DeviceOptions, Limits, Traits, WaveSizes,
@@ -43,11 +44,42 @@ struct Shared {
     is_software: bool,
     shader_modules: AtomicU64,
     pipelines: AtomicU64,
-    first_error: Arc<Mutex<Option<String>>>,
+    errors: Arc<Mutex<Errors>>,
     /// Why the device is gone, once it is.
     lost: Arc<OnceLock<String>>,
     cache: Option<cache::DiskCache>,
     activity: Activity,
+}
+
+/// What the driver refused where nobody asked. wgpu tells it on the thread that was refused.
+#[derive(Debug, Default)]
+struct Errors {
+    /// The first one, until it is taken.
+    first: Option<String>,
+    guest: Option<Guest>,
+}
+
+/// A thread that draws with the device for itself, such as a window's.
+struct Guest {
+    thread: ThreadId,
+    told: Box<dyn Fn(&str) + Send>,
+}
+
+impl std::fmt::Debug for Guest {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Guest").finish_non_exhaustive()
+    }
+}
+
+impl Errors {
+    fn note(&mut self, thread: ThreadId, message: String) {
+        match &self.guest {
+            Some(guest) if guest.thread == thread => (guest.told)(&message),
+            _ => {
+                self.first.get_or_insert(message);
+            }
+        }
+    }
 }
 
 impl Gpu {
@@ -79,11 +111,11 @@ impl Gpu {
             name: description.name.clone(),
             reason: e.to_string(),
         })?;
-        let first_error = Arc::new(Mutex::new(None));
-        let slot = Arc::clone(&first_error);
+        let errors = Arc::new(Mutex::new(Errors::default()));
+        let slot = Arc::clone(&errors);
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
-            if let Ok(mut first) = slot.lock() {
-                first.get_or_insert(e.to_string());
+            if let Ok(mut errors) = slot.lock() {
+                errors.note(std::thread::current().id(), e.to_string());
             }
         }));
         let lost = Arc::new(OnceLock::new());
@@ -108,7 +140,7 @@ impl Gpu {
                 description,
                 shader_modules: AtomicU64::new(0),
                 pipelines: AtomicU64::new(0),
-                first_error,
+                errors,
                 lost,
                 cache,
                 activity: Activity::default(),
@@ -208,11 +240,22 @@ impl Gpu {
         if let Some(message) = self.shared.lost.get() {
             return Err(DeviceError::Lost(message.clone()));
         }
-        match self.shared.first_error.lock() {
-            Ok(mut first) => first
+        match self.shared.errors.lock() {
+            Ok(mut errors) => (errors.first)
                 .take()
                 .map_or(Ok(()), |message| Err(DeviceError::Driver(message))),
             Err(_) => Ok(()),
+        }
+    }
+
+    /// The thread that calls this draws with the device for itself, as a window does: what it is refused from now on is no failure of
+    /// what runs on the device otherwise, but told to it. `told` is called on that thread; wgpu may not be called there.
+    pub fn draw_here(&self, told: impl Fn(&str) + Send + 'static) {
+        if let Ok(mut errors) = self.shared.errors.lock() {
+            errors.guest = Some(Guest {
+                thread: std::thread::current().id(),
+                told: Box::new(told),
+            });
         }
     }
 
@@ -242,5 +285,33 @@ impl Gpu {
         // The driver tells while it is polled.
         let _ = self.device().poll(wgpu::PollType::Poll);
         self.shared.lost.get().is_some()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_window_is_refused_is_no_failure_of_others() {
+        let here = std::thread::current().id();
+        let elsewhere = std::thread::spawn(|| std::thread::current().id());
+        let elsewhere = elsewhere.join().expect("a thread");
+        let mut errors = Errors::default();
+        errors.note(here, "before there was a window".to_owned());
+        let first = errors.first.take();
+        assert_eq!(first.as_deref(), Some("before there was a window"));
+        let (sender, heard) = std::sync::mpsc::channel();
+        errors.guest = Some(Guest {
+            thread: here,
+            told: Box::new(move |text| sender.send(text.to_owned()).expect("it is heard")),
+        });
+        errors.note(here, "a surface of another size".to_owned());
+        assert_eq!(errors.first, None);
+        assert_eq!(heard.try_recv().as_deref(), Ok("a surface of another size"));
+        errors.note(elsewhere, "first".to_owned());
+        errors.note(elsewhere, "second".to_owned());
+        assert_eq!(errors.first.as_deref(), Some("first"));
+        assert!(heard.try_recv().is_err());
     }
 }

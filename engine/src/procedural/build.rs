@@ -72,6 +72,7 @@ impl Procedural {
             files: builder.files,
             stack_slots: MIN_STACK_SLOTS,
             changed_args: RangeSet::default(),
+            shows_args: false,
             changed_ao: false,
             changed_kernel: false,
             warnings: builder.warnings,

@@ -211,7 +211,7 @@ impl Procedural {
 
     /// Notes which words an edit of the graph changed and compiles the programs that contain the node, if they must be.
     pub(super) fn finish(&mut self, node: NodeId, edit: &Edit) -> Result<(), CompileError> {
-        self.note_args(edit);
+        self.note_args(node, edit);
         if !edit.program {
             return Ok(());
         }
@@ -232,7 +232,8 @@ impl Procedural {
         self.refresh_traits();
     }
 
-    fn note_args(&mut self, edit: &Edit) {
+    fn note_args(&mut self, node: NodeId, edit: &Edit) {
+        self.shows_args |= self.wiring.iter().any(|w| w.nodes.contains(&node));
         for range in &edit.words {
             self.changed_args.add(range.start as u32..range.end as u32);
         }
@@ -247,7 +248,7 @@ impl Procedural {
             None => self.graph.clear_link(node, parameter),
         };
         if let Ok(edit) = edit {
-            self.note_args(&edit);
+            self.note_args(node, &edit);
         }
     }
 }

@@ -119,6 +119,8 @@ pub struct Procedural {
     custom_attributes: Vec<String>,
     stack_slots: u32,
     changed_args: RangeSet,
+    /// Some of these are of nodes that a material needs.
+    shows_args: bool,
     changed_ao: bool,
     changed_kernel: bool,
     warnings: Diagnostics,
@@ -250,5 +252,11 @@ impl Procedural {
             ao: std::mem::take(&mut self.changed_ao),
             kernel: std::mem::take(&mut self.changed_kernel),
         }
+    }
+
+    /// Whether a material can show these changes, which have been taken: arguments of nodes that none needs are no matter.
+    pub(crate) fn shows(&mut self, changes: &Changes) -> bool {
+        let shows_args = std::mem::take(&mut self.shows_args);
+        shows_args || !changes.programs.is_empty() || changes.ao || changes.kernel
     }
 }

@@ -91,12 +91,13 @@ impl Renderer {
         Ok(self.write_changes()?)
     }
 
-    /// Writes what changed and starts the picture anew.
+    /// Writes what changed and starts the picture anew, where that can be seen.
     pub(super) fn write_changes(&mut self) -> Result<(), RenderError> {
         let changes = self.procedural.take_changes();
         if changes.is_empty() {
             return Ok(());
         }
+        let is_shown = self.procedural.shows(&changes);
         let needs_kernels = !self.kernels.has_texture() && !self.procedural.is_empty();
         let are_code = self.schedule.edits_are_code();
         let needs_kernels = needs_kernels || changes.kernel || are_code;
@@ -138,7 +139,10 @@ impl Renderer {
         if changes.ao {
             write_ao(&self.device, &self.procedural, &self.resources);
         }
-        self.restart();
+        // What no material needs is not seen: the picture goes on.
+        if is_shown || needs_kernels {
+            self.restart();
+        }
         Ok(())
     }
 

@@ -48,6 +48,14 @@ struct Settings {
     unused: [u32; 2],
 }
 
+/// Bytes of its table.
+pub(super) fn bytes(method: Method) -> u64 {
+    match method {
+        Method::Path => 0,
+        Method::Draft => u64::from(CELLS) * CELL_BYTES,
+    }
+}
+
 /// Makes its buffers, of which [`Method::Path`] needs none.
 pub(super) fn allocate(
     device: &Device,
@@ -57,8 +65,7 @@ pub(super) fn allocate(
     if method == Method::Path {
         return Ok(());
     }
-    let cells = u64::from(CELLS) * CELL_BYTES;
-    let cells = device.buffer("light cache", Usage::Storage, cells)?;
+    let cells = device.buffer("light cache", Usage::Storage, bytes(method))?;
     resources.set_buffer("light_cache", cells);
     let bytes = size_of::<Settings>() as u64;
     let settings = device.buffer("light cache settings", Usage::Uniform, bytes)?;

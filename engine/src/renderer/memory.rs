@@ -8,11 +8,12 @@ use crate::{
     procedural::Procedural,
     scene::Scene,
     schedule::Wavefront,
-    settings::RenderSettings,
-    wave::{PathBytes, QUEUE_HEADER, SPLIT_WORDS},
+    settings::{Method, RenderSettings},
+    wave::{LIGHT_RECORD_WORDS, PathBytes, QUEUE_HEADER, SPLIT_WORDS},
 };
 
 use super::lanes::Lanes;
+use super::light_cache;
 use super::most_paths;
 
 /// Bytes on a device.
@@ -24,7 +25,7 @@ pub struct DeviceMemory {
     pub layers: u64,
     /// Geometry, materials, lights, images: about so much.
     pub scene: u64,
-    /// The paths of a wave.
+    /// The paths of a wave, and a cache of light where they end in one.
     pub paths: u64,
 }
 
@@ -41,7 +42,7 @@ impl DeviceMemory {
             film: picture,
             layers,
             scene: gpu_scene::bytes(device, scene, &procedural.reads()),
-            paths: paths(device, procedural, &settings.layers),
+            paths: paths(device, procedural, settings) + light_cache::bytes(settings.method),
         }
     }
 
@@ -75,14 +76,19 @@ pub fn file_bytes(settings: &RenderSettings, layers: &Layers) -> u64 {
 }
 
 /// Bytes of the paths under way: a device with lanes has as much for each of them, and once more for what runs beside.
-fn paths(device: &Device, procedural: &Procedural, layers: &Layers) -> u64 {
+fn paths(device: &Device, procedural: &Procedural, settings: &RenderSettings) -> u64 {
+    let layers = &settings.layers;
     let schedule = Wavefront;
     let capacity = Lanes::capacity(device, &schedule, most_paths(device));
     let split = match layers.split_light() {
         true => SPLIT_WORDS,
         false => 0,
     };
-    let path = PathBytes::new(procedural.result_words() + split).total();
+    let record = match settings.method {
+        Method::Path => 0,
+        Method::Draft => LIGHT_RECORD_WORDS,
+    };
+    let path = PathBytes::new(procedural.result_words() + split + record).total();
     let recorded = 4 * u64::from(layers.record_words());
     let wave = u64::from(capacity) * (path + recorded) + 4 * QUEUE_HEADER;
     wave * (1 + Lanes::number(device, &schedule))

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use texgen::{Diagnostics, Library, SourceFile};
+use texgen::{Diagnostics, Library, SourceFile, TextureType};
 
 use device::{Device, Kernel, KernelCost};
 
@@ -96,7 +96,7 @@ impl Renderer {
         }
     }
 
-    /// Swaps the kernel for the one that was built, waiting for it if need be, and starts the picture anew. Edits made
+    /// Swaps the kernel for the one that was built, waiting for it if need be, and starts the picture anew, unless textures have only been added. Edits made
     /// since [`Self::begin_reload`] are kept. Returns what is odd about the change but not wrong: values that don't fit
     /// a parameter's new type, warnings of the textures.
     ///
@@ -108,6 +108,7 @@ impl Renderer {
         if !is_current {
             return Err(ReloadError::Stale);
         }
+        let is_more = has_more(self.procedural.graph().library(), &built.library);
         let procedural = self.procedural.with_library(built.library)?;
         // Edits made meanwhile may have brought the first program, or one that needs a larger stack.
         let fits = |_: &Kernel| built.stack_slots >= procedural.stack_slots();
@@ -137,10 +138,22 @@ impl Renderer {
         self.resources = resources;
         self.procedural = procedural;
         self.bind();
-        self.restart();
+        if !is_more {
+            self.restart();
+        }
         self.device.check().map_err(RenderError::from)?;
         Ok(self.procedural.warnings().clone())
     }
+}
+
+/// Whether a library has all textures of a former one as they were, so that those in use give what they gave.
+fn has_more(former: &Library, library: &Library) -> bool {
+    let is_there = |texture: &TextureType| {
+        let former = texture.file();
+        let now = library.get(texture.name()).map(TextureType::file);
+        now.is_some_and(|now| now.text() == former.text() && now.libraries() == former.libraries())
+    };
+    former.textures().iter().all(is_there)
 }
 
 /// What the thread does.

@@ -170,11 +170,12 @@ impl Session {
     }
 
     fn finish_kernel(&mut self, reload: Reload) {
+        let restarts = self.renderer.restarts();
         match self.renderer.finish_reload(reload) {
             Ok(warnings) => {
                 self.warnings = warnings;
                 self.problems.sources = Diagnostics::new();
-                self.generation += 1;
+                self.generation += u64::from(self.renderer.restarts() != restarts);
                 self.catch_up();
             }
             Err(ReloadError::Stale) => self.again.sources = true,

@@ -68,6 +68,11 @@ impl ChangeQueue {
         self.changes.push(change);
     }
 
+    /// Nothing waits.
+    pub fn is_empty(&self) -> bool {
+        self.changes.is_empty()
+    }
+
     /// All of them, from now on no longer here.
     pub fn take(&mut self) -> Vec<Change> {
         std::mem::take(&mut self.changes)

@@ -26,6 +26,8 @@ struct Step {
     patch: Patch,
     /// Further edits of this group belong to this step, as those of one drag.
     group: Option<u64>,
+    /// It has brought what another program has written to the file.
+    is_of_others: bool,
 }
 
 /// A look as text, with undo and redo for every change.
@@ -41,6 +43,8 @@ pub struct Document {
     redo: Vec<Step>,
     changes: ChangeQueue,
     revision: u64,
+    /// Steps that brought what others have written, and that have been undone.
+    undone_of_others: usize,
 }
 
 impl Document {
@@ -58,6 +62,7 @@ impl Document {
             redo: Vec::new(),
             changes: ChangeQueue::default(),
             revision: 0,
+            undone_of_others: 0,
         })
     }
 
@@ -170,6 +175,35 @@ impl Document {
         Ok(())
     }
 
+    /// As [`Self::replace`], with what another program has written to the file, which must not be lost unnoticed: see
+    /// [`Self::leaves_out_others`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn replace_by_others(&mut self, label: &str, text: &str) -> Result<(), Diagnostics> {
+        let revision = self.revision;
+        self.replace(label, text)?;
+        if self.revision != revision
+            && let Some(step) = self.undo.last_mut()
+        {
+            step.is_of_others = true;
+        }
+        Ok(())
+    }
+
+    /// What another program has written to the file was undone: to save would take it away there, too.
+    pub fn leaves_out_others(&self) -> bool {
+        self.undone_of_others > 0
+    }
+
+    /// What others have written may be left out: somebody has decided so.
+    pub fn leave_out_others(&mut self) {
+        self.undone_of_others = 0;
+        for step in &mut self.redo {
+            step.is_of_others = false;
+        }
+    }
+
     /// Ends a group of edits: what follows is a step of its own.
     pub fn end_group(&mut self) {
         if let Some(step) = self.undo.last_mut() {
@@ -183,6 +217,7 @@ impl Document {
             return false;
         };
         step.patch.revert(&mut self.text);
+        self.undone_of_others += usize::from(step.is_of_others);
         self.redo.push(step);
         self.went();
         true
@@ -194,6 +229,7 @@ impl Document {
             return false;
         };
         step.patch.apply(&mut self.text);
+        self.undone_of_others -= usize::from(step.is_of_others);
         self.undo.push(step);
         self.went();
         true
@@ -238,6 +274,7 @@ impl Document {
             label: label.to_owned(),
             patch,
             group,
+            is_of_others: false,
         });
         self.forget_old_steps();
     }
@@ -375,6 +412,27 @@ mod tests {
         assert_eq!(document.undo.len(), 2, "each has what goes and what comes");
         assert!(document.undo() && document.undo() && !document.undo());
         assert_eq!(document.text(), large("b"));
+    }
+
+    #[test]
+    fn what_others_have_written_is_left_out_knowingly() {
+        let mut document = document();
+        let theirs = format!("# Theirs.\n{TEXT}");
+        document.replace_by_others("file", TEXT).expect("a look");
+        assert_eq!(document.undo_label(), None);
+        document.replace_by_others("file", &theirs).expect("a look");
+        document.apply("scale", &scale(9.0), None).expect("fine");
+        assert!(document.undo() && !document.leaves_out_others());
+        assert!(document.undo() && document.leaves_out_others());
+        assert!(document.redo() && !document.leaves_out_others());
+        assert!(document.undo());
+        // There is nothing to redo any more, but the file still has it.
+        document.apply("scale", &scale(8.0), None).expect("fine");
+        assert!(document.leaves_out_others());
+        document.leave_out_others();
+        assert!(!document.leaves_out_others());
+        assert!(document.undo() && document.redo());
+        assert!(!document.leaves_out_others());
     }
 
     #[test]

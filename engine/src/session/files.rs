@@ -8,7 +8,8 @@ use crate::film::Origin;
 use crate::fingerprint;
 use crate::load;
 use crate::procedural::{SourcesError, TextureSources};
-use crate::scene::look::Look;
+use crate::renderer::RenderSettings;
+use crate::scene::look::{Look, LookDocument};
 
 use super::{Inputs, Session, SessionError, parse_look};
 
@@ -16,6 +17,11 @@ impl Session {
     /// Whether there are edits that have not been saved.
     pub fn has_unsaved_edits(&self) -> bool {
         self.document.text() != self.saved
+    }
+
+    /// The look's text as its file had it when that was read or written last.
+    pub fn saved_text(&self) -> &str {
+        &self.saved
     }
 
     /// Saves the look to its file, or to `path`: comments, order and formatting of what was not edited are kept.
@@ -92,37 +98,56 @@ impl Session {
 
     /// Where the picture comes from, for the headers of its files.
     pub fn origin(&self) -> Origin {
+        self.origin_of(self.settings())
+    }
+
+    /// The same of a picture that [`Session::renderer_of`] renders.
+    pub fn origin_of(&self, settings: &RenderSettings) -> Origin {
         let Inputs { scene, look, .. } = &self.inputs;
-        let mut origin =
-            fingerprint::origin(self.device(), self.settings(), scene, look.as_deref());
-        origin.names = self.settings().layers.names(self.scene());
+        let mut origin = fingerprint::origin(self.device(), settings, scene, look.as_deref());
+        origin.names = settings.layers.names(self.scene());
         origin
     }
 
     /// The look's file may have changed. Its text replaces that of the look, edits that were not saved included.
     pub fn look_changed(&mut self) {
-        let Some(path) = self.inputs.look.clone() else {
+        let Some((text, document)) = self.read_look() else {
             return;
-        };
-        let text = match Look::read_text(&*self.system.files, &path) {
-            Ok(text) => text,
-            Err(error) => {
-                self.problems.file = Diagnostic::error(error.to_string()).into();
-                return;
-            }
         };
         if text == self.saved && self.shown.is_none() && !self.has_unsaved_edits() {
-            self.problems.file = Diagnostics::new();
             return;
         }
-        let checked = Look::parse(&path, &text);
-        match (checked, parse_look(&self.inputs, &text)) {
-            (Ok(_), Ok(document)) => {
+        self.saved = text;
+        self.want(document);
+    }
+
+    /// The look's file may have changed while there are edits that are not saved: they stay, and so does the picture. Its text, where
+    /// it is a look, counts as [saved](Self::saved_text) from now on: whoever has the edits brings both together ([`super::merge`]).
+    pub fn look_changed_beside_edits(&mut self) {
+        if let Some((text, _)) = self.read_look() {
+            self.saved = text;
+        }
+    }
+
+    /// The look's file as it is now; what is wrong with it is one of the problems.
+    fn read_look(&mut self) -> Option<(String, LookDocument)> {
+        let path = self.inputs.look.clone()?;
+        let read = Look::read_text(&*self.system.files, &path)
+            .map_err(|error| Diagnostic::error(error.to_string()).into());
+        let parsed = read.and_then(|text| {
+            Look::parse(&path, &text)?;
+            let document = parse_look(&self.inputs, &text)?;
+            Ok((text, document))
+        });
+        match parsed {
+            Ok(parsed) => {
                 self.problems.file = Diagnostics::new();
-                self.saved = text;
-                self.want(document);
+                Some(parsed)
             }
-            (Err(problems), _) | (_, Err(problems)) => self.problems.file = problems,
+            Err(problems) => {
+                self.problems.file = problems;
+                None
+            }
         }
     }
 

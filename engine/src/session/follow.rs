@@ -126,9 +126,11 @@ impl Session {
             return Err(UpdateError::Rebuild);
         }
         let camera = self.view.as_ref().unwrap_or(&self.camera);
+        let restarts = self.renderer.restarts();
         match self.renderer.update(&self.scene, camera, touched) {
             Ok(true) => {
-                self.generation += 1;
+                // What cannot be seen leaves the picture as it is.
+                self.generation += u64::from(self.renderer.restarts() != restarts);
                 Ok(())
             }
             Ok(false) => Err(UpdateError::Rebuild),
@@ -136,6 +138,14 @@ impl Session {
                 Diagnostic::error(error.to_string()).into(),
             )),
         }
+    }
+
+    /// Neither scene nor look has any light, so that all is seen under a white sky that nobody asked for.
+    pub fn has_stand_in_light(&self) -> bool {
+        let is_told = self.document.table(&Section::Environment).is_some();
+        let is_white =
+            matches!(self.scene.environment, Environment::Constant(c) if c == glam::Vec3::ONE);
+        !is_told && is_white && self.was_without_lamp
     }
 
     pub(super) fn has_no_lamp(&self) -> bool {

@@ -9,6 +9,7 @@
 //! | render | [`Session::step`], wave by wave |
 //! | see | [`Session::snapshot`] (a film), [`Session::device_film`] (on the device), [`Session::stats`], [`Session::problems`] |
 //! | save the look | [`Session::save`] |
+//! | bring edits together with what others have saved meanwhile | [`Session::look_changed_beside_edits`], [`merge`] |
 //!
 //! The text of the look is the truth. Everything else (graph, programs, material records, camera) follows from it and
 //! from the files, so that after any number of edits the film is, bit by bit, that of a fresh render of the look as it
@@ -34,6 +35,7 @@ mod error;
 mod files;
 mod follow;
 pub mod json;
+mod merge;
 mod open;
 mod patch;
 mod setting;
@@ -61,6 +63,7 @@ pub use change::{Change, ChangeQueue};
 pub use document::Document;
 pub use edit::{Edit, summary, written};
 pub use error::SessionError;
+pub use merge::{Merged, merge};
 pub use open::{Inputs, MakeSettings, OpenDevice, Opening, Sequence};
 
 /// A picture as far as it is.

@@ -8,7 +8,7 @@ use glam::Vec2;
 use crate::display::DeviceFilm;
 use crate::film::Film;
 use crate::pick::{self, Pick};
-use crate::renderer::{Lot, RenderError, TextureCosts};
+use crate::renderer::{Lot, RenderError, RenderSettings, Renderer, TextureCosts};
 use crate::scene::Camera;
 use crate::scene::view::ViewChoice;
 
@@ -99,6 +99,20 @@ impl Session {
     /// The device.
     pub fn resume(&mut self, film: &Film, paths: u64) -> Result<(), SessionError> {
         Ok(self.renderer.resume(film, paths)?)
+    }
+
+    /// Another renderer of what is shown now, with other settings but for the camera. Edits don't reach it.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn renderer_of(&self, settings: &RenderSettings) -> Result<Renderer, SessionError> {
+        let settings = RenderSettings {
+            camera: self.shown_camera().clone(),
+            ..settings.clone()
+        };
+        let (device, procedural) = (self.device(), self.renderer.procedural());
+        let renderer = Renderer::new(device, &self.scene, procedural, &settings)?;
+        Ok(renderer.in_system(&self.system))
     }
 
     /// Times each pass from now on, until something is built anew.

@@ -11,7 +11,8 @@ use toml_edit::{DocumentMut, Item, Table, TableLike};
 
 use crate::aside;
 
-use super::value::{Field, Value, fields, to_toml, to_toml_like};
+use super::rewrite::to_toml_like;
+use super::value::{Field, Value, fields, to_toml};
 
 /// One table of a look.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]

@@ -12,6 +12,7 @@ mod material;
 mod parse;
 mod reader;
 mod rename;
+mod rewrite;
 #[cfg(test)]
 mod tests;
 mod value;

@@ -144,22 +144,6 @@ pub(super) fn to_toml(value: &Value) -> toml_edit::Value {
     }
 }
 
-/// As toml_edit writes it, a text in the quotes of the one that stood there before.
-pub(super) fn to_toml_like(value: &Value, before: &toml_edit::Value) -> toml_edit::Value {
-    if let (Value::Text(text), toml_edit::Value::String(before)) = (value, before) {
-        let written = before.as_repr().and_then(|repr| repr.as_raw().as_str());
-        let is_literal =
-            written.is_some_and(|text| text.starts_with('\'') && !text.starts_with("'''"));
-        let literal = is_literal.then(|| format!("'{text}'").parse::<toml_edit::Value>());
-        if let Some(Ok(literal)) = literal
-            && literal.as_str() == Some(text)
-        {
-            return literal;
-        }
-    }
-    to_toml(value)
-}
-
 /// One value as it stands on the right of a `=`; `None` where it isn't TOML.
 pub fn parse_value(text: &str) -> Option<Spanned<Value>> {
     let value: toml_edit::Value = text.parse().ok()?;
@@ -200,7 +184,7 @@ pub(super) fn from_item(item: &Item, end: usize) -> Option<Spanned<Value>> {
     Some(Spanned::new(value, span))
 }
 
-fn from_value(value: &toml_edit::Value, end: usize) -> Spanned<Value> {
+pub(super) fn from_value(value: &toml_edit::Value, end: usize) -> Spanned<Value> {
     let span = value.span().unwrap_or(end..end);
     let value = match value {
         toml_edit::Value::String(s) => Value::Text(s.value().clone()),

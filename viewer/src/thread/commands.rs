@@ -1,17 +1,17 @@
 //! What each command does.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
-use engine::display::DeviceFilm;
-use engine::session::SessionError;
+use engine::session::{Session, SessionError};
 
-use crate::link::{Command, Reply};
+use crate::link::{Command, Extent, PickPurpose, Reply};
 
 use super::{Render, lock_size, publish};
 
 impl Render {
     pub(super) fn take(&mut self, command: Command) {
+        self.is_stuck = false;
         match command {
             Command::Change(change, number) => {
                 self.pending.changes.push(change);
@@ -36,10 +36,21 @@ impl Render {
             Command::Region(region) => {
                 self.region = region;
                 self.run.is_done = false;
+                // It is not what the look says now.
+                if let (Some(_), Some(session)) = (self.beside.take(), &mut self.session) {
+                    session.restart();
+                    self.begin_small();
+                }
             }
             Command::Pick(place, purpose) => {
-                let hit = self.session.as_ref().and_then(|session| {
-                    let hit = session.pick(place)?;
+                let seen = self
+                    .session
+                    .as_ref()
+                    .and_then(|session| session.pick(place));
+                if purpose == PickPurpose::Material {
+                    self.picked = seen.map(|hit| hit.instance as usize);
+                }
+                let hit = seen.zip(self.session.as_ref()).and_then(|(hit, session)| {
                     let material = session.scene().materials.get(hit.material as usize)?;
                     Some((material.name.clone(), hit.depth))
                 });
@@ -47,20 +58,18 @@ impl Render {
             }
             Command::KeepBefore(is_kept) => {
                 self.before = None;
-                if is_kept {
-                    match self.shown_film() {
-                        Some(Ok(film)) => self.before = Some(film),
-                        Some(Err(error)) => self.reply(Reply::Failed(publish::message(&error))),
-                        None => {}
-                    }
+                if is_kept && let Err(error) = self.keep_before() {
+                    self.reply(Reply::Failed(publish::message(&error)));
                 }
                 self.show_again();
             }
-            Command::Bounds => {
-                let bounds = self
-                    .session
-                    .as_ref()
-                    .and_then(|session| session.scene().bounds());
+            Command::Bounds(extent) => {
+                let picked = self.picked.filter(|_| extent == Extent::Picked);
+                let scene = self.session.as_ref().map(Session::scene);
+                let bounds = scene.and_then(|scene| {
+                    let own = picked.and_then(|instance| scene.bounds_of(instance));
+                    own.or_else(|| scene.bounds())
+                });
                 if let Some((low, high)) = bounds {
                     self.reply(Reply::Bounds([low, high]));
                 }
@@ -84,13 +93,8 @@ impl Render {
                 self.run.is_done = false;
             }
             Command::Save(path) => self.save(path),
-            Command::SavePicture(path) => {
-                let written = self.save_picture(&path);
-                self.reply(match written {
-                    Ok(()) => Reply::Done(format!("wrote {}", path.display())),
-                    Err(why) => Reply::Failed(why),
-                });
-            }
+            Command::SavePicture(order) => self.save_picture(order),
+            Command::CancelPicture => self.cancel_picture(),
             Command::Open(files) => self.open(files),
             Command::TextureFolder(folder) => {
                 if let Some(session) = &mut self.session {
@@ -102,15 +106,6 @@ impl Render {
             }
             // Heard by the loop.
             Command::Quit => {}
-        }
-    }
-
-    /// A copy of the film that is shown.
-    fn shown_film(&mut self) -> Option<Result<DeviceFilm, SessionError>> {
-        let session = self.session.as_mut()?;
-        match &self.whole {
-            Some(film) if !self.run.is_seen => Some(Ok(film.clone())),
-            _ => Some(session.keep_film(self.settings.channel.needs_guides())),
         }
     }
 
@@ -127,9 +122,12 @@ impl Render {
         match saved {
             Ok(()) => {
                 self.reply(Reply::Done(format!("saved {}", name.display())));
-                if path.is_some() {
-                    self.publish_scene();
-                    self.watch();
+                match path.is_some() {
+                    true => {
+                        self.publish_scene();
+                        self.watch();
+                    }
+                    false => self.publish_look(),
                 }
             }
             Err(error) => self.reply(Reply::Failed(publish::message(&error))),
@@ -137,30 +135,12 @@ impl Render {
         self.publish_status(true);
     }
 
-    /// Edits that wait are part of the look that is saved.
-    fn apply_all(&mut self) {
+    /// Makes edits that wait: they are part of what is saved.
+    pub(super) fn apply_all(&mut self) {
         self.is_moving = false;
         if let Err(error) = self.apply_pending() {
             self.fail(&error);
         }
-    }
-
-    fn save_picture(&mut self, path: &Path) -> Result<(), String> {
-        let session = self.session.as_mut().ok_or("there is no picture yet")?;
-        let is_exr = path
-            .extension()
-            .is_some_and(|ending| ending.eq_ignore_ascii_case("exr"));
-        if is_exr {
-            let film = session
-                .snapshot()
-                .map_err(|error| publish::message(&error))?
-                .film;
-            return self.host.write_film(path, &film, &session.origin());
-        }
-        self.show().map_err(|error| publish::message(&error))?;
-        let displays = self.display.as_ref().ok_or("there is no picture yet")?;
-        let rgba = displays.now.read().map_err(|error| error.to_string())?;
-        self.host.write_shown(path, self.picture_size(), &rgba)
     }
 
     /// Shows the picture in another way.

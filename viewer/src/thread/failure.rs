@@ -1,4 +1,5 @@
-//! Failures: those that may pass are told, others end the render and keep the edits.
+//! Failures: those that may pass are told, those that don't stop the render until something changes, and a device that is lost ends
+//! it and keeps the edits.
 
 use std::path::PathBuf;
 
@@ -8,21 +9,40 @@ use crate::link::{Reply, lock};
 
 use super::{Render, publish};
 
-/// Failures in a row after which nothing is tried any more.
+/// Failures in a row after which nothing is tried until something changes.
 const MOST_FAILURES: u32 = 3;
 
 impl Render {
-    /// A failure that may pass is told; others end the render.
+    /// A failure that may pass is told, and tried again; one that comes again and again waits for a change.
     pub(super) fn fail(&mut self, error: &SessionError) {
         self.failures += 1;
         let is_lost = matches!(error, SessionError::Lost(_)) || self.device.is_lost();
-        match is_lost || self.failures >= MOST_FAILURES {
-            true => self.stop(error),
-            false => self.reply(Reply::Failed(publish::message(error))),
+        match (is_lost, self.failures >= MOST_FAILURES) {
+            (true, _) => self.stop(error),
+            (false, false) => self.reply(Reply::Failed(publish::message(error))),
+            (false, true) => {
+                self.is_stuck = true;
+                let why = publish::message(error);
+                let text = format!(
+                    "{why}
+It is tried again as soon as something changes."
+                );
+                lock(&self.board).status.stuck = Some(text);
+                (self.wake)();
+            }
         }
     }
 
-    /// The device is gone, or fails always: says so, and keeps what was not saved.
+    /// A turn went well.
+    pub(super) fn go_on(&mut self) {
+        if self.failures > 0 && !self.is_stuck {
+            self.failures = 0;
+            lock(&self.board).status.stuck = None;
+            (self.wake)();
+        }
+    }
+
+    /// The device is gone: says so, and keeps what was not saved.
     fn stop(&mut self, error: &SessionError) {
         let Some(mut session) = self.session.take() else {
             return;

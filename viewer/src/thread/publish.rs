@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use engine::display::{Display, DisplaySettings};
+use engine::display::{DeviceFilm, Display, DisplaySettings};
 use engine::load::LoadError;
 use engine::renderer::RenderError;
 use engine::scene::LightKind;
@@ -14,7 +14,7 @@ use patina_panels::Textures;
 
 use crate::link::{Files, LookFacts, Reply, SceneFacts, Shown, lock};
 
-use super::{Displays, Render};
+use super::{Displays, Render, lock_size};
 
 /// How often figures are brought up to date.
 const FIGURES: Duration = Duration::from_millis(400);
@@ -22,24 +22,35 @@ const FIGURES: Duration = Duration::from_millis(400);
 /// What is on the board already.
 #[derive(Default)]
 pub(super) struct Published {
-    textures: [Option<wgpu::Texture>; 2],
+    textures: [Option<wgpu::Texture>; 3],
     number: u64,
     figures: Option<Figures>,
-    problems: Option<String>,
+    state: Option<State>,
     /// Of the picture, that were told.
     doubts: Vec<Doubt>,
     error: Option<f64>,
-    is_unsaved: bool,
     textures_there: Option<Arc<Textures>>,
 }
 
 /// Figures grow over the life of a renderer; rates are those of the last while.
 struct Figures {
     at: Instant,
-    generation: u64,
-    samples: u64,
+    /// Number of the picture, its camera paths, and whether they have been shown.
+    of: (u64, u64, bool),
     rays: u64,
     seconds: f64,
+}
+
+/// What is told when it changes.
+#[derive(PartialEq)]
+struct State {
+    problems: String,
+    warnings: String,
+    is_unsaved: bool,
+    is_building: bool,
+    is_paused: bool,
+    is_whole: bool,
+    is_rendering: bool,
 }
 
 impl Published {
@@ -51,7 +62,7 @@ impl Published {
     pub(super) fn forget(&mut self) {
         self.forget_textures();
         self.figures = None;
-        self.problems = None;
+        self.state = None;
         self.doubts.clear();
         self.error = None;
     }
@@ -68,6 +79,7 @@ impl Render {
             none => none.insert(Displays {
                 now: Display::new(&self.device).map_err(RenderError::from)?,
                 before: Display::new(&self.device).map_err(RenderError::from)?,
+                beside: Display::new(&self.device).map_err(RenderError::from)?,
             }),
         };
         let film = session.device_film(self.settings.channel.needs_guides())?;
@@ -82,19 +94,26 @@ impl Render {
         let size = [film.width, film.height];
         let now = displays.now.show(&film, &settings);
         let now = now.map_err(RenderError::from)?.texture().cloned();
-        let before = match &self.before {
-            Some(before) => {
-                let shown = displays.before.show(before, &settings);
-                shown.map_err(RenderError::from)?.texture().cloned()
-            }
+        let guides = self.settings.channel.needs_guides();
+        let kept = match &mut self.before {
+            Some(before) => Some(before.film(guides)?),
             None => None,
         };
+        let also = |display: &mut Display, film: Option<&DeviceFilm>| match film {
+            Some(film) => {
+                let shown = display.show(film, &settings).map_err(RenderError::from)?;
+                Ok::<_, SessionError>(shown.texture().cloned())
+            }
+            None => Ok(None),
+        };
+        let before = also(&mut displays.before, kept.as_ref())?;
+        let beside = also(&mut displays.beside, self.beside.as_ref())?;
         self.run.last_shown = Instant::now();
         // The window draws with the device that renders.
         let Some(now) = now else {
             return Ok(());
         };
-        let textures = [Some(now.clone()), before.clone()];
+        let textures = [Some(now.clone()), before.clone(), beside.clone()];
         if textures != self.published.textures {
             self.published.textures = textures;
             self.published.number += 1;
@@ -102,6 +121,7 @@ impl Render {
         let view =
             |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let number = self.published.number;
+        let is_whole = self.region.is_none() && size == *lock_size(&self.size);
         let mut board = lock(&self.board);
         if board
             .shown
@@ -112,11 +132,13 @@ impl Render {
                 view: view(&now),
                 size,
                 before: before.as_ref().map(view),
+                beside: beside.as_ref().map(view),
                 texture_number: number,
             });
         }
         board.status.spp = spp;
         board.status.size = size;
+        board.status.is_whole = is_whole;
         Ok(())
     }
 
@@ -126,7 +148,27 @@ impl Render {
             Some(figures) => now || figures.at.elapsed() >= FIGURES,
             None => true,
         };
-        let Some(session) = self.session.as_ref().filter(|_| is_due) else {
+        if !is_due || self.session.is_none() {
+            return;
+        }
+        // What has been told is not measured again: a render at rest takes no time.
+        let samples = (self.run.generation, self.run.samples_done, self.run.is_seen);
+        let has_more = self.published.figures.as_ref().map(|figures| figures.of) != Some(samples);
+        if has_more || now {
+            self.publish_figures();
+        }
+        let is_news = self.publish_state();
+        if let Some(figures) = &mut self.published.figures {
+            figures.at = Instant::now();
+        }
+        if has_more || is_news || now {
+            (self.wake)();
+        }
+    }
+
+    /// What there is of the picture, and how fast it came.
+    fn publish_figures(&mut self) {
+        let Some(session) = &self.session else {
             return;
         };
         let Ok(stats) = session.stats() else {
@@ -140,14 +182,10 @@ impl Render {
         }
         let figures = Figures {
             at: Instant::now(),
-            generation: self.run.generation,
-            samples: self.run.samples_done,
+            of: (self.run.generation, self.run.samples_done, self.run.is_seen),
             rays: stats.rays,
             seconds: stats.seconds,
         };
-        let problems = session.problems();
-        let text = problems.render();
-        let is_unsaved = session.has_unsaved_edits();
         let doubts = stats.doubts();
         let lines: Vec<String> = doubts.iter().map(Doubt::to_string).collect();
         let told = &mut self.published.doubts;
@@ -161,14 +199,13 @@ impl Render {
         status.doubts = lines.join("\n");
         if let Some(last) = &self.published.figures {
             let seconds = figures.seconds - last.seconds;
-            let is_same = figures.generation == last.generation && seconds > 0.0;
+            let is_same = figures.of.0 == last.of.0 && seconds > 0.0;
             if is_same && figures.rays >= last.rays {
                 let rate = |now: u64, then: u64| now.saturating_sub(then) as f64 / seconds;
-                status.samples_per_second = rate(figures.samples, last.samples);
+                status.samples_per_second = rate(figures.of.1, last.of.1);
                 status.mrays_per_second = rate(figures.rays, last.rays) * 1e-6;
             }
         }
-        status.target = self.options.target_spp;
         status.passes = match stats.timestamps && self.times_passes {
             true => stats.passes,
             false => Vec::new(),
@@ -177,23 +214,42 @@ impl Render {
         status.error = self.published.error;
         status.pipelines = stats.pipelines_created;
         status.shader_modules = stats.shader_modules_created;
-        status.is_building = session.is_building();
-        status.is_paused = self.is_paused;
-        status.has_unsaved_edits = is_unsaved;
-        status.warnings = session.warnings().render();
+        self.published.figures = Some(figures);
+    }
+
+    /// What state the render is in; whether that is news.
+    fn publish_state(&mut self) -> bool {
+        let Some(session) = &self.session else {
+            return false;
+        };
+        let state = State {
+            problems: session.problems().render(),
+            warnings: session.warnings().render(),
+            is_unsaved: session.has_unsaved_edits(),
+            is_building: session.is_building(),
+            is_paused: self.is_paused,
+            is_whole: self.is_whole(),
+            is_rendering: self.is_rendering(),
+        };
+        let mut board = lock(&self.board);
+        let status = &mut board.status;
+        status.target = self.options.target_spp;
+        status.is_whole = state.is_whole;
+        status.is_building = state.is_building;
+        status.is_paused = state.is_paused;
+        status.has_unsaved_edits = state.is_unsaved;
+        status.warnings.clone_from(&state.warnings);
+        if !state.is_rendering {
+            (status.samples_per_second, status.mrays_per_second) = (0.0, 0.0);
+        }
         // While something is built it may turn out otherwise.
         if !status.is_building {
-            status.problems.clone_from(&text);
+            status.problems.clone_from(&state.problems);
         }
         drop(board);
-        let is_news = self.published.problems.as_ref() != Some(&text)
-            || self.published.is_unsaved != is_unsaved
-            || now;
-        (self.published.problems, self.published.is_unsaved) = (Some(text), is_unsaved);
-        self.published.figures = Some(figures);
-        if is_news || !self.run.is_done {
-            (self.wake)();
-        }
+        let is_news = self.published.state.as_ref() != Some(&state);
+        self.published.state = Some(state);
+        is_news
     }
 
     pub(super) fn publish_loading(&self, is_loading: bool) {
@@ -223,8 +279,11 @@ impl Render {
             .filter(|light| is_sun(light.kind));
         lock(&self.board).look = Some(LookFacts {
             text: session.look_text().into(),
+            saved: session.saved_text().into(),
+            outside: self.outside,
             heard: self.pending.number,
             materials: Arc::new(session.scene().materials.clone()),
+            has_stand_in_light: session.has_stand_in_light(),
             own_materials: session.procedural().scene_materials(),
             suns: suns.map(|light| light.name.clone()).collect(),
             textures,

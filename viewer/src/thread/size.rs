@@ -45,14 +45,30 @@ impl Render {
             true => size[0] * size[1] / MOVING_WAVES,
             false => 0,
         });
-        if self.run.is_seen && !self.is_moving && size != seen {
-            // Of the larger one there is less than a sample of each pixel for a while.
-            self.whole = Some(session.keep_film(self.settings.channel.needs_guides())?);
+        if size != seen {
+            self.beside = None;
         }
         session.resize(size[0], size[1])?;
         // What lies beside it has a sample of each pixel first: it would be black.
-        let region = self.region.filter(|_| !self.is_moving && self.run.is_seen);
+        let has_all = self.beside.is_some() || !self.is_moving && self.run.is_seen;
+        let region = self.region.filter(|_| has_all);
         session.set_region(region.map(|corners| pixels(corners, size)));
+        Ok(())
+    }
+
+    /// With a region, only that follows what is about to be changed: what lies beside it is kept. Another view is another picture.
+    pub(super) fn keep_beside(&mut self) -> Result<(), SessionError> {
+        if self.pending.view.is_some() || self.region.is_none() {
+            self.beside = None;
+            return Ok(());
+        }
+        let is_whole = self.run.is_seen && self.divisor == 1 && !self.is_moving;
+        if let Some(session) = &mut self.session
+            && self.beside.is_none()
+            && is_whole
+        {
+            self.beside = Some(session.keep_film(self.settings.channel.needs_guides())?);
+        }
         Ok(())
     }
 
@@ -62,7 +78,7 @@ impl Render {
         touched.is_some_and(|at| at.elapsed() < STILL)
     }
 
-    fn longest_wave(&self) -> Duration {
+    pub(super) fn longest_wave(&self) -> Duration {
         match (
             self.device.traits().shares_the_processor,
             self.is_moving || self.is_touched(),

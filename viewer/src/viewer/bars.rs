@@ -1,4 +1,4 @@
-//! The bar of tools on top, the figures at the bottom, and what is wrong with the files.
+//! The bar of tools on top, and the figures at the bottom.
 
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
 use engine::display::{Channel, DisplaySettings};
@@ -7,7 +7,7 @@ use engine::scene::view::ViewTransform;
 use crate::link::{Command, Status};
 
 use super::dialogs::Dialog;
-use super::{Viewer, name};
+use super::{Viewer, call, name};
 
 /// Textures that are listed.
 const EXPENSIVE: usize = 10;
@@ -42,7 +42,7 @@ impl Viewer {
                 self.dialog = Some(Dialog::save_as(&self.scene.files));
             }
             if ui.button("Save picture ...").clicked() {
-                self.dialog = Some(Dialog::save_picture(&self.scene.files));
+                self.ask_for_picture();
             }
             ui.separator();
             if ui.button("Open ...").clicked() {
@@ -130,6 +130,14 @@ impl Viewer {
                 self.preferences.shows_times = shows_times;
                 self.link.send(Command::TimePasses(shows_times));
             }
+            if let Some(saving) = &status.saving {
+                ui.separator();
+                let (file, done) = (name(&saving.path), saving.spp.floor());
+                ui.label(format!("{file}: {done:.0} of {} spp", saving.target));
+                if ui.small_button("Cancel").clicked() {
+                    self.link.send(Command::CancelPicture);
+                }
+            }
             if !status.doubts.is_empty() {
                 ui.separator();
                 // In a word, so that the bar keeps its height: another one would begin the picture anew.
@@ -137,19 +145,18 @@ impl Viewer {
                 let label = ui.label(RichText::new("warning").color(color));
                 label.on_hover_text(&status.doubts);
             }
+            if !status.warnings.is_empty() {
+                ui.separator();
+                let color = ui.visuals().warn_fg_color;
+                let label = ui.label(RichText::new("about the files").color(color));
+                label.on_hover_text(RichText::new(status.warnings.trim_end()).monospace());
+            }
             if let Some(material) = &self.material {
                 ui.separator();
                 ui.label(format!("material: {material}"));
             }
             ui.separator();
-            let files = &self.scene.files;
-            let mut title = name(&files.scene);
-            if let Some(look) = &files.look {
-                title = format!("{title} with {}", name(look));
-            }
-            if self.status.has_unsaved_edits {
-                title.push_str(" *");
-            }
+            let (title, files) = (self.title(), &self.scene.files);
             let whole = format!("{}\non {}", files.scene.display(), self.status.device);
             ui.label(title).on_hover_text(whole);
         });
@@ -163,17 +170,6 @@ impl Viewer {
                 ui.separator();
                 textures(ui, &self.status);
             });
-        });
-    }
-
-    pub(super) fn problems(&mut self, ui: &mut Ui) {
-        egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-            let color = ui.visuals().error_fg_color;
-            let texts = self.status.fatal.iter().chain([&self.status.problems]);
-            for text in texts.filter(|text| !text.is_empty()) {
-                let text = RichText::new(text.trim_end()).monospace().color(color);
-                ui.add(egui::Label::new(text).selectable(true).extend());
-            }
         });
     }
 }
@@ -211,12 +207,6 @@ fn display_settings(ui: &mut Ui, display: &mut DisplaySettings) {
     shown
         .response
         .on_hover_text("channel: what of the picture is shown");
-}
-
-/// Gives a list the name by which assistive technology finds it, and so do tests.
-fn call(list: &egui::Response, name: &str) {
-    list.ctx
-        .accesskit_node_builder(list.id, |node| node.set_label(name));
 }
 
 fn progress(status: &Status) -> String {

@@ -1,24 +1,18 @@
-//! Windows that ask for a file, and the list of shortcuts.
+//! Windows that ask for a file.
 
 use std::path::{Path, PathBuf};
 
-use egui::{Id, Key, Modal, Ui, ViewportCommand};
+use egui::{Id, Key, Modal, Ui};
 
-use crate::link::{Command, Files};
+use engine::film::MAX_SIDE;
+use engine::scene::view::{View, ViewTransform};
 
-use super::{Viewer, name};
+use crate::link::{Command, Files, PictureOrder};
 
-/// Whether the window is about to be closed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Closing {
-    No,
-    /// There are edits that would be lost: what is to become of them is asked.
-    Asked,
-    /// As soon as they have been saved.
-    OnceSaved,
-    /// Whatever becomes of them.
-    Now,
-}
+use super::{Viewer, call, name};
+
+/// Of each pixel of a picture that is saved: nobody waits for more.
+const MOST_SAMPLES: u32 = 1 << 20;
 
 /// A file that is asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,9 +20,22 @@ pub(super) struct Dialog {
     what: What,
     path: String,
     look: String,
+    picture: Picture,
     /// It has just been opened: the path gets the keyboard.
     is_new: bool,
 }
+
+/// What is wanted of a picture.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Picture {
+    size: [u32; 2],
+    spp: u32,
+    layers: bool,
+    view: View,
+}
+
+/// A picture that is saved has so many samples of each pixel, unless there are more already, or others are asked for.
+const SAMPLES: u32 = 64;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum What {
@@ -44,6 +51,7 @@ impl Dialog {
             what,
             path: text(path),
             look: look.map(text).unwrap_or_default(),
+            picture: Picture::default(),
             is_new: true,
         }
     }
@@ -54,11 +62,15 @@ impl Dialog {
         Self::new(What::Look, path, None)
     }
 
-    pub(super) fn save_picture(files: &Files) -> Self {
+    fn save_picture(files: &Files, picture: Picture) -> Self {
         let named = files.look.as_deref().unwrap_or(&files.scene);
         let stem = name(named);
         let stem = stem.split('.').next().unwrap_or("picture");
-        Self::new(What::Picture, Path::new(&format!("{stem}.png")), None)
+        let path = format!("{stem}.png");
+        Self {
+            picture,
+            ..Self::new(What::Picture, Path::new(&path), None)
+        }
     }
 
     pub(super) fn open(files: &Files) -> Self {
@@ -84,7 +96,13 @@ impl Dialog {
         let path = PathBuf::from(self.path.trim());
         match self.what {
             What::Look => Command::Save(Some(path)),
-            What::Picture => Command::SavePicture(path),
+            What::Picture => Command::SavePicture(PictureOrder {
+                path,
+                size: self.picture.size,
+                spp: self.picture.spp,
+                layers: self.picture.layers,
+                view: self.picture.view,
+            }),
             What::Scene => Command::Open(Files {
                 scene: path,
                 look: Some(PathBuf::from(self.look.trim())).filter(|p| *p != Path::new("")),
@@ -94,10 +112,58 @@ impl Dialog {
     }
 }
 
+/// How large and how fine a picture is, and how it is shown.
+fn picture_fields(ui: &mut Ui, dialog: &mut Dialog) {
+    let is_exr = Path::new(dialog.path.trim())
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("exr"));
+    let Picture {
+        size: [width, height],
+        spp,
+        layers,
+        view,
+    } = &mut dialog.picture;
+    let number = |ui: &mut Ui, text: &str, value: &mut u32, most: u32| {
+        let label = ui.label(text);
+        let drag = egui::DragValue::new(value).range(1..=most).speed(1.0);
+        ui.add(drag).labelled_by(label.id);
+    };
+    ui.horizontal(|ui| {
+        number(ui, "Width", width, MAX_SIDE);
+        number(ui, "Height", height, MAX_SIDE);
+        number(ui, "Samples per pixel", spp, MOST_SAMPLES);
+    });
+    ui.add_enabled_ui(is_exr, |ui| ui.checkbox(layers, "All layers (.exr)"));
+    ui.add_enabled_ui(!is_exr, |ui| {
+        let views = egui::ComboBox::from_id_salt("view of the picture")
+            .selected_text(view.transform.label());
+        let shown = views.show_ui(ui, |ui| {
+            for transform in ViewTransform::ALL {
+                ui.selectable_value(&mut view.transform, transform, transform.label());
+            }
+        });
+        call(&shown.response, "View of the picture");
+        ui.label(format!("exposure {:+.2} EV", view.exposure));
+    });
+    ui.weak("It is finished aside, as it is now: you can go on meanwhile.");
+}
+
 impl Viewer {
+    /// Asks where the picture is to be saved, and how. As it is seen, unless something else is wanted.
+    pub(super) fn ask_for_picture(&mut self) {
+        let is_whole = self.status.is_whole;
+        let there = if is_whole { self.status.spp as u32 } else { 0 };
+        let picture = Picture {
+            size: self.viewport.size(),
+            spp: there.max(SAMPLES).min(self.status.target.max(1)),
+            layers: false,
+            view: self.display.view,
+        };
+        self.dialog = Some(Dialog::save_picture(&self.scene.files, picture));
+    }
+
     pub(super) fn dialogs(&mut self, ui: &Ui) {
-        self.shortcut_list(ui);
-        self.closing_dialog(ui);
+        self.questions(ui);
         let Some(mut dialog) = self.dialog.take() else {
             return;
         };
@@ -117,6 +183,9 @@ impl Viewer {
                     egui::TextEdit::singleline(&mut dialog.look).desired_width(f32::INFINITY);
                 ui.add(edit).labelled_by(label.id);
             }
+            if dialog.what == What::Picture {
+                picture_fields(ui, &mut dialog);
+            }
             let is_there = Path::new(dialog.path.trim()).exists();
             if dialog.what != What::Scene && is_there {
                 ui.label("The file is there, and will be replaced.");
@@ -130,49 +199,14 @@ impl Viewer {
             });
         });
         if is_done {
-            self.link.send(dialog.command());
-        } else if !is_cancelled && !shown.should_close() {
+            match dialog.command() {
+                Command::Open(files) => self.open(files),
+                command => self.link.send(command),
+            }
+        } else if is_cancelled || shown.should_close() {
+            self.stay();
+        } else {
             self.dialog = Some(dialog);
-        }
-    }
-
-    /// Closes the window when that has been asked for and nothing would be lost.
-    pub(super) fn close(&mut self, ui: &Ui) {
-        let is_asked = ui.input(|input| input.viewport().close_requested());
-        // After a failure that ended the render they lie beside the look already.
-        let is_saved = !self.status.has_unsaved_edits || self.status.fatal.is_some();
-        if is_asked && self.closing != Closing::Now && !is_saved {
-            ui.ctx().send_viewport_cmd(ViewportCommand::CancelClose);
-            self.closing = Closing::Asked;
-        }
-        if self.closing == Closing::OnceSaved && is_saved {
-            self.closing = Closing::Now;
-            ui.ctx().send_viewport_cmd(ViewportCommand::Close);
-        }
-    }
-
-    fn closing_dialog(&mut self, ui: &Ui) {
-        if self.closing != Closing::Asked {
-            return;
-        }
-        let shown = Modal::new(Id::unique("closing")).show(ui.ctx(), |ui| {
-            ui.heading("The look has edits that are not saved");
-            ui.horizontal(|ui| {
-                if ui.button("Save and close").clicked() {
-                    self.closing = Closing::OnceSaved;
-                    self.save();
-                }
-                if ui.button("Close without saving").clicked() {
-                    self.closing = Closing::Now;
-                    ui.ctx().send_viewport_cmd(ViewportCommand::Close);
-                }
-                if ui.button("Stay").clicked() {
-                    self.closing = Closing::No;
-                }
-            });
-        });
-        if shown.should_close() {
-            self.closing = Closing::No;
         }
     }
 }

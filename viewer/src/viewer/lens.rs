@@ -6,7 +6,7 @@ use engine::scene::{Camera, Projection};
 use engine::session::Edit;
 use glam::Vec3;
 
-use crate::link::Command;
+use crate::link::{Command, Extent};
 use crate::navigate::Navigator;
 
 use super::Viewer;
@@ -27,8 +27,13 @@ impl Viewer {
                     self.look_through(camera);
                 }
             }
-            if ui.button("Frame everything").on_hover_text("F").clicked() {
-                self.link.send(Command::Bounds);
+            for (text, keys, extent) in [
+                ("Frame what was clicked", "F", Extent::Picked),
+                ("Frame everything", "Shift F", Extent::Scene),
+            ] {
+                if ui.button(text).on_hover_text(keys).clicked() {
+                    self.link.send(Command::Bounds(extent));
+                }
             }
             ui.separator();
             self.lens(ui);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use egui::Ui;
 use engine::scene::Material;
-use engine::session::{Document, Edit};
+use engine::session::{Document, Edit, Merged, merge};
 use patina_panels::{Form, Previews, SceneView, Textures, TexturesPanel};
 
 use crate::link::{Command, Link, LookFacts};
@@ -20,31 +20,98 @@ pub(super) struct Editor {
     textures: Arc<Textures>,
     materials: Arc<Vec<Material>>,
     own_materials: usize,
+    has_stand_in_light: bool,
     suns: Arc<[String]>,
     /// Changes that have been sent.
     sent: u64,
+    /// The file's text, as far as the document knows it.
+    saved: Arc<str>,
+    /// How often that came from another program.
+    outside: u64,
+}
+
+/// What became of a text that another program has written to the look's file.
+#[derive(Debug)]
+pub(super) enum Outside {
+    /// It is here, together with edits that are not saved.
+    Together,
+    /// Both sides have changed the same.
+    Conflict(Merged),
 }
 
 impl Editor {
     /// Takes over what the render has: its first text, and texts that files have brought.
-    pub(super) fn read(&mut self, facts: &LookFacts, path: &Path) {
+    pub(super) fn read(&mut self, facts: &LookFacts, path: &Path) -> Option<Outside> {
         self.textures = Arc::clone(&facts.textures);
         self.materials = Arc::clone(&facts.materials);
         self.own_materials = facts.own_materials;
+        self.has_stand_in_light = facts.has_stand_in_light;
         self.suns = Arc::clone(&facts.suns);
-        match &mut self.document {
-            Some(document) => {
-                if document.path() != path {
-                    document.set_path(path);
-                }
-                let is_other = facts.heard == self.sent && *facts.text != *document.text();
-                if is_other && document.replace("file", &facts.text).is_ok() {
-                    // The render has it already.
-                    document.take_changes();
-                }
-            }
-            None => self.document = Document::new(path, &facts.text).ok(),
+        let Some(document) = &mut self.document else {
+            self.document = Document::new(path, &facts.text).ok();
+            self.take_saved(facts);
+            return None;
+        };
+        if document.path() != path {
+            document.set_path(path);
         }
+        if facts.outside != self.outside {
+            return self.read_outside(facts);
+        }
+        let is_other = facts.heard == self.sent && *facts.text != *document.text();
+        if is_other && document.replace("file", &facts.text).is_ok() {
+            // The render has it already.
+            document.take_changes();
+        }
+        self.take_saved(facts);
+        None
+    }
+
+    fn take_saved(&mut self, facts: &LookFacts) {
+        self.saved = Arc::clone(&facts.saved);
+        self.outside = facts.outside;
+    }
+
+    /// Another program has written to the file.
+    fn read_outside(&mut self, facts: &LookFacts) -> Option<Outside> {
+        let document = self.document.as_ref()?;
+        let was_saved = *document.text() == *self.saved;
+        let merged = merge(document.path(), &self.saved, document.text(), &facts.saved);
+        match merged {
+            Ok(merged) if merged.conflicts.is_empty() => {
+                self.take_outside(facts, &merged.text);
+                (!was_saved).then_some(Outside::Together)
+            }
+            Ok(merged) => Some(Outside::Conflict(merged)),
+            // What is no look has not become the saved text.
+            Err(_) => None,
+        }
+    }
+
+    /// Goes on with what has become of the own text and of another program's.
+    pub(super) fn take_outside(&mut self, facts: &LookFacts, text: &str) {
+        self.take_saved(facts);
+        if let Some(document) = &mut self.document
+            && document
+                .replace_by_others("change of the file", text)
+                .is_ok()
+            && *facts.text == *text
+        {
+            // The render has it already.
+            document.take_changes();
+        }
+    }
+
+    /// Whether the picture is seen in a light that nobody asked for.
+    pub(super) fn has_stand_in_light(&self) -> bool {
+        let look = self.document.as_ref().map(Document::look);
+        self.has_stand_in_light && look.is_some_and(|look| look.environment.is_none())
+    }
+
+    /// Whether the file lacks an edit.
+    pub(super) fn has_unsaved_edits(&self) -> bool {
+        let document = self.document.as_ref();
+        document.is_some_and(|document| *document.text() != *self.saved)
     }
 
     /// Forgets the look. The panel stays, with its previews.

@@ -1,8 +1,8 @@
 //! Keys, and the list of them.
 
-use egui::{Grid, Key, KeyboardShortcut, Modifiers, RichText, Ui, Window};
+use egui::{Key, KeyboardShortcut, Modifiers, Popup, RichText, ScrollArea, Ui};
 
-use crate::link::Command;
+use crate::link::{Command, Extent};
 
 use super::Viewer;
 use super::dialogs::Dialog;
@@ -19,7 +19,7 @@ const REDO_TOO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key
 const STOP: f32 = 0.25;
 
 /// What the list says: keys, and what they do.
-const LIST: [(&str, &str); 24] = [
+const LIST: [(&str, &str); 25] = [
     ("drag", "turn around the point in focus"),
     ("right drag", "look around"),
     ("middle drag, Shift drag", "pan"),
@@ -30,7 +30,8 @@ const LIST: [(&str, &str); 24] = [
     ),
     ("click", "choose the material"),
     ("Ctrl click", "focus there, and turn around it"),
-    ("F", "frame everything"),
+    ("F", "frame what was clicked, or everything"),
+    ("Shift F", "frame everything"),
     ("Home", "the look's camera"),
     ("1 ... 9", "cameras of the scene"),
     ("R", "render a region only; again: everything"),
@@ -63,7 +64,7 @@ impl Viewer {
         } else if pressed(&SAVE) {
             self.save();
         } else if pressed(&SAVE_PICTURE) {
-            self.dialog = Some(Dialog::save_picture(&self.scene.files));
+            self.ask_for_picture();
         } else if pressed(&REDO) || pressed(&REDO_TOO) {
             self.redo();
         } else if pressed(&UNDO) {
@@ -71,7 +72,8 @@ impl Viewer {
         } else if pressed(&OPEN) {
             self.dialog = Some(Dialog::open(&self.scene.files));
         }
-        if ctx.egui_wants_keyboard_input() {
+        // What is written into a field or over an open menu is no shortcut.
+        if ctx.egui_wants_keyboard_input() || Popup::is_any_open(ctx) {
             return;
         }
         // By what was typed: where the question mark is depends on the keyboard.
@@ -99,7 +101,8 @@ impl Viewer {
         let mut display = self.display;
         match text {
             "?" => self.lists_shortcuts ^= true,
-            "f" => self.link.send(Command::Bounds),
+            "f" => self.link.send(Command::Bounds(Extent::Picked)),
+            "F" => self.link.send(Command::Bounds(Extent::Scene)),
             "r" => self.toggle_region(),
             "c" => self.toggle_compare(),
             "p" => self.link.send(Command::Pause(!self.status.is_paused)),
@@ -117,24 +120,21 @@ impl Viewer {
         self.set_display(display);
     }
 
-    pub(super) fn shortcut_list(&mut self, ui: &Ui) {
-        let mut is_open = self.lists_shortcuts;
-        Window::new("Keyboard and mouse")
-            .open(&mut is_open)
-            .resizable(false)
-            .collapsible(false)
-            .show(ui.ctx(), |ui| {
-                Grid::new("shortcuts")
-                    .num_columns(2)
-                    .striped(true)
-                    .show(ui, |ui| {
-                        for (keys, what) in LIST {
-                            ui.label(RichText::new(keys).strong());
-                            ui.label(what);
-                            ui.end_row();
-                        }
-                    });
-            });
-        self.lists_shortcuts = is_open;
+    /// All keys, in place of the panel of the look: nothing of the picture is covered, and it keeps its size.
+    pub(super) fn shortcut_list(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            ui.heading("Keyboard and mouse");
+            if ui.button("Close").clicked() {
+                self.lists_shortcuts = false;
+            }
+        });
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            for (keys, what) in LIST {
+                ui.horizontal_wrapped(|ui| {
+                    ui.label(RichText::new(keys).strong());
+                    ui.label(what);
+                });
+            }
+        });
     }
 }

@@ -63,6 +63,11 @@ impl Viewport {
         self.navigator = None;
     }
 
+    /// Pixels of the picture while nothing moves.
+    pub(super) fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
     /// Changes the camera, if there is one: what is to be looked through now.
     pub(super) fn moved(&mut self, change: impl FnOnce(&mut Navigator)) -> Option<Camera> {
         let mut navigator = self.now()?;
@@ -133,20 +138,29 @@ impl Viewer {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         match self.picture {
             Some(picture) => {
+                let mut painter = painter.clone();
+                if let (Some(beside), Some(region)) = (picture.beside, self.viewport.region) {
+                    painter.image(beside, rect, whole, Color32::WHITE);
+                    painter.set_clip_rect(corners(rect, region));
+                }
                 match &self.drawn {
                     Some(drawn) => painter.add(drawn.shape(rect)),
                     None => painter.image(picture.now, rect, whole, Color32::WHITE),
                 };
+                painter.set_clip_rect(rect);
                 if let (Some(split), Some(before)) = (self.viewport.split, picture.before) {
                     paint_before(&painter, rect, split, before);
                 }
             }
             None => {
                 let is_empty = self.scene.files.scene.as_os_str().is_empty();
-                let text = match (self.status.is_loading, is_empty) {
-                    (true, _) => "Reading the scene ...",
-                    (false, true) => "Drop a glTF file here",
-                    (false, false) => "Rendering ...",
+                let is_refused = self.status.refused.is_some();
+                let text = match (self.status.is_loading, is_refused, is_empty) {
+                    (true, _, _) => "Reading the scene ...",
+                    // What is wrong lies over it.
+                    (false, true, _) => "",
+                    (false, false, true) => "Drop a glTF file here",
+                    (false, false, false) => "Rendering ...",
                 };
                 let (font, color) = (egui::FontId::proportional(18.0), Color32::from_gray(170));
                 painter.text(
@@ -158,9 +172,8 @@ impl Viewer {
                 );
             }
         }
-        if let Some([left, top, right, bottom]) = self.viewport.region {
-            let at = |x: f32, y: f32| rect.min + Vec2::new(x, y) * rect.size();
-            let region = Rect::from_two_pos(at(left, top), at(right, bottom));
+        if let Some(region) = self.viewport.region {
+            let region = corners(rect, region);
             let stroke = Stroke::new(1.0, Color32::from_rgb(255, 200, 60));
             painter.rect_stroke(region, 0.0, stroke, StrokeKind::Outside);
         }
@@ -284,6 +297,12 @@ impl Viewer {
             navigator.fly(way);
         })
     }
+}
+
+/// A region of the picture in points.
+fn corners(rect: Rect, [left, top, right, bottom]: [f32; 4]) -> Rect {
+    let at = |x: f32, y: f32| rect.min + Vec2::new(x, y) * rect.size();
+    Rect::from_two_pos(at(left, top), at(right, bottom))
 }
 
 fn paint_before(painter: &egui::Painter, rect: Rect, split: f32, before: egui::TextureId) {

@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use engine::session::{Edit, SessionError};
+use engine::scene::look::Value;
+use engine::session::{Edit, SessionError, merge};
 
 use super::look::{LOOK, RINGS, SQUARES, TEXTURES, TINT};
 use super::stage::{Stage, film, is_same, read, settle};
@@ -189,6 +190,40 @@ fn a_texture_that_is_new_to_the_look_costs_one_kernel() {
 }
 
 #[test]
+fn what_no_material_needs_begins_no_picture_anew() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let first = film(&mut session);
+    let generation = session.generation();
+    // A node of a texture in use, and its value.
+    let spare = [
+        Edit::add_node("spare", "rings"),
+        Edit::argument("spare", "count", &texgen::Value::F32(9.0)),
+    ];
+    session.edit_all(&spare).expect("an edit");
+    // One of a texture that has to be compiled.
+    stage.write("textures/squares.wgsl", SQUARES);
+    session
+        .edit(&Edit::add_node("spots", "squares"))
+        .expect("an edit");
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert!(session.is_up_to_date());
+    assert_eq!(session.generation(), generation);
+    assert!(is_same(&first, &film(&mut session)));
+    // Linked, it is seen.
+    let link = Edit::material("Floor", "base_color", Value::Text("spots".to_owned()));
+    session.edit(&link).expect("an edit");
+    settle(&mut session);
+    assert!(session.generation() > generation);
+    let fresh = stage.fresh(&session.look_text());
+    assert!(is_same(&film(&mut session), &fresh));
+}
+
+#[test]
 fn ten_saves_in_a_row_end_with_the_last() {
     if device::open().is_none() {
         return;
@@ -298,4 +333,34 @@ fn what_others_wrote_is_not_saved_over_unasked() {
     fs::remove_file(&path).expect("removed");
     session.save(None).expect("saved");
     assert_eq!(read(&stage.path("scene.look.toml")), expected);
+}
+
+#[test]
+fn edits_and_what_others_wrote_are_brought_together() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let mine = Edit::material("Wall", "roughness", Value::number(0.5));
+    session.edit(&mine).expect("an edit");
+    let (generation, base) = (session.generation(), session.saved_text().to_owned());
+    let theirs = LOOK.replace("count = 5.0", "count = 6.0");
+    stage.write("scene.look.toml", &theirs);
+    session.look_changed_beside_edits();
+    assert_eq!(session.generation(), generation, "nobody has decided yet");
+    assert_eq!(session.saved_text(), theirs);
+    let path = session.inputs().look.clone().expect("there is one");
+    let both = merge(&path, &base, &session.look_text(), session.saved_text());
+    let both = both.expect("looks");
+    assert!(both.conflicts.is_empty());
+    session.replace_look(&both.text).expect("a look");
+    session.save(None).expect("nothing of it is lost");
+    let expected = theirs.replace("roughness = 0.35", "roughness = 0.5");
+    assert_eq!(read(&stage.path("scene.look.toml")), expected);
+    // What is wrong is told, and doesn't count as saved.
+    stage.write("scene.look.toml", "node = 3");
+    session.look_changed_beside_edits();
+    assert!(!session.problems().is_empty());
+    assert_eq!(session.saved_text(), expected);
 }

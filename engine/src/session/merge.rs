@@ -1,0 +1,270 @@
+//! Two looks that were made from the same one, brought together: what one side has changed is changed, key by key of each table.
+//! What both sides have changed is named, so that somebody can be asked.
+
+use std::path::Path;
+
+use texgen::Diagnostics;
+
+use crate::scene::look::{Field, Look, LookDocument, Section, Value, find};
+
+use super::edit::summary;
+
+/// Two looks in one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Merged {
+    /// With the own value where both sides have changed one.
+    pub text: String,
+    /// With the other side's value there.
+    pub theirs_first: String,
+    /// What both sides have changed, each to something else: `[node.rust] scale`.
+    pub conflicts: Vec<String>,
+}
+
+/// Whose value counts where both have changed it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum First {
+    Mine,
+    Theirs,
+}
+
+/// What was made of `base` here and elsewhere, as one text: that of elsewhere, comments and order included, with what was
+/// changed here. All three lie at `path`.
+///
+/// # Errors
+/// One of them is no look.
+pub fn merge(path: &Path, base: &str, mine: &str, theirs: &str) -> Result<Merged, Diagnostics> {
+    if mine == theirs || base == mine {
+        return Ok(Merged::of(theirs));
+    }
+    if base == theirs {
+        return Ok(Merged::of(mine));
+    }
+    let fields = |text| LookDocument::parse(path, text).map(|document| document.fields());
+    let (old, own) = (fields(base)?, fields(mine)?);
+    let document = LookDocument::parse(path, theirs)?;
+    let mut conflicts = Vec::new();
+    let mut brought = |first| {
+        let mut into = document.clone();
+        conflicts = bring(&old, &own, &mut into, first);
+        into.text()
+    };
+    let (theirs_first, text) = (brought(First::Theirs), brought(First::Mine));
+    // Each for itself is a look. Where both together are none, one of them has to be chosen.
+    match Look::parse(path, &text) {
+        Ok(_) => Ok(Merged {
+            text,
+            theirs_first,
+            conflicts,
+        }),
+        Err(problems) => {
+            conflicts.push(format!("both together: {}", summary(&problems)));
+            Ok(Merged {
+                text: mine.to_owned(),
+                theirs_first: theirs.to_owned(),
+                conflicts,
+            })
+        }
+    }
+}
+
+impl Merged {
+    fn of(text: &str) -> Self {
+        Self {
+            text: text.to_owned(),
+            theirs_first: text.to_owned(),
+            conflicts: Vec::new(),
+        }
+    }
+}
+
+/// Changes `theirs` as `base` was changed to `mine`: what both have changed.
+fn bring(base: &[Field], mine: &[Field], theirs: &mut LookDocument, first: First) -> Vec<String> {
+    let mut conflicts = Vec::new();
+    for section in sections(base, mine) {
+        let (old, new) = (table(base, &section), table(mine, &section));
+        let now = theirs.table(&section);
+        let is_same = |a: Option<&[Field]>, b: Option<&[Field]>| match (a, b) {
+            (Some(a), Some(b)) => Value::Table(a.to_vec()).is_same(&Value::Table(b.to_vec())),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        if is_same(old, new) || is_same(new, now.as_deref()) {
+            continue;
+        }
+        // A whole table that is gone here, or gone there.
+        let (is_gone, was_gone) = (new.is_none(), now.is_none() && old.is_some());
+        if is_gone || was_gone {
+            let is_conflict = !is_same(old, now.as_deref());
+            if is_conflict {
+                conflicts.push(section.to_string());
+            }
+            if is_gone && (!is_conflict || first == First::Mine) {
+                theirs.remove_table(&section);
+            }
+            if is_gone || first == First::Theirs {
+                continue;
+            }
+        }
+        let now = now.unwrap_or_default();
+        let keys = bring_keys(
+            if was_gone {
+                &[]
+            } else {
+                old.unwrap_or_default()
+            },
+            new.unwrap_or_default(),
+            (&now, theirs),
+            &section,
+            first,
+        );
+        conflicts.extend(keys);
+    }
+    // Edits don't reach these, but a former text may have others.
+    let include = |fields| find(fields, "include").map(|value| value.value.clone());
+    if !is_same_value(&include(base), &include(mine)) {
+        conflicts.push("[[include]]".to_owned());
+    }
+    conflicts
+}
+
+/// The same for the keys of one table.
+fn bring_keys(
+    old: &[Field],
+    new: &[Field],
+    (now, theirs): (&[Field], &mut LookDocument),
+    section: &Section,
+    first: First,
+) -> Vec<String> {
+    let value = |fields, key: &str| find(fields, key).map(|value| value.value.clone());
+    let keys: Vec<&String> = old
+        .iter()
+        .chain(new)
+        .map(|field| &field.key.value)
+        .collect();
+    let mut conflicts = Vec::new();
+    for (at, key) in keys.iter().enumerate() {
+        if keys[..at].contains(key) {
+            continue;
+        }
+        let [before, wanted, there] = [value(old, key), value(new, key), value(now, key)];
+        if is_same_value(&before, &wanted) || is_same_value(&wanted, &there) {
+            continue;
+        }
+        if !is_same_value(&before, &there) {
+            conflicts.push(format!("{section} {key}"));
+            if first == First::Theirs {
+                continue;
+            }
+        }
+        match wanted {
+            Some(value) => {
+                if let Err(why) = theirs.set(section, key, &value) {
+                    conflicts.push(format!("{section} {key}: {why}"));
+                }
+            }
+            None => theirs.remove(section, key),
+        }
+    }
+    conflicts
+}
+
+fn is_same_value(a: &Option<Value>, b: &Option<Value>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => a.is_same(b),
+        (a, b) => a.is_none() && b.is_none(),
+    }
+}
+
+/// All tables of both.
+fn sections(a: &[Field], b: &[Field]) -> Vec<Section> {
+    type Named = fn(String) -> Section;
+    let named: [(&str, Named); 4] = [
+        ("light", Section::Light),
+        ("ao", Section::Ao),
+        ("node", Section::Node),
+        ("material", Section::Material),
+    ];
+    let mut all = vec![Section::Environment, Section::Camera, Section::View];
+    for (key, section) in named {
+        for fields in [a, b] {
+            if let Some(Value::Table(tables)) = find(fields, key).map(|value| &value.value) {
+                let names = tables.iter().map(|table| section(table.key.value.clone()));
+                all.extend(names);
+            }
+        }
+    }
+    let mut seen = std::collections::HashSet::new();
+    all.retain(|section| seen.insert(section.clone()));
+    all
+}
+
+/// The keys of a table.
+fn table<'f>(fields: &'f [Field], section: &Section) -> Option<&'f [Field]> {
+    let (key, name) = section.place();
+    let mut value = &find(fields, key)?.value;
+    if let (Some(name), Value::Table(tables)) = (name, value) {
+        value = &find(tables, name)?.value;
+    }
+    match value {
+        Value::Table(fields) => Some(fields),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BASE: &str = "# Rust.\n[node.a] # first\ntexture = 't'\nscale = 4 # patches\namount = 1\n\n[material.M]\nroughness = 0.5\n";
+
+    fn merged(mine: &str, theirs: &str) -> Merged {
+        merge(Path::new("a.look.toml"), BASE, mine, theirs).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    #[test]
+    fn what_each_side_has_changed_is_changed() {
+        let mine = BASE.replace("scale = 4", "scale = 7");
+        let theirs = BASE
+            .replace("# Rust.", "# More rust.")
+            .replace("amount = 1", "amount = 2");
+        let both = merged(&mine, &theirs);
+        assert_eq!(both.conflicts, [""; 0]);
+        assert_eq!(both.text, theirs.replace("scale = 4", "scale = 7"));
+        assert_eq!(merged(BASE, &theirs).text, theirs);
+        assert_eq!(merged(&mine, BASE).text, mine);
+        assert_eq!(merged(&mine, &mine), Merged::of(&mine));
+    }
+
+    #[test]
+    fn tables_come_and_go() {
+        let new = format!("{BASE}\n[node.b]\ntexture = 't'\n");
+        let theirs = BASE.replace("0.5", "0.25");
+        let both = merged(&new, &theirs);
+        assert_eq!(both.conflicts, [""; 0]);
+        assert!(both.text.contains("[node.b]") && both.text.contains("0.25"));
+        let without = BASE.split("[material").next().expect("a head");
+        assert_eq!(merged(without, &theirs).conflicts, ["[material.M]"]);
+        assert!(!merged(without, &theirs).text.contains("material"));
+        assert!(merged(without, &theirs).theirs_first.contains("0.25"));
+        let both = merged(&theirs, without);
+        assert_eq!(both.conflicts, ["[material.M]"]);
+        assert!(both.text.contains("roughness = 0.25"), "{}", both.text);
+        assert!(!both.theirs_first.contains("material"));
+        let scale = BASE.replace("scale = 4", "scale = 7");
+        let both = merged(without, &scale);
+        assert_eq!(both.conflicts, [""; 0]);
+        let expected = without.replace("scale = 4", "scale = 7");
+        assert_eq!(both.text.trim_end(), expected.trim_end());
+    }
+
+    #[test]
+    fn what_both_have_changed_is_named() {
+        let mine = BASE.replace("scale = 4", "scale = 7");
+        let theirs = BASE.replace("scale = 4", "scale = 9");
+        let both = merged(&mine, &theirs);
+        assert_eq!(both.conflicts, ["[node.a] scale"]);
+        assert_eq!((both.text, both.theirs_first), (mine, theirs.clone()));
+        let include = format!("[[include]]\nfile = 'a.glb'\n\n{BASE}");
+        assert_eq!(merged(&include, &theirs).conflicts, ["[[include]]"]);
+        assert!(merge(Path::new(""), BASE, "a =", &theirs).is_err());
+    }
+}

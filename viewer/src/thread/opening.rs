@@ -1,0 +1,121 @@
+//! How files are opened, and what becomes of those that can't be.
+
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+use device::DeviceError;
+use engine::load;
+use engine::renderer::{RenderSettings, TextureCosts};
+use engine::scene::Camera;
+use engine::scene::look::Look;
+use engine::session::{Inputs, Session};
+use engine::system::Disk;
+
+use crate::link::{Files, Reply, lock};
+
+use super::{Pending, Render, Run, publish};
+
+impl Render {
+    /// Renders other files, if they can be read.
+    pub(super) fn open(&mut self, files: Files) {
+        self.publish_loading(true);
+        match self.opened(&files) {
+            Ok(session) => {
+                self.session = Some(session);
+                self.run = Run::default();
+                self.run.cause = Some(Instant::now());
+                // The first picture comes soon, too.
+                self.motion = self.run.cause;
+                self.before = None;
+                self.region = None;
+                (self.picked, self.beside) = (None, None);
+                self.pending = Pending::default();
+                self.published.forget();
+                {
+                    let mut board = lock(&self.board);
+                    board.status.fatal = None;
+                    board.status.refused = None;
+                    board.status.textures = TextureCosts::default();
+                }
+                self.waiting = None;
+                self.publish_scene();
+                self.watch();
+                self.reply(Reply::Opened(files));
+            }
+            Err(why) => self.refuse(files, why),
+        }
+        self.publish_loading(false);
+    }
+
+    /// Files can't be opened. Where there is nothing else to show, that stays in sight until they have been mended.
+    fn refuse(&mut self, files: Files, why: String) {
+        self.host.report(&why);
+        if self.session.is_some() {
+            return self.reply(Reply::Failed(why));
+        }
+        let look = files.look.as_deref().and_then(|path| {
+            let text = Look::read_text(&Disk, path).ok()?;
+            Look::parse(path, &text).ok()
+        });
+        let mut watched = load::files(&files.scene, look.as_ref());
+        watched.extend(files.look.clone());
+        let textures = self.host.texture_folders(files.look.as_deref());
+        let textures = textures.unwrap_or_default();
+        // Where the system offers no way, they can be opened again by hand.
+        let _ = (self.host).watch(&watched, files.look.as_deref(), &textures);
+        lock(&self.board).status.refused = Some(why);
+        self.waiting = Some(files);
+    }
+
+    fn opened(&self, files: &Files) -> Result<Session, String> {
+        let inputs = Inputs {
+            scene: files.scene.clone(),
+            look: files.look.clone(),
+            textures: self.host.texture_folders(files.look.as_deref())?,
+            camera: files.camera.clone(),
+        };
+        // The window shows what lies on its own device: there can be no other one.
+        let (device, is_first) = (self.device.clone(), Mutex::new(true));
+        let open_device = move || {
+            let mut is_first = is_first
+                .lock()
+                .map_err(|e| DeviceError::Lost(e.to_string()))?;
+            match std::mem::replace(&mut *is_first, false) {
+                true => Ok(device.clone()),
+                false => Err(DeviceError::Lost(
+                    "the window has to be opened again".to_owned(),
+                )),
+            }
+        };
+        let (size, max_depth, seed) = (
+            Arc::clone(&self.size),
+            self.options.max_depth,
+            self.options.seed,
+        );
+        let make_settings = move |camera: Camera| {
+            let [width, height] = *size
+                .lock()
+                .unwrap_or_else(std::sync::PoisonError::into_inner);
+            RenderSettings {
+                max_depth,
+                seed,
+                ..RenderSettings::new(width, height, &camera)
+            }
+        };
+        let opened = Session::open(inputs, Arc::new(open_device), Arc::new(make_settings));
+        opened.map_err(|error| publish::message(&error))
+    }
+
+    pub(super) fn watch(&mut self) {
+        let Some(session) = &self.session else {
+            return;
+        };
+        let inputs = session.inputs();
+        let watched = self
+            .host
+            .watch(&session.files(), inputs.look.as_deref(), &inputs.textures);
+        if let Err(why) = watched {
+            self.reply(Reply::Failed(why));
+        }
+    }
+}

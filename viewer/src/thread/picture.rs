@@ -1,0 +1,178 @@
+//! Pictures that are written: finished first, by a renderer and a thread of their own, whatever the window does meanwhile.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use engine::film::{Film, Layers, MAX_SIDE, Origin};
+use engine::renderer::{RenderSettings, Renderer};
+
+use crate::link::{PictureOrder, Reply, Saving, lock};
+
+use super::{Render, publish};
+
+/// Longest waves: the window's frames wait for them.
+const WAVE: Duration = Duration::from_millis(40);
+
+/// A picture in the making.
+pub(super) struct Making {
+    order: PictureOrder,
+    origin: Origin,
+    paths: Arc<AtomicU64>,
+    is_cancelled: Arc<AtomicBool>,
+    film: Receiver<Result<Film, String>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Drop for Making {
+    /// The device is at rest afterwards.
+    fn drop(&mut self) {
+        self.is_cancelled.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // What it has to say is no longer wanted.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Render {
+    /// Begins to finish a picture, or writes the one that is there if it will do.
+    pub(super) fn save_picture(&mut self, order: PictureOrder) {
+        match self.begin_picture(order) {
+            Ok(making) => self.making = making,
+            Err(why) => self.reply(Reply::Failed(why)),
+        }
+        self.publish_making();
+    }
+
+    pub(super) fn cancel_picture(&mut self) {
+        self.making = None;
+        self.publish_making();
+    }
+
+    fn begin_picture(&mut self, mut order: PictureOrder) -> Result<Option<Making>, String> {
+        if self.making.is_some() {
+            return Err(
+                "a picture is being finished already: wait for it, or cancel it".to_owned(),
+            );
+        }
+        self.host.check_picture(&order.path)?;
+        // Edits that wait are part of the picture.
+        self.apply_all();
+        order.size = order.size.map(|side| side.clamp(1, MAX_SIDE));
+        order.spp = order.spp.max(1);
+        let is_whole = self.is_whole();
+        let session = self.session.as_mut().ok_or("there is no picture yet")?;
+        let [width, height] = order.size;
+        let layers = match order.layers {
+            true => Layers::all().of_scene(session.scene()),
+            false => Layers::default(),
+        };
+        let settings = RenderSettings {
+            width,
+            height,
+            layers,
+            ..session.settings().clone()
+        };
+        let origin = session.origin_of(&settings);
+        let now = session.settings();
+        let is_same = is_whole && [now.width, now.height] == order.size && !order.layers;
+        let wanted = u64::from(width) * u64::from(height) * u64::from(order.spp);
+        if is_same && self.run.samples_done >= wanted {
+            let film = session
+                .snapshot()
+                .map_err(|error| publish::message(&error))?;
+            self.write_picture(&order, &film.film, &origin);
+            return Ok(None);
+        }
+        let renderer = session.renderer_of(&settings);
+        let renderer = renderer.map_err(|error| publish::message(&error))?;
+        start(order, origin, renderer).map(Some)
+    }
+
+    /// Takes over a picture that has been finished.
+    pub(super) fn finish_picture(&mut self) {
+        let Some(making) = &self.making else {
+            return;
+        };
+        let finished = match making.film.try_recv() {
+            Ok(film) => film,
+            Err(TryRecvError::Empty) => return self.publish_making(),
+            Err(TryRecvError::Disconnected) => Err("the picture was not finished".to_owned()),
+        };
+        if let Some(making) = self.making.take() {
+            match finished {
+                Ok(film) => self.write_picture(&making.order, &film, &making.origin),
+                Err(why) => self.reply(Reply::Failed(why)),
+            }
+        }
+        self.publish_making();
+    }
+
+    fn write_picture(&self, order: &PictureOrder, film: &Film, origin: &Origin) {
+        let PictureOrder { path, view, .. } = order;
+        self.reply(match self.host.write_picture(path, film, origin, view) {
+            Ok(()) => Reply::Done(format!("wrote {}", path.display())),
+            Err(why) => Reply::Failed(why),
+        });
+    }
+
+    fn publish_making(&self) {
+        let saving = self.making.as_ref().map(|making| {
+            let [width, height] = making.order.size.map(f64::from);
+            Saving {
+                path: making.order.path.clone(),
+                spp: making.paths.load(Ordering::Relaxed) as f64 / (width * height),
+                target: making.order.spp,
+            }
+        });
+        let status = &mut lock(&self.board).status;
+        if status.saving != saving {
+            status.saving = saving;
+            (self.wake)();
+        }
+    }
+}
+
+fn start(order: PictureOrder, origin: Origin, mut renderer: Renderer) -> Result<Making, String> {
+    let (sender, film) = channel();
+    let (paths, is_cancelled) = (
+        Arc::new(AtomicU64::new(0)),
+        Arc::new(AtomicBool::new(false)),
+    );
+    let (done, stop) = (Arc::clone(&paths), Arc::clone(&is_cancelled));
+    let spp = order.spp;
+    let work = move || {
+        renderer.set_longest_wave(WAVE);
+        let finished = loop {
+            if stop.load(Ordering::Relaxed) {
+                return;
+            }
+            match renderer.step(spp) {
+                Ok(progress) => {
+                    done.store(progress.samples_done, Ordering::Relaxed);
+                    if progress.is_done() {
+                        break renderer.film();
+                    }
+                }
+                Err(error) => break Err(error),
+            }
+        };
+        // Nobody may want it any more.
+        let _ = sender.send(finished.map_err(|error| error.to_string()));
+    };
+    let thread = std::thread::Builder::new()
+        .name("picture".to_owned())
+        .spawn(work)
+        .map_err(|error| format!("the picture can't be finished: {error}"))?;
+    Ok(Making {
+        order,
+        origin,
+        paths,
+        is_cancelled,
+        film,
+        thread: Some(thread),
+    })
+}

@@ -1,0 +1,209 @@
+//! What is asked before edits would be lost: by closing the window, by opening something else, by saving over what another program
+//! has written, and where both have changed the same.
+
+use egui::{Id, Modal, ScrollArea, Ui, ViewportCommand};
+use engine::session::Merged;
+
+use crate::link::{Command, Files};
+
+use super::Viewer;
+use super::dialogs::Dialog;
+
+/// What is waiting for an answer.
+#[derive(Debug, Default)]
+pub(super) struct Questions {
+    /// The look is about to be left.
+    leaving: Option<(Leaving, Stage)>,
+    /// A save would take away what another program has written.
+    overwrites: bool,
+    /// Both sides have changed the same.
+    conflict: Option<Merged>,
+}
+
+/// Why the look is left.
+#[derive(Debug, Clone, PartialEq)]
+enum Leaving {
+    Close,
+    Open(Files),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    /// There are edits that would be lost: what is to become of them is asked.
+    Asked,
+    /// As soon as they have been saved.
+    OnceSaved,
+    /// Whatever becomes of them.
+    Now,
+}
+
+impl Viewer {
+    /// Whether there are edits that only this window has.
+    pub(super) fn has_unsaved_edits(&self) -> bool {
+        // After a failure that ended the render they lie beside the look already.
+        let is_kept = self.status.fatal.is_some();
+        !is_kept && (self.editor.has_unsaved_edits() || self.status.has_unsaved_edits)
+    }
+
+    /// Opens files; asks what is to become of edits that would be lost.
+    pub(super) fn open(&mut self, files: Files) {
+        match self.has_unsaved_edits() {
+            true => self.questions.leaving = Some((Leaving::Open(files), Stage::Asked)),
+            false => self.link.send(Command::Open(files)),
+        }
+    }
+
+    /// What would leave the look doesn't.
+    pub(super) fn stay(&mut self) {
+        self.questions.leaving = None;
+    }
+
+    /// Something failed: a look that could not be saved isn't left.
+    pub(super) fn stay_if_unsaved(&mut self) {
+        if matches!(self.questions.leaving, Some((_, Stage::OnceSaved))) {
+            self.stay();
+        }
+    }
+
+    /// Saves the look; asks for a file where it has none, and whether to save over what others have written there.
+    pub(super) fn save(&mut self) {
+        let leaves_out = (self.document_mut()).is_some_and(|document| document.leaves_out_others());
+        match &self.scene.files.look {
+            Some(_) if leaves_out => self.questions.overwrites = true,
+            Some(_) => self.link.send(Command::Save(None)),
+            None => self.dialog = Some(Dialog::save_as(&self.scene.files)),
+        }
+    }
+
+    /// Both sides have changed the same: that is asked about.
+    pub(super) fn ask_about(&mut self, conflict: Option<Merged>) {
+        self.questions.conflict = conflict;
+    }
+
+    /// Closes the window when that has been asked for and nothing would be lost.
+    pub(super) fn close(&mut self, ui: &Ui) {
+        let is_asked = ui.input(|input| input.viewport().close_requested());
+        let is_unsaved = self.has_unsaved_edits();
+        let is_closing_now = self.questions.leaving == Some((Leaving::Close, Stage::Now));
+        if is_asked && !is_closing_now && is_unsaved {
+            ui.ctx().send_viewport_cmd(ViewportCommand::CancelClose);
+            self.questions.leaving = Some((Leaving::Close, Stage::Asked));
+        }
+        match self.questions.leaving.take() {
+            Some((leaving, Stage::OnceSaved)) if !is_unsaved => self.leave(ui, leaving),
+            waiting => self.questions.leaving = waiting,
+        }
+    }
+
+    fn leave(&mut self, ui: &Ui, leaving: Leaving) {
+        match leaving {
+            Leaving::Close => {
+                self.questions.leaving = Some((Leaving::Close, Stage::Now));
+                ui.ctx().send_viewport_cmd(ViewportCommand::Close);
+            }
+            Leaving::Open(files) => self.link.send(Command::Open(files)),
+        }
+    }
+
+    pub(super) fn questions(&mut self, ui: &Ui) {
+        if self.questions.conflict.is_some() {
+            self.conflict_question(ui);
+        } else if self.questions.overwrites {
+            self.overwrite_question(ui);
+        } else {
+            self.leaving_question(ui);
+        }
+    }
+
+    fn leaving_question(&mut self, ui: &Ui) {
+        let Some((leaving, Stage::Asked)) = self.questions.leaving.clone() else {
+            return;
+        };
+        let [save, discard] = match leaving {
+            Leaving::Close => ["Save and close", "Close without saving"],
+            Leaving::Open(_) => ["Save and open", "Open without saving"],
+        };
+        let shown = Modal::new(Id::unique("leaving")).show(ui.ctx(), |ui| {
+            ui.heading("The look has edits that are not saved");
+            ui.horizontal(|ui| {
+                if ui.button(save).clicked() {
+                    self.questions.leaving = Some((leaving.clone(), Stage::OnceSaved));
+                    self.save();
+                }
+                if ui.button(discard).clicked() {
+                    self.stay();
+                    self.leave(ui, leaving.clone());
+                }
+                if ui.button("Stay").clicked() {
+                    self.stay();
+                }
+            });
+        });
+        if shown.should_close() {
+            self.stay();
+        }
+    }
+
+    fn overwrite_question(&mut self, ui: &Ui) {
+        let mut is_answered = false;
+        let shown = Modal::new(Id::unique("overwrite")).show(ui.ctx(), |ui| {
+            ui.heading("What another program has saved was undone here");
+            ui.label("To save the look takes it away from the file, too. Redo brings it back.");
+            ui.horizontal(|ui| {
+                if ui.button("Save over it").clicked() {
+                    is_answered = true;
+                    if let Some(document) = self.document_mut() {
+                        document.leave_out_others();
+                    }
+                    self.link.send(Command::Save(None));
+                }
+                if ui.button("Save as ...").clicked() {
+                    is_answered = true;
+                    self.dialog = Some(Dialog::save_as(&self.scene.files));
+                }
+                if ui.button("Don't save").clicked() {
+                    is_answered = true;
+                    self.stay();
+                }
+            });
+        });
+        if shown.should_close() {
+            self.stay();
+        }
+        self.questions.overwrites = !is_answered && !shown.should_close();
+    }
+
+    /// There is no way around it: until it is answered the file and the edits are two different things.
+    fn conflict_question(&mut self, ui: &Ui) {
+        let Some(conflict) = self.questions.conflict.take() else {
+            return;
+        };
+        let mut chosen = None;
+        Modal::new(Id::unique("conflict")).show(ui.ctx(), |ui| {
+            ui.heading("The look was changed here and by another program");
+            ui.label("All that only one side has changed is kept. Both have changed:");
+            ScrollArea::vertical().max_height(200.0).show(ui, |ui| {
+                for what in &conflict.conflicts {
+                    ui.monospace(what);
+                }
+            });
+            ui.label("Undo goes back to the look before this.");
+            ui.horizontal(|ui| {
+                if ui.button("Keep mine there").clicked() {
+                    chosen = Some(&conflict.text);
+                }
+                if ui.button("Take the file's there").clicked() {
+                    chosen = Some(&conflict.theirs_first);
+                }
+            });
+        });
+        let Some(text) = chosen else {
+            self.questions.conflict = Some(conflict);
+            return;
+        };
+        let look = self.link.board().look.clone();
+        if let Some(look) = look {
+            self.editor.take_outside(&look, text);
+        }
+    }
+}
