@@ -1,4 +1,4 @@
-//! The `patina` command: renders scenes, opens a window on them, merges films, compares pictures, tells what files hold, writes jobs
+//! The `patina` command: renders scenes, opens a window on them, merges films, compares pictures, tells what files hold, reads MaterialX, writes jobs
 //! for farms, works on textures, lists devices, measures itself.
 //!
 //! This file only walks the path every invocation takes: raw flags ([`args`]) become a validated [`job`], the job
@@ -17,6 +17,7 @@ mod failure;
 mod farm;
 mod fault;
 mod flags;
+mod import;
 mod info;
 mod interrupt;
 mod job;
@@ -80,6 +81,7 @@ fn run(job: Job) -> Result<(), Failure> {
         Job::Farm(job) => farm::export(&job),
         Job::Compare(job) => compare::run(&job),
         Job::Info(job) => info::run(&job),
+        Job::Import(job) => import::run(&job),
         Job::Texture(job) => texture::run(job),
         Job::Devices => {
             devices::run();
