@@ -251,6 +251,32 @@ fn hostile_documents_are_refused() {
 }
 
 #[test]
+fn outputs_that_lead_to_themselves_and_graphs_that_multiply_end() {
+    let rest = "<nodegraph name=\"g\"><output name=\"o\" type=\"color3\" nodegraph=\"g\" output=\"o\"/></nodegraph>";
+    let inputs = "<input name=\"base_color\" type=\"color3\" nodegraph=\"g\" output=\"o\"/>";
+    let converted = imported(&Memory::default(), rest, inputs);
+    assert!(warnings(&converted)[0].contains("lead back"));
+    // Each stands for two of the next, without a node of its own.
+    let level = |i: usize| {
+        let next = i + 1;
+        format!(
+            "<nodedef name=\"D{i}\" node=\"n{i}\"><output name=\"out\" type=\"color3\"/></nodedef>\
+             <nodegraph name=\"G{i}\" nodedef=\"D{i}\"><n{next} name=\"a\" type=\"color3\"/><n{next} name=\"b\" type=\"color3\"/>\
+             <output name=\"p\" type=\"color3\" nodename=\"a\"/><output name=\"q\" type=\"color3\" nodename=\"b\"/></nodegraph>"
+        )
+    };
+    let levels: String = (0..30).map(level).collect();
+    let rest = format!("{levels}<n0 name=\"x\" type=\"color3\"/>");
+    let inputs = "<input name=\"base_color\" type=\"color3\" nodename=\"x\"/>";
+    let converted = imported(&Memory::default(), &rest, inputs);
+    assert!(
+        warnings(&converted)
+            .iter()
+            .any(|warning| warning.contains("the rest is left out"))
+    );
+}
+
+#[test]
 fn circles_end() {
     let nodes = "<add name=\"a\" type=\"color3\"><input name=\"in1\" type=\"color3\" nodename=\"b\"/></add>\
          <add name=\"b\" type=\"color3\"><input name=\"in1\" type=\"color3\" nodename=\"a\"/></add>";

@@ -34,7 +34,7 @@ impl Link {
     /// Component `i`, which is 0 for numbers.
     fn component(&self, i: usize) -> u8 {
         match &self.picked {
-            Some(picked) => picked[i.min(picked.len() - 1)],
+            Some(picked) => picked.get(i).or(picked.last()).copied().unwrap_or(0),
             None => i.min(self.output.components() - 1) as u8,
         }
     }

@@ -68,31 +68,31 @@ fn userProc(
         default: {}
     }
     var result = color1;
-    if num_intervals >= 1u && t > interval1 {
+    if num_intervals > 1u && t > interval1 {
         result = interval(t, interval1, interval2, color1, color2, interpolation);
     }
-    if num_intervals >= 2u && t > interval2 {
+    if num_intervals > 2u && t > interval2 {
         result = interval(t, interval2, interval3, color2, color3, interpolation);
     }
-    if num_intervals >= 3u && t > interval3 {
+    if num_intervals > 3u && t > interval3 {
         result = interval(t, interval3, interval4, color3, color4, interpolation);
     }
-    if num_intervals >= 4u && t > interval4 {
+    if num_intervals > 4u && t > interval4 {
         result = interval(t, interval4, interval5, color4, color5, interpolation);
     }
-    if num_intervals >= 5u && t > interval5 {
+    if num_intervals > 5u && t > interval5 {
         result = interval(t, interval5, interval6, color5, color6, interpolation);
     }
-    if num_intervals >= 6u && t > interval6 {
+    if num_intervals > 6u && t > interval6 {
         result = interval(t, interval6, interval7, color6, color7, interpolation);
     }
-    if num_intervals >= 7u && t > interval7 {
+    if num_intervals > 7u && t > interval7 {
         result = interval(t, interval7, interval8, color7, color8, interpolation);
     }
-    if num_intervals >= 8u && t > interval8 {
+    if num_intervals > 8u && t > interval8 {
         result = interval(t, interval8, interval9, color8, color9, interpolation);
     }
-    if num_intervals >= 9u && t > interval9 {
+    if num_intervals > 9u && t > interval9 {
         result = interval(t, interval9, interval10, color9, color10, interpolation);
     }
     return result;

@@ -29,7 +29,7 @@ fn userProc(
     interval_num: u32,
     num_intervals: u32,
 ) -> vec4f {
-    if interval_num > num_intervals || x <= interval1 {
+    if interval_num >= num_intervals || x <= interval1 {
         return prev_color;
     }
     return interval(x, interval1, interval2, color1, color2, interpolation);

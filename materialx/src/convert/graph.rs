@@ -98,6 +98,20 @@ impl Converter<'_> {
 
     /// What an `input` or an `output` has.
     pub(crate) fn connected(&mut self, scope: &Rc<Scope>, id: ElementId) -> Option<Value> {
+        if self.depth >= 2 * MAX_DEPTH {
+            self.warn(
+                id,
+                "connections that lead back to themselves, or too far, give nothing",
+            );
+            return None;
+        }
+        self.depth += 1;
+        let value = self.followed(scope, id);
+        self.depth -= 1;
+        value
+    }
+
+    fn followed(&mut self, scope: &Rc<Scope>, id: ElementId) -> Option<Value> {
         let document = self.document;
         let element = document.element(id);
         let output = element.attribute("output");

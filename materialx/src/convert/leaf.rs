@@ -341,6 +341,10 @@ fn outputs(kind: &str, link: Link) -> Results {
             ("outcolor", Type::Color3, &[0, 1, 2]),
             ("outa", Type::Float, &[3]),
         ],
+        "gltf_anisotropy_image" => &[
+            ("anisotropy_strength_out", Type::Float, &[0]),
+            ("anisotropy_rotation_out", Type::Float, &[1]),
+        ],
         "UsdUVTexture" => &[
             ("rgb", Type::Color3, &[0, 1, 2]),
             ("rgba", Type::Color4, &[0, 1, 2, 3]),

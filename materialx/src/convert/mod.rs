@@ -66,6 +66,9 @@ pub struct Wanted {
 /// More nodes a document doesn't become: graphs in graphs could multiply without end.
 const MAX_NODES: usize = 20_000;
 
+/// More nodes of the document are not looked at, counting each use of a graph.
+const MAX_STEPS: usize = 200_000;
+
 /// Turns a document into nodes and materials.
 ///
 /// # Errors
@@ -139,6 +142,10 @@ pub(crate) struct Converter<'d> {
     done: HashMap<(String, ElementId), Option<graph::Results>>,
     /// Nodes whose inputs are being found, to end circles.
     open: Vec<(String, ElementId)>,
+    /// How many connections are being followed, each from the one before.
+    pub(crate) depth: usize,
+    /// How many nodes have been looked at.
+    steps: usize,
     /// Places that all share, by their textures.
     places: HashMap<&'static str, String>,
     /// What has been warned of once.
@@ -155,6 +162,8 @@ impl<'d> Converter<'d> {
             names: HashSet::new(),
             done: HashMap::new(),
             open: Vec::new(),
+            depth: 0,
+            steps: 0,
             places: HashMap::new(),
             warned: HashSet::new(),
         }
@@ -214,12 +223,14 @@ impl<'d> Converter<'d> {
 
     /// Whether there are more nodes than a look should have.
     pub(crate) fn is_full(&mut self, id: ElementId) -> bool {
-        let is_full = self.out.nodes.len() >= MAX_NODES;
+        self.steps += 1;
+        let is_full = self.out.nodes.len() >= MAX_NODES || self.steps > MAX_STEPS;
         if is_full {
-            self.warn(
-                id,
-                format!("more than {MAX_NODES} nodes: the rest is left out"),
-            );
+            // The first place says it all.
+            let message = format!("more than {MAX_NODES} nodes: the rest is left out");
+            if self.warned.insert((Document::ROOT, message.clone())) {
+                self.out.warnings.push(self.document.warning(id, message));
+            }
         }
         is_full
     }

@@ -155,7 +155,7 @@ impl Converter<'_> {
             return Value::Link(self.add(&name, "mx_toboolean", arguments, ty, OutputType::F32));
         }
         let (from, to) = (value.ty().components(), ty.components());
-        if from == to || from == 0 {
+        if from == to || from == 0 || to == 0 {
             return value.called(ty);
         }
         if from == 1 {
