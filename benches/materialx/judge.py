@@ -34,10 +34,16 @@ AROUND = {
 }
 
 
-def coefficients(name, i):
-    """Two slopes and a middle for a component of an input."""
+def coefficients(name, i, is_image=False):
+    """Two slopes and a middle for a component of an input. Images are seen so large that a pixel of theirs covers many of the picture:
+    Cycles filters those that are smaller."""
     number = lambda salt: zlib.crc32(f"{name}{i}{salt}".encode()) / 2**31 - 1.0
     middle, size = AROUND.get(name, (0.3, 2.0))
+    if is_image and name in ("texcoord", "st"):
+        middle, size = 0.31, 0.12
+    if is_image and name in ("uvtiling", "scale", "pivot", "offset", "uvoffset", "rotate", "realworldimagesize", "realworldtilesize"):
+        size = 0.0
+        middle = {"scale": 1.5, "uvtiling": 1.5, "realworldimagesize": 1.5, "rotate": 20.0}.get(name, 0.7)
     return size * number("x"), size * number("y"), middle + 0.1 * i * (size > 0)
 
 
@@ -48,6 +54,7 @@ def document(definition):
     add('<position name="P" type="vector3"><input name="space" type="string" value="world"/></position>')
     add('<add name="Q" type="vector3"><input name="in1" type="vector3" nodename="P"/><input name="in2" type="vector3" value="0,0,1"/></add>')
     inputs = []
+    is_image = any(port.getType() == "filename" for port in definition.getActiveInputs())
     for port in definition.getActiveInputs():
         name, ty = port.getName(), port.getType()
         if ty in ("string",) and name in ("space",):
@@ -73,7 +80,7 @@ def document(definition):
                 lines.pop()
             continue
         for i in range(COUNTS[ty]):
-            x, y, c = coefficients(name, i)
+            x, y, c = coefficients(name, i, is_image)
             add(f'<dotproduct name="I_{name}_{i}" type="float"><input name="in1" type="vector3" nodename="Q"/><input name="in2" type="vector3" value="{x:.6f},{y:.6f},{c:.6f}"/></dotproduct>')
         source = f"I_{name}_0"
         if ty == "integer":
@@ -147,6 +154,8 @@ def generate(lib, text, output, out):
     generator = osl.OslShaderGenerator.create()
     context = shader.GenContext(generator)
     context.registerSourceCodeSearchPath(mx.getDefaultDataSearchPath())
+    # As MaterialX's own tests of its OSL have it: v goes upwards.
+    context.getOptions().fileTextureVerticalFlip = True
     generator.registerTypeDefs(doc)
     element = doc.getNodeGraph("g").getOutput(output)
     source = generator.generate("s", element, context).getSourceCode("pixel")
@@ -237,14 +246,15 @@ class Cycles:
 
 
 def picture():
-    """A PNG of 8 by 8 pixels, all different."""
+    """A PNG of 8 by 8 opaque pixels, all different."""
     import struct
 
     random = np.random.default_rng(3)
-    rows = random.integers(0, 256, (8, 8, 3), np.uint8)
+    rows = random.integers(0, 256, (8, 8, 4), np.uint8)
+    rows[:, :, 3] = 255
     raw = b"".join(b"\0" + row.tobytes() for row in rows)
     chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    head = struct.pack(">IIBBBBB", 8, 8, 8, 2, 0, 0, 0)
+    head = struct.pack(">IIBBBBB", 8, 8, 8, 6, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(raw)) + chunk(b"IEND", b"")
 
 

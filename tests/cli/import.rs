@@ -45,7 +45,23 @@ fn a_document_becomes_a_look() {
     // The nodes are textures like any other.
     let line = "texture eval pattern_squares --look a.look.toml --device native --at WorldPos=0.2,0.2 --at WorldPos=0.7,0.2";
     let values = bench.run(line).expect_code(0).stdout;
-    assert_eq!(values, "0 0 4 0\n4 0 0 1\n", "{values}");
+    assert_eq!(values, "0 0 4 1\n4 0 0 1\n", "{values}");
+    // The scene's material looks like it, by this look and by one that names the document.
+    let named = "[[materialx]]\nfile = \"a.mtlx\"\nname = \"Glow\"\n";
+    fs::write(bench.path("named.look.toml"), named).expect("written");
+    for (look, output) in [("a", "a.exr"), ("named", "b.exr")] {
+        let line = format!(
+            "render triangle.gltf --look {look}.look.toml --device native --size 32x32 --spp 4 -o {output}"
+        );
+        bench.run(&line).expect_code(0);
+    }
+    bench.run("compare a.exr b.exr --max-mse 0").expect_code(0);
+    bench
+        .run("render triangle.gltf --device native --size 32x32 --spp 4 -o plain.exr")
+        .expect_code(0);
+    bench
+        .run("compare a.exr plain.exr --max-mse 0.1")
+        .expect_code(1);
     // Nothing is overwritten.
     bench.run("import a.mtlx").expect_error(1, "exists already");
     bench
