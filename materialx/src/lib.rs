@@ -26,6 +26,7 @@
 
 mod convert;
 mod document;
+mod import;
 mod look;
 mod read;
 mod shader;
@@ -35,7 +36,8 @@ pub mod textures;
 mod types;
 mod value;
 
-pub use convert::{Converted, Material, Node, Wanted, convert};
+pub use convert::{Converted, Material, Node, Wanted};
 pub use document::{Document, Element, ElementId};
+pub use import::convert;
 pub use look::look_text;
 pub use types::Type;

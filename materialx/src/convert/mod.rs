@@ -12,10 +12,9 @@ use std::path::{Path, PathBuf};
 
 use scene::input::Files;
 use scene::look;
-use texgen::{Diagnostics, OutputType, did_you_mean};
+use texgen::{Diagnostics, OutputType};
 
 use crate::document::{Document, ElementId};
-use crate::shader;
 use crate::types::Type;
 use crate::value::{Link, Value};
 
@@ -69,67 +68,6 @@ const MAX_NODES: usize = 20_000;
 /// More nodes of the document are not looked at, counting each use of a graph.
 const MAX_STEPS: usize = 200_000;
 
-/// Turns a document into nodes and materials.
-///
-/// # Errors
-/// It has no material, or none of the wanted name.
-pub fn convert(
-    document: &Document,
-    files: &dyn Files,
-    wanted: &Wanted,
-) -> Result<Converted, Diagnostics> {
-    let mut converter = Converter::new(document, files, &wanted.folder);
-    let found = shader::materials(document);
-    let names: Vec<&str> = found
-        .iter()
-        .map(|&id| document.element(id).name())
-        .collect();
-    let chosen: Vec<ElementId> = match &wanted.material {
-        None => found.clone(),
-        Some(name) => (found.iter().copied())
-            .filter(|&id| document.element(id).name() == name)
-            .collect(),
-    };
-    if chosen.is_empty() {
-        return Err(none_found(document, wanted, &names).into());
-    }
-    if let (Some(name), true) = (&wanted.name, chosen.len() > 1) {
-        let message = format!(
-            "there are {} materials, and one name, `{name}`",
-            chosen.len()
-        );
-        let problem = document.error(chosen[1], message);
-        let note = format!("choose one of them: {}", names.join(", "));
-        return Err(problem.with_note(note).into());
-    }
-    for id in chosen {
-        let name = wanted.name.as_deref();
-        let name = name.unwrap_or(document.element(id).name()).to_owned();
-        if let Some(parameters) = shader::convert(&mut converter, id) {
-            converter.out.materials.push(Material { name, parameters });
-        }
-    }
-    Ok(converter.out)
-}
-
-fn none_found(document: &Document, wanted: &Wanted, names: &[&str]) -> texgen::Diagnostic {
-    let Some(name) = &wanted.material else {
-        let problem = document.error(Document::ROOT, "the document has no material");
-        return problem.with_note(
-            "what is read: `surfacematerial` nodes, and surface shaders (standard_surface, open_pbr_surface, gltf_pbr, \
-             UsdPreviewSurface)",
-        );
-    };
-    let problem = document.error(
-        Document::ROOT,
-        format!("the document has no material called `{name}`"),
-    );
-    problem.with_note(match did_you_mean(name, names.iter().copied()) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => format!("it has {}", names.join(", ")),
-    })
-}
-
 /// What is under way.
 pub(crate) struct Converter<'d> {
     pub(crate) document: &'d Document,
@@ -153,7 +91,7 @@ pub(crate) struct Converter<'d> {
 }
 
 impl<'d> Converter<'d> {
-    fn new(document: &'d Document, files: &'d dyn Files, folder: &'d Path) -> Self {
+    pub(crate) fn new(document: &'d Document, files: &'d dyn Files, folder: &'d Path) -> Self {
         Self {
             document,
             files,
