@@ -190,7 +190,7 @@ impl Converter<'_> {
     fn texcoord(&mut self, scope: &Rc<Scope>, id: ElementId, ty: Type) -> Value {
         let index = self.input(scope, id, "index");
         let texture = match index.and_then(|index| index.known()) {
-            Some([index, ..]) if index == 1.0 => "mx_texcoord1",
+            Some([1.0, ..]) => "mx_texcoord1",
             Some([index, ..]) if index != 0.0 => {
                 self.warn(
                     id,

@@ -15,8 +15,11 @@ use crate::document::{Document, ElementId};
 
 use surface::Surface;
 
+/// Turns the inputs of a shader into keys of a material.
+type Model = fn(&mut Surface<'_, '_>);
+
 /// The models, by their categories.
-const MODELS: [(&str, fn(&mut Surface<'_, '_>)); 4] = [
+const MODELS: [(&str, Model); 4] = [
     ("standard_surface", standard_surface::convert),
     ("open_pbr_surface", open_pbr::convert),
     ("gltf_pbr", gltf_pbr::convert),
