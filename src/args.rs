@@ -15,6 +15,7 @@ use crate::console::MessageFormat;
 use crate::farm::args::FarmCommand;
 use crate::flags::{CommonArgs, DisplayArgs, scene_help, words};
 use crate::form::FormArgs;
+use crate::import::args::ImportArgs;
 use crate::info::args::InfoArgs;
 use crate::progress::Reader;
 use crate::texture::args::TextureCommand;
@@ -135,6 +136,9 @@ pub(crate) enum Command {
     /// Say what a scene, a look, a partial render or a picture holds.
     #[command(after_help = crate::info::args::EXAMPLES)]
     Info(InfoArgs),
+    /// Turn a MaterialX document into a look.
+    #[command(after_help = crate::import::args::EXAMPLES)]
+    Import(ImportArgs),
     /// List, check, inspect, evaluate, preview and begin textures.
     Texture {
         /// What to do with them.

@@ -24,6 +24,7 @@ use crate::bench::job::BenchJob;
 use crate::compare::job::CompareJob;
 use crate::farm::job::ExportJob;
 use crate::form;
+use crate::import::job::ImportJob;
 use crate::info::job::InfoJob;
 use crate::motion::MotionJob;
 use crate::overrides;
@@ -60,6 +61,8 @@ pub(crate) enum Job {
     Compare(CompareJob),
     /// Tell what a file holds.
     Info(InfoJob),
+    /// Turn a MaterialX document into a look.
+    Import(ImportJob),
     /// Do something with textures.
     Texture(TextureJob),
     /// List devices.
@@ -215,6 +218,7 @@ impl Job {
             Command::Farm { what } => Self::Farm(ExportJob::from_args(what, render_is_understood)?),
             Command::Compare(args) => Self::Compare(CompareJob::from_args(args)?),
             Command::Info(args) => Self::Info(InfoJob::from_args(args)),
+            Command::Import(args) => Self::Import(ImportJob::from_args(args)),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,
             Command::Manuals { dir } => Self::Manuals(dir),

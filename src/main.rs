@@ -1,4 +1,4 @@
-//! The `patina` command: renders scenes, opens a window on them, merges films, compares pictures, tells what files hold, writes jobs
+//! The `patina` command: renders scenes, opens a window on them, merges films, compares pictures, tells what files hold, reads MaterialX, writes jobs
 //! for farms, works on textures, lists devices, measures itself.
 //!
 //! This file only walks the path every invocation takes: raw flags ([`args`]) become a validated [`job`], the job
@@ -18,6 +18,7 @@ mod farm;
 mod fault;
 mod flags;
 mod form;
+mod import;
 mod info;
 mod interrupt;
 mod job;
@@ -82,6 +83,7 @@ fn run(job: Job) -> Result<(), Failure> {
         Job::Farm(job) => farm::export(&job),
         Job::Compare(job) => compare::run(&job),
         Job::Info(job) => info::run(&job),
+        Job::Import(job) => import::run(&job),
         Job::Texture(job) => texture::run(job),
         Job::Devices => {
             devices::run();

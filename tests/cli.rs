@@ -22,6 +22,8 @@ mod endings;
 mod farm;
 #[path = "cli/frames.rs"]
 mod frames;
+#[path = "cli/import.rs"]
+mod import;
 #[path = "cli/info.rs"]
 mod info;
 #[path = "cli/layers.rs"]

@@ -10,8 +10,12 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("device", &["kernel_ir"]),
     ("kernels", &["kernel_ir", "device"]),
     ("scene", &["texgen"]),
+    ("materialx", &["texgen", "scene"]),
     ("pictures", &["texgen"]),
-    ("engine", &["texgen", "device", "kernels", "scene"]),
+    (
+        "engine",
+        &["texgen", "device", "kernels", "scene", "materialx"],
+    ),
     ("patina-bench", &["texgen", "device", "scene", "engine"]),
     ("patina-panels", &["texgen", "device", "scene", "engine"]),
     (
@@ -25,6 +29,7 @@ const ARROWS: &[(&str, &[&str])] = &[
             "texgen",
             "device",
             "scene",
+            "materialx",
             "engine",
             "pictures",
             "patina-bench",

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use texgen::{Diagnostic, Diagnostics, OutputType, SourceFile, did_you_mean};
 
-use crate::procedural::{EditError, Procedural, TextureSources};
+use crate::procedural::{EditError, Procedural, TextureSources, expanded};
 use crate::scene::Scene;
 use crate::scene::look::{AoLook, AoSettings, CameraLook, Look, NodeLook, Spanned, Value};
 
@@ -38,9 +38,10 @@ impl Subject<'_> {
                 look.nodes.push(node(&node_name, name));
                 // Two tables, so that `AO` and `AO1` are not one.
                 look.ao = ["ao", "ao1"].map(ao).into();
-                (look, node_name, name)
+                (look, node_name, name.to_owned())
             }
             Self::Node(name, look) => {
+                let (look, _) = expanded(look, &**sources.files())?;
                 let Some(node) = look.nodes.iter().find(|node| node.name.value == name) else {
                     let names = || look.nodes.iter().map(|node| node.name.value.as_str());
                     let note = match did_you_mean(name, names()) {
@@ -55,19 +56,20 @@ impl Subject<'_> {
                     environment: None,
                     camera: CameraLook::default(),
                     materials: Vec::new(),
+                    materialx: Vec::new(),
                     includes: Vec::new(),
                     nodes: with_sources(node, &look.nodes),
-                    ..look.clone()
+                    ..Look::clone(&look)
                 };
-                (alone, name.to_owned(), node.texture.value.as_str())
+                (alone, name.to_owned(), node.texture.value.clone())
             }
         };
-        match sources.read(texture) {
+        match sources.read(&texture) {
             Some(Ok(file)) => Ok(Part { look, node, file }),
             Some(Err(error)) => Err(Diagnostic::error(error.to_string()).into()),
             None => {
                 let error = Diagnostic::error(format!("there is no texture called `{texture}`"));
-                let near = did_you_mean(texture, sources.names());
+                let near = did_you_mean(&texture, sources.names());
                 Err(match near {
                     Some(near) => error.with_note(format!("did you mean `{near}`?")),
                     None => error.with_note("`patina texture list` shows those there are"),

@@ -5,11 +5,12 @@
 //! `vulkan`, another one in `swiftshader`, which systems the program must compile for in `targets`, how the program is built
 //! to be given away in `dist`, a picture by many machines in `farm`, the comparison with other renderers in `peers`, that of view
 //! transforms with OpenColorIO in `views`, reading our files with Blender in `blender`, comparing animated vertices with another
-//! evaluation in `poses`.
+//! evaluation in `poses`, what MaterialX's nodes become with MaterialX's own in `materialx`.
 
 mod blender;
 mod dist;
 mod farm;
+mod materialx;
 mod peers;
 mod poses;
 mod steps;
@@ -84,6 +85,7 @@ Commands:
   contact-sheet Render Khronos' sample models, where they lie beside the checkout, to docs/images/khronos.jpg
   blender       Read our layers with Blender; `cargo xtask blender --help` lists the options
   farm          Render a picture in parts by Slurm on this host, lose a node, compare with the whole
+  materialx     Compare MaterialX's nodes with its own; `cargo xtask materialx --help` lists the options
   peers         Compare with other renderers that are installed; `cargo xtask peers --help` lists the options
   poses         Compare vertices of animated models with another evaluation; `cargo xtask poses --help` lists the options
   views         Compare view transforms with OpenColorIO; `cargo xtask views --help` lists the options
@@ -106,6 +108,11 @@ fn main() -> ExitCode {
         }
         ["blender", ref rest @ ..] => blender::run(rest),
         ["farm"] => farm::run(),
+        ["materialx", "--help" | "-h"] => {
+            println!("{}", materialx::USAGE);
+            Ok(())
+        }
+        ["materialx", ref rest @ ..] => materialx::run(rest),
         ["peers", "--help" | "-h"] => {
             println!("{}", peers::USAGE);
             Ok(())

@@ -33,6 +33,13 @@ pub fn files_from(files: &dyn Files, scene: &Path, look: Option<&Look>) -> Vec<P
     {
         found.push(look.resolve(&image.value));
     }
+    for document in &look.materialx {
+        let path = look.resolve(&document.file.value);
+        if let Ok(document) = materialx::Document::read(files, &path) {
+            found.extend(document.paths().iter().cloned());
+        }
+        found.push(path);
+    }
     let mut names = Vec::new();
     for field in look.nodes.iter().flat_map(|node| &node.params) {
         image_names(&field.value.value, &mut names);

@@ -106,7 +106,8 @@ pub fn load_from(
     look: Option<Look>,
     textures: &[PathBuf],
 ) -> Result<Loaded, LoadError> {
-    let uses_textures = look.as_ref().is_some_and(|look| !look.nodes.is_empty());
+    let has_textures = |look: &Look| !look.nodes.is_empty() || !look.materialx.is_empty();
+    let uses_textures = look.as_ref().is_some_and(has_textures);
     let sources = if uses_textures {
         TextureSources::search_from(files.clone(), textures)?
     } else {

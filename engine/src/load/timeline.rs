@@ -185,7 +185,7 @@ impl Timeline {
         let look = look.unwrap_or(&nothing);
         let sources = match self.sources.take() {
             Some(sources) => sources,
-            None if !look.nodes.is_empty() => {
+            None if !look.nodes.is_empty() || !look.materialx.is_empty() => {
                 TextureSources::search_from(self.files.clone(), &self.textures)?
             }
             None => TextureSources::default(),

@@ -15,6 +15,7 @@ use crate::scene::look::{
     AoSettings, Field, Input, Look, MAX_AO, NodeLook, Span, Spanned, misplaced_key, unquoted,
 };
 
+use super::documents::expanded;
 use super::images::Images;
 use super::memory::{ProgramMemory, RangeSet};
 use super::remarks::remark;
@@ -34,10 +35,12 @@ impl Procedural {
         scene: &mut Scene,
         textures: &TextureSources,
     ) -> Result<Self, Diagnostics> {
+        let (look, warnings) = expanded(look, &**textures.files())?;
+        let look = &*look;
         let mut builder = Builder {
             look,
             problems: Diagnostics::new(),
-            warnings: Diagnostics::new(),
+            warnings,
             files: Arc::clone(textures.files()),
             images: Images::default(),
         };

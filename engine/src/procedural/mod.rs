@@ -38,6 +38,7 @@
 
 mod alone;
 mod build;
+mod documents;
 mod edit;
 mod images;
 mod inlined;
@@ -71,6 +72,7 @@ use crate::texturing::ProgramTraits;
 
 pub use crate::material_record::{HEAD_LINKS, HEAD_WORDS, Kind, Output, Outputs};
 pub(crate) use alone::Hits;
+pub(crate) use documents::expanded;
 pub use edit::EditError;
 pub use inlined::Inlined;
 pub use memory::{

@@ -26,6 +26,8 @@ pub struct TextureSources {
     files: Arc<dyn Files>,
     by_name: BTreeMap<String, TextureOrigin>,
     directories: Vec<PathBuf>,
+    /// The program's own textures are behind the directories.
+    has_standard: bool,
 }
 
 impl Default for TextureSources {
@@ -35,6 +37,7 @@ impl Default for TextureSources {
             files: Arc::new(Disk),
             by_name: BTreeMap::new(),
             directories: Vec::new(),
+            has_standard: false,
         }
     }
 }
@@ -124,6 +127,7 @@ impl TextureSources {
         directories: &[P],
     ) -> Result<Self, SourcesError> {
         let mut sources = Self::scan_from(files, directories)?;
+        sources.has_standard = true;
         for file in standard::files() {
             let known = sources.by_name.entry(file.name().to_owned());
             known.or_insert(TextureOrigin::BuiltIn(file));
@@ -170,7 +174,15 @@ impl TextureSources {
     /// # Errors
     /// The file can't be read, or is no text.
     pub fn read(&self, name: &str) -> Option<Result<SourceFile, SourcesError>> {
-        Some(match self.by_name.get(name)? {
+        let Some(origin) = self.by_name.get(name) else {
+            // Those that MaterialX's nodes become are found by their names, but listed nowhere.
+            return self
+                .has_standard
+                .then(|| materialx::textures::find(name))
+                .flatten()
+                .map(Ok);
+        };
+        Some(match origin {
             TextureOrigin::Text(file) | TextureOrigin::BuiltIn(file) => Ok(file.clone()),
             TextureOrigin::File(path) => read_file(&*self.files, name, path)
                 .and_then(|file| with_libraries(&*self.files, file, path)),
@@ -178,7 +190,7 @@ impl TextureSources {
     }
 
     /// The files that it reads from.
-    pub(super) fn files(&self) -> &Arc<dyn Files> {
+    pub(crate) fn files(&self) -> &Arc<dyn Files> {
         &self.files
     }
 
@@ -188,7 +200,7 @@ impl TextureSources {
     /// # Errors
     /// The file can't be read, or is no text.
     pub fn open(path: &Path) -> Result<SourceFile, SourcesError> {
-        if let Some(file) = standard::at(path) {
+        if let Some(file) = standard::at(path).or_else(|| materialx::textures::at(path)) {
             return Ok(file);
         }
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -205,7 +217,10 @@ impl TextureSources {
 
     /// Whether a texture is the program's own, of the standard ones.
     pub fn is_built_in(&self, name: &str) -> bool {
-        matches!(self.by_name.get(name), Some(TextureOrigin::BuiltIn(_)))
+        match self.by_name.get(name) {
+            Some(origin) => matches!(origin, TextureOrigin::BuiltIn(_)),
+            None => self.has_standard && materialx::textures::names().any(|known| known == name),
+        }
     }
 }
 

@@ -77,6 +77,24 @@ impl MaterialLook {
         self.inputs.iter().map(|(_, input)| input)
     }
 
+    /// Takes from another table what this one doesn't say.
+    pub fn stand_over(&mut self, other: Self) {
+        let inputs = other.inputs.into_iter();
+        let missing = inputs.filter(|(key, _)| find(&self.inputs, key).is_none());
+        let missing: Vec<_> = missing.collect();
+        self.inputs.extend(missing);
+        let flags = other.flags.into_iter();
+        let missing = flags.filter(|(key, _)| find(&self.flags, key).is_none());
+        let missing: Vec<_> = missing.collect();
+        self.flags.extend(missing);
+        let words = other.words.into_iter();
+        let missing = words.filter(|(key, _)| find(&self.words, key).is_none());
+        let missing: Vec<_> = missing.collect();
+        self.words.extend(missing);
+        self.blend = self.blend.take().or(other.blend);
+        self.group = self.group.take().or(other.group);
+    }
+
     /// Gives a material the constants of the table.
     pub fn apply(&self, material: &mut Material) {
         for parameter in &PARAMETERS {

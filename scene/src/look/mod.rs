@@ -37,7 +37,7 @@ pub use value::{Field, Span, Spanned, Value, find, parse_value};
 pub const MAX_AO: usize = 4;
 
 /// Keys of a look.
-const KEYS: [&str; 8] = [
+const KEYS: [&str; 9] = [
     "environment",
     "camera",
     "view",
@@ -45,6 +45,7 @@ const KEYS: [&str; 8] = [
     "ao",
     "node",
     "material",
+    "materialx",
     "include",
 ];
 
@@ -71,6 +72,8 @@ pub struct Look {
     pub nodes: Vec<NodeLook>,
     /// `[material.NAME]` tables, in the order of the file.
     pub materials: Vec<MaterialLook>,
+    /// `[[materialx]]` tables, in the order of the file.
+    pub materialx: Vec<MaterialxLook>,
     /// `[[include]]` tables, in the order of the file.
     pub includes: Vec<Include>,
     /// What can be read but is probably not meant so.
@@ -234,6 +237,17 @@ pub struct BlendLook {
     pub mask: Spanned<Input>,
 }
 
+/// `[[materialx]]`: materials of a MaterialX document, which is read each time anew.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaterialxLook {
+    /// As written, relative to the look file.
+    pub file: Spanned<String>,
+    /// Only this material of the document; all where absent.
+    pub material: Option<Spanned<String>>,
+    /// What it is called in the look; as in the document where absent.
+    pub name: Option<Spanned<String>>,
+}
+
 /// `[[include]]`: another glTF file, placed in the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Include {
@@ -320,6 +334,7 @@ impl Look {
             ao: Vec::new(),
             nodes: Vec::new(),
             materials: Vec::new(),
+            materialx: Vec::new(),
             includes: Vec::new(),
             warnings: Diagnostics::new(),
             key_times: None,

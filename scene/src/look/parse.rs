@@ -20,7 +20,7 @@ use super::value::{Field, Span, Spanned, Value, fields};
 use super::view::view;
 use super::{
     AoDirection, AoLook, AoSettings, CameraLook, EnvironmentLook, Include, Input, KEYS, Look,
-    MAX_AO, NodeLook,
+    MAX_AO, MaterialxLook, NodeLook,
 };
 
 /// A look larger than this is not one.
@@ -119,7 +119,8 @@ fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
             "ao" => look.ao = named(reader, value, "[ao.NAME]", ao),
             "node" => look.nodes = named(reader, value, "[node.NAME]", node),
             "material" => look.materials = named(reader, value, "[material.NAME]", material),
-            "include" => look.includes = includes(reader, value),
+            "materialx" => look.materialx = tables(reader, value, "[[materialx]]", materialx),
+            "include" => look.includes = tables(reader, value, "[[include]]", include),
             _ => reader.unknown_key(key, "a look", &KEYS),
         }
     }
@@ -373,19 +374,51 @@ fn node(
     })
 }
 
-fn includes(reader: &mut Reader, value: &Spanned<Value>) -> Vec<Include> {
+/// Reads a list of tables under such a header.
+fn tables<T>(
+    reader: &mut Reader,
+    value: &Spanned<Value>,
+    header: &str,
+    read: impl Fn(&mut Reader, &Spanned<Value>) -> Option<T>,
+) -> Vec<T> {
     let Value::List(tables) = &value.value else {
         reader.problem_with_note(
             &value.span,
-            "expected tables headed [[include]]",
+            format!("expected tables headed {header}"),
             "two brackets: there can be several",
         );
         return Vec::new();
     };
     tables
         .iter()
-        .filter_map(|table| include(reader, table))
+        .filter_map(|table| read(reader, table))
         .collect()
+}
+
+fn materialx(reader: &mut Reader, value: &Spanned<Value>) -> Option<MaterialxLook> {
+    const KEYS: [&str; 3] = ["file", "material", "name"];
+    let table = reader.table(value, "a table headed [[materialx]]")?;
+    let (mut file, mut material, mut name) = (None, None, None);
+    for Field { key, value } in table {
+        match key.value.as_str() {
+            "file" => file = reader.text(value),
+            "material" => material = reader.text(value),
+            "name" => name = reader.text(value),
+            _ => reader.unknown_key(key, "[[materialx]]", &KEYS),
+        }
+    }
+    if !table.iter().any(|field| field.key.value == "file") {
+        reader.problem_with_note(
+            &value.span,
+            "[[materialx]] needs `file`",
+            "the path of a document, as in file = \"brass.mtlx\"",
+        );
+    }
+    Some(MaterialxLook {
+        file: file?,
+        material,
+        name,
+    })
 }
 
 fn include(reader: &mut Reader, value: &Spanned<Value>) -> Option<Include> {
@@ -485,6 +518,10 @@ fn check_names(reader: &mut Reader, look: &Look) {
             let names = look.ao.iter().map(|a| a.name.value.as_str());
             unknown_name(reader, wanted, "AO table", "[ao.NAME]", names);
         }
+    }
+    // Names of nodes that come from documents are known when these are read.
+    if !look.materialx.is_empty() {
+        return;
     }
     for material in &look.materials {
         let mask = material.blend.as_ref().map(|b| &b.value.mask);

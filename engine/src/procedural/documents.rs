@@ -1,0 +1,176 @@
+//! `[[materialx]]` of a look: what its documents give, as if it were written in the look.
+
+use std::borrow::Cow;
+
+use materialx::{Document, Wanted};
+use texgen::{Diagnostic, Diagnostics};
+
+use crate::input::Files;
+use crate::scene::look::{Field, Look, MaterialxLook, Section, Span, Spanned, Table, Value, table};
+
+/// The look with the nodes and materials of its documents, and what can't be expressed of these. What the look says of a node or a
+/// material of the same name itself holds.
+///
+/// # Errors
+/// A document that can't be read, with the line of the look or its own.
+pub(crate) fn expanded<'l>(
+    look: &'l Look,
+    files: &dyn Files,
+) -> Result<(Cow<'l, Look>, Diagnostics), Diagnostics> {
+    let mut warnings = Diagnostics::new();
+    if look.materialx.is_empty() {
+        return Ok((Cow::Borrowed(look), warnings));
+    }
+    let mut whole = look.clone();
+    let mut problems = Diagnostics::new();
+    for document in std::mem::take(&mut whole.materialx) {
+        match add(&mut whole, &document, files) {
+            Ok(found) => warnings.append(found),
+            Err(found) => problems.append(found),
+        }
+    }
+    match problems.has_errors() {
+        true => Err(problems),
+        false => Ok((Cow::Owned(whole), warnings)),
+    }
+}
+
+fn add(
+    look: &mut Look,
+    wanted: &MaterialxLook,
+    files: &dyn Files,
+) -> Result<Diagnostics, Diagnostics> {
+    let path = look.resolve(&wanted.file.value);
+    if !files.has(&path) {
+        let message = format!("there is no file {}", path.display());
+        let problem = Diagnostic::error(message);
+        let span = wanted.file.span.clone();
+        let note = "paths are relative to the look file";
+        return Err(problem
+            .with_label(&look.file, span, "")
+            .with_note(note)
+            .into());
+    }
+    let text = |spanned: &Option<Spanned<String>>| spanned.as_ref().map(|s| s.value.clone());
+    let options = Wanted {
+        material: text(&wanted.material),
+        name: text(&wanted.name),
+        folder: look.resolve(""),
+    };
+    let document = Document::read(files, &path)?;
+    let converted = materialx::convert(&document, files, &options)?;
+    let span = &wanted.file.span;
+    for node in converted.nodes {
+        if look.nodes.iter().any(|known| known.name.value == node.name) {
+            continue;
+        }
+        let texture = ("texture".to_owned(), Value::Text(node.texture));
+        let fields = fields(std::iter::once(texture).chain(node.arguments), span);
+        if let Table::Node(node) = table(&look.file, &Section::Node(node.name), &fields, span)? {
+            look.nodes.push(node);
+        }
+    }
+    for material in converted.materials {
+        let name = material.name;
+        let parameters = material.parameters.into_iter();
+        let fields = fields(parameters.map(|(key, value)| (key.to_owned(), value)), span);
+        let section = Section::Material(name.clone());
+        let Table::Material(read) = table(&look.file, &section, &fields, span)? else {
+            continue;
+        };
+        match look
+            .materials
+            .iter_mut()
+            .find(|known| known.name.value == name)
+        {
+            Some(own) => own.stand_over(*read),
+            None => look.materials.push(*read),
+        }
+    }
+    Ok(converted.warnings)
+}
+
+/// Keys and values, all of which stand at one place of the look.
+fn fields(values: impl Iterator<Item = (String, Value)>, span: &Span) -> Vec<Field> {
+    let field = |(key, mut value): (String, Value)| {
+        place(&mut value, span);
+        Field {
+            key: Spanned::new(key, span.clone()),
+            value: Spanned::new(value, span.clone()),
+        }
+    };
+    values.map(field).collect()
+}
+
+fn place(value: &mut Value, span: &Span) {
+    match value {
+        Value::List(items) => {
+            for item in items {
+                item.span = span.clone();
+                place(&mut item.value, span);
+            }
+        }
+        Value::Table(fields) => {
+            for field in fields {
+                field.key.span = span.clone();
+                field.value.span = span.clone();
+                place(&mut field.value.value, span);
+            }
+        }
+        _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::input::Disk;
+
+    const DOCUMENT: &str = r#"<materialx version="1.39">
+        <noise3d name="noise" type="float"><input name="amplitude" type="float" value="0.5"/></noise3d>
+        <standard_surface name="s" type="surfaceshader">
+          <input name="specular_roughness" type="float" nodename="noise"/>
+          <input name="metalness" type="float" value="1"/>
+          <input name="coat_color" type="color3" value="1, 0, 0"/>
+          <input name="coat" type="float" value="1"/>
+        </standard_surface>
+        <surfacematerial name="M" type="material"><input name="surfaceshader" type="surfaceshader" nodename="s"/></surfacematerial>
+        </materialx>"#;
+
+    #[test]
+    fn a_look_has_what_its_documents_give() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        std::fs::write(folder.path().join("a.mtlx"), DOCUMENT).expect("a file");
+        let path = folder.path().join("a.look.toml");
+        let read =
+            |text: &str| Look::parse(&path, text).unwrap_or_else(|p| panic!("{}", p.render()));
+        let look = read(
+            "[[materialx]]\nfile = 'a.mtlx'\nname = 'Steel'\n[material.Steel]\nmetallic = 0.25\n",
+        );
+        let (whole, warnings) = expanded(&look, &Disk).unwrap_or_else(|p| panic!("{}", p.render()));
+        assert!(
+            warnings.render().contains("coat_color"),
+            "{}",
+            warnings.render()
+        );
+        assert_eq!(whole.nodes[0].name.value, "noise");
+        assert_eq!(whole.nodes[0].texture.value, "mx_noise3d_float");
+        let [steel] = &whole.materials[..] else {
+            panic!("{:?}", whole.materials);
+        };
+        assert_eq!(steel.constant("metallic").map(|m| m.x), Some(0.25));
+        assert!(steel.is_driven("roughness"));
+        // Mistakes have the look's line.
+        let look = read("[[materialx]]\nfile = 'b.mtlx'\n");
+        let error = expanded(&look, &Disk).expect_err("it isn't there").render();
+        assert!(
+            error.contains("no file") && error.contains("a.look.toml:2"),
+            "{error}"
+        );
+        let nothing = read("");
+        let (same, _) = expanded(&nothing, &Disk).expect("nothing to read");
+        assert_eq!(same.path, Path::new(&path));
+    }
+}

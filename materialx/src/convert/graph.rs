@@ -1,0 +1,384 @@
+//! What an input has: its own value, or what it is connected to, through graphs in graphs.
+
+use std::rc::Rc;
+
+use crate::document::{Document, ElementId};
+use crate::types::{Type, numbers, to_linear};
+use crate::value::Value;
+
+use super::Converter;
+
+/// Connections don't run through more nodes than this.
+const MAX_DEPTH: usize = 256;
+
+/// Where names are looked up: a graph, and the node that it stands for where it is a node's definition.
+#[derive(Debug)]
+pub(crate) struct Scope {
+    /// Tells uses of one graph apart.
+    key: String,
+    graph: ElementId,
+    caller: Option<Caller>,
+}
+
+#[derive(Debug)]
+struct Caller {
+    /// The node whose inputs the graph's interface has.
+    node: ElementId,
+    scope: Rc<Scope>,
+    definition: ElementId,
+}
+
+impl Scope {
+    /// What stands outside of all graphs.
+    pub(crate) fn root() -> Rc<Self> {
+        Rc::new(Self {
+            key: String::new(),
+            graph: Document::ROOT,
+            caller: None,
+        })
+    }
+
+    fn graph(graph: ElementId) -> Rc<Self> {
+        Rc::new(Self {
+            key: format!("{graph}"),
+            graph,
+            caller: None,
+        })
+    }
+
+    /// How deep uses of graphs stand in each other.
+    fn depth(&self) -> usize {
+        self.key.matches('/').count()
+    }
+
+    /// What the names of its nodes begin with.
+    fn prefix(&self, document: &Document) -> String {
+        match &self.caller {
+            Some(caller) => {
+                let name = document.element(caller.node).name();
+                format!("{}{name}_", caller.scope.prefix(document))
+            }
+            None if self.graph == Document::ROOT => String::new(),
+            None => format!("{}_", document.element(self.graph).name()),
+        }
+    }
+}
+
+/// What a node gives: one value, or several by name.
+#[derive(Debug, Clone)]
+pub(crate) enum Results {
+    One(Value),
+    Named(Vec<(String, Value)>),
+}
+
+impl Results {
+    fn take(&self, output: Option<&str>) -> Option<Value> {
+        match (self, output) {
+            (Self::One(value), _) => Some(value.clone()),
+            (Self::Named(values), Some(output)) => {
+                let found = values.iter().find(|(name, _)| name == output);
+                found.map(|(_, value)| value.clone())
+            }
+            (Self::Named(values), None) => values.first().map(|(_, value)| value.clone()),
+        }
+    }
+}
+
+impl Converter<'_> {
+    /// The input of an element by its name; `None` where nothing is given, or what is given can't be had (which is warned of).
+    pub(crate) fn input(
+        &mut self,
+        scope: &Rc<Scope>,
+        owner: ElementId,
+        name: &str,
+    ) -> Option<Value> {
+        let input = self.document.input(owner, name)?;
+        self.connected(scope, input)
+    }
+
+    /// What an `input` or an `output` has.
+    pub(crate) fn connected(&mut self, scope: &Rc<Scope>, id: ElementId) -> Option<Value> {
+        if self.depth >= 2 * MAX_DEPTH {
+            self.warn(
+                id,
+                "connections that lead back to themselves, or too far, give nothing",
+            );
+            return None;
+        }
+        self.depth += 1;
+        let value = self.followed(scope, id);
+        self.depth -= 1;
+        value
+    }
+
+    fn followed(&mut self, scope: &Rc<Scope>, id: ElementId) -> Option<Value> {
+        let document = self.document;
+        let element = document.element(id);
+        let output = element.attribute("output");
+        let value = if let Some(name) = element.attribute("interfacename") {
+            self.interface(scope, id, name)
+        } else if let Some(name) = element.attribute("nodename") {
+            match document.named(scope.graph, name) {
+                Some(node) => self.node(scope, node, output),
+                None => self.missing(id, "node", name),
+            }
+        } else if let Some(name) = element.attribute("nodegraph") {
+            match document.child(Document::ROOT, "nodegraph", name) {
+                Some(graph) => self.output(&Scope::graph(graph), graph, id, output),
+                None => self.missing(id, "graph", name),
+            }
+        } else if let Some(text) = element.attribute("value") {
+            self.written(id, text)
+        } else if let Some(name) = output {
+            // As files before 1.39 name outputs that stand outside of graphs.
+            match document.child(Document::ROOT, "output", name) {
+                Some(output) => self.connected(&Scope::root(), output),
+                None => self.missing(id, "output", name),
+            }
+        } else {
+            None
+        };
+        let channels = element.attribute("channels");
+        match (value, channels) {
+            (Some(value), Some(channels)) => {
+                let ty = Type::of(element.attribute("type").unwrap_or(""));
+                self.swizzled(id, value, ty, channels)
+            }
+            (value, _) => value,
+        }
+    }
+
+    fn missing(&mut self, id: ElementId, what: &str, name: &str) -> Option<Value> {
+        self.warn(
+            id,
+            format!("there is no {what} called `{name}` here; the input has its default"),
+        );
+        None
+    }
+
+    /// An input of the interface of a graph.
+    fn interface(&mut self, scope: &Rc<Scope>, id: ElementId, name: &str) -> Option<Value> {
+        let document = self.document;
+        let Some(caller) = &scope.caller else {
+            return match document.input(scope.graph, name) {
+                Some(input) => self.connected(&Scope::root(), input),
+                None => self.missing(id, "input", name),
+            };
+        };
+        if let Some(given) = document.input(caller.node, name) {
+            return self.connected(&caller.scope, given);
+        }
+        let declared = document.input(caller.definition, name)?;
+        if let Some(text) = document.element(declared).attribute("value") {
+            return self.written(declared, text);
+        }
+        match document.element(declared).attribute("defaultgeomprop") {
+            Some("UV0") => Some(self.place("mx_texcoord", Type::Vector2)),
+            Some("Pobject") => Some(self.place("mx_position", Type::Vector3)),
+            Some("Pworld") => Some(self.place("mx_position_world", Type::Vector3)),
+            _ => None,
+        }
+    }
+
+    /// The node that an input is connected to, straight or through a graph's output.
+    pub(crate) fn source(
+        &mut self,
+        scope: &Rc<Scope>,
+        id: ElementId,
+    ) -> Option<(Rc<Scope>, ElementId)> {
+        let document = self.document;
+        let element = document.element(id);
+        if let Some(name) = element.attribute("nodename") {
+            let node = document.named(scope.graph, name)?;
+            return Some((Rc::clone(scope), node));
+        }
+        let name = element.attribute("nodegraph")?;
+        let graph = document.child(Document::ROOT, "nodegraph", name)?;
+        let outputs = document.children(graph).iter().copied();
+        let mut outputs = outputs.filter(|&child| document.element(child).kind == "output");
+        let output = match element.attribute("output") {
+            Some(name) => outputs.find(|&output| document.element(output).name() == name),
+            None => outputs.next(),
+        }?;
+        let node = document.named(graph, document.element(output).attribute("nodename")?)?;
+        Some((Scope::graph(graph), node))
+    }
+
+    /// What a graph gives by one of its outputs.
+    fn output(
+        &mut self,
+        scope: &Rc<Scope>,
+        graph: ElementId,
+        user: ElementId,
+        wanted: Option<&str>,
+    ) -> Option<Value> {
+        let document = self.document;
+        let outputs = document.children(graph).iter().copied();
+        let mut outputs = outputs.filter(|&child| document.element(child).kind == "output");
+        let found = match wanted {
+            Some(name) => outputs.find(|&output| document.element(output).name() == name),
+            None => outputs.next(),
+        };
+        match found {
+            Some(output) => self.connected(scope, output),
+            None => self.missing(user, "output", wanted.unwrap_or("out")),
+        }
+    }
+
+    /// What a node gives by one of its outputs.
+    pub(crate) fn node(
+        &mut self,
+        scope: &Rc<Scope>,
+        id: ElementId,
+        output: Option<&str>,
+    ) -> Option<Value> {
+        let key = (scope.key.clone(), id);
+        if let Some(done) = self.done.get(&key) {
+            return done.as_ref().and_then(|results| results.take(output));
+        }
+        if self.open.contains(&key) || self.open.len() >= MAX_DEPTH {
+            self.warn(
+                id,
+                "nodes that are connected in a circle, or too many in a row, give nothing",
+            );
+            return None;
+        }
+        if self.is_full(id) {
+            return None;
+        }
+        self.open.push(key.clone());
+        let results = match self.definition(id) {
+            Some((definition, graph)) => self.defined(scope, id, definition, graph),
+            None => self.leaf(scope, id),
+        };
+        self.open.pop();
+        let value = results.as_ref().and_then(|results| results.take(output));
+        self.done.insert(key, results);
+        value
+    }
+
+    /// The definition of a node as a graph, where the document has one.
+    fn definition(&self, id: ElementId) -> Option<(ElementId, ElementId)> {
+        let document = self.document;
+        let node = document.element(id);
+        let ty = node.attribute("type");
+        let gives = |definition: ElementId| {
+            let element = document.element(definition);
+            let children = document.children(definition).iter();
+            let mut inside = children.map(|&child| document.element(child));
+            ty == Some("multioutput")
+                || element.attribute("type") == ty
+                || inside.any(|child| child.kind == "output" && child.attribute("type") == ty)
+        };
+        let definitions = document.definitions(&node.kind).iter().copied();
+        let definition = match node.attribute("nodedef") {
+            Some(name) => document.child(Document::ROOT, "nodedef", name),
+            None => definitions
+                .into_iter()
+                .find(|&definition| gives(definition)),
+        }?;
+        Some((definition, document.implementation(definition)?))
+    }
+
+    fn defined(
+        &mut self,
+        scope: &Rc<Scope>,
+        node: ElementId,
+        definition: ElementId,
+        graph: ElementId,
+    ) -> Option<Results> {
+        let document = self.document;
+        let inner = Rc::new(Scope {
+            key: format!("{}/{node}", scope.key),
+            graph,
+            caller: Some(Caller {
+                node,
+                scope: Rc::clone(scope),
+                definition,
+            }),
+        });
+        if inner.depth() > 32 {
+            self.warn(node, "graphs in graphs, more than 32 deep, give nothing");
+            return None;
+        }
+        let mut values = Vec::new();
+        for &child in document.children(graph) {
+            let element = document.element(child);
+            if element.kind == "output"
+                && let Some(value) = self.connected(&inner, child)
+            {
+                values.push((element.name().to_owned(), value));
+            }
+        }
+        Some(Results::Named(values))
+    }
+
+    /// What the name of a node's node in the look begins with, and its own name.
+    pub(crate) fn look_name(&self, scope: &Rc<Scope>, id: ElementId) -> String {
+        let name = self.document.element(id).name();
+        format!("{}{name}", scope.prefix(self.document))
+    }
+
+    /// A value as it is written.
+    fn written(&mut self, id: ElementId, text: &str) -> Option<Value> {
+        let document = self.document;
+        let element = document.element(id);
+        let name = element.attribute("type").unwrap_or("");
+        if name == "filename" {
+            return self.file(id, text);
+        }
+        let ty = Type::of(name);
+        if ty == Type::Other {
+            return Some(Value::Text(text.to_owned()));
+        }
+        let Some(mut values) = numbers(ty, text) else {
+            self.warn(
+                id,
+                format!("`{text}` is no {name}; the input has its default"),
+            );
+            return None;
+        };
+        if let (true, Some(space)) = (ty.is_color(), document.inherited(id, "colorspace")) {
+            match to_linear(space, [values[0], values[1], values[2]]) {
+                Some(rgb) => values[..3].copy_from_slice(&rgb),
+                None => self.warn(
+                    id,
+                    format!(
+                        "the colour space `{space}` is not known; the colour is taken as it is"
+                    ),
+                ),
+            }
+        }
+        if ty == Type::Color3 {
+            values[3] = 1.0;
+        }
+        if let Some(unit) = element.attribute("unit") {
+            match factor(unit) {
+                Some(factor) => values = values.map(|x| x * factor),
+                None => self.warn(
+                    id,
+                    format!("the unit `{unit}` is not known; the number is taken as it is"),
+                ),
+            }
+        }
+        Some(Value::Numbers(ty, values))
+    }
+}
+
+/// How many metres, degrees or whatever MaterialX reckons in are one of a unit.
+fn factor(unit: &str) -> Option<f32> {
+    Some(match unit {
+        "meter" | "degree" | "percent" => 1.0,
+        "nanometer" => 1e-9,
+        "micron" => 1e-6,
+        "millimeter" => 1e-3,
+        "centimeter" => 1e-2,
+        "kilometer" => 1e3,
+        "inch" => 0.0254,
+        "foot" => 0.3048,
+        "yard" => 0.9144,
+        "mile" => 1_609.344,
+        "radian" => 180.0 / std::f32::consts::PI,
+        _ => return None,
+    })
+}

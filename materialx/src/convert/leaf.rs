@@ -1,0 +1,362 @@
+//! A node of MaterialX's library to a node of the look, by the texture of its name.
+
+use std::rc::Rc;
+
+use scene::look;
+use texgen::{Attribute, BuiltinAttribute, Parameter, ParameterType, TextureType};
+
+use crate::document::ElementId;
+use crate::textures;
+use crate::types::Type;
+use crate::value::{Link, Value};
+
+use super::Converter;
+use super::graph::{Results, Scope};
+
+/// Inputs that change nothing here, or are read with others.
+const SILENT: [&str; 12] = [
+    "uaddressmode",
+    "vaddressmode",
+    "wraps",
+    "wrapt",
+    "filtertype",
+    "layer",
+    "framerange",
+    "frameoffset",
+    "frameendaction",
+    "note",
+    "default",
+    "fallback",
+];
+
+impl Converter<'_> {
+    /// What a node of the library gives.
+    pub(super) fn leaf(&mut self, scope: &Rc<Scope>, id: ElementId) -> Option<Results> {
+        if let Some(results) = self.special(scope, id) {
+            return results;
+        }
+        let Some(name) = self.texture(id) else {
+            let kind = &self.document.element(id).kind;
+            let message = format!(
+                "nodes of the category `{kind}` are not known: what it feeds has its default"
+            );
+            self.warn(id, message);
+            return None;
+        };
+        let texture = textures::interface(&name)?;
+        if let Some(missing) = self.missing_image(scope, id, &texture) {
+            return Some(Results::One(missing));
+        }
+        let (arguments, is_place) = self.arguments(scope, id, &texture);
+        let element = self.document.element(id);
+        let ty = match element.attribute("type") {
+            Some("multioutput") | None => Type::Vector4,
+            Some(name) => Type::of(name),
+        };
+        let look_name = self.look_name(scope, id);
+        let mut link = self.add(&look_name, texture.name(), arguments, ty, texture.output());
+        link.is_place = is_place;
+        Some(outputs(&element.kind, link))
+    }
+
+    /// The texture of a node: of its category and type, of the type or size of what goes in, or of the category.
+    fn texture(&self, id: ElementId) -> Option<String> {
+        let element = self.document.element(id);
+        let kind = element.kind.to_ascii_lowercase();
+        let plain = |name: &str| match name {
+            "color3" => "vector3".to_owned(),
+            "color4" => "vector4".to_owned(),
+            other => other.to_owned(),
+        };
+        let given = ["in", "in1"].iter().find_map(|name| {
+            let input = self.document.input(id, name)?;
+            self.document.element(input).attribute("type")
+        });
+        let given = given.unwrap_or("");
+        let endings = [
+            plain(element.attribute("type").unwrap_or("")),
+            plain(given),
+            Type::of(given).components().to_string(),
+        ];
+        let names = endings.iter().map(|ending| format!("mx_{kind}_{ending}"));
+        let mut names = names.chain([format!("mx_{kind}")]);
+        names.find(|name| textures::names().any(|known| known == name))
+    }
+
+    /// What stands for a node whose image isn't there.
+    fn missing_image(
+        &mut self,
+        scope: &Rc<Scope>,
+        id: ElementId,
+        texture: &TextureType,
+    ) -> Option<Value> {
+        let parameters = texture.parameters().iter();
+        let images = parameters.filter(|parameter| parameter.ty == ParameterType::Image);
+        let names: Vec<String> = images.map(|parameter| parameter.name.clone()).collect();
+        for name in names {
+            if self.input(scope, id, &name).is_none() {
+                let fallback = ["default", "fallback"];
+                let found = fallback.iter().find_map(|name| self.input(scope, id, name));
+                let ty = Type::of(self.document.element(id).attribute("type").unwrap_or(""));
+                return Some(found.unwrap_or(Value::Numbers(ty, [0.0; 4])));
+            }
+        }
+        None
+    }
+
+    /// Arguments for a texture, and whether the fourth component of what it gives is the width of the pixel.
+    fn arguments(
+        &mut self,
+        scope: &Rc<Scope>,
+        id: ElementId,
+        texture: &TextureType,
+    ) -> (Vec<(String, look::Value)>, bool) {
+        let document = self.document;
+        let mut values: Vec<(&Parameter, Value)> = Vec::new();
+        for parameter in texture.parameters() {
+            let given = match input_name(document, id, &parameter.name) {
+                Some(name) => self.input(scope, id, &name),
+                None => None,
+            };
+            let value = match given {
+                None => self.default_place(parameter),
+                given => given,
+            };
+            values.extend(value.map(|value| (parameter, value)));
+        }
+        self.warn_of_rest(id, texture);
+        let kind = &*document.element(id).kind;
+        let is_place = keep_width(kind, &mut values);
+        let mut arguments: Vec<(String, look::Value)> = Vec::new();
+        for (parameter, value) in values {
+            match self.written_as(scope, id, parameter, &value) {
+                Some(value) => arguments.push((parameter.name.clone(), value)),
+                None => self.warn(
+                    id,
+                    format!("its input `{}` doesn't take this", parameter.name),
+                ),
+            }
+        }
+        if texture.parameter("bounds").is_some() {
+            let bounds = self.bounds(scope, id);
+            if bounds != 0 {
+                arguments.push(("bounds".to_owned(), look::Value::Integer(bounds)));
+            }
+        }
+        (arguments, is_place)
+    }
+
+    /// MaterialX's texture coordinates, whose v goes upwards.
+    fn default_place(&mut self, parameter: &Parameter) -> Option<Value> {
+        let attribute = parameter.attribute.as_ref()?;
+        let is_texcoord = *attribute == Attribute::Builtin(BuiltinAttribute::TexCoord0);
+        is_texcoord.then(|| self.place("mx_texcoord", Type::Vector2))
+    }
+
+    fn warn_of_rest(&mut self, id: ElementId, texture: &TextureType) {
+        let document = self.document;
+        for &child in document.children(id) {
+            let name = document.element(child).name().to_ascii_lowercase();
+            let is_known = texture
+                .parameters()
+                .iter()
+                .any(|p| written_name(&p.name) == name);
+            if !is_known && !SILENT.contains(&&*name) {
+                self.warn(child, format!("the input `{name}` has no effect here"));
+            }
+        }
+    }
+
+    /// Where an image has nothing outside: 1 along u, 2 along v.
+    fn bounds(&mut self, scope: &Rc<Scope>, id: ElementId) -> i64 {
+        let [u, v] = self.address_modes(scope, id);
+        let is_constant = |mode: &str| matches!(mode, "constant" | "black");
+        i64::from(is_constant(&u)) + 2 * i64::from(is_constant(&v))
+    }
+
+    fn address_modes(&mut self, scope: &Rc<Scope>, id: ElementId) -> [String; 2] {
+        [["uaddressmode", "wrapS"], ["vaddressmode", "wrapT"]].map(|names| {
+            let found = names.iter().find_map(|name| self.word(scope, id, name));
+            found.unwrap_or_else(|| "periodic".to_owned())
+        })
+    }
+
+    /// A word that an input has.
+    pub(super) fn word(&mut self, scope: &Rc<Scope>, id: ElementId, name: &str) -> Option<String> {
+        match self.input(scope, id, name) {
+            Some(Value::Text(word)) => Some(word),
+            _ => None,
+        }
+    }
+
+    /// A value as a look writes it for a parameter.
+    fn written_as(
+        &mut self,
+        scope: &Rc<Scope>,
+        id: ElementId,
+        parameter: &Parameter,
+        value: &Value,
+    ) -> Option<look::Value> {
+        Some(match value {
+            Value::Link(link) if parameter.ty.is_linkable() => {
+                look::Value::Text(link.text(parameter.ty, parameter.is_coordinate()))
+            }
+            Value::Numbers(ty, numbers) => constant(parameter, *ty, *numbers)?,
+            Value::File { path, is_srgb } if parameter.ty == ParameterType::Image => {
+                let ty = Type::of(self.document.element(id).attribute("type").unwrap_or(""));
+                let is_srgb = *is_srgb && (ty.is_color() || ty == Type::Other);
+                self.image(scope, id, path, is_srgb)
+            }
+            Value::Text(word) => look::Value::Integer(number_of(word)?),
+            _ => return None,
+        })
+    }
+
+    /// The table of an image.
+    fn image(
+        &mut self,
+        scope: &Rc<Scope>,
+        id: ElementId,
+        path: &str,
+        is_srgb: bool,
+    ) -> look::Value {
+        let text = |text: &str| look::Value::Text(text.to_owned());
+        let space = if is_srgb { "srgb" } else { "linear" };
+        let mut fields = vec![("file", text(path)), ("color_space", text(space))];
+        let wraps = self.address_modes(scope, id).map(|mode| match &*mode {
+            "clamp" | "constant" | "black" => "clamp",
+            "mirror" => "mirror",
+            _ => "repeat",
+        });
+        match wraps {
+            ["repeat", "repeat"] => {}
+            [u, v] if u == v => fields.push(("wrap", text(u))),
+            [u, v] => {
+                let list = [u, v].map(|wrap| look::Spanned::new(text(wrap), 0..0));
+                fields.push(("wrap", look::Value::List(list.into())));
+            }
+        }
+        if self.word(scope, id, "filtertype").as_deref() == Some("closest") {
+            fields.push(("filter", text("nearest")));
+        }
+        let field = |(key, value): (&str, look::Value)| look::Field {
+            key: look::Spanned::new(key.to_owned(), 0..0),
+            value: look::Spanned::new(value, 0..0),
+        };
+        look::Value::Table(fields.into_iter().map(field).collect())
+    }
+}
+
+/// What MaterialX calls an input that WGSL has to call otherwise; in small letters.
+fn written_name(parameter: &str) -> String {
+    match parameter {
+        "default_value" => "default".to_owned(),
+        "kind" => "type".to_owned(),
+        other => other.to_ascii_lowercase(),
+    }
+}
+
+/// The input of a node that a parameter has, as it is written there.
+fn input_name(document: &crate::Document, id: ElementId, parameter: &str) -> Option<String> {
+    let wanted = written_name(parameter);
+    let names = document
+        .children(id)
+        .iter()
+        .map(|&child| document.element(child).name());
+    let mut same = names.filter(|name| name.eq_ignore_ascii_case(&wanted));
+    same.next().map(str::to_owned)
+}
+
+/// Numbers as a look writes them for a parameter.
+fn constant(parameter: &Parameter, ty: Type, numbers: [f32; 4]) -> Option<look::Value> {
+    Some(match parameter.ty {
+        ParameterType::F32 => look::Value::number(numbers[0]),
+        ParameterType::I32 => look::Value::Integer(numbers[0] as i64),
+        ParameterType::U32 => look::Value::Integer(numbers[0].max(0.0) as i64),
+        ParameterType::Bool => look::Value::Bool(numbers[0] > 0.5),
+        ParameterType::Vec2 => look::Value::numbers(&numbers[..2]),
+        ParameterType::Vec3 => look::Value::numbers(&numbers[..3]),
+        ParameterType::Vec4 if parameter.is_coordinate() => {
+            look::Value::numbers(&[numbers[0], numbers[1], numbers[2], 0.0])
+        }
+        ParameterType::Vec4 if ty.components() == 1 && numbers == [numbers[0]; 4] => {
+            look::Value::number(numbers[0])
+        }
+        ParameterType::Vec4 => look::Value::numbers(&numbers),
+        _ => return None,
+    })
+}
+
+/// The number of a word where MaterialX has both.
+fn number_of(word: &str) -> Option<i64> {
+    const WORDS: [&[&str]; 5] = [
+        &["Perlin", "standard", "linear", "SRT", "Distance"],
+        &["Cell", "radial", "smooth", "TRS", "Solid"],
+        &["Worley", "circular", "step"],
+        &["Fractal", "box"],
+        &[],
+    ];
+    let at = WORDS.iter().position(|words| words.contains(&word))?;
+    Some(at as i64)
+}
+
+/// Keeps the width of the pixel in the fourth component of a place that is moved and scaled by constants, and tells whether it
+/// is there.
+fn keep_width(kind: &str, values: &mut [(&Parameter, Value)]) -> bool {
+    let is_place = |value: Option<&(&Parameter, Value)>| match value {
+        Some((_, Value::Link(link))) => link.is_place,
+        _ => false,
+    };
+    match kind {
+        "place2d" | "UsdTransform2d" => true,
+        "rotate2d" | "rotate3d" => is_place(values.first()),
+        "add" | "subtract" | "multiply" | "divide" if is_place(values.first()) => {
+            let Some((_, Value::Numbers(ty, numbers))) = values.get_mut(1) else {
+                return false;
+            };
+            let count = ty.components().clamp(2, 3);
+            let most = numbers[..count]
+                .iter()
+                .fold(0.0, |most: f32, x| most.max(x.abs()));
+            let least = numbers[..count]
+                .iter()
+                .fold(most, |least, x| least.min(x.abs()));
+            let scale = match kind {
+                "multiply" => most,
+                "divide" => least,
+                _ => 0.0,
+            };
+            numbers[3] = scale;
+            *ty = Type::Vector4;
+            true
+        }
+        _ => false,
+    }
+}
+
+/// Names of what a node gives where it gives several values.
+fn outputs(kind: &str, link: Link) -> Results {
+    let parts: &[(&str, Type, &[usize])] = match kind {
+        "gltf_colorimage" => &[
+            ("outcolor", Type::Color3, &[0, 1, 2]),
+            ("outa", Type::Float, &[3]),
+        ],
+        "gltf_anisotropy_image" => &[
+            ("anisotropy_strength_out", Type::Float, &[0]),
+            ("anisotropy_rotation_out", Type::Float, &[1]),
+        ],
+        "UsdUVTexture" => &[
+            ("rgb", Type::Color3, &[0, 1, 2]),
+            ("rgba", Type::Color4, &[0, 1, 2, 3]),
+            ("r", Type::Float, &[0]),
+            ("g", Type::Float, &[1]),
+            ("b", Type::Float, &[2]),
+            ("a", Type::Float, &[3]),
+        ],
+        _ => return Results::One(Value::Link(link)),
+    };
+    let part = |(name, ty, components): &(&str, Type, &[usize])| {
+        ((*name).to_owned(), Value::Link(link.pick(*ty, components)))
+    };
+    Results::Named(parts.iter().map(part).collect())
+}

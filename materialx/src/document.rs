@@ -1,0 +1,202 @@
+//! A MaterialX document as it is written: elements with their attributes, each of which remembers its place. What they mean is
+//! not known here.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use texgen::{Diagnostic, SourceFile};
+
+/// Number of an element in its [`Document`].
+pub type ElementId = usize;
+
+/// An element of the XML, with what stands in it.
+#[derive(Debug, Clone)]
+pub struct Element {
+    /// Its tag: `nodegraph`, `input`, or for nodes their category, such as `multiply`.
+    pub kind: String,
+    /// The attributes in the order of the file.
+    pub attributes: Vec<(String, String)>,
+    /// Elements inside, in the order of the file.
+    pub children: Vec<ElementId>,
+    /// The one that it stands in; the root has none.
+    pub parent: Option<ElementId>,
+    /// Which of the document's files it is in.
+    pub file: usize,
+    /// Bytes of its start tag in that file.
+    pub span: Range<usize>,
+}
+
+impl Element {
+    /// An attribute; one that is empty counts as absent.
+    pub fn attribute(&self, name: &str) -> Option<&str> {
+        let found = self.attributes.iter().find(|(key, _)| key == name);
+        found
+            .map(|(_, value)| value.trim())
+            .filter(|value| !value.is_empty())
+    }
+
+    /// Its `name`, empty where it has none.
+    pub fn name(&self) -> &str {
+        self.attribute("name").unwrap_or("")
+    }
+}
+
+/// A file and what it includes, as one tree.
+#[derive(Debug, Clone)]
+pub struct Document {
+    /// The root is the first. An included file's root stands where it is included.
+    pub(crate) elements: Vec<Element>,
+    pub(crate) files: Vec<SourceFile>,
+    pub(crate) paths: Vec<PathBuf>,
+    /// What stands in each element; those of included files in the root.
+    children: Vec<Vec<ElementId>>,
+    /// Elements by where they stand and their names.
+    by_name: HashMap<(ElementId, String), Vec<ElementId>>,
+    /// Definitions by the categories that they define.
+    definitions: HashMap<String, Vec<ElementId>>,
+}
+
+impl Document {
+    /// The `materialx` element of the file itself.
+    pub const ROOT: ElementId = 0;
+
+    /// An element by its number.
+    ///
+    /// # Panics
+    /// For numbers of other documents.
+    pub fn element(&self, id: ElementId) -> &Element {
+        &self.elements[id]
+    }
+
+    /// The files that it was read from, the first of which includes the others.
+    pub fn paths(&self) -> &[PathBuf] {
+        &self.paths
+    }
+
+    /// The folder of the file that an element is in.
+    pub fn folder(&self, id: ElementId) -> &Path {
+        let path = &self.paths[self.element(id).file];
+        path.parent().unwrap_or(Path::new(""))
+    }
+
+    /// A tree of elements, each of which knows what stands in it.
+    pub(crate) fn new(elements: Vec<Element>, files: Vec<SourceFile>, paths: Vec<PathBuf>) -> Self {
+        let mut document = Self {
+            children: vec![Vec::new(); elements.len()],
+            elements,
+            files,
+            paths,
+            by_name: HashMap::new(),
+            definitions: HashMap::new(),
+        };
+        for (id, element) in document.elements.iter().enumerate() {
+            let Some(parent) = element.parent.filter(|_| element.kind != "materialx") else {
+                continue;
+            };
+            let parent = match &*document.elements[parent].kind {
+                "materialx" => Self::ROOT,
+                _ => parent,
+            };
+            document.children[parent].push(id);
+            let place = (parent, element.name().to_owned());
+            document.by_name.entry(place).or_default().push(id);
+            if let ("nodedef", Some(node)) = (&*element.kind, element.attribute("node")) {
+                let known = document.definitions.entry(node.to_owned());
+                known.or_default().push(id);
+            }
+        }
+        document
+    }
+
+    /// Elements inside of one; those of included files count as the root's own.
+    pub fn children(&self, id: ElementId) -> &[ElementId] {
+        &self.children[id]
+    }
+
+    fn called(&self, parent: ElementId, name: &str) -> &[ElementId] {
+        let found = self.by_name.get(&(parent, name.to_owned()));
+        found.map_or(&[], Vec::as_slice)
+    }
+
+    /// The element of that name inside of another one.
+    pub fn named(&self, parent: ElementId, name: &str) -> Option<ElementId> {
+        let mut called = self.called(parent, name).iter().copied();
+        called.find(|&child| !matches!(&*self.element(child).kind, "input" | "output"))
+    }
+
+    /// The first child of a kind and name.
+    pub fn child(&self, parent: ElementId, kind: &str, name: &str) -> Option<ElementId> {
+        let mut called = self.called(parent, name).iter().copied();
+        called.find(|&child| self.element(child).kind == kind)
+    }
+
+    /// Definitions of nodes of a category.
+    pub fn definitions(&self, category: &str) -> &[ElementId] {
+        self.definitions.get(category).map_or(&[], Vec::as_slice)
+    }
+
+    /// The graph that a definition is implemented by.
+    pub fn implementation(&self, definition: ElementId) -> Option<ElementId> {
+        let name = self.element(definition).name();
+        self.children(Self::ROOT).iter().copied().find_map(|at| {
+            let element = self.element(at);
+            if element.attribute("nodedef") != Some(name) {
+                return None;
+            }
+            match &*element.kind {
+                "nodegraph" => Some(at),
+                "implementation" => {
+                    self.child(Self::ROOT, "nodegraph", element.attribute("nodegraph")?)
+                }
+                _ => None,
+            }
+        })
+    }
+
+    /// An `input` of an element (`parameter` in files before 1.37).
+    pub fn input(&self, parent: ElementId, name: &str) -> Option<ElementId> {
+        let input = self.child(parent, "input", name);
+        input.or_else(|| self.child(parent, "parameter", name))
+    }
+
+    /// An attribute of an element, or of the nearest one that it stands in.
+    pub fn inherited(&self, id: ElementId, name: &str) -> Option<&str> {
+        let mut at = Some(id);
+        while let Some(id) = at {
+            let element = self.element(id);
+            if let Some(value) = element.attribute(name) {
+                return Some(value);
+            }
+            at = element.parent;
+        }
+        None
+    }
+
+    /// What goes before file names in an element: the `fileprefix` of all that it stands in, the outermost first.
+    pub fn file_prefix(&self, id: ElementId) -> String {
+        let mut prefixes = Vec::new();
+        let mut at = Some(id);
+        while let Some(id) = at {
+            let element = self.element(id);
+            prefixes.extend(element.attribute("fileprefix"));
+            at = element.parent;
+        }
+        prefixes.into_iter().rev().collect()
+    }
+
+    /// A warning about an element, which shows its line.
+    pub fn warning(&self, id: ElementId, message: impl Into<String>) -> Diagnostic {
+        self.at(id, Diagnostic::warning(message))
+    }
+
+    /// An error about an element, which shows its line.
+    pub fn error(&self, id: ElementId, message: impl Into<String>) -> Diagnostic {
+        self.at(id, Diagnostic::error(message))
+    }
+
+    fn at(&self, id: ElementId, diagnostic: Diagnostic) -> Diagnostic {
+        let element = self.element(id);
+        diagnostic.with_label(&self.files[element.file], element.span.clone(), "")
+    }
+}

@@ -1,0 +1,233 @@
+//! Files to a [`Document`]: XML, and what it includes. Everything is bounded, and nothing outside of the file system is asked.
+
+use std::io::ErrorKind;
+use std::path::{Component, Path, PathBuf};
+
+use roxmltree::{Node, ParsingOptions};
+use scene::input::{self, Files};
+use texgen::{Diagnostic, Diagnostics, SourceFile};
+
+use crate::document::{Document, Element, ElementId};
+
+/// Larger files aren't read.
+const MAX_BYTES: u64 = 64 << 20;
+/// More files aren't included.
+const MAX_FILES: usize = 256;
+/// More elements and attributes a file doesn't have.
+const MAX_ELEMENTS: u32 = 2_000_000;
+/// Elements don't stand in each other deeper than this; those of MaterialX are at most five deep.
+const MAX_DEPTH: usize = 64;
+
+impl Document {
+    /// Reads a file with all that it includes.
+    ///
+    /// # Errors
+    /// A file can't be read, is no XML, is no MaterialX, or is too large; with the line where there is one.
+    pub fn read(files: &dyn Files, path: &Path) -> Result<Self, Diagnostics> {
+        let mut reader = Reader {
+            files,
+            elements: Vec::new(),
+            sources: Vec::new(),
+            paths: Vec::new(),
+        };
+        let text = read_text(files, path).map_err(Diagnostics::from)?;
+        reader.file(path, &text, None)?;
+        Ok(Self::new(reader.elements, reader.sources, reader.paths))
+    }
+
+    /// Reads a text that lies, or would lie, at `path`; what it includes is read from `files`.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn parse(files: &dyn Files, path: &Path, text: &str) -> Result<Self, Diagnostics> {
+        let mut reader = Reader {
+            files,
+            elements: Vec::new(),
+            sources: Vec::new(),
+            paths: Vec::new(),
+        };
+        reader.file(path, text, None)?;
+        Ok(Self::new(reader.elements, reader.sources, reader.paths))
+    }
+}
+
+fn read_text(files: &dyn Files, path: &Path) -> Result<String, Diagnostic> {
+    input::read_text(files, path, MAX_BYTES).map_err(|error| {
+        Diagnostic::error(format!("cannot read {}: {error}", path.display()))
+            .with_note("check the path and the permissions")
+    })
+}
+
+struct Reader<'f> {
+    files: &'f dyn Files,
+    elements: Vec<Element>,
+    sources: Vec<SourceFile>,
+    paths: Vec<PathBuf>,
+}
+
+impl Reader<'_> {
+    /// Adds a file, whose root stands in `parent`.
+    fn file(
+        &mut self,
+        path: &Path,
+        text: &str,
+        parent: Option<ElementId>,
+    ) -> Result<(), Diagnostics> {
+        let source = SourceFile::new("materialx", path.display().to_string(), text);
+        let options = ParsingOptions {
+            allow_dtd: false,
+            nodes_limit: MAX_ELEMENTS,
+            ..ParsingOptions::default()
+        };
+        if let Some(at) = too_deep(text) {
+            return Err(Diagnostic::error("elements stand in each other too deep")
+                .with_label(&source, at..at + 1, "")
+                .with_note(format!("at most {MAX_DEPTH} levels are read"))
+                .into());
+        }
+        let xml = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
+            let place = error.pos();
+            let at = source
+                .offset(place.row as usize, place.col as usize)
+                .unwrap_or(text.len());
+            Diagnostic::error(format!("not valid XML: {error}")).with_label(&source, at..at, "")
+        })?;
+        let root = xml.root_element();
+        let number = self.sources.len();
+        self.sources.push(source.clone());
+        self.paths.push(path.to_owned());
+        if root.tag_name().name() != "materialx" {
+            let name = root.tag_name().name();
+            let message = format!("this is no MaterialX: its outermost element is <{name}>");
+            return Err(Diagnostic::error(message)
+                .with_label(&source, start_tag(text, &root), "")
+                .with_note("a document begins with <materialx version=\"1.39\">")
+                .into());
+        }
+        self.element(text, &root, number, parent)
+    }
+
+    /// Adds an element with all that is in it.
+    fn element(
+        &mut self,
+        text: &str,
+        node: &Node<'_, '_>,
+        file: usize,
+        parent: Option<ElementId>,
+    ) -> Result<(), Diagnostics> {
+        let mut open = vec![(*node, parent)];
+        while let Some((node, parent)) = open.pop() {
+            let span = start_tag(text, &node);
+            if node.tag_name().name() == "include"
+                && let (Some(href), Some(parent)) = (node.attribute("href"), parent)
+            {
+                self.include(href, file, span, parent)?;
+                continue;
+            }
+            let id = self.elements.len();
+            let attributes = node
+                .attributes()
+                .map(|a| (a.name().to_owned(), a.value().to_owned()));
+            self.elements.push(Element {
+                kind: node.tag_name().name().to_owned(),
+                attributes: attributes.collect(),
+                children: Vec::new(),
+                parent,
+                file,
+                span,
+            });
+            if let Some(parent) = parent {
+                self.elements[parent].children.push(id);
+            }
+            let inside: Vec<_> = node.children().filter(Node::is_element).collect();
+            open.extend(inside.into_iter().rev().map(|child| (child, Some(id))));
+        }
+        Ok(())
+    }
+
+    fn include(
+        &mut self,
+        href: &str,
+        file: usize,
+        span: std::ops::Range<usize>,
+        parent: ElementId,
+    ) -> Result<(), Diagnostics> {
+        let source = self.sources[file].clone();
+        let problem = |message: String, note: &str| {
+            let problem = Diagnostic::error(message).with_label(&source, span.clone(), "");
+            Diagnostics::from(problem.with_note(note))
+        };
+        let folder = self.paths[file].parent();
+        let path = plain(&folder.unwrap_or(Path::new("")).join(href));
+        // What has been read already is there, also where files include each other.
+        if self.paths.iter().any(|known| plain(known) == path) {
+            return Ok(());
+        }
+        if self.sources.len() >= MAX_FILES {
+            return Err(problem(
+                format!("more than {MAX_FILES} files are included"),
+                "put what is needed into fewer files",
+            ));
+        }
+        let text = input::read_text(self.files, &path, MAX_BYTES).map_err(|error| {
+            let remedy = match error.kind() {
+                ErrorKind::NotFound => "names of included files are relative to the file itself",
+                _ => "check the permissions",
+            };
+            problem(format!("cannot read {}: {error}", path.display()), remedy)
+        })?;
+        self.file(&path, &text, Some(parent))
+    }
+}
+
+/// A path without `.` and, where a folder stands before it, `..`.
+fn plain(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir
+                if matches!(out.components().next_back(), Some(Component::Normal(_))) =>
+            {
+                out.pop();
+            }
+            part => out.push(part),
+        }
+    }
+    out
+}
+
+/// Bytes of an element's start tag.
+fn start_tag(text: &str, node: &Node<'_, '_>) -> std::ops::Range<usize> {
+    let range = node.range();
+    let whole = &text[range.clone()];
+    let end = whole.find('>').map_or(whole.len(), |end| end + 1);
+    range.start..range.start + end
+}
+
+/// Where elements first stand deeper in each other than they may. A rough count of tags: what it gets wrong is no valid XML, or
+/// stands in comments, which count for nothing.
+fn too_deep(text: &str) -> Option<usize> {
+    let mut depth = 0usize;
+    let mut at = 0;
+    while let Some(next) = text[at..].find('<') {
+        let start = at + next;
+        let rest = &text[start..];
+        let end = match rest.starts_with("<!--") {
+            true => rest.find("-->").map(|end| end + 3),
+            false => rest.find('>').map(|end| end + 1),
+        };
+        let Some(end) = end else { break };
+        let tag = &rest[..end];
+        if tag.starts_with("</") {
+            depth = depth.saturating_sub(1);
+        } else if !tag.starts_with("<!") && !tag.starts_with("<?") && !tag.ends_with("/>") {
+            depth += 1;
+        }
+        if depth > MAX_DEPTH {
+            return Some(start);
+        }
+        at = start + end;
+    }
+    None
+}

@@ -1,0 +1,96 @@
+//! Surface shaders to the keys of a look's material: a file for each model. What a model has and the look hasn't is named.
+
+mod gltf_pbr;
+mod open_pbr;
+mod standard_surface;
+mod surface;
+mod usd_preview;
+
+use std::rc::Rc;
+
+use scene::look;
+
+use crate::convert::{Converter, Scope};
+use crate::document::{Document, ElementId};
+
+use surface::Surface;
+
+/// Turns the inputs of a shader into keys of a material.
+type Model = fn(&mut Surface<'_, '_>);
+
+/// The models, by their categories.
+const MODELS: [(&str, Model); 4] = [
+    ("standard_surface", standard_surface::convert),
+    ("open_pbr_surface", open_pbr::convert),
+    ("gltf_pbr", gltf_pbr::convert),
+    ("UsdPreviewSurface", usd_preview::convert),
+];
+
+fn is_shader(document: &Document, id: ElementId) -> bool {
+    let element = document.element(id);
+    element.attribute("type") == Some("surfaceshader")
+        && element.kind != "input"
+        && element.kind != "output"
+}
+
+/// What may become a material: the `surfacematerial` nodes, and surface shaders that none of them uses.
+pub(crate) fn materials(document: &Document) -> Vec<ElementId> {
+    let top = document.children(Document::ROOT).iter().copied();
+    let used: Vec<&str> = (top.clone())
+        .filter(|&id| document.element(id).kind == "surfacematerial")
+        .filter_map(|id| document.input(id, "surfaceshader"))
+        .filter_map(|input| document.element(input).attribute("nodename"))
+        .collect();
+    let is_wanted = |&id: &ElementId| {
+        let element = document.element(id);
+        element.kind == "surfacematerial"
+            || (is_shader(document, id) && !used.contains(&element.name()))
+    };
+    top.filter(is_wanted).collect()
+}
+
+/// Keys of a material; `None` where its shader is of no known model, which is warned of.
+pub(crate) fn convert(
+    converter: &mut Converter<'_>,
+    id: ElementId,
+) -> Option<Vec<(&'static str, look::Value)>> {
+    let document = converter.document;
+    let root = Scope::root();
+    let name = document.element(id).name();
+    let (scope, shader) = match document.input(id, "surfaceshader") {
+        Some(input) => match converter.source(&root, input) {
+            Some(found) => found,
+            None => {
+                converter.warn(
+                    input,
+                    format!("the material `{name}` has no shader: it is left out"),
+                );
+                return None;
+            }
+        },
+        None if document.element(id).kind == "surfacematerial" => {
+            converter.warn(
+                id,
+                format!("the material `{name}` has no shader: it is left out"),
+            );
+            return None;
+        }
+        None => (Rc::clone(&root), id),
+    };
+    let kind = &document.element(shader).kind;
+    let Some((_, model)) = MODELS.iter().find(|(model, _)| model == kind) else {
+        let known: Vec<&str> = MODELS.iter().map(|(model, _)| *model).collect();
+        let known = known.join(", ");
+        let message = format!(
+            "surfaces of the model `{kind}` can't be shown ({known} can): `{name}` is left out"
+        );
+        converter.warn(shader, message);
+        return None;
+    };
+    let mut surface = Surface::new(converter, scope, shader, name);
+    model(&mut surface);
+    if let Some(input) = document.input(id, "displacementshader") {
+        surface.displacement(&root, input);
+    }
+    Some(surface.finish())
+}

@@ -1,0 +1,111 @@
+//! OpenPBR Surface 1.1.
+
+use crate::value::Value;
+
+use super::surface::Surface;
+
+pub(super) fn convert(s: &mut Surface<'_, '_>) {
+    let (base, color) = (s.number("base_weight", 1.0), s.color("base_color", 0.8));
+    let mut body = s.product("base", &color, &base);
+    let subsurface = s.number("subsurface_weight", 0.0);
+    let is_thin = s.is_on("geometry_thin_walled");
+    if !subsurface.is(0.0) {
+        let color = s.color("subsurface_color", 0.8);
+        body = s.mixed("subsurface", &body, &color, &subsurface);
+        match is_thin {
+            true => {
+                s.set("diffuse_transmission", &subsurface, 0.0, 1.0);
+                s.set_color("diffuse_transmission_color", &color, 1.0);
+            }
+            false => s.warn(
+                "subsurface_weight",
+                "subsurface scattering is shown as a diffuse surface of its colour",
+            ),
+        }
+    }
+    let (weight, color) = (
+        s.number("transmission_weight", 0.0),
+        s.color("transmission_color", 1.0),
+    );
+    let depth = s.number("transmission_depth", 0.0);
+    let body = s.transmission(&weight, &color, &depth, is_thin, body);
+    s.set_color("base_color", &body, 1.0);
+    let metalness = s.number("base_metalness", 0.0);
+    s.set("metallic", &metalness, 0.0, 1.0);
+    let roughness = s.number("specular_roughness", 0.3);
+    s.set("roughness", &roughness, 0.0, 1.0);
+    let specular = s.number("specular_weight", 1.0);
+    s.set("specular", &specular, 0.0, 1.0);
+    let color = s.color("specular_color", 1.0);
+    s.set_color("specular_color", &color, f32::MAX);
+    let ior = s.number("specular_ior", 1.5);
+    s.set("ior", &ior, 1.0, f32::MAX);
+    let anisotropy = s.number("specular_roughness_anisotropy", 0.0);
+    s.set_unless("anisotropy", &anisotropy, 0.0, 1.0);
+    dispersion(s);
+    let coat = s.number("coat_weight", 0.0);
+    if !coat.is(0.0) {
+        s.set("coat", &coat, 0.0, 1.0);
+        let roughness = s.number("coat_roughness", 0.0);
+        s.set("coat_roughness", &roughness, 0.0, 1.0);
+        s.ignores("coat_color", 1.0, "the coat is clear");
+        s.ignores("coat_ior", 1.5, "the coat's index of refraction is 1.5");
+        s.ignores(
+            "coat_roughness_anisotropy",
+            0.0,
+            "the coat reflects alike in all directions",
+        );
+        s.warn_of_coat_normal("geometry_coat_normal");
+    }
+    let (fuzz, color) = (s.number("fuzz_weight", 0.0), s.color("fuzz_color", 1.0));
+    if !fuzz.is(0.0) {
+        let color = s.product("fuzz", &color, &fuzz);
+        s.set_color("sheen_color", &color, 1.0);
+        let roughness = s.number("fuzz_roughness", 0.5);
+        s.set("sheen_roughness", &roughness, 0.0, 1.0);
+    }
+    let film = s.number("thin_film_weight", 0.0);
+    if !film.is(0.0) {
+        s.set("iridescence", &film, 0.0, 1.0);
+        let micrometres = s.number("thin_film_thickness", 0.5);
+        let nanometres = s.product("film", &micrometres, &Value::number(1000.0));
+        s.set("iridescence_thickness", &nanometres, 0.0, f32::MAX);
+        let ior = s.number("thin_film_ior", 1.4);
+        s.set("iridescence_ior", &ior, 1.0, f32::MAX);
+    }
+    let (luminance, color) = (
+        s.number("emission_luminance", 0.0),
+        s.color("emission_color", 1.0),
+    );
+    s.emission(&luminance, &color);
+    let opacity = s.number("geometry_opacity", 1.0);
+    s.opacity(&opacity);
+    s.normal("geometry_normal");
+    if is_thin {
+        s.set_flag("double_sided", true);
+    }
+    s.ignores(
+        "base_diffuse_roughness",
+        0.0,
+        "diffuse surfaces are Lambertian",
+    );
+    s.ignores("transmission_scatter", 0.0, "bodies don't scatter");
+}
+
+fn dispersion(s: &mut Surface<'_, '_>) {
+    let scale = s.number("transmission_dispersion_scale", 0.0).known();
+    let abbe = s
+        .number("transmission_dispersion_abbe_number", 20.0)
+        .known();
+    if let (Some([scale, ..]), Some([abbe, ..])) = (scale, abbe)
+        && scale > 0.0
+        && abbe > 0.0
+    {
+        s.set(
+            "dispersion",
+            &Value::number(20.0 * scale / abbe),
+            0.0,
+            f32::MAX,
+        );
+    }
+}

@@ -1,0 +1,112 @@
+//! Autodesk Standard Surface, versions 1.0.0 and 1.0.1 (Georgiev and others, 2019).
+
+use crate::value::Value;
+
+use super::surface::Surface;
+
+pub(super) fn convert(s: &mut Surface<'_, '_>) {
+    let (base, color) = (s.number("base", 1.0), s.color("base_color", 0.8));
+    let mut body = s.product("base", &color, &base);
+    let subsurface = s.number("subsurface", 0.0);
+    let is_thin = s.is_on("thin_walled");
+    if !subsurface.is(0.0) {
+        let color = s.color("subsurface_color", 1.0);
+        body = s.mixed("subsurface", &body, &color, &subsurface);
+        match is_thin {
+            true => {
+                s.set("diffuse_transmission", &subsurface, 0.0, 1.0);
+                s.set_color("diffuse_transmission_color", &color, 1.0);
+            }
+            false => s.warn(
+                "subsurface",
+                "subsurface scattering is shown as a diffuse surface of its colour",
+            ),
+        }
+    }
+    let (weight, color) = (
+        s.number("transmission", 0.0),
+        s.color("transmission_color", 1.0),
+    );
+    let depth = s.number("transmission_depth", 0.0);
+    let body = s.transmission(&weight, &color, &depth, is_thin, body);
+    s.set_color("base_color", &body, 1.0);
+    let metalness = s.number("metalness", 0.0);
+    s.set("metallic", &metalness, 0.0, 1.0);
+    let roughness = s.number("specular_roughness", 0.2);
+    s.set("roughness", &roughness, 0.0, 1.0);
+    let specular = s.number("specular", 1.0);
+    s.set("specular", &specular, 0.0, 1.0);
+    let color = s.color("specular_color", 1.0);
+    s.set_color("specular_color", &color, f32::MAX);
+    let ior = s.number("specular_IOR", 1.5);
+    s.set("ior", &ior, 1.0, f32::MAX);
+    let anisotropy = s.number("specular_anisotropy", 0.0);
+    if !anisotropy.is(0.0) {
+        s.set("anisotropy", &anisotropy, 0.0, 1.0);
+        let turns = s.number("specular_rotation", 0.0);
+        let degrees = s.product("rotation", &turns, &Value::number(360.0));
+        s.set("anisotropy_rotation", &degrees, -360.0, 360.0);
+    }
+    let abbe = s.number("transmission_dispersion", 0.0).known();
+    if let Some([abbe, ..]) = abbe.filter(|abbe| abbe[0] > 0.0) {
+        s.set("dispersion", &Value::number(20.0 / abbe), 0.0, f32::MAX);
+    }
+    coat(s);
+    let (sheen, color) = (s.number("sheen", 0.0), s.color("sheen_color", 1.0));
+    if !sheen.is(0.0) {
+        let color = s.product("sheen", &color, &sheen);
+        s.set_color("sheen_color", &color, 1.0);
+        let roughness = s.number("sheen_roughness", 0.3);
+        s.set("sheen_roughness", &roughness, 0.0, 1.0);
+    }
+    let thickness = s.number("thin_film_thickness", 0.0);
+    if !thickness.is(0.0) {
+        s.set("iridescence", &Value::number(1.0), 0.0, 1.0);
+        s.set("iridescence_thickness", &thickness, 0.0, f32::MAX);
+        let ior = s.number("thin_film_IOR", 1.5);
+        s.set("iridescence_ior", &ior, 1.0, f32::MAX);
+    }
+    let (weight, color) = (s.number("emission", 0.0), s.color("emission_color", 1.0));
+    s.emission(&weight, &color);
+    let opacity = s.color("opacity", 1.0);
+    s.opacity(&opacity);
+    s.normal("normal");
+    if is_thin {
+        s.set_flag("double_sided", true);
+    }
+    s.ignores("diffuse_roughness", 0.0, "diffuse surfaces are Lambertian");
+    s.ignores("transmission_scatter", 0.0, "bodies don't scatter");
+    s.ignores(
+        "transmission_extra_roughness",
+        0.0,
+        "transmission is as rough as the reflection",
+    );
+}
+
+fn coat(s: &mut Surface<'_, '_>) {
+    let coat = s.number("coat", 0.0);
+    if coat.is(0.0) {
+        return;
+    }
+    s.set("coat", &coat, 0.0, 1.0);
+    let roughness = s.number("coat_roughness", 0.1);
+    s.set("coat_roughness", &roughness, 0.0, 1.0);
+    s.ignores("coat_color", 1.0, "the coat is clear");
+    s.ignores("coat_IOR", 1.5, "the coat's index of refraction is 1.5");
+    s.ignores(
+        "coat_anisotropy",
+        0.0,
+        "the coat reflects alike in all directions",
+    );
+    s.ignores(
+        "coat_affect_color",
+        0.0,
+        "the coat leaves the colour below it",
+    );
+    s.ignores(
+        "coat_affect_roughness",
+        0.0,
+        "the coat leaves the roughness below it",
+    );
+    s.warn_of_coat_normal("coat_normal");
+}

@@ -1,0 +1,305 @@
+//! A material on its way: inputs of a shader in, keys of a look's material out.
+
+use std::rc::Rc;
+
+use scene::look;
+use texgen::{OutputType, ParameterType};
+
+use crate::convert::{Converter, Scope};
+use crate::document::ElementId;
+use crate::types::Type;
+use crate::value::Value;
+
+/// A shader that is being turned into a material.
+pub(super) struct Surface<'c, 'd> {
+    pub(super) converter: &'c mut Converter<'d>,
+    scope: Rc<Scope>,
+    id: ElementId,
+    name: String,
+    parameters: Vec<(&'static str, look::Value)>,
+}
+
+impl<'c, 'd> Surface<'c, 'd> {
+    pub(super) fn new(
+        converter: &'c mut Converter<'d>,
+        scope: Rc<Scope>,
+        id: ElementId,
+        name: &str,
+    ) -> Self {
+        Self {
+            converter,
+            scope,
+            id,
+            name: name.to_owned(),
+            parameters: Vec::new(),
+        }
+    }
+
+    pub(super) fn finish(self) -> Vec<(&'static str, look::Value)> {
+        self.parameters
+    }
+
+    /// What an input has, or its default.
+    pub(super) fn number(&mut self, input: &str, default: f32) -> Value {
+        let given = self.given(input);
+        given.unwrap_or(Value::number(default))
+    }
+
+    /// As [`Self::number`], of a colour.
+    pub(super) fn color(&mut self, input: &str, default: f32) -> Value {
+        let given = self.given(input);
+        given.unwrap_or(Value::color([default; 3]))
+    }
+
+    /// What an input has, if it has anything.
+    pub(super) fn given(&mut self, input: &str) -> Option<Value> {
+        let given = self.converter.input(&self.scope, self.id, input);
+        given.filter(|value| value.ty() != Type::Other)
+    }
+
+    /// Whether an input is known to be on.
+    pub(super) fn is_on(&mut self, input: &str) -> bool {
+        let given = self.given(input).and_then(|value| value.known());
+        given.is_some_and(|numbers| numbers[0] > 0.5)
+    }
+
+    /// The name of a node that computes `what`.
+    pub(super) fn node(&self, what: &str) -> String {
+        format!("{}_{what}", self.name)
+    }
+
+    /// The product of two values, in a node called after `what` where one is needed.
+    pub(super) fn product(&mut self, what: &str, a: &Value, b: &Value) -> Value {
+        let name = self.node(what);
+        self.converter.product(&name, a, b)
+    }
+
+    /// From `a` to `b`.
+    pub(super) fn mixed(&mut self, what: &str, a: &Value, b: &Value, share: &Value) -> Value {
+        let name = self.node(what);
+        self.converter.mixed(&name, a, b, share)
+    }
+
+    /// Sets a key that takes a number, held between two.
+    pub(super) fn set(&mut self, key: &'static str, value: &Value, low: f32, high: f32) {
+        let value = match value {
+            Value::Link(link) => look::Value::Text(link.text(ParameterType::F32, false)),
+            Value::Numbers(_, numbers) => look::Value::number(numbers[0].clamp(low, high)),
+            Value::Text(_) | Value::File { .. } => return,
+        };
+        self.parameters.push((key, value));
+    }
+
+    /// As [`Self::set`], where the value isn't `neutral`.
+    pub(super) fn set_unless(&mut self, key: &'static str, value: &Value, neutral: f32, high: f32) {
+        if !value.is(neutral) {
+            self.set(key, value, 0.0, high);
+        }
+    }
+
+    /// Sets a key that takes a colour, none of whose components is negative, or above `high`.
+    pub(super) fn set_color(&mut self, key: &'static str, value: &Value, high: f32) {
+        let value = match value {
+            Value::Link(link) => look::Value::Text(link.text(ParameterType::Vec4, false)),
+            Value::Numbers(ty, n) => {
+                let one = ty.components() == 1;
+                let rgb: [f32; 3] =
+                    std::array::from_fn(|i| n[if one { 0 } else { i }].clamp(0.0, high));
+                look::Value::numbers(&rgb)
+            }
+            Value::Text(_) | Value::File { .. } => return,
+        };
+        self.parameters.push((key, value));
+    }
+
+    /// Sets a key that is on or off.
+    pub(super) fn set_flag(&mut self, key: &'static str, on: bool) {
+        self.parameters.push((key, look::Value::Bool(on)));
+    }
+
+    /// Warns where an input is given and isn't what it would be without it.
+    pub(super) fn ignores(&mut self, input: &str, neutral: f32, why: &str) {
+        let Some(place) = self.converter.document.input(self.id, input) else {
+            return;
+        };
+        if self.given(input).is_some_and(|value| !value.is(neutral)) {
+            self.converter
+                .warn(place, format!("`{input}` has no counterpart: {why}"));
+        }
+    }
+
+    /// Warns about the place of an input, or of the shader.
+    pub(super) fn warn(&mut self, input: &str, message: &str) {
+        let place = self.converter.document.input(self.id, input);
+        self.converter.warn(place.unwrap_or(self.id), message);
+    }
+
+    /// The emission: its weight, where it is a number, is a strength by which lights are chosen.
+    pub(super) fn emission(&mut self, weight: &Value, color: &Value) {
+        if weight.is(0.0) || color.is(0.0) {
+            return;
+        }
+        match (weight, color) {
+            (Value::Numbers(_, numbers), Value::Link(_)) => {
+                self.set_color("emission", color, f32::MAX);
+                if numbers[0] != 1.0 {
+                    self.set("emission_strength", weight, 0.0, f32::MAX);
+                }
+            }
+            _ => {
+                let product = self.product("emission", color, weight);
+                self.set_color("emission", &product, f32::MAX);
+            }
+        }
+    }
+
+    /// Transmission with the colour that light has after a way through the body, or at once where there is no such way.
+    pub(super) fn transmission(
+        &mut self,
+        weight: &Value,
+        color: &Value,
+        depth: &Value,
+        is_thin: bool,
+        base_color: Value,
+    ) -> Value {
+        if weight.is(0.0) {
+            return base_color;
+        }
+        self.set("transmission", weight, 0.0, 1.0);
+        self.set_flag("solid", !is_thin);
+        let has_depth = depth.known().is_some_and(|depth| depth[0] > 0.0);
+        match (color.known(), has_depth && !is_thin) {
+            (Some([r, g, b, _]), true) => {
+                let held = Value::color([r, g, b].map(|c| c.clamp(1e-4, 1.0)));
+                self.set_color("attenuation_color", &held, 1.0);
+                self.set("attenuation_distance", depth, 1e-6, f32::MAX);
+                self.mixed("body_color", &base_color, &Value::color([1.0; 3]), weight)
+            }
+            _ => self.mixed("body_color", &base_color, color, weight),
+        }
+    }
+
+    /// The opacity, of a number or a colour.
+    pub(super) fn opacity(&mut self, value: &Value) {
+        if value.is(1.0) {
+            return;
+        }
+        let name = self.node("opacity");
+        let number = self.converter.brightness(&name, value);
+        self.set("opacity", &number, 0.0, 1.0);
+    }
+
+    /// Opacity that is there or not, by a threshold.
+    pub(super) fn cut(&mut self, alpha: &Value, threshold: &Value) {
+        if let (Some(alpha), Some(threshold)) = (alpha.known(), threshold.known()) {
+            let is_there = alpha[0] >= threshold[0];
+            return self.opacity(&Value::number(if is_there { 1.0 } else { 0.0 }));
+        }
+        let argument = |value: &Value| self.converter.argument(value);
+        let arguments = vec![
+            ("value1".to_owned(), argument(alpha)),
+            ("value2".to_owned(), argument(threshold)),
+            ("in1".to_owned(), look::Value::number(1.0)),
+            ("in2".to_owned(), look::Value::number(0.0)),
+        ];
+        let (name, ty) = (self.node("opacity"), Type::Float);
+        let texture = "mx_ifgreatereq";
+        let link = self
+            .converter
+            .add(&name, texture, arguments, ty, OutputType::Vec4);
+        self.opacity(&Value::Link(link));
+    }
+
+    /// Warns where the coat has a normal of its own.
+    pub(super) fn warn_of_coat_normal(&mut self, input: &str) {
+        if matches!(self.given(input), Some(Value::Link(_))) {
+            self.warn(input, "the coat has the normal of the surface below it");
+        }
+    }
+
+    /// The normal; a `bump` node is the look's own bump.
+    pub(super) fn normal(&mut self, input: &str) {
+        let document = self.converter.document;
+        let Some(place) = document.input(self.id, input) else {
+            return;
+        };
+        if let Some((scope, source)) = self.converter.source(&self.scope, place)
+            && document.element(source).kind == "bump"
+        {
+            let height = self.converter.input(&scope, source, "height");
+            let scale = self.converter.input(&scope, source, "scale");
+            let scale = scale.unwrap_or(Value::number(1.0));
+            if let Some(height @ Value::Link(_)) = height {
+                self.bump(place, &height, &scale);
+            }
+            return;
+        }
+        if let Some(Value::Link(link)) = self.given(input) {
+            let text = link.text(ParameterType::Vec3, false);
+            self.parameters.push(("normal", look::Value::Text(text)));
+        }
+    }
+
+    fn bump(&mut self, place: ElementId, height: &Value, scale: &Value) {
+        if self.parameters.iter().any(|(key, _)| *key == "bump") {
+            self.converter
+                .warn(place, "a material has one bump: this one is left out");
+            return;
+        }
+        self.set("bump", height, 0.0, 0.0);
+        match scale.known() {
+            Some([scale, ..]) => self
+                .parameters
+                .push(("bump_scale", look::Value::number(scale))),
+            None => self.converter.warn(
+                place,
+                "the scale of a bump is a constant here: 1 stands for it",
+            ),
+        }
+    }
+
+    /// A displacement, shown as bumps.
+    pub(super) fn displacement(&mut self, scope: &Rc<Scope>, place: ElementId) {
+        let document = self.converter.document;
+        let Some((scope, source)) = self.converter.source(scope, place) else {
+            return;
+        };
+        if document.element(source).kind != "displacement" {
+            self.converter
+                .warn(source, "this displacement has no counterpart");
+            return;
+        }
+        let height = self.converter.input(&scope, source, "displacement");
+        let scale = self.converter.input(&scope, source, "scale");
+        if let Some(height @ Value::Link(_)) = height {
+            self.converter.warn(
+                source,
+                "displacement is shown as bumps: the surface stays where it is",
+            );
+            let scale = scale.unwrap_or(Value::number(1.0));
+            self.bump(source, &height, &scale);
+        }
+    }
+
+    /// A normal of the world from one in tangent space, from -1 to 1.
+    pub(super) fn tangent_space_normal(&mut self, input: &str) {
+        let Some(Value::Link(link)) = self.given(input) else {
+            return;
+        };
+        let half = Value::number(0.5);
+        let halved = self.product("normal_half", &Value::Link(link), &half);
+        let name = self.node("normal_color");
+        let Value::Link(color) = self.converter.sum(&name, &halved, &half) else {
+            return;
+        };
+        let text = look::Value::Text(color.text(ParameterType::Vec3, false));
+        let arguments = vec![("in".to_owned(), text)];
+        let name = self.node("normal");
+        let ty = Type::Vector3;
+        let node = self
+            .converter
+            .add(&name, "mx_normalmap", arguments, ty, OutputType::Vec3);
+        self.parameters
+            .push(("normal", look::Value::Text(node.node)));
+    }
+}

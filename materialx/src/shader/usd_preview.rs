@@ -1,0 +1,40 @@
+//! UsdPreviewSurface of Universal Scene Description.
+
+use super::surface::Surface;
+
+pub(super) fn convert(s: &mut Surface<'_, '_>) {
+    let color = s.color("diffuseColor", 0.18);
+    s.set_color("base_color", &color, 1.0);
+    if s.is_on("useSpecularWorkflow") {
+        s.warn(
+            "useSpecularWorkflow",
+            "the specular colour counts as a tint of a dielectric's reflection",
+        );
+        let color = s.color("specularColor", 0.0);
+        s.set("metallic", &crate::value::Value::number(0.0), 0.0, 1.0);
+        s.set_color("specular_color", &color, f32::MAX);
+    } else {
+        let metallic = s.number("metallic", 0.0);
+        s.set("metallic", &metallic, 0.0, 1.0);
+    }
+    let roughness = s.number("roughness", 0.5);
+    s.set("roughness", &roughness, 0.0, 1.0);
+    let ior = s.number("ior", 1.5);
+    s.set("ior", &ior, 1.0, f32::MAX);
+    let coat = s.number("clearcoat", 0.0);
+    if !coat.is(0.0) {
+        s.set("coat", &coat, 0.0, 1.0);
+        let roughness = s.number("clearcoatRoughness", 0.01);
+        s.set("coat_roughness", &roughness, 0.0, 1.0);
+    }
+    let color = s.color("emissiveColor", 0.0);
+    s.emission(&crate::value::Value::number(1.0), &color);
+    let opacity = s.number("opacity", 1.0);
+    let threshold = s.number("opacityThreshold", 0.0);
+    match threshold.is(0.0) {
+        true => s.opacity(&opacity),
+        false => s.cut(&opacity, &threshold),
+    }
+    s.tangent_space_normal("normal");
+    s.ignores("displacement", 0.0, "the surface stays where it is");
+}

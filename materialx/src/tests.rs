@@ -1,0 +1,303 @@
+//! Documents written here, and what becomes of them.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use scene::input::Files;
+use scene::look::Look;
+
+use crate::{Converted, Document, Wanted, convert, look_text};
+
+/// Files in memory.
+#[derive(Debug, Default)]
+struct Memory(BTreeMap<PathBuf, String>);
+
+impl Memory {
+    fn with(mut self, path: &str, text: &str) -> Self {
+        self.0.insert(path.into(), text.to_owned());
+        self
+    }
+
+    fn bytes(&self, path: &Path) -> io::Result<Vec<u8>> {
+        let text = self.0.get(path).ok_or(io::ErrorKind::NotFound)?;
+        Ok(text.clone().into_bytes())
+    }
+}
+
+impl Files for Memory {
+    fn read_start(&self, path: &Path, _: u64) -> io::Result<Vec<u8>> {
+        self.bytes(path)
+    }
+
+    fn read(&self, path: &Path, _: u64) -> io::Result<Vec<u8>> {
+        self.bytes(path)
+    }
+
+    fn has(&self, path: &Path) -> bool {
+        self.0.contains_key(path)
+    }
+
+    fn list(&self, _: &Path) -> io::Result<Vec<PathBuf>> {
+        Ok(Vec::new())
+    }
+
+    fn write(&self, _: &Path, _: &[u8]) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+}
+
+/// What a surface with these inputs becomes, beside what else stands in the document.
+fn imported(files: &Memory, rest: &str, inputs: &str) -> Converted {
+    let text = format!(
+        "<materialx version=\"1.39\">\n{rest}\n<standard_surface name=\"S\" type=\"surfaceshader\">\n{inputs}\n\
+         </standard_surface>\n<surfacematerial name=\"M\" type=\"material\">\n\
+         <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"S\"/>\n</surfacematerial>\n</materialx>"
+    );
+    let document = Document::parse(files, Path::new("a.mtlx"), &text);
+    let document = document.unwrap_or_else(|problems| panic!("{}", problems.render()));
+    let converted = convert(&document, files, &Wanted::default());
+    let converted = converted.unwrap_or_else(|problems| panic!("{}", problems.render()));
+    // Whatever comes out is a look.
+    let text = look_text(&converted);
+    let look = Look::parse(Path::new("a.look.toml"), &text);
+    look.unwrap_or_else(|problems| panic!("{text}\n{}", problems.render()));
+    converted
+}
+
+/// A node, an output of its graph that has it, and an input that is connected to that.
+fn graph(nodes: &str, output: &str) -> (String, String) {
+    let graph = format!(
+        "<nodegraph name=\"g\">\n{nodes}\n<output name=\"out\" type=\"color3\" nodename=\"{output}\"/>\n</nodegraph>"
+    );
+    let input = "<input name=\"base_color\" type=\"color3\" nodegraph=\"g\" output=\"out\"/>";
+    (graph, input.to_owned())
+}
+
+fn warnings(converted: &Converted) -> Vec<&str> {
+    (converted.warnings.iter())
+        .map(|warning| &*warning.message)
+        .collect()
+}
+
+#[test]
+fn constants_become_constants() {
+    let inputs = "<input name=\"base\" type=\"float\" value=\"0.5\"/>\
+         <input name=\"base_color\" type=\"color3\" value=\"1, 0.5, 0.25\"/>\
+         <input name=\"metalness\" type=\"float\" value=\"1\"/>\
+         <input name=\"thin_film_thickness\" type=\"float\" value=\"400\"/>";
+    let text = look_text(&imported(&Memory::default(), "", inputs));
+    for wanted in [
+        "[material.M]",
+        "base_color = [0.5, 0.25, 0.125]",
+        "metallic = 1.0",
+        "roughness = 0.2",
+        "iridescence_thickness = 400.0",
+    ] {
+        assert!(text.contains(wanted), "{wanted}:\n{text}");
+    }
+    assert!(!text.contains("[node"), "{text}");
+}
+
+#[test]
+fn a_graph_becomes_nodes_whose_values_can_be_edited() {
+    let nodes = "<input name=\"scale\" type=\"float\" value=\"7\"/>\
+         <texcoord name=\"uv\" type=\"vector2\"/>\
+         <multiply name=\"tiled\" type=\"vector2\"><input name=\"in1\" type=\"vector2\" nodename=\"uv\"/>\
+         <input name=\"in2\" type=\"float\" interfacename=\"scale\"/></multiply>\
+         <noise2d name=\"noise\" type=\"float\"><input name=\"texcoord\" type=\"vector2\" nodename=\"tiled\"/>\
+         <input name=\"amplitude\" type=\"float\" value=\"0.3\"/></noise2d>\
+         <mix name=\"color\" type=\"color3\"><input name=\"fg\" type=\"color3\" value=\"1, 0, 0\"/>\
+         <input name=\"mix\" type=\"float\" nodename=\"noise\"/></mix>";
+    let (graph, input) = graph(nodes, "color");
+    let converted = imported(&Memory::default(), &graph, &input);
+    assert_eq!(warnings(&converted), [""; 0]);
+    let text = look_text(&converted);
+    for wanted in [
+        "[node.g_tiled]",
+        "texture = \"mx_multiply\"",
+        "in1 = \"texcoord\"",
+        "in2 = [7.0, 7.0, 7.0, 7.0]",
+        "texture = \"mx_noise2d_float\"",
+        "amplitude = 0.3",
+        "texcoord = \"g_tiled\"",
+        "fg = [1.0, 0.0, 0.0, 1.0]",
+        "mix = \"g_noise\"",
+        "base_color = \"g_color\"",
+    ] {
+        assert!(text.contains(wanted), "{wanted}:\n{text}");
+    }
+}
+
+#[test]
+fn components_are_swizzles_of_links() {
+    let nodes = "<position name=\"p\" type=\"vector3\"/>\
+         <separate3 name=\"s\" type=\"multioutput\"><input name=\"in\" type=\"vector3\" nodename=\"p\"/></separate3>\
+         <combine3 name=\"c\" type=\"color3\"><input name=\"in1\" type=\"float\" nodename=\"s\" output=\"outz\"/>\
+         <input name=\"in2\" type=\"float\" nodename=\"s\" output=\"outx\"/>\
+         <input name=\"in3\" type=\"float\" nodename=\"s\" output=\"outx\"/></combine3>";
+    let (graph, input) = graph(nodes, "c");
+    let converted = imported(&Memory::default(), &graph, &input);
+    let text = look_text(&converted);
+    assert!(text.contains("base_color = \"position.zxxx\""), "{text}");
+    assert_eq!(converted.nodes.len(), 1);
+}
+
+#[test]
+fn images_have_their_paths_and_colour_spaces() {
+    let nodes = "<image name=\"i\" type=\"color3\">\
+         <input name=\"file\" type=\"filename\" value=\"a.png\" colorspace=\"srgb_texture\"/>\
+         <input name=\"uaddressmode\" type=\"string\" value=\"mirror\"/></image>";
+    let (graph, input) = graph(nodes, "i");
+    let graph = graph.replace("<nodegraph", "<nodegraph fileprefix=\"maps/\"");
+    let files = Memory::default().with("maps/a.png", "");
+    let text = look_text(&imported(&files, &graph, &input));
+    let wanted =
+        "file = { file = \"maps/a.png\", color_space = \"srgb\", wrap = [\"mirror\", \"repeat\"] }";
+    assert!(text.contains(wanted), "{text}");
+    // One that isn't there is warned of, and its default stands for it.
+    let converted = imported(&Memory::default(), &graph, &input);
+    assert!(warnings(&converted)[0].contains("maps/a.png is not there"));
+    assert!(look_text(&converted).contains("base_color = [0.0, 0.0, 0.0]"));
+}
+
+#[test]
+fn definitions_of_ones_own_are_followed() {
+    let rest = "<nodedef name=\"ND_twice\" node=\"twice\"><input name=\"in\" type=\"float\" value=\"0.25\"/>\
+         <output name=\"out\" type=\"float\"/></nodedef>\
+         <nodegraph name=\"NG\" nodedef=\"ND_twice\"><add name=\"sum\" type=\"float\">\
+         <input name=\"in1\" type=\"float\" interfacename=\"in\"/><input name=\"in2\" type=\"float\" interfacename=\"in\"/>\
+         </add><output name=\"out\" type=\"float\" nodename=\"sum\"/></nodegraph>\
+         <position name=\"p\" type=\"vector3\"/>\
+         <extract name=\"x\" type=\"float\"><input name=\"in\" type=\"vector3\" nodename=\"p\"/></extract>\
+         <twice name=\"t\" type=\"float\"><input name=\"in\" type=\"float\" nodename=\"x\"/></twice>";
+    let inputs = "<input name=\"metalness\" type=\"float\" nodename=\"t\"/>";
+    let text = look_text(&imported(&Memory::default(), rest, inputs));
+    assert!(
+        text.contains("[node.t_sum]") && text.contains("in1 = \"position.x\""),
+        "{text}"
+    );
+    assert!(text.contains("metallic = \"t_sum.x\""), "{text}");
+}
+
+#[test]
+fn what_can_not_be_expressed_is_named_with_its_line() {
+    let nodes = "<nonsense name=\"n\" type=\"color3\"/>";
+    let (graph, input) = graph(nodes, "n");
+    let inputs =
+        format!("{input}\n<input name=\"diffuse_roughness\" type=\"float\" value=\"0.5\"/>");
+    let converted = imported(&Memory::default(), &graph, &inputs);
+    let rendered = converted.warnings.render();
+    assert!(rendered.contains("`nonsense` are not known"), "{rendered}");
+    assert!(rendered.contains("a.mtlx:3:1"), "{rendered}");
+    assert!(
+        rendered.contains("`diffuse_roughness` has no counterpart"),
+        "{rendered}"
+    );
+}
+
+#[test]
+fn a_bump_node_is_the_materials_bump() {
+    let nodes = "<noise3d name=\"h\" type=\"float\"/>\
+         <bump name=\"b\" type=\"vector3\"><input name=\"height\" type=\"float\" nodename=\"h\"/>\
+         <input name=\"scale\" type=\"float\" value=\"0.02\"/></bump>";
+    let inputs = "<input name=\"normal\" type=\"vector3\" nodename=\"b\"/>";
+    let text = look_text(&imported(&Memory::default(), nodes, inputs));
+    assert!(text.contains("bump = \"h\"\nbump_scale = 0.02"), "{text}");
+}
+
+#[test]
+fn files_include_others() {
+    let files = Memory::default()
+        .with("lib/b.mtlx", "<materialx fileprefix=\"maps/\"><xi:include xmlns:xi=\"http://www.w3.org/2001/XInclude\" href=\"../a.mtlx\"/>\
+             <constant name=\"c\" type=\"color3\"><input name=\"value\" type=\"color3\" value=\"1, 0, 0\"/></constant></materialx>");
+    let rest = "<xi:include xmlns:xi=\"http://www.w3.org/2001/XInclude\" href=\"lib/b.mtlx\"/>";
+    let inputs = "<input name=\"base_color\" type=\"color3\" nodename=\"c\"/>";
+    let text = look_text(&imported(&files, rest, inputs));
+    assert!(text.contains("base_color = [1.0, 0.0, 0.0]"), "{text}");
+}
+
+fn refused(text: &str) -> String {
+    let document = Document::parse(&Memory::default(), Path::new("a.mtlx"), text);
+    let problems = match document {
+        Err(problems) => problems,
+        Ok(document) => convert(&document, &Memory::default(), &Wanted::default())
+            .err()
+            .unwrap_or_else(|| panic!("{text}")),
+    };
+    problems.render()
+}
+
+#[test]
+fn hostile_documents_are_refused() {
+    let deep = format!("<materialx>{}", "<a>".repeat(100_000));
+    let dtd = "<!DOCTYPE a [<!ENTITY b \"c\">]><materialx>&b;</materialx>";
+    for (text, says) in [
+        ("", "not valid XML"),
+        ("<materialx", "not valid XML"),
+        ("<materialx>\n<a></b></materialx>", "a.mtlx:2"),
+        (&deep, "too deep"),
+        (dtd, "not valid XML"),
+        ("<svg/>", "no MaterialX"),
+        ("<materialx/>", "no material"),
+        (
+            "<materialx><xi:include xmlns:xi=\"x\" href=\"../../etc/nothing\"/></materialx>",
+            "cannot read",
+        ),
+    ] {
+        let error = refused(text);
+        assert!(error.contains(says), "{says}: {error}");
+    }
+}
+
+#[test]
+fn outputs_that_lead_to_themselves_and_graphs_that_multiply_end() {
+    let rest = "<nodegraph name=\"g\"><output name=\"o\" type=\"color3\" nodegraph=\"g\" output=\"o\"/></nodegraph>";
+    let inputs = "<input name=\"base_color\" type=\"color3\" nodegraph=\"g\" output=\"o\"/>";
+    let converted = imported(&Memory::default(), rest, inputs);
+    assert!(warnings(&converted)[0].contains("lead back"));
+    // Each stands for two of the next, without a node of its own.
+    let level = |i: usize| {
+        let next = i + 1;
+        format!(
+            "<nodedef name=\"D{i}\" node=\"n{i}\"><output name=\"out\" type=\"color3\"/></nodedef>\
+             <nodegraph name=\"G{i}\" nodedef=\"D{i}\"><n{next} name=\"a\" type=\"color3\"/><n{next} name=\"b\" type=\"color3\"/>\
+             <output name=\"p\" type=\"color3\" nodename=\"a\"/><output name=\"q\" type=\"color3\" nodename=\"b\"/></nodegraph>"
+        )
+    };
+    let levels: String = (0..30).map(level).collect();
+    let rest = format!("{levels}<n0 name=\"x\" type=\"color3\"/>");
+    let inputs = "<input name=\"base_color\" type=\"color3\" nodename=\"x\"/>";
+    let converted = imported(&Memory::default(), &rest, inputs);
+    assert!(
+        warnings(&converted)
+            .iter()
+            .any(|warning| warning.contains("the rest is left out"))
+    );
+}
+
+#[test]
+fn circles_end() {
+    let nodes = "<add name=\"a\" type=\"color3\"><input name=\"in1\" type=\"color3\" nodename=\"b\"/></add>\
+         <add name=\"b\" type=\"color3\"><input name=\"in1\" type=\"color3\" nodename=\"a\"/></add>";
+    let inputs = "<input name=\"base_color\" type=\"color3\" nodename=\"a\"/>";
+    let converted = imported(&Memory::default(), nodes, inputs);
+    assert!(
+        warnings(&converted)
+            .iter()
+            .any(|warning| warning.contains("in a circle"))
+    );
+    // A graph that stands for a node of itself.
+    let rest = "<nodedef name=\"D\" node=\"r\"><output name=\"out\" type=\"color3\"/></nodedef>\
+         <nodegraph name=\"G\" nodedef=\"D\"><r name=\"r\" type=\"color3\"/><r name=\"q\" type=\"color3\"/>\
+         <add name=\"s\" type=\"color3\"><input name=\"in1\" type=\"color3\" nodename=\"r\"/>\
+         <input name=\"in2\" type=\"color3\" nodename=\"q\"/></add>\
+         <output name=\"out\" type=\"color3\" nodename=\"s\"/></nodegraph><r name=\"x\" type=\"color3\"/>";
+    let inputs = "<input name=\"base_color\" type=\"color3\" nodename=\"x\"/>";
+    let converted = imported(&Memory::default(), rest, inputs);
+    assert!(
+        warnings(&converted)
+            .iter()
+            .any(|warning| warning.contains("graphs in graphs"))
+    );
+}

@@ -1,0 +1,5 @@
+/// Arcsine in radians.
+/// @param in what goes in = (0, 0, 0, 0)
+fn userProc(in: vec4f) -> vec4f {
+    return asin(clamp(in, vec4f(-1.0), vec4f(1.0)));
+}

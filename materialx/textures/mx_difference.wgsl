@@ -1,0 +1,7 @@
+/// How far both are apart.
+/// @param fg  foreground = (0, 0, 0, 0)
+/// @param bg  background = (0, 0, 0, 0)
+/// @param mix share of the foreground = 1
+fn userProc(fg: vec4f, bg: vec4f, mix: f32) -> vec4f {
+    return mix * abs(bg - fg) + (1.0 - mix) * bg;
+}

@@ -1,0 +1,6 @@
+/// How far two points are apart.
+/// @param in1 first
+/// @param in2 second
+fn userProc(in1: vec2f, in2: vec2f) -> f32 {
+    return length(in1 - in2);
+}

@@ -1,0 +1,5 @@
+/// What is behind the point.
+/// @param in what goes in = (0, 0, 0, 0)
+fn userProc(in: vec4f) -> vec4f {
+    return in - floor(in);
+}

@@ -1,0 +1,7 @@
+/// More or less colour.
+/// @param in         what goes in = (0, 0, 0, 0)
+/// @param amount     how much = 1
+/// @param lumacoeffs weights of red, green and blue = (0.2722287, 0.6740818, 0.0536895)
+fn userProc(in: vec4f, amount: f32, lumacoeffs: vec3f) -> vec4f {
+    return vec4f(mix(vec3f(dot(in.rgb, lumacoeffs)), in.rgb, amount), in.a);
+}

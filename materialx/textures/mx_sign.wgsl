@@ -1,0 +1,5 @@
+/// -1, 0 or 1.
+/// @param in what goes in = (0, 0, 0, 0)
+fn userProc(in: vec4f) -> vec4f {
+    return sign(in);
+}

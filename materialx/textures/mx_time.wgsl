@@ -1,0 +1,4 @@
+/// Seconds.
+fn userProc() -> f32 {
+    return readGlobal(Time).x;
+}
