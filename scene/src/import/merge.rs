@@ -1,6 +1,7 @@
 //! Puts what a file adds into a scene: indices are shifted, names of materials stay unique.
 
-use crate::{Material, Scene};
+use crate::import::place::MAX_INSTANCES;
+use crate::{Instance, Material, Scene};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
@@ -36,6 +37,7 @@ pub(super) fn merge(scene: &mut Scene, mut added: Scene, warnings: Vec<String>) 
     let renamed = make_names_unique(&mut added.materials, &taken);
     let first_instance = scene.instances.len();
     scene.meshes.append(&mut added.meshes);
+    make_room(&mut scene.instances, added.instances.len());
     scene.instances.append(&mut added.instances);
     scene.materials.append(&mut added.materials);
     scene.images.append(&mut added.images);
@@ -78,6 +80,15 @@ pub(super) fn make_names_unique(
         renamed.push((old, unique));
     }
     renamed
+}
+
+/// Room for so many more: twice as much as there was where that is needed, as lists grow, but not for more than there may be.
+fn make_room(instances: &mut Vec<Instance>, more: usize) {
+    let (count, room) = (instances.len(), instances.capacity());
+    if count + more > room {
+        let wanted = (2 * room).min(MAX_INSTANCES).max(count + more);
+        instances.reserve_exact(wanted - count);
+    }
 }
 
 #[cfg(test)]

@@ -10,7 +10,10 @@ fn own_pixel(first: u32) -> u32 {
     }
     // Both numbers are below `padded_pixels`: no division is needed, as it is for other slots.
     let linear = frame.first_pixel + first;
-    let padded = select(linear, linear - frame.padded_pixels, linear >= frame.padded_pixels);
+    var padded = select(linear, linear - frame.padded_pixels, linear >= frame.padded_pixels);
+    if (frame.has_lot != 0u) {
+        padded = path_id(first).pixel;
+    }
     let pixel = pixel_coordinates(padded);
     return select(NO_PIXEL, pixel.y * frame.width + pixel.x, is_rendered(pixel));
 }

@@ -17,7 +17,7 @@ struct LightCacheSettings {
     unused_b: u32,
 }
 
-@group(0) @binding(47) var<uniform> light_cache_settings: LightCacheSettings;
+@group(0) @binding(49) var<uniform> light_cache_settings: LightCacheSettings;
 
 // Eight words for each cell: a number by which it is known, or 0 where it is free; how many paths have gone on from it; three
 // sums of 64 bits, in units of 2^-24.
