@@ -42,6 +42,9 @@ const OTHERS: &[&str] = &["energy_compensation", "has_programs", "has_program_sh
 /// The constant by which the film keeps parts of the light apart.
 const SPLIT: &str = "splits_light";
 
+/// The constant by which a cache of irradiance knows of surfaces that scatter light diffusely.
+const LEAVES: &str = "leaves_diffuse";
+
 /// What is set, for each set of features that is compiled: those of common scenes, and those with all that may be left out,
 /// which stand for the rest.
 const SETS: &[(&[&str], &[&str])] = &[
@@ -80,6 +83,9 @@ const SETS: &[(&[&str], &[&str])] = &[
             SPLIT,
         ],
     ),
+    (&[], &["energy_compensation", LEAVES]),
+    (OMISSIONS, &["energy_compensation", LEAVES]),
+    (OMISSIONS, &["energy_compensation", "has_programs", LEAVES]),
 ];
 
 /// What the functions may use of a processor; `src/lib.rs` asks whether it is there.
@@ -156,7 +162,7 @@ impl Text {
 
     fn program(&self, entry: &str, set: &[&str]) -> Result<kernel_ir::ir::Program> {
         let value = |name: &str| f64::from(u8::from(set.contains(&name)));
-        let names = OMISSIONS.iter().chain(OTHERS).chain([&SPLIT]);
+        let names = OMISSIONS.iter().chain(OTHERS).chain([&SPLIT, &LEAVES]);
         let constants: Vec<(&str, f64)> = names.map(|&name| (name, value(name))).collect();
         let (module, info) =
             kernel_ir::with_constants(&self.module, &self.info, entry, &constants)?;

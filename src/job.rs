@@ -475,12 +475,21 @@ fn method(args: &RenderArgs) -> Result<Method, UsageError> {
         Some(&(flag, _)) if method != Method::Path => {
             let because = "what the first samples of a picture have taught the cache isn't kept with its film";
             Err(UsageError::Apart {
-                flag: "--method draft",
+                flag: method_flag(method),
                 other: flag,
                 because,
             })
         }
         _ => Ok(method),
+    }
+}
+
+/// How a method is asked for.
+pub(crate) fn method_flag(method: Method) -> &'static str {
+    match method {
+        Method::Path => "--method path",
+        Method::Draft => "--method draft",
+        Method::Cache => "--method cache",
     }
 }
 

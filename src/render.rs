@@ -28,7 +28,7 @@ use engine::settings::Method;
 use engine::stats::{DeviceFacts, Stats};
 
 use crate::failure::Failure;
-use crate::job::RenderJob;
+use crate::job::{RenderJob, method_flag};
 use crate::motion::{Frame, Sight};
 use crate::output::{self, Results};
 use crate::progress::Bar;
@@ -115,8 +115,8 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
         Err(_) if job.checkpoints.is_some() || job.adaptive || job.method != Method::Path => {
             let flag = match (job.adaptive, job.method) {
                 (true, _) => "--adaptive",
-                (false, Method::Draft) => "--method draft",
                 (false, Method::Path) => "--checkpoint",
+                (false, method) => method_flag(method),
             };
             return Err(UsageError::OneDevice { flag }.into());
         }

@@ -3,6 +3,7 @@
 mod costs;
 pub(crate) mod culprit;
 mod edits;
+mod irradiance;
 mod lanes;
 mod light_cache;
 mod lots;
@@ -32,6 +33,7 @@ use crate::{
     wave::{self, PathBytes, Totals},
 };
 
+use self::irradiance::Irradiance;
 use self::lanes::{Lanes, Plan, Wave, Work, begin_wave};
 use self::pipeline::{Bound, Kernels};
 use self::record::Recorder;
@@ -186,6 +188,21 @@ fn clear_picture(
     device.start(&recording)
 }
 
+/// What a wave is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Purpose {
+    /// The picture.
+    Picture,
+    /// The cache of scattered light learns from it; paths end in none.
+    Learn,
+    /// Paths end in no cache, and none learns from them.
+    Apart,
+    /// Candidates for records of irradiance, of this pass.
+    Find(usize),
+    /// Rays of these records.
+    Gather(u32, u32),
+}
+
 /// Renders one scene progressively.
 #[derive(Debug)]
 pub struct Renderer {
@@ -222,6 +239,8 @@ pub struct Renderer {
     is_stale: bool,
     /// No path ends in a cache.
     is_apart: bool,
+    /// Records of irradiance, where the picture is made with them.
+    irradiance: Option<Irradiance>,
     /// How often the picture has begun anew.
     restarts: u64,
     /// All kernels have run, so that drivers that compile them then have done so.
@@ -301,6 +320,7 @@ impl Renderer {
         gpu_scene.features.film_layers = record_words > 0;
         gpu_scene.features.splits_light = layers.split_light();
         gpu_scene.features.light_cache = settings.method != Method::Path;
+        gpu_scene.features.irradiance_cache = settings.method == Method::Cache;
         if gpu_scene.features.light_cache {
             if !schedule::has_light_cache(&*schedule) {
                 let reason = "this schedule has no cache of light";
@@ -313,6 +333,8 @@ impl Renderer {
             }
         }
         light_cache::allocate(device, settings.method, &mut resources)?;
+        let features = &gpu_scene.features;
+        let irradiance = Irradiance::new(device, settings.method, features, &mut resources)?;
         let upload = Upload {
             device,
             scene,
@@ -355,6 +377,7 @@ impl Renderer {
             survey: None,
             is_stale: false,
             is_apart: false,
+            irradiance,
             restarts: 0,
             is_warm: false,
         })
@@ -393,7 +416,7 @@ impl Renderer {
         let target_spp = target_spp.min(film::MAX_SAMPLES).min(u32::MAX - first);
         let padded = u64::from(self.frame.padded_pixels);
         let total = padded * u64::from(target_spp);
-        if self.position < total {
+        if self.position < total && !self.prepare_irradiance()? {
             let wave = u64::from(self.next_wave_size()).min(total - self.position);
             let wave = self.until_learned(wave, target_spp);
             self.wave_at(self.position, wave as u32, target_spp)?;
@@ -421,7 +444,11 @@ impl Renderer {
     /// Renders a wave from a path on, of a picture of so many samples per pixel.
     fn wave_at(&mut self, position: u64, paths: u32, spp: u32) -> Result<(), RenderError> {
         let first_sample = self.settings.first_sample;
-        let learns = position < self.learned_paths(spp);
+        let purpose = match position < self.learned_paths(spp) {
+            _ if self.is_apart => Purpose::Apart,
+            true => Purpose::Learn,
+            false => Purpose::Picture,
+        };
         self.frame.set_wave(position, paths, first_sample, spp);
         let frame = self.frame;
         let work = Work::Range {
@@ -429,7 +456,7 @@ impl Renderer {
             first_sample,
             spp,
         };
-        self.play_wave(&frame, work, learns)
+        self.play_wave(&frame, work, purpose)
     }
 
     /// Renders the wave of a frame.
@@ -437,16 +464,17 @@ impl Renderer {
         &mut self,
         frame: &Frame,
         work: Work<'_>,
-        learns: bool,
+        purpose: Purpose,
     ) -> Result<(), RenderError> {
         // A window that shares the device may have a frame under way: that is no time of the wave's.
         self.device.wait()?;
         let start = self.system.clock.now();
         self.clear_stale_film()?;
-        self.set_light_cache(learns);
+        self.set_light_cache(purpose);
+        self.set_irradiance(purpose);
         let paths = frame.wave_size;
         match self.lanes.is_empty() {
-            true => self.render_wave(frame)?,
+            true => self.render_wave(frame, purpose)?,
             false => {
                 let wave = Wave {
                     frame,
@@ -454,7 +482,7 @@ impl Renderer {
                     work,
                     capacity: self.capacity,
                 };
-                let plan = self.plan();
+                let plan = self.plan(purpose);
                 self.lanes.render(&self.device, &plan, &wave)?;
             }
         }
@@ -476,20 +504,23 @@ impl Renderer {
     }
 
     /// How waves go.
-    fn plan(&self) -> Plan {
+    fn plan(&self, purpose: Purpose) -> Plan {
         Plan {
-            schedule: Arc::clone(&self.schedule),
+            schedule: match purpose {
+                Purpose::Gather(..) => self.gathering(),
+                _ => Arc::clone(&self.schedule),
+            },
             max_depth: self.settings.max_depth,
             may_take_longer: self.scene.features.passages,
         }
     }
 
     /// Takes the paths of the frame to the film, all at once.
-    fn render_wave(&mut self, frame: &Frame) -> Result<(), DeviceError> {
+    fn render_wave(&mut self, frame: &Frame, purpose: Purpose) -> Result<(), DeviceError> {
         begin_wave(&self.device, &self.resources, frame);
         let paths = frame.wave_size;
         let (device, resources) = (self.device.clone(), self.resources.clone());
-        let plan = self.plan();
+        let plan = self.plan(purpose);
         plan.play(&device, &resources, &mut |record| {
             self.submit(paths, |wave| record(wave))
         })
@@ -527,6 +558,9 @@ impl Renderer {
         self.survey = None;
         self.position = 0;
         self.rendered = 0;
+        if let Some(irradiance) = &mut self.irradiance {
+            irradiance.restart();
+        }
         self.device.flush();
     }
 

@@ -12,8 +12,8 @@ use device::{Device, DeviceError, KernelText, Resources};
 
 use crate::gpu_scene::{GpuScene, SceneFeatures};
 use crate::passes::{
-    accumulate, advance, ao, brdf, classify, film_layers, light_cache, pass::Pass, proctex, raygen,
-    traverse,
+    accumulate, advance, ao, brdf, classify, film_layers, irradiance, light_cache, pass::Pass,
+    proctex, raygen, traverse,
 };
 use crate::procedural::{CompileError, Procedural};
 use crate::scene::Scene;
@@ -21,7 +21,7 @@ use crate::wave;
 
 /// The passes of a wave, in the order in which they first run. Those of textures exist only where a
 /// material has a program, those of layers where the film has more than the picture.
-pub static WAVE: [&Pass; 21] = [
+pub static WAVE: [&Pass; 26] = [
     &raygen::PASS,
     &advance::AFTER_RAYGEN,
     &traverse::CLOSEST,
@@ -34,8 +34,13 @@ pub static WAVE: [&Pass; 21] = [
     &film_layers::LIGHT,
     &brdf::PASS,
     &light_cache::NOTE,
+    &irradiance::LOOK_UP,
     &advance::AFTER_BRDF,
     &traverse::OCCLUSION,
+    &irradiance::START,
+    &irradiance::FIRST_HIT,
+    &irradiance::NOTE,
+    &irradiance::END,
     &light_cache::LEARN,
     &film_layers::LAST_LIGHT,
     &accumulate::PASS,
@@ -74,6 +79,7 @@ pub fn round(wave: &mut dyn Run) {
     wave.run(&film_layers::LIGHT);
     wave.run(&brdf::PASS);
     wave.run(&light_cache::NOTE);
+    wave.run(&irradiance::LOOK_UP);
     wave.run(&advance::AFTER_BRDF);
     wave.run(&traverse::OCCLUSION);
 }
@@ -205,6 +211,51 @@ pub trait Schedule: fmt::Debug + Send + Sync {
     /// [`end`].
     fn end(&self, wave: &mut dyn Run) {
         end(wave);
+    }
+}
+
+/// Waves of rays from records of irradiance instead of the camera, which end in a list instead of the film; all else as in another
+/// schedule.
+#[derive(Debug, Clone)]
+pub(crate) struct Gathering(pub(crate) Arc<dyn Schedule>);
+
+impl Schedule for Gathering {
+    fn texture_kernel(
+        &self,
+        features: &SceneFeatures,
+        procedural: &Procedural,
+    ) -> Result<Option<KernelText>, CompileError> {
+        self.0.texture_kernel(features, procedural)
+    }
+
+    fn program_words<'a>(
+        &self,
+        procedural: &'a Procedural,
+    ) -> Result<Cow<'a, [u32]>, CompileError> {
+        self.0.program_words(procedural)
+    }
+
+    fn start(&self, wave: &mut dyn Run) {
+        wave.run(&irradiance::START);
+        wave.run(&advance::AFTER_RAYGEN);
+    }
+
+    fn round(&self, wave: &mut dyn Run) {
+        wave.run(&traverse::CLOSEST);
+        wave.run(&irradiance::FIRST_HIT);
+        wave.run(&light_cache::LOOK_UP);
+        wave.run(&classify::PASS);
+        wave.run(&advance::AFTER_CLASSIFY);
+        wave.run(&ao::PASS);
+        wave.run(&proctex::PASS);
+        wave.run(&brdf::PASS);
+        wave.run(&irradiance::NOTE);
+        wave.run(&advance::AFTER_BRDF);
+        wave.run(&traverse::OCCLUSION);
+    }
+
+    fn end(&self, wave: &mut dyn Run) {
+        wave.run(&irradiance::END);
     }
 }
 

@@ -84,17 +84,21 @@ pub enum Method {
     Path,
     /// By paths that end in a cache of what surfaces scatter, which the first samples have filled: faster, with less noise, and *biased*.
     Draft,
+    /// Where surfaces scatter it diffusely, from a cache of irradiance that is made before the picture begins: with hardly any noise, and
+    /// *biased*. Else by paths.
+    Cache,
 }
 
 impl Method {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::Path, Self::Draft];
+    pub const ALL: [Self; 3] = [Self::Path, Self::Draft, Self::Cache];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Path => "path",
             Self::Draft => "draft",
+            Self::Cache => "cache",
         }
     }
 }

@@ -159,7 +159,7 @@ pub(super) fn render(
     }
     let stats = session.stats().map_err(failure)?;
     let audit = match job.method {
-        Method::Draft if ended.is_none() => audit(&mut session, &film)?,
+        Method::Draft | Method::Cache if ended.is_none() => audit(&mut session, &film)?,
         _ => None,
     };
     let render_seconds = clock.elapsed().as_secs_f64();

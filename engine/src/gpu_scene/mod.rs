@@ -120,6 +120,8 @@ pub struct SceneFeatures {
     pub splits_light: bool,
     /// Paths end in a cache of light: asked for, too.
     pub light_cache: bool,
+    /// A cache knows the irradiance of surfaces: asked for, too, with the other cache and without parts of the light.
+    pub irradiance_cache: bool,
     /// Some material has a texture program.
     pub programs: bool,
     /// A texture program decides about the opacity or the light of some surface, so that shadow rays need it too.
@@ -132,6 +134,7 @@ impl SceneFeatures {
         let words = [
             (self.splits_light, wave::SPLIT_WORDS),
             (self.light_cache, wave::LIGHT_RECORD_WORDS),
+            (self.irradiance_cache, wave::LEFT_WORDS),
         ];
         let needed = words.into_iter().filter(|(is_needed, _)| *is_needed);
         needed.map(|(_, words)| words).sum()
@@ -164,6 +167,7 @@ impl SceneFeatures {
             film_layers: false,
             splits_light: false,
             light_cache: false,
+            irradiance_cache: false,
             programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
             program_shadows: shadows.by_program,
             clear: shadows.clear,
@@ -172,7 +176,7 @@ impl SceneFeatures {
     }
 
     /// Values of the kernels' `override` constants.
-    pub fn constants(&self) -> [(&'static str, f64); 10] {
+    pub fn constants(&self) -> [(&'static str, f64); 11] {
         [
             ("has_alpha", f64::from(u8::from(self.alpha))),
             ("has_textures", f64::from(u8::from(self.textures))),
@@ -190,6 +194,7 @@ impl SceneFeatures {
                 f64::from(u8::from(self.program_shadows)),
             ),
             ("splits_light", f64::from(u8::from(self.splits_light))),
+            ("leaves_diffuse", f64::from(u8::from(self.irradiance_cache))),
         ]
     }
 }

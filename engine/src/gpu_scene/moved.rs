@@ -98,6 +98,7 @@ impl GpuScene {
             energy_compensation: self.features.energy_compensation,
             film_layers: self.features.film_layers,
             light_cache: self.features.light_cache,
+            irradiance_cache: self.features.irradiance_cache,
             splits_light: self.features.splits_light,
             ..SceneFeatures::of(scene, &program, &flags, self.environment.emits)
         };

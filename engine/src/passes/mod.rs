@@ -10,6 +10,7 @@ pub mod classify;
 pub mod display;
 pub mod film_layers;
 pub mod guide;
+pub mod irradiance;
 pub mod light_cache;
 pub mod pass;
 pub mod proctex;

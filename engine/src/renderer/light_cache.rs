@@ -18,7 +18,7 @@ use crate::wave;
 
 use crate::film::Film;
 
-use super::{RenderError, Renderer};
+use super::{Purpose, RenderError, Renderer};
 
 /// Cells of the table, 32 bytes each.
 const CELLS: u32 = 1 << 20;
@@ -35,11 +35,16 @@ const SIDE: f32 = 8.0;
 /// Least and most that it is over the distance.
 const SIDES: std::ops::RangeInclusive<f32> = 0.01..=0.08;
 
+/// What paths do with the cache: as in `cells.wgsl`.
+const ENDS: u32 = 0;
+const LEARNS: u32 = 1;
+const IDLE: u32 = 2;
+
 /// `LightCacheSettings` of `cells.wgsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 struct Settings {
-    learns: u32,
+    mode: u32,
     mask: u32,
     record: u32,
     least_count: u32,
@@ -52,7 +57,7 @@ struct Settings {
 pub(super) fn bytes(method: Method) -> u64 {
     match method {
         Method::Path => 0,
-        Method::Draft => u64::from(CELLS) * CELL_BYTES,
+        Method::Draft | Method::Cache => u64::from(CELLS) * CELL_BYTES,
     }
 }
 
@@ -76,7 +81,8 @@ pub(super) fn allocate(
 /// How many samples of each pixel it learns from, of a picture that is to have so many.
 pub(super) fn learned(method: Method, spp: u32) -> u32 {
     match method {
-        Method::Path => 0,
+        // That of irradiance has samples of its own for it.
+        Method::Path | Method::Cache => 0,
         Method::Draft => (spp / LEARNED_SHARE).clamp(1, LEARNED_MOST),
     }
 }
@@ -99,7 +105,7 @@ impl Renderer {
     /// Paths of the picture's beginning from which the cache learns, if it is to have so many samples per pixel.
     pub(super) fn learned_paths(&self, spp: u32) -> u64 {
         let samples = match self.is_apart {
-            true => spp,
+            true => 0,
             false => learned(self.settings.method, spp),
         };
         u64::from(samples) * u64::from(self.frame.padded_pixels)
@@ -130,21 +136,30 @@ impl Renderer {
         film
     }
 
-    /// Says what the next wave does with the cache.
-    pub(super) fn set_light_cache(&self, learns: bool) {
-        if self.settings.method == Method::Path {
-            return;
-        }
-        // The record of a path lies behind the results of its texture program.
+    /// The field of a path's state where its record for the cache begins: behind the results of its texture program.
+    pub(super) fn light_record(&self) -> u32 {
         let paths = match self.lanes.first_resources() {
             Some(own) => own.buffer("paths").size(),
             None => self.resources.buffer("paths").size(),
         };
         let fields = paths / 16 / u64::from(self.capacity);
+        fields as u32 - wave::LIGHT_RECORD_WORDS / 4
+    }
+
+    /// Says what the next wave does with the cache.
+    pub(super) fn set_light_cache(&self, purpose: Purpose) {
+        if self.settings.method == Method::Path {
+            return;
+        }
+        let mode = match (purpose, self.settings.method) {
+            (Purpose::Learn, _) => LEARNS,
+            (Purpose::Gather(..), _) | (Purpose::Picture, Method::Draft) => ENDS,
+            _ => IDLE,
+        };
         let words = Settings {
-            learns: u32::from(learns),
+            mode,
             mask: CELLS - 1,
-            record: fields as u32 - wave::LIGHT_RECORD_WORDS / 4,
+            record: self.light_record(),
             least_count: LEAST_COUNT,
             scale: (SIDE * self.frame.pixel_side()).clamp(*SIDES.start(), *SIDES.end()),
             least_side: (1e-4 * self.scene.radius).max(1e-6),

@@ -3,7 +3,7 @@
 use crate::frame::{BLOCK_PIXELS, LOT_BLOCKS};
 
 use super::lanes::Work;
-use super::{RenderError, Renderer};
+use super::{Purpose, RenderError, Renderer};
 
 /// Blocks of 8 x 8 pixels that get the same number of further samples.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -51,7 +51,7 @@ impl Renderer {
                 blocks: &from_here,
                 samples,
             };
-            self.play_wave(&frame, work, false)?;
+            self.play_wave(&frame, work, Purpose::Picture)?;
             done += samples;
         }
         Ok(blocks.len())

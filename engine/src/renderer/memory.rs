@@ -9,12 +9,11 @@ use crate::{
     scene::Scene,
     schedule::Wavefront,
     settings::{Method, RenderSettings},
-    wave::{LIGHT_RECORD_WORDS, PathBytes, QUEUE_HEADER, SPLIT_WORDS},
+    wave::{LEFT_WORDS, LIGHT_RECORD_WORDS, PathBytes, QUEUE_HEADER, SPLIT_WORDS},
 };
 
 use super::lanes::Lanes;
-use super::light_cache;
-use super::most_paths;
+use super::{irradiance, light_cache, most_paths};
 
 /// Bytes on a device.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -42,7 +41,7 @@ impl DeviceMemory {
             film: picture,
             layers,
             scene: gpu_scene::bytes(device, scene, &procedural.reads()),
-            paths: paths(device, procedural, settings) + light_cache::bytes(settings.method),
+            paths: paths(device, procedural, settings) + caches(settings.method),
         }
     }
 
@@ -50,6 +49,11 @@ impl DeviceMemory {
     pub fn total(&self) -> u64 {
         self.film + self.layers + self.scene + self.paths
     }
+}
+
+/// Bytes of what knows light from before.
+fn caches(method: Method) -> u64 {
+    light_cache::bytes(method) + irradiance::bytes(method)
 }
 
 /// Bytes of a film as it is gathered: the picture's, and those of its layers.
@@ -87,6 +91,7 @@ fn paths(device: &Device, procedural: &Procedural, settings: &RenderSettings) ->
     let record = match settings.method {
         Method::Path => 0,
         Method::Draft => LIGHT_RECORD_WORDS,
+        Method::Cache => LIGHT_RECORD_WORDS + LEFT_WORDS,
     };
     let path = PathBytes::new(procedural.result_words() + split + record).total();
     let recorded = 4 * u64::from(layers.record_words());

@@ -67,6 +67,9 @@ impl Renderer {
         self.position = 0;
         self.rendered = 0;
         self.is_stale = false;
+        if let Some(irradiance) = &mut self.irradiance {
+            irradiance.restart();
+        }
         Ok(())
     }
 

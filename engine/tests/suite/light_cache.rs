@@ -15,7 +15,7 @@ use crate::support::scenes::{
 
 /// A room with walls of two colours, a ball of metal and a lamp below the ceiling that shines up: nearly all of its light is
 /// scattered twice or more.
-fn room() -> Scene {
+pub(crate) fn room() -> Scene {
     let wall = |color| Material {
         double_sided: true,
         ..lambert(color)
@@ -45,7 +45,7 @@ fn room() -> Scene {
     )
 }
 
-fn seen(size: (u32, u32), seed: u32, method: Method) -> RenderSettings {
+pub(crate) fn seen(size: (u32, u32), seed: u32, method: Method) -> RenderSettings {
     let camera = camera(
         Vec3::new(1.4, 1.8, 1.8),
         Vec3::new(0.0, 1.0, 0.0),
@@ -62,12 +62,12 @@ fn seen(size: (u32, u32), seed: u32, method: Method) -> RenderSettings {
     settings
 }
 
-fn film(device: &Device, mut scene: Scene, settings: &RenderSettings, spp: u32) -> Film {
+pub(crate) fn film(device: &Device, mut scene: Scene, settings: &RenderSettings, spp: u32) -> Film {
     let procedural = no_textures(&mut scene);
     render_with(device, &scene, &procedural, settings, spp)
 }
 
-fn mean(film: &Film) -> Vec3 {
+pub(crate) fn mean(film: &Film) -> Vec3 {
     let sum: Vec3 = film.mean().into_iter().map(Vec3::from).sum();
     sum / film.pixels() as f32
 }
@@ -95,15 +95,18 @@ fn a_furnace_stays_a_furnace() {
         spp: 0,
     };
     let mut settings = settings(&camera, shot);
-    settings.method = Method::Draft;
-    let film = film(&device, ball, &settings, 64);
-    let found = mean(&film).x;
-    let expected = emitted / (1.0 - reflected);
-    println!("{found} where {expected} is right");
-    assert!(
-        (found / expected - 1.0).abs() < 0.01,
-        "{found} is not {expected}"
-    );
+    for method in [Method::Draft, Method::Cache] {
+        settings.method = method;
+        let film = film(&device, ball.clone(), &settings, 64);
+        let found = mean(&film).x;
+        let expected = emitted / (1.0 - reflected);
+        println!("{}: {found} where {expected} is right", method.name());
+        assert!(
+            (found / expected - 1.0).abs() < 0.01,
+            "{}: {found} is not {expected}",
+            method.name()
+        );
+    }
 }
 
 #[test]
@@ -158,4 +161,7 @@ fn where_paths_cannot_end_in_a_cache_nothing_changes() {
         film(&device, open, &seen((24, 16), 0, method), 32)
     };
     assert!(of(Method::Path) == of(Method::Draft));
+    // Of what comes from the sky, the cache of irradiance knows nothing.
+    let (path, cache) = (of(Method::Path), of(Method::Cache));
+    assert!((mean(&path) / mean(&cache) - 1.0).abs().max_element() < 1e-3);
 }

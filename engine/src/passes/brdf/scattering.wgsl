@@ -1,6 +1,7 @@
 // What a vertex sends out: a shadow ray to a light, and the path's next ray.
 //!include shared/lights.wgsl
 //!include shared/estimator.wgsl
+//!include brdf/leave.wgsl
 
 // How far above its triangle a point lies on the curved surface that the vertices' normals suggest: rays that leave from
 // there aren't stopped by the coarseness of the mesh (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021,
@@ -134,6 +135,9 @@ fn sample_indirect(p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3f, o
     }
     if (splits_light) {
         note_path(v, m.bsdf, l, wo, sampled.wi, sampled.weight * sampled.pdf);
+    }
+    if (leaves_diffuse) {
+        leave_share(v, m.bsdf, l, wo, sampled.wi, sampled.weight * sampled.pdf);
     }
     path_write(PATH_THROUGHPUT, v.slot, vec4f(throughput, sampled.pdf));
     path_set_words(PATH_STATE, v.slot, vec4u(0u, 0u, v.depth + 1u, path_words(PATH_STATE, v.slot).w));

@@ -7,7 +7,7 @@
 
 // The Rust twin is `renderer::light_cache::Settings`.
 struct LightCacheSettings {
-    learns: u32, // paths go on and are learned from; else they end in the cache
+    mode: u32,
     mask: u32, // cells less one: a power of two
     record: u32, // field of a path's state where its record begins
     least_count: u32, // paths that must have gone on from a cell before it is believed
@@ -16,6 +16,13 @@ struct LightCacheSettings {
     unused_a: u32,
     unused_b: u32,
 }
+
+// Paths go on, and are learned from.
+const LIGHT_CACHE_LEARNS = 1u;
+// Paths end in the cache.
+const LIGHT_CACHE_ENDS = 0u;
+// Paths go on.
+const LIGHT_CACHE_IDLE = 2u;
 
 @group(0) @binding(49) var<uniform> light_cache_settings: LightCacheSettings;
 

@@ -8,7 +8,7 @@
 fn note_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
               @builtin(local_invocation_index) local: u32) {
     let index = thread_index(workgroup, workgroups, local);
-    if (light_cache_settings.learns == 0u || index >= queue_length(QUEUE_ACTIVE)) {
+    if (light_cache_settings.mode != LIGHT_CACHE_LEARNS || index >= queue_length(QUEUE_ACTIVE)) {
         return;
     }
     let slot = queue_read(QUEUE_ACTIVE, index);
@@ -24,7 +24,7 @@ fn note_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
 fn learn_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
                @builtin(local_invocation_index) local: u32) {
     let slot = thread_index(workgroup, workgroups, local);
-    if (light_cache_settings.learns == 0u || slot >= frame.wave_size) {
+    if (light_cache_settings.mode != LIGHT_CACHE_LEARNS || slot >= frame.wave_size) {
         return;
     }
     let field = light_cache_settings.record;

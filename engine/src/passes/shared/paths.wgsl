@@ -22,8 +22,16 @@ const SPLIT_FIELDS = 3u;
 // Whether it does.
 override splits_light: bool = false;
 
+// In the same place, where a cache knows the light that surfaces scatter diffusely: see left.wgsl. Never both.
+const PATH_PLACE = 6u;
+const PATH_DIFFUSE = 7u;
+const PATH_LEFT = 8u;
+
+// Whether it does.
+override leaves_diffuse: bool = false;
+
 fn results_field() -> u32 {
-    return PATH_RESULTS + select(0u, SPLIT_FIELDS, splits_light);
+    return PATH_RESULTS + select(0u, SPLIT_FIELDS, splits_light || leaves_diffuse);
 }
 
 // Whether texture programs decide about the opacity or the light of some surface. Then shadow rays wait for them, and a

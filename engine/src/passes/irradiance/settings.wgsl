@@ -1,0 +1,29 @@
+// What the passes of the irradiance cache are told. The Rust twin is `renderer::irradiance::Settings`.
+struct IrradianceSettings {
+    mode: u32,
+    first_record: u32, // of those that rays are gathered for
+    end_record: u32, // behind the last of them
+    candidates: u32, // most that there is room for
+    mask: u32, // slots of the grid less one: a power of two
+    first_level: i32, // the finest cells of the grid have sides of 2^first_level metres
+    levels: u32,
+    falloff: f32, // 1: a record's weight has fallen to nothing at its radius; 1/2: at twice that
+    share: f32, // of the places that no record covers, those that become candidates
+    gather: u32, // field of a path's state where its gather ray keeps what it knows
+    radius_share: f32, // of the harmonic mean of the distances to what a record sees: its radius
+    most_change: f32, // that the gradient may make of the irradiance within the radius
+}
+
+@group(0) @binding(50) var<uniform> irradiance_settings: IrradianceSettings;
+
+// Paths go on as if there were no cache.
+const IRRADIANCE_IDLE = 0u;
+// Paths end at the first surface that scatters diffusely, and places that no record covers become candidates.
+const IRRADIANCE_FIND = 1u;
+// What surfaces scatter diffusely is taken from the records.
+const IRRADIANCE_USE = 2u;
+
+// Gather rays of a record: as many rings of equal weight around its normal as this, and as many sectors of each.
+const RINGS = 12u;
+const SECTORS = 40u;
+const GATHER_RAYS = 480u;

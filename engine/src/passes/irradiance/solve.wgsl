@@ -1,0 +1,102 @@
+// Makes records of what their gather rays have found. One thread for each new record.
+//!include shared/frame.wgsl
+//!include shared/geometry.wgsl
+//!include shared/microfacet.wgsl
+//!include irradiance/records.wgsl
+
+@group(0) @binding(51) var<storage, read_write> irradiance_records: array<vec4u>;
+@group(0) @binding(55) var<storage, read_write> irradiance_gathered: array<vec4f>;
+
+// Least and most radius, in pixels.
+const LEAST_WIDTHS = 1.5;
+const MOST_WIDTHS = 48.0;
+
+// Where a ring begins, as the square of the sine.
+fn ring_start(ring: u32) -> f32 {
+    return f32(ring) / f32(RINGS);
+}
+
+@compute @workgroup_size(64)
+fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+                    @builtin(local_invocation_index) local: u32) {
+    let index = thread_index(workgroup, workgroups, local);
+    let record = irradiance_settings.first_record + index;
+    if (record >= irradiance_settings.end_record) {
+        return;
+    }
+    let at = record * RECORD_WORDS;
+    let first = index * GATHER_RAYS;
+    let normal = octahedral_decode(irradiance_records[at].w);
+    let tangent = any_perpendicular(normal);
+    let bitangent = cross(normal, tangent);
+
+    var sum = vec3f(0.0);
+    var inverse = 0.0; // sum of one over the distances
+    // Of each channel, along tangent and bitangent.
+    var along_x = vec3f(0.0);
+    var along_y = vec3f(0.0);
+    var bands: array<vec3f, 9>;
+    for (var sector = 0u; sector < SECTORS; sector++) {
+        let before = (sector + SECTORS - 1u) % SECTORS;
+        let middle = unit_circle((f32(sector) + 0.5) / f32(SECTORS));
+        let border = unit_circle(f32(sector) / f32(SECTORS));
+        var outward = vec3f(0.0);
+        var across = vec3f(0.0);
+        for (var ring = 0u; ring < RINGS; ring++) {
+            let here = irradiance_gathered[first + ring * SECTORS + sector];
+            sum += here.xyz;
+            inverse += 1.0 / max(here.w, 1e-6);
+            let begin = ring_start(ring);
+            let end = ring_start(ring + 1u);
+            // Steps of radiance move where the place moves, the nearer side of them most.
+            if (ring > 0u) {
+                let inner = irradiance_gathered[first + (ring - 1u) * SECTORS + sector];
+                outward += (here.xyz - inner.xyz) * (sqrt(begin) * (1.0 - begin) / max(min(here.w, inner.w), 1e-6));
+            }
+            let side = irradiance_gathered[first + ring * SECTORS + before];
+            across += (here.xyz - side.xyz) * ((sqrt(end) - sqrt(begin)) / max(min(here.w, side.w), 1e-6));
+
+            let angle = (sqrt(1.0 - begin) - sqrt(1.0 - end)) * (2.0 * PI / f32(SECTORS));
+            let cosine = 0.5 * (sqrt(1.0 - begin) + sqrt(1.0 - end));
+            let sine = sqrt(1.0 - cosine * cosine);
+            let direction = tangent * (middle.x * sine) + bitangent * (middle.y * sine) + normal * cosine;
+            let basis = harmonics(direction);
+            for (var i = 0u; i < 9u; i++) {
+                bands[i] += here.xyz * (basis[i] * angle);
+            }
+        }
+        outward *= 2.0 * PI / f32(SECTORS);
+        along_x += outward * middle.x - across * border.y;
+        along_y += outward * middle.y + across * border.x;
+    }
+    let irradiance = sum * (PI / f32(GATHER_RAYS));
+    let width = max(bitcast<f32>(irradiance_records[at + 7u].w), 1e-9);
+    var radius = irradiance_settings.radius_share * f32(GATHER_RAYS) / max(inverse, 1e-30);
+    let steepest = max(length(vec2f(luminance(along_x), luminance(along_y))), 1e-30);
+    radius = min(radius, irradiance_settings.most_change * luminance(irradiance) / steepest);
+    let kept = clamp(radius, LEAST_WIDTHS * width, MOST_WIDTHS * width);
+    // Where the radius had to grow, what is near would make the gradient too steep for it.
+    let calmer = min(1.0, radius / kept);
+
+    irradiance_records[at + 1u] = vec4u(bitcast<vec3u>(irradiance), bitcast<u32>(kept));
+    let red = (tangent * along_x.x + bitangent * along_y.x) * calmer;
+    let green = (tangent * along_x.y + bitangent * along_y.y) * calmer;
+    let blue = (tangent * along_x.z + bitangent * along_y.z) * calmer;
+    irradiance_records[at + 2u] = bitcast<vec4u>(vec4f(red, green.x));
+    irradiance_records[at + 3u] = bitcast<vec4u>(vec4f(green.yz, blue.xy));
+    // Radiance to irradiance, band by band, over the irradiance itself.
+    let scale = 1.0 / max(max_component(irradiance), 1e-30);
+    var words: array<u32, 16>;
+    words[0] = bitcast<u32>(blue.z);
+    for (var i = 0u; i < 27u; i++) {
+        let band = i / 3u;
+        let of_band = select(select(0.25 * PI, 2.0 * PI / 3.0, band < 4u), PI, band < 1u);
+        let value = clamp(bands[band][i % 3u] * of_band * scale, -60000.0, 60000.0);
+        let half = pack2x16float(vec2f(value, 0.0));
+        words[1u + i / 2u] |= half << (16u * (i & 1u));
+    }
+    words[15] = bitcast<u32>(width);
+    for (var i = 0u; i < 4u; i++) {
+        irradiance_records[at + 4u + i] = vec4u(words[4u * i], words[4u * i + 1u], words[4u * i + 2u], words[4u * i + 3u]);
+    }
+}

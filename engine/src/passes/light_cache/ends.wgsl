@@ -1,0 +1,74 @@
+// Where paths may end in the cache.
+//!include shared/wave_memory.wgsl
+//!include shared/queue_lists.wgsl
+//!include shared/random.wgsl
+//!include shared/geometry.wgsl
+//!include shared/materials.wgsl
+//!include shared/images.wgsl
+//!include shared/surface.wgsl
+//!include shared/shadow_rays.wgsl
+//!include light_cache/cells.wgsl
+
+// How much wider than a cell a path must have become, as areas: where it is narrower, as behind a mirror or in a corner, one would
+// see the cells. After Müller et al., "Real-time Neural Radiance Caching for Path Tracing", 2021, equations 3 and 4, for one segment.
+const LEAST_SPREAD = 4.0;
+// Surfaces that are smoother scatter other light to other places.
+const LEAST_ROUGHNESS = 0.3;
+
+// Whether all that a surface scatters can stand for what it scatters along one ray.
+fn is_cached(triangle: vec4u) -> bool {
+    let material = triangle.w & TRIANGLE_MATERIAL;
+    let flags = materials[material].flags;
+    let passes = (triangle.w & (TRIANGLE_PROGRAM_ALPHA | TRIANGLE_ALPHA)) != 0u
+        || (flags & (MATERIAL_SOLID | MATERIAL_CLEAR | MATERIAL_UNLIT)) != 0u
+        || materials[material].transmission > 0.0 || materials[material].diffuse_transmission > 0.0;
+    return !passes && (materials[material].roughness >= LEAST_ROUGHNESS || materials[material].metallic < 0.5);
+}
+
+// Where a path may end in the cache.
+struct CachedPlace {
+    is_one: bool,
+    position: vec3f,
+    normal: vec3f,
+    offset: vec3f, // by which its cell is moved
+    side: f32, // of its cell
+    spread: f32, // area that the path has spread over
+}
+
+// The place at a path's hit. `depth` is how often the path has scattered.
+fn end_at(slot: u32, hit: RayHit, depth: u32) -> CachedPlace {
+    var place: CachedPlace;
+    if (!is_cached(triangles[hit.triangle]) || any(path_words(PATH_MEDIA, slot) != vec4u(0u))) {
+        return place;
+    }
+    let s = surface_at(hit);
+    place.position = s.position;
+    place.normal = s.geometric_normal;
+    place.side = cell_side(s.position);
+    let pdf = path_read(PATH_THROUGHPUT, slot).w;
+    place.spread = hit.t_max * hit.t_max / (pdf * max(dot(s.geometric_normal, s.wo), 1e-3));
+    place.is_one = place.spread > LEAST_SPREAD * place.side * place.side;
+    // Cells are looked up, and learn, all around: no border shows.
+    let id = path_id(slot);
+    let turned = independent2(id.sample, hash2(id.key, 0x1f123bb5u + depth)) - 0.5;
+    let tangent = any_perpendicular(s.geometric_normal);
+    place.offset = place.side * (turned.x * tangent + turned.y * cross(s.geometric_normal, tangent));
+    return place;
+}
+
+fn cell_of_place(place: CachedPlace, begins: bool) -> u32 {
+    return cell_at(place.position + place.offset, place.normal, place.side, begins);
+}
+
+fn wider_cell_of_place(place: CachedPlace, begins: bool) -> u32 {
+    return cell_at(place.position + WIDER * place.offset, place.normal, WIDER * place.side, begins);
+}
+
+// What surfaces scatter there on average, and in w whether enough is known of it.
+fn known_mean(place: CachedPlace) -> vec4f {
+    let mean = cell_mean(cell_of_place(place, false));
+    if (mean.w != 0.0 || !(place.spread > LEAST_SPREAD * WIDER * WIDER * place.side * place.side)) {
+        return mean;
+    }
+    return cell_mean(wider_cell_of_place(place, false));
+}

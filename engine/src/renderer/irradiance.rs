@@ -1,0 +1,374 @@
+//! The cache of irradiance: how its records are found and made before the picture begins.
+//!
+//! Light that surfaces scatter to a place changes slowly from place to place, so it is gathered at few of them with many rays, and
+//! interpolated between those (Ward, Rubinstein and Clear, "A Ray Tracing Solution for Diffuse Interreflection", 1988). What the first
+//! surfaces look like, and what lamps and the sky do to them, is sampled for each pixel as ever.
+//!
+//! All records of a pass are found and made at once, without one knowing of the other (after Frolov et al., "Implementing Irradiance Cache
+//! in a GPU Realistic Renderer", 2013). Paths of one sample of each pixel end where a surface scatters diffusely. What no record
+//! covers there are candidates; of these some are kept, at a distance that halves from pass to pass. From each of them rays go to all
+//! sides, as a wave of paths. They end in the cache of scattered light that `light_cache` has taught before, or go on as paths do.
+//!
+//! Radii follow the harmonic mean of the distances to what a record sees, and how steeply its light changes; they shrink where a
+//! neighbour has found something closer, and where many records overlap.
+
+mod records;
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Usage};
+
+use crate::{gpu_scene::SceneFeatures, passes::irradiance, schedule::Gathering, settings::Method};
+
+use super::{Purpose, RenderError, Renderer, Work, clear_picture};
+
+use self::records::{Candidate, Grid, Record, settle, spread_out};
+
+/// Most records.
+const RECORDS: u32 = 1 << 16;
+/// Most candidates of a pass.
+const CANDIDATES: u32 = 1 << 17;
+/// Slots of the grid, a power of two, and its references.
+const SLOTS: u32 = 1 << 19;
+const REFERENCES: u32 = 1 << 20;
+/// Rays of a record: `GATHER_RAYS` of `settings.wgsl`.
+const RAYS: u32 = 480;
+/// Records whose rays are gathered at once.
+const AT_ONCE: u32 = 2048;
+/// Samples of each pixel from which the other cache learns before.
+const LEARNED: u32 = 8;
+/// Pixels between new records, pass by pass.
+const DISTANCES: [f32; 7] = [40.0, 20.0, 10.0, 5.0, 3.0, 3.0, 3.0];
+/// Candidates within the distance of each other, about.
+const CROWD: f32 = 12.0;
+/// Added to the picture's seed: what makes the cache has other random numbers than what uses it.
+const SEED: u32 = 0x1a2b_3c4d;
+/// Radius of a record over the harmonic mean of the distances to what it sees: Ward's error bound of about as much (Ward and
+/// Heckbert 1992), less where records are used up to twice as far.
+const RADIUS_SHARE: f32 = 0.1;
+/// The gradient may change the irradiance by so much of it within the radius.
+const MOST_CHANGE: f32 = 0.25;
+/// How far records reach over their radius when they are used: as `falloff` says.
+const FALLOFF: f32 = 0.5;
+
+/// `IrradianceSettings` of `settings.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct Settings {
+    mode: u32,
+    first_record: u32,
+    end_record: u32,
+    candidates: u32,
+    mask: u32,
+    first_level: i32,
+    levels: u32,
+    falloff: f32,
+    share: f32,
+    gather: u32,
+    radius_share: f32,
+    most_change: f32,
+}
+
+/// What paths do with the cache: as in `settings.wgsl`.
+const IDLE: u32 = 0;
+const FIND: u32 = 1;
+const USE: u32 = 2;
+
+/// What is being done.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Phase {
+    /// The cache of scattered light learns; paths so far.
+    Learning(u64),
+    /// Candidates of a pass are found; paths so far.
+    Finding(usize, u64),
+    /// Rays of a pass's records are gathered: those of the ones from here on are left, of which so many are done.
+    Gathering(usize, u32, u64),
+    /// The picture may begin.
+    Ready,
+}
+
+/// The cache of a renderer.
+#[derive(Debug)]
+pub(super) struct Irradiance {
+    phase: Phase,
+    records: Vec<Record>,
+    first_level: i32,
+    levels: u32,
+    falloff: f32,
+    solve: Kernel,
+}
+
+const BUFFERS: [(&str, u64); 5] = [
+    ("irradiance_records", RECORDS as u64 * 128),
+    ("irradiance_grid", SLOTS as u64 * 16),
+    ("irradiance_references", REFERENCES as u64 * 4),
+    ("irradiance_candidates", 32 * (CANDIDATES as u64 + 1)),
+    ("irradiance_gathered", 16 * (AT_ONCE * RAYS) as u64),
+];
+
+/// Bytes of its buffers.
+pub(super) fn bytes(method: Method) -> u64 {
+    match method {
+        Method::Path | Method::Draft => 0,
+        Method::Cache => BUFFERS.iter().map(|(_, bytes)| bytes).sum(),
+    }
+}
+
+impl Irradiance {
+    /// Makes its buffers; nothing where the method needs none.
+    pub(super) fn new(
+        device: &Device,
+        method: Method,
+        features: &SceneFeatures,
+        resources: &mut Resources,
+    ) -> Result<Option<Self>, DeviceError> {
+        if method != Method::Cache {
+            return Ok(None);
+        }
+        for (name, bytes) in BUFFERS {
+            resources.set_buffer(name, device.buffer(name, Usage::Storage, bytes)?);
+        }
+        let bytes = size_of::<Settings>() as u64;
+        let settings = device.buffer("irradiance settings", Usage::Uniform, bytes)?;
+        resources.set_buffer("irradiance_settings", settings);
+        Ok(Some(Self {
+            phase: Phase::Learning(0),
+            records: Vec::new(),
+            first_level: 0,
+            levels: 0,
+            falloff: 1.0,
+            solve: irradiance::SOLVE.kernel(device, features)?,
+        }))
+    }
+
+    /// Forgets all records.
+    pub(super) fn restart(&mut self) {
+        self.phase = Phase::Learning(0);
+        self.records.clear();
+        self.levels = 0;
+    }
+
+    /// Has the device find records by where they are; `falloff` says how far they reach.
+    fn find_by(&mut self, device: &Device, resources: &Resources, falloff: f32) {
+        let grid = Grid::of(&self.records, 1.0 / falloff, SLOTS, REFERENCES as usize);
+        let write = |name: &str, bytes: &[u8]| device.write(resources.buffer(name), 0, bytes);
+        write("irradiance_records", bytemuck::cast_slice(&self.records));
+        write("irradiance_grid", bytemuck::cast_slice(&grid.slots));
+        if !grid.references.is_empty() {
+            write(
+                "irradiance_references",
+                bytemuck::cast_slice(&grid.references),
+            );
+        }
+        (self.first_level, self.levels) = (grid.first_level, grid.levels);
+        self.falloff = falloff;
+    }
+}
+
+impl Renderer {
+    /// Takes a step towards a cache that the picture can be made with; false where it is there, or isn't needed.
+    pub(super) fn prepare_irradiance(&mut self) -> Result<bool, RenderError> {
+        let Some(phase) = self.irradiance.as_ref().map(|cache| cache.phase) else {
+            return Ok(false);
+        };
+        if self.is_apart {
+            return Ok(false);
+        }
+        let next = match phase {
+            Phase::Ready => return Ok(false),
+            Phase::Learning(done) => {
+                let (done, is_last) = self.prepare_wave(Purpose::Learn, done, 0, LEARNED)?;
+                match is_last {
+                    false => Phase::Learning(done),
+                    true => Phase::Finding(0, 0),
+                }
+            }
+            Phase::Finding(pass, done) => {
+                if done == 0 {
+                    let candidates = self.resources.buffer("irradiance_candidates");
+                    self.device.write(candidates, 0, &[0; 4]);
+                }
+                let (done, is_last) =
+                    self.prepare_wave(Purpose::Find(pass), done, LEARNED + pass as u32, 1)?;
+                match is_last {
+                    false => Phase::Finding(pass, done),
+                    true => self.begin_records(pass)?,
+                }
+            }
+            Phase::Gathering(pass, from, done) => self.gather(pass, from, done)?,
+        };
+        if next == Phase::Ready {
+            clear_picture(&self.device, &self.settings, &self.resources)?;
+            self.rendered = 0;
+        }
+        if let Some(cache) = &mut self.irradiance {
+            cache.phase = next;
+        }
+        Ok(true)
+    }
+
+    /// Renders a wave of samples of all pixels, of which so many paths are done; how many are done then, and whether these are all.
+    fn prepare_wave(
+        &mut self,
+        purpose: Purpose,
+        done: u64,
+        first_sample: u32,
+        samples: u32,
+    ) -> Result<(u64, bool), RenderError> {
+        let total = u64::from(samples) * u64::from(self.frame.padded_pixels);
+        let paths = u64::from(self.next_wave_size()).min(total - done);
+        let mut frame = self.frame;
+        frame.set_seed(frame.seed().wrapping_add(SEED));
+        frame.set_wave(done, paths as u32, first_sample, samples);
+        let work = Work::Range {
+            position: done,
+            first_sample,
+            spp: samples,
+        };
+        self.play_wave(&frame, work, purpose)?;
+        Ok((done + paths, done + paths == total))
+    }
+
+    /// Makes records of a pass's candidates, whose rays are to be gathered next.
+    fn begin_records(&mut self, pass: usize) -> Result<Phase, RenderError> {
+        let buffer = self.resources.buffer("irradiance_candidates");
+        let count: u32 = bytemuck::pod_read_unaligned(&self.device.read(buffer, 0, 4)?);
+        let count = count.min(CANDIDATES);
+        let candidates: Vec<Candidate> = match count {
+            0 => Vec::new(),
+            _ => bytemuck::pod_collect_to_vec(&self.device.read(
+                buffer,
+                32,
+                32 * u64::from(count),
+            )?),
+        };
+        let Some(cache) = &mut self.irradiance else {
+            return Ok(Phase::Ready);
+        };
+        let first = cache.records.len() as u32;
+        let room = (RECORDS - first) as usize;
+        let begun = spread_out(candidates, DISTANCES[pass]);
+        cache.records.extend(begun.into_iter().take(room));
+        if cache.records.len() as u32 == first {
+            return Ok(self.next_pass(pass));
+        }
+        let records = self.resources.buffer("irradiance_records");
+        self.device
+            .write(records, 0, bytemuck::cast_slice(&cache.records));
+        Ok(Phase::Gathering(pass, first, 0))
+    }
+
+    /// What comes after a pass.
+    fn next_pass(&mut self, pass: usize) -> Phase {
+        let Some(cache) = &mut self.irradiance else {
+            return Phase::Ready;
+        };
+        let is_last = pass + 1 == DISTANCES.len() || cache.records.len() as u32 == RECORDS;
+        let falloff = if is_last { FALLOFF } else { 1.0 };
+        settle(&mut cache.records, SLOTS, REFERENCES as usize);
+        cache.find_by(&self.device, &self.resources, falloff);
+        match is_last {
+            true => Phase::Ready,
+            false => Phase::Finding(pass + 1, 0),
+        }
+    }
+
+    /// Gathers rays of the records from `from` on, of which so many are done.
+    fn gather(&mut self, pass: usize, from: u32, done: u64) -> Result<Phase, RenderError> {
+        let Some(cache) = &self.irradiance else {
+            return Ok(Phase::Ready);
+        };
+        let count = cache.records.len() as u32;
+        let records = from..count.min(from + AT_ONCE);
+        let total = u64::from(RAYS) * u64::from(records.end - records.start);
+        let rays = u64::from(self.next_wave_size()).min(total - done);
+        let mut frame = self.frame;
+        frame.set_seed(frame.seed().wrapping_add(SEED ^ (1 + from)));
+        frame.set_wave(done, rays as u32, 0, u32::MAX);
+        let work = Work::Range {
+            position: done,
+            first_sample: 0,
+            spp: u32::MAX,
+        };
+        let end = records.end;
+        self.play_wave(&frame, work, Purpose::Gather(records.start, end))?;
+        if done + rays < total {
+            return Ok(Phase::Gathering(pass, from, done + rays));
+        }
+        self.solve(records.start, end)?;
+        match end == count {
+            true => Ok(self.next_pass(pass)),
+            false => Ok(Phase::Gathering(pass, end, 0)),
+        }
+    }
+
+    /// Makes records of what has been gathered for them.
+    fn solve(&mut self, first: u32, end: u32) -> Result<(), RenderError> {
+        self.set_irradiance(Purpose::Gather(first, end));
+        let Some(cache) = &mut self.irradiance else {
+            return Ok(());
+        };
+        let kernel = cache.solve.bind(&self.device, &self.resources);
+        let mut recording = Recording::new("records of irradiance");
+        recording.dispatch(&kernel, Extent::Threads(end - first));
+        self.device.play(&recording)?;
+        let size = size_of::<Record>() as u64;
+        let buffer = self.resources.buffer("irradiance_records");
+        let bytes = u64::from(end - first) * size;
+        let bytes = self.device.read(buffer, u64::from(first) * size, bytes)?;
+        let solved: Vec<Record> = bytemuck::pod_collect_to_vec(&bytes);
+        cache.records[first as usize..end as usize].copy_from_slice(&solved);
+        Ok(())
+    }
+
+    /// Says what the next wave does with the cache.
+    pub(super) fn set_irradiance(&self, purpose: Purpose) {
+        let Some(cache) = &self.irradiance else {
+            return;
+        };
+        let (mode, share, records) = match purpose {
+            Purpose::Picture => (USE, 0.0, [0; 2]),
+            Purpose::Find(pass) => (FIND, self.share_of(DISTANCES[pass]), [0; 2]),
+            Purpose::Gather(first, end) => (IDLE, 0.0, [first, end]),
+            Purpose::Learn | Purpose::Apart => (IDLE, 0.0, [0; 2]),
+        };
+        let words = Settings {
+            mode,
+            first_record: records[0],
+            end_record: records[1],
+            candidates: CANDIDATES,
+            mask: SLOTS - 1,
+            first_level: cache.first_level,
+            levels: cache.levels,
+            falloff: cache.falloff,
+            share,
+            gather: self.light_record(),
+            radius_share: RADIUS_SHARE,
+            most_change: MOST_CHANGE,
+        };
+        let uniform = self.resources.buffer("irradiance_settings");
+        self.device.write(uniform, 0, bytemuck::bytes_of(&words));
+    }
+
+    /// Of the places that no record covers, those that become candidates, where new records are to be so many pixels apart: a few for
+    /// each record, and no more than there is room for.
+    fn share_of(&self, distance: f32) -> f32 {
+        let pixels = self.frame.pixels() as f32;
+        (CROWD / (distance * distance))
+            .min(0.9 * CANDIDATES as f32 / pixels)
+            .min(1.0)
+    }
+
+    /// How many records of irradiance there are.
+    pub fn irradiance_records(&self) -> usize {
+        self.irradiance
+            .as_ref()
+            .map_or(0, |cache| cache.records.len())
+    }
+
+    /// What waves of gather rays are played by.
+    pub(super) fn gathering(&self) -> Arc<Gathering> {
+        Arc::new(Gathering(Arc::clone(&self.schedule)))
+    }
+}

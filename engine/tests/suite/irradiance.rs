@@ -1,0 +1,109 @@
+//! Records of irradiance: what is interpolated between them is what paths find, nearly, and without their noise.
+
+use engine::film::Layers;
+use engine::renderer::Renderer;
+use engine::scene::{Material, Projection};
+use engine::settings::Method;
+use glam::Vec3;
+
+use crate::light_cache::{film, mean, room, seen};
+use crate::support::device;
+use crate::support::scenes::{Shot, camera, lambert, no_textures, quad, scene, settings};
+
+#[test]
+fn a_room_is_nearly_right_and_far_less_noisy() {
+    let Some(device) = device::open() else { return };
+    let size = (48, 36);
+    let right = film(&device, room(), &seen(size, 7, Method::Path), 4096);
+    let [path, cache] = [(Method::Path, 256), (Method::Cache, 32)].map(|(method, spp)| {
+        let film = film(&device, room(), &seen(size, 1, method), spp);
+        let (found, wanted) = (mean(&film), mean(&right));
+        let off = (found / wanted - 1.0).abs().max_element();
+        let right = right.mean();
+        let apart = film.mean().into_iter().zip(right);
+        let squares: f32 = apart
+            .map(|(a, b)| (Vec3::from(a) - Vec3::from(b)).length_squared())
+            .sum();
+        println!(
+            "{} with {spp} samples: mean off by {off:.4}, squared error {squares:.4}",
+            method.name()
+        );
+        (off, squares)
+    });
+    assert!(cache.0 < 0.03, "the mean is off by {}", cache.0);
+    // An eighth of the samples.
+    assert!(cache.1 < path.1, "{} and {}", cache.1, path.1);
+}
+
+/// A white wall in the sky's light beside a floor that sees much of the wall: near the wall its light changes steeply.
+#[test]
+fn beside_a_wall_gradients_follow_the_light() {
+    let Some(device) = device::open() else { return };
+    let wall = Material {
+        double_sided: true,
+        ..lambert(Vec3::ONE)
+    };
+    let black = Material {
+        double_sided: true,
+        ..lambert(Vec3::ZERO)
+    };
+    let floor = lambert(Vec3::splat(0.5));
+    // A black wall stands across.
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    let scene_of = || {
+        scene(
+            [
+                (quad(-x * 50.0, x * 100.0, y * 1.0), wall.clone()),
+                (quad(-x * 2.0 + z * 0.05, z * 0.9, x * 4.0), floor.clone()),
+                (quad(-x * 50.0 + z * 1.0, x * 100.0, y * 1.0), black.clone()),
+            ],
+            Vec3::ONE,
+        )
+    };
+    let camera = camera(
+        Vec3::new(0.0, 0.9, 0.5),
+        Vec3::new(0.0, 0.0, 0.5),
+        Vec3::Z,
+        Projection::Perspective { y_fov: 0.9 },
+    );
+    let shot = Shot {
+        size: (48, 48),
+        max_depth: 4,
+        spp: 0,
+    };
+    let mut wanted = settings(&camera, shot);
+    let right = film(&device, scene_of(), &wanted, 4096);
+    wanted.method = Method::Cache;
+    let found = film(&device, scene_of(), &wanted, 256);
+    let rows = |film: &engine::film::Film| -> Vec<f32> {
+        let means = film.mean();
+        let row = |y: usize| (8..40).map(|x| means[y * 48 + x][0]).sum::<f32>() / 32.0;
+        (4..44).map(row).collect()
+    };
+    for (row, (found, right)) in rows(&found).into_iter().zip(rows(&right)).enumerate() {
+        assert!(
+            (found / right - 1.0).abs() < 0.03,
+            "row {row}: {found} is not {right}"
+        );
+    }
+}
+
+#[test]
+fn the_picture_does_not_depend_on_how_waves_are_cut() {
+    let Some(device) = device::open() else { return };
+    let films = [512, 1 << 13].map(|capacity| {
+        let mut scene = room();
+        let procedural = no_textures(&mut scene);
+        let mut settings = seen((40, 24), 3, Method::Cache);
+        settings.layers = Layers::named(["albedo"]).expect("known");
+        let renderer = Renderer::with_capacity(&device, &scene, &procedural, &settings, capacity);
+        let mut renderer = renderer.expect("the scene renders");
+        renderer.render(4).expect("the device renders");
+        // An edit of the camera forgets all records.
+        renderer.set_camera(&settings.camera);
+        renderer.render(8).expect("the device renders");
+        assert!(renderer.irradiance_records() > 0);
+        renderer.film().expect("the device reads")
+    });
+    assert!(films[0] == films[1]);
+}
