@@ -3,6 +3,7 @@
 pub(crate) mod args;
 pub(crate) mod job;
 mod kernel;
+mod methods;
 mod render;
 mod report;
 mod scaling;
@@ -36,6 +37,7 @@ pub(crate) fn run(job: &BenchJob) -> Result<(), Failure> {
             edits,
             device,
         } => edits_of_a_look(*nodes, *edits, device),
+        BenchJob::Methods(job) => methods::run(job),
         BenchJob::Render(job) => render::run(job),
         BenchJob::Scaling(job) => scaling::run(job),
         BenchJob::Textures(job) => textures::run(job),

@@ -15,6 +15,7 @@
 //! | [`textures`], [`sweeps`] | what textures cost over plain grey in each form, and what changes that |
 //! | [`kernel`] | building the texture kernel, and a hit beside unused textures |
 //! | [`scaling`] | how rendering scales with threads, sizes of pieces, and devices that render together |
+//! | [`methods`] | how long ways to find light take until the picture is good enough |
 //! | [`edit`] | live edits of a look of a thousand nodes |
 //! | [`traverse`] | rays per second of the traversal kernel |
 //! | [`traffic`] | bytes that each pass reads and writes: no measurement, but held to the kernels by tests |
@@ -33,6 +34,7 @@ pub mod inlined;
 pub mod insert;
 pub mod inspect;
 pub mod kernel;
+pub mod methods;
 pub mod rayquery;
 pub mod render;
 pub mod report;

@@ -16,7 +16,10 @@ const ARROWS: &[(&str, &[&str])] = &[
         "engine",
         &["texgen", "device", "kernels", "scene", "materialx"],
     ),
-    ("patina-bench", &["texgen", "device", "scene", "engine"]),
+    (
+        "patina-bench",
+        &["texgen", "device", "scene", "engine", "pictures"],
+    ),
     ("patina-panels", &["texgen", "device", "scene", "engine"]),
     (
         "patina-viewer",

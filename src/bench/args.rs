@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Subcommand};
 use patina_bench::forms::Form;
+use patina_bench::methods::How;
 use patina_bench::sweeps::Sweep;
 
 use crate::flags::words;
@@ -25,6 +26,14 @@ Examples:
   patina bench scaling Sponza.gltf --threads 1,2,4,8 --spp 16
 
 What the tables say: docs/devices.md.";
+
+const METHODS_EXAMPLES: &str = "\
+Examples:
+  patina bench methods                               the built-in Cornell box
+  patina bench methods room.glb --size 320x180 --minutes 20 -o methods.html
+  patina bench methods room.glb --reference converged.exr --methods path,cache
+
+What the table says: docs/light-caches.md.";
 
 const TEXTURES_EXAMPLES: &str = "\
 Examples:
@@ -85,6 +94,10 @@ pub(crate) enum BenchCommand {
         #[arg(long, value_name = "NAME|N")]
         device: Option<String>,
     },
+    /// How long ways to find light take until the picture is as good as a converged one to the eye: paths, adaptive sampling,
+    /// caches of light.
+    #[command(after_help = METHODS_EXAMPLES)]
+    Methods(Box<MethodsArgs>),
     /// Whole renders: samples and rays per second, time of each pass, for several scenes in turn.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArgs),
@@ -241,6 +254,58 @@ pub(crate) struct ScalingArgs {
     /// Folder with textures (.wgsl), searched before all others. May be given several times.
     #[arg(long = "textures", value_name = "DIR", action = ArgAction::Append)]
     pub(crate) texture_dirs: Vec<PathBuf>,
+}
+
+/// Flags of `patina bench methods`.
+#[derive(Debug, Args)]
+pub(crate) struct MethodsArgs {
+    /// A glTF file; without it the built-in Cornell box.
+    pub(crate) scene: Option<PathBuf>,
+
+    /// A look for it.
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    pub(crate) look: Option<PathBuf>,
+
+    /// What is compared, with commas between; all by default.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    #[arg(value_parser = words(How::ALL.map(How::name)))]
+    pub(crate) methods: Vec<String>,
+
+    /// A converged picture to compare with: .exr, .hdr or .patina-film. Without it one is rendered by paths.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) reference: Option<PathBuf>,
+
+    /// Samples per pixel of the one that is rendered.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "4096",
+        allow_hyphen_values = true
+    )]
+    pub(crate) reference_spp: String,
+
+    /// Brightness by which pictures are compared in stops: +1 is twice as bright.
+    #[arg(long, value_name = "STOPS", default_value = "0")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) exposure: String,
+
+    /// No picture begins that would be done later than this, after the reference.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "20",
+        allow_hyphen_values = true
+    )]
+    pub(crate) minutes: String,
+
+    /// Report to write: .html (a page with the pictures), .json (figures for programs) or .svg (the chart). May be given several
+    /// times.
+    #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append)]
+    pub(crate) outputs: Vec<PathBuf>,
+
+    /// How it is measured; here `--spp` is the most samples of a picture.
+    #[command(flatten)]
+    pub(crate) effort: EffortArgs,
 }
 
 /// Flags of `patina bench render`.

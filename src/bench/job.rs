@@ -4,15 +4,18 @@ use std::path::PathBuf;
 
 use device::DeviceChoice;
 use patina_bench::forms::Form;
+use patina_bench::methods::How;
 use patina_bench::sweeps::Sweep;
 
 use crate::usage::UsageError;
 use crate::words::{
-    Devices, MAX_DEPTH, MAX_SIDE, MAX_SPP, MOST_THREADS, parse_device, parse_devices, parse_number,
-    parse_size, parse_word, refuse_overwriting,
+    Devices, MAX_DEPTH, MAX_SIDE, MAX_SPP, MOST_THREADS, parse_device, parse_devices,
+    parse_exposure, parse_number, parse_size, parse_word, refuse_overwriting,
 };
 
-use super::args::{ALL, BenchCommand, EffortArgs, RenderArgs, ScalingArgs, TexturesArgs};
+use super::args::{
+    ALL, BenchCommand, EffortArgs, MethodsArgs, RenderArgs, ScalingArgs, TexturesArgs,
+};
 
 /// Most timed runs of a scene.
 const MAX_RUNS: u32 = 1000;
@@ -43,6 +46,8 @@ pub(crate) enum BenchJob {
         /// Device to measure.
         device: DeviceChoice,
     },
+    /// Ways to find light.
+    Methods(MethodsJob),
     /// Whole renders.
     Render(RenderJob),
     /// Threads, pieces and devices.
@@ -51,6 +56,29 @@ pub(crate) enum BenchJob {
     Textures(TexturesJob),
     /// The traversal kernel.
     Traverse(TraverseJob),
+}
+
+/// A measurement of ways to find light.
+#[derive(Debug, PartialEq)]
+pub(crate) struct MethodsJob {
+    /// The glTF file; `None` is the built-in scene.
+    pub(crate) scene: Option<PathBuf>,
+    /// A look for it.
+    pub(crate) look: Option<PathBuf>,
+    /// What is compared; all if none were named.
+    pub(crate) methods: Vec<How>,
+    /// What it is compared with.
+    pub(crate) reference: Option<PathBuf>,
+    /// Samples per pixel of what is rendered in its place.
+    pub(crate) reference_spp: u32,
+    /// Stops.
+    pub(crate) exposure: f32,
+    /// Most minutes of all.
+    pub(crate) minutes: u32,
+    /// Reports to write; no two alike.
+    pub(crate) reports: Vec<ReportFile>,
+    /// How it is measured.
+    pub(crate) effort: Effort,
 }
 
 /// A measurement of whole renders.
@@ -210,6 +238,7 @@ impl BenchJob {
                 edits: parse_number("--edits", &edits, 100, 1_000_000)?,
                 device: parse_device(device.as_deref())?,
             },
+            BenchCommand::Methods(args) => Self::Methods(MethodsJob::from_args(*args)?),
             BenchCommand::Render(args) => Self::Render(RenderJob::from_args(args)?),
             BenchCommand::Scaling(args) => Self::Scaling(ScalingJob::from_args(*args)?),
             BenchCommand::Textures(args) => Self::Textures(TexturesJob::from_args(*args)?),
@@ -217,6 +246,28 @@ impl BenchJob {
                 scene,
                 device: parse_device(device.as_deref())?,
             }),
+        })
+    }
+}
+
+impl MethodsJob {
+    fn from_args(args: MethodsArgs) -> Result<Self, UsageError> {
+        let read = [&args.scene, &args.look, &args.reference];
+        let written = args.outputs.iter().chain(&args.effort.json);
+        refuse_overwriting(written, read.into_iter().flatten())?;
+        let reports = args.outputs.into_iter().map(ReportFile::from_path);
+        Ok(Self {
+            methods: parse_all(args.methods.iter(), |word| {
+                parse_word("--methods", word, How::ALL, How::name)
+            })?,
+            reference_spp: parse_number("--reference-spp", &args.reference_spp, 1, MAX_SPP)?,
+            exposure: parse_exposure(&args.exposure)?,
+            minutes: parse_number("--minutes", &args.minutes, 1, MOST_MINUTES)?,
+            reports: reports.collect::<Result<_, _>>()?,
+            effort: Effort::from_args(args.effort)?,
+            scene: args.scene,
+            look: args.look,
+            reference: args.reference,
         })
     }
 }

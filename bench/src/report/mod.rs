@@ -3,6 +3,7 @@
 pub mod charts;
 pub mod conditions;
 pub mod figures;
+pub mod methods;
 pub mod page;
 pub mod paper;
 pub mod renders;

@@ -1,0 +1,409 @@
+//! Ways to render one picture, and how long each takes until it is good enough.
+//!
+//! Each method renders the picture anew with more and more samples per pixel, all of it timed, what it prepares before included. What comes
+//! of it is compared with a converged picture by what people see (FLIP: Andersson et al., "FLIP: A Difference Evaluator for Alternating
+//! Images", 2020). A picture is *final* where FLIP is small on average and nowhere large over an area that one notices.
+//!
+//! Methods take turns at each number of samples; one that is final is done.
+
+use std::time::{Duration, Instant};
+
+use device::Device;
+use engine::adaptive::{GRAIN, Goal, next_round};
+use engine::film::Film;
+use engine::procedural::Procedural;
+use engine::renderer::{RenderError, Renderer};
+use engine::scene::Scene;
+use engine::settings::{Method, RenderSettings};
+use pictures::{Distance, Layer};
+use serde::Serialize;
+
+use crate::spread::Spread;
+
+/// Largest mean of FLIP of a picture that is final.
+pub const FINAL_FLIP: f64 = 0.03;
+/// FLIP of a pixel that one notices.
+pub const NOTICED: f32 = 0.15;
+/// Largest connected area of such pixels in a picture that is final, of all of it.
+pub const FINAL_AREA: f64 = 0.001;
+
+/// A way to render.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum How {
+    /// Paths, as many for each pixel.
+    Path,
+    /// Paths, more where the picture is noisier.
+    Adaptive,
+    /// Paths that end in a cache of scattered light.
+    Draft,
+    /// Records of irradiance.
+    Cache,
+}
+
+impl How {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Path, Self::Adaptive, Self::Draft, Self::Cache];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Path => "path",
+            Self::Adaptive => "adaptive",
+            Self::Draft => "draft",
+            Self::Cache => "cache",
+        }
+    }
+
+    fn method(self) -> Method {
+        match self {
+            Self::Path | Self::Adaptive => Method::Path,
+            Self::Draft => Method::Draft,
+            Self::Cache => Method::Cache,
+        }
+    }
+}
+
+/// What is measured, and how.
+#[derive(Debug, Clone)]
+pub struct Setup<'a> {
+    /// What is rendered.
+    pub scene: &'a Scene,
+    /// Its textures.
+    pub procedural: &'a Procedural,
+    /// From where, and how large.
+    pub settings: RenderSettings,
+    /// The ways.
+    pub methods: Vec<How>,
+    /// What they are compared with; rendered by paths where there is none.
+    pub reference: Option<Vec<[f32; 3]>>,
+    /// Samples of each pixel of that.
+    pub reference_spp: u32,
+    /// Most samples of each pixel.
+    pub most_spp: u32,
+    /// Times that each is rendered.
+    pub runs: u32,
+    /// Brightness in stops by which pictures are compared.
+    pub exposure: f32,
+    /// Nothing begins that would be done later than this.
+    pub limit: Duration,
+}
+
+/// A picture of so many samples.
+#[derive(Debug, Clone, Serialize)]
+pub struct Point {
+    /// Samples per pixel.
+    pub spp: u32,
+    /// Wall time.
+    pub seconds: Spread,
+    /// Mean FLIP, median over the runs.
+    pub flip: f64,
+    /// Largest connected area of pixels that one notices, of all of the picture, median.
+    pub area: f64,
+    /// Mean squared error over the squares of the reference, median.
+    pub relative_mse: f64,
+}
+
+impl Point {
+    /// Whether the picture is good enough.
+    pub fn is_final(&self) -> bool {
+        self.flip < FINAL_FLIP && self.area <= FINAL_AREA
+    }
+}
+
+/// A method.
+#[derive(Debug, Clone, Serialize)]
+pub struct Curve {
+    /// Which.
+    pub how: How,
+    /// With more and more samples.
+    pub points: Vec<Point>,
+    /// Seconds until its picture is final; `None` where that isn't reached.
+    pub final_seconds: Option<f64>,
+    /// Of paths, over its own; `None` where one of them isn't known.
+    pub speedup: Option<f64>,
+    /// Its last picture.
+    #[serde(skip)]
+    pub picture: Vec<[f32; 3]>,
+}
+
+/// What was found.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct MethodsReport {
+    /// By method.
+    pub curves: Vec<Curve>,
+    /// What they were compared with.
+    #[serde(skip)]
+    pub reference: Vec<[f32; 3]>,
+    /// Why some were not taken as far as they might have been.
+    pub left_out: Vec<String>,
+}
+
+/// Why nothing can be measured.
+#[derive(Debug, thiserror::Error)]
+pub enum MethodsError {
+    /// The scene can't be rendered.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The reference is another picture.
+    #[error("the reference has {0} pixels, the picture {1}: they have to be of one size")]
+    Reference(usize, usize),
+}
+
+/// A method under way.
+struct Runner {
+    how: How,
+    renderer: Renderer,
+    points: Vec<Point>,
+    picture: Vec<[f32; 3]>,
+}
+
+/// Measures everything; `progress` hears of each case that begins.
+///
+/// # Errors
+/// The scene can't be rendered, or the reference is of another size.
+pub fn measure(
+    device: &Device,
+    setup: &Setup<'_>,
+    mut progress: impl FnMut(&str),
+) -> Result<MethodsReport, MethodsError> {
+    let (width, height) = (setup.settings.width, setup.settings.height);
+    let pixels = width as usize * height as usize;
+    let reference = match &setup.reference {
+        Some(reference) => reference.clone(),
+        None => {
+            progress("the reference");
+            // Other random numbers than those of the pictures.
+            let mut settings = setup.settings.clone();
+            settings.seed = settings.seed.wrapping_add(0x5eed);
+            let mut renderer = Renderer::new(device, setup.scene, setup.procedural, &settings)?;
+            renderer.render(setup.reference_spp)?;
+            renderer.film()?.mean()
+        }
+    };
+    if reference.len() != pixels {
+        return Err(MethodsError::Reference(reference.len(), pixels));
+    }
+    let size = [width as usize, height as usize];
+    let truth = Layer::rgb("", size, &reference);
+    let start = Instant::now();
+    let mut runners = Vec::new();
+    for &how in &setup.methods {
+        let mut settings = setup.settings.clone();
+        settings.method = how.method();
+        settings.halves = how == How::Adaptive;
+        let mut renderer = Renderer::new(device, setup.scene, setup.procedural, &settings)?;
+        renderer.warm_up()?;
+        runners.push(Runner {
+            how,
+            renderer,
+            points: Vec::new(),
+            picture: Vec::new(),
+        });
+    }
+    let mut report = MethodsReport::default();
+    for spp in numbers(setup.most_spp) {
+        let mut seconds = vec![Vec::new(); runners.len()];
+        let mut distances = vec![Vec::new(); runners.len()];
+        for _ in 0..setup.runs {
+            for (at, runner) in runners.iter_mut().enumerate() {
+                let expected = runner.expected(spp);
+                if !runner.goes_on(spp)
+                    || start.elapsed().as_secs_f64() + expected > setup.limit.as_secs_f64()
+                {
+                    continue;
+                }
+                progress(&format!("{}, {spp} samples per pixel", runner.how.name()));
+                let (took, film) = runner.render(spp)?;
+                runner.picture = film.mean();
+                let layer = Layer::rgb("", size, &runner.picture);
+                // Sizes and channels are the same.
+                if let Ok(distance) = Distance::between(&layer, &truth, setup.exposure) {
+                    seconds[at].push(took);
+                    distances[at].push(distance);
+                }
+            }
+        }
+        for ((runner, seconds), distances) in runners.iter_mut().zip(seconds).zip(distances) {
+            if distances.len() < setup.runs as usize {
+                continue;
+            }
+            let median =
+                |of: &dyn Fn(&Distance) -> f64| Spread::of(distances.iter().map(of)).median;
+            runner.points.push(Point {
+                spp,
+                seconds: Spread::of(seconds),
+                flip: median(&|d| d.flip.unwrap_or(1.0)),
+                area: median(&|d| largest_area(&d.map, size[0])),
+                relative_mse: median(&|d| d.relative_mse),
+            });
+        }
+    }
+    report.curves = runners.into_iter().map(Runner::finish).collect();
+    let of_paths = report.curves.iter().find(|curve| curve.how == How::Path);
+    let of_paths = of_paths.and_then(|curve| curve.final_seconds);
+    for curve in &mut report.curves {
+        curve.speedup = of_paths.zip(curve.final_seconds).map(|(a, b)| a / b);
+        if curve.final_seconds.is_none() {
+            let last = curve.points.last();
+            let far = last.map_or("nothing".to_owned(), |point| {
+                format!("FLIP {:.4} after {:.1} s", point.flip, point.seconds.median)
+            });
+            let name = curve.how.name();
+            report
+                .left_out
+                .push(format!("{name} isn't final within the limits: {far}"));
+        }
+    }
+    report.reference = reference;
+    Ok(report)
+}
+
+/// 4, 6, 8, 12, 16 and so on.
+fn numbers(most: u32) -> impl Iterator<Item = u32> {
+    let powers = std::iter::successors(Some(4_u32), |spp| spp.checked_mul(2));
+    let all = powers.flat_map(|spp| [spp, spp.saturating_add(spp / 2)]);
+    all.take_while(move |&spp| spp <= most)
+}
+
+impl Runner {
+    /// Whether a picture of so many samples is still of interest.
+    fn goes_on(&self, spp: u32) -> bool {
+        let is_done = self.points.last().is_some_and(Point::is_final);
+        // Adaptive sampling needs some samples before it knows where to send others.
+        !is_done && (self.how != How::Adaptive || spp >= 2 * GRAIN)
+    }
+
+    /// Seconds that it will take, about.
+    fn expected(&self, spp: u32) -> f64 {
+        self.points.last().map_or(0.0, |last| {
+            last.seconds.median * f64::from(spp) / f64::from(last.spp)
+        })
+    }
+
+    /// A picture, and the seconds that it took.
+    fn render(&mut self, spp: u32) -> Result<(f64, Film), RenderError> {
+        self.renderer.restart();
+        let start = Instant::now();
+        if self.how == How::Adaptive {
+            let goal = Goal { error: None, spp };
+            loop {
+                let round = next_round(&self.renderer.film()?, &goal);
+                if round.lots.is_empty() {
+                    break;
+                }
+                for lot in &round.lots {
+                    let mut from = 0;
+                    while from < lot.blocks.len() {
+                        from += self.renderer.render_lot(lot, from)?;
+                    }
+                }
+            }
+        } else {
+            self.renderer.render(spp)?;
+        }
+        let film = self.renderer.film()?;
+        Ok((start.elapsed().as_secs_f64(), film))
+    }
+
+    fn finish(self) -> Curve {
+        Curve {
+            how: self.how,
+            final_seconds: final_seconds(&self.points),
+            points: self.points,
+            speedup: None,
+            picture: self.picture,
+        }
+    }
+}
+
+/// When a picture became final: between the last that wasn't and the first that was, where its FLIP went below the limit on the line
+/// between the logarithms; there if it was the area that was too large.
+fn final_seconds(points: &[Point]) -> Option<f64> {
+    let at = points.iter().position(Point::is_final)?;
+    let last = &points[at];
+    let before = at.checked_sub(1).map(|at| &points[at]);
+    let Some(before) = before.filter(|before| before.flip > FINAL_FLIP) else {
+        return Some(last.seconds.median);
+    };
+    let (from, to) = (before.flip.ln(), last.flip.ln());
+    let place = ((from - FINAL_FLIP.ln()) / (from - to)).clamp(0.0, 1.0);
+    let (from, to) = (
+        before.seconds.median.max(1e-9).ln(),
+        last.seconds.median.max(1e-9).ln(),
+    );
+    Some((from + place * (to - from)).exp())
+}
+
+/// The largest area of pixels above [`NOTICED`] that hang together by their sides, of all pixels.
+fn largest_area(map: &[f32], width: usize) -> f64 {
+    let mut is_open: Vec<bool> = map.iter().map(|&flip| flip > NOTICED).collect();
+    let mut largest = 0;
+    let mut stack = Vec::new();
+    for first in 0..map.len() {
+        if !std::mem::take(&mut is_open[first]) {
+            continue;
+        }
+        stack.push(first);
+        let mut area = 0;
+        while let Some(at) = stack.pop() {
+            area += 1;
+            let column = at % width;
+            let neighbours = [
+                (column > 0).then(|| at - 1),
+                (column + 1 < width).then(|| at + 1),
+                at.checked_sub(width),
+                (at + width < map.len()).then(|| at + width),
+            ];
+            for neighbour in neighbours.into_iter().flatten() {
+                if std::mem::take(&mut is_open[neighbour]) {
+                    stack.push(neighbour);
+                }
+            }
+        }
+        largest = largest.max(area);
+    }
+    largest as f64 / map.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(spp: u32, seconds: f64, flip: f64, area: f64) -> Point {
+        Point {
+            spp,
+            seconds: Spread::of([seconds]),
+            flip,
+            area,
+            relative_mse: 0.0,
+        }
+    }
+
+    #[test]
+    fn areas_hang_together_by_sides() {
+        let rows = ["##..#", "#..##", "..#..", "....#"];
+        let map: Vec<f32> = rows
+            .iter()
+            .flat_map(|row| row.chars().map(|c| f32::from(c == '#')))
+            .collect();
+        assert_eq!(largest_area(&map, 5), 3.0 / 20.0);
+        assert_eq!(largest_area(&[0.0; 20], 5), 0.0);
+    }
+
+    #[test]
+    fn a_picture_becomes_final_between_two_points() {
+        let points = [point(4, 1.0, 0.06, 0.0), point(16, 4.0, 0.015, 0.0)];
+        let seconds = final_seconds(&points).expect("the last one is final");
+        assert!((seconds - 2.0).abs() < 1e-9, "{seconds}");
+        let spotted = [point(4, 1.0, 0.02, 0.1), point(16, 4.0, 0.015, 0.0)];
+        assert_eq!(final_seconds(&spotted), Some(4.0));
+        assert_eq!(final_seconds(&points[..1]), None);
+    }
+
+    #[test]
+    fn numbers_grow_by_less_than_two() {
+        let all: Vec<u32> = numbers(40).collect();
+        assert_eq!(all, [4, 6, 8, 12, 16, 24, 32]);
+    }
+}

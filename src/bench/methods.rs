@@ -1,0 +1,139 @@
+//! `patina bench methods`: how long ways to render a picture take until it is good enough, as a table and report files.
+
+use std::io::Write as _;
+use std::path::Path;
+use std::time::Duration;
+
+use device::Device;
+use engine::load;
+use engine::procedural::{Procedural, TextureSources};
+use engine::renderer::RenderSettings;
+use engine::scene::look::{Look, LookError};
+use engine::scene::{Camera, Scene, default_camera};
+use patina_bench::methods::{self as bench, How, Setup};
+use patina_bench::report::methods::MethodsFigures;
+use patina_bench::scenes;
+
+use crate::failure::Failure;
+use crate::progress::Bar;
+use crate::{console, library, output, picture};
+
+use super::job::{Amount, MethodsJob, ReportFormat};
+use super::report;
+
+/// What is rendered if the user says nothing; the samples are the most of each picture.
+const USUAL: Amount = Amount {
+    width: 256,
+    height: 256,
+    spp: 1024,
+    runs: 1,
+};
+
+/// What is rendered.
+struct Prepared {
+    name: String,
+    scene: Scene,
+    procedural: Procedural,
+    camera: Camera,
+}
+
+/// Measures, prints the table and writes the reports.
+///
+/// # Errors
+/// A scene, a look or a reference that can't be loaded or rendered, no device, a file that can't be written.
+pub(super) fn run(job: &MethodsJob) -> Result<(), Failure> {
+    let written: Vec<_> = job
+        .reports
+        .iter()
+        .map(|report| report.path.clone())
+        .chain(job.effort.json.clone())
+        .collect();
+    let read: Vec<_> = job.scene.iter().collect();
+    report::check(&written, &read, job.look.as_deref())?;
+    let bar = Bar::new("loading the scene");
+    let prepared = prepare(job, &bar)?;
+    let reference = job.reference.as_deref().map(reference).transpose()?;
+    let device = Device::open(&job.effort.device).map_err(Failure::because)?;
+    bar.follow(&device);
+    let amount = job.effort.amount(USUAL);
+    let setup = Setup {
+        scene: &prepared.scene,
+        procedural: &prepared.procedural,
+        settings: RenderSettings {
+            max_depth: job.effort.max_depth,
+            ..RenderSettings::new(amount.width, amount.height, &prepared.camera)
+        },
+        methods: match job.methods.is_empty() {
+            true => How::ALL.to_vec(),
+            false => job.methods.clone(),
+        },
+        reference,
+        reference_spp: job.reference_spp,
+        most_spp: amount.spp,
+        runs: amount.runs,
+        exposure: job.exposure,
+        limit: Duration::from_secs(60 * u64::from(job.minutes)),
+    };
+    let measured = bench::measure(&device, &setup, |case| {
+        bar.stage(&format!("measuring: {case}"));
+    });
+    let measured = measured.map_err(Failure::because)?;
+    bar.finish();
+
+    let figures = MethodsFigures {
+        conditions: report::conditions(&job.effort, amount, &device),
+        scene: prepared.name,
+        triangles: prepared.scene.instanced_triangles(),
+        exposure: job.exposure,
+        report: measured,
+    };
+    console::print(&figures.table());
+    report::write(&job.effort, &figures)?;
+    for report in &job.reports {
+        let text = match report.format {
+            ReportFormat::Html => figures.html().map_err(Failure::because)?,
+            ReportFormat::Json => figures.json().map_err(Failure::because)?,
+            ReportFormat::Svg => figures.svg().map_err(Failure::because)?,
+        };
+        output::write_aside(&report.path, |file| file.write_all(text.as_bytes()))
+            .map_err(Failure::because)?;
+        console::note(&format!("wrote {}", report.path.display()));
+    }
+    Ok(())
+}
+
+/// A converged picture.
+fn reference(path: &Path) -> Result<Vec<[f32; 3]>, Failure> {
+    let layer = picture::layer(path, None)?;
+    let [Some(red), Some(green), Some(blue)] = [0, 1, 2].map(|at| layer.channels.get(at)) else {
+        let path = path.display();
+        return Err(Failure::Failed(format!("{path}: it has no colours")));
+    };
+    let pixels = red.values.iter().zip(&green.values).zip(&blue.values);
+    Ok(pixels.map(|((&r, &g), &b)| [r, g, b]).collect())
+}
+
+fn prepare(job: &MethodsJob, bar: &Bar) -> Result<Prepared, Failure> {
+    let Some(path) = &job.scene else {
+        let mut scene = scenes::cornell_box();
+        let nothing = Look::parse(Path::new(""), "")?;
+        let procedural = Procedural::build(&nothing, &mut scene, &TextureSources::default())
+            .map_err(LookError::from)?;
+        let camera = scene.cameras.first().cloned();
+        return Ok(Prepared {
+            name: "Cornell box".to_owned(),
+            camera: camera.unwrap_or_else(|| default_camera(&scene)),
+            procedural,
+            scene,
+        });
+    };
+    let texture_dirs = library::texture_dirs(&job.effort.texture_dirs, job.look.as_deref())?;
+    let loaded = load::load(path, job.look.as_deref(), &texture_dirs)?;
+    bar.suspend(|| console::diagnostics(&loaded.warnings));
+    Ok(Prepared {
+        name: path.display().to_string(),
+        scene: loaded.scene,
+        procedural: loaded.procedural,
+        camera: loaded.camera,
+    })
+}
