@@ -9,6 +9,7 @@ use clap::{ArgAction, Parser, Subcommand};
 use engine::filter::PixelFilter;
 use engine::settings::{Estimator, Method, Sampler};
 
+use crate::accuracy::Accuracy;
 use crate::bench::args::BenchCommand;
 use crate::compare::args::CompareArgs;
 use crate::console::MessageFormat;
@@ -288,11 +289,17 @@ pub(crate) struct RenderArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) clamp: Option<String>,
 
-    /// How light that is scattered more than once is found: path, which is right on average, or draft, by a cache of what surfaces scatter:
-    /// faster, with less noise, but biased.
+    /// How light that is scattered more than once is found: path, which is right on average; draft, by a cache of what surfaces scatter;
+    /// cache, by records of irradiance between which it is interpolated. The last two are faster, with less noise, but biased.
     #[arg(long, value_name = "NAME", default_value = "path")]
     #[arg(value_parser = words(Method::ALL.map(Method::name)))]
     pub(crate) method: String,
+
+    /// How right a picture has to be: reference (as --method path), final (as --method cache, rendered again with finer records where the
+    /// audit finds more wrong than one sees) or draft (as --method draft).
+    #[arg(long, value_name = "NAME", conflicts_with = "method")]
+    #[arg(value_parser = words(Accuracy::ALL.map(Accuracy::name)))]
+    pub(crate) accuracy: Option<String>,
 
     /// How direct light is sampled: mis (multiple importance sampling of lights and BSDFs), bsdf or lights (one of both alone).
     /// The picture is the same but for its noise.

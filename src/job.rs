@@ -19,6 +19,7 @@ use engine::scene::view::ViewChoice;
 use engine::session::Edit;
 use engine::settings::{Estimator, Method, Sampler};
 
+use crate::accuracy::{Accuracy, method_flag};
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
 use crate::bench::job::BenchJob;
 use crate::compare::job::CompareJob;
@@ -125,6 +126,8 @@ pub(crate) struct RenderJob {
     pub(crate) estimator: Estimator,
     /// How light that is scattered more than once is found.
     pub(crate) method: Method,
+    /// How right the picture has to be, where that was said.
+    pub(crate) accuracy: Option<Accuracy>,
     /// Russian roulette: dark paths may end early.
     pub(crate) roulette: bool,
     /// Where random numbers come from.
@@ -291,7 +294,12 @@ impl RenderJob {
             args.look_at.as_deref(),
         )?;
         let shown_layers = parse_layers(&args.layers, &outputs)?;
-        let method = method(&args)?;
+        let accuracy = args
+            .accuracy
+            .as_deref()
+            .map(|word| parse_word("--accuracy", word, Accuracy::ALL, Accuracy::name));
+        let accuracy = accuracy.transpose()?;
+        let method = method(&args, accuracy)?;
         form.check(&shown_layers)
             .map_err(|error| form::refused("--exr-compression", &error))?;
         let filter = parse_word(
@@ -353,6 +361,7 @@ impl RenderJob {
                 Estimator::name,
             )?,
             method,
+            accuracy,
             roulette: !args.no_roulette,
             sampler: parse_word("--sampler", &args.sampler, Sampler::ALL, Sampler::name)?,
             energy_compensation: !args.no_energy_compensation,
@@ -461,8 +470,11 @@ fn motion(args: &RenderArgs, limits: &Limits, spp: u32) -> Result<MotionJob, Usa
 }
 
 /// How a render is to be kept while it is under way.
-fn method(args: &RenderArgs) -> Result<Method, UsageError> {
-    let method = parse_word("--method", &args.method, Method::ALL, Method::name)?;
+fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, UsageError> {
+    let method = match accuracy {
+        Some(accuracy) => accuracy.method(),
+        None => parse_word("--method", &args.method, Method::ALL, Method::name)?,
+    };
     let is_asked_for = [
         ("--part", args.part.is_some()),
         ("--sample-range", args.sample_range.is_some()),
@@ -475,21 +487,12 @@ fn method(args: &RenderArgs) -> Result<Method, UsageError> {
         Some(&(flag, _)) if method != Method::Path => {
             let because = "what the first samples of a picture have taught the cache isn't kept with its film";
             Err(UsageError::Apart {
-                flag: method_flag(method),
+                flag: accuracy.map_or(method_flag(method), Accuracy::flag),
                 other: flag,
                 because,
             })
         }
         _ => Ok(method),
-    }
-}
-
-/// How a method is asked for.
-pub(crate) fn method_flag(method: Method) -> &'static str {
-    match method {
-        Method::Path => "--method path",
-        Method::Draft => "--method draft",
-        Method::Cache => "--method cache",
     }
 }
 

@@ -4,6 +4,7 @@
 //! This file only walks the path every invocation takes: raw flags ([`args`]) become a validated [`job`], the job
 //! is run by the file named after it, and what came of it becomes an exit code ([`exit`]). Nothing is decided here.
 
+mod accuracy;
 mod args;
 mod bench;
 mod cache;

@@ -27,8 +27,9 @@ use engine::session::{Inputs, Session, SessionError};
 use engine::settings::Method;
 use engine::stats::{DeviceFacts, Stats};
 
+use crate::accuracy::method_flag;
 use crate::failure::Failure;
-use crate::job::{RenderJob, method_flag};
+use crate::job::RenderJob;
 use crate::motion::{Frame, Sight};
 use crate::output::{self, Results};
 use crate::progress::Bar;

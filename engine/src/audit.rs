@@ -40,7 +40,16 @@ struct Block {
     square: f64,
 }
 
+/// Largest error of the brightness, and of blocks, of a picture that is taken for right: of the mean radiance.
+const FINE: [f64; 2] = [0.01, 0.03];
+
 impl Audit {
+    /// Whether more is wrong than may be, with certainty: of what isn't certain, more samples tell.
+    pub fn is_wrong(&self) -> bool {
+        let brightness = self.brightness.start.max(-self.brightness.end);
+        brightness > FINE[0] || self.blocks.start > FINE[1]
+    }
+
     /// Of a picture whose samples come in halves, by two others of the same size. `None` where there is nothing to compare: too few
     /// samples, or all is black.
     pub fn new(picture: &Film, truth: [&Film; 2]) -> Option<Self> {
@@ -154,6 +163,7 @@ mod tests {
     fn what_is_wrong_is_found_below_the_noise() {
         let (a, b) = (noise(1, 1.0, 2.0, 2), noise(2, 1.0, 2.0, 2));
         let wrong = Audit::new(&noise(3, 1.05, 2.0, 32), [&a, &b]).expect("there is light");
+        assert!(wrong.is_wrong(), "{wrong:?}");
         assert!(wrong.brightness.contains(&0.05), "{wrong:?}");
         assert!(wrong.blocks.contains(&0.05), "{wrong:?}");
         assert!(
@@ -161,6 +171,7 @@ mod tests {
             "{wrong:?}"
         );
         let right = Audit::new(&noise(4, 1.0, 2.0, 32), [&a, &b]).expect("there is light");
+        assert!(!right.is_wrong(), "{right:?}");
         assert!(right.brightness.contains(&0.0), "{right:?}");
         assert!(
             right.blocks.start < 0.01 && right.blocks.end < 0.04,

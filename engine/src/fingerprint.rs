@@ -64,6 +64,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         sampler,
         halves,
         method,
+        refinement,
         layers: _,
         time,
         frame_index,
@@ -108,6 +109,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         ("frame", frame_index.to_string(), *frame_index != 0),
         ("halves", halves.to_string(), *halves),
         ("method", method.name().to_owned(), *method != Method::Path),
+        ("refinement", refinement.to_string(), *refinement != 0),
     ] {
         if is_said {
             list.push((name.to_owned(), value));

@@ -45,6 +45,8 @@ pub struct RenderSettings {
     pub halves: bool,
     /// How light that is scattered more than once is found.
     pub method: Method,
+    /// How often what records of irradiance may be wrong by is halved, for [`Method::Cache`].
+    pub refinement: u32,
     /// What the film gathers; the picture doesn't depend on it.
     pub layers: Layers,
     /// Seconds, which textures read as `Time`.
@@ -156,6 +158,7 @@ impl RenderSettings {
             sampler: Sampler::Sobol,
             halves: false,
             method: Method::Path,
+            refinement: 0,
             layers: Layers::default(),
             time: 0.0,
             frame_index: 0,

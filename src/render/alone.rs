@@ -13,6 +13,7 @@ use engine::session::Session;
 use engine::settings::Method;
 use engine::stats::DeviceFacts;
 
+use crate::accuracy::Accuracy;
 use crate::failure::Failure;
 use crate::job::RenderJob;
 use crate::memory::Need;
@@ -35,6 +36,9 @@ pub(super) struct Take<'a> {
     /// What has rendered the picture before.
     pub(super) session: Option<Box<Session>>,
 }
+
+/// Most times that a picture is rendered again with finer records.
+const REFINEMENTS: u32 = 2;
 
 /// Renders until all samples are there, or a signal comes.
 ///
@@ -125,26 +129,41 @@ pub(super) fn render(
         writer: writer.as_mut(),
         after_first: Some(first),
     };
-    let mut ended = None;
     let mut reel = take.reel;
-    if job.adaptive {
-        ended = exposure.distribute(&mut session)?;
-    }
-    for (number, &end) in ends.iter().enumerate().filter(|_| !job.adaptive) {
-        if session.paths_done() >= u64::from(end) * session.paths_per_sample() {
-            continue; // a part of the samples, or a film that goes on, has no more of this moment
+    let mut refined = 0;
+    let (mut film, ended, audit, mut stats) = loop {
+        let mut ended = None;
+        if job.adaptive {
+            ended = exposure.distribute(&mut session)?;
         }
-        if let (Some(sight), Some(reel)) = (number.checked_sub(1), reel.as_deref_mut()) {
-            let Seen { opening, sight } = reel.at(&take.others[sight])?;
-            let settings = self::settings(job, &opening.loaded().camera, &sight);
-            session.show(opening, &settings, true).map_err(failure)?;
+        for (number, &end) in ends.iter().enumerate().filter(|_| !job.adaptive) {
+            if session.paths_done() >= u64::from(end) * session.paths_per_sample() {
+                continue; // a part of the samples, or a film that goes on, has no more of this moment
+            }
+            if let (Some(sight), Some(reel)) = (number.checked_sub(1), reel.as_deref_mut()) {
+                let Seen { opening, sight } = reel.at(&take.others[sight])?;
+                let settings = self::settings(job, &opening.loaded().camera, &sight);
+                session.show(opening, &settings, true).map_err(failure)?;
+            }
+            ended = exposure.accumulate(&mut session, end)?;
+            if ended.is_some() {
+                break;
+            }
         }
-        ended = exposure.accumulate(&mut session, end)?;
-        if ended.is_some() {
-            break;
+        let film = session.snapshot().map_err(failure)?.film;
+        let stats = session.stats().map_err(failure)?;
+        let audit = match job.method {
+            Method::Draft | Method::Cache if ended.is_none() => audit(&mut session, &film)?,
+            _ => None,
+        };
+        let is_wrong = audit.as_ref().is_some_and(Audit::is_wrong);
+        if !is_wrong || job.accuracy != Some(Accuracy::Final) || refined == REFINEMENTS {
+            break (film, ended, audit, stats);
         }
-    }
-    let mut film = session.snapshot().map_err(failure)?.film;
+        refined += 1;
+        bar.stage("rendering again with finer records");
+        session.refine();
+    };
     interrupt::writes_results();
     let is_film_wanted = !job.outputs.films.is_empty();
     if let (Some(writer), false) = (&mut writer, is_film_wanted) {
@@ -156,12 +175,8 @@ pub(super) fn render(
         let (_, most) = film.sample_bounds();
         complete_sample(&mut session, most)?;
         film = session.snapshot().map_err(failure)?.film;
+        stats = session.stats().map_err(failure)?;
     }
-    let stats = session.stats().map_err(failure)?;
-    let audit = match job.method {
-        Method::Draft | Method::Cache if ended.is_none() => audit(&mut session, &film)?,
-        _ => None,
-    };
     let render_seconds = clock.elapsed().as_secs_f64();
     let (_, most) = film.sample_bounds();
     let paths = paths_of(job, &film, &session);

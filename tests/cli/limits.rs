@@ -108,6 +108,53 @@ fn a_draft_says_how_wrong_it_is() {
     bench.run(&light).expect_error(1, "parts of the light");
 }
 
+#[test]
+fn accuracy_chooses_how_light_is_found() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let scene = "render triangle.gltf --look sky.look.toml --size 48x40 --spp 32";
+    for (accuracy, is_biased) in [("draft", true), ("final", true), ("reference", false)] {
+        let ended = bench
+            .run(&format!("{scene} --accuracy {accuracy} -o {accuracy}.png"))
+            .expect_code(0);
+        let said = &ended.stdout;
+        assert_eq!(said.contains("biased:"), is_biased, "{accuracy}: {said}");
+    }
+    bench
+        .run(&format!("{scene} --accuracy final --adaptive"))
+        .expect_error(2, "--accuracy final");
+    bench
+        .run(&format!("{scene} --accuracy final --method path"))
+        .expect_error(2, "cannot be used with");
+}
+
+#[test]
+fn methods_are_compared_by_their_time_to_a_good_picture() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let measure = "bench methods triangle.gltf --look sky.look.toml --size 24x16 --spp 64 --reference-spp 256";
+    let ended = bench
+        .run(&format!("{measure} -o m.html -o m.json -o m.svg"))
+        .expect_code(0);
+    for method in ["path", "adaptive", "draft", "cache"] {
+        assert!(ended.stdout.contains(method), "{}", ended.stdout);
+    }
+    let page = std::fs::read_to_string(bench.path("m.html")).expect("it was written");
+    assert!(page.contains("<svg") && page.contains("data:image/jpeg"));
+    let json = std::fs::read_to_string(bench.path("m.json")).expect("it was written");
+    assert!(json.contains("\"final_seconds\""), "{json}");
+    bench
+        .run("bench methods --methods photons")
+        .expect_error(2, "photons");
+    bench
+        .run(&format!("{measure} --reference m.html"))
+        .expect_error(1, "m.html");
+}
+
 /// The bytes of a film that is rendered at one go.
 fn whole(bench: &Bench, line: &str) -> Vec<u8> {
     bench

@@ -333,6 +333,8 @@ impl Renderer {
             Purpose::Gather(first, end) => (IDLE, 0.0, [first, end]),
             Purpose::Learn | Purpose::Apart => (IDLE, 0.0, [0; 2]),
         };
+        // What is wrong between records grows with the square of their radii.
+        let finer = 0.5_f32.sqrt().powi(self.settings.refinement.min(20) as i32);
         let words = Settings {
             mode,
             first_record: records[0],
@@ -344,8 +346,8 @@ impl Renderer {
             falloff: cache.falloff,
             share,
             gather: self.light_record(),
-            radius_share: RADIUS_SHARE,
-            most_change: MOST_CHANGE,
+            radius_share: RADIUS_SHARE * finer,
+            most_change: MOST_CHANGE * finer,
         };
         let uniform = self.resources.buffer("irradiance_settings");
         self.device.write(uniform, 0, bytemuck::bytes_of(&words));
@@ -358,6 +360,12 @@ impl Renderer {
         (CROWD / (distance * distance))
             .min(0.9 * CANDIDATES as f32 / pixels)
             .min(1.0)
+    }
+
+    /// Has the picture begin anew with finer records, by [`RenderSettings::refinement`](crate::settings::RenderSettings::refinement).
+    pub fn refine(&mut self) {
+        self.settings.refinement += 1;
+        self.restart();
     }
 
     /// How many records of irradiance there are.

@@ -72,6 +72,11 @@ impl Session {
         self.renderer.paths_done()
     }
 
+    /// See [`crate::renderer::Renderer::refine`].
+    pub fn refine(&mut self) {
+        self.renderer.refine();
+    }
+
     /// See [`crate::renderer::Renderer::trace_apart`].
     ///
     /// # Errors
