@@ -52,7 +52,7 @@ fn gather_start(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
     let sine2 = (f32(ring) + inside.x) / f32(RINGS);
     let cosine = sqrt(max(1.0 - sine2, 0.0));
     let around = unit_circle((f32(sector) + inside.y) / f32(SECTORS)) * sqrt(sine2);
-    let normal = octahedral_decode(place.w);
+    let normal = octahedral_decode(irradiance_records[record * RECORD_WORDS + 1u].w);
     let tangent = any_perpendicular(normal);
     let direction = normalize(tangent * around.x + cross(normal, tangent) * around.y + normal * cosine);
     rays[own_ray(slot)] = RayHit(bitcast<vec3f>(place.xyz), 0.0, direction, 1e30, vec2f(0.0), MISS, 0u);

@@ -46,56 +46,62 @@ fn references_of(cell: vec3i, level: u32) -> vec2u {
     return vec2u(0u);
 }
 
-// Number `i` of the 27 halves of a record's harmonics.
-fn record_harmonic(record: u32, i: u32) -> f32 {
-    let word = 17u + i / 2u;
-    let halves = unpack2x16float(irradiance_records[record * RECORD_WORDS + word / 4u][word % 4u]);
-    return select(halves.x, halves.y, (i & 1u) != 0u);
+// The sum of two neighbouring harmonics of a record by their factors: three words hold six halves.
+fn two_harmonics(words: vec3u, first: f32, second: f32) -> vec3f {
+    let a = unpack2x16float(words.x);
+    let b = unpack2x16float(words.y);
+    let c = unpack2x16float(words.z);
+    return first * vec3f(a, b.x) + second * vec3f(b.y, c);
 }
 
-// The irradiance of a record at a place with another normal.
-fn record_irradiance(record: u32, offset: vec3f, own_normal: vec3f, normal: vec3f) -> vec3f {
-    let at = record * RECORD_WORDS;
-    let irradiance = bitcast<vec3f>(irradiance_records[at + 1u].xyz);
+// The irradiance of a record at a place, and with another normal, whose harmonics are `toward`.
+fn record_irradiance(at: u32, own: vec4u, offset: vec3f, is_turned: bool, toward: array<f32, 9>) -> vec3f {
     let a = bitcast<vec4f>(irradiance_records[at + 2u]);
     let b = bitcast<vec4f>(irradiance_records[at + 3u]);
-    let c = bitcast<f32>(irradiance_records[at + 4u].x);
-    let moved = vec3f(dot(offset, a.xyz), dot(offset, vec3f(a.w, b.xy)), dot(offset, vec3f(b.zw, c)));
-    var turned = vec3f(0.0);
-    if (dot(own_normal, normal) < 0.9999) {
-        let before = harmonics(own_normal);
-        let after = harmonics(normal);
-        for (var i = 1u; i < 9u; i++) {
-            let change = after[i] - before[i];
-            let of_band = vec3f(record_harmonic(record, 3u * i), record_harmonic(record, 3u * i + 1u), record_harmonic(record, 3u * i + 2u));
-            turned += change * of_band;
-        }
-        turned *= max_component(irradiance);
+    let c = irradiance_records[at + 4u];
+    let moved = vec3f(dot(offset, a.xyz), dot(offset, vec3f(a.w, b.xy)), dot(offset, vec3f(b.zw, bitcast<f32>(c.x))));
+    var irradiance = bitcast<vec3f>(own.xyz);
+    if (is_turned) {
+        let d = irradiance_records[at + 5u];
+        let e = irradiance_records[at + 6u];
+        let f = irradiance_records[at + 7u];
+        let last = vec3f(unpack2x16float(f.y), unpack2x16float(f.z).x);
+        let all = two_harmonics(c.yzw, toward[0], toward[1]) + two_harmonics(d.xyz, toward[2], toward[3])
+            + two_harmonics(vec3u(d.w, e.xy), toward[4], toward[5]) + two_harmonics(vec3u(e.zw, f.x), toward[6], toward[7])
+            + toward[8] * last;
+        irradiance = all * max_component(irradiance);
     }
-    return max(irradiance + moved + turned, vec3f(0.0));
+    return max(irradiance + moved, vec3f(0.0));
 }
 
 // The irradiance at a place, weighed from all records that reach there, and the sum of their weights. `facing` is the normal by
 // which records are chosen, `normal` the one that light falls on.
 fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f) -> vec4f {
     var sum = vec4f(0.0);
+    let toward = harmonics(normal);
+    let reach = 1.0 / irradiance_settings.falloff;
+    let reach2 = reach * reach;
     for (var level = 0u; level < irradiance_settings.levels; level++) {
         let side = exp2(f32(irradiance_settings.first_level + i32(level)));
         let references = references_of(vec3i(floor(position / side)), level);
         for (var i = references.x; i < references.y; i++) {
-            let record = irradiance_references[i];
-            let at = record * RECORD_WORDS;
-            let place = irradiance_records[at];
-            let offset = position - bitcast<vec3f>(place.xyz);
-            let radius = bitcast<f32>(irradiance_records[at + 1u].w);
-            let own_normal = octahedral_decode(place.w);
+            let at = irradiance_references[i] * RECORD_WORDS;
+            let place = bitcast<vec4f>(irradiance_records[at]);
+            let offset = position - place.xyz;
+            let radius = place.w;
+            if (dot(offset, offset) >= radius * radius * reach2) {
+                continue;
+            }
+            let own = irradiance_records[at + 1u];
+            let own_normal = octahedral_decode(own.w);
             let turn = sqrt(max(1.0 - dot(facing, own_normal), 0.0)) / FARTHEST_TURN;
             // How far one lies above the other: on a plane and on a ball 0, across a step not.
             let height = abs(dot(offset, facing + own_normal)) * 0.5;
             let apart = max(length(offset), 6.0 * height) / radius;
             let weight = 1.0 - irradiance_settings.falloff * max(apart, turn);
             if (weight > 0.0) {
-                sum += weight * vec4f(record_irradiance(record, offset, own_normal, normal), 1.0);
+                let is_turned = dot(own_normal, normal) < 0.9999;
+                sum += weight * vec4f(record_irradiance(at, own, offset, is_turned, toward), 1.0);
             }
         }
     }

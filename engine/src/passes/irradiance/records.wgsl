@@ -8,10 +8,12 @@
 //!include shared/vectors.wgsl
 
 // Eight of each:
-//  0: position, octahedral normal
-//  1: irradiance rgb, radius
-//  2..4: gradient in space, red, green, blue: nine numbers; then what the harmonics are multiplied by, see `record_harmonic`
-//  4..8: 27 halves: nine harmonics of the irradiance, rgb each; then the width of a pixel there
+//  0: position, radius
+//  1: irradiance rgb, octahedral normal
+//  2..4.x: gradient in space, red, green, blue: nine numbers
+//  4.y..7.z: what the nine harmonics of the irradiance are multiplied by, rgb each, over the largest of rgb of the irradiance: 27 halves.
+//     The first is such that the irradiance at the record's own normal comes out
+//  7.w: width of a pixel there
 const RECORD_WORDS = 8u;
 
 // A record's weight falls with the angle between the normals, too: this is where it has fallen to nothing, as sqrt(1 - cosine).

@@ -26,7 +26,7 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     }
     let at = record * RECORD_WORDS;
     let first = index * GATHER_RAYS;
-    let normal = octahedral_decode(irradiance_records[at].w);
+    let normal = octahedral_decode(irradiance_records[at + 1u].w);
     let tangent = any_perpendicular(normal);
     let bitangent = cross(normal, tangent);
 
@@ -78,7 +78,8 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     // Where the radius had to grow, what is near would make the gradient too steep for it.
     let calmer = min(1.0, radius / kept);
 
-    irradiance_records[at + 1u] = vec4u(bitcast<vec3u>(irradiance), bitcast<u32>(kept));
+    irradiance_records[at].w = bitcast<u32>(kept);
+    irradiance_records[at + 1u] = vec4u(bitcast<vec3u>(irradiance), irradiance_records[at + 1u].w);
     let red = (tangent * along_x.x + bitangent * along_y.x) * calmer;
     let green = (tangent * along_x.y + bitangent * along_y.y) * calmer;
     let blue = (tangent * along_x.z + bitangent * along_y.z) * calmer;
@@ -86,12 +87,19 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     irradiance_records[at + 3u] = bitcast<vec4u>(vec4f(green.yz, blue.xy));
     // Radiance to irradiance, band by band, over the irradiance itself.
     let scale = 1.0 / max(max_component(irradiance), 1e-30);
+    let own = harmonics(normal);
+    var others = vec3f(0.0);
+    for (var i = 0u; i < 9u; i++) {
+        let of_band = select(select(0.25 * PI, 2.0 * PI / 3.0, i < 4u), PI, i < 1u);
+        bands[i] *= of_band * scale;
+        others += select(bands[i] * own[i], vec3f(0.0), i == 0u);
+    }
+    bands[0] = (irradiance * scale - others) / own[0];
     var words: array<u32, 16>;
     words[0] = bitcast<u32>(blue.z);
     for (var i = 0u; i < 27u; i++) {
         let band = i / 3u;
-        let of_band = select(select(0.25 * PI, 2.0 * PI / 3.0, band < 4u), PI, band < 1u);
-        let value = clamp(bands[band][i % 3u] * of_band * scale, -60000.0, 60000.0);
+        let value = clamp(bands[band][i % 3u], -60000.0, 60000.0);
         let half = pack2x16float(vec2f(value, 0.0));
         words[1u + i / 2u] |= half << (16u * (i & 1u));
     }

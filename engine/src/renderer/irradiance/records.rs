@@ -11,12 +11,12 @@ use glam::{IVec3, Vec2, Vec3};
 pub(super) struct Record {
     /// Where, metres.
     pub(super) position: Vec3,
-    /// Octahedral.
-    pub(super) normal: u32,
-    /// W/m2, red, green, blue.
-    pub(super) irradiance: Vec3,
     /// Metres.
     pub(super) radius: f32,
+    /// W/m2, red, green, blue.
+    pub(super) irradiance: Vec3,
+    /// Octahedral.
+    pub(super) normal: u32,
     /// What only the kernels read.
     pub(super) inner: [u32; 23],
     /// Of a pixel there, metres.
@@ -222,7 +222,7 @@ pub(super) fn spread_out(mut candidates: Vec<Candidate>, pixels: f32) -> Vec<Rec
 }
 
 /// Most records that may cover another one before their radii shrink.
-const MOST_OVERLAP: f32 = 8.0;
+const MOST_OVERLAP: f32 = 4.0;
 /// Least radius in widths of a pixel: `LEAST_WIDTHS` of `solve.wgsl`.
 const LEAST_WIDTHS: f32 = 1.5;
 
