@@ -9,7 +9,7 @@ use engine::{
     frame::Frame,
     gpu_scene::{GpuInstance, light_tree::GpuLightNode, lights::GpuLight, materials::GpuMaterial},
     passes::{
-        display, guide, proctex,
+        display, guide, irradiance, proctex,
         wgsl::{ComposedWgsl, FILES},
     },
     schedule,
@@ -119,7 +119,9 @@ fn shared_structs_agree() {
 fn kernels_are_valid_and_bind_at_most_eight_storage_buffers() {
     let mut proctex = ComposedWgsl::of("proctex/proctex.wgsl");
     proctex.append_generated(&texgen::Library::default().emit(1));
-    let passes = schedule::WAVE.iter().chain([&&guide::PASS]);
+    let passes = schedule::WAVE
+        .iter()
+        .chain([&&guide::PASS, &&irradiance::SOLVE]);
     let files = passes
         .filter(|pass| pass.name != proctex::PASS.name)
         .map(|pass| pass.file)
@@ -158,7 +160,10 @@ fn passes_read_and_write_what_they_declare() {
     let texture = texgen::TextureType::parse(file).unwrap_or_else(|e| panic!("{e}"));
     let library = texgen::Library::new(vec![texture]).unwrap_or_else(|e| panic!("{e}"));
     let mut wrong = String::new();
-    for pass in schedule::WAVE.into_iter().chain([&guide::PASS]) {
+    for pass in schedule::WAVE
+        .into_iter()
+        .chain([&guide::PASS, &irradiance::SOLVE])
+    {
         let mut source = ComposedWgsl::of(pass.file);
         if pass.name == proctex::PASS.name {
             source.append_generated(&library.emit(1));
@@ -205,7 +210,7 @@ fn private_memory_counts_the_stack_of_programs() {
 #[test]
 fn every_wgsl_file_is_part_of_a_kernel() {
     let mut roots: Vec<&str> = schedule::WAVE.iter().map(|pass| pass.file).collect();
-    roots.extend([guide::PASS.file, display::FILE]);
+    roots.extend([guide::PASS.file, irradiance::SOLVE.file, display::FILE]);
     let used: BTreeSet<String> = roots
         .into_iter()
         .flat_map(|root| ComposedWgsl::of(root).origins)

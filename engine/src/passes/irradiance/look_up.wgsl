@@ -46,11 +46,11 @@ fn references_of(cell: vec3i, level: u32) -> vec2u {
     return vec2u(0u);
 }
 
-// The sum of two neighbouring harmonics of a record by their factors: three words hold six halves.
+// The sum of two neighbouring harmonics of a record by their factors: three words hold six numbers.
 fn two_harmonics(words: vec3u, first: f32, second: f32) -> vec3f {
-    let a = unpack2x16float(words.x);
-    let b = unpack2x16float(words.y);
-    let c = unpack2x16float(words.z);
+    let a = unpack2x16snorm(words.x);
+    let b = unpack2x16snorm(words.y);
+    let c = unpack2x16snorm(words.z);
     return first * vec3f(a, b.x) + second * vec3f(b.y, c);
 }
 
@@ -65,11 +65,11 @@ fn record_irradiance(at: u32, own: vec4u, offset: vec3f, is_turned: bool, toward
         let d = irradiance_records[at + 5u];
         let e = irradiance_records[at + 6u];
         let f = irradiance_records[at + 7u];
-        let last = vec3f(unpack2x16float(f.y), unpack2x16float(f.z).x);
-        let all = two_harmonics(c.yzw, toward[0], toward[1]) + two_harmonics(d.xyz, toward[2], toward[3])
+        let last = vec3f(unpack2x16snorm(f.y), unpack2x16snorm(f.z).x);
+        let all = two_harmonics(c.yzw, 1.0, toward[1]) + two_harmonics(d.xyz, toward[2], toward[3])
             + two_harmonics(vec3u(d.w, e.xy), toward[4], toward[5]) + two_harmonics(vec3u(e.zw, f.x), toward[6], toward[7])
             + toward[8] * last;
-        irradiance = all * max_component(irradiance);
+        irradiance = all * (MOST_HARMONIC * max_component(irradiance));
     }
     return max(irradiance + moved, vec3f(0.0));
 }

@@ -11,10 +11,12 @@
 //  0: position, radius
 //  1: irradiance rgb, octahedral normal
 //  2..4.x: gradient in space, red, green, blue: nine numbers
-//  4.y..7.z: what the nine harmonics of the irradiance are multiplied by, rgb each, over the largest of rgb of the irradiance: 27 halves.
-//     The first is such that the irradiance at the record's own normal comes out
+//  4.y..7.z: what the nine harmonics of the irradiance are multiplied by, rgb each, in units of MOST_HARMONIC times the largest of rgb of the
+//     irradiance: 27 numbers of 16 bits. In place of the first, what all normals have in common: such that the irradiance at the record's own
+//     normal comes out
 //  7.w: width of a pixel there
 const RECORD_WORDS = 8u;
+const MOST_HARMONIC = 16.0;
 
 // A record's weight falls with the angle between the normals, too: this is where it has fallen to nothing, as sqrt(1 - cosine).
 const FARTHEST_TURN = 0.35; // 28.6 degrees

@@ -91,17 +91,16 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     var others = vec3f(0.0);
     for (var i = 0u; i < 9u; i++) {
         let of_band = select(select(0.25 * PI, 2.0 * PI / 3.0, i < 4u), PI, i < 1u);
-        bands[i] *= of_band * scale;
+        bands[i] = clamp(bands[i] * of_band * scale, vec3f(-MOST_HARMONIC), vec3f(MOST_HARMONIC));
         others += select(bands[i] * own[i], vec3f(0.0), i == 0u);
     }
-    bands[0] = (irradiance * scale - others) / own[0];
+    bands[0] = irradiance * scale - others;
     var words: array<u32, 16>;
     words[0] = bitcast<u32>(blue.z);
     for (var i = 0u; i < 27u; i++) {
         let band = i / 3u;
-        let value = clamp(bands[band][i % 3u], -60000.0, 60000.0);
-        let half = pack2x16float(vec2f(value, 0.0));
-        words[1u + i / 2u] |= half << (16u * (i & 1u));
+        let number = pack2x16snorm(vec2f(bands[band][i % 3u] / MOST_HARMONIC, 0.0));
+        words[1u + i / 2u] |= (number & 0xffffu) << (16u * (i & 1u));
     }
     words[15] = bitcast<u32>(width);
     for (var i = 0u; i < 4u; i++) {
