@@ -21,14 +21,15 @@ pub fn fingerprint(
     hash.scene(scene);
     let scene = hash.0.finish();
     let mut hash = Contents(Hash::new());
-    hash.procedural(procedural);
+    // As it is rendered; where it can't be, a renderer says so.
+    let shown = procedural.showing(settings.layers.nodes());
+    hash.procedural(shown.as_ref().unwrap_or(procedural));
     let mut list = named(settings);
     list.push(("scene".to_owned(), scene));
     list.push(("textures".to_owned(), hash.0.finish()));
     // What is gathered beside the picture changes no sample of it, and the files of pictures alone say nothing of it.
     if !settings.layers.is_picture_alone() {
-        let names: Vec<_> = settings.layers.iter().map(|layer| layer.name).collect();
-        list.push(("layers".to_owned(), names.join(",")));
+        list.push(("layers".to_owned(), settings.layers.asked().join(",")));
     }
     list
 }

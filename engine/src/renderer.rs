@@ -23,7 +23,7 @@ use crate::{
     filter::FilterTable,
     frame::Frame,
     gpu_scene::{GpuScene, GpuSceneError},
-    procedural::{CompileError, Procedural},
+    procedural::{CompileError, EditError, Procedural},
     scene::Scene,
     schedule::{self, Schedule, ScheduleError, Upload, Wavefront},
     settings::Method,
@@ -80,6 +80,9 @@ pub enum RenderError {
     /// The device can't play the schedule, or the schedule can't do this.
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
+    /// A node whose values the film is to keep isn't there, or can't be shown.
+    #[error("a layer of the film: {0}")]
+    Node(EditError),
     /// The texture programs have no inlined form.
     #[error(transparent)]
     Programs(#[from] CompileError),
@@ -280,6 +283,10 @@ impl Renderer {
         most_paths: u32,
         mut schedule: Box<dyn Schedule>,
     ) -> Result<Self, RenderError> {
+        let layers = &settings.layers;
+        let procedural = &procedural
+            .showing(layers.nodes())
+            .map_err(RenderError::Node)?;
         let most_paths = most_paths.next_multiple_of(64).max(64);
         let capacity = Lanes::capacity(device, &*schedule, most_paths);
         let mut resources = Resources::default();
@@ -292,7 +299,6 @@ impl Renderer {
             &mut resources,
         )?;
         gpu_scene.features.energy_compensation = settings.energy_compensation;
-        let layers = &settings.layers;
         let record_words = layers.record_words();
         if record_words > 0 && !schedule::records_layers(&*schedule) {
             let reason = "this schedule gathers no layers beside the picture";
@@ -300,6 +306,7 @@ impl Renderer {
         }
         gpu_scene.features.film_layers = record_words > 0;
         gpu_scene.features.splits_light = layers.split_light();
+        gpu_scene.features.node_layers = layers.nodes().len() as u32;
         gpu_scene.features.light_cache = settings.method != Method::Path;
         if gpu_scene.features.light_cache {
             if !schedule::has_light_cache(&*schedule) {

@@ -4,6 +4,7 @@
 //! Nothing here knows how a path is traced: a declaration says in WGSL what the first surface of a path gives, and
 //! `passes/film_layers` puts that into a kernel.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
 
@@ -91,13 +92,44 @@ macro_rules! light_group {
     };
 }
 
+/// The layers of a node of the look, by their number from 1 on: its value's first three components, and the fourth.
+macro_rules! node_layer {
+    ($number:literal) => {
+        Layer {
+            name: concat!("node_", $number),
+            pass: concat!("Node ", $number),
+            channels: "RGB",
+            rule: Rule::Mean(concat!("node_value(at, ", $number, "u).xyz")),
+            help: "value of a node",
+        }
+    };
+    ($number:literal, alpha) => {
+        Layer {
+            name: concat!("node_", $number, "_alpha"),
+            pass: concat!("Node ", $number),
+            channels: "A",
+            rule: Rule::Mean(concat!("node_value(at, ", $number, "u).w")),
+            help: "fourth component of the value of a node",
+        }
+    };
+}
+
+/// How the layers of a node are asked for; its name follows.
+pub const NODE: &str = "node:";
+/// Most nodes whose values a film keeps.
+pub const MAX_NODES: usize = 8;
+/// How the names of their layers begin.
+const NODE_LAYER: &str = "node_";
+/// How the name of that of the fourth component ends.
+const NODE_ALPHA: &str = "_alpha";
+
 /// What all layers of groups are called together.
 pub const LIGHT_GROUPS: &str = "light_groups";
 /// How the name of each begins; its number follows.
 const LIGHT_GROUP: &str = "light_group_";
 
 /// All layers. The picture itself is the first and always there.
-pub static LAYERS: [Layer; 43] = [
+pub static LAYERS: [Layer; 59] = [
     Layer {
         name: "combined",
         pass: "Combined",
@@ -337,6 +369,22 @@ pub static LAYERS: [Layer; 43] = [
     light_group!(13),
     light_group!(14),
     light_group!(15),
+    node_layer!(1),
+    node_layer!(1, alpha),
+    node_layer!(2),
+    node_layer!(2, alpha),
+    node_layer!(3),
+    node_layer!(3, alpha),
+    node_layer!(4),
+    node_layer!(4, alpha),
+    node_layer!(5),
+    node_layer!(5, alpha),
+    node_layer!(6),
+    node_layer!(6, alpha),
+    node_layer!(7),
+    node_layer!(7, alpha),
+    node_layer!(8),
+    node_layer!(8, alpha),
     Layer {
         name: "samples",
         pass: "Debug Sample Count",
@@ -400,8 +448,8 @@ impl Layer {
 
     /// Whether it is something to look at: colours, or how much of a pixel is covered.
     pub fn is_color(&self) -> bool {
-        // A variance is the square of a colour.
-        ["RGB", "A"].contains(&self.channels) && self.name != "variance"
+        // A variance is the square of a colour, and nodes give anything.
+        ["RGB", "A"].contains(&self.channels) && self.name != "variance" && self.node().is_none()
     }
 
     /// Whether it is a part of the picture.
@@ -412,6 +460,13 @@ impl Layer {
     /// The number of the group of lights that it is of.
     pub fn light_group(&self) -> Option<usize> {
         self.name.strip_prefix(LIGHT_GROUP)?.parse().ok()
+    }
+
+    /// The number of the node that it is of, from 0 on.
+    pub(crate) fn node(&self) -> Option<usize> {
+        let name = self.name.strip_prefix(NODE_LAYER)?;
+        let number: usize = name.strip_suffix(NODE_ALPHA).unwrap_or(name).parse().ok()?;
+        number.checked_sub(1)
     }
 
     /// How many channels it has in files.
@@ -450,9 +505,26 @@ pub struct UnknownLayer {
     pub name: String,
 }
 
-/// Names by which layers are asked for: those of light groups are one.
+/// Layers that there can't be.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum LayersError {
+    /// There is none of such a name.
+    #[error(transparent)]
+    Unknown(#[from] UnknownLayer),
+    /// They are too many.
+    #[error(
+        "layers of {wanted} nodes are too many: a film keeps the values of at most {MAX_NODES}"
+    )]
+    Nodes {
+        /// So many are asked for.
+        wanted: usize,
+    },
+}
+
+/// Names by which layers are asked for, but for those of nodes ([`NODE`]): those of light groups are one.
 pub fn known() -> Vec<&'static str> {
-    let single = LAYERS.iter().filter(|layer| layer.light_group().is_none());
+    let is_single = |layer: &&Layer| layer.light_group().is_none() && layer.node().is_none();
+    let single = LAYERS.iter().filter(is_single);
     single
         .map(|layer| layer.name)
         .chain([LIGHT_GROUPS])
@@ -467,11 +539,17 @@ pub(super) fn of_name(name: &str) -> Result<Vec<&'static Layer>, UnknownLayer> {
     let groups = || LAYERS.iter().filter(|layer| layer.light_group().is_some());
     match (name, Layer::named(name)) {
         (LIGHT_GROUPS, _) => Ok(groups().collect()),
-        (_, Some(layer)) => Ok(vec![layer]),
-        (_, None) => Err(UnknownLayer {
+        (_, Some(layer)) if layer.node().is_none() => Ok(vec![layer]),
+        _ => Err(UnknownLayer {
             name: name.to_owned(),
         }),
     }
+}
+
+/// What the layers of a node are called in EXR files, after the view layer.
+pub fn node_pass(node: &str) -> String {
+    // Points part the names of layers and channels.
+    format!("Node {}", node.replace('.', "_"))
 }
 
 /// The layers of a film, each once, in the order of [`LAYERS`]: the picture, and what was asked for beside it.
@@ -479,16 +557,24 @@ pub(super) fn of_name(name: &str) -> Result<Vec<&'static Layer>, UnknownLayer> {
 pub struct Layers {
     /// Beside the picture.
     others: Vec<&'static Layer>,
+    /// The names of the nodes that some of these are of, by their numbers: in order, so that lists can be compared.
+    nodes: Vec<String>,
 }
 
 impl Layers {
-    /// Those of these names, and the picture; light comes with the colour that it is divided by.
+    /// Those of these names, and the picture; light comes with the colour that it is divided by. Behind [`NODE`] a name is that of a node
+    /// of the look.
     ///
     /// # Errors
-    /// A name that no layer has.
-    pub fn named<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Self, UnknownLayer> {
+    /// A name that no layer has; too many nodes.
+    pub fn named<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Self, LayersError> {
         let mut wanted = Vec::new();
+        let mut nodes = BTreeSet::new();
         for name in names {
+            if let Some(node) = name.strip_prefix(NODE).filter(|node| !node.is_empty()) {
+                nodes.insert(node.to_owned());
+                continue;
+            }
             for layer in of_name(name)? {
                 wanted.push(layer);
                 if let Rule::Light { color, .. } = layer.rule {
@@ -496,16 +582,54 @@ impl Layers {
                 }
             }
         }
-        let others = LAYERS[1..].iter();
+        if nodes.len() > MAX_NODES {
+            let wanted = nodes.len();
+            return Err(LayersError::Nodes { wanted });
+        }
+        let is_wanted = |layer: &&Layer| match layer.node() {
+            Some(number) => number < nodes.len(),
+            None => wanted.contains(layer),
+        };
         Ok(Self {
-            others: others.filter(|layer| wanted.contains(layer)).collect(),
+            others: LAYERS[1..].iter().filter(is_wanted).collect(),
+            nodes: nodes.into_iter().collect(),
         })
     }
 
-    /// All that there are.
+    /// All that there are, but for those of nodes.
     pub fn all() -> Self {
+        let others = LAYERS[1..].iter();
         Self {
-            others: LAYERS[1..].iter().collect(),
+            others: others.filter(|layer| layer.node().is_none()).collect(),
+            nodes: Vec::new(),
+        }
+    }
+
+    /// The nodes of the look whose values are kept, by their numbers.
+    pub fn nodes(&self) -> &[String] {
+        &self.nodes
+    }
+
+    /// The name by which one of them is asked for; of a node, `node:` and its name for both of its layers.
+    pub fn name_of(&self, layer: &Layer) -> Cow<'static, str> {
+        match layer.node().and_then(|number| self.nodes.get(number)) {
+            Some(node) => format!("{NODE}{node}").into(),
+            None => layer.name.into(),
+        }
+    }
+
+    /// The names by which all of them are asked for, the picture's first, each once.
+    pub fn asked(&self) -> Vec<Cow<'static, str>> {
+        let mut names: Vec<_> = self.iter().map(|layer| self.name_of(layer)).collect();
+        names.dedup();
+        names
+    }
+
+    /// The name of one of them in EXR files, after that of the view layer.
+    pub fn pass_of(&self, layer: &Layer) -> Cow<'static, str> {
+        match layer.node().and_then(|number| self.nodes.get(number)) {
+            Some(node) => node_pass(node).into(),
+            None => layer.pass.into(),
         }
     }
 
@@ -516,6 +640,7 @@ impl Layers {
         let is_there = |layer: &&&Layer| layer.light_group().is_none_or(|number| number <= groups);
         Self {
             others: self.others.iter().filter(is_there).copied().collect(),
+            nodes: self.nodes.clone(),
         }
     }
 
@@ -528,9 +653,10 @@ impl Layers {
     ///
     /// # Errors
     /// A name that no layer has.
-    pub fn with<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Result<Self, UnknownLayer> {
-        let own = self.others.iter().map(|layer| layer.name);
-        Self::named(own.chain(names))
+    pub fn with<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Result<Self, LayersError> {
+        let mut all = self.asked();
+        all.extend(names.into_iter().map(|name| name.to_owned().into()));
+        Self::named(all.iter().map(AsRef::as_ref))
     }
 
     /// The layers, the picture first.
@@ -719,6 +845,27 @@ mod tests {
         assert_eq!(names["light_group_0"], [UNGROUPED]);
         assert_eq!(names["light_group_1"], ["sky"]);
         assert!(known().contains(&LIGHT_GROUPS) && !known().contains(&"light_group_1"));
+    }
+
+    #[test]
+    fn nodes_have_layers_of_their_names() {
+        let layers = Layers::named(["node:rust", "depth", "node:dirt.old", "node:rust"]);
+        let layers = layers.expect("known");
+        assert_eq!(layers.nodes(), ["dirt.old", "rust"]);
+        assert_eq!(
+            layers.asked(),
+            ["combined", "depth", "node:dirt.old", "node:rust"]
+        );
+        assert_eq!(layers.with(["uv"]).expect("known").nodes(), layers.nodes());
+        let passes: Vec<_> = layers.iter().map(|layer| layers.pass_of(layer)).collect();
+        assert_eq!(passes[2..4], ["Node dirt_old", "Node dirt_old"]);
+        for wrong in ["node:", "node", "node_1", "node_1_alpha"] {
+            Layers::named([wrong]).expect_err(wrong);
+        }
+        let many: Vec<String> = (0..9).map(|i| format!("node:{i}")).collect();
+        let error = Layers::named(many.iter().map(String::as_str)).expect_err("too many");
+        assert!(error.to_string().contains("9 nodes"), "{error}");
+        assert!(Layers::all().nodes().is_empty());
     }
 
     #[test]

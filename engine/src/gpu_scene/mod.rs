@@ -23,6 +23,7 @@ use device::{Device, DeviceError, Resources, Usage, native::accel};
 
 use crate::{
     bvh::{BvhError, SceneBvh},
+    material_record::MOST_RESULT_FIELDS,
     scene::{LightSource, Mesh, Scene, name_id},
     texturing::{ProgramTraits, TextureReads},
     wave,
@@ -118,6 +119,8 @@ pub struct SceneFeatures {
     pub film_layers: bool,
     /// Some of them are parts of the light, told apart by how it came.
     pub splits_light: bool,
+    /// Some are of nodes of the look: so many.
+    pub node_layers: u32,
     /// Paths end in a cache of light: asked for, too.
     pub light_cache: bool,
     /// Some material has a texture program.
@@ -163,6 +166,7 @@ impl SceneFeatures {
             energy_compensation: false,
             film_layers: false,
             splits_light: false,
+            node_layers: 0,
             light_cache: false,
             programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
             program_shadows: shadows.by_program,
@@ -172,7 +176,7 @@ impl SceneFeatures {
     }
 
     /// Values of the kernels' `override` constants.
-    pub fn constants(&self) -> [(&'static str, f64); 10] {
+    pub fn constants(&self) -> [(&'static str, f64); 12] {
         [
             ("has_alpha", f64::from(u8::from(self.alpha))),
             ("has_textures", f64::from(u8::from(self.textures))),
@@ -190,6 +194,8 @@ impl SceneFeatures {
                 f64::from(u8::from(self.program_shadows)),
             ),
             ("splits_light", f64::from(u8::from(self.splits_light))),
+            ("node_layers", f64::from(self.node_layers)),
+            ("first_node_field", f64::from(MOST_RESULT_FIELDS)),
         ]
     }
 }

@@ -4,7 +4,7 @@
 mod output;
 mod wgsl;
 
-pub use output::{HEAD_LINKS, HEAD_WORDS, Kind, Output, Outputs};
+pub use output::{HEAD_LINKS, HEAD_WORDS, Kind, MOST_RESULT_FIELDS, Output, Outputs};
 pub use wgsl::{material_wgsl, output_wgsl};
 
 use crate::scene::material_parameters::{Field, PARAMETERS};

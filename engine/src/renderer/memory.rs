@@ -5,7 +5,7 @@ use device::Device;
 use crate::{
     film::{self, Layers},
     gpu_scene,
-    procedural::Procedural,
+    procedural::{Procedural, node_words},
     scene::Scene,
     schedule::Wavefront,
     settings::{Method, RenderSettings},
@@ -88,7 +88,10 @@ fn paths(device: &Device, procedural: &Procedural, settings: &RenderSettings) ->
         Method::Path => 0,
         Method::Draft => LIGHT_RECORD_WORDS,
     };
-    let path = PathBytes::new(procedural.result_words() + split + record).total();
+    let results = procedural
+        .result_words()
+        .max(node_words(layers.nodes().len()));
+    let path = PathBytes::new(results + split + record).total();
     let recorded = 4 * u64::from(layers.record_words());
     let wave = u64::from(capacity) * (path + recorded) + 4 * QUEUE_HEADER;
     wave * (1 + Lanes::number(device, &schedule))

@@ -87,6 +87,8 @@ impl Renderer {
         goes_on: bool,
     ) -> Result<(), RenderError> {
         let device = self.device.clone();
+        let nodes = settings.layers.nodes();
+        let procedural = &procedural.showing(nodes).map_err(RenderError::Node)?;
         let former = std::mem::replace(&mut self.procedural, procedural.clone());
         let features = self.scene.features;
         let reads = [&former.reads(), &procedural.reads()];

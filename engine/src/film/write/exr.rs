@@ -113,11 +113,11 @@ fn layered(content: &Content<'_>, layers: &Layers, metadata: &Metadata) -> Named
         }
         let samples = content.form.samples(layer, channels);
         let names = layer.channel_names();
-        named.extend(
-            names
-                .map(|name| with_group(name, layer, metadata))
-                .zip(samples),
-        );
+        let names = names.map(|name| {
+            let name = with_group(name, layer, metadata);
+            name.replacen(layer.pass, &layers.pass_of(layer), 1)
+        });
+        named.extend(names.zip(samples));
     }
     named
 }

@@ -6,6 +6,7 @@
 //!include shared/queue_lists.wgsl
 //!include shared/abilities.wgsl
 //!include shared/appearance.wgsl
+//!include shared/node_values.wgsl
 //!include film_layers/samples.wgsl
 //!include generated/film_layers.wgsl
 
@@ -16,6 +17,7 @@ struct FirstSurface {
     surface: Surface,
     material: u32, // after blends
     driven: u32, // outputs that the program gave
+    has_program: bool,
 }
 
 fn first_normal(at: FirstSurface) -> vec3f {
@@ -82,6 +84,14 @@ fn first_uv(at: FirstSurface) -> vec2f {
     return vec2f(uv.x, 1.0 - uv.y);
 }
 
+// Of a node by its number from 1 on.
+fn node_value(at: FirstSurface, number: u32) -> vec4f {
+    if (!at.has_program) {
+        return vec4f(0.0);
+    }
+    return path_read(node_field(number - 1u), at.slot);
+}
+
 @compute @workgroup_size(64)
 fn record_layers(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
                  @builtin(local_invocation_index) local: u32) {
@@ -101,11 +111,12 @@ fn record_layers(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
     layer_sample_set(0u, slot, 1.0);
     let surface = surface_at(hit);
     let own_material = surface.triangle.w & TRIANGLE_MATERIAL;
-    var at = FirstSurface(slot, hit.instance, surface, own_material, 0u);
+    var at = FirstSurface(slot, hit.instance, surface, own_material, 0u, false);
     if (runs_program(materials[own_material].flags, 0u)) {
         let resolved = path_words(PATH_STATE, slot);
         at.material = resolved.x;
         at.driven = resolved.y;
+        at.has_program = true;
     }
     record_each(at);
 }
