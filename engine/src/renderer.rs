@@ -306,6 +306,7 @@ impl Renderer {
         }
         gpu_scene.features.film_layers = record_words > 0;
         gpu_scene.features.splits_light = layers.split_light();
+        gpu_scene.features.catches_shadows = layers.catch_shadows();
         gpu_scene.features.node_layers = layers.nodes().len() as u32;
         gpu_scene.features.light_cache = settings.method != Method::Path;
         if gpu_scene.features.light_cache {

@@ -11,6 +11,8 @@ use device::{Device, DeviceError, Resources, Usage};
 const PATH_FIELDS: u64 = 6;
 /// Words of the fields that follow where the film keeps parts of the light apart: `SPLIT_FIELDS` of `paths.wgsl`.
 pub const SPLIT_WORDS: u32 = 12;
+/// Words of a path that are there besides where the film has shadow catchers.
+pub const CATCH_WORDS: u32 = 4;
 /// Words of the record behind the results that a path keeps for a cache of light: `light_cache/cells.wgsl`.
 pub const LIGHT_RECORD_WORDS: u32 = 8;
 /// Words before the lists in `queues.wgsl`.

@@ -123,13 +123,18 @@ const NODE_LAYER: &str = "node_";
 /// How the name of that of the fourth component ends.
 const NODE_ALPHA: &str = "_alpha";
 
+/// The layer of shadows on shadow catchers; those below come with it.
+pub const SHADOW_CATCHER: &str = "shadow_catcher";
+/// How the names of layers begin that it is made from, and that no file of a picture has; the first of them.
+pub(super) const CAUGHT: &str = "caught";
+
 /// What all layers of groups are called together.
 pub const LIGHT_GROUPS: &str = "light_groups";
 /// How the name of each begins; its number follows.
 const LIGHT_GROUP: &str = "light_group_";
 
 /// All layers. The picture itself is the first and always there.
-pub static LAYERS: [Layer; 59] = [
+pub static LAYERS: [Layer; 65] = [
     Layer {
         name: "combined",
         pass: "Combined",
@@ -353,6 +358,57 @@ pub static LAYERS: [Layer; 59] = [
         },
         help: "number of the material in the scene, from 1 on; 0 where nothing is",
     },
+    Layer {
+        name: SHADOW_CATCHER,
+        pass: "Shadow Catcher",
+        channels: "RGB",
+        rule: Rule::Derived(Film::shadow_factor),
+        help: "what a shadow leaves of the light on a shadow catcher; 1 where there is none",
+    },
+    Layer {
+        name: "shadow_catcher_alpha",
+        pass: "Shadow Catcher",
+        channels: "A",
+        rule: Rule::Derived(|film, pixel| [film.shadow(pixel), 0.0, 0.0]),
+        help: "what it keeps from it",
+    },
+    Layer {
+        name: CAUGHT,
+        pass: "Caught",
+        channels: "A",
+        rule: Rule::Mean("first_caught(at)"),
+        help: "share of the samples that meet a shadow catcher",
+    },
+    Layer {
+        name: "caught_light",
+        pass: "Caught Light",
+        channels: "RGB",
+        rule: Rule::Light {
+            wgsl: "select(vec3f(0.0), found.light, is_caught(slot))",
+            color: None,
+        },
+        help: "what is seen of shadow catchers",
+    },
+    Layer {
+        name: "caught_shadowless",
+        pass: "Caught Shadowless",
+        channels: "RGB",
+        rule: Rule::Light {
+            wgsl: "found.shadowless",
+            color: None,
+        },
+        help: "light of lamps on shadow catchers, as if nothing were in its way",
+    },
+    Layer {
+        name: "caught_arrived",
+        pass: "Caught Arrived",
+        channels: "RGB",
+        rule: Rule::Light {
+            wgsl: "found.arrived",
+            color: None,
+        },
+        help: "what arrives of it",
+    },
     light_group!(0),
     light_group!(1),
     light_group!(2),
@@ -462,6 +518,16 @@ impl Layer {
         self.name.strip_prefix(LIGHT_GROUP)?.parse().ok()
     }
 
+    /// Whether it is the layer of shadows on shadow catchers, or comes with it.
+    pub fn is_of_catchers(&self) -> bool {
+        self.name.starts_with(SHADOW_CATCHER) || self.is_kept_back()
+    }
+
+    /// Whether it is kept for others alone: files of pictures don't have it.
+    pub fn is_kept_back(&self) -> bool {
+        self.name.starts_with(CAUGHT)
+    }
+
     /// The number of the node that it is of, from 0 on.
     pub(crate) fn node(&self) -> Option<usize> {
         let name = self.name.strip_prefix(NODE_LAYER)?;
@@ -523,7 +589,10 @@ pub enum LayersError {
 
 /// Names by which layers are asked for, but for those of nodes ([`NODE`]): those of light groups are one.
 pub fn known() -> Vec<&'static str> {
-    let is_single = |layer: &&Layer| layer.light_group().is_none() && layer.node().is_none();
+    let is_single = |layer: &&Layer| {
+        let is_one_of_several = layer.light_group().is_some() || layer.node().is_some();
+        !is_one_of_several && (layer.name == SHADOW_CATCHER || !layer.is_of_catchers())
+    };
     let single = LAYERS.iter().filter(is_single);
     single
         .map(|layer| layer.name)
@@ -537,9 +606,11 @@ pub fn known() -> Vec<&'static str> {
 /// A name that no layer has.
 pub(super) fn of_name(name: &str) -> Result<Vec<&'static Layer>, UnknownLayer> {
     let groups = || LAYERS.iter().filter(|layer| layer.light_group().is_some());
+    let catchers = || LAYERS.iter().filter(|layer| layer.is_of_catchers());
     match (name, Layer::named(name)) {
         (LIGHT_GROUPS, _) => Ok(groups().collect()),
-        (_, Some(layer)) if layer.node().is_none() => Ok(vec![layer]),
+        (SHADOW_CATCHER, _) => Ok(catchers().collect()),
+        (_, Some(layer)) if layer.node().is_none() && !layer.is_of_catchers() => Ok(vec![layer]),
         _ => Err(UnknownLayer {
             name: name.to_owned(),
         }),
@@ -620,7 +691,9 @@ impl Layers {
 
     /// The names by which all of them are asked for, the picture's first, each once.
     pub fn asked(&self) -> Vec<Cow<'static, str>> {
-        let mut names: Vec<_> = self.iter().map(|layer| self.name_of(layer)).collect();
+        let is_asked = |layer: &&Layer| layer.name == SHADOW_CATCHER || !layer.is_of_catchers();
+        let asked = self.iter().filter(is_asked);
+        let mut names: Vec<_> = asked.map(|layer| self.name_of(layer)).collect();
         names.dedup();
         names
     }
@@ -633,11 +706,15 @@ impl Layers {
         }
     }
 
-    /// Without groups of lights that a scene hasn't.
+    /// Without groups of lights and shadow catchers that a scene hasn't.
     #[must_use]
     pub fn of_scene(&self, scene: &Scene) -> Self {
         let groups = scene.light_groups.names().len();
-        let is_there = |layer: &&&Layer| layer.light_group().is_none_or(|number| number <= groups);
+        let catches = scene.materials.iter().any(|m| m.shadow_catcher);
+        let is_there = |layer: &&&Layer| {
+            (catches || !layer.is_of_catchers())
+                && layer.light_group().is_none_or(|number| number <= groups)
+        };
         Self {
             others: self.others.iter().filter(is_there).copied().collect(),
             nodes: self.nodes.clone(),
@@ -647,6 +724,11 @@ impl Layers {
     /// Whether some of them are parts of the picture.
     pub(crate) fn split_light(&self) -> bool {
         self.others.iter().any(|layer| layer.is_light())
+    }
+
+    /// Whether shadows on shadow catchers are among them.
+    pub(crate) fn catch_shadows(&self) -> bool {
+        self.others.iter().any(|layer| layer.is_of_catchers())
     }
 
     /// These, and those of other names.

@@ -119,6 +119,8 @@ pub struct SceneFeatures {
     pub film_layers: bool,
     /// Some of them are parts of the light, told apart by how it came.
     pub splits_light: bool,
+    /// Some are of shadow catchers.
+    pub catches_shadows: bool,
     /// Some are of nodes of the look: so many.
     pub node_layers: u32,
     /// Paths end in a cache of light: asked for, too.
@@ -134,6 +136,7 @@ impl SceneFeatures {
     pub fn path_words(&self) -> u32 {
         let words = [
             (self.splits_light, wave::SPLIT_WORDS),
+            (self.catches_shadows, wave::CATCH_WORDS),
             (self.light_cache, wave::LIGHT_RECORD_WORDS),
         ];
         let needed = words.into_iter().filter(|(is_needed, _)| *is_needed);
@@ -166,6 +169,7 @@ impl SceneFeatures {
             energy_compensation: false,
             film_layers: false,
             splits_light: false,
+            catches_shadows: false,
             node_layers: 0,
             light_cache: false,
             programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
@@ -176,7 +180,7 @@ impl SceneFeatures {
     }
 
     /// Values of the kernels' `override` constants.
-    pub fn constants(&self) -> [(&'static str, f64); 12] {
+    pub fn constants(&self) -> [(&'static str, f64); 13] {
         [
             ("has_alpha", f64::from(u8::from(self.alpha))),
             ("has_textures", f64::from(u8::from(self.textures))),
@@ -194,6 +198,7 @@ impl SceneFeatures {
                 f64::from(u8::from(self.program_shadows)),
             ),
             ("splits_light", f64::from(u8::from(self.splits_light))),
+            ("catches_shadows", f64::from(u8::from(self.catches_shadows))),
             ("node_layers", f64::from(self.node_layers)),
             ("first_node_field", f64::from(MOST_RESULT_FIELDS)),
         ]

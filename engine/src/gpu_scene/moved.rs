@@ -99,6 +99,7 @@ impl GpuScene {
             film_layers: self.features.film_layers,
             light_cache: self.features.light_cache,
             splits_light: self.features.splits_light,
+            catches_shadows: self.features.catches_shadows,
             node_layers: self.features.node_layers,
             ..SceneFeatures::of(scene, &program, &flags, self.environment.emits)
         };

@@ -243,4 +243,6 @@ flags! {
     SOLID = 128;
     /// A thin wall that light goes through straight on, so that shadow rays can follow it.
     CLEAR = 256;
+    /// Pictures without environment show the shadows on it alone.
+    SHADOW_CATCHER = 512;
 }

@@ -84,6 +84,12 @@ fn first_uv(at: FirstSurface) -> vec2f {
     return vec2f(uv.x, 1.0 - uv.y);
 }
 
+// Of the object's own material, as what is emitted: not what a blend has made of it.
+fn first_caught(at: FirstSurface) -> f32 {
+    let flags = materials[at.surface.triangle.w & TRIANGLE_MATERIAL].flags;
+    return select(0.0, 1.0, (flags & MATERIAL_SHADOW_CATCHER) != 0u);
+}
+
 // Of a node by its number from 1 on.
 fn node_value(at: FirstSurface, number: u32) -> vec4f {
     if (!at.has_program) {

@@ -18,12 +18,16 @@ const PATH_FOUND = 6u;
 const PATH_FOUND_DISKS = 7u;
 const PATH_SHARES = 8u;
 const SPLIT_FIELDS = 3u;
+// Behind them, where it has shadow catchers: rgb that the light sample of the first surface would bring if nothing were in its way and
+// no other sample could have found it, then the greatest component of what PATH_LIGHT was.
+const PATH_CAUGHT = 9u;
 
 // Whether it does.
 override splits_light: bool = false;
+override catches_shadows: bool = false; // only where the former is true
 
 fn results_field() -> u32 {
-    return PATH_RESULTS + select(0u, SPLIT_FIELDS, splits_light);
+    return PATH_RESULTS + select(0u, SPLIT_FIELDS, splits_light) + select(0u, 1u, catches_shadows);
 }
 
 // Whether texture programs decide about the opacity or the light of some surface. Then shadow rays wait for them, and a
