@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use engine::film::{
     LAYERS,
-    layers::{SHADOW_CATCHER, known},
+    layers::{SHADOW_CATCHER, VECTOR, known},
 };
 
 /// README, changelog and everything in `docs/`.
@@ -82,7 +82,8 @@ fn the_tests_of_promises_exist() {
     assert!(promises > 20 && tests > 60, "{promises} promises, {tests}");
 }
 
-/// A layer that is two.
+/// Layers that are two.
+const VECTOR_ROW: &str = "| `vector` | `Vector.X` `.Y` `.Z` `.W` | motion in the picture since the frame before, and until the frame after; 0 at rest |";
 const CATCHER_ROW: &str = "| `shadow_catcher` | `Shadow Catcher.R` `.G` `.B` `.A` | what a shadow leaves of the light on a shadow catcher, 1 where there is none; and what it keeps |";
 
 /// The page of the film's layers lists those that there are, as they are declared.
@@ -94,8 +95,10 @@ fn the_page_of_layers_lists_them() {
     let known = known();
     let single = LAYERS.iter().filter(|layer| known.contains(&layer.name));
     let declared = single.map(|layer| {
-        if layer.name == SHADOW_CATCHER {
-            return CATCHER_ROW.to_owned();
+        match layer.name {
+            SHADOW_CATCHER => return CATCHER_ROW.to_owned(),
+            VECTOR => return VECTOR_ROW.to_owned(),
+            _ => {}
         }
         let first = layer.channel_names().next().expect("it has a channel");
         let first = first.trim_start_matches("ViewLayer.");

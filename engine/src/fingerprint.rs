@@ -68,6 +68,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         layers: _,
         time,
         frame_index,
+        beside,
     } = settings;
     let Camera {
         name: _,
@@ -101,12 +102,22 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into();
+    let beside_text = beside.as_ref().map(|beside| {
+        let mut hash = Contents(Hash::new());
+        hash.text(beside);
+        hash.0.finish()
+    });
     // Of what is as usual nothing is said.
     let part = crop.map(|crop| crop.written(*width, *height));
     for (name, value, is_said) in [
         ("crop", part.clone().unwrap_or_default(), part.is_some()),
         ("time", time.to_string(), *time != 0.0),
         ("frame", frame_index.to_string(), *frame_index != 0),
+        (
+            "beside",
+            beside_text.clone().unwrap_or_default(),
+            beside_text.is_some(),
+        ),
         ("halves", halves.to_string(), *halves),
         ("method", method.name().to_owned(), *method != Method::Path),
     ] {

@@ -22,7 +22,7 @@ use crate::{
     film::{self, Film, MAX_SIDE},
     filter::FilterTable,
     frame::Frame,
-    gpu_scene::{GpuScene, GpuSceneError},
+    gpu_scene::{GpuScene, GpuSceneError, Views},
     procedural::{CompileError, EditError, Procedural},
     scene::Scene,
     schedule::{self, Schedule, ScheduleError, Upload, Wavefront},
@@ -189,6 +189,29 @@ fn clear_picture(
     device.start(&recording)
 }
 
+/// Tells kernels what moves, where the film has a layer of it.
+fn show_motion(
+    device: &Device,
+    gpu_scene: &GpuScene,
+    scene: &Scene,
+    settings: &RenderSettings,
+    resources: &mut Resources,
+) -> Result<(), RenderError> {
+    let Some(beside) = settings
+        .beside
+        .as_ref()
+        .filter(|_| settings.layers.have_motion())
+    else {
+        return Ok(());
+    };
+    let views = Views {
+        cameras: beside.cameras.each_ref(),
+        transforms: beside.transforms.each_ref().map(Vec::as_slice),
+    };
+    gpu_scene.show_motion(device, scene, &settings.camera, views, resources)?;
+    Ok(())
+}
+
 /// Renders one scene progressively.
 #[derive(Debug)]
 pub struct Renderer {
@@ -298,6 +321,7 @@ impl Renderer {
             |m| procedural.traits(m),
             &mut resources,
         )?;
+        show_motion(device, &gpu_scene, scene, settings, &mut resources)?;
         gpu_scene.features.energy_compensation = settings.energy_compensation;
         let record_words = layers.record_words();
         if record_words > 0 && !schedule::records_layers(&*schedule) {

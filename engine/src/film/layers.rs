@@ -123,6 +123,8 @@ const NODE_LAYER: &str = "node_";
 /// How the name of that of the fourth component ends.
 const NODE_ALPHA: &str = "_alpha";
 
+/// The layer of motion; that of what comes next comes with it.
+pub const VECTOR: &str = "vector";
 /// The layer of shadows on shadow catchers; those below come with it.
 pub const SHADOW_CATCHER: &str = "shadow_catcher";
 /// How the names of layers begin that it is made from, and that no file of a picture has; the first of them.
@@ -134,7 +136,7 @@ pub const LIGHT_GROUPS: &str = "light_groups";
 const LIGHT_GROUP: &str = "light_group_";
 
 /// All layers. The picture itself is the first and always there.
-pub static LAYERS: [Layer; 65] = [
+pub static LAYERS: [Layer; 67] = [
     Layer {
         name: "combined",
         pass: "Combined",
@@ -409,6 +411,26 @@ pub static LAYERS: [Layer; 65] = [
         },
         help: "what arrives of it",
     },
+    Layer {
+        name: VECTOR,
+        pass: "Vector",
+        channels: "XY",
+        rule: Rule::First {
+            wgsl: "first_motion(at).xy",
+            empty: 0.0,
+        },
+        help: "where the surface was a frame ago, seen from where it is: pixels to the right and up",
+    },
+    Layer {
+        name: "vector_next",
+        pass: "Vector",
+        channels: "ZW",
+        rule: Rule::First {
+            wgsl: "first_motion(at).zw",
+            empty: 0.0,
+        },
+        help: "where it is, seen from where it will be in a frame",
+    },
     light_group!(0),
     light_group!(1),
     light_group!(2),
@@ -518,6 +540,17 @@ impl Layer {
         self.name.strip_prefix(LIGHT_GROUP)?.parse().ok()
     }
 
+    /// Whether it is that of motion, or comes with it.
+    fn is_of_motion(&self) -> bool {
+        self.name.starts_with(VECTOR)
+    }
+
+    /// Whether it has a name of its own by which it is asked for, and doesn't only come with another one.
+    fn is_asked_for(&self) -> bool {
+        let comes_alone = !self.is_of_catchers() && !self.is_of_motion();
+        comes_alone || [SHADOW_CATCHER, VECTOR].contains(&self.name)
+    }
+
     /// Whether it is the layer of shadows on shadow catchers, or comes with it.
     pub fn is_of_catchers(&self) -> bool {
         self.name.starts_with(SHADOW_CATCHER) || self.is_kept_back()
@@ -591,7 +624,7 @@ pub enum LayersError {
 pub fn known() -> Vec<&'static str> {
     let is_single = |layer: &&Layer| {
         let is_one_of_several = layer.light_group().is_some() || layer.node().is_some();
-        !is_one_of_several && (layer.name == SHADOW_CATCHER || !layer.is_of_catchers())
+        !is_one_of_several && layer.is_asked_for()
     };
     let single = LAYERS.iter().filter(is_single);
     single
@@ -610,7 +643,8 @@ pub(super) fn of_name(name: &str) -> Result<Vec<&'static Layer>, UnknownLayer> {
     match (name, Layer::named(name)) {
         (LIGHT_GROUPS, _) => Ok(groups().collect()),
         (SHADOW_CATCHER, _) => Ok(catchers().collect()),
-        (_, Some(layer)) if layer.node().is_none() && !layer.is_of_catchers() => Ok(vec![layer]),
+        (VECTOR, _) => Ok(LAYERS.iter().filter(|layer| layer.is_of_motion()).collect()),
+        (_, Some(layer)) if layer.node().is_none() && layer.is_asked_for() => Ok(vec![layer]),
         _ => Err(UnknownLayer {
             name: name.to_owned(),
         }),
@@ -691,8 +725,7 @@ impl Layers {
 
     /// The names by which all of them are asked for, the picture's first, each once.
     pub fn asked(&self) -> Vec<Cow<'static, str>> {
-        let is_asked = |layer: &&Layer| layer.name == SHADOW_CATCHER || !layer.is_of_catchers();
-        let asked = self.iter().filter(is_asked);
+        let asked = self.iter().filter(|layer| layer.is_asked_for());
         let mut names: Vec<_> = asked.map(|layer| self.name_of(layer)).collect();
         names.dedup();
         names
@@ -724,6 +757,11 @@ impl Layers {
     /// Whether some of them are parts of the picture.
     pub(crate) fn split_light(&self) -> bool {
         self.others.iter().any(|layer| layer.is_light())
+    }
+
+    /// Whether motion is among them.
+    pub(crate) fn have_motion(&self) -> bool {
+        self.others.iter().any(|layer| layer.is_of_motion())
     }
 
     /// Whether shadows on shadow catchers are among them.

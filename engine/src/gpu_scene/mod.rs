@@ -11,6 +11,7 @@ mod levels;
 pub mod light_tree;
 pub mod lights;
 pub mod materials;
+mod motion;
 mod moved;
 mod update;
 
@@ -37,6 +38,7 @@ use self::{
 pub(crate) use self::estimate::bytes;
 use self::geometry::TRIANGLE_ALPHA;
 pub use self::geometry::{RayRules, ray_rules};
+pub(crate) use self::motion::Views;
 pub(crate) use self::update::Update;
 
 /// Materials that a triangle's word can name.
@@ -70,7 +72,7 @@ pub struct GpuInstance {
     id: u32,
     source: u32,
     asset: u32,
-    unused_a: u32,
+    motion: u32,
     unused_b: u32,
     unused_c: u32,
 }
@@ -89,7 +91,7 @@ impl GpuInstance {
             id,
             source,
             asset,
-            unused_a,
+            motion,
             unused_b,
             unused_c
         ]
@@ -421,7 +423,7 @@ fn instances(scene: &Scene, bvh: &SceneBvh) -> Vec<GpuInstance> {
                 id: name_id(&instance.name),
                 source,
                 asset: name_id(instance.asset()),
-                unused_a: 0,
+                motion: 0,
                 unused_b: 0,
                 unused_c: 0,
             }

@@ -223,7 +223,7 @@ impl GpuScene {
 }
 
 /// Writes what a buffer holds, into a new one where the old one is too small.
-fn put<T: NoUninit>(
+pub(super) fn put<T: NoUninit>(
     device: &Device,
     resources: &mut Resources,
     name: &'static str,

@@ -100,6 +100,7 @@ impl Renderer {
             program,
             &mut self.resources,
         )?;
+        super::show_motion(&device, &self.scene, scene, settings, &mut self.resources)?;
         let needs_kernels = features != self.scene.features || !former.has_kernel_of(procedural);
         if needs_kernels {
             self.kernels = Kernels::new(

@@ -84,6 +84,32 @@ fn first_uv(at: FirstSurface) -> vec2f {
     return vec2f(uv.x, 1.0 - uv.y);
 }
 
+// Where the camera shows a place in its own axes: pixels from the middle of the picture, to the right and up.
+fn shown_at(p: vec3f) -> vec2f {
+    let place = p.xy * (0.5 * whole_size().y / frame.half_height);
+    return select(place / max(-p.z, 1e-20), place, frame.orthographic != 0u);
+}
+
+// Where the surface's point was a frame ago, seen from where it is now, and where it is now, seen from where it will be in a frame:
+// pixels, as Cycles counts them.
+fn first_motion(at: FirstSurface) -> vec4f {
+    let motion = instances[at.instance].motion;
+    if (motion == 0u) {
+        return vec4f(0.0);
+    }
+    let t = at.surface.triangle;
+    let p = mat3x3f(vertex_position(t.x), vertex_position(t.y), vertex_position(t.z)) * at.surface.weights;
+    let before = transform_point(instances[motion].world_from_object, p);
+    let now = transform_point(instances[motion].object_from_world, p);
+    let after = transform_point(instances[motion + 1u].world_from_object, p);
+    // Nobody knows where something appears that is behind the camera.
+    let is_flat = frame.orthographic != 0u;
+    let place = shown_at(now);
+    let since = select(vec2f(0.0), shown_at(before) - place, is_flat || before.z < 0.0);
+    let until = select(vec2f(0.0), place - shown_at(after), is_flat || after.z < 0.0);
+    return vec4f(since, until);
+}
+
 // Of the object's own material, as what is emitted: not what a blend has made of it.
 fn first_caught(at: FirstSurface) -> f32 {
     let flags = materials[at.surface.triangle.w & TRIANGLE_MATERIAL].flags;

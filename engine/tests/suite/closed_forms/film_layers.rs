@@ -1,13 +1,15 @@
 //! Layers of the film: each against what is known of its scene, and with the same exactness as the picture.
 
+use std::sync::Arc;
+
 use ::device::Device;
 use engine::film::ids::{Coverage, IDS};
 use engine::film::{Film, Layer, Layers};
 use engine::procedural::{Procedural, TextureSources};
 use engine::renderer::Renderer;
 use engine::scene::{AlphaMode, Camera, Material, Projection, Scene};
-use engine::settings::RenderSettings;
-use glam::{Vec2, Vec3};
+use engine::settings::{Beside, RenderSettings};
+use glam::{Affine3A, Vec2, Vec3};
 
 use crate::support::device;
 use crate::support::scenes::{
@@ -218,6 +220,89 @@ fn textures_are_part_of_what_is_seen() {
         let values = values(&film, name);
         let is_right = |value: &Vec3| (*value - expected).length() < 1e-5;
         assert!(values.iter().all(is_right), "{name}: {}", values[0]);
+    }
+}
+
+#[test]
+fn motion_is_counted_in_pixels_of_the_picture() {
+    let Some(device) = device::open() else { return };
+    let mut scene = scene([(floor(3.0), lambert(Vec3::ONE))], Vec3::ONE);
+    let procedural = no_textures(&mut scene);
+    // At the floor it sees as much as from_above(3.0, 1.0).
+    let y_fov = 2.0 * (1.0_f32 / 3.0).atan();
+    let camera = camera(
+        Vec3::Y * 3.0,
+        Vec3::ZERO,
+        Vec3::NEG_Z,
+        Projection::Perspective { y_fov },
+    );
+    let layers = Layers::named(["vector"]).expect("known");
+    let of = |beside: Option<Beside>| {
+        let settings = RenderSettings {
+            beside: beside.map(Arc::new),
+            ..with_layers(&camera, SHOT, &layers)
+        };
+        let film = film(&device, &scene, &procedural, &settings, (1 << 14, 4));
+        let [since, until] = ["vector", "vector_next"].map(|name| values(&film, name));
+        let pairs = since.into_iter().zip(until);
+        pairs
+            .map(|(since, until)| [since.truncate(), until.truncate()])
+            .collect::<Vec<_>>()
+    };
+    let moved = |camera: &Camera, by: Vec3| Camera {
+        transform: Affine3A::from_translation(by) * camera.transform,
+        ..camera.clone()
+    };
+    let at = |by: Vec3| vec![Affine3A::from_translation(by)];
+    // Two metres are 24 pixels wide; the picture's upper edge lies towards -z.
+    let metre = 12.0;
+    let (left, up) = (Vec3::new(-0.25, 0.0, 0.0), Vec3::new(0.0, 0.0, -0.5));
+    let both = |by: Vec3| [moved(&camera, Vec3::ZERO), moved(&camera, by)];
+    let near = |found: Vec2, expected: Vec2| {
+        assert!((found - expected).length() < 1e-3, "{found} {expected}")
+    };
+    for [since, until] in of(Some(Beside {
+        cameras: both(Vec3::ZERO),
+        transforms: [at(left), at(up)],
+    })) {
+        near(since, Vec2::new(-0.25, 0.0) * metre);
+        near(until, Vec2::new(0.0, -0.5) * metre);
+    }
+    // What the camera follows stands still.
+    for [since, until] in of(Some(Beside {
+        cameras: both(up),
+        transforms: [at(Vec3::ZERO), at(up)],
+    })) {
+        assert_eq!((since, until.length() < 1e-3), (Vec2::ZERO, true));
+    }
+    // Of what turns about the middle each point has its own way; what comes nearer, moves away from it.
+    let turned = vec![Affine3A::from_rotation_y(0.1)];
+    let nearer = at(Vec3::Y * 1.0);
+    let found = of(Some(Beside {
+        cameras: both(Vec3::ZERO),
+        transforms: [turned, nearer],
+    }));
+    let positions = {
+        let settings = with_layers(&camera, SHOT, &Layers::named(["position"]).expect("known"));
+        values(
+            &film(&device, &scene, &procedural, &settings, (1 << 14, 4)),
+            "position",
+        )
+    };
+    for ([since, until], p) in found.into_iter().zip(positions) {
+        let place = |p: Vec3| Vec2::new(p.x, -p.z) * metre;
+        let was = glam::Quat::from_rotation_y(0.1) * p;
+        near(since, place(was) - place(p));
+        near(until, place(p) - place(p) * 1.5);
+    }
+    for still in [
+        None,
+        Some(Beside {
+            cameras: both(Vec3::ZERO),
+            transforms: [at(Vec3::ZERO), at(Vec3::ZERO)],
+        }),
+    ] {
+        assert!(of(still).iter().all(|motion| *motion == [Vec2::ZERO; 2]));
     }
 }
 
