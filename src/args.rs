@@ -14,7 +14,7 @@ use crate::bench::args::BenchCommand;
 use crate::compare::args::CompareArgs;
 use crate::console::MessageFormat;
 use crate::farm::args::FarmCommand;
-use crate::flags::{CommonArgs, DisplayArgs, scene_help, words};
+use crate::flags::{CommonArgs, DisplayArgs, LayerWords, scene_help, words};
 use crate::form::FormArgs;
 use crate::import::args::ImportArgs;
 use crate::info::args::InfoArgs;
@@ -316,9 +316,9 @@ pub(crate) struct RenderArgs {
     #[arg(value_parser = words(Sampler::ALL.map(Sampler::name)))]
     pub(crate) sampler: String,
 
-    /// What EXR and .patina-film files hold beside the picture, with commas between.
+    /// What EXR and .patina-film files hold beside the picture, with commas between; node:NAME is the value of a node of the look.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', action = ArgAction::Append)]
-    #[arg(value_parser = words(engine::film::layers::known()))]
+    #[arg(value_parser = LayerWords::new())]
     pub(crate) layers: Vec<String>,
 
     /// Take the noise out of the picture, by Open Image Denoise, where that is found. EXR files keep the noisy picture as the layer

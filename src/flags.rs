@@ -1,9 +1,11 @@
 //! Flags that several subcommands share.
 
+use std::ffi::OsStr;
 use std::path::PathBuf;
 
-use clap::ArgAction;
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Arg, ArgAction, Command};
+use engine::film::layers;
 use engine::scene::view::ViewTransform;
 
 /// Flags that `render`, `watch` and `view` share.
@@ -48,6 +50,38 @@ pub(crate) struct DisplayArgs {
 /// The words that a flag takes: its help shows them.
 pub(crate) fn words(all: impl IntoIterator<Item = &'static str>) -> PossibleValuesParser {
     PossibleValuesParser::new(all)
+}
+
+/// The names of layers: one of those that there are, or a node's.
+#[derive(Clone)]
+pub(crate) struct LayerWords(PossibleValuesParser);
+
+impl LayerWords {
+    pub(crate) fn new() -> Self {
+        Self(words(layers::known()))
+    }
+}
+
+impl TypedValueParser for LayerWords {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &Command,
+        arg: Option<&Arg>,
+        value: &OsStr,
+    ) -> Result<String, clap::Error> {
+        match value.to_str() {
+            Some(name) if name.len() > layers::NODE.len() && name.starts_with(layers::NODE) => {
+                Ok(name.to_owned())
+            }
+            _ => self.0.parse_ref(command, arg, value),
+        }
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        self.0.possible_values()
+    }
 }
 
 /// What the file may be that is rendered.

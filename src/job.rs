@@ -12,7 +12,7 @@ use clap::Parser;
 use device::DeviceChoice;
 use engine::denoise::GUIDES;
 use engine::film::write::{Form, TRANSPARENCY};
-use engine::film::{Crop, Layers};
+use engine::film::{Crop, Layers, layers::SHADOW_CATCHER};
 use engine::filter::PixelFilter;
 use engine::scene::Scene;
 use engine::scene::view::ViewChoice;
@@ -321,7 +321,8 @@ impl RenderJob {
         Ok(Self {
             layers: {
                 let guides = GUIDES.iter().filter(|_| args.denoise);
-                let needed = guides.chain(TRANSPARENCY.iter().filter(|_| args.transparent));
+                let of_transparency = TRANSPARENCY.iter().chain([&SHADOW_CATCHER]);
+                let needed = guides.chain(of_transparency.filter(|_| args.transparent));
                 let layers = shown_layers.with(needed.copied());
                 layers.expect("the film knows what it needs itself")
             },

@@ -177,6 +177,13 @@ impl MotionJob {
         }
     }
 
+    /// How the scene is seen a frame before a picture, and a frame after; `None` where nothing moves.
+    pub(crate) fn beside(&self, frame: Frame) -> Option<[Sight; 2]> {
+        let around = [self.sight(frame, -1.0), self.sight(frame, 1.0)];
+        let is_still = |sight: &Sight| sight.moment.motion == Motion::Rest && sight.turn == 0.0;
+        (!around.iter().all(is_still)).then_some(around)
+    }
+
     /// How a picture sees the scene so many frames after its own time.
     fn sight(&self, frame: Frame, after: f64) -> Sight {
         let number = frame.number.unwrap_or(0);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use engine::film::{self, Film, LAYERS, Part, PartError};
+use engine::film::{self, Film, LAYERS, Part, PartError, layers};
 use engine::input;
 use pictures::{Channel, Layer, Picture, PictureError};
 
@@ -53,7 +53,8 @@ pub(crate) fn layer(path: &Path, name: Option<&str>) -> Result<Layer, Failure> {
     };
     if is_film(path)? {
         let part = self::film(path).map_err(|error| refused(&error))?;
-        let known: Vec<_> = part.film.layers().iter().map(|layer| layer.name).collect();
+        let known = part.film.layers().asked();
+        let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
         return of_film(&part.film, name).ok_or_else(|| absent(&known));
     }
     let bytes = input::read(path, MAX_FILE).map_err(|error| unread(path, error))?;
@@ -74,17 +75,21 @@ fn of_picture<'p>(picture: &'p Picture, name: Option<&str>) -> Option<&'p Layer>
     let by_file = || picture.layer(name);
     // As `--layers` calls it.
     let declared = LAYERS.iter().find(|layer| layer.name == name);
-    let by_pass = || picture.layer(declared?.pass);
+    let of_node = name.strip_prefix(layers::NODE).map(layers::node_pass);
+    let by_pass = || match &of_node {
+        Some(pass) => picture.layer(pass),
+        None => picture.layer(declared?.pass),
+    };
     let itself = || (name == LAYERS[0].name).then(|| picture.shown())?;
     by_file().or_else(by_pass).or_else(itself)
 }
 
 fn of_film(film: &Film, name: Option<&str>) -> Option<Layer> {
     let name = name.unwrap_or(LAYERS[0].name);
-    let mut layers = film.layers().iter();
-    let layer = layers.find(|layer| {
+    let layers = film.layers();
+    let layer = layers.iter().find(|layer| {
         let pass = name.strip_prefix(VIEW_LAYER).unwrap_or(name);
-        [layer.name, layer.pass]
+        [layers.name_of(layer), layers.pass_of(layer)]
             .iter()
             .any(|known| known.eq_ignore_ascii_case(pass))
     })?;
@@ -99,7 +104,7 @@ fn of_film(film: &Film, name: Option<&str>) -> Option<Layer> {
         }
     });
     let size = [film.width as usize, film.height as usize];
-    let name = format!("{VIEW_LAYER}{}", layer.pass);
+    let name = format!("{VIEW_LAYER}{}", layers.pass_of(layer));
     Some(Layer::new(name, size, channels.collect()))
 }
 

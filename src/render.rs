@@ -12,11 +12,13 @@ mod together;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use device::Device;
 use engine::audit::Audit;
 use engine::denoise::Denoiser;
+use engine::film::layers::VECTOR;
 use engine::film::{Film, Origin, Part};
 use engine::fleet::{DeviceShare, Fleet};
 use engine::procedural::Procedural;
@@ -24,7 +26,7 @@ use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::view::{View, ViewChoice};
 use engine::scene::{Camera, Scene};
 use engine::session::{Inputs, Session, SessionError};
-use engine::settings::Method;
+use engine::settings::{Beside, Method};
 use engine::stats::{DeviceFacts, Stats};
 
 use crate::accuracy::method_flag;
@@ -88,10 +90,12 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
     let mut reel = Reel::open(job, inputs(job)?)?;
     let sights = job.motion.sights(Frame { number: None });
     let others = sights.get(1..).unwrap_or_default();
-    let (first, mut reel) = match others.is_empty() {
+    let beside = beside(job, &mut reel, Frame { number: None })?;
+    let (mut first, mut reel) = match others.is_empty() && beside.is_none() {
         true => (reel.once(&sights[0])?, None),
         false => (reel.at(&sights[0])?, Some(reel)),
     };
+    first.beside = beside;
     let loaded = first.opening.loaded();
     bar.suspend(|| console::diagnostics(&loaded.warnings));
     let job = &job.for_scene(&loaded.scene);
@@ -122,14 +126,27 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
             return Err(UsageError::OneDevice { flag }.into());
         }
         Err(devices) => {
-            let Seen { opening, sight } = first;
-            together::render(job, opening.into_loaded(), &sight, &devices, &bar, watch)?
+            let Seen {
+                opening,
+                sight,
+                beside,
+            } = first;
+            let loaded = opening.into_loaded();
+            let settings = settings(job, &loaded.camera, &sight, beside);
+            together::render(job, loaded, settings, &devices, &bar, watch)?
         }
     };
     bar.finish();
     let (outcome, rest) = write(job, rendered, &view, denoiser.as_ref(), load_seconds);
     end(rest);
     outcome
+}
+
+/// What the film must know of the frames before and after one for its layers.
+fn beside(job: &RenderJob, reel: &mut Reel, frame: Frame) -> Result<Option<Arc<Beside>>, Failure> {
+    let has_motion = job.layers.iter().any(|layer| layer.name == VECTOR);
+    let sights = job.motion.beside(frame).filter(|_| has_motion);
+    sights.map(|sights| reel.beside(&sights)).transpose()
 }
 
 /// The files that a render writes.
@@ -350,8 +367,14 @@ fn texture_costs(session: &mut Session) -> Result<TextureCosts, Failure> {
     }
 }
 
-fn settings(job: &RenderJob, camera: &Camera, sight: &Sight) -> RenderSettings {
+fn settings(
+    job: &RenderJob,
+    camera: &Camera,
+    sight: &Sight,
+    beside: Option<Arc<Beside>>,
+) -> RenderSettings {
     RenderSettings {
+        beside,
         max_depth: job.max_depth,
         seed: job.seed,
         energy_compensation: job.energy_compensation,

@@ -141,6 +141,9 @@ pub(crate) enum UsageError {
         /// The file.
         path: PathBuf,
     },
+    /// Layers that there can't be together.
+    #[error("--layers: {0}")]
+    Layers(String),
     /// Not one of the words that a flag knows.
     #[error("{flag} {given}: must be {}", known.join(", "))]
     Word {

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use device::DeviceChoice;
+use engine::film::layers::{self, LayersError};
 pub(crate) use engine::film::write::Format;
-use engine::film::{Crop, Layers, layers};
+use engine::film::{Crop, Layers};
 use engine::scene::view::{ViewChoice, ViewTransform, WhiteBalance};
 
 use crate::flags::DisplayArgs;
@@ -415,12 +416,15 @@ pub(crate) fn parse_crop(
 
 /// Layers by name, for which there must be a file that can hold them.
 pub(crate) fn parse_layers(names: &[String], outputs: &Outputs) -> Result<Layers, UsageError> {
-    let unknown = |error: layers::UnknownLayer| UsageError::Word {
-        flag: "--layers",
-        given: error.name,
-        known: layers::known(),
+    let refused = |error| match error {
+        LayersError::Unknown(error) => UsageError::Word {
+            flag: "--layers",
+            given: error.name,
+            known: layers::known(),
+        },
+        LayersError::Nodes { .. } => UsageError::Layers(error.to_string()),
     };
-    let layers = Layers::named(names.iter().map(String::as_str)).map_err(unknown)?;
+    let layers = Layers::named(names.iter().map(String::as_str)).map_err(refused)?;
     let mut pictures = outputs.pictures.iter();
     let is_kept = !outputs.films.is_empty() || pictures.any(|output| output.format == Format::Exr);
     match layers.is_picture_alone() || is_kept {

@@ -4,7 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use engine::film::LAYERS;
+use engine::film::{
+    LAYERS,
+    layers::{SHADOW_CATCHER, VECTOR, known},
+};
 
 /// README, changelog and everything in `docs/`.
 fn documents() -> Vec<PathBuf> {
@@ -79,14 +82,24 @@ fn the_tests_of_promises_exist() {
     assert!(promises > 20 && tests > 60, "{promises} promises, {tests}");
 }
 
+/// Layers that are two.
+const VECTOR_ROW: &str = "| `vector` | `Vector.X` `.Y` `.Z` `.W` | motion in the picture since the frame before, and until the frame after; 0 at rest |";
+const CATCHER_ROW: &str = "| `shadow_catcher` | `Shadow Catcher.R` `.G` `.B` `.A` | what a shadow leaves of the light on a shadow catcher, 1 where there is none; and what it keeps |";
+
 /// The page of the film's layers lists those that there are, as they are declared.
 #[test]
 fn the_page_of_layers_lists_them() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = fs::read_to_string(root.join("docs/layers.md")).expect("part of the project");
     let rows = text.lines().filter(|line| line.starts_with("| `"));
-    let single = LAYERS.iter().filter(|layer| layer.light_group().is_none());
+    let known = known();
+    let single = LAYERS.iter().filter(|layer| known.contains(&layer.name));
     let declared = single.map(|layer| {
+        match layer.name {
+            SHADOW_CATCHER => return CATCHER_ROW.to_owned(),
+            VECTOR => return VECTOR_ROW.to_owned(),
+            _ => {}
+        }
         let first = layer.channel_names().next().expect("it has a channel");
         let first = first.trim_start_matches("ViewLayer.");
         let letters = layer.channels.chars().skip(1);
@@ -95,7 +108,8 @@ fn the_page_of_layers_lists_them() {
         format!("| `{name}` | `{first}`{others} | {help} |")
     });
     let groups = "| `light_groups` | `Combined_NAME.R` `.G` `.B` | light of each group, and of all other lamps as `rest` |";
-    let declared = declared.chain([groups.to_owned()]);
+    let nodes = "| `node:NAME` | `Node NAME.R` `.G` `.B` `.A` | value of a node of the look, where its material is seen |";
+    let declared = declared.chain([groups.to_owned(), nodes.to_owned()]);
     assert_eq!(rows.collect::<Vec<_>>(), declared.collect::<Vec<_>>());
 }
 

@@ -21,6 +21,7 @@
 //! large, for the points of one sequence fill the pixel more evenly than random numbers; the halves make it right, if rough:
 //! what one pixel says is to be averaged over many.
 
+mod catcher;
 mod crop;
 mod hash;
 pub mod ids;
@@ -200,27 +201,36 @@ impl Film {
         }
     }
 
-    /// As [`Self::mean`] without the environment that the camera sees itself: what lies in front of it, by its coverage
-    /// ([`Self::alpha`]). `None` where the film hasn't gathered the layer `environment`.
+    /// As [`Self::mean`] without the environment that the camera sees itself, and without shadow catchers: what lies in front of both, by
+    /// its coverage ([`Self::alpha`]). `None` where the film hasn't gathered the layer `environment`.
     pub fn foreground(&self) -> Option<Vec<[f32; 3]>> {
         let environment = &self.planes[self.layers.first_plane(Layer::named("environment")?)?..];
         let pixel = |pixel: usize| {
             let n = f64::from(self.samples(pixel).max(1));
             let sum = self.sum(pixel);
+            let caught = self.caught(pixel).map_or([0.0; 3], |caught| caught.light);
             std::array::from_fn(|c| {
                 let [low, middle, high, _] = environment[c][pixel];
                 // Both sums are exact, so that nothing is left where there is nothing else.
-                ((sum[c] - signed([low, middle, high])) / n) as f32
+                let seen = (sum[c] - signed([low, middle, high])) / n - caught[c];
+                // Parts of the light are rounded one by one.
+                let is_rounding = seen.abs() < 1e-6 * caught[c];
+                if is_rounding { 0.0 } else { seen as f32 }
             })
         };
         Some((0..self.pixels()).map(pixel).collect())
     }
 
-    /// Share of each pixel that surfaces cover, 0 to 1. `None` where the film hasn't gathered the layer `alpha`.
+    /// Share of each pixel that surfaces cover, 0 to 1; of shadow catchers, the share that the shadows on them take. `None` where the film hasn't gathered the layer `alpha`.
     pub fn alpha(&self) -> Option<Vec<f32>> {
         let means = self.means(Layer::named("alpha")?)?;
         // Filters with negative weights may leave that range.
-        Some(means.iter().map(|mean| mean[0].clamp(0.0, 1.0)).collect())
+        let alpha = means.iter().zip(0..).map(|(mean, pixel)| {
+            let caught = self.caught(pixel);
+            let hidden = caught.map_or(0.0, |caught| caught.share - caught.shadow());
+            (mean[0] - hidden as f32).clamp(0.0, 1.0)
+        });
+        Some(alpha.collect())
     }
 
     /// Standard error of each pixel's mean, from the spread of its samples; infinite below two samples.

@@ -21,14 +21,15 @@ pub fn fingerprint(
     hash.scene(scene);
     let scene = hash.0.finish();
     let mut hash = Contents(Hash::new());
-    hash.procedural(procedural);
+    // As it is rendered; where it can't be, a renderer says so.
+    let shown = procedural.showing(settings.layers.nodes());
+    hash.procedural(shown.as_ref().unwrap_or(procedural));
     let mut list = named(settings);
     list.push(("scene".to_owned(), scene));
     list.push(("textures".to_owned(), hash.0.finish()));
     // What is gathered beside the picture changes no sample of it, and the files of pictures alone say nothing of it.
     if !settings.layers.is_picture_alone() {
-        let names: Vec<_> = settings.layers.iter().map(|layer| layer.name).collect();
-        list.push(("layers".to_owned(), names.join(",")));
+        list.push(("layers".to_owned(), settings.layers.asked().join(",")));
     }
     list
 }
@@ -68,6 +69,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         layers: _,
         time,
         frame_index,
+        beside,
     } = settings;
     let Camera {
         name: _,
@@ -101,12 +103,22 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into();
+    let beside_text = beside.as_ref().map(|beside| {
+        let mut hash = Contents(Hash::new());
+        hash.text(beside);
+        hash.0.finish()
+    });
     // Of what is as usual nothing is said.
     let part = crop.map(|crop| crop.written(*width, *height));
     for (name, value, is_said) in [
         ("crop", part.clone().unwrap_or_default(), part.is_some()),
         ("time", time.to_string(), *time != 0.0),
         ("frame", frame_index.to_string(), *frame_index != 0),
+        (
+            "beside",
+            beside_text.clone().unwrap_or_default(),
+            beside_text.is_some(),
+        ),
         ("halves", halves.to_string(), *halves),
         ("method", method.name().to_owned(), *method != Method::Path),
         ("refinement", refinement.to_string(), *refinement != 0),

@@ -23,8 +23,8 @@ use crate::{
     film::{self, Film, MAX_SIDE},
     filter::FilterTable,
     frame::Frame,
-    gpu_scene::{GpuScene, GpuSceneError},
-    procedural::{CompileError, Procedural},
+    gpu_scene::{GpuScene, GpuSceneError, Views},
+    procedural::{CompileError, EditError, Procedural},
     scene::Scene,
     schedule::{self, Schedule, ScheduleError, Upload, Wavefront},
     settings::Method,
@@ -82,6 +82,9 @@ pub enum RenderError {
     /// The device can't play the schedule, or the schedule can't do this.
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
+    /// A node whose values the film is to keep isn't there, or can't be shown.
+    #[error("a layer of the film: {0}")]
+    Node(EditError),
     /// The texture programs have no inlined form.
     #[error(transparent)]
     Programs(#[from] CompileError),
@@ -186,6 +189,29 @@ fn clear_picture(
         recording.clear(resources.buffer(name));
     }
     device.start(&recording)
+}
+
+/// Tells kernels what moves, where the film has a layer of it.
+fn show_motion(
+    device: &Device,
+    gpu_scene: &GpuScene,
+    scene: &Scene,
+    settings: &RenderSettings,
+    resources: &mut Resources,
+) -> Result<(), RenderError> {
+    let Some(beside) = settings
+        .beside
+        .as_ref()
+        .filter(|_| settings.layers.have_motion())
+    else {
+        return Ok(());
+    };
+    let views = Views {
+        cameras: beside.cameras.each_ref(),
+        transforms: beside.transforms.each_ref().map(Vec::as_slice),
+    };
+    gpu_scene.show_motion(device, scene, &settings.camera, views, resources)?;
+    Ok(())
 }
 
 /// What a wave is for.
@@ -299,6 +325,10 @@ impl Renderer {
         most_paths: u32,
         mut schedule: Box<dyn Schedule>,
     ) -> Result<Self, RenderError> {
+        let layers = &settings.layers;
+        let procedural = &procedural
+            .showing(layers.nodes())
+            .map_err(RenderError::Node)?;
         let most_paths = most_paths.next_multiple_of(64).max(64);
         let capacity = Lanes::capacity(device, &*schedule, most_paths);
         let mut resources = Resources::default();
@@ -310,8 +340,8 @@ impl Renderer {
             |m| procedural.traits(m),
             &mut resources,
         )?;
+        show_motion(device, &gpu_scene, scene, settings, &mut resources)?;
         gpu_scene.features.energy_compensation = settings.energy_compensation;
-        let layers = &settings.layers;
         let record_words = layers.record_words();
         if record_words > 0 && !schedule::records_layers(&*schedule) {
             let reason = "this schedule gathers no layers beside the picture";
@@ -319,6 +349,8 @@ impl Renderer {
         }
         gpu_scene.features.film_layers = record_words > 0;
         gpu_scene.features.splits_light = layers.split_light();
+        gpu_scene.features.catches_shadows = layers.catch_shadows();
+        gpu_scene.features.node_layers = layers.nodes().len() as u32;
         gpu_scene.features.light_cache = settings.method != Method::Path;
         gpu_scene.features.irradiance_cache = settings.method == Method::Cache;
         if gpu_scene.features.light_cache {

@@ -1,5 +1,9 @@
 //! What is rendered and how: the settings of a render that are neither scene nor texture.
 
+use std::sync::Arc;
+
+use glam::Affine3A;
+
 use crate::film::{Crop, Layers};
 use crate::filter::PixelFilter;
 use crate::scene::Camera;
@@ -53,6 +57,17 @@ pub struct RenderSettings {
     pub time: f32,
     /// Number of the picture in a sequence, which textures read as `FrameIndex`.
     pub frame_index: u32,
+    /// How the scene is beside the picture's moment, for the film's layer `vector`; `None` where nothing moves.
+    pub beside: Option<Arc<Beside>>,
+}
+
+/// A scene one frame before, and one frame after.
+#[derive(Debug, Clone)]
+pub struct Beside {
+    /// From where it is seen then. What the camera shows of it, its projection, is that of the picture.
+    pub cameras: [Camera; 2],
+    /// Where its instances are then, in the order of the scene's.
+    pub transforms: [Vec<Affine3A>; 2],
 }
 
 /// Where random numbers come from.
@@ -162,6 +177,7 @@ impl RenderSettings {
             layers: Layers::default(),
             time: 0.0,
             frame_index: 0,
+            beside: None,
         }
     }
 }

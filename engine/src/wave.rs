@@ -13,6 +13,8 @@ const PATH_FIELDS: u64 = 6;
 pub const SPLIT_WORDS: u32 = 12;
 /// Words of the fields in their place where a cache of irradiance wants to know of surfaces: `shared/left.wgsl`.
 pub const LEFT_WORDS: u32 = 12;
+/// Words of a path that are there besides where the film has shadow catchers.
+pub const CATCH_WORDS: u32 = 4;
 /// Words of the record behind the results that a path keeps for a cache of light: `light_cache/cells.wgsl`.
 pub const LIGHT_RECORD_WORDS: u32 = 8;
 /// Words before the lists in `queues.wgsl`.

@@ -97,6 +97,8 @@ pub struct Material {
     /// Both sides reflect and emit; otherwise rays pass through the back as if nothing were there (glTF 2.0, section
     /// 3.9.6: back faces are culled).
     pub double_sided: bool,
+    /// Pictures without environment show the shadows on it, and nothing else of it.
+    pub shadow_catcher: bool,
     /// KHR_materials_unlit: the base colour is shown as it is.
     pub unlit: bool,
 }
@@ -222,6 +224,7 @@ impl Default for Material {
             iridescence_thickness_texture: None,
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
+            shadow_catcher: false,
             unlit: false,
         }
     }

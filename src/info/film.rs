@@ -1,5 +1,6 @@
 //! `patina info` of a partial render: which samples it has, and of what.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use serde::Serialize;
@@ -19,7 +20,7 @@ pub(super) struct FilmInfo {
     ranges: Vec<[u32; 2]>,
     /// Of the pixel with the fewest, and of that with the most.
     samples_per_pixel: [u32; 2],
-    layers: Vec<&'static str>,
+    layers: Vec<Cow<'static, str>>,
     device: String,
     scene: String,
     look: Option<String>,
@@ -39,7 +40,7 @@ impl FilmInfo {
             height: part.film.height,
             ranges: ranges.map(|range| [range.start, range.end]).collect(),
             samples_per_pixel: [fewest, most],
-            layers: part.film.layers().iter().map(|layer| layer.name).collect(),
+            layers: part.film.layers().asked(),
             device: part.origin.device,
             scene: part.origin.scene,
             look: part.origin.look,

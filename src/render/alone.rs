@@ -54,9 +54,13 @@ pub(super) fn render(
 ) -> Result<Rendered, Failure> {
     let clock = Instant::now();
     bar.follow(gpu);
-    let Seen { opening, sight } = take.first;
+    let Seen {
+        opening,
+        sight,
+        beside,
+    } = take.first;
     let mut marker = None;
-    let settings = settings(job, &opening.loaded().camera, &sight);
+    let settings = settings(job, &opening.loaded().camera, &sight, beside.clone());
     let mut session = match take.session {
         Some(mut session) => {
             session.show(opening, &settings, false).map_err(failure)?;
@@ -141,8 +145,8 @@ pub(super) fn render(
                 continue; // a part of the samples, or a film that goes on, has no more of this moment
             }
             if let (Some(sight), Some(reel)) = (number.checked_sub(1), reel.as_deref_mut()) {
-                let Seen { opening, sight } = reel.at(&take.others[sight])?;
-                let settings = self::settings(job, &opening.loaded().camera, &sight);
+                let Seen { opening, sight, .. } = reel.at(&take.others[sight])?;
+                let settings = self::settings(job, &opening.loaded().camera, &sight, beside.clone());
                 session.show(opening, &settings, true).map_err(failure)?;
             }
             ended = exposure.accumulate(&mut session, end)?;

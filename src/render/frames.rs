@@ -18,7 +18,7 @@ use crate::{console, denoise, devices, interrupt, output};
 use super::alone::{self, Take};
 use super::limits::Watch;
 use super::reel::Reel;
-use super::{Ended, Rest, check, end, inputs, view_of, write, written};
+use super::{Ended, Rest, beside, check, end, inputs, view_of, write, written};
 
 /// Renders all frames.
 ///
@@ -56,7 +56,9 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
             }
         };
         let sights = job.motion.sights(frame);
-        let first = reel.at(&sights[0])?;
+        let beside = beside(job, reel, frame)?;
+        let mut first = reel.at(&sights[0])?;
+        first.beside = beside;
         let warnings = &first.opening.loaded().warnings;
         let news = warnings
             .iter()

@@ -1,7 +1,10 @@
 //! A scene over time as the render sees it: at each moment the scene, its camera, and what textures are told.
 
+use std::sync::Arc;
+
 use engine::scene::{Camera, Scene};
 use engine::session::{Inputs, Opening, Sequence};
+use engine::settings::Beside;
 use engine::system::System;
 use glam::{Affine3A, DAffine3, DQuat, DVec3, Mat3, Vec3};
 
@@ -21,6 +24,8 @@ pub(super) struct Reel {
 pub(super) struct View {
     pub(super) opening: Opening,
     pub(super) sight: Sight,
+    /// The scene a frame before and a frame after, for a film that has a layer of motion.
+    pub(super) beside: Option<Arc<Beside>>,
 }
 
 impl Reel {
@@ -60,6 +65,26 @@ impl Reel {
         self.seen(opening, sight)
     }
 
+    /// How the scene is at two moments.
+    ///
+    /// # Errors
+    /// As [`Self::at`].
+    pub(super) fn beside(&mut self, sights: &[Sight; 2]) -> Result<Arc<Beside>, Failure> {
+        let mut at = |sight: &Sight| {
+            let opening = self.at(sight)?.opening;
+            let loaded = opening.loaded();
+            let instances = loaded.scene.instances.iter();
+            let transforms: Vec<Affine3A> = instances.map(|instance| instance.transform).collect();
+            Ok::<_, Failure>((loaded.camera.clone(), transforms))
+        };
+        let [before, after] = sights;
+        let (before, after) = (at(before)?, at(after)?);
+        Ok(Arc::new(Beside {
+            cameras: [before.0, after.0],
+            transforms: [before.1, after.1],
+        }))
+    }
+
     /// What is seen at the one moment that is wanted.
     ///
     /// # Errors
@@ -89,6 +114,7 @@ fn seen(camera: Option<&str>, mut opening: Opening, sight: &Sight) -> Result<Vie
     Ok(View {
         opening,
         sight: sight.clone(),
+        beside: None,
     })
 }
 

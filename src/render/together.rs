@@ -8,18 +8,18 @@ use device::Device;
 use engine::fingerprint::fingerprint;
 use engine::fleet::{Fleet, Plan, Recruit};
 use engine::load::Loaded;
+use engine::renderer::RenderSettings;
 use engine::stats::DeviceFacts;
 use engine::system::System;
 
 use crate::failure::Failure;
 use crate::job::RenderJob;
 use crate::memory::Need;
-use crate::motion::Sight;
 use crate::progress::Bar;
 use crate::{cache, console, interrupt, memory};
 
 use super::limits::Watch;
-use super::{Ended, FAREWELL, Rendered, Rest, mark, settings};
+use super::{Ended, FAREWELL, Rendered, Rest, mark};
 
 /// How often a signal is looked for where nothing else happens.
 const TICK: Duration = Duration::from_millis(100);
@@ -31,7 +31,7 @@ const TICK: Duration = Duration::from_millis(100);
 pub(super) fn render(
     job: &RenderJob,
     loaded: Loaded,
-    sight: &Sight,
+    settings: RenderSettings,
     devices: &[Device],
     bar: &Bar,
     mut watch: Watch,
@@ -41,7 +41,7 @@ pub(super) fn render(
         bar.follow(first);
     }
     let plan = Plan {
-        settings: settings(job, &loaded.camera, sight),
+        settings,
         scene: Arc::new(loaded.scene),
         procedural: Arc::new(loaded.procedural),
         spp: job.spp.get(),

@@ -97,6 +97,32 @@ fn frames_are_what_each_is_alone() {
 }
 
 #[test]
+fn motion_is_a_layer_of_what_moves() {
+    let bench = moving();
+    let render = format!("{SMALL} --layers vector --animation Slide");
+    for line in [
+        format!("{render} --frames 12..13 -o f.exr"),
+        format!("{render} --at 0.5 -o alone.exr"),
+        format!("{render} --at 0.5 --fps 12 -o slow.exr"),
+        format!("{render} --at 5 -o over.exr"),
+        format!("{SMALL} --layers vector -o rest.exr"),
+    ] {
+        bench.run(&line).expect_code(0);
+    }
+    let same = |a: &str, b: &str| format!("compare {a}.exr {b}.exr --layer vector --max-mse 0");
+    bench.run(&same("f.0012", "alone")).expect_code(0);
+    bench.run(&same("over", "rest")).expect_code(0);
+    for other in ["rest", "slow"] {
+        let found = bench.run(&same("alone", other));
+        assert!(found.code != Some(0), "{other}");
+    }
+    // Seen by turns about itself everything moves.
+    let line = format!("{SMALL} --layers vector --turntable 8 --frame-part 1/8 -o t.exr");
+    bench.run(&line).expect_code(0);
+    assert!(bench.run(&same("t.0000", "rest")).code != Some(0));
+}
+
+#[test]
 fn frames_that_are_there_are_left_out_by_resume() {
     let bench = moving();
     let line = format!("{SMALL} --frames 0..3 --resume -o f/####.png");

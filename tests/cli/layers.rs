@@ -85,6 +85,54 @@ fn groups_of_lights_are_named_by_the_look() {
 }
 
 #[test]
+fn nodes_are_layers_by_their_names() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let look = "[node.rust]\ntexture = \"fbm\"\n[material.Glow]\nroughness = \"rust.x\"\n";
+    fs::write(bench.path("a.look.toml"), look).expect("written");
+    let render = "render triangle.gltf --look a.look.toml --size 9x9 --max-depth 2";
+    let layers = "--layers depth,node:rust";
+    bench
+        .run(&format!(
+            "{render} --spp 5 {layers} -o a.exr -o a.patina-film"
+        ))
+        .expect_code(0);
+    for (name, range) in [("b", "0..2"), ("c", "2..5")] {
+        let line = format!("{render} {layers} --sample-range {range} -o {name}.patina-film");
+        bench.run(&line).expect_code(0);
+    }
+    let merge = "merge c.patina-film b.patina-film -o m.exr -o m.patina-film";
+    bench.run(merge).expect_code(0);
+    let bytes = |name: &str| fs::read(bench.path(name)).expect("it was written");
+    for kind in ["exr", "patina-film"] {
+        assert!(
+            bytes(&format!("a.{kind}")) == bytes(&format!("m.{kind}")),
+            "{kind}"
+        );
+    }
+    let (channels, _) = contents(&bench.path("a.exr"));
+    let node = ["A", "B", "G", "R"].map(|c| format!("ViewLayer.Node rust.{c}"));
+    assert_eq!(channels[4..], node);
+    bench
+        .run("compare a.exr m.patina-film --layer node:rust --max-mse 0")
+        .expect_code(0);
+    bench
+        .run(&format!("{render} --spp 2 --layers node:rus -o d.exr"))
+        .expect_error(1, "did you mean `rust`");
+    bench
+        .run(&format!("{render} --spp 2 -o d.patina-film"))
+        .expect_code(0);
+    bench
+        .run("merge b.patina-film d.patina-film -o e.exr")
+        .expect_error(1, "layers");
+    bench
+        .run("render triangle.gltf --layers node: -o a.exr")
+        .expect_error(2, "node:");
+}
+
+#[test]
 fn layers_are_written_and_merged_to_exactly_the_whole() {
     if !device() {
         return;

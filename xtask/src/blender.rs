@@ -25,8 +25,10 @@ Reads layers of a render with Blender; docs/layers.md says how it is installed.
 const SCRIPT: &str = "benches/blender/layers.py";
 /// The demo's materials whose coverage is looked at.
 const MATTES: [&str; 3] = ["ValvePaint", "BoltIron", "Meadow"];
-/// A light of the demo's look is no group of its own: this one is.
-const GROUPS: &str = "environment = { sky = { sun_elevation = 30 }, group = \"day\" }\n[light.sun]\ngroup = \"sun\"\n";
+/// What the demo's own look hasn't: groups of lights, a shadow catcher, and a node that is a layer.
+const LOOK: &str = "environment = { sky = { sun_elevation = 30 }, group = \"day\" }\n[light.sun]\ngroup = \"sun\"\n\
+    [node.wear]\ntexture = \"fbm\"\n[material.ValvePaint]\nroughness = \"wear.x\"\n[material.Meadow]\nshadow_catcher = true\n";
+const NODE: &str = "node:wear";
 const SHOT: [&str; 6] = ["--size", "160x90", "--spp", "64", "--device", "native"];
 
 struct Options {
@@ -67,9 +69,9 @@ pub(crate) fn run(arguments: &[&str]) -> Result<()> {
     cargo(["build", "--locked", "--release", "--package", "patina"]).run()?;
     let (picture, facts) = (out.join("layers.exr"), out.join("layers.json"));
     let look = out.join("groups.look.toml");
-    fs::write(&look, GROUPS)?;
+    fs::write(&look, LOOK)?;
     let help = output(patina().args(["render", "--help"]))?;
-    let layers = every_layer(&help)?;
+    let layers = format!("{},{NODE}", every_layer(&help)?);
     let mut render = render(&look);
     render
         .args(["--exr-float", "all", "--layers", &layers, "-o"])

@@ -5,7 +5,7 @@
 //! of all samples is among the lowest of any part of them, so it was never dropped before parts are added, and what was
 //! dropped of a part has no place in the whole. Ids are hashes of names, so that nobody's names come first.
 
-/// Most ids of a pixel. `film_layers/accumulate_ids.wgsl` has the same number.
+/// Most ids of a pixel. `film_layers/accumulate_ids.wgsl` has two of them in each of four planes.
 pub const IDS: usize = 8;
 
 /// Planes of a film that hold them, two a plane.

@@ -4,6 +4,7 @@
 //! Nothing here knows how a path is traced: a declaration says in WGSL what the first surface of a path gives, and
 //! `passes/film_layers` puts that into a kernel.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
 
@@ -91,13 +92,51 @@ macro_rules! light_group {
     };
 }
 
+/// The layers of a node of the look, by their number from 1 on: its value's first three components, and the fourth.
+macro_rules! node_layer {
+    ($number:literal) => {
+        Layer {
+            name: concat!("node_", $number),
+            pass: concat!("Node ", $number),
+            channels: "RGB",
+            rule: Rule::Mean(concat!("node_value(at, ", $number, "u).xyz")),
+            help: "value of a node",
+        }
+    };
+    ($number:literal, alpha) => {
+        Layer {
+            name: concat!("node_", $number, "_alpha"),
+            pass: concat!("Node ", $number),
+            channels: "A",
+            rule: Rule::Mean(concat!("node_value(at, ", $number, "u).w")),
+            help: "fourth component of the value of a node",
+        }
+    };
+}
+
+/// How the layers of a node are asked for; its name follows.
+pub const NODE: &str = "node:";
+/// Most nodes whose values a film keeps.
+pub const MAX_NODES: usize = 8;
+/// How the names of their layers begin.
+const NODE_LAYER: &str = "node_";
+/// How the name of that of the fourth component ends.
+const NODE_ALPHA: &str = "_alpha";
+
+/// The layer of motion; that of what comes next comes with it.
+pub const VECTOR: &str = "vector";
+/// The layer of shadows on shadow catchers; those below come with it.
+pub const SHADOW_CATCHER: &str = "shadow_catcher";
+/// How the names of layers begin that it is made from, and that no file of a picture has; the first of them.
+pub(super) const CAUGHT: &str = "caught";
+
 /// What all layers of groups are called together.
 pub const LIGHT_GROUPS: &str = "light_groups";
 /// How the name of each begins; its number follows.
 const LIGHT_GROUP: &str = "light_group_";
 
 /// All layers. The picture itself is the first and always there.
-pub static LAYERS: [Layer; 43] = [
+pub static LAYERS: [Layer; 67] = [
     Layer {
         name: "combined",
         pass: "Combined",
@@ -321,6 +360,77 @@ pub static LAYERS: [Layer; 43] = [
         },
         help: "number of the material in the scene, from 1 on; 0 where nothing is",
     },
+    Layer {
+        name: SHADOW_CATCHER,
+        pass: "Shadow Catcher",
+        channels: "RGB",
+        rule: Rule::Derived(Film::shadow_factor),
+        help: "what a shadow leaves of the light on a shadow catcher; 1 where there is none",
+    },
+    Layer {
+        name: "shadow_catcher_alpha",
+        pass: "Shadow Catcher",
+        channels: "A",
+        rule: Rule::Derived(|film, pixel| [film.shadow(pixel), 0.0, 0.0]),
+        help: "what it keeps from it",
+    },
+    Layer {
+        name: CAUGHT,
+        pass: "Caught",
+        channels: "A",
+        rule: Rule::Mean("first_caught(at)"),
+        help: "share of the samples that meet a shadow catcher",
+    },
+    Layer {
+        name: "caught_light",
+        pass: "Caught Light",
+        channels: "RGB",
+        rule: Rule::Light {
+            wgsl: "select(vec3f(0.0), found.light, is_caught(slot))",
+            color: None,
+        },
+        help: "what is seen of shadow catchers",
+    },
+    Layer {
+        name: "caught_shadowless",
+        pass: "Caught Shadowless",
+        channels: "RGB",
+        rule: Rule::Light {
+            wgsl: "found.shadowless",
+            color: None,
+        },
+        help: "light of lamps on shadow catchers, as if nothing were in its way",
+    },
+    Layer {
+        name: "caught_arrived",
+        pass: "Caught Arrived",
+        channels: "RGB",
+        rule: Rule::Light {
+            wgsl: "found.arrived",
+            color: None,
+        },
+        help: "what arrives of it",
+    },
+    Layer {
+        name: VECTOR,
+        pass: "Vector",
+        channels: "XY",
+        rule: Rule::First {
+            wgsl: "first_motion(at).xy",
+            empty: 0.0,
+        },
+        help: "where the surface was a frame ago, seen from where it is: pixels to the right and up",
+    },
+    Layer {
+        name: "vector_next",
+        pass: "Vector",
+        channels: "ZW",
+        rule: Rule::First {
+            wgsl: "first_motion(at).zw",
+            empty: 0.0,
+        },
+        help: "where it is, seen from where it will be in a frame",
+    },
     light_group!(0),
     light_group!(1),
     light_group!(2),
@@ -337,6 +447,22 @@ pub static LAYERS: [Layer; 43] = [
     light_group!(13),
     light_group!(14),
     light_group!(15),
+    node_layer!(1),
+    node_layer!(1, alpha),
+    node_layer!(2),
+    node_layer!(2, alpha),
+    node_layer!(3),
+    node_layer!(3, alpha),
+    node_layer!(4),
+    node_layer!(4, alpha),
+    node_layer!(5),
+    node_layer!(5, alpha),
+    node_layer!(6),
+    node_layer!(6, alpha),
+    node_layer!(7),
+    node_layer!(7, alpha),
+    node_layer!(8),
+    node_layer!(8, alpha),
     Layer {
         name: "samples",
         pass: "Debug Sample Count",
@@ -400,8 +526,8 @@ impl Layer {
 
     /// Whether it is something to look at: colours, or how much of a pixel is covered.
     pub fn is_color(&self) -> bool {
-        // A variance is the square of a colour.
-        ["RGB", "A"].contains(&self.channels) && self.name != "variance"
+        // A variance is the square of a colour, and nodes give anything.
+        ["RGB", "A"].contains(&self.channels) && self.name != "variance" && self.node().is_none()
     }
 
     /// Whether it is a part of the picture.
@@ -412,6 +538,34 @@ impl Layer {
     /// The number of the group of lights that it is of.
     pub fn light_group(&self) -> Option<usize> {
         self.name.strip_prefix(LIGHT_GROUP)?.parse().ok()
+    }
+
+    /// Whether it is that of motion, or comes with it.
+    fn is_of_motion(&self) -> bool {
+        self.name.starts_with(VECTOR)
+    }
+
+    /// Whether it has a name of its own by which it is asked for, and doesn't only come with another one.
+    fn is_asked_for(&self) -> bool {
+        let comes_alone = !self.is_of_catchers() && !self.is_of_motion();
+        comes_alone || [SHADOW_CATCHER, VECTOR].contains(&self.name)
+    }
+
+    /// Whether it is the layer of shadows on shadow catchers, or comes with it.
+    pub fn is_of_catchers(&self) -> bool {
+        self.name.starts_with(SHADOW_CATCHER) || self.is_kept_back()
+    }
+
+    /// Whether it is kept for others alone: files of pictures don't have it.
+    pub fn is_kept_back(&self) -> bool {
+        self.name.starts_with(CAUGHT)
+    }
+
+    /// The number of the node that it is of, from 0 on.
+    pub(crate) fn node(&self) -> Option<usize> {
+        let name = self.name.strip_prefix(NODE_LAYER)?;
+        let number: usize = name.strip_suffix(NODE_ALPHA).unwrap_or(name).parse().ok()?;
+        number.checked_sub(1)
     }
 
     /// How many channels it has in files.
@@ -450,9 +604,29 @@ pub struct UnknownLayer {
     pub name: String,
 }
 
-/// Names by which layers are asked for: those of light groups are one.
+/// Layers that there can't be.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum LayersError {
+    /// There is none of such a name.
+    #[error(transparent)]
+    Unknown(#[from] UnknownLayer),
+    /// They are too many.
+    #[error(
+        "layers of {wanted} nodes are too many: a film keeps the values of at most {MAX_NODES}"
+    )]
+    Nodes {
+        /// So many are asked for.
+        wanted: usize,
+    },
+}
+
+/// Names by which layers are asked for, but for those of nodes ([`NODE`]): those of light groups are one.
 pub fn known() -> Vec<&'static str> {
-    let single = LAYERS.iter().filter(|layer| layer.light_group().is_none());
+    let is_single = |layer: &&Layer| {
+        let is_one_of_several = layer.light_group().is_some() || layer.node().is_some();
+        !is_one_of_several && layer.is_asked_for()
+    };
+    let single = LAYERS.iter().filter(is_single);
     single
         .map(|layer| layer.name)
         .chain([LIGHT_GROUPS])
@@ -465,13 +639,22 @@ pub fn known() -> Vec<&'static str> {
 /// A name that no layer has.
 pub(super) fn of_name(name: &str) -> Result<Vec<&'static Layer>, UnknownLayer> {
     let groups = || LAYERS.iter().filter(|layer| layer.light_group().is_some());
+    let catchers = || LAYERS.iter().filter(|layer| layer.is_of_catchers());
     match (name, Layer::named(name)) {
         (LIGHT_GROUPS, _) => Ok(groups().collect()),
-        (_, Some(layer)) => Ok(vec![layer]),
-        (_, None) => Err(UnknownLayer {
+        (SHADOW_CATCHER, _) => Ok(catchers().collect()),
+        (VECTOR, _) => Ok(LAYERS.iter().filter(|layer| layer.is_of_motion()).collect()),
+        (_, Some(layer)) if layer.node().is_none() && layer.is_asked_for() => Ok(vec![layer]),
+        _ => Err(UnknownLayer {
             name: name.to_owned(),
         }),
     }
+}
+
+/// What the layers of a node are called in EXR files, after the view layer.
+pub fn node_pass(node: &str) -> String {
+    // Points part the names of layers and channels.
+    format!("Node {}", node.replace('.', "_"))
 }
 
 /// The layers of a film, each once, in the order of [`LAYERS`]: the picture, and what was asked for beside it.
@@ -479,16 +662,24 @@ pub(super) fn of_name(name: &str) -> Result<Vec<&'static Layer>, UnknownLayer> {
 pub struct Layers {
     /// Beside the picture.
     others: Vec<&'static Layer>,
+    /// The names of the nodes that some of these are of, by their numbers: in order, so that lists can be compared.
+    nodes: Vec<String>,
 }
 
 impl Layers {
-    /// Those of these names, and the picture; light comes with the colour that it is divided by.
+    /// Those of these names, and the picture; light comes with the colour that it is divided by. Behind [`NODE`] a name is that of a node
+    /// of the look.
     ///
     /// # Errors
-    /// A name that no layer has.
-    pub fn named<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Self, UnknownLayer> {
+    /// A name that no layer has; too many nodes.
+    pub fn named<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Self, LayersError> {
         let mut wanted = Vec::new();
+        let mut nodes = BTreeSet::new();
         for name in names {
+            if let Some(node) = name.strip_prefix(NODE).filter(|node| !node.is_empty()) {
+                nodes.insert(node.to_owned());
+                continue;
+            }
             for layer in of_name(name)? {
                 wanted.push(layer);
                 if let Rule::Light { color, .. } = layer.rule {
@@ -496,26 +687,70 @@ impl Layers {
                 }
             }
         }
-        let others = LAYERS[1..].iter();
+        if nodes.len() > MAX_NODES {
+            let wanted = nodes.len();
+            return Err(LayersError::Nodes { wanted });
+        }
+        let is_wanted = |layer: &&Layer| match layer.node() {
+            Some(number) => number < nodes.len(),
+            None => wanted.contains(layer),
+        };
         Ok(Self {
-            others: others.filter(|layer| wanted.contains(layer)).collect(),
+            others: LAYERS[1..].iter().filter(is_wanted).collect(),
+            nodes: nodes.into_iter().collect(),
         })
     }
 
-    /// All that there are.
+    /// All that there are, but for those of nodes.
     pub fn all() -> Self {
+        let others = LAYERS[1..].iter();
         Self {
-            others: LAYERS[1..].iter().collect(),
+            others: others.filter(|layer| layer.node().is_none()).collect(),
+            nodes: Vec::new(),
         }
     }
 
-    /// Without groups of lights that a scene hasn't.
+    /// The nodes of the look whose values are kept, by their numbers.
+    pub fn nodes(&self) -> &[String] {
+        &self.nodes
+    }
+
+    /// The name by which one of them is asked for; of a node, `node:` and its name for both of its layers.
+    pub fn name_of(&self, layer: &Layer) -> Cow<'static, str> {
+        match layer.node().and_then(|number| self.nodes.get(number)) {
+            Some(node) => format!("{NODE}{node}").into(),
+            None => layer.name.into(),
+        }
+    }
+
+    /// The names by which all of them are asked for, the picture's first, each once.
+    pub fn asked(&self) -> Vec<Cow<'static, str>> {
+        let asked = self.iter().filter(|layer| layer.is_asked_for());
+        let mut names: Vec<_> = asked.map(|layer| self.name_of(layer)).collect();
+        names.dedup();
+        names
+    }
+
+    /// The name of one of them in EXR files, after that of the view layer.
+    pub fn pass_of(&self, layer: &Layer) -> Cow<'static, str> {
+        match layer.node().and_then(|number| self.nodes.get(number)) {
+            Some(node) => node_pass(node).into(),
+            None => layer.pass.into(),
+        }
+    }
+
+    /// Without groups of lights and shadow catchers that a scene hasn't.
     #[must_use]
     pub fn of_scene(&self, scene: &Scene) -> Self {
         let groups = scene.light_groups.names().len();
-        let is_there = |layer: &&&Layer| layer.light_group().is_none_or(|number| number <= groups);
+        let catches = scene.materials.iter().any(|m| m.shadow_catcher);
+        let is_there = |layer: &&&Layer| {
+            (catches || !layer.is_of_catchers())
+                && layer.light_group().is_none_or(|number| number <= groups)
+        };
         Self {
             others: self.others.iter().filter(is_there).copied().collect(),
+            nodes: self.nodes.clone(),
         }
     }
 
@@ -524,13 +759,24 @@ impl Layers {
         self.others.iter().any(|layer| layer.is_light())
     }
 
+    /// Whether motion is among them.
+    pub(crate) fn have_motion(&self) -> bool {
+        self.others.iter().any(|layer| layer.is_of_motion())
+    }
+
+    /// Whether shadows on shadow catchers are among them.
+    pub(crate) fn catch_shadows(&self) -> bool {
+        self.others.iter().any(|layer| layer.is_of_catchers())
+    }
+
     /// These, and those of other names.
     ///
     /// # Errors
     /// A name that no layer has.
-    pub fn with<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Result<Self, UnknownLayer> {
-        let own = self.others.iter().map(|layer| layer.name);
-        Self::named(own.chain(names))
+    pub fn with<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Result<Self, LayersError> {
+        let mut all = self.asked();
+        all.extend(names.into_iter().map(|name| name.to_owned().into()));
+        Self::named(all.iter().map(AsRef::as_ref))
     }
 
     /// The layers, the picture first.
@@ -719,6 +965,27 @@ mod tests {
         assert_eq!(names["light_group_0"], [UNGROUPED]);
         assert_eq!(names["light_group_1"], ["sky"]);
         assert!(known().contains(&LIGHT_GROUPS) && !known().contains(&"light_group_1"));
+    }
+
+    #[test]
+    fn nodes_have_layers_of_their_names() {
+        let layers = Layers::named(["node:rust", "depth", "node:dirt.old", "node:rust"]);
+        let layers = layers.expect("known");
+        assert_eq!(layers.nodes(), ["dirt.old", "rust"]);
+        assert_eq!(
+            layers.asked(),
+            ["combined", "depth", "node:dirt.old", "node:rust"]
+        );
+        assert_eq!(layers.with(["uv"]).expect("known").nodes(), layers.nodes());
+        let passes: Vec<_> = layers.iter().map(|layer| layers.pass_of(layer)).collect();
+        assert_eq!(passes[2..4], ["Node dirt_old", "Node dirt_old"]);
+        for wrong in ["node:", "node", "node_1", "node_1_alpha"] {
+            Layers::named([wrong]).expect_err(wrong);
+        }
+        let many: Vec<String> = (0..9).map(|i| format!("node:{i}")).collect();
+        let error = Layers::named(many.iter().map(String::as_str)).expect_err("too many");
+        assert!(error.to_string().contains("9 nodes"), "{error}");
+        assert!(Layers::all().nodes().is_empty());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::layers::{LAYERS, Layer, Layers, Rule};
+use super::layers::{CAUGHT, LAYERS, Layer, Layers, Rule};
 
 /// Constants that tell `film_layers/record.wgsl` and `light.wgsl` where the values of these layers go.
 pub(crate) fn record_constants(layers: &Layers) -> Vec<(&'static str, f64)> {
@@ -84,6 +84,8 @@ pub(crate) fn light_wgsl() -> String {
         forget +=
             &format!("    if ({word} != 0u) {{\n        layer_clear({word}, slot);\n    }}\n");
     }
+    // By it a path knows that its first surface is a catcher.
+    words += &format!("override {}: u32 = 0u;\n", word_name(CAUGHT));
     format!(
         "{WORDS}{words}\nfn add_found(slot: u32, found: Found) {{\n{add}}}\n\nfn forget_found(slot: u32) {{\n{forget}}}\n"
     )

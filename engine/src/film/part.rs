@@ -9,6 +9,7 @@
 //! Version 0.1 wrote planes as they are, into files that begin with `PATINAFM`, or `PATINAFL` where there are layers beside the
 //! picture. They are read as well.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::ops::Range;
@@ -178,7 +179,7 @@ impl Header {
 fn listed(layers: &Layers) -> Vec<String> {
     match layers.is_picture_alone() {
         true => Vec::new(),
-        false => layers.iter().map(|layer| layer.name.to_owned()).collect(),
+        false => layers.asked().into_iter().map(Cow::into_owned).collect(),
     }
 }
 

@@ -136,6 +136,7 @@ fn flags(material: &Material, program: &ProgramTraits) -> u32 {
     let is_body = material.is_solid && (transmits(material) || program.transmits);
     set(material.double_sided, flag::DOUBLE_SIDED)
         | set(material.unlit, flag::UNLIT)
+        | set(material.shadow_catcher, flag::SHADOW_CATCHER)
         | set(
             matches!(material.alpha_mode, AlphaMode::Mask { .. }),
             flag::MASK,

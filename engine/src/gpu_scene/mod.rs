@@ -11,6 +11,7 @@ mod levels;
 pub mod light_tree;
 pub mod lights;
 pub mod materials;
+mod motion;
 mod moved;
 mod update;
 
@@ -23,6 +24,7 @@ use device::{Device, DeviceError, Resources, Usage, native::accel};
 
 use crate::{
     bvh::{BvhError, SceneBvh},
+    material_record::MOST_RESULT_FIELDS,
     scene::{LightSource, Mesh, Scene, name_id},
     texturing::{ProgramTraits, TextureReads},
     wave,
@@ -36,6 +38,7 @@ use self::{
 pub(crate) use self::estimate::bytes;
 use self::geometry::TRIANGLE_ALPHA;
 pub use self::geometry::{RayRules, ray_rules};
+pub(crate) use self::motion::Views;
 pub(crate) use self::update::Update;
 
 /// Materials that a triangle's word can name.
@@ -69,7 +72,7 @@ pub struct GpuInstance {
     id: u32,
     source: u32,
     asset: u32,
-    unused_a: u32,
+    motion: u32,
     unused_b: u32,
     unused_c: u32,
 }
@@ -88,7 +91,7 @@ impl GpuInstance {
             id,
             source,
             asset,
-            unused_a,
+            motion,
             unused_b,
             unused_c
         ]
@@ -118,6 +121,10 @@ pub struct SceneFeatures {
     pub film_layers: bool,
     /// Some of them are parts of the light, told apart by how it came.
     pub splits_light: bool,
+    /// Some are of shadow catchers.
+    pub catches_shadows: bool,
+    /// Some are of nodes of the look: so many.
+    pub node_layers: u32,
     /// Paths end in a cache of light: asked for, too.
     pub light_cache: bool,
     /// A cache knows the irradiance of surfaces: asked for, too, with the other cache and without parts of the light.
@@ -133,6 +140,7 @@ impl SceneFeatures {
     pub fn path_words(&self) -> u32 {
         let words = [
             (self.splits_light, wave::SPLIT_WORDS),
+            (self.catches_shadows, wave::CATCH_WORDS),
             (self.light_cache, wave::LIGHT_RECORD_WORDS),
             (self.irradiance_cache, wave::LEFT_WORDS),
         ];
@@ -166,6 +174,8 @@ impl SceneFeatures {
             energy_compensation: false,
             film_layers: false,
             splits_light: false,
+            catches_shadows: false,
+            node_layers: 0,
             light_cache: false,
             irradiance_cache: false,
             programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
@@ -176,7 +186,7 @@ impl SceneFeatures {
     }
 
     /// Values of the kernels' `override` constants.
-    pub fn constants(&self) -> [(&'static str, f64); 11] {
+    pub fn constants(&self) -> [(&'static str, f64); 14] {
         [
             ("has_alpha", f64::from(u8::from(self.alpha))),
             ("has_textures", f64::from(u8::from(self.textures))),
@@ -195,6 +205,9 @@ impl SceneFeatures {
             ),
             ("splits_light", f64::from(u8::from(self.splits_light))),
             ("leaves_diffuse", f64::from(u8::from(self.irradiance_cache))),
+            ("catches_shadows", f64::from(u8::from(self.catches_shadows))),
+            ("node_layers", f64::from(self.node_layers)),
+            ("first_node_field", f64::from(MOST_RESULT_FIELDS)),
         ]
     }
 }
@@ -415,7 +428,7 @@ fn instances(scene: &Scene, bvh: &SceneBvh) -> Vec<GpuInstance> {
                 id: name_id(&instance.name),
                 source,
                 asset: name_id(instance.asset()),
-                unused_a: 0,
+                motion: 0,
                 unused_b: 0,
                 unused_c: 0,
             }

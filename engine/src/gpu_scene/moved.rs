@@ -100,6 +100,8 @@ impl GpuScene {
             light_cache: self.features.light_cache,
             irradiance_cache: self.features.irradiance_cache,
             splits_light: self.features.splits_light,
+            catches_shadows: self.features.catches_shadows,
+            node_layers: self.features.node_layers,
             ..SceneFeatures::of(scene, &program, &flags, self.environment.emits)
         };
         self.environment_group = scene.light_groups.of(LightSource::Environment);
@@ -222,7 +224,7 @@ impl GpuScene {
 }
 
 /// Writes what a buffer holds, into a new one where the old one is too small.
-fn put<T: NoUninit>(
+pub(super) fn put<T: NoUninit>(
     device: &Device,
     resources: &mut Resources,
     name: &'static str,

@@ -4,7 +4,7 @@
 mod output;
 mod wgsl;
 
-pub use output::{HEAD_LINKS, HEAD_WORDS, Kind, Output, Outputs};
+pub use output::{HEAD_LINKS, HEAD_WORDS, Kind, MOST_RESULT_FIELDS, Output, Outputs};
 pub use wgsl::{material_wgsl, output_wgsl};
 
 use crate::scene::material_parameters::{Field, PARAMETERS};
@@ -243,4 +243,6 @@ flags! {
     SOLID = 128;
     /// A thin wall that light goes through straight on, so that shadow rays can follow it.
     CLEAR = 256;
+    /// Pictures without environment show the shadows on it alone.
+    SHADOW_CATCHER = 512;
 }

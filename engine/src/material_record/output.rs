@@ -1,6 +1,6 @@
 //! What of a material a texture can drive: the rows of [`PARAMETERS`] that have a number.
 
-use crate::scene::material_parameters::{Feature, PARAMETERS, Parameter};
+use crate::scene::material_parameters::{Driven, Feature, PARAMETERS, Parameter};
 
 pub use crate::scene::material_parameters::Kind;
 
@@ -104,6 +104,16 @@ impl Output {
             .map_or(Kind::Scalar, |driven| driven.kind)
     }
 
+    /// As [`Self::words`], in constants.
+    pub(crate) const fn most_words(self) -> u32 {
+        match PARAMETERS[ROWS[self.0 as usize]].driven {
+            Some(Driven {
+                kind: Kind::Scalar, ..
+            }) if self.0 != Self::BUMP.0 => 1,
+            _ => 3,
+        }
+    }
+
     /// Words that its result takes in the state of a path.
     pub fn words(self) -> u32 {
         match self.kind() {
@@ -113,6 +123,18 @@ impl Output {
         }
     }
 }
+
+/// Fields of a path, of four words, that the results of any material find room in.
+pub const MOST_RESULT_FIELDS: u32 = {
+    // The second word of the outputs.
+    let mut words = 1;
+    let mut i = 0;
+    while i < Output::ALL.len() {
+        words += Output::ALL[i].most_words();
+        i += 1;
+    }
+    words.div_ceil(4)
+};
 
 impl std::fmt::Debug for Output {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

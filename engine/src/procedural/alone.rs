@@ -6,7 +6,7 @@ use texgen::NodeId;
 
 use super::memory::{HEAD_AO, HEAD_OPACITY, HEAD_PROGRAM};
 use super::wiring::CompileError;
-use super::{HEAD_WORDS, Output, Procedural};
+use super::{HEAD_WORDS, NO_NODE, Output, Procedural};
 
 /// The height of a bump map is evaluated at the hit and at two points beside it.
 const BUMP_POINTS: u64 = 3;
@@ -93,6 +93,7 @@ impl Procedural {
         }
         let program = graph.compile(&[node])?;
         let mut words = self.idle_programs();
+        words.extend(self.shown.iter().map(|_| NO_NODE));
         let start = words.len() as u32;
         for material in 0..self.wiring.len() as u32 {
             words[(material * HEAD_WORDS + HEAD_PROGRAM) as usize] = start;

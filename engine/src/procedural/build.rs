@@ -69,6 +69,7 @@ impl Procedural {
             material_names: resolved.names,
             surface_names: resolved.surfaces,
             originals: resolved.originals,
+            shown: Vec::new(),
             scene_materials: resolved.in_scene,
             images_with_levels: builder.images.with_levels.into_iter().collect(),
             textures: builder.images.textures,

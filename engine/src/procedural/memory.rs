@@ -73,10 +73,11 @@ impl ProgramMemory {
         }
     }
 
-    /// Puts a program into its room, or into a new one twice its size behind everything else. `head_word` says which
-    /// program of the material: [`HEAD_PROGRAM`] or [`HEAD_BUMP_PROGRAM`].
-    pub(super) fn store(&mut self, material: u32, head_word: u32, program: &[u32]) {
-        let len = program.len() as u32;
+    /// Puts a program, with what lies before it, into its room, or into a new one twice its size behind everything else. `head_word`
+    /// says which program of the material: [`HEAD_PROGRAM`] or [`HEAD_BUMP_PROGRAM`].
+    pub(super) fn store(&mut self, material: u32, head_word: u32, before: &[u32], program: &[u32]) {
+        let words = [before, program].concat();
+        let len = words.len() as u32;
         let room = &mut self.rooms[material as usize][usize::from(head_word == HEAD_BUMP_PROGRAM)];
         if len > room.end - room.start {
             let start = self.words.len() as u32;
@@ -85,11 +86,11 @@ impl ProgramMemory {
         }
         let start = room.start;
         let target = &mut self.words[start as usize..(start + len) as usize];
-        if target != program {
-            target.copy_from_slice(program);
+        if target != words {
+            target.copy_from_slice(&words);
             self.changed.add(start..start + len);
         }
-        self.set_head(material, head_word, start);
+        self.set_head(material, head_word, start + before.len() as u32);
     }
 
     pub(super) fn take_changes(&mut self) -> Vec<Range<u32>> {
@@ -145,15 +146,15 @@ mod tests {
     #[test]
     fn a_program_that_fits_stays_where_it_is() {
         let mut memory = ProgramMemory::new(2);
-        memory.store(1, HEAD_PROGRAM, &[7; 20]);
+        memory.store(1, HEAD_PROGRAM, &[], &[7; 20]);
         let start = memory.head(1, HEAD_PROGRAM);
         assert_eq!(start, 2 * HEAD_WORDS);
         memory.take_changes();
-        memory.store(1, HEAD_PROGRAM, &[8; 40]);
+        memory.store(1, HEAD_PROGRAM, &[], &[8; 40]);
         assert_eq!(memory.head(1, HEAD_PROGRAM), start);
         assert_eq!(memory.take_changes(), vec![start..start + 40]);
-        memory.store(0, HEAD_PROGRAM, &[1]);
-        memory.store(1, HEAD_PROGRAM, &[9; 41]);
+        memory.store(0, HEAD_PROGRAM, &[], &[1]);
+        memory.store(1, HEAD_PROGRAM, &[], &[9; 41]);
         assert!(memory.head(1, HEAD_PROGRAM) > memory.head(0, HEAD_PROGRAM));
         assert_eq!(
             memory.words().len() as u32,
@@ -164,10 +165,10 @@ mod tests {
     #[test]
     fn storing_the_same_again_changes_nothing() {
         let mut memory = ProgramMemory::new(1);
-        memory.store(0, HEAD_PROGRAM, &[1, 2, 3]);
+        memory.store(0, HEAD_PROGRAM, &[], &[1, 2, 3]);
         memory.set_head(0, HEAD_FLAGS, 5);
         assert!(!memory.take_changes().is_empty());
-        memory.store(0, HEAD_PROGRAM, &[1, 2, 3]);
+        memory.store(0, HEAD_PROGRAM, &[], &[1, 2, 3]);
         memory.set_head(0, HEAD_FLAGS, 5);
         assert_eq!(memory.take_changes(), []);
     }

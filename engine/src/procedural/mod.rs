@@ -31,6 +31,9 @@
 //! [`Scene::materials`] is a copy of its base's without emission, for whatever must be known before
 //! the program has run (alpha, sides).
 //!
+//! Before a program lie as many words as there are nodes whose values the film keeps ([`Procedural::showing`]): the link of each, or
+//! [`NO_NODE`] where the material doesn't have it.
+//!
 //! The height of a bump map has a program of its own, the nodes below it alone, because it is evaluated at several
 //! points around a hit.
 //!
@@ -48,6 +51,7 @@ mod probe;
 mod reads;
 mod reload;
 mod remarks;
+mod showing;
 mod sketch;
 mod sources;
 mod standard;
@@ -70,7 +74,9 @@ use crate::scene::look::{AoSettings, MAX_AO};
 use crate::scene::{Material, TextureRef};
 use crate::texturing::ProgramTraits;
 
-pub use crate::material_record::{HEAD_LINKS, HEAD_WORDS, Kind, Output, Outputs};
+pub use crate::material_record::{
+    HEAD_LINKS, HEAD_WORDS, Kind, MOST_RESULT_FIELDS, Output, Outputs,
+};
 pub(crate) use alone::Hits;
 pub(crate) use documents::expanded;
 pub use edit::EditError;
@@ -80,6 +86,7 @@ pub use memory::{
     HEAD_EMISSION, HEAD_FLAGS, HEAD_MASK, HEAD_MASK_VALUE, HEAD_MORE, HEAD_OPACITY, HEAD_OVER,
     HEAD_PROGRAM,
 };
+pub use showing::{NO_NODE, node_words};
 pub use sketch::{resketch, sketch};
 pub use sources::{LIBRARIES, SourcesError, TextureSources};
 pub(crate) use update::UpdateError;
@@ -110,6 +117,8 @@ pub struct Procedural {
     surface_names: HashMap<String, u32>,
     /// The materials without what the look's tables say.
     originals: Arc<[Material]>,
+    /// The nodes whose values the film keeps.
+    shown: Vec<NodeId>,
     /// So many of them are the scene's; the look added the rest.
     scene_materials: usize,
     textures: Vec<TextureRef>,
@@ -238,7 +247,8 @@ impl Procedural {
         let of = |m: u32| self.outputs(m).result_words();
         let driven = (0..self.wiring.len() as u32).map(of).max().unwrap_or(0);
         // Where anything decides about opacity, all sides of a blend have one.
-        driven + u32::from(self.traits.iter().any(|t| t.decides_opacity))
+        let driven = driven + u32::from(self.traits.iter().any(|t| t.decides_opacity));
+        driven.max(node_words(self.shown.len()))
     }
 
     /// What is odd in the look or in its textures, but not wrong.

@@ -11,7 +11,8 @@ use super::memory::{
 };
 use super::traits::Surface;
 use super::{
-    HEAD_LINKS, Kind, MAX_STACK_SLOTS, MIN_STACK_SLOTS, NodeOutput, Output, Outputs, Procedural,
+    HEAD_LINKS, Kind, MAX_STACK_SLOTS, MIN_STACK_SLOTS, NO_NODE, NodeOutput, Output, Outputs,
+    Procedural,
 };
 
 /// What drives one material: see [`Self::output`] for a surface, `blend` for a blend of others.
@@ -152,7 +153,7 @@ impl Procedural {
     /// Compiles the programs of a material as it is wired now.
     pub(super) fn compile(&self, material: u32) -> Result<Compiled, CompileError> {
         let wiring = &self.wiring[material as usize];
-        let roots = wiring.roots();
+        let roots = self.roots_of(wiring);
         let bump: Vec<NodeId> = (wiring.output(Output::BUMP).iter().map(|s| s.node)).collect();
         Ok(Compiled {
             material,
@@ -199,6 +200,14 @@ impl Procedural {
             root.and_then(|root| slots.get(root))
                 .map_or(0, |&slot| link_word(slot, source.swizzle))
         };
+        let slots = |node: &NodeId| {
+            program
+                .as_ref()?
+                .results
+                .get(roots.iter().position(|r| r == node)?)
+        };
+        let link_of = |node: &NodeId| slots(node).map_or(NO_NODE, |&slot| link_word(slot, None));
+        let shown: Vec<u32> = self.shown.iter().map(link_of).collect();
         let bump_link = |source: &NodeOutput| {
             let slot = bump.as_ref().and_then(|p| p.results.first());
             slot.map_or(0, |&slot| link_word(slot, source.swizzle))
@@ -243,7 +252,7 @@ impl Procedural {
         for (word, program) in [(HEAD_PROGRAM, &program), (HEAD_BUMP_PROGRAM, &bump)] {
             match program {
                 Some(program) => {
-                    self.memory.store(material, word, &program.words);
+                    self.memory.store(material, word, &shown, &program.words);
                     self.grow_stack(program.slots_needed);
                 }
                 None => self.memory.set_head(material, word, 0),

@@ -5,11 +5,13 @@ use device::Device;
 use crate::{
     film::{self, Layers},
     gpu_scene,
-    procedural::Procedural,
+    procedural::{Procedural, node_words},
     scene::Scene,
     schedule::Wavefront,
     settings::{Method, RenderSettings},
-    wave::{LEFT_WORDS, LIGHT_RECORD_WORDS, PathBytes, QUEUE_HEADER, SPLIT_WORDS},
+    wave::{
+        CATCH_WORDS, LEFT_WORDS, LIGHT_RECORD_WORDS, PathBytes, QUEUE_HEADER, SPLIT_WORDS,
+    },
 };
 
 use super::lanes::Lanes;
@@ -72,7 +74,8 @@ pub fn snapshot_bytes(settings: &RenderSettings) -> u64 {
 
 /// Bytes of what an EXR file of these layers is packed from.
 pub fn file_bytes(settings: &RenderSettings, layers: &Layers) -> u64 {
-    let channels: usize = layers.iter().map(|layer| layer.channel_count()).sum();
+    let written = layers.iter().filter(|layer| !layer.is_kept_back());
+    let channels: usize = written.map(|layer| layer.channel_count()).sum();
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     // The numbers as they are, and as they are packed; and those of the layer that is being worked out.
     let single = size_of::<f32>() as u64;
@@ -88,12 +91,19 @@ fn paths(device: &Device, procedural: &Procedural, settings: &RenderSettings) ->
         true => SPLIT_WORDS,
         false => 0,
     };
+    let caught = match layers.catch_shadows() {
+        true => CATCH_WORDS,
+        false => 0,
+    };
     let record = match settings.method {
         Method::Path => 0,
         Method::Draft => LIGHT_RECORD_WORDS,
         Method::Cache => LIGHT_RECORD_WORDS + LEFT_WORDS,
     };
-    let path = PathBytes::new(procedural.result_words() + split + record).total();
+    let results = procedural
+        .result_words()
+        .max(node_words(layers.nodes().len()));
+    let path = PathBytes::new(results + split + caught + record).total();
     let recorded = 4 * u64::from(layers.record_words());
     let wave = u64::from(capacity) * (path + recorded) + 4 * QUEUE_HEADER;
     wave * (1 + Lanes::number(device, &schedule))

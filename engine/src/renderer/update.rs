@@ -87,6 +87,8 @@ impl Renderer {
         goes_on: bool,
     ) -> Result<(), RenderError> {
         let device = self.device.clone();
+        let nodes = settings.layers.nodes();
+        let procedural = &procedural.showing(nodes).map_err(RenderError::Node)?;
         let former = std::mem::replace(&mut self.procedural, procedural.clone());
         let features = self.scene.features;
         let reads = [&former.reads(), &procedural.reads()];
@@ -98,6 +100,7 @@ impl Renderer {
             program,
             &mut self.resources,
         )?;
+        super::show_motion(&device, &self.scene, scene, settings, &mut self.resources)?;
         let needs_kernels = features != self.scene.features || !former.has_kernel_of(procedural);
         if needs_kernels {
             self.kernels = Kernels::new(

@@ -114,7 +114,7 @@ fn alpha_cutoff(material: &Material) -> Constant {
 }
 
 /// All keys of `[material.NAME]` but `blend`.
-pub const PARAMETERS: [Parameter; 35] = [
+pub const PARAMETERS: [Parameter; 36] = [
     row(
         "base_color",
         "Base colour",
@@ -425,6 +425,13 @@ pub const PARAMETERS: [Parameter; 35] = [
         Takes::Flag,
         flag!(unlit),
         "the base colour is shown as it is",
+    ),
+    row(
+        "shadow_catcher",
+        "Shadow catcher",
+        Takes::Flag,
+        flag!(shadow_catcher),
+        "with `--transparent` only the shadows on it are seen",
     ),
 ];
 

@@ -100,11 +100,14 @@ fn picture_alone(content: &Content<'_>) -> Named {
 /// All layers by the names that Blender gives them.
 fn layered(content: &Content<'_>, layers: &Layers, metadata: &Metadata) -> Named {
     let mut named = Named::new();
-    for layer in layers.iter() {
+    for layer in layers.iter().filter(|layer| !layer.is_kept_back()) {
         let mut channels = content.film.channels(layer).unwrap_or_default();
         let is_picture = *layer == film::LAYERS[0];
         if is_picture && content.transparent {
             channels = split(&content.rendered());
+        }
+        if layer.name == "alpha" && content.transparent && content.film.layers().catch_shadows() {
+            channels = content.alpha().into_iter().collect();
         }
         if let (Some(denoised), true) = (content.denoised, is_picture) {
             let noisy = std::mem::replace(&mut channels, split(denoised));
@@ -113,11 +116,11 @@ fn layered(content: &Content<'_>, layers: &Layers, metadata: &Metadata) -> Named
         }
         let samples = content.form.samples(layer, channels);
         let names = layer.channel_names();
-        named.extend(
-            names
-                .map(|name| with_group(name, layer, metadata))
-                .zip(samples),
-        );
+        let names = names.map(|name| {
+            let name = with_group(name, layer, metadata);
+            name.replacen(layer.pass, &layers.pass_of(layer), 1)
+        });
+        named.extend(names.zip(samples));
     }
     named
 }
@@ -339,6 +342,7 @@ mod tests {
         let count: usize = film
             .layers()
             .iter()
+            .filter(|layer| !layer.is_kept_back())
             .map(|layer| layer.channel_count())
             .sum();
         assert_eq!(channels.len(), count);

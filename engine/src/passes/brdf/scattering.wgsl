@@ -94,6 +94,10 @@ fn sample_direct_light(p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3
     if (splits_light) {
         note_light_sample(v, m.bsdf, l, wo, wi, value.xyz, light.group);
     }
+    // What a program makes of a lamp isn't known where something is in its way.
+    if (catches_shadows && v.depth == 0u && light.point.x == MISS) {
+        path_write(PATH_CAUGHT, v.slot, vec4f(contribution / weight, max_component(contribution)));
+    }
     queue_append(QUEUE_SHADOW, v.slot);
     return true;
 }

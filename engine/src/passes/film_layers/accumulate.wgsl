@@ -93,7 +93,8 @@ fn accumulate_first(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     if (at == NO_PIXEL) {
         return;
     }
-    var words = layer_film[at];
+    let former = layer_film[at];
+    var words = former;
     let end = last_slot(first);
     var number = own_sample(first);
     for (var slot = first; slot < end; slot += frame.padded_pixels) {
@@ -110,5 +111,8 @@ fn accumulate_first(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
         }
         words = vec4u(number, bitcast<vec3u>(values));
     }
-    layer_film[at] = words;
+    // Most samples are later than the first.
+    if (words.x != former.x) {
+        layer_film[at] = words;
+    }
 }

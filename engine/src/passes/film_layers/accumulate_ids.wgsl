@@ -10,8 +10,53 @@
 @group(0) @binding(45) var<storage, read_write> layer_film2: array<vec4u>;
 @group(0) @binding(46) var<storage, read_write> layer_film3: array<vec4u>;
 
-// Most ids of a pixel; `film/ids.rs` has the same number.
-const IDS = 8u;
+// Two places, and what is to be counted behind them; id 0 is nothing.
+struct Counted {
+    places: vec4u,
+    carried: vec2u,
+}
+
+// Moves what is larger up by one.
+fn counted(places: vec4u, sample: vec2u) -> Counted {
+    var counts = Counted(places, sample);
+    if (counts.places.x == counts.carried.x) {
+        counts.places.y += counts.carried.y;
+        counts.carried = vec2u(0u);
+    } else if (counts.places.x == 0u || counts.carried.x < counts.places.x) {
+        counts = Counted(vec4u(counts.carried, counts.places.zw), counts.places.xy);
+    }
+    if (counts.carried.x == 0u) {
+        return counts;
+    }
+    if (counts.places.z == counts.carried.x) {
+        counts.places.w += counts.carried.y;
+        counts.carried = vec2u(0u);
+    } else if (counts.places.z == 0u || counts.carried.x < counts.places.z) {
+        counts = Counted(vec4u(counts.places.xy, counts.carried), counts.places.zw);
+    }
+    return counts;
+}
+
+// What finds no room in any plane is dropped: the largest. Most pixels see few objects, and only their first planes are touched.
+fn count_sample(at: u32, id: u32) {
+    var counts = counted(layer_film[at], vec2u(id, 1u));
+    layer_film[at] = counts.places;
+    if (counts.carried.x == 0u) {
+        return;
+    }
+    counts = counted(layer_film1[at], counts.carried);
+    layer_film1[at] = counts.places;
+    if (counts.carried.x == 0u) {
+        return;
+    }
+    counts = counted(layer_film2[at], counts.carried);
+    layer_film2[at] = counts.places;
+    if (counts.carried.x == 0u) {
+        return;
+    }
+    counts = counted(layer_film3[at], counts.carried);
+    layer_film3[at] = counts.places;
+}
 
 @compute @workgroup_size(64)
 fn accumulate_ids(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
@@ -21,31 +66,11 @@ fn accumulate_ids(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
     if (at == NO_PIXEL) {
         return;
     }
-    let a = layer_film[at];
-    let b = layer_film1[at];
-    let c = layer_film2[at];
-    let d = layer_film3[at];
-    var counts = array<vec2u, IDS>(a.xy, a.zw, b.xy, b.zw, c.xy, c.zw, d.xy, d.zw);
     let end = last_slot(first);
     for (var slot = first; slot < end; slot += frame.padded_pixels) {
-        if (layer_sample(0u, slot) == 0.0) {
-            continue;
-        }
-        // Moves what is larger up by one. What finds no room is dropped: the largest.
-        var carried = vec2u(bitcast<u32>(layer_sample(layer_sum.word, slot)), 1u);
-        for (var i = 0u; i < IDS && carried.x != 0u; i += 1u) {
-            let here = counts[i];
-            if (here.x == carried.x) {
-                counts[i].y = here.y + carried.y;
-                carried = vec2u(0u);
-            } else if (here.x == 0u || carried.x < here.x) {
-                counts[i] = carried;
-                carried = here;
-            }
+        let id = bitcast<u32>(layer_sample(layer_sum.word, slot));
+        if (id != 0u && layer_sample(0u, slot) != 0.0) {
+            count_sample(at, id);
         }
     }
-    layer_film[at] = vec4u(counts[0], counts[1]);
-    layer_film1[at] = vec4u(counts[2], counts[3]);
-    layer_film2[at] = vec4u(counts[4], counts[5]);
-    layer_film3[at] = vec4u(counts[6], counts[7]);
 }

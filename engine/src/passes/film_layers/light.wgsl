@@ -42,16 +42,40 @@ fn take_own(slot: u32, field: u32) {
     }
 }
 
+// Whether the path's first surface is a shadow catcher.
+fn is_caught(slot: u32) -> bool {
+    return word_caught != 0u && layer_sample(0u, slot) != 0.0 && layer_sample(word_caught, slot) != 0.0;
+}
+
+// The shadow on the first surface: what has come of its light sample.
+fn take_shadow(slot: u32, light: vec3f) {
+    let words = path_read(PATH_CAUGHT, slot);
+    path_set_words(PATH_CAUGHT, slot, vec4u(0u));
+    if (words.w > 0.0 && is_caught(slot)) {
+        var found: Found;
+        found.shadowless = words.xyz;
+        // Without the weight that it has beside scattered rays.
+        found.arrived = light * (max_component(words.xyz) / words.w);
+        add_found(slot, found);
+    }
+}
+
 // What the path's shadow ray brings, which so many surfaces will have scattered.
 fn take_light_sample(slot: u32, scatterings: u32) {
-    let light = waiting_light(slot, scatterings);
-    if (rays[shadow_ray(slot)].triangle != MISS || max_component(light) <= 0.0) {
+    var light = waiting_light(slot, scatterings);
+    if (rays[shadow_ray(slot)].triangle != MISS) {
+        light = vec3f(0.0);
+    }
+    if (catches_shadows) {
+        take_shadow(slot, light);
+    }
+    if (max_component(light) <= 0.0) {
         return;
     }
     let words = path_words(PATH_SHARES, slot);
     let shares = select(words.zw, words.xy, scatterings <= 1u);
     add_found(slot, Found(light, min(scatterings, SCATTERINGS_MOST), true, words.y >> SHARES_GROUP_SHIFT,
-        shares_diffuse(shares), (shares.y & SHARES_ABOVE) != 0u));
+        shares_diffuse(shares), (shares.y & SHARES_ABOVE) != 0u, vec3f(0.0), vec3f(0.0)));
 }
 
 @compute @workgroup_size(64)
@@ -68,6 +92,9 @@ fn record_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
         forget_found(slot);
         path_set_words(PATH_FOUND, slot, vec4u(0u));
         path_set_words(PATH_FOUND_DISKS, slot, vec4u(0u));
+        if (catches_shadows) {
+            path_set_words(PATH_CAUGHT, slot, vec4u(0u));
+        }
         return;
     }
     take_own(slot, PATH_FOUND);

@@ -6,6 +6,7 @@
 //!include shared/queue_lists.wgsl
 //!include shared/abilities.wgsl
 //!include shared/appearance.wgsl
+//!include shared/node_values.wgsl
 //!include film_layers/samples.wgsl
 //!include generated/film_layers.wgsl
 
@@ -16,6 +17,7 @@ struct FirstSurface {
     surface: Surface,
     material: u32, // after blends
     driven: u32, // outputs that the program gave
+    has_program: bool,
 }
 
 fn first_normal(at: FirstSurface) -> vec3f {
@@ -82,6 +84,46 @@ fn first_uv(at: FirstSurface) -> vec2f {
     return vec2f(uv.x, 1.0 - uv.y);
 }
 
+// Where the camera shows a place in its own axes: pixels from the middle of the picture, to the right and up.
+fn shown_at(p: vec3f) -> vec2f {
+    let place = p.xy * (0.5 * whole_size().y / frame.half_height);
+    return select(place / max(-p.z, 1e-20), place, frame.orthographic != 0u);
+}
+
+// Where the surface's point was a frame ago, seen from where it is now, and where it is now, seen from where it will be in a frame:
+// pixels, as Cycles counts them.
+fn first_motion(at: FirstSurface) -> vec4f {
+    let motion = instances[at.instance].motion;
+    if (motion == 0u) {
+        return vec4f(0.0);
+    }
+    let t = at.surface.triangle;
+    let p = mat3x3f(vertex_position(t.x), vertex_position(t.y), vertex_position(t.z)) * at.surface.weights;
+    let before = transform_point(instances[motion].world_from_object, p);
+    let now = transform_point(instances[motion].object_from_world, p);
+    let after = transform_point(instances[motion + 1u].world_from_object, p);
+    // Nobody knows where something appears that is behind the camera.
+    let is_flat = frame.orthographic != 0u;
+    let place = shown_at(now);
+    let since = select(vec2f(0.0), shown_at(before) - place, is_flat || before.z < 0.0);
+    let until = select(vec2f(0.0), place - shown_at(after), is_flat || after.z < 0.0);
+    return vec4f(since, until);
+}
+
+// Of the object's own material, as what is emitted: not what a blend has made of it.
+fn first_caught(at: FirstSurface) -> f32 {
+    let flags = materials[at.surface.triangle.w & TRIANGLE_MATERIAL].flags;
+    return select(0.0, 1.0, (flags & MATERIAL_SHADOW_CATCHER) != 0u);
+}
+
+// Of a node by its number from 1 on.
+fn node_value(at: FirstSurface, number: u32) -> vec4f {
+    if (!at.has_program) {
+        return vec4f(0.0);
+    }
+    return path_read(node_field(number - 1u), at.slot);
+}
+
 @compute @workgroup_size(64)
 fn record_layers(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
                  @builtin(local_invocation_index) local: u32) {
@@ -101,11 +143,12 @@ fn record_layers(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
     layer_sample_set(0u, slot, 1.0);
     let surface = surface_at(hit);
     let own_material = surface.triangle.w & TRIANGLE_MATERIAL;
-    var at = FirstSurface(slot, hit.instance, surface, own_material, 0u);
+    var at = FirstSurface(slot, hit.instance, surface, own_material, 0u, false);
     if (runs_program(materials[own_material].flags, 0u)) {
         let resolved = path_words(PATH_STATE, slot);
         at.material = resolved.x;
         at.driven = resolved.y;
+        at.has_program = true;
     }
     record_each(at);
 }

@@ -74,7 +74,7 @@ pub const SOLVE: Pass = Pass {
     name: "solve_irradiance",
     file: "irradiance/solve.wgsl",
     work: Work::Paths,
-    reads: &["irradiance_settings"],
-    writes: &["irradiance_gathered", "irradiance_records"],
+    reads: &["irradiance_gathered", "irradiance_settings"],
+    writes: &["irradiance_records"],
     ..LOOK_UP
 };

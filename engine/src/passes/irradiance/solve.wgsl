@@ -5,7 +5,7 @@
 //!include irradiance/records.wgsl
 
 @group(0) @binding(51) var<storage, read_write> irradiance_records: array<vec4u>;
-@group(0) @binding(55) var<storage, read_write> irradiance_gathered: array<vec4f>;
+@group(0) @binding(55) var<storage, read> irradiance_gathered: array<vec4f>;
 
 // Least and most radius, in pixels.
 const LEAST_WIDTHS = 1.5;

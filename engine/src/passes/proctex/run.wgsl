@@ -1,4 +1,5 @@
 // A hit with a program: chooses the sides of blends, runs the programs, stores what they drive. `entry.wgsl` is the pass.
+//!include shared/node_values.wgsl
 
 const MAX_BLEND_DEPTH = 4096u; // blends have no circles: this is never met
 
@@ -156,6 +157,18 @@ fn store_outputs(slot: u32, material: u32, flags: u32, wanted: u32) -> u32 {
     return at;
 }
 
+const NO_NODE = 0xffffffffu; // in the place of a link
+
+// Stores what a program has found for nodes that the film keeps.
+fn store_nodes(slot: u32, program: u32) {
+    for (var i = 0u; i < node_layers; i += 1u) {
+        let link = programs[program - node_layers + i];
+        if (link != NO_NODE) {
+            path_set_words(node_field(i), slot, bitcast<vec4u>(patina_link(link)));
+        }
+    }
+}
+
 // The hit of a path that `entry` of QUEUE_PROCTEX names.
 fn run_textures(entry: u32, slot: u32) {
     is_spoilt = false;
@@ -202,10 +215,19 @@ fn run_textures(entry: u32, slot: u32) {
     var bumps = 0u; // heights known
     var words = 0u;
     var heights = vec3f(0.0);
+    let shows_nodes = node_layers != 0u && depth == 0u && !is_shadow;
+    if (shows_nodes) {
+        for (var i = 0u; i < node_layers; i += 1u) {
+            path_set_words(node_field(i), slot, vec4u(0u));
+        }
+    }
     var bump: BumpFrame;
     loop {
         if (program != 0u) {
             patina_run_program(program);
+            if (shows_nodes && bumps == 0u) {
+                store_nodes(slot, program);
+            }
         }
         if (bumps == 0u) {
             if ((flags & HEAD_IS_BLEND) != 0u && blends < MAX_BLEND_DEPTH) {

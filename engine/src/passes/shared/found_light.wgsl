@@ -39,4 +39,7 @@ struct Found {
     group: u32, // of lights
     diffuse: vec3f, // the share that the first surface has scattered diffusely
     is_above: bool, // whether the first surface has reflected the rest, or let it through
+    // Of a shadow catcher's light sample alone, for its shadow: what it would bring if nothing were in its way, and what it brings.
+    shadowless: vec3f,
+    arrived: vec3f,
 }

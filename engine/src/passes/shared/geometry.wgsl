@@ -34,8 +34,8 @@ struct Instance {
     id: u32, // of its name
     source: u32, // index of the instance in the scene
     asset: u32, // of the name of the whole that it is a piece of
+    motion: u32, // index of the first of two records about where the instance was and will be; 0 where it isn't known
     // Padding: the maps are 16-byte words.
-    unused_a: u32,
     unused_b: u32,
     unused_c: u32,
 }

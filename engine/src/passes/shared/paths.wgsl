@@ -18,9 +18,13 @@ const PATH_FOUND = 6u;
 const PATH_FOUND_DISKS = 7u;
 const PATH_SHARES = 8u;
 const SPLIT_FIELDS = 3u;
+// Behind them, where it has shadow catchers: rgb that the light sample of the first surface would bring if nothing were in its way and
+// no other sample could have found it, then the greatest component of what PATH_LIGHT was.
+const PATH_CAUGHT = 9u;
 
 // Whether it does.
 override splits_light: bool = false;
+override catches_shadows: bool = false; // only where the former is true
 
 // In the same place, where a cache knows the light that surfaces scatter diffusely: see left.wgsl. Never both.
 const PATH_PLACE = 6u;
@@ -31,7 +35,7 @@ const PATH_LEFT = 8u;
 override leaves_diffuse: bool = false;
 
 fn results_field() -> u32 {
-    return PATH_RESULTS + select(0u, SPLIT_FIELDS, splits_light || leaves_diffuse);
+    return PATH_RESULTS + select(0u, SPLIT_FIELDS, splits_light || leaves_diffuse) + select(0u, 1u, catches_shadows);
 }
 
 // Whether texture programs decide about the opacity or the light of some surface. Then shadow rays wait for them, and a

@@ -1,13 +1,15 @@
 //! Layers of the film: each against what is known of its scene, and with the same exactness as the picture.
 
+use std::sync::Arc;
+
 use ::device::Device;
 use engine::film::ids::{Coverage, IDS};
 use engine::film::{Film, Layer, Layers};
 use engine::procedural::{Procedural, TextureSources};
 use engine::renderer::Renderer;
 use engine::scene::{AlphaMode, Camera, Material, Projection, Scene};
-use engine::settings::RenderSettings;
-use glam::{Vec2, Vec3};
+use engine::settings::{Beside, RenderSettings};
+use glam::{Affine3A, Vec2, Vec3};
 
 use crate::support::device;
 use crate::support::scenes::{
@@ -219,6 +221,225 @@ fn textures_are_part_of_what_is_seen() {
         let is_right = |value: &Vec3| (*value - expected).length() < 1e-5;
         assert!(values.iter().all(is_right), "{name}: {}", values[0]);
     }
+}
+
+#[test]
+fn motion_is_counted_in_pixels_of_the_picture() {
+    let Some(device) = device::open() else { return };
+    let mut scene = scene([(floor(3.0), lambert(Vec3::ONE))], Vec3::ONE);
+    let procedural = no_textures(&mut scene);
+    // At the floor it sees as much as from_above(3.0, 1.0).
+    let y_fov = 2.0 * (1.0_f32 / 3.0).atan();
+    let camera = camera(
+        Vec3::Y * 3.0,
+        Vec3::ZERO,
+        Vec3::NEG_Z,
+        Projection::Perspective { y_fov },
+    );
+    let layers = Layers::named(["vector"]).expect("known");
+    let of = |beside: Option<Beside>| {
+        let settings = RenderSettings {
+            beside: beside.map(Arc::new),
+            ..with_layers(&camera, SHOT, &layers)
+        };
+        let film = film(&device, &scene, &procedural, &settings, (1 << 14, 4));
+        let [since, until] = ["vector", "vector_next"].map(|name| values(&film, name));
+        let pairs = since.into_iter().zip(until);
+        pairs
+            .map(|(since, until)| [since.truncate(), until.truncate()])
+            .collect::<Vec<_>>()
+    };
+    let moved = |camera: &Camera, by: Vec3| Camera {
+        transform: Affine3A::from_translation(by) * camera.transform,
+        ..camera.clone()
+    };
+    let at = |by: Vec3| vec![Affine3A::from_translation(by)];
+    // Two metres are 24 pixels wide; the picture's upper edge lies towards -z.
+    let metre = 12.0;
+    let (left, up) = (Vec3::new(-0.25, 0.0, 0.0), Vec3::new(0.0, 0.0, -0.5));
+    let both = |by: Vec3| [moved(&camera, Vec3::ZERO), moved(&camera, by)];
+    let near = |found: Vec2, expected: Vec2| {
+        assert!((found - expected).length() < 1e-3, "{found} {expected}")
+    };
+    for [since, until] in of(Some(Beside {
+        cameras: both(Vec3::ZERO),
+        transforms: [at(left), at(up)],
+    })) {
+        near(since, Vec2::new(-0.25, 0.0) * metre);
+        near(until, Vec2::new(0.0, -0.5) * metre);
+    }
+    // What the camera follows stands still.
+    for [since, until] in of(Some(Beside {
+        cameras: both(up),
+        transforms: [at(Vec3::ZERO), at(up)],
+    })) {
+        assert_eq!((since, until.length() < 1e-3), (Vec2::ZERO, true));
+    }
+    // Of what turns about the middle each point has its own way; what comes nearer, moves away from it.
+    let turned = vec![Affine3A::from_rotation_y(0.1)];
+    let nearer = at(Vec3::Y * 1.0);
+    let found = of(Some(Beside {
+        cameras: both(Vec3::ZERO),
+        transforms: [turned, nearer],
+    }));
+    let positions = {
+        let settings = with_layers(&camera, SHOT, &Layers::named(["position"]).expect("known"));
+        values(
+            &film(&device, &scene, &procedural, &settings, (1 << 14, 4)),
+            "position",
+        )
+    };
+    for ([since, until], p) in found.into_iter().zip(positions) {
+        let place = |p: Vec3| Vec2::new(p.x, -p.z) * metre;
+        let was = glam::Quat::from_rotation_y(0.1) * p;
+        near(since, place(was) - place(p));
+        near(until, place(p) - place(p) * 1.5);
+    }
+    for still in [
+        None,
+        Some(Beside {
+            cameras: both(Vec3::ZERO),
+            transforms: [at(Vec3::ZERO), at(Vec3::ZERO)],
+        }),
+    ] {
+        assert!(of(still).iter().all(|motion| *motion == [Vec2::ZERO; 2]));
+    }
+}
+
+/// A floor, half of it of a material whose blend and bump have nodes, and a lamp that has none of them.
+fn with_nodes() -> (Scene, Procedural) {
+    let half = |at: f32| quad(Vec3::new(at, 0.0, 2.0), Vec3::X * 2.0, Vec3::NEG_Z * 4.0);
+    let objects = [
+        (half(-2.0), lambert(Vec3::ONE)),
+        (half(0.0), lambert(Vec3::ONE)),
+    ];
+    let mut scene = scene(objects, Vec3::ONE);
+    scene.materials[0].name = "Left".to_owned();
+    scene.materials[1].name = "Right".to_owned();
+    let mut sources = TextureSources::default();
+    sources.insert("one", "fn userProc(value: f32) -> f32 { return value; }");
+    sources.insert(
+        "place",
+        "fn userProc(scale: f32) -> vec3f { return readAttr(WorldPos).xyz * scale; }",
+    );
+    sources.insert(
+        "four",
+        "fn userProc(at: vec3f) -> vec4f { return vec4f(at.zyx, 0.5); }",
+    );
+    let look = "
+        [node.mask]
+        texture = \"one\"
+        value = 0.25
+        [node.place]
+        texture = \"place\"
+        scale = 2.0
+        [node.turned]
+        texture = \"four\"
+        at = \"place\"
+        [node.height]
+        texture = \"one\"
+        value = 0.125
+        [node.idle]
+        texture = \"one\"
+        value = 9.0
+        [material.Over]
+        roughness = \"turned.w\"
+        bump = \"height\"
+        [material.Left]
+        blend = { base = \"Left\", over = \"Over\", mask = \"mask\" }";
+    let procedural = textured(&mut scene, look, &sources);
+    (scene, procedural)
+}
+
+#[test]
+fn values_of_nodes_are_layers_where_their_material_is_seen() {
+    let Some(device) = device::open() else { return };
+    let (scene, procedural) = with_nodes();
+    let nodes = ["turned", "place", "mask", "height", "idle"].map(|node| format!("node:{node}"));
+    let layers = Layers::named(nodes.iter().map(String::as_str)).expect("known");
+    let shot = Shot { spp: 256, ..SHOT };
+    let settings = with_layers(&from_above(3.0, 1.0), shot, &layers);
+    let shown = film(&device, &scene, &procedural, &settings, (1 << 14, shot.spp));
+    let of = |node: &str| {
+        let own = shown
+            .layers()
+            .iter()
+            .filter(|layer| shown.layers().name_of(layer) == format!("node:{node}"));
+        let values: Vec<_> = own
+            .map(|layer| shown.values(layer).expect("gathered"))
+            .collect();
+        let [rgb, alpha] = &values[..] else {
+            panic!("two layers")
+        };
+        let rgba = rgb
+            .iter()
+            .zip(alpha)
+            .map(|(rgb, a)| Vec3::from(*rgb).extend(a[0]));
+        rgba.collect::<Vec<_>>()
+    };
+    for pixel in 0..shown.pixels() {
+        let at = middle(&shown, pixel);
+        let point = floor_point(1.0, at) * 2.0;
+        // Samples are anywhere in the pixel, evenly; and a fourth of them meets what lies over the other.
+        let near = |node: &str, expected: glam::Vec4, error: f32| {
+            let found = of(node)[pixel];
+            assert!(
+                (found - expected).length() < error,
+                "{node} {at}: {found} {expected}"
+            );
+        };
+        let (share, noise) = (0.25, 6.0 * (0.25_f32 * 0.75 / 256.0).sqrt());
+        let seen = if at.x < 0.5 { 1.0 } else { 0.0 };
+        near("mask", glam::Vec4::splat(0.25) * seen, 1e-4);
+        near(
+            "height",
+            glam::Vec4::splat(0.125 * share) * seen,
+            0.125 * 2.0 * noise * seen + 1e-6,
+        );
+        let largest = point.length() + 1.0;
+        near(
+            "place",
+            point.extend(1.0) * share * seen,
+            noise * largest * seen + 1e-6,
+        );
+        let turned = Vec3::new(point.z, point.y, point.x).extend(0.5);
+        near(
+            "turned",
+            turned * share * seen,
+            noise * largest * seen + 1e-6,
+        );
+        near("idle", glam::Vec4::ZERO, 1e-6);
+    }
+    // The picture is what it is without them, and parts are as exact.
+    let alone = RenderSettings {
+        layers: Layers::default(),
+        ..settings.clone()
+    };
+    let alone = film(&device, &scene, &procedural, &alone, (1 << 14, shot.spp));
+    assert_eq!(alone.mean(), shown.mean());
+    let mut merged = Film::with_layers(shown.width, shown.height, layers);
+    for (first_sample, cut) in [(56, (SMALL, 200)), (0, (1 << 14, 56))] {
+        let settings = RenderSettings {
+            first_sample,
+            ..settings.clone()
+        };
+        merged.add(&film(&device, &scene, &procedural, &settings, cut));
+    }
+    assert!(merged == shown, "merged");
+}
+
+#[test]
+fn a_node_that_is_not_there_is_named_with_its_neighbour() {
+    let Some(device) = device::open() else { return };
+    let (scene, procedural) = with_nodes();
+    let layers = Layers::named(["node:turn"]).expect("any name");
+    let settings = with_layers(&from_above(3.0, 1.0), SHOT, &layers);
+    let error = Renderer::new(&device, &scene, &procedural, &settings).expect_err("no such node");
+    let error = error.to_string();
+    assert!(
+        error.contains("`turn`") && error.contains("did you mean"),
+        "{error}"
+    );
 }
 
 /// Something in front of a sky, with edges, light and a veil.

@@ -16,6 +16,7 @@ mod furnace;
 mod light_layers;
 mod non_finite;
 mod seeds;
+mod shadow_catcher;
 
 use engine::film::Film;
 use glam::{Vec2, Vec3};
