@@ -9,6 +9,7 @@ use clap::{ArgAction, Parser, Subcommand};
 use engine::filter::PixelFilter;
 use engine::settings::{Estimator, Method, Sampler};
 
+use crate::bake::args::BakeArgs;
 use crate::bench::args::BenchCommand;
 use crate::compare::args::CompareArgs;
 use crate::console::MessageFormat;
@@ -139,6 +140,9 @@ pub(crate) enum Command {
     /// Turn a MaterialX document into a look.
     #[command(after_help = crate::import::args::EXAMPLES)]
     Import(ImportArgs),
+    /// Write a material, or what a node gives, as pictures over a mesh's texture coordinates.
+    #[command(after_help = crate::bake::args::EXAMPLES)]
+    Bake(BakeArgs),
     /// List, check, inspect, evaluate, preview and begin textures.
     Texture {
         /// What to do with them.

@@ -20,6 +20,7 @@ use engine::session::Edit;
 use engine::settings::{Estimator, Method, Sampler};
 
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
+use crate::bake::job::BakeJob;
 use crate::bench::job::BenchJob;
 use crate::compare::job::CompareJob;
 use crate::farm::job::ExportJob;
@@ -63,6 +64,8 @@ pub(crate) enum Job {
     Info(InfoJob),
     /// Turn a MaterialX document into a look.
     Import(ImportJob),
+    /// Write pictures of a material or a node.
+    Bake(Box<BakeJob>),
     /// Do something with textures.
     Texture(TextureJob),
     /// List devices.
@@ -218,6 +221,7 @@ impl Job {
             Command::Farm { what } => Self::Farm(ExportJob::from_args(what, render_is_understood)?),
             Command::Compare(args) => Self::Compare(CompareJob::from_args(args)?),
             Command::Info(args) => Self::Info(InfoJob::from_args(args)),
+            Command::Bake(args) => Self::Bake(Box::new(BakeJob::from_args(args)?)),
             Command::Import(args) => Self::Import(ImportJob::from_args(args)),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,

@@ -5,6 +5,7 @@
 //! is run by the file named after it, and what came of it becomes an exit code ([`exit`]). Nothing is decided here.
 
 mod args;
+mod bake;
 mod bench;
 mod cache;
 mod compare;
@@ -84,6 +85,7 @@ fn run(job: Job) -> Result<(), Failure> {
         Job::Compare(job) => compare::run(&job),
         Job::Info(job) => info::run(&job),
         Job::Import(job) => import::run(&job),
+        Job::Bake(job) => bake::run(&job),
         Job::Texture(job) => texture::run(job),
         Job::Devices => {
             devices::run();
