@@ -13,6 +13,7 @@ use crate::bake::args::BakeArgs;
 use crate::bench::args::BenchCommand;
 use crate::compare::args::CompareArgs;
 use crate::console::MessageFormat;
+use crate::export::args::ExportArgs;
 use crate::farm::args::FarmCommand;
 use crate::flags::{CommonArgs, DisplayArgs, scene_help, words};
 use crate::form::FormArgs;
@@ -143,6 +144,9 @@ pub(crate) enum Command {
     /// Write a material, or what a node gives, as pictures over a mesh's texture coordinates.
     #[command(after_help = crate::bake::args::EXAMPLES)]
     Bake(BakeArgs),
+    /// Write a scene as glTF, with pictures in place of procedural textures.
+    #[command(after_help = crate::export::args::EXAMPLES)]
+    Export(ExportArgs),
     /// List, check, inspect, evaluate, preview and begin textures.
     Texture {
         /// What to do with them.

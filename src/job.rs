@@ -23,6 +23,7 @@ use crate::args::{Args, Command, MergeArgs, RenderArgs};
 use crate::bake::job::BakeJob;
 use crate::bench::job::BenchJob;
 use crate::compare::job::CompareJob;
+use crate::export::job::GltfJob;
 use crate::farm::job::ExportJob;
 use crate::form;
 use crate::import::job::ImportJob;
@@ -66,6 +67,8 @@ pub(crate) enum Job {
     Import(ImportJob),
     /// Write pictures of a material or a node.
     Bake(Box<BakeJob>),
+    /// Write a scene without programs.
+    Export(Box<GltfJob>),
     /// Do something with textures.
     Texture(TextureJob),
     /// List devices.
@@ -222,6 +225,7 @@ impl Job {
             Command::Compare(args) => Self::Compare(CompareJob::from_args(args)?),
             Command::Info(args) => Self::Info(InfoJob::from_args(args)),
             Command::Bake(args) => Self::Bake(Box::new(BakeJob::from_args(args)?)),
+            Command::Export(args) => Self::Export(Box::new(GltfJob::from_args(args)?)),
             Command::Import(args) => Self::Import(ImportJob::from_args(args)),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,

@@ -14,6 +14,7 @@ mod crash;
 mod denoise;
 mod devices;
 mod exit;
+mod export;
 mod failure;
 mod farm;
 mod fault;
@@ -86,6 +87,7 @@ fn run(job: Job) -> Result<(), Failure> {
         Job::Info(job) => info::run(&job),
         Job::Import(job) => import::run(&job),
         Job::Bake(job) => bake::run(&job),
+        Job::Export(job) => export::run(&job),
         Job::Texture(job) => texture::run(job),
         Job::Devices => {
             devices::run();

@@ -1,4 +1,4 @@
-//! `patina bake` on the command line.
+//! `patina bake` and `patina export` on the command line.
 
 use super::*;
 
@@ -98,4 +98,30 @@ fn what_cannot_be_baked_is_said() {
             .expect_code(2);
         assert!(run.stderr.contains(because), "{flag}: {}", run.stderr);
     }
+}
+
+#[test]
+fn a_scene_is_exported_and_looks_the_same() {
+    let bench = Bench::new();
+    square(&bench);
+    let look = "environment = { color = [1.0, 1.0, 1.0] }\n[camera]\nposition = [0.5, 0.5, 2.0]\nlook_at = [0.5, 0.5, 0.0]\n\
+                [node.squares]\ntexture = \"checker\"\nscale = 4.0\n[material.Paint]\nbase_color = \"squares\"\nroughness = 0.9\n";
+    fs::write(bench.path("l.toml"), look).expect("written");
+    let line = "export square.gltf --look l.toml --device native --size 256 -o baked.glb";
+    bench.run(line).expect_code(0);
+    let flags = "--device native --size 48x48 --spp 64";
+    for (scene, output) in [
+        ("square.gltf --look l.toml", "a.png"),
+        ("baked.glb", "b.png"),
+    ] {
+        let line = format!("render {scene} {flags} -o {output}");
+        let run = bench.run(&line).expect_code(0);
+        assert!(!run.stderr.contains("warning"), "{}", run.stderr);
+    }
+    bench
+        .run("compare a.png b.png --max-flip 0.05")
+        .expect_code(0);
+    let line = "export square.gltf --look l.toml -o baked.gltf";
+    let run = bench.run(line).expect_code(2);
+    assert!(run.stderr.contains(".glb"), "{}", run.stderr);
 }

@@ -13,8 +13,10 @@ mod gltf;
 mod images;
 mod occlusion;
 mod place;
+mod scene;
 #[cfg(test)]
 mod tests;
+mod unwrap;
 
 use std::ops::ControlFlow;
 
