@@ -151,7 +151,7 @@ impl<'a> Painter<'a> {
         let stride = layout.stride();
         let frames: Vec<[Vec3; 2]> = batch.places.iter().map(steps).collect();
         let mut heights = vec![self.sites.run(program, &[*link], batch.values)?];
-        for direction in 0..2 {
+        for direction in [0usize, 1] {
             let mut values = batch.values.to_vec();
             (values.par_chunks_mut(stride).enumerate()).for_each(|(i, values)| {
                 let place = &batch.places[i];

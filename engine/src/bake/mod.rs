@@ -160,6 +160,9 @@ pub struct Baker<'a> {
     moment: Moment,
 }
 
+/// Gives the numbers of each place of a batch, whose openness it is told as well.
+type Paint<'p> = &'p mut dyn FnMut(&Batch<'_>, &[f32]) -> Result<Vec<f32>, BakeError>;
+
 /// How far it is, from 0 to 1; says whether to go on.
 pub type Progress<'p> = &'p mut dyn FnMut(f32) -> ControlFlow<()>;
 
@@ -258,7 +261,7 @@ impl<'a> Baker<'a> {
         stride: usize,
         tables: u32,
         progress: Progress<'_>,
-        paint: &mut dyn FnMut(&Batch<'_>, &[f32]) -> Result<Vec<f32>, BakeError>,
+        paint: Paint<'_>,
     ) -> Result<Maps, BakeError> {
         let placed = self.placed(target);
         let mesh = placed.mesh;

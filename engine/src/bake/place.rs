@@ -2,7 +2,7 @@
 //!
 //! The formulas are those of `passes/proctex/site.wgsl` and `passes/shared/surface.wgsl`.
 
-use glam::{Affine3A, Mat3A, Vec2, Vec3, Vec4};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
 use texgen::{BUILTIN_ATTRIBUTES, BuiltinAttribute as A, GLOBALS, Global};
 
 use crate::evaluate::Layout;
@@ -186,7 +186,7 @@ impl<'a> Placed<'a> {
         values.copy_from_slice(&self.plain);
         let tangent = self.tangent(self.mesh, place);
         let local = |v: Vec3| {
-            let back = Mat3A::from(self.to_world.matrix3).transpose();
+            let back = self.to_world.matrix3.transpose();
             Vec3::from(back * glam::Vec3A::from(v)).normalize_or(Vec3::Y)
         };
         let uv = |set| self.uv(place, set).extend(0.0).extend(1.0);
