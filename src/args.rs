@@ -10,9 +10,11 @@ use engine::filter::PixelFilter;
 use engine::settings::{Estimator, Method, Sampler};
 
 use crate::accuracy::Accuracy;
+use crate::bake::args::BakeArgs;
 use crate::bench::args::BenchCommand;
 use crate::compare::args::CompareArgs;
 use crate::console::MessageFormat;
+use crate::export::args::ExportArgs;
 use crate::farm::args::FarmCommand;
 use crate::flags::{CommonArgs, DisplayArgs, LayerWords, scene_help, words};
 use crate::form::FormArgs;
@@ -140,6 +142,12 @@ pub(crate) enum Command {
     /// Turn a MaterialX document into a look.
     #[command(after_help = crate::import::args::EXAMPLES)]
     Import(ImportArgs),
+    /// Write a material, or what a node gives, as pictures over a mesh's texture coordinates.
+    #[command(after_help = crate::bake::args::EXAMPLES)]
+    Bake(BakeArgs),
+    /// Write a scene as glTF, with pictures in place of procedural textures.
+    #[command(after_help = crate::export::args::EXAMPLES)]
+    Export(ExportArgs),
     /// List, check, inspect, evaluate, preview and begin textures.
     Texture {
         /// What to do with them.

@@ -21,8 +21,10 @@ use engine::settings::{Estimator, Method, Sampler};
 
 use crate::accuracy::{Accuracy, method_flag};
 use crate::args::{Args, Command, MergeArgs, RenderArgs};
+use crate::bake::job::BakeJob;
 use crate::bench::job::BenchJob;
 use crate::compare::job::CompareJob;
+use crate::export::job::GltfJob;
 use crate::farm::job::ExportJob;
 use crate::form;
 use crate::import::job::ImportJob;
@@ -64,6 +66,10 @@ pub(crate) enum Job {
     Info(InfoJob),
     /// Turn a MaterialX document into a look.
     Import(ImportJob),
+    /// Write pictures of a material or a node.
+    Bake(Box<BakeJob>),
+    /// Write a scene without programs.
+    Export(Box<GltfJob>),
     /// Do something with textures.
     Texture(TextureJob),
     /// List devices.
@@ -221,6 +227,8 @@ impl Job {
             Command::Farm { what } => Self::Farm(ExportJob::from_args(what, render_is_understood)?),
             Command::Compare(args) => Self::Compare(CompareJob::from_args(args)?),
             Command::Info(args) => Self::Info(InfoJob::from_args(args)),
+            Command::Bake(args) => Self::Bake(Box::new(BakeJob::from_args(args)?)),
+            Command::Export(args) => Self::Export(Box::new(GltfJob::from_args(args)?)),
             Command::Import(args) => Self::Import(ImportJob::from_args(args)),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,

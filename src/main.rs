@@ -6,6 +6,7 @@
 
 mod accuracy;
 mod args;
+mod bake;
 mod bench;
 mod cache;
 mod compare;
@@ -14,6 +15,7 @@ mod crash;
 mod denoise;
 mod devices;
 mod exit;
+mod export;
 mod failure;
 mod farm;
 mod fault;
@@ -85,6 +87,8 @@ fn run(job: Job) -> Result<(), Failure> {
         Job::Compare(job) => compare::run(&job),
         Job::Info(job) => info::run(&job),
         Job::Import(job) => import::run(&job),
+        Job::Bake(job) => bake::run(&job),
+        Job::Export(job) => export::run(&job),
         Job::Texture(job) => texture::run(job),
         Job::Devices => {
             devices::run();

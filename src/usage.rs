@@ -93,6 +93,12 @@ pub(crate) enum UsageError {
         /// As typed.
         path: PathBuf,
     },
+    /// Only one form of scenes is written.
+    #[error("-o {}: the file name must end in .glb (glTF 2.0 binary)", path.display())]
+    Exported {
+        /// As typed.
+        path: PathBuf,
+    },
     /// Differences are shown, not kept as radiance.
     #[error("--diff {}: the file name must end in .png or .jpg", path.display())]
     Difference {

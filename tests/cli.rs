@@ -9,6 +9,8 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
+#[path = "cli/bake.rs"]
+mod bake;
 #[path = "cli/compare.rs"]
 mod compare;
 #[path = "cli/denoise.rs"]

@@ -178,17 +178,19 @@ fn every_command_in_documents_and_help_is_understood() {
     assert!(understood > 40, "there are many commands: {understood}");
 }
 
-/// The README is followed from top to bottom in a folder with the example scene: blocks of code are saved under the name
+/// The README is followed from top to bottom in a folder with the example scenes: blocks of code are saved under the name
 /// that was said last, commands are run, at a small size and with few samples.
 #[test]
 fn the_readme_works_in_its_order() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let desk = tempfile::tempdir().expect("a temporary folder");
-    let demo = desk.path().join("examples/demo");
-    fs::create_dir_all(&demo).expect("a folder");
-    for file in fs::read_dir(root.join("examples/demo")).expect("part of the project") {
-        let file = file.expect("an entry");
-        fs::copy(file.path(), demo.join(file.file_name())).expect("a copy");
+    for folder in ["examples/demo", "examples/gallery"] {
+        let copy = desk.path().join(folder);
+        fs::create_dir_all(&copy).expect("a folder");
+        for file in fs::read_dir(root.join(folder)).expect("part of the project") {
+            let file = file.expect("an entry");
+            fs::copy(file.path(), copy.join(file.file_name())).expect("a copy");
+        }
     }
     let renders = device();
     let text = fs::read_to_string(root.join("README.md")).expect("the README is UTF-8");
@@ -282,4 +284,45 @@ fn the_page_of_textures_is_what_the_command_prints() {
         "`patina texture doc -o docs/textures.md` writes the page anew"
     );
     assert_eq!(page.lines().count(), printed.lines().count());
+}
+
+/// The looks of the gallery need nothing but standard textures, and nothing in them is odd.
+#[test]
+fn the_materials_of_the_gallery_are_finished() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/gallery");
+    let scene = folder.join("gallery.gltf");
+    let entries = fs::read_dir(&folder).expect("the gallery is part of the project");
+    let mut looks: Vec<PathBuf> = entries
+        .map(|entry| entry.expect("an entry").path())
+        .collect();
+    looks.retain(|path| path.extension().is_some_and(|ending| ending == "toml"));
+    assert_eq!(looks.len(), 24);
+    for look in looks {
+        let loaded = engine::load::load(&scene, Some(&look), &[]);
+        let loaded = loaded.unwrap_or_else(|error| panic!("{}: {error}", look.display()));
+        let ball = loaded
+            .procedural
+            .materials()
+            .find(|(name, _)| *name == "Ball");
+        let (_, ball) = ball.expect("the ball has a material");
+        assert!(loaded.procedural.is_procedural(ball), "{}", look.display());
+        assert!(
+            loaded.warnings.is_empty(),
+            "{}: {}",
+            look.display(),
+            loaded.warnings
+        );
+        let text = fs::read_to_string(&look).expect("a look is UTF-8");
+        let name = look
+            .file_name()
+            .expect("a file has a name")
+            .to_string_lossy();
+        assert!(
+            text.contains(&*name),
+            "the command in {name} names another look"
+        );
+    }
+    let picture = folder.join("../../docs/images/gallery.jpg");
+    let bytes = fs::metadata(picture).expect("the README shows it").len();
+    assert!(bytes <= 300_000, "{bytes}");
 }

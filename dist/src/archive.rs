@@ -15,7 +15,7 @@ use crate::policy::Policy;
 use crate::{licences, platform, root};
 
 /// Folders of the checkout that go with the program: what it can be tried with and how textures and looks are written.
-const FOLDERS: [&str; 2] = ["docs", "examples/demo"];
+const FOLDERS: [&str; 3] = ["docs", "examples/demo", "examples/gallery"];
 const FILES: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT"];
 
 /// Packs a program that has been built, and returns the archive's path.

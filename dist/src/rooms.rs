@@ -71,6 +71,7 @@ const ENGINE: &[(&str, &[&str])] = &[
         "evaluate",
         &["gpu_scene", "isolated", "passes", "procedural", "renderer"],
     ),
+    ("bake", &["evaluate", "procedural"]),
     ("preview", &["isolated", "procedural", "renderer"]),
     (
         "session",

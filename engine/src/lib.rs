@@ -34,6 +34,7 @@
 //! - [`fleet`] has several devices render one picture.
 //! - [`denoise`] takes the noise out of a film's picture.
 //! - [`evaluate`], [`preview`] and [`isolated`] are about one texture, or one node of a look, without its scene.
+//! - [`bake`] writes what materials look like into pictures over texture coordinates.
 //! - [`wave`], [`frame`] and [`texturing`] are what passes, uploads and texture programs hand each other.
 //!
 //! The crate never prints: every failure is a value that names file, place and remedy, and what is odd but not wrong is a
@@ -42,6 +43,7 @@
 pub mod adaptive;
 pub mod alias;
 pub mod audit;
+pub mod bake;
 pub mod bvh;
 pub mod denoise;
 pub mod display;

@@ -1,8 +1,9 @@
 //! Makes the demo scene that ships with Patina: an old gate valve in the corner of an arcade.
 //!
-//! `cargo run --example make_demo_scene` writes `examples/demo/demo.gltf` and `examples/skylight.gltf` with their `.bin`,
-//! which are committed; run it again only to change them. It uses nothing of the renderer.
+//! `cargo run --example make_demo_scene` writes `examples/demo/demo.gltf`, `examples/skylight.gltf` and the ball of
+//! `examples/gallery` with their `.bin`, which are committed; run it again only to change them. It uses nothing of the renderer.
 
+mod gallery;
 mod gltf;
 mod mesh;
 mod shapes;
@@ -57,6 +58,8 @@ fn main() -> std::io::Result<()> {
     println!("examples/demo/demo.gltf: {} kB", size / 1000);
     let size = skylight().write(&examples, "skylight")?;
     println!("examples/skylight.gltf: {size} bytes");
+    let size = gallery::gallery().write(&examples.join("gallery"), "gallery")?;
+    println!("examples/gallery/gallery.gltf: {} kB", size / 1000);
     Ok(())
 }
 

@@ -52,6 +52,7 @@ pub mod aside;
 mod atmosphere;
 mod camera;
 mod environment;
+pub mod export;
 mod image;
 pub mod import;
 pub mod input;

@@ -73,6 +73,12 @@ const MODELS_SPP: &str = "64";
 /// Not shown there: one may be used for no commerce, the other comes from a stock of pictures.
 const MODELS_HIDDEN: [&str; 2] = ["DamagedHelmet", "EnvironmentTest"];
 
+/// The ball, its materials, and how each is shown.
+const GALLERY: &str = "examples/gallery";
+const GALLERY_PICTURE: &str = "docs/images/gallery.jpg";
+const GALLERY_SIZE: &str = "192x192";
+const GALLERY_SPP: &str = "48";
+
 const USAGE: &str = "\
 Usage: cargo xtask <COMMAND>
 
@@ -83,6 +89,7 @@ Commands:
   dist          Pack the program with its manual and all licences: out/patina-VERSION-PLATFORM.tar.gz
   pictures      Render the README's pictures to docs/images/
   contact-sheet Render Khronos' sample models, where they lie beside the checkout, to docs/images/khronos.jpg
+  gallery       Render the materials of examples/gallery to docs/images/gallery.jpg
   blender       Read our layers with Blender; `cargo xtask blender --help` lists the options
   farm          Render a picture in parts by Slurm on this host, lose a node, compare with the whole
   materialx     Compare MaterialX's nodes with its own; `cargo xtask materialx --help` lists the options
@@ -102,6 +109,7 @@ fn main() -> ExitCode {
         ["dist"] => dist::run(),
         ["pictures"] => pictures(),
         ["contact-sheet"] => contact_sheet(),
+        ["gallery"] => gallery(),
         ["blender", "--help" | "-h"] => {
             println!("{}", blender::USAGE);
             Ok(())
@@ -286,6 +294,49 @@ fn contact_sheet() -> Result<()> {
         .args([MODELS, MODELS_PICTURE, MODELS_LIGHT, MODELS_SPP])
         .args(MODELS_HIDDEN)
         .run()
+    })?;
+    steps.finish();
+    Ok(())
+}
+
+/// All materials of the gallery in one picture.
+fn gallery() -> Result<()> {
+    let mut steps = Steps::new();
+    steps.run("Release build", || {
+        cargo(["build", "--locked", "--release", "--package", "patina"])
+            .args(["--bin", "patina", "--example", "gallery_sheet"])
+            .run()
+    })?;
+    let tiles = root().join("out/gallery");
+    fs::create_dir_all(&tiles).with_context(|| format!("cannot create {}", tiles.display()))?;
+    let scene = format!("{GALLERY}/gallery.gltf");
+    steps.run("Materials", || {
+        for entry in fs::read_dir(root().join(GALLERY))? {
+            let name = entry?.file_name().to_string_lossy().into_owned();
+            let Some(material) = name.strip_suffix(".look.toml") else {
+                continue;
+            };
+            let look = format!("{GALLERY}/{name}");
+            let tile = format!("out/gallery/{material}.png");
+            let shot = [
+                "--look",
+                &look,
+                "--size",
+                GALLERY_SIZE,
+                "--spp",
+                GALLERY_SPP,
+            ];
+            patina(["render", &scene])
+                .args(shot)
+                .args(["--denoise", "-o", &tile])
+                .run()?;
+        }
+        Ok(())
+    })?;
+    steps.run(GALLERY_PICTURE, || {
+        cargo(["run", "--locked", "--release", "--example", "gallery_sheet"])
+            .args(["--", "out/gallery", GALLERY_PICTURE])
+            .run()
     })?;
     steps.finish();
     Ok(())

@@ -19,22 +19,26 @@
 
 mod host;
 mod point;
+mod sites;
 
 use std::path::Path;
 
-use texgen::{Diagnostics, GraphError, LOOP_LIMIT, Value, did_you_mean};
+use texgen::{Diagnostics, GraphError, LOOP_LIMIT, Library, Value, did_you_mean};
 
 use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Trust, Usage};
 
 use crate::gpu_scene::images::GpuImages;
 use crate::isolated::{Isolated, Subject};
 use crate::passes::wgsl::ComposedWgsl;
-use crate::procedural::{EditError, MAX_STACK_SLOTS, SourcesError, TextureSources};
+use crate::procedural::{EditError, MAX_STACK_SLOTS, Procedural, SourcesError, TextureSources};
 use crate::renderer::{compiling, culprit};
 
 pub use point::Point;
 
-use point::Layout;
+use host::Occlusion;
+
+pub(crate) use point::Layout;
+pub(crate) use sites::Sites;
 
 /// Points of one dispatch.
 const BATCH: usize = 1 << 16;
@@ -198,24 +202,27 @@ impl Evaluator {
         self.compile(program.slots_needed, (first != second).then_some(second))?;
         let scene = &self.isolated.scene;
         let images = GpuImages::new(&self.device, scene, &self.isolated.procedural.reads())?;
-        let user_base = images.user_base;
-        let mut resources = Resources::default();
-        resources.set_image("image_table", images.table);
-        resources.set_image("image_layers", images.layers);
-        resources.set_image("image_layers_srgb", images.layers_srgb);
-        for (name, words) in [("programs", &program.words), ("args", &args)] {
-            let buffer = self.device.filled_buffer(
-                name,
-                Usage::Storage,
-                bytemuck::cast_slice(words.as_slice()),
-            )?;
-            resources.set_buffer(name, buffer);
-        }
+        let mut resources = resources(
+            &self.device,
+            &images,
+            &program.words,
+            &args,
+            &program.results,
+        )?;
+        let Made { kernel, .. } = self.kernel.as_ref().expect("it was made before");
         let mut values = Vec::with_capacity(points.len());
         for batch in points.chunks(BATCH) {
-            let header = [batch.len() as u32, user_base, program.results[0], 0];
+            let header = [batch.len() as u32, images.user_base, 1, 0];
             let words = self.layout.words(header, batch);
-            values.extend(self.dispatch(&mut resources, &words, batch.len())?);
+            let procedural = &self.isolated.procedural;
+            values.extend(dispatch(
+                &self.device,
+                kernel,
+                procedural,
+                &mut resources,
+                &words,
+                batch.len(),
+            )?);
         }
         Ok(values)
     }
@@ -246,20 +253,12 @@ impl Evaluator {
             return Ok(());
         }
         let slots = slots.max(has);
-        let generated = self.isolated.procedural.graph().library().emit(slots);
-        let source = host::source(&self.layout, second_occlusion, &generated);
+        let library = self.isolated.procedural.graph().library();
+        let occlusion = Occlusion::Named(second_occlusion);
+        let source = host::source(&self.layout, occlusion, &library.emit(slots));
         let is_same = |made: &Made| made.text == source.text;
         if !self.kernel.as_ref().is_some_and(is_same) {
-            let kernel = |source: &ComposedWgsl| {
-                source.compile(&self.device, "evaluate", Trust::Nothing, &[])
-            };
-            let library = self.isolated.procedural.graph().library();
-            let kernel = kernel(&source).map_err(|error| {
-                culprit::named(error, library, |alone| {
-                    let source = host::source(&self.layout, second_occlusion, &alone.emit(1));
-                    kernel(&source).map(|_| ())
-                })
-            })?;
+            let kernel = compiled(&self.device, library, &self.layout, occlusion, &source)?;
             self.kernel = Some(Made {
                 slots,
                 text: source.text,
@@ -269,37 +268,74 @@ impl Evaluator {
         self.is_replaced = false;
         Ok(())
     }
+}
 
-    fn dispatch(
-        &self,
-        resources: &mut Resources,
-        points: &[[u32; 4]],
-        count: usize,
-    ) -> Result<Vec<[f32; 4]>, EvaluateError> {
-        let Made { kernel, .. } = self.kernel.as_ref().expect("it was made before");
-        let device = &self.device;
-        let bytes = 16 * count as u64;
-        let points =
-            device.filled_buffer("points", Usage::Storage, bytemuck::cast_slice(points))?;
-        resources.set_buffer("points", points);
-        resources.set_buffer("values", device.buffer("values", Usage::Storage, bytes)?);
-        resources.set_buffer("overrun", device.buffer("overrun", Usage::Storage, 4)?);
-        let mut recording = Recording::new("evaluate");
-        let bound = kernel.bind(device, resources);
-        recording.dispatch(&bound, Extent::Threads(count as u32));
-        // Some drivers compile a kernel when it runs for the first time.
-        let _busy = (device.activity()).begin(|| compiling(&self.isolated.procedural));
-        device.play(&recording)?;
-        let overrun = device.read(resources.buffer("overrun"), 0, 4)?;
-        let overrun: Vec<u32> = bytemuck::pod_collect_to_vec(&overrun);
-        if overrun[0] != 0 {
-            let textures = self.isolated.procedural.graph().library().textures();
-            let texture = textures.get(overrun[0] as usize - 1);
-            return Err(EvaluateError::Endless {
-                texture: texture.map_or_else(String::new, |texture| texture.name().to_owned()),
-            });
-        }
-        let values = device.read(resources.buffer("values"), 0, bytes)?;
-        Ok(bytemuck::pod_collect_to_vec(&values))
+/// A kernel of this text; the error names the texture that is at fault.
+fn compiled(
+    device: &Device,
+    library: &Library,
+    layout: &Layout,
+    occlusion: Occlusion,
+    source: &ComposedWgsl,
+) -> Result<Kernel, DeviceError> {
+    let kernel = |source: &ComposedWgsl| source.compile(device, "evaluate", Trust::Nothing, &[]);
+    kernel(source).map_err(|error| {
+        culprit::named(error, library, |alone| {
+            let source = host::source(layout, occlusion, &alone.emit(1));
+            kernel(&source).map(|_| ())
+        })
+    })
+}
+
+/// What a kernel reads besides the points: images, a program, the constants, and where the wanted results lie.
+fn resources(
+    device: &Device,
+    images: &GpuImages,
+    program: &[u32],
+    args: &[u32],
+    links: &[u32],
+) -> Result<Resources, DeviceError> {
+    let mut resources = Resources::default();
+    resources.set_image("image_table", images.table.clone());
+    resources.set_image("image_layers", images.layers.clone());
+    resources.set_image("image_layers_srgb", images.layers_srgb.clone());
+    for (name, words) in [("programs", program), ("args", args), ("links", links)] {
+        let buffer = device.filled_buffer(name, Usage::Storage, bytemuck::cast_slice(words))?;
+        resources.set_buffer(name, buffer);
     }
+    Ok(resources)
+}
+
+/// The results at some points, whose words begin with their header; `count` of them.
+fn dispatch(
+    device: &Device,
+    kernel: &Kernel,
+    procedural: &Procedural,
+    resources: &mut Resources,
+    points: &[[u32; 4]],
+    count: usize,
+) -> Result<Vec<[f32; 4]>, EvaluateError> {
+    let [threads, _, results, _] = points[0];
+    let bytes = 16 * count as u64 * u64::from(results);
+    let points = device.filled_buffer("points", Usage::Storage, bytemuck::cast_slice(points))?;
+    resources.set_buffer("points", points);
+    resources.set_buffer("values", device.buffer("values", Usage::Storage, bytes)?);
+    resources.set_buffer("overrun", device.buffer("overrun", Usage::Storage, 4)?);
+    let mut recording = Recording::new("evaluate");
+    let bound = kernel.bind(device, resources);
+    recording.dispatch(&bound, Extent::Threads(threads));
+    // Some drivers compile a kernel when it runs for the first time.
+    let _busy = (device.activity()).begin(|| compiling(procedural));
+    device.play(&recording)?;
+    let overrun = device.read(resources.buffer("overrun"), 0, 4)?;
+    let overrun: Vec<u32> = bytemuck::pod_collect_to_vec(&overrun);
+    if overrun[0] != 0 {
+        let textures = procedural.graph().library().textures();
+        let texture = textures.get(overrun[0] as usize - 1);
+        return Err(EvaluateError::Endless {
+            texture: texture.map_or_else(String::new, |texture| texture.name().to_owned()),
+        });
+    }
+    let values = device.read(resources.buffer("values"), 0, bytes)?;
+    Ok(bytemuck::pod_collect_to_vec(&values))
 }

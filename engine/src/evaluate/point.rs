@@ -57,34 +57,47 @@ fn is_number(name: &str) -> bool {
 
 /// Where the values of a point lie, one `vec4` each: attributes, globals, custom attributes.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Layout {
+pub(crate) struct Layout {
     custom: Vec<String>,
 }
 
 impl Layout {
-    pub(super) fn new(custom: Vec<String>) -> Self {
+    pub(crate) fn new(custom: Vec<String>) -> Self {
         Self { custom }
     }
 
+    /// Names of the custom attributes, in the order in which they lie from [`Self::custom_start`] on.
+    pub(crate) fn custom(&self) -> &[String] {
+        &self.custom
+    }
+
     /// Values of a point.
-    pub(super) fn stride(&self) -> usize {
+    pub(crate) fn stride(&self) -> usize {
         self.custom_start() + self.custom.len()
     }
 
     /// Place of a built-in attribute among them.
-    pub(super) fn attribute(&self, name: &str) -> Option<usize> {
+    pub(crate) fn attribute(&self, name: &str) -> Option<usize> {
         BUILTIN_ATTRIBUTES.iter().position(|a| a.name() == name)
     }
 
     /// Place of a global among them.
-    pub(super) fn global(&self, name: &str) -> Option<usize> {
+    pub(crate) fn global(&self, name: &str) -> Option<usize> {
         let place = GLOBALS.iter().position(|g| g.name() == name)?;
         Some(BUILTIN_ATTRIBUTES.len() + place)
     }
 
     /// Place of the first custom attribute.
-    pub(super) fn custom_start(&self) -> usize {
+    pub(crate) fn custom_start(&self) -> usize {
         BUILTIN_ATTRIBUTES.len() + GLOBALS.len()
+    }
+
+    /// The plain values of a point: what a place begins with where somebody else computes it.
+    pub(crate) fn plain(&self) -> Vec<[f32; 4]> {
+        let words = self.words([0; 4], &[Point::new()]);
+        (words[1..].iter())
+            .map(|word| word.map(f32::from_bits))
+            .collect()
     }
 
     /// All names that a point can give.

@@ -67,6 +67,12 @@ impl Output {
     pub const OPACITY: Self = Self::of("opacity");
     /// Where reflections are stretched to, degrees from the tangent.
     pub const ANISOTROPY_ROTATION: Self = Self::of("anisotropy_rotation");
+    /// The shading normal in the world.
+    pub const NORMAL: Self = Self::of("normal");
+    /// How far reflections are stretched.
+    pub const ANISOTROPY: Self = Self::of("anisotropy");
+    /// Factor on a normal map.
+    pub const NORMAL_SCALE: Self = Self::of("normal_scale");
     /// Height above the surface. Stored as the slope of the surface, so it comes last: it is known last.
     pub const BUMP: Self = Self::of("bump");
 

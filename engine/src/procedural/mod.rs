@@ -49,6 +49,7 @@ mod materials;
 mod memory;
 mod probe;
 mod reads;
+mod recipe;
 mod reload;
 mod remarks;
 mod showing;
@@ -86,6 +87,7 @@ pub use memory::{
     HEAD_EMISSION, HEAD_FLAGS, HEAD_MASK, HEAD_MASK_VALUE, HEAD_MORE, HEAD_OPACITY, HEAD_OVER,
     HEAD_PROGRAM,
 };
+pub(crate) use recipe::{MaskRecipe, Recipe, SurfaceRecipe};
 pub use showing::{NO_NODE, node_words};
 pub use sketch::{resketch, sketch};
 pub use sources::{LIBRARIES, SourcesError, TextureSources};

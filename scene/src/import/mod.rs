@@ -23,6 +23,7 @@ pub use environment::load_environment_image;
 pub use error::ImportError;
 pub use format::Imported;
 pub use merge::Appended;
+pub use mesh::tangents::give_tangents;
 pub use pictures::load_picture;
 
 use crate::input::{Disk, Files};

@@ -90,6 +90,16 @@ pub(in crate::import) fn make(
     Ok(true)
 }
 
+/// Gives a mesh tangents by its first texture coordinates, where it has none; vertices are split where these need it, the
+/// triangles stay in their order. Without texture coordinates they are some directions along the surface.
+pub fn give_tangents(mesh: &mut Mesh) {
+    if mesh.tangents.is_empty() {
+        // What is in memory already may be three times as much: as many vertices as there are corners.
+        let made = make(mesh, 0, &Budget::new(u64::MAX));
+        debug_assert!(made.is_ok(), "nothing bounds the memory");
+    }
+}
+
 /// Computes tangents and splits vertices where corners disagree. Returns, for each new vertex, the old vertex that it
 /// is a copy of, and its tangent. `triangles` is rewritten to the new vertices.
 fn generate(

@@ -1,0 +1,476 @@
+//! Appearances as glTF's channels: which numbers are gathered, and how they lie in pictures of eight bits.
+
+use std::sync::Arc;
+
+use glam::{Vec3, Vec4};
+
+use crate::procedural::Output;
+use crate::scene::{AlphaMode, Image, Material};
+
+use super::appearance::Appearance;
+use super::images::{linear8, srgb8};
+use super::{BakeSettings, Maps, component};
+
+/// Numbers that differ by less are the same in eight bits.
+const SAME: f32 = 1.0 / 512.0;
+
+/// Which of a material's pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// RGB base colour, A opacity.
+    BaseColor,
+    /// R ambient occlusion, G roughness, B metallic.
+    MetallicRoughness,
+    /// Normal in the frame of the tangents.
+    Normal,
+    /// RGB emission.
+    Emission,
+    /// A weight of the dielectric's reflection.
+    Specular,
+    /// RGB its tint.
+    SpecularColor,
+    /// R share that goes through.
+    Transmission,
+    /// A share of the diffuse light that comes out on the other side.
+    DiffuseTransmission,
+    /// RGB its colour.
+    DiffuseTransmissionColor,
+    /// RGB sheen.
+    SheenColor,
+    /// A its roughness.
+    SheenRoughness,
+    /// R weight of the coat.
+    Coat,
+    /// G its roughness.
+    CoatRoughness,
+    /// RG direction, B strength.
+    Anisotropy,
+    /// R weight of the thin film.
+    Iridescence,
+    /// G its thickness.
+    IridescenceThickness,
+}
+
+impl Role {
+    /// All of them.
+    pub const ALL: [Self; 16] = [
+        Self::BaseColor,
+        Self::MetallicRoughness,
+        Self::Normal,
+        Self::Emission,
+        Self::Specular,
+        Self::SpecularColor,
+        Self::Transmission,
+        Self::DiffuseTransmission,
+        Self::DiffuseTransmissionColor,
+        Self::SheenColor,
+        Self::SheenRoughness,
+        Self::Coat,
+        Self::CoatRoughness,
+        Self::Anisotropy,
+        Self::Iridescence,
+        Self::IridescenceThickness,
+    ];
+
+    /// What every material of glTF may have a picture of.
+    pub const USUAL: [Self; 3] = [Self::BaseColor, Self::MetallicRoughness, Self::Normal];
+
+    /// For names of files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::BaseColor => "base_color",
+            Self::MetallicRoughness => "metallic_roughness",
+            Self::Normal => "normal",
+            Self::Emission => "emission",
+            Self::Specular => "specular",
+            Self::SpecularColor => "specular_color",
+            Self::Transmission => "transmission",
+            Self::DiffuseTransmission => "diffuse_transmission",
+            Self::DiffuseTransmissionColor => "diffuse_transmission_color",
+            Self::SheenColor => "sheen_color",
+            Self::SheenRoughness => "sheen_roughness",
+            Self::Coat => "coat",
+            Self::CoatRoughness => "coat_roughness",
+            Self::Anisotropy => "anisotropy",
+            Self::Iridescence => "iridescence",
+            Self::IridescenceThickness => "iridescence_thickness",
+        }
+    }
+
+    /// Whether its RGB is colour, which glTF wants encoded by sRGB.
+    pub fn is_color(self) -> bool {
+        matches!(
+            self,
+            Self::BaseColor
+                | Self::Emission
+                | Self::SpecularColor
+                | Self::DiffuseTransmissionColor
+                | Self::SheenColor
+        )
+    }
+
+    /// What its channels hold, RGBA.
+    fn channels(self) -> [Source; 4] {
+        use Source::{Number, Occlusion, One};
+        let rgb = |key| [0, 1, 2].map(|i| Number(key, i));
+        let [r, g, b] = match self {
+            Self::BaseColor => rgb("base_color"),
+            Self::MetallicRoughness => [Occlusion, Number("roughness", 0), Number("metallic", 0)],
+            Self::Normal => rgb("normal"),
+            Self::Emission => rgb("emission"),
+            Self::SpecularColor => rgb("specular_color"),
+            Self::Transmission => [Number("transmission", 0), One, One],
+            Self::DiffuseTransmissionColor => rgb("diffuse_transmission_color"),
+            Self::SheenColor => rgb("sheen_color"),
+            Self::Coat => [Number("coat", 0), One, One],
+            Self::CoatRoughness => [One, Number("coat_roughness", 0), One],
+            Self::Anisotropy => [
+                Number("anisotropy_rotation", 0),
+                Number("anisotropy_rotation", 1),
+                Number("anisotropy", 0),
+            ],
+            Self::Iridescence => [Number("iridescence", 0), One, One],
+            Self::IridescenceThickness => [One, Number("iridescence_thickness", 0), One],
+            Self::Specular | Self::DiffuseTransmission | Self::SheenRoughness => [One; 3],
+        };
+        let a = match self {
+            Self::BaseColor => Number("opacity", 0),
+            Self::Specular => Number("specular", 0),
+            Self::DiffuseTransmission => Number("diffuse_transmission", 0),
+            Self::SheenRoughness => Number("sheen_roughness", 0),
+            _ => One,
+        };
+        [r, g, b, a]
+    }
+}
+
+/// What a channel of a picture holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Source {
+    /// A component of an output, by its key.
+    Number(&'static str, usize),
+    /// Ambient occlusion of its own.
+    Occlusion,
+    One,
+}
+
+/// One picture of a material.
+#[derive(Debug, Clone)]
+pub struct BakedImage {
+    /// What it holds.
+    pub role: Role,
+    /// Texels along a side.
+    pub size: u32,
+    /// Linear RGBA, row 0 on top. Colours may exceed 1; normals are from -1 to 1; the thickness is in nanometres.
+    pub rgba: Vec<[f32; 4]>,
+    /// Greatest of the RGB, or 1 where that is more and it is no emission: what colours and thicknesses are divided by in eight bits.
+    pub most: f32,
+}
+
+impl BakedImage {
+    /// As glTF stores it.
+    pub fn eight_bits(&self) -> Vec<u8> {
+        let scale = 1.0 / self.most;
+        let texel = |texel: &[f32; 4]| -> [u8; 4] {
+            let [r, g, b, a] = *texel;
+            let rgb = match self.role {
+                Role::Normal => [r, g, b].map(|x| linear8(0.5 + 0.5 * x)),
+                Role::Anisotropy => [linear8(0.5 + 0.5 * r), linear8(0.5 + 0.5 * g), linear8(b)],
+                role if role.is_color() => [r, g, b].map(|x| srgb8(x * scale)),
+                _ => [r, g, b].map(|x| linear8(x * scale)),
+            };
+            [rgb[0], rgb[1], rgb[2], linear8(a)]
+        };
+        self.rgba.iter().flat_map(texel).collect()
+    }
+
+    /// As a picture of a scene.
+    pub fn image(&self, name: String) -> Image {
+        Image {
+            name,
+            width: self.size,
+            height: self.size,
+            rgba8: Arc::new(self.eight_bits()),
+            srgb: self.role.is_color(),
+        }
+    }
+}
+
+/// A material whose looks are in pictures and constants alone.
+#[derive(Debug, Clone)]
+pub struct BakedMaterial {
+    /// The constants; without any picture.
+    pub material: Material,
+    /// The pictures of what isn't the same everywhere, or of what was asked for.
+    pub images: Vec<BakedImage>,
+    /// The picture of metallic and roughness holds ambient occlusion as well.
+    pub has_occlusion: bool,
+    /// Share of the surface that has no place of its own: another part of it is shown there.
+    pub overlap: f32,
+    /// What differs from place to place, but has one value in glTF: it is the mean.
+    pub lost: Vec<&'static str>,
+}
+
+/// Which numbers are gathered for each texel, one after the other.
+#[derive(Debug)]
+pub(super) struct Planes {
+    /// The outputs, with the number of their components.
+    outputs: Vec<(Output, usize)>,
+}
+
+impl Planes {
+    /// All that differ from place to place, and the normal.
+    pub(super) fn of(varies: impl Fn(Output) -> bool) -> Self {
+        let wanted = |output: &Output| {
+            *output == Output::NORMAL
+                || ![
+                    Output::BUMP,
+                    Output::NORMAL_SCALE,
+                    Output::EMISSION_STRENGTH,
+                ]
+                .contains(output)
+                    && (varies(*output)
+                        || *output == Output::EMISSION && varies(Output::EMISSION_STRENGTH)
+                        || *output == Output::ANISOTROPY_ROTATION && varies(Output::ANISOTROPY)
+                        || *output == Output::ANISOTROPY && varies(Output::ANISOTROPY_ROTATION))
+        };
+        let components = |output: Output| match output {
+            // As a direction: angles have no mean.
+            Output::ANISOTROPY_ROTATION => 2,
+            output => output.words() as usize,
+        };
+        let outputs = Output::ALL.into_iter().filter(wanted);
+        Self {
+            outputs: outputs.map(|output| (output, components(output))).collect(),
+        }
+    }
+
+    /// Numbers of a texel: those of the outputs, and ambient occlusion.
+    pub(super) fn stride(&self) -> usize {
+        self.outputs.iter().map(|(_, count)| count).sum::<usize>() + 1
+    }
+
+    /// The numbers of a place.
+    pub(super) fn texel(
+        &self,
+        painted: &Appearance,
+        normal: Vec3,
+        tangent: Vec4,
+        open: f32,
+    ) -> Vec<f32> {
+        let mut numbers = Vec::with_capacity(self.stride());
+        for &(output, count) in &self.outputs {
+            match output {
+                Output::NORMAL => {
+                    let bent = painted[output.number() as usize];
+                    let along = tangent.truncate();
+                    let across = normal.cross(along) * tangent.w;
+                    let local = [bent.dot(along), bent.dot(across), bent.dot(normal)];
+                    numbers.extend([local[0], local[1], local[2].max(0.01)]);
+                }
+                Output::ANISOTROPY_ROTATION => {
+                    let angle = component(painted, output, 0);
+                    numbers.extend([angle.cos(), angle.sin()]);
+                }
+                _ => numbers.extend((0..count).map(|i| component(painted, output, i))),
+            }
+        }
+        numbers.push(open);
+        numbers
+    }
+
+    /// Where an output's numbers begin.
+    fn place(&self, key: &str) -> Option<usize> {
+        let at = self.outputs.iter().position(|(o, _)| o.key() == key)?;
+        Some(self.outputs[..at].iter().map(|(_, count)| count).sum())
+    }
+
+    /// The material with the pictures of what isn't the same everywhere.
+    pub(super) fn baked(
+        &self,
+        surface: &Material,
+        maps: &Maps,
+        settings: &BakeSettings,
+    ) -> BakedMaterial {
+        let has_occlusion = settings.occlusion.is_some();
+        let mut material = surface.clone();
+        for texture in material.textures_mut() {
+            *texture = None;
+        }
+        let mut images = Vec::new();
+        for role in Role::ALL {
+            let is_gathered = role.channels().iter().any(|channel| match channel {
+                Source::Number(key, _) => self.place(key).is_some(),
+                Source::Occlusion => has_occlusion,
+                Source::One => false,
+            });
+            let is_kept = settings.keeps_flat && Role::USUAL.contains(&role);
+            if !is_gathered && !is_kept {
+                continue;
+            }
+            let image = self.image(role, surface, maps);
+            let is_kept = is_kept || role == Role::MetallicRoughness && has_occlusion;
+            match is_flat(&image) && !is_kept {
+                true => set_constant(&mut material, role, image.rgba[0]),
+                false => {
+                    prepare(&mut material, &image);
+                    images.push(image);
+                }
+            }
+        }
+        self.set_alpha_mode(&mut material, surface, maps);
+        BakedMaterial {
+            material,
+            images,
+            has_occlusion,
+            overlap: maps.overlap,
+            lost: self.set_means(surface, maps),
+        }
+    }
+
+    fn image(&self, role: Role, surface: &Material, maps: &Maps) -> BakedImage {
+        let channels = role.channels().map(|channel| match channel {
+            Source::One => Err(1.0),
+            Source::Occlusion => Ok(maps.stride - 1),
+            Source::Number(key, i) => match self.place(key) {
+                Some(place) => Ok(place + i),
+                None => Err(constant(surface, key, i)),
+            },
+        });
+        let texel =
+            |texel: &[f32]| channels.map(|channel| channel.map_or_else(|c| c, |i| texel[i]));
+        let mut rgba: Vec<[f32; 4]> = maps.plane(0, maps.stride).map(texel).collect();
+        if role == Role::Normal {
+            for texel in &mut rgba {
+                let normal = Vec3::new(texel[0], texel[1], texel[2]).normalize_or(Vec3::Z);
+                [texel[0], texel[1], texel[2]] = normal.to_array();
+            }
+        }
+        let is_scaled =
+            role.is_color() && role != Role::BaseColor || role == Role::IridescenceThickness;
+        let least = if role == Role::Emission { 1e-6 } else { 1.0 };
+        let greatest = rgba
+            .iter()
+            .flat_map(|t| &t[..3])
+            .copied()
+            .fold(least, f32::max);
+        BakedImage {
+            role,
+            size: maps.size,
+            rgba,
+            most: if is_scaled { greatest } else { 1.0 },
+        }
+    }
+
+    /// Alpha means what the opacity needs: nothing where it is 1, a mask where it is 0 or 1.
+    fn set_alpha_mode(&self, material: &mut Material, surface: &Material, maps: &Maps) {
+        let Some(place) = self.place("opacity") else {
+            return;
+        };
+        let opacities = || maps.plane(place, 1).map(|texel| texel[0]);
+        let inner = opacities().filter(|o| (0.02..0.98).contains(o)).count();
+        material.alpha_mode = match surface.alpha_mode {
+            _ if opacities().all(|o| o > 1.0 - SAME) => AlphaMode::Opaque,
+            AlphaMode::Mask { .. } => AlphaMode::Mask { cutoff: 0.5 },
+            // Some at the edges of a mask are between.
+            _ if inner * 10 < maps.size as usize * maps.size as usize => {
+                AlphaMode::Mask { cutoff: 0.5 }
+            }
+            _ => AlphaMode::Blend,
+        };
+        if material.alpha_mode == AlphaMode::Opaque {
+            material.base_color.w = 1.0;
+        }
+    }
+
+    /// What glTF has one number for, and the texture more.
+    fn set_means(&self, surface: &Material, maps: &Maps) -> Vec<&'static str> {
+        let mut lost = Vec::new();
+        if let Some(place) = self.place("ior")
+            && maps
+                .plane(place, 1)
+                .any(|texel| (texel[0] - surface.ior).abs() > SAME)
+        {
+            lost.push("ior");
+        }
+        lost
+    }
+}
+
+/// A constant of a material that no program drives.
+fn constant(material: &Material, key: &str, i: usize) -> f32 {
+    let m = material;
+    match key {
+        "base_color" => m.base_color[i],
+        "opacity" => match m.alpha_mode {
+            AlphaMode::Opaque => 1.0,
+            _ => m.base_color.w,
+        },
+        "roughness" => m.roughness,
+        "metallic" => m.metallic,
+        "anisotropy" => m.anisotropy,
+        _ => 1.0,
+    }
+}
+
+/// Whether all texels are the same in eight bits.
+fn is_flat(image: &BakedImage) -> bool {
+    let first = image.rgba[0];
+    let is_same =
+        |texel: &[f32; 4]| (0..4).all(|i| (texel[i] - first[i]).abs() < SAME * image.most);
+    match image.role {
+        Role::Normal => image.rgba.iter().all(|t| t[0].abs().max(t[1].abs()) < SAME),
+        _ => image.rgba.iter().all(is_same),
+    }
+}
+
+/// Gives a material the constant that a picture without differences stands for.
+fn set_constant(m: &mut Material, role: Role, [r, g, b, a]: [f32; 4]) {
+    let rgb = Vec3::new(r, g, b);
+    match role {
+        Role::BaseColor => m.base_color = rgb.clamp(Vec3::ZERO, Vec3::ONE).extend(a),
+        Role::MetallicRoughness => {
+            (m.roughness, m.metallic) = (g.clamp(0.0, 1.0), b.clamp(0.0, 1.0));
+        }
+        Role::Normal => {}
+        Role::Emission => m.emission = rgb.max(Vec3::ZERO),
+        Role::Specular => m.specular = a.clamp(0.0, 1.0),
+        Role::SpecularColor => m.specular_color = rgb.max(Vec3::ZERO),
+        Role::Transmission => m.transmission = r.clamp(0.0, 1.0),
+        Role::DiffuseTransmission => m.diffuse_transmission = a.clamp(0.0, 1.0),
+        Role::DiffuseTransmissionColor => {
+            m.diffuse_transmission_color = rgb.clamp(Vec3::ZERO, Vec3::ONE);
+        }
+        Role::SheenColor => m.sheen_color = rgb.clamp(Vec3::ZERO, Vec3::ONE),
+        Role::SheenRoughness => m.sheen_roughness = a.clamp(0.0, 1.0),
+        Role::Coat => m.coat = r.clamp(0.0, 1.0),
+        Role::CoatRoughness => m.coat_roughness = g.clamp(0.0, 1.0),
+        Role::Anisotropy => {
+            (m.anisotropy, m.anisotropy_rotation) = (b.clamp(0.0, 1.0), g.atan2(r));
+        }
+        Role::Iridescence => m.iridescence = r.clamp(0.0, 1.0),
+        Role::IridescenceThickness => m.iridescence_thickness = [g.max(0.0); 2],
+    }
+}
+
+/// Sets the factors that a picture is multiplied by.
+fn prepare(m: &mut Material, image: &BakedImage) {
+    match image.role {
+        Role::BaseColor => m.base_color = Vec4::ONE,
+        Role::MetallicRoughness => (m.metallic, m.roughness) = (1.0, 1.0),
+        Role::Normal => m.normal_scale = 1.0,
+        Role::Emission => m.emission = Vec3::splat(image.most),
+        Role::Specular => m.specular = 1.0,
+        Role::SpecularColor => m.specular_color = Vec3::splat(image.most),
+        Role::Transmission => m.transmission = 1.0,
+        Role::DiffuseTransmission => m.diffuse_transmission = 1.0,
+        Role::DiffuseTransmissionColor => m.diffuse_transmission_color = Vec3::ONE,
+        Role::SheenColor => m.sheen_color = Vec3::ONE,
+        Role::SheenRoughness => m.sheen_roughness = 1.0,
+        Role::Coat => m.coat = 1.0,
+        Role::CoatRoughness => m.coat_roughness = 1.0,
+        Role::Anisotropy => (m.anisotropy, m.anisotropy_rotation) = (1.0, 0.0),
+        Role::Iridescence => m.iridescence = 1.0,
+        Role::IridescenceThickness => m.iridescence_thickness = [0.0, image.most],
+    }
+}

@@ -1,0 +1,241 @@
+//! Pictures whose every texel is known.
+
+use std::path::Path;
+
+use glam::{Affine3A, Vec2, Vec4};
+
+use super::*;
+use crate::procedural::TextureSources;
+use crate::scene::look::Look;
+use crate::scene::{Instance, Material};
+
+const SETTINGS: BakeSettings = BakeSettings {
+    size: 16,
+    grid: 2,
+    occlusion: None,
+    keeps_flat: true,
+};
+
+/// A square of 2 x 2 metres in the plane z = 0 that faces +Z, whose picture lies on it as one sees it, a metre above the origin.
+fn square(material: Material) -> Scene {
+    let corners = [(-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (1.0, 1.0)];
+    let mesh = Mesh {
+        name: "square".to_owned(),
+        positions: corners.map(|(x, y)| Vec3::new(x, y, 0.0)).into(),
+        normals: vec![Vec3::Z; 4],
+        tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 4],
+        uv0: corners
+            .map(|(x, y)| Vec2::new(0.5 + 0.5 * x, 0.5 - 0.5 * y))
+            .into(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangle_materials: vec![0; 2],
+        ..Mesh::default()
+    };
+    Scene {
+        meshes: vec![mesh],
+        instances: vec![Instance {
+            name: "square".to_owned(),
+            mesh: 0,
+            transform: Affine3A::from_translation(Vec3::Y),
+            asset: None,
+        }],
+        materials: vec![material],
+        ..Scene::default()
+    }
+}
+
+fn plain() -> Material {
+    Material {
+        name: "M".to_owned(),
+        metallic: 0.0,
+        roughness: 0.5,
+        ..Material::default()
+    }
+}
+
+fn baked(look: &str, textures: &[(&str, &str)], settings: &BakeSettings) -> BakedMaterial {
+    let mut scene = square(plain());
+    let mut sources = TextureSources::default();
+    for (name, text) in textures {
+        sources.insert(name, text);
+    }
+    let look = Look::parse(Path::new("l.toml"), look).unwrap_or_else(|e| panic!("{e}"));
+    let procedural =
+        Procedural::build(&look, &mut scene, &sources).unwrap_or_else(|e| panic!("{e}"));
+    let device = Device::open(&device::DeviceChoice::Native(1)).expect("the processor");
+    let baker = Baker::new(&device, &scene, &procedural, Moment::default()).expect("a kernel");
+    let target = Target {
+        instance: 0,
+        layout: &scene.meshes[0],
+        material: Some(0),
+    };
+    let go_on = &mut |_| ControlFlow::Continue(());
+    baker
+        .material(0, &target, settings, go_on)
+        .expect("pictures")
+}
+
+fn texel(baked: &BakedMaterial, role: Role, x: usize, y: usize) -> [f32; 4] {
+    let image = baked.images.iter().find(|image| image.role == role);
+    image.expect("there is one").rgba[y * 16 + x]
+}
+
+#[track_caller]
+fn near(given: [f32; 4], wanted: [f32; 4], tolerance: f32) {
+    let is_near = (0..4).all(|i| (given[i] - wanted[i]).abs() <= tolerance);
+    assert!(is_near, "{given:?} is not {wanted:?}");
+}
+
+const PLACE: &str = "fn userProc() -> vec3f {
+    let p = readAttr(WorldPos).xyz;
+    return vec3f(0.5 + 0.5 * readAttr(LocalPos).x, p.y - 1.0, readAttr(TexCoord0).x) * 0.5 + 0.25;
+}";
+
+#[test]
+fn textures_read_the_place_of_each_texel() {
+    let look = "[node.place]\ntexture = \"place\"\n[material.M]\nbase_color = \"place\"\n";
+    let baked = baked(look, &[("place", PLACE)], &SETTINGS);
+    for (x, y) in [(0, 0), (15, 0), (7, 11)] {
+        let (u, v) = ((x as f32 + 0.5) / 16.0, (y as f32 + 0.5) / 16.0);
+        let wanted = [
+            0.25 + 0.5 * u,
+            0.25 + 0.5 * (1.0 - 2.0 * v),
+            0.25 + 0.5 * u,
+            1.0,
+        ];
+        // Four samples of something linear have its value in the middle.
+        near(texel(&baked, Role::BaseColor, x, y), wanted, 1e-5);
+    }
+    near(
+        texel(&baked, Role::MetallicRoughness, 3, 3),
+        [1.0, 0.5, 0.0, 1.0],
+        1e-6,
+    );
+    near(
+        texel(&baked, Role::Normal, 3, 3),
+        [0.0, 0.0, 1.0, 1.0],
+        1e-6,
+    );
+    assert_eq!(baked.overlap, 0.0);
+    assert_eq!(baked.material.alpha_mode, crate::scene::AlphaMode::Opaque);
+}
+
+#[test]
+fn what_is_the_same_everywhere_is_a_constant() {
+    let flat = BakeSettings {
+        keeps_flat: false,
+        ..SETTINGS
+    };
+    let textures = [
+        ("half", "fn userProc() -> f32 { return 0.25; }"),
+        ("place", PLACE),
+    ];
+    let look = "[node.half]\ntexture = \"half\"\n[node.place]\ntexture = \"place\"\n\
+                [material.M]\nroughness = \"half\"\nbase_color = \"place\"\nmetallic = 1.0\n";
+    let baked = baked(look, &textures, &flat);
+    let roles: Vec<Role> = baked.images.iter().map(|image| image.role).collect();
+    assert_eq!(roles, [Role::BaseColor]);
+    assert_eq!(
+        (baked.material.roughness, baked.material.metallic),
+        (0.25, 1.0)
+    );
+    assert_eq!(baked.material.base_color, Vec4::ONE);
+}
+
+#[test]
+fn blends_are_mixed_by_their_share() {
+    let look = "[material.N]\nbase_color = [1.0, 0.0, 0.0]\nroughness = 1.0\nemission = [2.0, 0.0, 0.0]\n\
+                [material.M]\nblend = { base = \"M\", over = \"N\", mask = 0.25 }\n";
+    let baked = baked(look, &[], &SETTINGS);
+    near(
+        texel(&baked, Role::BaseColor, 5, 5),
+        [1.0, 0.75, 0.75, 1.0],
+        1e-6,
+    );
+    near(
+        texel(&baked, Role::MetallicRoughness, 5, 5),
+        [1.0, 0.625, 0.0, 1.0],
+        1e-6,
+    );
+    assert_eq!(baked.material.emission, Vec3::new(0.5, 0.0, 0.0));
+}
+
+#[test]
+fn heights_and_normals_of_the_world_become_normal_maps() {
+    let textures = [(
+        "slope",
+        "fn userProc() -> f32 { let p = readAttr(WorldPos); return 0.5 * p.x - 0.25 * p.y; }",
+    )];
+    let look = "[node.slope]\ntexture = \"slope\"\n[material.M]\nbump = \"slope\"\n";
+    let bumped = baked(look, &textures, &SETTINGS);
+    let wanted = Vec3::new(-0.5, 0.25, 1.0).normalize().extend(1.0);
+    near(texel(&bumped, Role::Normal, 9, 4), wanted.to_array(), 1e-3);
+    let image = bumped
+        .images
+        .iter()
+        .find(|image| image.role == Role::Normal);
+    let bytes = image.expect("there is one").eight_bits();
+    assert_eq!(
+        bytes[..3],
+        [72, 155, 239].map(|b: u8| b),
+        "{:?}",
+        &bytes[..3]
+    );
+    let textures = [(
+        "tilted",
+        "fn userProc() -> vec3f { return vec3f(0.6, 0.0, 0.8); }",
+    )];
+    let look = "[node.tilted]\ntexture = \"tilted\"\n[material.M]\nnormal = \"tilted\"\n";
+    let tilted = baked(look, &textures, &SETTINGS);
+    near(
+        texel(&tilted, Role::Normal, 0, 0),
+        [0.6, 0.0, 0.8, 1.0],
+        1e-5,
+    );
+}
+
+#[test]
+fn opacity_is_alpha_and_strong_emission_keeps_its_strength() {
+    let textures = [
+        (
+            "cut",
+            "fn userProc() -> f32 { return step(0.0, readAttr(LocalPos).x); }",
+        ),
+        (
+            "glow",
+            "fn userProc() -> vec3f { return vec3f(6.0, 3.0, 0.0) * readAttr(TexCoord0).x; }",
+        ),
+    ];
+    let look = "[node.cut]\ntexture = \"cut\"\n[node.glow]\ntexture = \"glow\"\n\
+                [material.M]\nopacity = \"cut\"\nemission = \"glow\"\n";
+    let baked = baked(look, &textures, &SETTINGS);
+    assert_eq!(texel(&baked, Role::BaseColor, 2, 2)[3], 0.0);
+    assert_eq!(texel(&baked, Role::BaseColor, 12, 2)[3], 1.0);
+    let mask = crate::scene::AlphaMode::Mask { cutoff: 0.5 };
+    assert_eq!(baked.material.alpha_mode, mask);
+    let most = 6.0 * 15.5 / 16.0;
+    assert!((baked.material.emission - most).abs().max_element() < 1e-4);
+    let image = baked
+        .images
+        .iter()
+        .find(|image| image.role == Role::Emission);
+    assert_eq!(image.expect("there is one").eight_bits()[15 * 4], 255);
+}
+
+#[test]
+fn ambient_occlusion_is_that_of_the_place() {
+    let settings = BakeSettings {
+        occlusion: Some(1.0),
+        ..SETTINGS
+    };
+    let textures = [("open", "fn userProc() -> f32 { return readAttr(AO).x; }")];
+    let look = "[node.open]\ntexture = \"open\"\n[material.M]\nroughness = \"open\"\n";
+    // Nothing is near a square alone.
+    let baked = baked(look, &textures, &settings);
+    near(
+        texel(&baked, Role::MetallicRoughness, 8, 8),
+        [1.0, 1.0, 0.0, 1.0],
+        0.0,
+    );
+    assert!(baked.has_occlusion);
+}
