@@ -146,7 +146,8 @@ pub(super) fn render(
             }
             if let (Some(sight), Some(reel)) = (number.checked_sub(1), reel.as_deref_mut()) {
                 let Seen { opening, sight, .. } = reel.at(&take.others[sight])?;
-                let settings = self::settings(job, &opening.loaded().camera, &sight, beside.clone());
+                let settings =
+                    self::settings(job, &opening.loaded().camera, &sight, beside.clone());
                 session.show(opening, &settings, true).map_err(failure)?;
             }
             ended = exposure.accumulate(&mut session, end)?;

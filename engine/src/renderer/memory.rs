@@ -9,9 +9,7 @@ use crate::{
     scene::Scene,
     schedule::Wavefront,
     settings::{Method, RenderSettings},
-    wave::{
-        CATCH_WORDS, LEFT_WORDS, LIGHT_RECORD_WORDS, PathBytes, QUEUE_HEADER, SPLIT_WORDS,
-    },
+    wave::{CATCH_WORDS, LEFT_WORDS, LIGHT_RECORD_WORDS, PathBytes, QUEUE_HEADER, SPLIT_WORDS},
 };
 
 use super::lanes::Lanes;
