@@ -492,12 +492,21 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
         ("--resume", args.resume),
         ("--shutter", args.motion.shutter.is_some()),
     ];
+    let flag = accuracy.map_or(method_flag(method), Accuracy::flag);
+    if method != Method::Path && args.clamp.is_some() {
+        let because = "a path that ends in a cache doesn't tell light that was scattered once from other light";
+        return Err(UsageError::Apart {
+            flag,
+            other: "--clamp",
+            because,
+        });
+    }
     match is_asked_for.iter().find(|(_, is_asked_for)| *is_asked_for) {
-        Some(&(flag, _)) if method != Method::Path => {
+        Some(&(other, _)) if method != Method::Path => {
             let because = "what the first samples of a picture have taught the cache isn't kept with its film";
             Err(UsageError::Apart {
-                flag: accuracy.map_or(method_flag(method), Accuracy::flag),
-                other: flag,
+                flag,
+                other,
                 because,
             })
         }

@@ -89,6 +89,7 @@ fn a_draft_says_how_wrong_it_is() {
         .expect_code(0);
     for other in [
         "--adaptive",
+        "--clamp 2",
         "--part 1/2",
         "--checkpoint",
         "--shutter 0.5 --spp 32",
