@@ -3,24 +3,17 @@
 //! Everything that can be refused without touching a file or a device is refused here, as a [`UsageError`]. Nothing
 //! is opened, read or written here.
 
-use std::num::NonZeroU32;
+mod render;
+
 use std::ops::Range;
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::Parser;
 use device::DeviceChoice;
-use engine::denoise::GUIDES;
-use engine::film::write::{Form, TRANSPARENCY};
-use engine::film::{Crop, Layers, layers::SHADOW_CATCHER};
-use engine::filter::PixelFilter;
-use engine::scene::Scene;
+use engine::film::write::Form;
 use engine::scene::view::ViewChoice;
-use engine::session::Edit;
-use engine::settings::{Estimator, Method, Sampler};
 
-use crate::accuracy::{Accuracy, method_flag};
-use crate::args::{Args, Command, MergeArgs, RenderArgs};
+use crate::args::{Args, Command, MergeArgs};
 use crate::bake::job::BakeJob;
 use crate::bench::job::BenchJob;
 use crate::compare::job::CompareJob;
@@ -29,23 +22,13 @@ use crate::farm::job::ExportJob;
 use crate::form;
 use crate::import::job::ImportJob;
 use crate::info::job::InfoJob;
-use crate::motion::MotionJob;
-use crate::overrides;
-use crate::progress::Reader;
 use crate::texture::job::TextureJob;
 use crate::usage::UsageError;
 use crate::view::job::ViewJob;
 use crate::watch::job::WatchJob;
-use crate::words::{
-    Devices, MAX_DEPTH, MAX_SPP, MOST_THREADS, Outputs, parse_crop, parse_decimal, parse_device,
-    parse_devices, parse_display, parse_duration, parse_layers, parse_memory, parse_number,
-    parse_part, parse_sample_range, parse_scale, parse_size, parse_word, refuse_overwriting,
-};
+use crate::words::{Outputs, parse_device, parse_display, parse_sample_range, refuse_overwriting};
 
-/// Samples per pixel where nothing else ends a render.
-const DEFAULT_SPP: u32 = 64;
-/// How often a render is kept where nothing else is said.
-const CHECKPOINTS: Duration = Duration::from_secs(60);
+pub(crate) use self::render::{Checkpoints, Limits, RenderJob};
 
 /// What is to be done.
 #[derive(Debug, PartialEq)]
@@ -85,111 +68,6 @@ pub(crate) enum Job {
     },
     /// Measure the renderer.
     Bench(BenchJob),
-}
-
-/// A render, complete.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct RenderJob {
-    /// The glTF file.
-    pub(crate) scene: PathBuf,
-    /// The look file.
-    pub(crate) look: Option<PathBuf>,
-    /// Where the picture and the film go.
-    pub(crate) outputs: Outputs,
-    /// Samples per pixel.
-    pub(crate) spp: NonZeroU32,
-    /// What ends it before.
-    pub(crate) limits: Limits,
-    /// Samples go where they help most; `spp` is their average.
-    pub(crate) adaptive: bool,
-    /// How it is kept while it is under way.
-    pub(crate) checkpoints: Option<Checkpoints>,
-    /// The first of them.
-    pub(crate) first_sample: u32,
-    /// Pixels.
-    pub(crate) width: u32,
-    /// Pixels.
-    pub(crate) height: u32,
-    /// Where these lie in a larger picture, of which nothing else is rendered.
-    pub(crate) crop: Option<Crop>,
-    /// Name of the camera.
-    pub(crate) camera: Option<String>,
-    /// When the scene is seen.
-    pub(crate) motion: MotionJob,
-    /// Samples of the whole picture, of which this may be a part.
-    pub(crate) whole_spp: u32,
-    /// What is to be otherwise than in the look.
-    pub(crate) edits: Vec<Edit>,
-    /// Most scattering vertices of a path.
-    pub(crate) max_depth: u32,
-    /// How a pixel weighs the light around its centre.
-    pub(crate) filter: PixelFilter,
-    /// From edge to edge, pixels.
-    pub(crate) filter_width: f32,
-    /// Most that one contribution of indirect light adds.
-    pub(crate) clamp: Option<f32>,
-    /// How light is found.
-    pub(crate) estimator: Estimator,
-    /// How light that is scattered more than once is found.
-    pub(crate) method: Method,
-    /// How right the picture has to be, where that was said.
-    pub(crate) accuracy: Option<Accuracy>,
-    /// Russian roulette: dark paths may end early.
-    pub(crate) roulette: bool,
-    /// Where random numbers come from.
-    pub(crate) sampler: Sampler,
-    /// What the film gathers.
-    pub(crate) layers: Layers,
-    /// What of that files of pictures hold.
-    pub(crate) shown_layers: Layers,
-    /// Take the noise out of the picture.
-    pub(crate) denoise: bool,
-    /// Leave out the environment behind everything.
-    pub(crate) transparent: bool,
-    /// How EXR files are written.
-    pub(crate) form: Form,
-    /// Rough surfaces keep the energy that single scattering between microfacets loses.
-    pub(crate) energy_compensation: bool,
-    /// Seed of the random numbers.
-    pub(crate) seed: u32,
-    /// Devices to render on.
-    pub(crate) devices: Devices,
-    /// Threads that compute, if not one for each processor.
-    pub(crate) threads: Option<u32>,
-    /// Most bytes of memory, where that is said.
-    pub(crate) memory: Option<u64>,
-    /// Folders the user named, searched first.
-    pub(crate) texture_dirs: Vec<PathBuf>,
-    /// How PNG and JPEG show it, as far as the command line says it.
-    pub(crate) display: ViewChoice,
-    /// Who reads how far it is.
-    pub(crate) progress: Reader,
-    /// Print statistics.
-    pub(crate) stats: bool,
-    /// Write statistics.
-    pub(crate) stats_json: Option<PathBuf>,
-}
-
-/// What ends a render before all samples are taken.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Limits {
-    /// Relative error of the picture: [`engine::film::Film::relative_error`].
-    pub(crate) noise: Option<f64>,
-    /// From the program's start.
-    pub(crate) time: Option<Duration>,
-}
-
-/// How a render is kept while it is under way.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Checkpoints {
-    /// The file.
-    pub(crate) path: PathBuf,
-    /// How often it is written.
-    pub(crate) every: Duration,
-    /// It is gone on with where it is there.
-    pub(crate) resumes: bool,
-    /// The pictures are written with it.
-    pub(crate) with_pictures: bool,
 }
 
 /// A merge, complete.
@@ -252,146 +130,6 @@ impl Job {
     }
 }
 
-impl RenderJob {
-    fn from_args(args: RenderArgs) -> Result<Self, UsageError> {
-        let (width, height) = scaled(&args)?;
-        let part = (args.crop.as_deref())
-            .map(|part| parse_crop(part, [width, height]))
-            .transpose()?;
-        let (crop, (width, height)) = match part {
-            Some((crop, size)) => (Some(crop), size),
-            None => (None, (width, height)),
-        };
-        let form = form::parse(&args.form)?;
-        let outputs = Outputs::from_paths(args.outputs.clone(), Some(&args.scene))?;
-        let noise = (args.noise.as_deref())
-            .map(|most| {
-                parse_decimal("--noise", most, "greater than 0, as 0.02 for 2 %", |x| {
-                    x > 0.0
-                })
-            })
-            .transpose()?;
-        let limits = Limits {
-            // As it is written, not as the nearest single.
-            noise: noise
-                .and(args.noise.as_deref())
-                .and_then(|most| most.parse().ok()),
-            time: (args.time.as_deref())
-                .map(|time| parse_duration("--time", time))
-                .transpose()?,
-        };
-        let samples = match &args.sample_range {
-            Some(range) => parse_sample_range("--sample-range", range)?,
-            None => match &args.spp {
-                Some(spp) => 0..parse_number("--spp", spp, 1, MAX_SPP)?,
-                None if limits == Limits::default() => 0..DEFAULT_SPP,
-                None => 0..MAX_SPP,
-            },
-        };
-        let whole_spp = samples.end;
-        let motion = motion(&args, &limits, whole_spp)?;
-        let samples = match &args.part {
-            Some(part) => parse_part(part, samples.end)?,
-            None => samples,
-        };
-        let checkpoints = checkpoints(&args, &outputs)?;
-        let edits = overrides::parse(
-            &args.set,
-            args.environment.as_deref(),
-            args.camera_at.as_deref(),
-            args.look_at.as_deref(),
-        )?;
-        let shown_layers = parse_layers(&args.layers, &outputs)?;
-        let accuracy = args
-            .accuracy
-            .as_deref()
-            .map(|word| parse_word("--accuracy", word, Accuracy::ALL, Accuracy::name));
-        let accuracy = accuracy.transpose()?;
-        let method = method(&args, accuracy)?;
-        form.check(&shown_layers)
-            .map_err(|error| form::refused("--exr-compression", &error))?;
-        let filter = parse_word(
-            "--filter",
-            &args.filter,
-            PixelFilter::ALL,
-            PixelFilter::name,
-        )?;
-        refuse_overwriting(
-            outputs.paths().chain(&args.stats_json),
-            [
-                Some(&args.scene),
-                args.look.as_ref(),
-                args.environment.as_ref(),
-            ]
-            .into_iter()
-            .flatten(),
-        )?;
-        Ok(Self {
-            layers: {
-                let guides = GUIDES.iter().filter(|_| args.denoise);
-                let of_transparency = TRANSPARENCY.iter().chain([&SHADOW_CATCHER]);
-                let needed = guides.chain(of_transparency.filter(|_| args.transparent));
-                let layers = shown_layers.with(needed.copied());
-                layers.expect("the film knows what it needs itself")
-            },
-            shown_layers,
-            denoise: args.denoise,
-            transparent: args.transparent,
-            outputs,
-            spp: NonZeroU32::new(samples.end - samples.start).expect("the range is not empty"),
-            first_sample: samples.start,
-            limits,
-            adaptive: args.adaptive,
-            checkpoints,
-            width,
-            height,
-            crop,
-            form,
-            camera: args.camera,
-            motion,
-            whole_spp,
-            edits,
-            filter,
-            filter_width: match &args.filter_width {
-                Some(width) => {
-                    parse_decimal("--filter-width", width, "of pixels from 0.1 to 16", |w| {
-                        (0.1..=16.0).contains(&w)
-                    })?
-                }
-                None => filter.default_width(),
-            },
-            clamp: (args.clamp.as_deref())
-                .map(|most| parse_decimal("--clamp", most, "greater than 0", |x| x > 0.0))
-                .transpose()?,
-            estimator: parse_word(
-                "--estimator",
-                &args.estimator,
-                Estimator::ALL,
-                Estimator::name,
-            )?,
-            method,
-            accuracy,
-            roulette: !args.no_roulette,
-            sampler: parse_word("--sampler", &args.sampler, Sampler::ALL, Sampler::name)?,
-            energy_compensation: !args.no_energy_compensation,
-            max_depth: parse_number("--max-depth", &args.common.max_depth, 1, MAX_DEPTH)?,
-            seed: parse_number("--seed", &args.common.seed, 0, u32::MAX)?,
-            devices: parse_devices(&args.devices)?,
-            threads: (args.threads.as_deref())
-                .map(|threads| parse_number("--threads", threads, 1, MOST_THREADS))
-                .transpose()?,
-            memory: args.memory.as_deref().map(parse_memory).transpose()?,
-            texture_dirs: args.common.texture_dirs,
-            display: parse_display(&args.display)?,
-            progress: args.progress,
-            stats: args.stats,
-            stats_json: args.stats_json,
-            scene: args.scene,
-            look: args.look,
-        })
-    }
-}
-
 /// Whether `patina render` takes these words.
 fn render_is_understood(words: &[String]) -> Result<(), UsageError> {
     let start = ["patina", "render"].map(str::to_owned);
@@ -400,143 +138,6 @@ fn render_is_understood(words: &[String]) -> Result<(), UsageError> {
         message: error.render().to_string(),
     })?;
     Job::from_args(args).map(drop)
-}
-
-/// The size of the picture.
-fn scaled(args: &RenderArgs) -> Result<(u32, u32), UsageError> {
-    let (width, height) = parse_size(&args.size)?;
-    let Some(scale) = &args.scale else {
-        return Ok((width, height));
-    };
-    let factor = parse_scale(scale)?;
-    let side = |pixels: u32| (f64::from(pixels) * factor).round().max(1.0);
-    // The same limits as for a size that is typed.
-    parse_size(&format!("{}x{}", side(width), side(height)))
-}
-
-/// When the scene is seen, and whether all else can be done so.
-fn motion(args: &RenderArgs, limits: &Limits, spp: u32) -> Result<MotionJob, UsageError> {
-    let motion = MotionJob::from_args(&args.motion)?;
-    let apart = |flag, other, because| {
-        Err(UsageError::Apart {
-            flag,
-            other,
-            because,
-        })
-    };
-    let devices = parse_devices(&args.devices)?;
-    let is_several = devices.all || devices.named.len() > 1;
-    if motion.is_sequence() {
-        let flag = match args.motion.frames {
-            Some(_) => "--frames",
-            None => "--turntable",
-        };
-        if is_several {
-            return Err(UsageError::OneDevice { flag });
-        }
-        if args.camera.as_deref() == Some("all") {
-            return apart(
-                flag,
-                "--camera all",
-                "render each camera's frames by themselves",
-            );
-        }
-        if args.refresh {
-            return apart(
-                flag,
-                "--refresh",
-                "frames are written when they are done; leave it out",
-            );
-        }
-    }
-    let Some(shutter) = motion.shutter else {
-        return Ok(motion);
-    };
-    if is_several {
-        return Err(UsageError::OneDevice { flag: "--shutter" });
-    }
-    if *limits != Limits::default() {
-        let because = "a picture that ends early would lack the last moments; say how many samples it gets, with --spp";
-        return apart("--shutter", "--noise or --time", because);
-    }
-    if args.adaptive {
-        let because = "each moment has its share of a pixel's samples";
-        return apart("--shutter", "--adaptive", because);
-    }
-    if args.sample_range.is_some() {
-        let because = "what a moment's samples are follows from those of the whole; write --part I/N with --spp";
-        return apart("--shutter", "--sample-range", because);
-    }
-    let moments = shutter.moments;
-    match spp % moments {
-        0 => Ok(motion),
-        _ => Err(UsageError::Moments {
-            spp,
-            moments,
-            near: spp.next_multiple_of(moments),
-        }),
-    }
-}
-
-/// How a render is to be kept while it is under way.
-fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, UsageError> {
-    let method = match accuracy {
-        Some(accuracy) => accuracy.method(),
-        None => parse_word("--method", &args.method, Method::ALL, Method::name)?,
-    };
-    let is_asked_for = [
-        ("--part", args.part.is_some()),
-        ("--sample-range", args.sample_range.is_some()),
-        ("--adaptive", args.adaptive),
-        ("--checkpoint", args.checkpoint.is_some()),
-        ("--resume", args.resume),
-        ("--shutter", args.motion.shutter.is_some()),
-    ];
-    let flag = accuracy.map_or(method_flag(method), Accuracy::flag);
-    if method != Method::Path && args.clamp.is_some() {
-        let because = "a path that ends in a cache doesn't tell light that was scattered once from other light";
-        return Err(UsageError::Apart {
-            flag,
-            other: "--clamp",
-            because,
-        });
-    }
-    match is_asked_for.iter().find(|(_, is_asked_for)| *is_asked_for) {
-        Some(&(other, _)) if method != Method::Path => {
-            let because = "what the first samples of a picture have taught the cache isn't kept with its film";
-            Err(UsageError::Apart {
-                flag,
-                other,
-                because,
-            })
-        }
-        _ => Ok(method),
-    }
-}
-
-fn checkpoints(args: &RenderArgs, outputs: &Outputs) -> Result<Option<Checkpoints>, UsageError> {
-    let every = match &args.checkpoint {
-        Some(time) => parse_duration("--checkpoint", time)?,
-        None if args.resume || args.refresh => CHECKPOINTS,
-        None => return Ok(None),
-    };
-    Ok(Some(Checkpoints {
-        path: outputs.checkpoint(),
-        every,
-        resumes: args.resume,
-        with_pictures: args.refresh,
-    }))
-}
-
-impl RenderJob {
-    /// The same for a scene that is known: without groups of lights that it hasn't.
-    pub(crate) fn for_scene(&self, scene: &Scene) -> Self {
-        Self {
-            layers: self.layers.of_scene(scene),
-            shown_layers: self.shown_layers.of_scene(scene),
-            ..self.clone()
-        }
-    }
 }
 
 impl MergeJob {
@@ -566,7 +167,8 @@ impl MergeJob {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::words::{Format, Output};
+    use crate::words::{Devices, Format, Output, parse_devices, parse_memory, parse_size};
+    use engine::film::Layers;
     use engine::scene::view::{View, ViewTransform};
     use std::path::Path;
 
