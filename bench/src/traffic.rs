@@ -198,8 +198,16 @@ mod tests {
                 }
             }
             let mut written = fields(text, &["path_write", "path_set_words"]);
-            // Only where a film keeps parts of the light apart.
-            for field in ["FOUND", "FOUND_DISKS", "SHARES"] {
+            // Only where a film keeps parts of the light apart, or a cache wants to know of surfaces.
+            for field in [
+                "FOUND",
+                "FOUND_DISKS",
+                "SHARES",
+                "CAUGHT",
+                "PLACE",
+                "DIFFUSE",
+                "LEFT",
+            ] {
                 read.remove(field);
                 written.remove(field);
             }
