@@ -26,7 +26,7 @@ use crate::{
     gpu_scene::{GpuScene, GpuSceneError, Views},
     procedural::{CompileError, EditError, Procedural},
     scene::Scene,
-    schedule::{self, Schedule, ScheduleError, Upload, Wavefront},
+    schedule::{self, Gathering, Schedule, ScheduleError, Unseen, Upload, Wavefront},
     settings::Method,
     stats::{NodeName, PassStats, Stats},
     system::System,
@@ -539,7 +539,8 @@ impl Renderer {
     fn plan(&self, purpose: Purpose) -> Plan {
         Plan {
             schedule: match purpose {
-                Purpose::Gather(..) => self.gathering(),
+                Purpose::Gather(..) => Arc::new(Gathering(Arc::clone(&self.schedule))),
+                Purpose::Find(_) => Arc::new(Unseen(Arc::clone(&self.schedule))),
                 _ => Arc::clone(&self.schedule),
             },
             max_depth: self.settings.max_depth,

@@ -259,6 +259,37 @@ impl Schedule for Gathering {
     }
 }
 
+/// Waves of another schedule of which nothing goes to the film.
+#[derive(Debug, Clone)]
+pub(crate) struct Unseen(pub(crate) Arc<dyn Schedule>);
+
+impl Schedule for Unseen {
+    fn texture_kernel(
+        &self,
+        features: &SceneFeatures,
+        procedural: &Procedural,
+    ) -> Result<Option<KernelText>, CompileError> {
+        self.0.texture_kernel(features, procedural)
+    }
+
+    fn program_words<'a>(
+        &self,
+        procedural: &'a Procedural,
+    ) -> Result<Cow<'a, [u32]>, CompileError> {
+        self.0.program_words(procedural)
+    }
+
+    fn start(&self, wave: &mut dyn Run) {
+        self.0.start(wave);
+    }
+
+    fn round(&self, wave: &mut dyn Run) {
+        self.0.round(wave);
+    }
+
+    fn end(&self, _wave: &mut dyn Run) {}
+}
+
 /// A kernel for each pass; texture programs are data.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Wavefront;

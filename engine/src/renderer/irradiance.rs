@@ -14,12 +14,10 @@
 
 mod records;
 
-use std::sync::Arc;
-
 use bytemuck::{Pod, Zeroable};
 use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Usage};
 
-use crate::{gpu_scene::SceneFeatures, passes::irradiance, schedule::Gathering, settings::Method};
+use crate::{gpu_scene::SceneFeatures, passes::irradiance, settings::Method};
 
 use super::{Purpose, RenderError, Renderer, Work, clear_picture};
 
@@ -373,10 +371,5 @@ impl Renderer {
         self.irradiance
             .as_ref()
             .map_or(0, |cache| cache.records.len())
-    }
-
-    /// What waves of gather rays are played by.
-    pub(super) fn gathering(&self) -> Arc<Gathering> {
-        Arc::new(Gathering(Arc::clone(&self.schedule)))
     }
 }

@@ -88,6 +88,25 @@ fn beside_a_wall_gradients_follow_the_light() {
     }
 }
 
+/// A render may be ended before the cache is there.
+#[test]
+fn until_the_cache_is_made_the_picture_is_one_of_paths() {
+    let Some(device) = device::open() else { return };
+    let mut scene = room();
+    let procedural = no_textures(&mut scene);
+    let settings = seen((48, 36), 3, Method::Cache);
+    let renderer = Renderer::new(&device, &scene, &procedural, &settings);
+    let mut renderer = renderer.expect("the scene renders");
+    while renderer.irradiance_records() == 0 {
+        renderer.step(16).expect("the device renders");
+    }
+    let early = renderer.film().expect("the device reads");
+    assert_eq!(early.sample_bounds(), (8, 8));
+    let right = film(&device, room(), &seen((48, 36), 7, Method::Path), 512);
+    let off = (mean(&early) / mean(&right) - 1.0).abs().max_element();
+    assert!(off < 0.1, "the mean is off by {off}");
+}
+
 #[test]
 fn the_picture_does_not_depend_on_how_waves_are_cut() {
     let Some(device) = device::open() else { return };
