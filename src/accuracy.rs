@@ -51,5 +51,6 @@ pub(crate) fn method_flag(method: Method) -> &'static str {
         Method::Path => "--method path",
         Method::Draft => "--method draft",
         Method::Cache => "--method cache",
+        Method::Photons => "--method photons",
     }
 }

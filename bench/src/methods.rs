@@ -39,11 +39,19 @@ pub enum How {
     Draft,
     /// Records of irradiance.
     Cache,
+    /// Paths, and photons for caustics.
+    Photons,
 }
 
 impl How {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Path, Self::Adaptive, Self::Draft, Self::Cache];
+    pub const ALL: [Self; 5] = [
+        Self::Path,
+        Self::Adaptive,
+        Self::Draft,
+        Self::Cache,
+        Self::Photons,
+    ];
 
     /// What it is called.
     pub fn name(self) -> &'static str {
@@ -52,6 +60,7 @@ impl How {
             Self::Adaptive => "adaptive",
             Self::Draft => "draft",
             Self::Cache => "cache",
+            Self::Photons => "photons",
         }
     }
 
@@ -60,6 +69,7 @@ impl How {
             Self::Path | Self::Adaptive => Method::Path,
             Self::Draft => Method::Draft,
             Self::Cache => Method::Cache,
+            Self::Photons => Method::Photons,
         }
     }
 }

@@ -189,6 +189,20 @@ impl Frame {
         self.pixel_spread
     }
 
+    /// Height of a pixel where rays are parallel, metres.
+    pub(crate) fn pixel_height(&self) -> f32 {
+        2.0 * self.half_height / (self.crop_whole >> 16).max(1) as f32
+    }
+
+    /// Nothing samples lights, and no path ends by chance.
+    pub(crate) fn without_lights(mut self) -> Self {
+        (self.light_count, self.directional_count) = (0, 0);
+        self.environment_probability = 0.0;
+        self.roulette_start = u32::MAX;
+        self.indirect_clamp = f32::MAX;
+        self
+    }
+
     /// Columns times rows.
     pub(crate) fn pixels(&self) -> u32 {
         self.width * self.height

@@ -9,6 +9,7 @@ mod light_cache;
 mod lots;
 mod memory;
 mod paths;
+mod photons;
 mod pipeline;
 mod record;
 mod reload;
@@ -26,7 +27,7 @@ use crate::{
     gpu_scene::{GpuScene, GpuSceneError, Views},
     procedural::{CompileError, EditError, Procedural},
     scene::Scene,
-    schedule::{self, Gathering, Schedule, ScheduleError, Unseen, Upload, Wavefront},
+    schedule::{self, Emitting, Gathering, Schedule, ScheduleError, Unseen, Upload, Wavefront},
     settings::Method,
     stats::{NodeName, PassStats, Stats},
     system::System,
@@ -35,6 +36,7 @@ use crate::{
 
 use self::irradiance::Irradiance;
 use self::lanes::{Lanes, Plan, Wave, Work, begin_wave};
+use self::photons::Photons;
 use self::pipeline::{Bound, Kernels};
 use self::record::Recorder;
 
@@ -227,6 +229,8 @@ enum Purpose {
     Find(usize),
     /// Rays of these records.
     Gather(u32, u32),
+    /// Photons.
+    Photons,
 }
 
 /// Renders one scene progressively.
@@ -267,6 +271,8 @@ pub struct Renderer {
     is_apart: bool,
     /// Records of irradiance, where the picture is made with them.
     irradiance: Option<Irradiance>,
+    /// A map of photons, where they bring caustics.
+    photons: Option<Photons>,
     /// How often the picture has begun anew.
     restarts: u64,
     /// All kernels have run, so that drivers that compile them then have done so.
@@ -351,22 +357,24 @@ impl Renderer {
         gpu_scene.features.splits_light = layers.split_light();
         gpu_scene.features.catches_shadows = layers.catch_shadows();
         gpu_scene.features.node_layers = layers.nodes().len() as u32;
-        gpu_scene.features.light_cache = settings.method != Method::Path;
+        gpu_scene.features.light_cache = settings.method.has_light_cache();
         gpu_scene.features.irradiance_cache = settings.method == Method::Cache;
-        if gpu_scene.features.light_cache {
+        gpu_scene.features.photons = settings.method == Method::Photons;
+        if settings.method != Method::Path {
             if !schedule::has_light_cache(&*schedule) {
                 let reason = "this schedule has no cache of light";
                 return Err(ScheduleError::Unsupported(reason).into());
             }
             if layers.split_light() {
                 let reason =
-                    "where paths end in a cache, the film can't tell parts of the light apart";
+                    "where light comes from a cache, the film can't tell parts of it apart";
                 return Err(ScheduleError::Unsupported(reason).into());
             }
         }
         light_cache::allocate(device, settings.method, &mut resources)?;
         let features = &gpu_scene.features;
         let irradiance = Irradiance::new(device, settings.method, features, &mut resources)?;
+        let photons = Photons::new(device, settings, features, &mut resources)?;
         let upload = Upload {
             device,
             scene,
@@ -410,6 +418,7 @@ impl Renderer {
             is_stale: false,
             is_apart: false,
             irradiance,
+            photons,
             restarts: 0,
             is_warm: false,
         })
@@ -448,9 +457,10 @@ impl Renderer {
         let target_spp = target_spp.min(film::MAX_SAMPLES).min(u32::MAX - first);
         let padded = u64::from(self.frame.padded_pixels);
         let total = padded * u64::from(target_spp);
-        if self.position < total && !self.prepare_irradiance()? {
+        if self.position < total && !self.prepare_irradiance()? && !self.prepare_photons()? {
             let wave = u64::from(self.next_wave_size()).min(total - self.position);
             let wave = self.until_learned(wave, target_spp);
+            let wave = self.until_next_photons(wave);
             self.wave_at(self.position, wave as u32, target_spp)?;
             self.position += wave;
         }
@@ -504,6 +514,7 @@ impl Renderer {
         self.clear_stale_film()?;
         self.set_light_cache(purpose);
         self.set_irradiance(purpose);
+        self.set_photons(purpose);
         let paths = frame.wave_size;
         match self.lanes.is_empty() {
             true => self.render_wave(frame, purpose)?,
@@ -519,7 +530,9 @@ impl Renderer {
             }
         }
         self.is_warm = true;
-        self.rendered += u64::from(paths);
+        if purpose != Purpose::Photons {
+            self.rendered += u64::from(paths);
+        }
         let took = self.system.clock.now() - start;
         self.wave_size = next_wave(self.wave_size, self.most_paths, took, self.longest_wave);
         self.seconds += took.as_secs_f64();
@@ -540,6 +553,7 @@ impl Renderer {
         Plan {
             schedule: match purpose {
                 Purpose::Gather(..) => Arc::new(Gathering(Arc::clone(&self.schedule))),
+                Purpose::Photons => Arc::new(Emitting(Arc::clone(&self.schedule))),
                 Purpose::Find(_) => Arc::new(Unseen(Arc::clone(&self.schedule))),
                 _ => Arc::clone(&self.schedule),
             },
@@ -593,6 +607,9 @@ impl Renderer {
         self.rendered = 0;
         if let Some(irradiance) = &mut self.irradiance {
             irradiance.restart();
+        }
+        if let Some(photons) = &mut self.photons {
+            photons.restart();
         }
         self.device.flush();
     }

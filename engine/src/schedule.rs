@@ -13,7 +13,7 @@ use device::{Device, DeviceError, KernelText, Resources};
 use crate::gpu_scene::{GpuScene, SceneFeatures};
 use crate::passes::{
     accumulate, advance, ao, brdf, classify, film_layers, irradiance, light_cache, pass::Pass,
-    proctex, raygen, traverse,
+    photons, proctex, raygen, traverse,
 };
 use crate::procedural::{CompileError, Procedural};
 use crate::scene::Scene;
@@ -21,7 +21,7 @@ use crate::wave;
 
 /// The passes of a wave, in the order in which they first run. Those of textures exist only where a
 /// material has a program, those of layers where the film has more than the picture.
-pub static WAVE: [&Pass; 26] = [
+pub static WAVE: [&Pass; 31] = [
     &raygen::PASS,
     &advance::AFTER_RAYGEN,
     &traverse::CLOSEST,
@@ -35,12 +35,17 @@ pub static WAVE: [&Pass; 26] = [
     &brdf::PASS,
     &light_cache::NOTE,
     &irradiance::LOOK_UP,
+    &photons::GATHER,
     &advance::AFTER_BRDF,
     &traverse::OCCLUSION,
     &irradiance::START,
     &irradiance::FIRST_HIT,
     &irradiance::NOTE,
     &irradiance::END,
+    &photons::START,
+    &photons::EMIT,
+    &photons::ARRIVE,
+    &photons::FOLLOW,
     &light_cache::LEARN,
     &film_layers::LAST_LIGHT,
     &accumulate::PASS,
@@ -80,6 +85,7 @@ pub fn round(wave: &mut dyn Run) {
     wave.run(&brdf::PASS);
     wave.run(&light_cache::NOTE);
     wave.run(&irradiance::LOOK_UP);
+    wave.run(&photons::GATHER);
     wave.run(&advance::AFTER_BRDF);
     wave.run(&traverse::OCCLUSION);
 }
@@ -257,6 +263,53 @@ impl Schedule for Gathering {
     fn end(&self, wave: &mut dyn Run) {
         wave.run(&irradiance::END);
     }
+}
+
+/// Waves of photons from the lamps instead of paths from the camera, which end in a list instead of the film; all else as in
+/// another schedule.
+#[derive(Debug, Clone)]
+pub(crate) struct Emitting(pub(crate) Arc<dyn Schedule>);
+
+impl Schedule for Emitting {
+    fn texture_kernel(
+        &self,
+        features: &SceneFeatures,
+        procedural: &Procedural,
+    ) -> Result<Option<KernelText>, CompileError> {
+        self.0.texture_kernel(features, procedural)
+    }
+
+    fn program_words<'a>(
+        &self,
+        procedural: &'a Procedural,
+    ) -> Result<Cow<'a, [u32]>, CompileError> {
+        self.0.program_words(procedural)
+    }
+
+    fn start(&self, wave: &mut dyn Run) {
+        wave.run(&photons::START);
+        wave.run(&advance::AFTER_RAYGEN);
+        wave.run(&classify::PASS);
+        wave.run(&advance::AFTER_CLASSIFY);
+        wave.run(&ao::PASS);
+        wave.run(&proctex::PASS);
+        wave.run(&photons::EMIT);
+        wave.run(&advance::AFTER_BRDF);
+    }
+
+    fn round(&self, wave: &mut dyn Run) {
+        wave.run(&traverse::CLOSEST);
+        wave.run(&photons::ARRIVE);
+        wave.run(&classify::PASS);
+        wave.run(&advance::AFTER_CLASSIFY);
+        wave.run(&ao::PASS);
+        wave.run(&proctex::PASS);
+        wave.run(&brdf::PASS);
+        wave.run(&photons::FOLLOW);
+        wave.run(&advance::AFTER_BRDF);
+    }
+
+    fn end(&self, _wave: &mut dyn Run) {}
 }
 
 /// Waves of another schedule of which nothing goes to the film.

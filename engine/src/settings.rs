@@ -104,11 +104,19 @@ pub enum Method {
     /// Where surfaces scatter it diffusely, from a cache of irradiance that is made before the picture begins: with hardly any noise, and
     /// *biased*. Else by paths.
     Cache,
+    /// Where mirrors and bodies of glass throw it on surfaces that scatter it diffusely, by photons from the lamps, with radii that shrink
+    /// from sample to sample: *biased*, but less and less. Else by paths.
+    Photons,
 }
 
 impl Method {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Path, Self::Draft, Self::Cache];
+    pub const ALL: [Self; 4] = [Self::Path, Self::Draft, Self::Cache, Self::Photons];
+
+    /// Whether paths end in a cache of the light that surfaces scatter.
+    pub fn has_light_cache(self) -> bool {
+        matches!(self, Self::Draft | Self::Cache)
+    }
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -116,6 +124,7 @@ impl Method {
             Self::Path => "path",
             Self::Draft => "draft",
             Self::Cache => "cache",
+            Self::Photons => "photons",
         }
     }
 }

@@ -362,17 +362,24 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
         Some(accuracy) => accuracy.method(),
         None => parse_word("--method", &args.method, Method::ALL, Method::name)?,
     };
+    // What photons bring follows from the number of a sample alone.
+    let is_taught = method.has_light_cache();
     let is_asked_for = [
-        ("--part", args.part.is_some()),
-        ("--sample-range", args.sample_range.is_some()),
+        ("--part", is_taught && args.part.is_some()),
+        ("--sample-range", is_taught && args.sample_range.is_some()),
         ("--adaptive", args.adaptive),
-        ("--checkpoint", args.checkpoint.is_some()),
-        ("--resume", args.resume),
+        ("--checkpoint", is_taught && args.checkpoint.is_some()),
+        ("--resume", is_taught && args.resume),
         ("--shutter", args.motion.shutter.is_some()),
     ];
     let flag = accuracy.map_or(method_flag(method), Accuracy::flag);
     if method != Method::Path && args.clamp.is_some() {
-        let because = "a path that ends in a cache doesn't tell light that was scattered once from other light";
+        let because = match is_taught {
+            true => {
+                "a path that ends in a cache doesn't tell light that was scattered once from other light"
+            }
+            false => "what photons bring isn't the light of single paths",
+        };
         return Err(UsageError::Apart {
             flag,
             other: "--clamp",
@@ -381,7 +388,14 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
     }
     match is_asked_for.iter().find(|(_, is_asked_for)| *is_asked_for) {
         Some(&(other, _)) if method != Method::Path => {
-            let because = "what the first samples of a picture have taught the cache isn't kept with its film";
+            let because = match is_taught {
+                true => {
+                    "what the first samples of a picture have taught the cache isn't kept with its film"
+                }
+                false => {
+                    "photons are sent out for one sample of all pixels of a scene that stands still"
+                }
+            };
             Err(UsageError::Apart {
                 flag,
                 other,

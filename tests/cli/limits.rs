@@ -141,7 +141,7 @@ fn methods_are_compared_by_their_time_to_a_good_picture() {
     let ended = bench
         .run(&format!("{measure} -o m.html -o m.json -o m.svg"))
         .expect_code(0);
-    for method in ["path", "adaptive", "draft", "cache"] {
+    for method in ["path", "adaptive", "draft", "cache", "photons"] {
         assert!(ended.stdout.contains(method), "{}", ended.stdout);
     }
     let page = std::fs::read_to_string(bench.path("m.html")).expect("it was written");
@@ -149,7 +149,7 @@ fn methods_are_compared_by_their_time_to_a_good_picture() {
     let json = std::fs::read_to_string(bench.path("m.json")).expect("it was written");
     assert!(json.contains("\"final_seconds\""), "{json}");
     bench
-        .run("bench methods --methods photons")
+        .run("bench methods --methods photon")
         .expect_error(2, "photons");
     bench
         .run(&format!("{measure} --reference m.html"))

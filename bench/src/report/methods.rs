@@ -26,6 +26,7 @@ fn color(how: How) -> RGBColor {
         How::Adaptive => RGBColor(86, 180, 233),
         How::Draft => RGBColor(230, 159, 0),
         How::Cache => RGBColor(0, 114, 178),
+        How::Photons => RGBColor(204, 121, 167),
     }
 }
 

@@ -13,6 +13,10 @@ const IMAGE_NONE: u32 = u32::MAX;
 
 /// As `MIN_ALPHA` in `microfacet.wgsl`: surfaces below it are mirrors.
 const SMOOTH_ALPHA: f32 = 0.001;
+/// As `CASTER_ALPHA` and `CASTER_BODY` in `left.wgsl`: how rough a surface that throws caustics may be, as the width of its microfacets'
+/// distribution, and how much of the light that enters it may be scattered diffusely.
+const CASTER_ALPHA: f32 = 0.1;
+const CASTER_BODY: f32 = 0.02;
 /// `TextureSlot` in `materials.wgsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -144,6 +148,7 @@ fn flags(material: &Material, program: &ProgramTraits) -> u32 {
         | set(material.alpha_mode == AlphaMode::Blend, flag::BLEND)
         | set(is_body, flag::SOLID)
         | set(is_clear(material, program), flag::CLEAR)
+        | set(casts_caustics(material, program), flag::CASTER)
         | program_flags(program)
 }
 
@@ -165,6 +170,16 @@ pub fn is_clear(material: &Material, program: &ProgramTraits) -> bool {
         && !material.unlit
         && !has_layers(material)
         && !program.runs
+}
+
+/// Whether the surface may throw caustics. What a texture program does to it isn't known, but for one that lets light through.
+pub fn casts_caustics(material: &Material, program: &ProgramTraits) -> bool {
+    let is_smooth = material.roughness * material.roughness <= CASTER_ALPHA
+        || material.metallic_roughness_texture.is_some();
+    let body = (1.0 - material.metallic) * (1.0 - material.transmission);
+    let is_bare = body <= CASTER_BODY && material.sheen_color == Vec3::ZERO;
+    let by_constants = is_smooth && is_bare && !material.unlit && !is_clear(material, program);
+    by_constants || program.transmits
 }
 
 /// Whether the surface has more than a metallic-roughness layer.

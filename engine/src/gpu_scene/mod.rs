@@ -2,6 +2,7 @@
 //! `environment.wgsl`. Made once; edits of material constants are written over it (`update.rs`), those of textures do not touch it.
 
 pub mod albedo;
+mod casters;
 pub mod environment;
 mod estimate;
 mod geometry;
@@ -18,7 +19,7 @@ mod update;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec3, Vec4};
 
 use device::{Device, DeviceError, Resources, Usage, native::accel};
 
@@ -35,6 +36,7 @@ use self::{
     images::GpuImages, lights::LightTable, materials::GpuMaterial, update::Uploaded,
 };
 
+pub(crate) use self::casters::MOST_TARGETS;
 pub(crate) use self::estimate::bytes;
 use self::geometry::TRIANGLE_ALPHA;
 pub use self::geometry::{RayRules, ray_rules};
@@ -129,6 +131,8 @@ pub struct SceneFeatures {
     pub light_cache: bool,
     /// A cache knows the irradiance of surfaces: asked for, too, with the other cache and without parts of the light.
     pub irradiance_cache: bool,
+    /// Photons bring caustics: asked for, too, without the caches.
+    pub photons: bool,
     /// Some material has a texture program.
     pub programs: bool,
     /// A texture program decides about the opacity or the light of some surface, so that shadow rays need it too.
@@ -142,10 +146,16 @@ impl SceneFeatures {
             (self.splits_light, wave::SPLIT_WORDS),
             (self.catches_shadows, wave::CATCH_WORDS),
             (self.light_cache, wave::LIGHT_RECORD_WORDS),
-            (self.irradiance_cache, wave::LEFT_WORDS),
+            (self.leaves_scattering(), wave::LEFT_WORDS),
+            (self.photons, wave::PHOTON_WORDS),
         ];
         let needed = words.into_iter().filter(|(is_needed, _)| *is_needed);
         needed.map(|(_, words)| words).sum()
+    }
+
+    /// Whether paths leave behind how surfaces scatter.
+    fn leaves_scattering(&self) -> bool {
+        self.irradiance_cache || self.photons
     }
 
     /// What a scene uses, whose triangles say so of their materials, and whose environment may emit light.
@@ -178,6 +188,7 @@ impl SceneFeatures {
             node_layers: 0,
             light_cache: false,
             irradiance_cache: false,
+            photons: false,
             programs: (0..scene.materials.len() as u32).any(|m| program(m).runs),
             program_shadows: shadows.by_program,
             clear: shadows.clear,
@@ -204,7 +215,10 @@ impl SceneFeatures {
                 f64::from(u8::from(self.program_shadows)),
             ),
             ("splits_light", f64::from(u8::from(self.splits_light))),
-            ("leaves_diffuse", f64::from(u8::from(self.irradiance_cache))),
+            (
+                "leaves_diffuse",
+                f64::from(u8::from(self.leaves_scattering())),
+            ),
             ("catches_shadows", f64::from(u8::from(self.catches_shadows))),
             ("node_layers", f64::from(self.node_layers)),
             ("first_node_field", f64::from(MOST_RESULT_FIELDS)),
@@ -235,6 +249,8 @@ pub struct GpuScene {
     pub user_image_base: u32,
     /// Bytes of the image layers.
     pub image_bytes: u64,
+    /// Middle and radius of spheres around all that may throw caustics, metres.
+    pub(crate) casters: Vec<Vec4>,
     /// What later changes of materials are compared with.
     uploaded: Uploaded,
 }
@@ -357,6 +373,7 @@ impl GpuScene {
             radius,
             user_image_base: images.user_base,
             image_bytes: images.bytes,
+            casters: casters::targets(scene, &program),
         })
     }
 }

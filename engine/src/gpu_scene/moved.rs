@@ -17,7 +17,7 @@ use crate::{
 };
 
 use super::{
-    GpuScene, GpuSceneError, MAX_MATERIALS, SceneFeatures,
+    GpuScene, GpuSceneError, MAX_MATERIALS, SceneFeatures, casters,
     environment::GpuEnvironment,
     geometry::{self, Geometry},
     host_traversal::{self, HostTraversal, Kept},
@@ -99,12 +99,14 @@ impl GpuScene {
             film_layers: self.features.film_layers,
             light_cache: self.features.light_cache,
             irradiance_cache: self.features.irradiance_cache,
+            photons: self.features.photons,
             splits_light: self.features.splits_light,
             catches_shadows: self.features.catches_shadows,
             node_layers: self.features.node_layers,
             ..SceneFeatures::of(scene, &program, &flags, self.environment.emits)
         };
         self.environment_group = scene.light_groups.of(LightSource::Environment);
+        self.casters = casters::targets(scene, &program);
         self.uploaded.flags = flags;
         Ok(())
     }

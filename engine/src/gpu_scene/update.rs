@@ -14,7 +14,7 @@ use crate::{
 };
 
 use super::{
-    GpuScene, GpuSceneError, Shadows,
+    GpuScene, GpuSceneError, Shadows, casters,
     geometry::{self, Geometry},
     host_traversal::HostTraversal,
     lights::LightTable,
@@ -165,6 +165,7 @@ impl GpuScene {
             }
         }
         self.uploaded.materials = records;
+        self.casters = casters::targets(scene, &program);
         Ok(Update::Written { is_moved })
     }
 

@@ -245,4 +245,6 @@ flags! {
     CLEAR = 256;
     /// Pictures without environment show the shadows on it alone.
     SHADOW_CATCHER = 512;
+    /// A mirror or a body of glass, as far as is known without looking at textures: it may throw caustics.
+    CASTER = 1024;
 }

@@ -13,6 +13,7 @@ pub mod guide;
 pub mod irradiance;
 pub mod light_cache;
 pub mod pass;
+pub mod photons;
 pub mod proctex;
 pub mod raygen;
 pub mod traverse;

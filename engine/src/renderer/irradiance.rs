@@ -108,7 +108,7 @@ const BUFFERS: [(&str, u64); 5] = [
 /// Bytes of its buffers.
 pub(super) fn bytes(method: Method) -> u64 {
     match method {
-        Method::Path | Method::Draft => 0,
+        Method::Path | Method::Draft | Method::Photons => 0,
         Method::Cache => BUFFERS.iter().map(|(_, bytes)| bytes).sum(),
     }
 }
@@ -329,7 +329,7 @@ impl Renderer {
             Purpose::Picture => (USE, 0.0, [0; 2]),
             Purpose::Find(pass) => (FIND, self.share_of(DISTANCES[pass]), [0; 2]),
             Purpose::Gather(first, end) => (IDLE, 0.0, [first, end]),
-            Purpose::Learn | Purpose::Apart => (IDLE, 0.0, [0; 2]),
+            Purpose::Learn | Purpose::Apart | Purpose::Photons => (IDLE, 0.0, [0; 2]),
         };
         // What is wrong between records grows with the square of their radii.
         let finer = 0.5_f32.sqrt().powi(self.settings.refinement.min(20) as i32);

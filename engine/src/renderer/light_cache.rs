@@ -55,19 +55,19 @@ struct Settings {
 
 /// Bytes of its table.
 pub(super) fn bytes(method: Method) -> u64 {
-    match method {
-        Method::Path => 0,
-        Method::Draft | Method::Cache => u64::from(CELLS) * CELL_BYTES,
+    match method.has_light_cache() {
+        false => 0,
+        true => u64::from(CELLS) * CELL_BYTES,
     }
 }
 
-/// Makes its buffers, of which [`Method::Path`] needs none.
+/// Makes its buffers, where the method needs them.
 pub(super) fn allocate(
     device: &Device,
     method: Method,
     resources: &mut Resources,
 ) -> Result<(), DeviceError> {
-    if method == Method::Path {
+    if !method.has_light_cache() {
         return Ok(());
     }
     let cells = device.buffer("light cache", Usage::Storage, bytes(method))?;
@@ -82,7 +82,7 @@ pub(super) fn allocate(
 pub(super) fn learned(method: Method, spp: u32) -> u32 {
     match method {
         // That of irradiance has samples of its own for it.
-        Method::Path | Method::Cache => 0,
+        Method::Path | Method::Cache | Method::Photons => 0,
         Method::Draft => (spp / LEARNED_SHARE).clamp(1, LEARNED_MOST),
     }
 }
@@ -93,7 +93,7 @@ pub(super) fn clear(
     method: Method,
     resources: &Resources,
 ) -> Result<(), DeviceError> {
-    if method == Method::Path {
+    if !method.has_light_cache() {
         return Ok(());
     }
     let mut recording = Recording::new("forget");
@@ -138,17 +138,22 @@ impl Renderer {
 
     /// The field of a path's state where its record for the cache begins: behind the results of its texture program.
     pub(super) fn light_record(&self) -> u32 {
+        self.fields_from_last(wave::LIGHT_RECORD_WORDS)
+    }
+
+    /// The first of the last fields of a path's state, of so many words.
+    pub(super) fn fields_from_last(&self, words: u32) -> u32 {
         let paths = match self.lanes.first_resources() {
             Some(own) => own.buffer("paths").size(),
             None => self.resources.buffer("paths").size(),
         };
         let fields = paths / 16 / u64::from(self.capacity);
-        fields as u32 - wave::LIGHT_RECORD_WORDS / 4
+        fields as u32 - words / 4
     }
 
     /// Says what the next wave does with the cache.
     pub(super) fn set_light_cache(&self, purpose: Purpose) {
-        if self.settings.method == Method::Path {
+        if !self.settings.method.has_light_cache() {
             return;
         }
         let mode = match (purpose, self.settings.method) {

@@ -9,11 +9,14 @@ use crate::{
     scene::Scene,
     schedule::Wavefront,
     settings::{Method, RenderSettings},
-    wave::{CATCH_WORDS, LEFT_WORDS, LIGHT_RECORD_WORDS, PathBytes, QUEUE_HEADER, SPLIT_WORDS},
+    wave::{
+        CATCH_WORDS, LEFT_WORDS, LIGHT_RECORD_WORDS, PHOTON_WORDS, PathBytes, QUEUE_HEADER,
+        SPLIT_WORDS,
+    },
 };
 
 use super::lanes::Lanes;
-use super::{irradiance, light_cache, most_paths};
+use super::{irradiance, light_cache, most_paths, photons};
 
 /// Bytes on a device.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -41,7 +44,7 @@ impl DeviceMemory {
             film: picture,
             layers,
             scene: gpu_scene::bytes(device, scene, &procedural.reads()),
-            paths: paths(device, procedural, settings) + caches(settings.method),
+            paths: paths(device, procedural, settings) + caches(settings),
         }
     }
 
@@ -52,8 +55,9 @@ impl DeviceMemory {
 }
 
 /// Bytes of what knows light from before.
-fn caches(method: Method) -> u64 {
-    light_cache::bytes(method) + irradiance::bytes(method)
+fn caches(settings: &RenderSettings) -> u64 {
+    let method = settings.method;
+    light_cache::bytes(method) + irradiance::bytes(method) + photons::bytes(settings)
 }
 
 /// Bytes of a film as it is gathered: the picture's, and those of its layers.
@@ -97,6 +101,7 @@ fn paths(device: &Device, procedural: &Procedural, settings: &RenderSettings) ->
         Method::Path => 0,
         Method::Draft => LIGHT_RECORD_WORDS,
         Method::Cache => LIGHT_RECORD_WORDS + LEFT_WORDS,
+        Method::Photons => LEFT_WORDS + PHOTON_WORDS,
     };
     let results = procedural
         .result_words()

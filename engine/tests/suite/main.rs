@@ -25,6 +25,7 @@ mod memory;
 mod moments;
 mod native;
 mod outputs;
+mod photons;
 mod references;
 mod session;
 mod statistics;

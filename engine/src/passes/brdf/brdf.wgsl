@@ -65,7 +65,7 @@ fn shade_vertex(slot: u32) {
     let l = lobes(m.bsdf, wo);
     let origins = ray_origins(v, m.bsdf);
     if (leaves_diffuse) {
-        leave_diffuse(p, v, m, l, origins);
+        leave_scattering(p, v, m, l, origins);
     }
     let has_shadow_ray = sample_direct_light(p, v, m, l, wo, origins);
     if (!sample_indirect(p, v, m, l, wo, origins) && has_program_shadows && has_shadow_ray) {

@@ -5,6 +5,7 @@
 // scatters; where chance has it stand for the diffuse part it only has to find lamps and the sky, which no record knows, and ends
 // with that.
 //!include shared/wave_memory.wgsl
+//!include shared/ends.wgsl
 //!include shared/queue_lists.wgsl
 //!include shared/random.wgsl
 //!include shared/geometry.wgsl
@@ -128,12 +129,6 @@ fn add_candidate(slot: u32, place: vec4u, width: f32) {
     }
 }
 
-// A ray that finds nothing more.
-fn end_path(slot: u32) {
-    path_set_words(PATH_THROUGHPUT, slot, vec4u(0u));
-    rays[own_ray(slot)].t_max = -1.0;
-}
-
 @compute @workgroup_size(64)
 fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
                       @builtin(local_invocation_index) local: u32) {
@@ -147,6 +142,9 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
         return;
     }
     path_set_words(PATH_LEFT, slot, vec4u(0u));
+    if ((left.w & LEFT_KIND) != LEFT_DIFFUSE) {
+        return;
+    }
     let mode = irradiance_settings.mode;
     // Of what surfaces scatter diffusely here, another one must have scattered it before.
     if (mode == IRRADIANCE_IDLE || left.z + 2u > frame.max_depth) {
@@ -154,7 +152,7 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     }
     let place = path_words(PATH_PLACE, slot);
     let diffuse = path_words(PATH_DIFFUSE, slot);
-    let goes_on = left.w == LEFT_ON;
+    let goes_on = (left.w & LEFT_ON) != 0u;
     let facing = octahedral_decode(place.w);
     let found = irradiance_at(bitcast<vec3f>(place.xyz), facing, octahedral_decode(diffuse.w));
     let gathered = path_read(PATH_RADIANCE, slot);

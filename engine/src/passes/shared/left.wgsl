@@ -1,12 +1,20 @@
-// What a vertex leaves for the cache of irradiance: how much light it would scatter diffusely, and how much of its sample of the
-// BSDF stands for that. `brdf/leave.wgsl` writes it, the passes of `irradiance` read it in the same round.
+// What a vertex leaves for caches of light: how it scatters, how much light it would scatter diffusely, and how much of its sample of
+// the BSDF stands for that. `brdf/leave.wgsl` writes it, the passes of `irradiance` and `photons` read it in the same round.
 //!include shared/paths.wgsl
 
-// Words of a path's fields:
+// Words of a path's fields, the first two where it scatters diffusely:
 // PATH_PLACE: where rays leave the surface, then the normal that its vertices give it, octahedral.
 // PATH_DIFFUSE: rgb that a unit of irradiance adds to the path's radiance, then the normal that it is shaded with.
-// PATH_LEFT: `shares_words` of the path's next ray, then vertices that had scattered before, then whether there is all this.
+// PATH_LEFT: `shares_words` of the path's next ray, then vertices that had scattered before, then how this one does.
 
-const LEFT_NONE = 0u;
-const LEFT_ENDED = 1u; // the path ends here
-const LEFT_ON = 2u; // it goes on
+const LEFT_NONE = 0u; // nothing has scattered in this round
+const LEFT_DIFFUSE = 1u; // light from all sides equally, among others
+const LEFT_CASTER = 2u; // a mirror or a body of glass, which throws caustics
+const LEFT_OTHER = 3u; // some other way
+const LEFT_KIND = 3u; // mask of these
+const LEFT_ON = 4u; // besides: the path goes on
+
+// A surface is a caster if its microfacets' distribution is at most as wide as this, and at most this much of the light that
+// enters it is scattered diffusely. It has to be flagged as one: photons are sent to no others.
+const CASTER_ALPHA = 0.1;
+const CASTER_BODY = 0.02;

@@ -140,12 +140,16 @@ fn disk_radiance(direction: vec3f, bsdf_pdf: f32) -> DiskLight {
     return sum;
 }
 
-// Uniform over the triangle (Heitz, "A Low-Distortion Map Between Triangle and Square", 2019).
-fn triangle_sample(light: Light, probability: f32, p: vec3f, u: vec2f) -> LightSample {
-    var b = vec2f(u.x * 0.5, u.y - u.x * 0.5);
+// Weights of a triangle's second and third vertex, uniform over it (Heitz, "A Low-Distortion Map Between Triangle and Square", 2019).
+fn triangle_point(u: vec2f) -> vec2f {
     if (u.y <= u.x) {
-        b = vec2f(u.x - u.y * 0.5, u.y * 0.5);
+        return vec2f(u.x - u.y * 0.5, u.y * 0.5);
     }
+    return vec2f(u.x * 0.5, u.y - u.x * 0.5);
+}
+
+fn triangle_sample(light: Light, probability: f32, p: vec3f, u: vec2f) -> LightSample {
+    let b = triangle_point(u);
     let normal = cross(light.direction, light.intensity);
     let area = 0.5 * length(normal);
     let to = light.position + light.direction * b.x + light.intensity * b.y - p;

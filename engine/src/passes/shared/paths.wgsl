@@ -26,7 +26,7 @@ const PATH_CAUGHT = 9u;
 override splits_light: bool = false;
 override catches_shadows: bool = false; // only where the former is true
 
-// In the same place, where a cache knows the light that surfaces scatter diffusely: see left.wgsl. Never both.
+// In the same place, where a cache knows some of the light that comes to surfaces: see left.wgsl. Never both.
 const PATH_PLACE = 6u;
 const PATH_DIFFUSE = 7u;
 const PATH_LEFT = 8u;

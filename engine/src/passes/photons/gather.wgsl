@@ -1,0 +1,111 @@
+// Takes caustics from the map of photons. One thread for each active path, whose vertex has been shaded.
+//
+// Light is told apart by how it came to a surface that scatters diffusely: what casters alone have scattered since the lamp is the
+// photons', all else the path's. So where a path's ray, having left such a surface, meets casters and then a lamp, or samples
+// one from there, that counts as little as the surface's share in the ray was diffuse.
+//!include shared/wave_memory.wgsl
+//!include shared/queue_lists.wgsl
+//!include shared/geometry.wgsl
+//!include shared/found_light.wgsl
+//!include shared/left.wgsl
+//!include photons/records.wgsl
+
+@group(0) @binding(57) var<storage, read> photon_lights: array<vec2f>;
+@group(0) @binding(58) var<storage, read> photons: array<vec4u>;
+@group(0) @binding(59) var<storage, read> photon_cells: array<vec4u>;
+@group(0) @binding(60) var<storage, read> photon_references: array<u32>;
+
+// Photons count if the side that they met faces about where this one does.
+const LEAST_FACING = 0.5;
+
+// The irradiance of photons, W/m2, that at most so many casters have scattered.
+fn photon_irradiance(position: vec3f, facing: vec3f, most_scattered: u32) -> vec3f {
+    let radius = photon_radius(position);
+    let root = root_level(radius);
+    var depth = 0u;
+    var found = map_cell(root, 0u, vec3i(floor(position / side_of(root))));
+    var cell = photon_cells[found.at + 1u];
+    while (cell.y != 0u && depth < MAP_DEPTH) {
+        depth++;
+        found = map_cell(root, depth, vec3i(floor(position / side_of(root - depth))));
+        cell = photon_cells[found.at + 1u];
+    }
+    var flux = vec3u(0u);
+    for (var i = cell.z; i < cell.z + cell.w; i++) {
+        let reference = photon_references[i];
+        if ((reference >> REFERENCE_SHIFT) != found.check) {
+            continue;
+        }
+        let at = 1u + 2u * (reference & REFERENCE_PHOTON);
+        let place = photons[at];
+        let off = position - bitcast<vec3f>(place.xyz);
+        if (dot(off, off) > radius * radius) {
+            continue;
+        }
+        let normal = octahedral_decode(place.w);
+        let carried = photons[at + 1u];
+        let counts = dot(normal, facing) > LEAST_FACING && abs(dot(off, normal)) <= MOST_HEIGHT * radius
+            && carried.w <= most_scattered;
+        flux += select(vec3u(0u), carried.xyz, counts);
+    }
+    let all = photon_lights[photon_settings.light_count + photon_settings.directional_count + photon_settings.environment - 1u].y;
+    return vec3f(flux) * (all / (FLUX_SCALE * f32(photon_settings.photons) * 3.14159265 * radius * radius));
+}
+
+@compute @workgroup_size(64)
+fn gather_photons(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
+                  @builtin(local_invocation_index) local: u32) {
+    let index = thread_index(workgroup, workgroups, local);
+    if (index >= queue_length(QUEUE_ACTIVE)) {
+        return;
+    }
+    let slot = queue_read(QUEUE_ACTIVE, index);
+    let left = path_words(PATH_LEFT, slot);
+    path_set_words(PATH_LEFT, slot, vec4u(0u));
+    if (photon_settings.mode == PHOTONS_IDLE) {
+        return;
+    }
+    let kind = left.w & LEFT_KIND;
+    let goes_on = (left.w & LEFT_ON) != 0u;
+    let before = select(path_depth(slot), left.z, kind != LEFT_NONE);
+    let field = photon_settings.field;
+    let gathered = path_read(PATH_RADIANCE, slot);
+    var radiance = gathered.xyz;
+    var is = PATH_IS_FREE;
+    if (before > 0u) {
+        let kept = path_words(field, slot);
+        is = kept.w;
+        if (is == PATH_IS_CAUSTIC) {
+            radiance = with_less(bitcast<vec3f>(kept.xyz), radiance, slot);
+        }
+    }
+    if (kind == LEFT_DIFFUSE) {
+        let place = path_words(PATH_PLACE, slot);
+        let diffuse = path_words(PATH_DIFFUSE, slot);
+        if (left.z + 2u <= frame.max_depth) {
+            let found = photon_irradiance(bitcast<vec3f>(place.xyz), octahedral_decode(place.w), frame.max_depth - left.z - 1u);
+            radiance += bitcast<vec3f>(diffuse.xyz) * found;
+        }
+        is = PATH_IS_DIFFUSE;
+        path_set_words(field + 1u, slot, vec4u(left.xy, 0u, 0u));
+    } else if (kind == LEFT_CASTER && is != PATH_IS_FREE) {
+        is = PATH_IS_CAUSTIC;
+        if (!goes_on) {
+            // No one comes back to what the light sample brings.
+            let light = path_words(PATH_LIGHT, slot);
+            let less = with_less(vec3f(0.0), bitcast<vec3f>(light.xyz), slot);
+            path_set_words(PATH_LIGHT, slot, vec4u(bitcast<vec3u>(less), light.w));
+            is = PATH_IS_FREE;
+        }
+    } else if (kind == LEFT_OTHER) {
+        is = PATH_IS_FREE;
+    }
+    path_write(PATH_RADIANCE, slot, vec4f(radiance, gathered.w));
+    path_set_words(field, slot, vec4u(bitcast<vec3u>(radiance), is));
+}
+
+// What was gathered before, and of what has come since as much as isn't the photons'.
+fn with_less(before: vec3f, after: vec3f, slot: u32) -> vec3f {
+    let share = shares_diffuse(path_words(photon_settings.field + 1u, slot).xy);
+    return before + (after - before) * (vec3f(1.0) - share);
+}

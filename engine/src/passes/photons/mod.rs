@@ -1,0 +1,170 @@
+//! A map of photons: light that mirrors and bodies of glass throw on other surfaces. See `records.wgsl`; what photons carry and how
+//! their radii shrink, `renderer/photons.rs` says.
+
+use crate::wave::Queue;
+
+use super::pass::{Pass, Work};
+
+/// Takes caustics from the map. One thread per path.
+pub const GATHER: Pass = Pass {
+    name: "gather_photons",
+    file: "photons/gather.wgsl",
+    work: Work::Queue(Queue::Active),
+    reads: &[
+        "frame",
+        "photon_cells",
+        "photon_lights",
+        "photon_references",
+        "photon_settings",
+        "photons",
+        "queues",
+    ],
+    writes: &["paths"],
+    exists: |features| features.photons,
+};
+
+/// In place of the camera's rays: photons at their lamps.
+pub const START: Pass = Pass {
+    name: "photon_start",
+    file: "photons/emit.wgsl",
+    work: Work::Paths,
+    reads: &[
+        "environment_image",
+        "environment_table",
+        "frame",
+        "instances",
+        "lights",
+        "materials",
+        "photon_lights",
+        "photon_settings",
+        "triangles",
+    ],
+    writes: &["paths", "queues", "rays"],
+    ..GATHER
+};
+
+/// Sends them off, once it is known what their lamps emit.
+pub const EMIT: Pass = Pass {
+    name: "photon_emit",
+    work: Work::Queue(Queue::Active),
+    reads: &[
+        "frame",
+        "image_layers",
+        "image_layers_srgb",
+        "image_table",
+        "instances",
+        "materials",
+        "photon_settings",
+        "triangles",
+        "vertices",
+    ],
+    ..START
+};
+
+/// Keeps those that come from casters, where they arrive.
+pub const ARRIVE: Pass = Pass {
+    name: "photon_arrive",
+    file: "photons/fly.wgsl",
+    reads: &[
+        "frame",
+        "instances",
+        "materials",
+        "photon_settings",
+        "queues",
+        "rays",
+        "triangles",
+        "vertices",
+    ],
+    writes: &["paths", "photons"],
+    ..GATHER
+};
+
+/// Ends them at whatever isn't a caster.
+pub const FOLLOW: Pass = Pass {
+    name: "photon_follow",
+    file: "photons/fly.wgsl",
+    reads: &["frame", "queues"],
+    writes: &["paths", "rays"],
+    ..GATHER
+};
+
+/// About how much light goes from each lamp to what throws caustics. One thread per light; this and the following are no passes of a
+/// wave.
+pub const WEIGH: Pass = Pass {
+    name: "weigh_lights",
+    file: "photons/lights.wgsl",
+    work: Work::Paths,
+    reads: &[
+        "environment_image",
+        "environment_table",
+        "frame",
+        "lights",
+        "materials",
+        "photon_settings",
+        "triangles",
+    ],
+    writes: &["photon_lights"],
+    ..GATHER
+};
+
+/// Adds that up. One thread.
+pub const SUM: Pass = Pass {
+    name: "sum_lights",
+    work: Work::Single,
+    reads: &["photon_settings"],
+    ..WEIGH
+};
+
+/// Splits cells that had too many references, and empties all. One thread per cell.
+pub const SPLIT: Pass = Pass {
+    name: "split_cells",
+    file: "photons/map.wgsl",
+    work: Work::Paths,
+    reads: &["photon_settings"],
+    writes: &["photon_cells"],
+    ..GATHER
+};
+
+/// References to the leaves that photons reach into. One thread per photon.
+pub const COUNT: Pass = Pass {
+    name: "count_leaves",
+    reads: &["frame", "photon_settings", "photons"],
+    ..SPLIT
+};
+
+/// Splits none where there is no room for so many. One thread per cell.
+pub const JOIN: Pass = Pass {
+    name: "join_cells",
+    ..SPLIT
+};
+
+/// Counts anew then. One thread per photon.
+pub const COUNT_AGAIN: Pass = Pass {
+    name: "count_again",
+    ..COUNT
+};
+
+/// Gives each leaf its place among the references. One thread per cell.
+pub const PLACES: Pass = Pass {
+    name: "give_places",
+    ..SPLIT
+};
+
+/// Writes them down. One thread per photon.
+pub const PUT_DOWN: Pass = Pass {
+    name: "put_down",
+    writes: &["photon_cells", "photon_references"],
+    ..COUNT
+};
+
+/// What is no pass of a wave.
+pub static APART: [&Pass; 8] = [
+    &WEIGH,
+    &SUM,
+    &SPLIT,
+    &COUNT,
+    &JOIN,
+    &COUNT_AGAIN,
+    &PLACES,
+    &PUT_DOWN,
+];

@@ -1,0 +1,374 @@
+//! Photons: how the map of caustics is made for each sample of the picture.
+//!
+//! What mirrors and bodies of glass throw on other surfaces is found by paths from the camera only by luck, the smaller the lamp the
+//! less; from the lamp it is easily found. So light that comes to a surface which scatters it diffusely is told apart (after Jensen,
+//! "Global Illumination using Photon Maps", 1996): what *casters* alone have scattered since the lamp is brought by photons, all else by
+//! paths. `brdf/leave.wgsl` says what a caster is, the same for both sides, so that no light counts twice and none is missing.
+//!
+//! Each sample of the picture has photons of its own. They start at lamps by how much light these send to casters, towards those
+//! alone, and are kept where they arrive from one. Each path asks for those around its own places, within a radius that shrinks from
+//! sample to sample, so that noise and bias vanish together (Hachisuka and Jensen, "Stochastic Progressive Photon Mapping", 2009; Knaus
+//! and Zwicker, "Progressive Photon Mapping: A Probabilistic Approach", 2011, whose radii need no statistics).
+//!
+//! A sample's photons follow from its number and the seed. Their flux is added up in whole numbers, so that the picture depends
+//! neither on the order in which they come nor on how work is cut.
+
+use bytemuck::{Pod, Zeroable};
+use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Usage};
+use glam::Vec4;
+
+use crate::{
+    frame::paths_per_sample,
+    gpu_scene::{MOST_TARGETS, SceneFeatures},
+    passes::{pass::Pass, photons as passes},
+    settings::{Method, RenderSettings},
+    wave,
+};
+
+use super::{Purpose, RenderError, Renderer, Work};
+
+/// Photons of a sample: about as many as pixels, but no fewer and no more.
+const FEWEST: u64 = 1 << 14;
+const MOST: u64 = 1 << 20;
+/// Cells of the map for each photon, and references.
+const CELLS: u64 = 2;
+const REFERENCES: u64 = 24;
+/// Words of a photon, of the header before them, and of a cell.
+const PHOTON_BYTES: u64 = 32;
+const HEADER_BYTES: u64 = 16;
+const CELL_BYTES: u64 = 16;
+/// Radius of the first sample's photons in widths of a pixel.
+const FIRST_RADIUS: f64 = 3.0;
+/// How much of the photons within the radius the next sample keeps: as the error falls fastest (Kaplanyan and Dachsbacher,
+/// "Adaptive Progressive Photon Mapping", 2013).
+const KEPT: f64 = 2.0 / 3.0;
+/// Largest radius over the distance to the camera.
+const WIDEST: f32 = 0.1;
+/// Least distance to the camera that counts, over the radius of the scene.
+const NEAREST: f32 = 0.01;
+/// Added to the picture's seed.
+const SEED: u32 = 0x7c0f_2e11;
+
+/// `PhotonSettings` of `settings.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct Settings {
+    mode: u32,
+    photons: u32,
+    field: u32,
+    seed: u32,
+    radius: f32,
+    nearest: f32,
+    cell_mask: u32,
+    references: u32,
+    light_count: u32,
+    directional_count: u32,
+    environment: u32,
+    target_count: u32,
+    targets: [Vec4; MOST_TARGETS],
+}
+
+/// What paths do with photons: as in `settings.wgsl`.
+const IDLE: u32 = 0;
+const USED: u32 = 1;
+
+/// What is being done.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Phase {
+    /// Nothing is known of the lamps.
+    Begun,
+    /// Photons of a sample fly; so many have.
+    Flying(u32, u64),
+    /// The map of a sample is there.
+    Ready(u32),
+}
+
+/// The photons of a renderer.
+#[derive(Debug)]
+pub(super) struct Photons {
+    phase: Phase,
+    sizes: Sizes,
+    kernels: Vec<Kernel>,
+}
+
+/// How much room there is.
+#[derive(Debug, Clone, Copy)]
+struct Sizes {
+    photons: u64,
+    cells: u64,
+    references: u64,
+}
+
+impl Sizes {
+    fn of(settings: &RenderSettings) -> Self {
+        let paths = paths_per_sample(settings.width, settings.height);
+        // A power of two, which their sample points fill evenly.
+        let photons = (1 << paths.max(1).ilog2()).clamp(FEWEST, MOST);
+        Self {
+            photons,
+            cells: CELLS * photons,
+            references: REFERENCES * photons,
+        }
+    }
+
+    fn buffers(&self) -> [(&'static str, u64); 3] {
+        [
+            ("photons", HEADER_BYTES + self.photons * PHOTON_BYTES),
+            ("photon_cells", (1 + self.cells) * CELL_BYTES),
+            ("photon_references", 4 * self.references),
+        ]
+    }
+}
+
+/// Bytes of the buffers.
+pub(super) fn bytes(settings: &RenderSettings) -> u64 {
+    match settings.method {
+        Method::Photons => Sizes::of(settings).buffers().iter().map(|(_, b)| b).sum(),
+        Method::Path | Method::Draft | Method::Cache => 0,
+    }
+}
+
+/// Radius of a sample's photons in widths of a pixel; the first sample is number 0.
+fn radius(sample: u32) -> f64 {
+    // The product of (i + a) / (i + 1) over i from 1 to n is nearly n^(a-1) times a constant.
+    const EXACT: u32 = 256;
+    let exact: f64 = (1..=sample.min(EXACT))
+        .map(|i| (f64::from(i) + KEPT) / (f64::from(i) + 1.0))
+        .product();
+    let rest = (f64::from(sample.max(EXACT)) / f64::from(EXACT)).powf(KEPT - 1.0);
+    FIRST_RADIUS * (exact * rest).sqrt()
+}
+
+impl Photons {
+    /// Makes their buffers; nothing where the method has none.
+    pub(super) fn new(
+        device: &Device,
+        settings: &RenderSettings,
+        features: &SceneFeatures,
+        resources: &mut Resources,
+    ) -> Result<Option<Self>, DeviceError> {
+        if settings.method != Method::Photons {
+            return Ok(None);
+        }
+        let sizes = Sizes::of(settings);
+        for (name, bytes) in sizes.buffers() {
+            resources.set_buffer(name, device.buffer(name, Usage::Storage, bytes)?);
+        }
+        let lights = device.buffer("photon lights", Usage::Storage, 8)?;
+        resources.set_buffer("photon_lights", lights);
+        let bytes = size_of::<Settings>() as u64;
+        let uniform = device.buffer("photon settings", Usage::Uniform, bytes)?;
+        resources.set_buffer("photon_settings", uniform);
+        let kernels = passes::APART.iter();
+        let kernels = kernels.map(|pass| pass.kernel(device, features));
+        Ok(Some(Self {
+            phase: Phase::Begun,
+            sizes,
+            kernels: kernels.collect::<Result<_, _>>()?,
+        }))
+    }
+
+    /// Forgets the map.
+    pub(super) fn restart(&mut self) {
+        self.phase = Phase::Begun;
+    }
+}
+
+impl Renderer {
+    /// Takes a step towards the map for the next path; false where it is there, or isn't needed.
+    pub(super) fn prepare_photons(&mut self) -> Result<bool, RenderError> {
+        let Some(photons) = &self.photons else {
+            return Ok(false);
+        };
+        if self.is_apart || !self.casts_caustics() {
+            return Ok(false);
+        }
+        let sample = self.next_sample();
+        let total = photons.sizes.photons;
+        let done = match photons.phase {
+            Phase::Ready(of) if of == sample => return Ok(false),
+            Phase::Flying(of, done) if of == sample => done,
+            phase => {
+                if phase == Phase::Begun {
+                    self.weigh_lights()?;
+                }
+                let mut recording = Recording::new("no photons");
+                recording.clear(self.resources.buffer("photons"));
+                self.device.start(&recording)?;
+                0
+            }
+        };
+        let paths = u64::from(self.next_wave_size()).min(total - done);
+        let mut frame = self.frame.without_lights();
+        frame.set_seed(self.photon_seed(sample));
+        frame.set_wave(done, paths as u32, 0, u32::MAX);
+        let work = Work::Range {
+            position: done,
+            first_sample: 0,
+            spp: u32::MAX,
+        };
+        self.play_wave(&frame, work, Purpose::Photons)?;
+        let mut phase = Phase::Flying(sample, done + paths);
+        if done + paths == total {
+            self.build_map()?;
+            phase = Phase::Ready(sample);
+        }
+        if let Some(photons) = &mut self.photons {
+            photons.phase = phase;
+        }
+        Ok(true)
+    }
+
+    /// As many of the next paths as are of one sample, where each has its own photons.
+    pub(super) fn until_next_photons(&self, paths: u64) -> u64 {
+        let padded = u64::from(self.frame.padded_pixels);
+        match self.photons {
+            Some(_) => paths.min(padded - self.position % padded),
+            None => paths,
+        }
+    }
+
+    /// Whether there is something that throws caustics, and light that it could throw.
+    pub fn casts_caustics(&self) -> bool {
+        let lights = self.scene.light_count + self.scene.directional_count;
+        let is_lit = lights > 0 || self.scene.environment.emits;
+        is_lit && !self.scene.casters.is_empty() && self.scene.features.energy_compensation
+    }
+
+    /// The sample of the next path.
+    fn next_sample(&self) -> u32 {
+        let done = self.position / u64::from(self.frame.padded_pixels);
+        self.settings.first_sample + done as u32
+    }
+
+    fn photon_seed(&self, sample: u32) -> u32 {
+        let seed = self.frame.seed().wrapping_add(SEED);
+        // Neighbouring numbers must not give neighbouring seeds.
+        seed.wrapping_add(sample.wrapping_mul(0x9e37_79b9))
+    }
+
+    /// Finds out how many photons are to start at each lamp.
+    fn weigh_lights(&mut self) -> Result<(), RenderError> {
+        let lights = u64::from(self.scene.light_count + self.scene.directional_count) + 1;
+        if self.resources.buffer("photon_lights").size() < 8 * lights {
+            let buffer = (self.device).buffer("photon lights", Usage::Storage, 8 * lights)?;
+            self.resources.set_buffer("photon_lights", buffer);
+            self.bind();
+        }
+        self.set_photons(Purpose::Photons);
+        let frame = self.resources.buffer("frame");
+        self.device.write(frame, 0, bytemuck::bytes_of(&self.frame));
+        let threads = lights as u32;
+        let steps = [
+            (&passes::WEIGH, Extent::Threads(threads)),
+            (&passes::SUM, Extent::One),
+        ];
+        self.play_apart("weights of lights", steps)
+    }
+
+    /// Makes the map of the photons that have arrived.
+    fn build_map(&mut self) -> Result<(), RenderError> {
+        let Some(sizes) = self.photons.as_ref().map(|photons| photons.sizes) else {
+            return Ok(());
+        };
+        let sample = self.next_sample();
+        // Roots of another size: those of before are of no use.
+        let is_as_before =
+            sample > 0 && radius(sample).log2().floor() == radius(sample - 1).log2().floor();
+        if !is_as_before || self.position == 0 {
+            let mut recording = Recording::new("no map");
+            recording.clear(self.resources.buffer("photon_cells"));
+            self.device.start(&recording)?;
+        }
+        let frame = self.resources.buffer("frame");
+        self.device.write(frame, 0, bytemuck::bytes_of(&self.frame));
+        let photons = || Extent::Threads(sizes.photons as u32);
+        let cells = || Extent::Threads(sizes.cells as u32);
+        let steps = [
+            (&passes::SPLIT, cells()),
+            (&passes::COUNT, photons()),
+            (&passes::JOIN, cells()),
+            (&passes::COUNT_AGAIN, photons()),
+            (&passes::PLACES, cells()),
+            (&passes::PUT_DOWN, photons()),
+        ];
+        self.play_apart("map of photons", steps)
+    }
+
+    /// Runs kernels that belong to no wave.
+    fn play_apart<const N: usize>(
+        &self,
+        name: &'static str,
+        steps: [(&'static Pass, Extent); N],
+    ) -> Result<(), RenderError> {
+        let Some(photons) = &self.photons else {
+            return Ok(());
+        };
+        let mut recording = Recording::new(name);
+        for (pass, extent) in steps {
+            let at = passes::APART.iter().position(|one| one.name == pass.name);
+            if let Some(kernel) = at.and_then(|at| photons.kernels.get(at)) {
+                let bound = kernel.bind(&self.device, &self.resources);
+                recording.dispatch(&bound, extent);
+            }
+        }
+        Ok(self.device.play(&recording)?)
+    }
+
+    /// Says what the next wave does with photons.
+    pub(super) fn set_photons(&self, purpose: Purpose) {
+        let Some(photons) = &self.photons else {
+            return;
+        };
+        let sample = self.next_sample();
+        let is_there = photons.phase == Phase::Ready(sample);
+        let pixel = match self.frame.pixel_side() {
+            // Of parallel rays.
+            0.0 => self.frame.pixel_height(),
+            side => side,
+        };
+        let radius = radius(sample) as f32 * pixel;
+        let mut targets = [Vec4::ZERO; MOST_TARGETS];
+        targets[..self.scene.casters.len()].copy_from_slice(&self.scene.casters);
+        let words = Settings {
+            mode: match purpose {
+                Purpose::Picture if is_there => USED,
+                _ => IDLE,
+            },
+            photons: photons.sizes.photons as u32,
+            field: self.fields_from_last(wave::PHOTON_WORDS),
+            seed: self.photon_seed(sample),
+            radius: match self.frame.pixel_side() {
+                0.0 => radius,
+                _ => radius.min(WIDEST),
+            },
+            nearest: NEAREST * self.scene.radius,
+            cell_mask: photons.sizes.cells as u32 - 1,
+            references: photons.sizes.references as u32,
+            light_count: self.scene.light_count,
+            directional_count: self.scene.directional_count,
+            environment: u32::from(self.scene.environment.emits),
+            target_count: self.scene.casters.len() as u32,
+            targets,
+        };
+        let uniform = self.resources.buffer("photon_settings");
+        self.device.write(uniform, 0, bytemuck::bytes_of(&words));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn radii_shrink_as_they_should() {
+        assert_eq!(radius(0), FIRST_RADIUS);
+        // Knaus and Zwicker, equation 17.
+        let squared = |sample: u32| radius(sample).powi(2);
+        for sample in [1, 7, 255, 256, 300, 5000] {
+            let wanted = (f64::from(sample) + KEPT) / (f64::from(sample) + 1.0);
+            let found = squared(sample) / squared(sample - 1);
+            assert!((found - wanted).abs() < 1e-5, "{sample}: {found}");
+        }
+    }
+}

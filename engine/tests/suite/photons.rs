@@ -1,0 +1,231 @@
+//! Photons bring what mirrors and bodies of glass throw on other surfaces: the light that paths find, and all of it once.
+
+use ::device::Device;
+use engine::film::Film;
+use engine::renderer::Renderer;
+use engine::scene::{Environment, LightKind, Material, Projection, PunctualLight, Scene};
+use engine::settings::{Method, RenderSettings};
+use glam::Vec3;
+
+use crate::light_cache::{film, mean, room};
+use crate::support::device;
+use crate::support::scenes::{
+    Shot, add, camera, faceted_sphere, lambert, lamp, no_textures, quad, scene, settings,
+};
+
+/// A floor of 4 x 4 metres.
+fn ground() -> (engine::scene::Mesh, Material) {
+    let (x, z) = (Vec3::X * 4.0, Vec3::Z * 4.0);
+    (
+        quad(Vec3::new(-2.0, 0.0, -2.0), z, x),
+        lambert(Vec3::new(0.8, 0.6, 0.5)),
+    )
+}
+
+/// A floor with a mirror above its side, rough enough for light samples to find lamps in it.
+fn beside_a_mirror(roughness: f32) -> Scene {
+    let mirror = Material {
+        base_color: Vec3::new(0.9, 0.8, 0.6).extend(1.0),
+        metallic: 1.0,
+        roughness,
+        double_sided: true,
+        ..Material::default()
+    };
+    let wall = quad(Vec3::new(-1.5, 0.4, -1.0), Vec3::Z * 2.0, Vec3::Y * 1.5);
+    scene([ground(), (wall, mirror)], Vec3::ZERO)
+}
+
+/// A lamp of half a metre that lights the mirror and the floor.
+fn with_lamp(mut scene: Scene) -> Scene {
+    let panel = quad(Vec3::new(0.5, 2.0, -0.25), Vec3::X * 0.5, Vec3::Z * 0.5);
+    add(&mut scene, panel, lamp(Vec3::splat(20.0)));
+    scene
+}
+
+/// A ball of glass above the floor, below the lamp.
+fn below_glass() -> Scene {
+    let glass = Material {
+        transmission: 1.0,
+        is_solid: true,
+        metallic: 0.0,
+        roughness: 0.0,
+        ..Material::default()
+    };
+    let mut ball = faceted_sphere(24);
+    for position in &mut ball.positions {
+        *position = *position * 0.5 + Vec3::Y * 0.8;
+    }
+    let mut scene = scene([ground(), (ball, glass)], Vec3::ZERO);
+    let panel = quad(Vec3::new(-0.4, 3.0, -0.4), Vec3::X * 0.8, Vec3::Z * 0.8);
+    add(&mut scene, panel, lamp(Vec3::splat(20.0)));
+    scene
+}
+
+fn seen(size: (u32, u32), seed: u32, method: Method) -> RenderSettings {
+    let camera = camera(
+        Vec3::new(0.3, 3.5, 2.5),
+        Vec3::new(-0.2, 0.0, 0.0),
+        Vec3::Y,
+        Projection::Perspective { y_fov: 0.9 },
+    );
+    let shot = Shot {
+        size,
+        max_depth: 8,
+        spp: 0,
+    };
+    let mut settings = settings(&camera, shot);
+    (settings.seed, settings.method) = (seed, method);
+    settings
+}
+
+/// From below the ball, of which nothing is seen: what glass shows of lamps is noisy with either method.
+fn seen_below(seed: u32, method: Method) -> RenderSettings {
+    let mut settings = seen((48, 48), seed, method);
+    settings.camera = camera(
+        Vec3::new(0.0, 0.25, 1.2),
+        Vec3::ZERO,
+        Vec3::Y,
+        Projection::Perspective { y_fov: 0.4 },
+    );
+    settings
+}
+
+/// Means of blocks of 8 x 8 pixels.
+fn blocks(film: &Film, width: usize) -> Vec<Vec3> {
+    let means = film.mean();
+    let height = means.len() / width;
+    let block = |at: usize| {
+        let (column, row) = (at % (width / 8) * 8, at / (width / 8) * 8);
+        let pixels = (0..64).map(|i| means[(row + i / 8) * width + column + i % 8]);
+        pixels.map(Vec3::from).sum::<Vec3>() / 64.0
+    };
+    (0..width / 8 * (height / 8)).map(block).collect()
+}
+
+/// Compares photons with paths, block by block, relative to the mean of the picture.
+fn agree(name: &str, of: impl Fn(Method) -> Film, most: f32) {
+    let [path, photons] = [Method::Path, Method::Photons].map(of);
+    let whole = mean(&path);
+    let off = (mean(&photons) / whole - 1.0).abs().max_element();
+    let apart = blocks(&path, 48).into_iter().zip(blocks(&photons, 48));
+    let worst = apart
+        .map(|(a, b)| ((a - b).abs() / whole).max_element())
+        .fold(0.0, f32::max);
+    println!("{name}: mean off by {off:.4}, blocks by {worst:.4} at most");
+    assert!(off < 0.01, "{name}: the mean is off by {off}");
+    assert!(worst < most, "{name}: a block is off by {worst}");
+}
+
+#[test]
+fn the_light_of_every_kind_of_lamp_counts_once() {
+    let Some(device) = device::open() else { return };
+    let lit = |kind, intensity: Vec3| {
+        let mut scene = beside_a_mirror(0.3);
+        scene.lights.push(PunctualLight {
+            name: "light".to_owned(),
+            kind,
+            intensity,
+            position: Vec3::new(0.8, 1.8, 0.1),
+            direction: Vec3::new(-1.0, -0.5, 0.1).normalize(),
+            range: f32::INFINITY,
+        });
+        scene
+    };
+    let spot = LightKind::Spot {
+        inner_angle: 0.4,
+        outer_angle: 0.8,
+    };
+    let disk = LightKind::Disk {
+        angular_diameter: 0.2,
+    };
+    let sky = Scene {
+        environment: Environment::Constant(Vec3::new(0.5, 0.7, 1.0)),
+        ..beside_a_mirror(0.3)
+    };
+    let scenes = [
+        ("a panel", with_lamp(beside_a_mirror(0.3))),
+        ("a point", lit(LightKind::Point, Vec3::splat(5.0))),
+        ("a spot", lit(spot, Vec3::splat(5.0))),
+        ("a direction", lit(LightKind::Directional, Vec3::splat(3.0))),
+        ("a sun", lit(disk, Vec3::splat(3.0))),
+        ("the sky", sky),
+    ];
+    for (name, scene) in &scenes {
+        let of = |method| {
+            let (seed, spp) = match method {
+                Method::Photons => (1, 64),
+                _ => (5, 1024),
+            };
+            film(&device, scene.clone(), &seen((48, 48), seed, method), spp)
+        };
+        agree(name, of, 0.05);
+    }
+}
+
+#[test]
+fn caustics_of_glass_are_those_of_paths() {
+    let Some(device) = device::open() else { return };
+    let of = |method| {
+        let (seed, spp) = match method {
+            Method::Photons => (1, 64),
+            _ => (5, 4096),
+        };
+        film(&device, below_glass(), &seen_below(seed, method), spp)
+    };
+    agree("glass", of, 0.05);
+}
+
+/// What is noise and what is bias: both fall, as the 2/3 power of the number of photons in the square.
+#[test]
+fn more_photons_come_nearer() {
+    let Some(device) = device::open() else { return };
+    let right = film(&device, below_glass(), &seen_below(5, Method::Path), 8192);
+    let error = |spp: u32| {
+        let settings = seen_below(1, Method::Photons);
+        let film = film(&device, below_glass(), &settings, spp);
+        let apart = film.mean().into_iter().zip(right.mean());
+        let squares = apart.map(|(a, b)| (Vec3::from(a) - Vec3::from(b)).length_squared());
+        (squares.sum::<f32>() / film.pixels() as f32).sqrt()
+    };
+    let errors = [4, 16, 64, 256].map(error);
+    println!("{errors:?}");
+    for pair in errors.windows(2) {
+        assert!(pair[1] < pair[0], "{errors:?}");
+    }
+    assert!(errors[3] < 0.4 * errors[0], "{errors:?}");
+}
+
+#[test]
+fn where_nothing_throws_caustics_nothing_changes() {
+    let Some(device) = device::open() else { return };
+    let mut scene = room();
+    for material in &mut scene.materials {
+        material.roughness = 1.0;
+    }
+    let of = |method| {
+        let settings = crate::light_cache::seen((40, 24), 3, method);
+        film(&device, scene.clone(), &settings, 8)
+    };
+    assert!(of(Method::Path) == of(Method::Photons));
+}
+
+#[test]
+fn the_picture_depends_neither_on_waves_nor_on_parts() {
+    let Some(device) = device::open() else { return };
+    let settings = seen((40, 24), 3, Method::Photons);
+    let mut scene = with_lamp(beside_a_mirror(0.1));
+    let procedural = no_textures(&mut scene);
+    let whole = film(&device, scene.clone(), &settings, 6);
+    let renderer = Renderer::with_capacity(&device, &scene, &procedural, &settings, 640);
+    let mut renderer = renderer.expect("the scene renders");
+    renderer.render(6).expect("the device renders");
+    assert!(renderer.film().expect("the device reads") == whole);
+    let part = |first, count| {
+        let mut settings = settings.clone();
+        settings.first_sample = first;
+        film(&device, scene.clone(), &settings, count)
+    };
+    let mut sum = part(0, 2);
+    sum.add(&part(2, 4));
+    assert!(sum == whole);
+}
