@@ -2,6 +2,7 @@
 
 use ::device::Device;
 use engine::film::Film;
+use engine::procedural::TextureSources;
 use engine::renderer::Renderer;
 use engine::scene::{Environment, LightKind, Material, Projection, PunctualLight, Scene};
 use engine::settings::{Method, RenderSettings};
@@ -10,7 +11,8 @@ use glam::Vec3;
 use crate::light_cache::{film, mean, room};
 use crate::support::device;
 use crate::support::scenes::{
-    Shot, add, camera, faceted_sphere, lambert, lamp, no_textures, quad, scene, settings,
+    Shot, add, camera, faceted_sphere, lambert, lamp, no_textures, quad, render_with, scene,
+    settings, textured,
 };
 
 /// A floor of 4 x 4 metres.
@@ -228,4 +230,38 @@ fn the_picture_depends_neither_on_waves_nor_on_parts() {
     let mut sum = part(0, 2);
     sum.add(&part(2, 4));
     assert!(sum == whole);
+}
+
+/// A lamp of stripes, and a floor of which a program lets a part of the rays through: what photons meet is what paths meet.
+#[test]
+fn lamps_and_surfaces_of_programs_count_as_they_should() {
+    let Some(device) = device::open() else { return };
+    let mut sources = TextureSources::default();
+    sources.insert(
+        "stripes",
+        "fn userProc(color: vec3f) -> vec3f {
+            return select(vec3f(0.0), color, fract(4.0 * readAttr(TexCoord0).x) < 0.5);
+        }",
+    );
+    sources.insert(
+        "holes",
+        "fn userProc() -> f32 {
+            return select(1.0, 0.4, fract(6.0 * readAttr(TexCoord0).y) < 0.5);
+        }",
+    );
+    let look = "[node.light]\ntexture='stripes'\ncolor=[40.0, 30.0, 20.0]\n\
+        [material.'material 2']\nemission='light'\n\
+        [node.holes]\ntexture='holes'\n\
+        [material.'material 0']\nopacity='holes'\n";
+    let mut scene = with_lamp(beside_a_mirror(0.3));
+    let procedural = textured(&mut scene, look, &sources);
+    let of = |method| {
+        let (seed, spp) = match method {
+            Method::Photons => (1, 128),
+            _ => (5, 1024),
+        };
+        let settings = seen((48, 48), seed, method);
+        render_with(&device, &scene, &procedural, &settings, spp)
+    };
+    agree("programs", of, 0.05);
 }
