@@ -9,7 +9,7 @@ use engine::{
     frame::Frame,
     gpu_scene::{GpuInstance, light_tree::GpuLightNode, lights::GpuLight, materials::GpuMaterial},
     passes::{
-        display, guide, irradiance, proctex,
+        display, guide, irradiance, photons, proctex,
         wgsl::{ComposedWgsl, FILES},
     },
     schedule,
@@ -121,7 +121,8 @@ fn kernels_are_valid_and_bind_at_most_eight_storage_buffers() {
     proctex.append_generated(&texgen::Library::default().emit(1));
     let passes = schedule::WAVE
         .iter()
-        .chain([&&guide::PASS, &&irradiance::SOLVE]);
+        .chain([&&guide::PASS, &&irradiance::SOLVE])
+        .chain(&photons::APART);
     let files = passes
         .filter(|pass| pass.name != proctex::PASS.name)
         .map(|pass| pass.file)
@@ -163,6 +164,7 @@ fn passes_read_and_write_what_they_declare() {
     for pass in schedule::WAVE
         .into_iter()
         .chain([&guide::PASS, &irradiance::SOLVE])
+        .chain(photons::APART)
     {
         let mut source = ComposedWgsl::of(pass.file);
         if pass.name == proctex::PASS.name {
@@ -211,6 +213,7 @@ fn private_memory_counts_the_stack_of_programs() {
 fn every_wgsl_file_is_part_of_a_kernel() {
     let mut roots: Vec<&str> = schedule::WAVE.iter().map(|pass| pass.file).collect();
     roots.extend([guide::PASS.file, irradiance::SOLVE.file, display::FILE]);
+    roots.extend(photons::APART.map(|pass| pass.file));
     let used: BTreeSet<String> = roots
         .into_iter()
         .flat_map(|root| ComposedWgsl::of(root).origins)

@@ -129,6 +129,7 @@ pub const SPLIT: Pass = Pass {
 pub const COUNT: Pass = Pass {
     name: "count_leaves",
     reads: &["frame", "photon_settings", "photons"],
+    writes: &["photon_cells", "photon_references"],
     ..SPLIT
 };
 
@@ -153,7 +154,6 @@ pub const PLACES: Pass = Pass {
 /// Writes them down. One thread per photon.
 pub const PUT_DOWN: Pass = Pass {
     name: "put_down",
-    writes: &["photon_cells", "photon_references"],
     ..COUNT
 };
 
