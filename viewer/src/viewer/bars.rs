@@ -87,7 +87,13 @@ impl Viewer {
 
     fn denoise_tool(&mut self, ui: &mut Ui) {
         let (is_ready, hint) = match &self.status.denoiser {
-            DenoiserState::Ready(title) => (true, format!("take the noise out, by {title} (N)")),
+            DenoiserState::Ready(title) => {
+                // Not in the bar of figures, which keeps its height: another one would begin the picture anew.
+                let shown = self.status.denoised.map_or_else(String::new, |spp| {
+                    format!("; shown is that of {:.0} spp", spp.floor())
+                });
+                (true, format!("take the noise out, by {title} (N){shown}"))
+            }
             DenoiserState::Unknown => (false, "looking for Open Image Denoise ...".to_owned()),
             DenoiserState::Absent(why) => (false, why.clone()),
         };
@@ -241,9 +247,6 @@ fn progress(status: &Status) -> String {
         status.spp.floor(),
         status.target
     );
-    if let Some(spp) = status.denoised {
-        text = format!("{text}   denoised at {:.0} spp", spp.floor());
-    }
     if let Some(error) = status.error {
         text = format!("{text}   error {:.2} %", 100.0 * error);
     }
