@@ -22,9 +22,15 @@ const KERNELS: &[(&str, &str)] = &[
     ("look_up_irradiance", "irradiance/look_up.wgsl"),
     ("look_up_light", "light_cache/look_up.wgsl"),
     ("raygen", "raygen/entry.wgsl"),
+    ("record_last_light", LIGHT),
+    ("record_layers", "film_layers/record.wgsl"),
+    ("record_light", LIGHT),
     ("traverse_closest", "traverse/entry.wgsl"),
     ("traverse_occlusion", "traverse/entry.wgsl"),
 ];
+
+/// The file of those kernels that there are only where the film keeps parts of the light apart.
+const LIGHT: &str = "film_layers/light.wgsl";
 
 /// The function that the engine has in Rust.
 const HOST: &[&str] = &["trace_surfaces"];
@@ -116,6 +122,9 @@ fn main() -> Result<()> {
             texts.insert(file, Text::read(file)?);
         }
         for (has, does) in SETS {
+            if file == LIGHT && !does.contains(&SPLIT) {
+                continue;
+            }
             let program = texts[file].program(entry, &[*has, *does].concat())?;
             let key = program.key();
             if !keys.insert(key) {

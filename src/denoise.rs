@@ -36,7 +36,10 @@ pub(crate) struct Denoised {
 /// The library isn't found, or can't be opened; the text says how to get it.
 pub(crate) fn for_job(is_wanted: bool, outputs: &Outputs) -> Result<Option<Denoiser>, Failure> {
     match is_wanted && !outputs.pictures.is_empty() {
-        true => open().map(Some),
+        true => match open() {
+            Ok(denoiser) => Ok(Some(denoiser)),
+            Err(why) => Err(Failure::Failed(format!("--denoise: {why}"))),
+        },
         false => Ok(None),
     }
 }
@@ -63,7 +66,11 @@ pub(crate) fn film(denoiser: &Denoiser, content: &Content<'_>) -> Result<Denoise
     Ok(Denoised { picture, by })
 }
 
-fn open() -> Result<Denoiser, Failure> {
+/// Finds the library and opens it.
+///
+/// # Errors
+/// It isn't found, or can't be opened; the text says how to get it.
+pub(crate) fn open() -> Result<Denoiser, String> {
     let home = env::var_os("HOME").map(PathBuf::from);
     let python = env::var_os("PATH").and_then(|path| prefix_of_python(&path));
     let (places, is_named) = match env::var_os("OIDN_DIR").filter(|folder| !folder.is_empty()) {
@@ -73,10 +80,10 @@ fn open() -> Result<Denoiser, Failure> {
     let mut found: Vec<PathBuf> = places.into_iter().filter(|path| path.is_file()).collect();
     if is_named && found.is_empty() {
         let folder = env::var_os("OIDN_DIR").unwrap_or_default();
-        return Err(Failure::Failed(format!(
-            "--denoise: OIDN_DIR={} has no {FILE}, nor has its folder lib; {REMEDY}",
+        return Err(format!(
+            "OIDN_DIR={} has no {FILE}, nor has its folder lib; {REMEDY}",
             folder.display()
-        )));
+        ));
     }
     if !is_named {
         // The system knows where.
@@ -90,9 +97,9 @@ fn open() -> Result<Denoiser, Failure> {
         }
     }
     let refused = refused.join("\n");
-    Err(Failure::Failed(format!(
-        "--denoise needs Open Image Denoise 2: {refused}\n{REMEDY}"
-    )))
+    Err(format!(
+        "Open Image Denoise 2 is needed: {refused}\n{REMEDY}"
+    ))
 }
 
 /// Where an installation may have the library.

@@ -1,5 +1,7 @@
 //! What a window shows of a film: written to a texture on the device that rendered it, nothing is read back.
 
+mod pixels;
+
 use bytemuck::{Pod, Zeroable};
 use scene::view::{View, ViewTransform};
 
@@ -10,6 +12,8 @@ use device::{
     Buffer, Device, DeviceError, Extent, Format, Image, ImageUse, Kernel, Recording, Resources,
     Usage,
 };
+
+pub use self::pixels::Surfaces;
 
 /// What is shown of each pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

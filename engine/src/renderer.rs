@@ -1,5 +1,6 @@
 //! The order of the passes: a wave of paths from raygen to the film, again and again.
 
+mod bursts;
 mod costs;
 pub(crate) mod culprit;
 mod edits;
@@ -21,7 +22,7 @@ use std::{collections::BTreeMap, sync::Arc, time::Duration};
 use device::{Device, DeviceError, KernelText, Recording, Resources, Timer, Usage};
 
 use crate::{
-    film::{self, Film, MAX_SIDE},
+    film::{self, Film, MAX_SIDE, layers_wgsl},
     filter::FilterTable,
     frame::Frame,
     gpu_scene::{GpuScene, GpuSceneError, Views},
@@ -34,6 +35,7 @@ use crate::{
     wave::{self, PathBytes, Totals},
 };
 
+use self::bursts::Burst;
 use self::irradiance::Irradiance;
 use self::lanes::{Lanes, Plan, Wave, Work, begin_wave};
 use self::photons::Photons;
@@ -211,6 +213,7 @@ fn show_motion(
     let views = Views {
         cameras: beside.cameras.each_ref(),
         transforms: beside.transforms.each_ref().map(Vec::as_slice),
+        positions: beside.positions.each_ref().map(Vec::as_slice),
     };
     gpu_scene.show_motion(device, scene, &settings.camera, views, resources)?;
     Ok(())
@@ -255,6 +258,8 @@ pub struct Renderer {
     wave_size: u32,
     /// Paths started, padding included, in the order sample by sample.
     position: u64,
+    /// Samples that come several at once.
+    burst: Burst,
     /// Paths that are in the film, padding included.
     rendered: u64,
     timer: Timer,
@@ -384,6 +389,7 @@ impl Renderer {
         };
         schedule.allocate(upload, &mut resources)?;
         wave::allocate_layer_samples(device, capacity, record_words, &mut resources)?;
+        wave::allocate_layer_words(device, &layers_wgsl::record_words(layers), &mut resources)?;
         let mut lanes = Lanes::new(&mut *schedule, upload, record_words)?;
         edits::allocate(device, procedural, &*schedule, &mut resources)?;
         let features = &gpu_scene.features;
@@ -407,6 +413,7 @@ impl Renderer {
             most_paths,
             wave_size: first_wave(device, most_paths),
             position: 0,
+            burst: Burst::default(),
             rendered: 0,
             timer: Timer::counting(),
             seconds: 0.0,
@@ -457,10 +464,17 @@ impl Renderer {
         let target_spp = target_spp.min(film::MAX_SAMPLES).min(u32::MAX - first);
         let padded = u64::from(self.frame.padded_pixels);
         let total = padded * u64::from(target_spp);
-        if self.position < total && !self.prepare_irradiance()? && !self.prepare_photons()? {
+        let is_preparing =
+            self.position < total && (self.prepare_irradiance()? || self.prepare_photons()?);
+        if self.position < total && !is_preparing && !self.step_burst(target_spp)? {
             let wave = u64::from(self.next_wave_size()).min(total - self.position);
             let wave = self.until_learned(wave, target_spp);
             let wave = self.until_next_photons(wave);
+            // Bursts begin with whole samples.
+            let wave = match self.has_bursts() {
+                true => wave.min(padded - self.position % padded),
+                false => wave,
+            };
             self.wave_at(self.position, wave as u32, target_spp)?;
             self.position += wave;
         }
@@ -468,7 +482,7 @@ impl Renderer {
         let done =
             |paths: u64| (u128::from(paths) * u128::from(pixels) / u128::from(padded)) as u64;
         Ok(Progress {
-            samples_done: done(self.position),
+            samples_done: done(self.position.min(total)),
             samples_total: done(total),
         })
     }
@@ -604,6 +618,7 @@ impl Renderer {
         self.forget_guides();
         self.survey = None;
         self.position = 0;
+        self.burst = Burst::default();
         self.rendered = 0;
         if let Some(irradiance) = &mut self.irradiance {
             irradiance.restart();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 
 use crate::film::{Crop, Layers};
 use crate::filter::PixelFilter;
@@ -68,6 +68,8 @@ pub struct Beside {
     pub cameras: [Camera; 2],
     /// Where its instances are then, in the order of the scene's.
     pub transforms: [Vec<Affine3A>; 2],
+    /// Where the vertices of meshes that bend are then, object space, metres; nothing of other meshes. In the order of the scene's.
+    pub positions: [Vec<Vec<Vec3>>; 2],
 }
 
 /// Where random numbers come from.

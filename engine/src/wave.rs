@@ -202,6 +202,21 @@ pub fn allocate_layer_samples(
     Ok(())
 }
 
+/// Creates the uniform that says where the values of layers lie among these words.
+///
+/// # Errors
+/// The device.
+pub fn allocate_layer_words(
+    device: &Device,
+    words: &[u32],
+    resources: &mut Resources,
+) -> Result<(), DeviceError> {
+    let bytes = bytemuck::cast_slice(words);
+    let words = device.filled_buffer("words of layers", Usage::Uniform, bytes)?;
+    resources.set_buffer("layer_words", words);
+    Ok(())
+}
+
 /// Creates the uniform with the AO tables.
 ///
 /// # Errors

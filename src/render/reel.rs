@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use engine::scene::{Camera, Scene};
+use engine::scene::{Camera, Mesh, Scene};
 use engine::session::{Inputs, Opening, Sequence};
 use engine::settings::Beside;
 use engine::system::System;
@@ -75,13 +75,16 @@ impl Reel {
             let loaded = opening.loaded();
             let instances = loaded.scene.instances.iter();
             let transforms: Vec<Affine3A> = instances.map(|instance| instance.transform).collect();
-            Ok::<_, Failure>((loaded.camera.clone(), transforms))
+            let meshes = loaded.scene.meshes.iter();
+            let positions: Vec<Vec<Vec3>> = meshes.map(bent_positions).collect();
+            Ok::<_, Failure>((loaded.camera.clone(), transforms, positions))
         };
         let [before, after] = sights;
         let (before, after) = (at(before)?, at(after)?);
         Ok(Arc::new(Beside {
             cameras: [before.0, after.0],
             transforms: [before.1, after.1],
+            positions: [before.2, after.2],
         }))
     }
 
@@ -97,6 +100,14 @@ impl Reel {
 
     fn seen(&self, opening: Opening, sight: &Sight) -> Result<View, Failure> {
         seen(self.camera.as_deref(), opening, sight)
+    }
+}
+
+/// Where the vertices of a mesh are, if it bends.
+fn bent_positions(mesh: &Mesh) -> Vec<Vec3> {
+    match mesh.unbent {
+        Some(_) => mesh.positions.clone(),
+        None => Vec::new(),
     }
 }
 

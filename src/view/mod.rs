@@ -9,7 +9,7 @@ use std::time::Duration;
 use device::{Device, DeviceChoice, DeviceError, DeviceOptions};
 use engine::film::{Film, Origin};
 use engine::scene::view::View;
-use patina_viewer::host::{Changes, Host};
+use patina_viewer::host::{Changes, Host, OpenDenoiser};
 use patina_viewer::link::Files;
 use patina_viewer::shell::{self, WindowError, WindowOptions};
 use patina_viewer::thread::RenderOptions;
@@ -206,6 +206,10 @@ impl Host for ProgramHost {
 
     fn report(&self, text: &str) {
         console::error(text.trim_end());
+    }
+
+    fn denoiser(&self) -> OpenDenoiser {
+        Box::new(crate::denoise::open)
     }
 
     fn check_picture(&self, path: &Path) -> Result<(), String> {

@@ -123,6 +123,53 @@ fn motion_is_a_layer_of_what_moves() {
 }
 
 #[test]
+fn skins_have_their_own_motion() {
+    let bench = moving();
+    let text = fs::read_to_string(bench.path("moving.gltf")).expect("there");
+    let mut scene: Value = serde_json::from_str(&text).expect("it is JSON");
+    // Half of each vertex follows a joint that moves, half of it one that stands still: so it is half as fast as the joint.
+    let mut bytes = [0_u8, 1, 0, 0].repeat(3);
+    let weights = [0.5_f32, 0.5, 0.0, 0.0].repeat(3);
+    bytes.extend(weights.iter().flat_map(|n| n.to_le_bytes()));
+    fs::write(bench.path("skin.bin"), bytes).expect("written");
+    let add = |scene: &mut Value, name: &str, value: Value| {
+        let list = scene[name].as_array_mut().expect("a list");
+        list.push(value);
+        list.len() - 1
+    };
+    let buffer = json!({ "byteLength": 60, "uri": "skin.bin" });
+    let buffer = add(&mut scene, "buffers", buffer);
+    for (start, length, kind, name) in [(0, 12, 5121, "JOINTS_0"), (12, 48, 5126, "WEIGHTS_0")] {
+        let view = json!({ "buffer": buffer, "byteOffset": start, "byteLength": length });
+        let view = add(&mut scene, "bufferViews", view);
+        let accessor =
+            json!({ "bufferView": view, "componentType": kind, "count": 3, "type": "VEC4" });
+        let accessor = add(&mut scene, "accessors", accessor);
+        scene["meshes"][0]["primitives"][0]["attributes"][name] = json!(accessor);
+    }
+    let bone = add(&mut scene, "nodes", json!({ "name": "Bone" }));
+    let still = add(&mut scene, "nodes", json!({ "name": "Still" }));
+    scene["scenes"][0]["nodes"] = json!([0, 1, bone, still]);
+    scene["skins"] = json!([{ "joints": [bone, still] }]);
+    scene["nodes"][0]["skin"] = json!(0);
+    scene["animations"][0]["channels"][0]["target"]["node"] = json!(bone);
+    fs::write(bench.path("skinned.gltf"), scene.to_string()).expect("written");
+    let flags = "--camera Front --size 48x32 --spp 8 --device native --layers vector";
+    for line in [
+        format!("render skinned.gltf {flags} --animation Slide --at 0.5 -o skin.exr"),
+        format!("render skinned.gltf {flags} -o rest.exr"),
+        // Where the node is a quarter of a second later it has gone as far; a frame of 1/48 s is half as long.
+        format!("render moving.gltf {flags} --animation Slide --at 0.25 --fps 48 -o node.exr"),
+    ] {
+        bench.run(&line).expect_code(0);
+    }
+    let compare =
+        |other: &str| format!("compare skin.exr {other}.exr --layer vector --max-mse 1e-8");
+    bench.run(&compare("node")).expect_code(0);
+    assert!(bench.run(&compare("rest")).code != Some(0));
+}
+
+#[test]
 fn frames_that_are_there_are_left_out_by_resume() {
     let bench = moving();
     let line = format!("{SMALL} --frames 0..3 --resume -o f/####.png");

@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use engine::denoise::Denoiser;
 use engine::film::{Film, Origin};
 use engine::scene::view::View;
 
@@ -16,6 +17,9 @@ pub struct Changes {
     /// The scene, what it is made of, or an image.
     pub assets: bool,
 }
+
+/// Opens what takes noise out of pictures, or says why there is none and what to do; the text is for people. Called on a thread of its own.
+pub type OpenDenoiser = Box<dyn FnOnce() -> Result<Denoiser, String> + Send>;
 
 /// The program around the window. It is called on the render's thread.
 pub trait Host: Send {
@@ -41,6 +45,9 @@ pub trait Host: Send {
 
     /// Says on the terminal what is wrong, as what the window shows may be overlooked.
     fn report(&self, text: &str);
+
+    /// How what takes noise out of pictures is opened. Returns at once.
+    fn denoiser(&self) -> OpenDenoiser;
 
     /// Whether a picture can be written there: by its ending, and without overwriting what is shown.
     ///

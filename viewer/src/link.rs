@@ -36,6 +36,8 @@ pub enum Command {
     KeepBefore(bool),
     /// Render, or wait.
     Pause(bool),
+    /// Show the picture without its noise, where there is what takes it out.
+    Denoise(bool),
     /// Measure each pass and each texture.
     TimePasses(bool),
     /// Samples per pixel after which the picture is done.
@@ -149,6 +151,8 @@ pub struct Shown {
 pub struct Status {
     /// Samples per pixel of what is shown.
     pub spp: f64,
+    /// Samples per pixel of the picture whose noise was taken out, where such a one is shown.
+    pub denoised: Option<f64>,
     /// Where it ends.
     pub target: u32,
     /// Pixels.
@@ -193,10 +197,24 @@ pub struct Status {
     pub has_unsaved_edits: bool,
     /// The device.
     pub device: String,
+    /// What takes noise out of the picture.
+    pub denoiser: DenoiserState,
     /// Why nothing is rendered until something changes.
     pub stuck: Option<String>,
     /// Why nothing can be rendered any more.
     pub fatal: Option<String>,
+}
+
+/// Whether noise can be taken out of what is shown.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum DenoiserState {
+    /// That is found out at the moment.
+    #[default]
+    Unknown,
+    /// By this library.
+    Ready(String),
+    /// It can't, for this reason; the text says what to do.
+    Absent(String),
 }
 
 /// What is known of the scene; changes with its files only.

@@ -2,6 +2,7 @@
 
 mod commands;
 mod compare;
+mod denoise;
 mod failure;
 mod opening;
 mod picture;
@@ -21,6 +22,8 @@ use engine::session::{ChangeQueue, Session, SessionError};
 use crate::host::{Changes, Host};
 use crate::link::{Board, Command, Files, Link, Reply, lock};
 use crate::pace::{self, Pace};
+
+use denoise::Denoising;
 
 /// Parsing recurses along a texture's expressions.
 const STACK_BYTES: usize = 8 << 20;
@@ -72,6 +75,7 @@ impl RenderThread {
             .spawn(move || {
                 let full = options.size;
                 let size = Arc::new(Mutex::new(full));
+                let denoising = Denoising::start(&device, host.denoiser());
                 let pace = Pace::of(device.traits().shares_the_processor);
                 let mut render = Render {
                     device,
@@ -94,6 +98,7 @@ impl RenderThread {
                     beside: None,
                     picked: None,
                     before: None,
+                    denoising,
                     pace,
                     run: Run::default(),
                     is_stale: false,
@@ -146,6 +151,7 @@ struct Render {
     /// The instance that was picked last.
     picked: Option<usize>,
     before: Option<compare::Before>,
+    denoising: Denoising,
     pace: Pace,
     run: Run,
     /// The scene, or its files, may be others than those on the board.
@@ -166,6 +172,8 @@ struct Render {
 /// What shows the picture, and what it is compared with.
 struct Displays {
     now: Display,
+    /// Without noise; made once there is such a picture.
+    clean: Option<Display>,
     before: Display,
     beside: Display,
 }
@@ -312,6 +320,7 @@ impl Render {
             self.render()?;
         }
         self.refine_before()?;
+        self.denoise()?;
         self.measure_costs()?;
         self.publish_status(false);
         Ok(())

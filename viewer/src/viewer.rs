@@ -47,6 +47,8 @@ pub struct Preferences {
     pub view: String,
     /// Pixels of the viewport per pixel of the picture.
     pub coarseness: u32,
+    /// The picture is shown without its noise where that can be done.
+    pub denoises: bool,
     /// How long passes and textures take is shown.
     pub shows_times: bool,
     /// Materials are shown as a graph.
@@ -73,6 +75,7 @@ impl Default for Preferences {
             exposure: 0.0,
             view: ViewTransform::default().name().to_owned(),
             coarseness: 1,
+            denoises: true,
             shows_times: false,
             shows_graph: false,
             places: Vec::new(),
@@ -136,6 +139,7 @@ impl Viewer {
             ..DisplaySettings::default()
         };
         link.send(Command::Display(display));
+        link.send(Command::Denoise(preferences.denoises));
         link.send(Command::TimePasses(preferences.shows_times));
         Self {
             link,

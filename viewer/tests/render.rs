@@ -9,12 +9,13 @@ use device::{Device, DeviceChoice};
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use engine::denoise::{self, Denoiser};
 use engine::film::{Film, Origin};
 use engine::scene::look::Value;
 use engine::scene::view::{View, ViewChoice};
 use engine::session::Edit;
-use patina_viewer::host::{Changes, Host};
-use patina_viewer::link::{Command, Files, PickPurpose, PictureOrder};
+use patina_viewer::host::{Changes, Host, OpenDenoiser};
+use patina_viewer::link::{Command, DenoiserState, Files, PickPurpose, PictureOrder};
 use patina_viewer::thread::{RenderOptions, RenderThread};
 use patina_viewer::viewer::{Preferences, Viewer};
 use tempfile::TempDir;
@@ -56,6 +57,14 @@ impl Host for TestHost {
 
     fn report(&self, text: &str) {
         assert!(!text.is_empty());
+    }
+
+    fn denoiser(&self) -> OpenDenoiser {
+        Box::new(|| {
+            let folder = std::env::var_os("OIDN_DIR").ok_or("OIDN_DIR doesn't say where it is")?;
+            let library = Path::new(&folder).join("lib").join(denoise::FILE);
+            Denoiser::open(&library).map_err(|error| error.to_string())
+        })
     }
 
     fn check_picture(&self, path: &Path) -> Result<(), String> {
@@ -140,6 +149,8 @@ impl Stage {
         let preferences = Preferences {
             // Small pictures are enough.
             coarseness: 8,
+            // Where that can be done, it makes kernels at a time of its own.
+            denoises: false,
             ..Preferences::default()
         };
         let viewer = Viewer::new(thread.link.clone(), preferences, ViewChoice::default());
@@ -214,6 +225,35 @@ fn edits_are_seen_without_pipelines_and_saved_with_comments() {
     let status = stage.harness.state().status();
     assert_eq!(status.pipelines, pipelines);
     assert!(status.memory > 0);
+    stage.thread.finish();
+}
+
+#[test]
+fn the_picture_is_shown_without_noise_where_that_can_be_done() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    stage.thread.link.send(Command::Denoise(true));
+    stage.wait("answer", |stage| {
+        stage.harness.state().status().denoiser != DenoiserState::Unknown
+    });
+    if let DenoiserState::Absent(why) = &stage.harness.state().status().denoiser {
+        eprintln!("skipped: {why}");
+        assert!(!why.is_empty());
+        return stage.thread.finish();
+    }
+    let is_clean = |stage: &Stage| stage.harness.state().status().denoised == Some(4.0);
+    stage.wait("picture without noise", is_clean);
+    // Another picture is shown as it is, until there is one of it.
+    stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
+    stage.wait("picture without noise", |stage| {
+        let status = stage.harness.state().status();
+        assert!(status.denoised.is_none() || status.spp >= 4.0);
+        is_clean(stage)
+    });
+    assert!(stage.harness.state().status().error.is_some());
+    stage.thread.link.send(Command::Denoise(false));
+    stage.wait("picture with noise", |stage| !is_clean(stage));
     stage.thread.finish();
 }
 

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use engine::display::Channel;
 use engine::renderer::{TextureCost, TextureCosts};
 use engine::scene::look::Value;
@@ -15,7 +15,9 @@ use engine::scene::view::{ViewChoice, ViewTransform};
 use engine::scene::{Camera, Scene, default_camera};
 use engine::session::Edit;
 use engine::stats::PassStats;
-use patina_viewer::link::{Board, Command, Files, Link, LookFacts, PickPurpose, Reply, SceneFacts};
+use patina_viewer::link::{
+    Board, Command, DenoiserState, Files, Link, LookFacts, PickPurpose, Reply, SceneFacts,
+};
 use patina_viewer::viewer::{Preferences, Viewer};
 
 /// A window whose render does nothing: commands are read, and the board is written, by the test.
@@ -199,6 +201,32 @@ fn what_the_look_says_of_the_view_is_shown_and_edited_there() {
         "{text}"
     );
     assert_eq!(viewer.preferences.view, ViewTransform::default().name());
+}
+
+#[test]
+fn noise_is_taken_out_where_there_is_something_that_does() {
+    let mut stage = Stage::new();
+    let state = |stage: &mut Stage, state: DenoiserState| {
+        stage.board.lock().unwrap().status.denoiser = state;
+        stage.harness.run_steps(3);
+    };
+    let is_disabled =
+        |stage: &Stage| (stage.harness.get_by_label("Denoise").accesskit_node()).is_disabled();
+    assert!(is_disabled(&stage), "it isn't known yet");
+    state(&mut stage, DenoiserState::Absent("get it there".to_owned()));
+    assert!(is_disabled(&stage));
+    stage.type_text("n");
+    stage.harness.get_by_label("Denoise").hover();
+    stage.harness.run_steps(60);
+    assert!(stage.harness.query_by_label("get it there").is_some());
+    assert!(stage.sent().is_empty());
+    state(&mut stage, DenoiserState::Ready("Denoiser 2".to_owned()));
+    assert!(!is_disabled(&stage));
+    stage.click("Denoise");
+    assert!(matches!(stage.sent()[..], [Command::Denoise(false)]));
+    assert!(!stage.harness.state().preferences.denoises);
+    stage.type_text("n");
+    assert!(matches!(stage.sent()[..], [Command::Denoise(true)]));
 }
 
 #[test]

@@ -219,9 +219,13 @@ impl Part {
         let count = u64::from(samples.end - samples.start);
         match self.missing {
             0 => Some(count * per_sample),
-            _ => self
-                .paths
-                .filter(|paths| paths.div_ceil(per_sample) == count && paths % BLOCK == 0),
+            missing => {
+                // Some pixels have all, others lack so many.
+                let everywhere = count.saturating_sub(u64::from(missing)) * per_sample;
+                let range = everywhere + 1..=count * per_sample;
+                self.paths
+                    .filter(|paths| range.contains(paths) && paths % BLOCK == 0)
+            }
         }
     }
 

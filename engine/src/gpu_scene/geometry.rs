@@ -25,6 +25,8 @@ const TRIANGLE_HAS_CUSTOM: u32 = 1 << 24;
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
     places: Vec<MeshPlace>,
+    /// Records in the heap.
+    records: u32,
 }
 
 /// Where a mesh lies.
@@ -71,7 +73,8 @@ impl Geometry {
             place.append_triangles(mesh, order, &flags, &mut triangles);
             places.push(place);
         }
-        (triangles, vertices, Self { places })
+        let records = vertices.len() as u32;
+        (triangles, vertices, Self { places, records })
     }
 
     /// Whether another scene's meshes fit where these lie, each in its own place.
@@ -88,6 +91,11 @@ impl Geometry {
             *place == wanted
         };
         self.places.len() == scene.meshes.len() && self.places.iter().zip(&scene.meshes).all(fits)
+    }
+
+    /// Records of all meshes: what lies behind them in the heap is not theirs.
+    pub(super) fn records(&self) -> u32 {
+        self.records
     }
 
     /// Where a mesh lies.
@@ -123,6 +131,16 @@ impl MeshPlace {
     /// Its first record in the heap.
     pub(super) fn first_record(&self) -> u32 {
         self.base
+    }
+
+    /// Records of a vertex.
+    pub(super) fn stride(&self) -> u32 {
+        self.stride
+    }
+
+    /// How many vertices it has.
+    pub(super) fn vertices(&self) -> usize {
+        self.vertices
     }
 
     /// The records of a mesh that fits here.

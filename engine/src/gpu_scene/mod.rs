@@ -25,7 +25,6 @@ use device::{Device, DeviceError, Resources, Usage, native::accel};
 
 use crate::{
     bvh::{BvhError, SceneBvh},
-    material_record::MOST_RESULT_FIELDS,
     scene::{LightSource, Mesh, Scene, name_id},
     texturing::{ProgramTraits, TextureReads},
     wave,
@@ -197,7 +196,7 @@ impl SceneFeatures {
     }
 
     /// Values of the kernels' `override` constants.
-    pub fn constants(&self) -> [(&'static str, f64); 14] {
+    pub fn constants(&self) -> [(&'static str, f64); 13] {
         [
             ("has_alpha", f64::from(u8::from(self.alpha))),
             ("has_textures", f64::from(u8::from(self.textures))),
@@ -221,7 +220,6 @@ impl SceneFeatures {
             ),
             ("catches_shadows", f64::from(u8::from(self.catches_shadows))),
             ("node_layers", f64::from(self.node_layers)),
-            ("first_node_field", f64::from(MOST_RESULT_FIELDS)),
         ]
     }
 }

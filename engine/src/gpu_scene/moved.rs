@@ -244,7 +244,7 @@ pub(super) fn put<T: NoUninit>(
 }
 
 /// Writes items of a buffer from the one of this number on.
-fn write_at<T: NoUninit>(device: &Device, buffer: &Buffer, first: u32, items: &[T]) {
+pub(super) fn write_at<T: NoUninit>(device: &Device, buffer: &Buffer, first: u32, items: &[T]) {
     if !items.is_empty() {
         let offset = u64::from(first) * size_of::<T>() as u64;
         device.write(buffer, offset, bytemuck::cast_slice(items));

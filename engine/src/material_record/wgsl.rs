@@ -101,6 +101,12 @@ pub fn output_wgsl(outputs: Option<&[(&str, Kind)]>) -> String {
     text
 }
 
+/// Where the values of nodes lie that the film keeps, from the first field of results on.
+#[cfg(test)]
+fn node_field_wgsl() -> String {
+    format!("const FIRST_NODE_FIELD = {}u;\n", super::MOST_RESULT_FIELDS)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -112,6 +118,7 @@ mod tests {
         let files = [
             ("material.wgsl", material_wgsl()),
             ("outputs.wgsl", output_wgsl(None)),
+            ("node_fields.wgsl", node_field_wgsl()),
         ];
         let mut changed = Vec::new();
         for (name, text) in files {

@@ -55,21 +55,8 @@ impl Pass {
     /// # Errors
     /// If the driver refuses it.
     pub fn kernel(&self, device: &Device, features: &SceneFeatures) -> Result<Kernel, DeviceError> {
-        self.kernel_with(device, features, &[])
-    }
-
-    /// As [`Self::kernel`], with values of further `override` constants; those that it doesn't declare are left out.
-    ///
-    /// # Errors
-    /// If the driver refuses it.
-    pub(crate) fn kernel_with(
-        &self,
-        device: &Device,
-        features: &SceneFeatures,
-        more: &[(&'static str, f64)],
-    ) -> Result<Kernel, DeviceError> {
         let own = [ao_constant(device)];
-        let constants = [&features.constants()[..], &own, more].concat();
+        let constants = [&features.constants()[..], &own].concat();
         let source = self.source();
         source.compile(device, self.name, Trust::All, &constants)
     }

@@ -1,5 +1,6 @@
 //! Composes kernels from the engine's WGSL files: `//!include FILE` lines are replaced by the file, each file once.
-//! Files below `generated/` are made from tables: those of materials by a test of `material_record`, which holds them to it.
+//! Files below `generated/` are made from tables, by tests which hold them to it: those of materials by one of `material_record`, those of the
+//! film by one of `film/layers_wgsl`.
 //!
 //! A source map remembers where each line came from, so that an error points at the file that was written. Every file below
 //! `passes/` is there to be included: the build puts them into the program, there is no list to keep.
@@ -10,7 +11,7 @@ use device::native::compile::Ahead;
 use device::{Device, DeviceError, Kernel, KernelSource, Text, Trust};
 use texgen::{GeneratedKernel, SourceMap};
 
-use crate::{film::layers_wgsl, gpu_scene::host_traversal};
+use crate::gpu_scene::host_traversal;
 
 /// A WGSL file: its path below `passes/`, by which others include it, and its text.
 pub type File = (&'static str, &'static str);
@@ -85,18 +86,12 @@ impl ComposedWgsl {
         if !seen.insert(file.to_owned()) {
             return;
         }
-        let generated = generated(file);
-        let text = match &generated {
-            Some(text) => text,
-            None => {
-                let mut all = files.iter().chain(FILES);
-                let found = all.find(|(name, _)| *name == file);
-                found.map_or_else(
-                    || panic!("`{file}` is not among the engine's WGSL files"),
-                    |(_, text)| *text,
-                )
-            }
-        };
+        let mut all = files.iter().chain(FILES);
+        let found = all.find(|(name, _)| *name == file);
+        let text = found.map_or_else(
+            || panic!("`{file}` is not among the engine's WGSL files"),
+            |(_, text)| *text,
+        );
         for (number, line) in text.lines().enumerate() {
             if let Some(included) = line.strip_prefix("//!include ") {
                 self.include(included.trim(), files, seen);
@@ -174,14 +169,5 @@ pub fn compile(device: &Device, source: &KernelSource<'_>) -> Result<Kernel, Dev
                 ),
             })
         }),
-    }
-}
-
-/// What is made from the table of the film's layers when the program runs.
-fn generated(file: &str) -> Option<String> {
-    match file {
-        "generated/film_layers.wgsl" => Some(layers_wgsl::record_wgsl()),
-        "generated/film_light.wgsl" => Some(layers_wgsl::light_wgsl()),
-        _ => None,
     }
 }

@@ -21,6 +21,9 @@ use super::record::Recorder;
 
 /// Most paths that a lane takes at once: what they need stays in the caches of its core.
 const MOST_PATHS: u32 = 4096;
+/// Slots between the end of a field of all paths and the begin of the next one: where the same slot of all fields lies a power of two
+/// apart, they fight for the same few places of a cache.
+const APART: u32 = 16;
 /// Fewer take hardly less time, for each pass has to be begun.
 const FEWEST_PATHS: u32 = 512;
 /// Slices of a wave for each lane, so that lanes end at about the same time.
@@ -123,7 +126,7 @@ impl Lanes {
     pub(super) fn capacity(device: &Device, schedule: &dyn Schedule, most: u32) -> u32 {
         match Self::count(device, schedule) {
             0 => most,
-            _ => most.min(MOST_PATHS),
+            _ => most.min(MOST_PATHS + APART),
         }
     }
 

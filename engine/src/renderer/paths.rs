@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::film::Film;
 
-use super::{RenderError, Renderer, clear_picture};
+use super::{Burst, RenderError, Renderer, clear_picture};
 
 /// Paths of a wave that only makes drivers compile what they compile late: from the middle of the picture, where rays are
 /// likely to meet something.
@@ -43,6 +43,7 @@ impl Renderer {
             self.device.write(buffer, 0, bytemuck::cast_slice(plane));
         }
         self.position = paths;
+        self.burst = Burst::of(film, paths, self.paths_per_sample());
         self.device.check()?;
         Ok(())
     }

@@ -6,7 +6,7 @@ use device::{BoundKernel, Buffer, Device, DeviceError, Kernel, KernelCost, Resou
 use rayon::prelude::*;
 
 use crate::{
-    film::{Layers, layers::Sum, layers_wgsl},
+    film::{Layers, layers::Sum},
     gpu_scene::SceneFeatures,
     passes::{brdf, film_layers, pass::Pass, proctex, wgsl},
     procedural::Procedural,
@@ -18,7 +18,6 @@ use super::{RenderError, culprit};
 /// The kernel of each pass that the scene needs, by the pass's name.
 #[derive(Debug)]
 pub(super) struct Kernels {
-    layers: Layers,
     by_name: BTreeMap<&'static str, Kernel>,
     passes: &'static [&'static Pass],
     /// The pass that the users' functions are in.
@@ -36,7 +35,6 @@ impl Kernels {
         schedule: &dyn Schedule,
     ) -> Result<Self, RenderError> {
         let mut kernels = Self {
-            layers: layers.clone(),
             by_name: BTreeMap::new(),
             passes: schedule.passes(),
             texture: schedule.texture_pass().name,
@@ -86,12 +84,11 @@ impl Kernels {
         let adding = adding.iter().map(|pass| pass.name);
         let mut apart: Vec<_> = adding.filter(|name| !used.contains(name)).collect();
         apart.push(self.texture);
-        let layers = layers_wgsl::record_constants(&self.layers);
         let is_missing = |pass: &&Pass| {
             let is_there = self.by_name.contains_key(pass.name) || apart.contains(&pass.name);
             (pass.exists)(features) && !is_there
         };
-        let compile = |pass: &Pass| Ok((pass.name, pass.kernel_with(device, features, &layers)?));
+        let compile = |pass: &Pass| Ok((pass.name, pass.kernel(device, features)?));
         let passes = self.passes.par_iter().copied();
         passes.filter(is_missing).map(compile).collect()
     }

@@ -15,7 +15,7 @@ use crate::{
 };
 
 use super::lanes::begin_wave;
-use super::{RenderError, Renderer};
+use super::{Burst, RenderError, Renderer};
 
 /// The guides of a picture: see `guide.wgsl`.
 #[derive(Debug)]
@@ -65,6 +65,7 @@ impl Renderer {
         self.forget_guides();
         self.frame = self.fresh_frame();
         self.position = 0;
+        self.burst = Burst::default();
         self.rendered = 0;
         self.is_stale = false;
         if let Some(irradiance) = &mut self.irradiance {

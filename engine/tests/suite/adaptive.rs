@@ -1,6 +1,6 @@
 //! Samples that go where the picture is noisiest: the same samples as ever, an error that is what it is said to be, and less of it.
 
-use ::device::Device;
+use ::device::{Device, DeviceChoice};
 use engine::adaptive::{Goal, next_round};
 use engine::film::{Film, Layers};
 use engine::procedural::Procedural;
@@ -130,6 +130,40 @@ fn the_picture_does_not_depend_on_how_waves_are_cut() {
         "{fewest} {most}"
     );
     assert!(films[0] == films[1]);
+}
+
+#[test]
+fn samples_that_come_several_at_once_are_the_same_samples() {
+    let Ok(device) = Device::open(&DeviceChoice::Native(1)) else {
+        return; // no such processor
+    };
+    let mut ball = ball((83, 45));
+    ball.settings.layers = Layers::all();
+    let mut single = ball.renderer(&device, 4096);
+    for spp in 1..=40 {
+        single.render(spp).expect("the device renders");
+    }
+    let wanted = single.film().expect("the device reads");
+    let mut several = ball.renderer(&device, 4096);
+    let mut uneven = None;
+    while !several.step(40).expect("the device renders").is_done() {
+        let film = several.film().expect("the device reads");
+        let (fewest, most) = film.sample_bounds();
+        if most > fewest + 1 {
+            uneven = Some((film, several.paths_done()));
+        }
+    }
+    assert!(several.film().expect("the device reads") == wanted);
+    // A film within such a burst says itself how far it is.
+    let (film, paths) = uneven.expect("samples come several at once");
+    for end in [40, 41] {
+        let mut resumed = ball.renderer(&device, 640);
+        resumed.resume(&film, paths).expect("the device writes");
+        resumed.render(end).expect("the device renders");
+        single.render(end).expect("the device renders");
+        let wanted = single.film().expect("the device reads");
+        assert!(resumed.film().expect("the device reads") == wanted);
+    }
 }
 
 #[test]

@@ -78,6 +78,10 @@ impl Render {
                 self.is_paused = is_paused;
                 self.publish_status(true);
             }
+            Command::Denoise(is_wanted) => {
+                self.denoising.is_wanted = is_wanted;
+                self.show_again();
+            }
             Command::TimePasses(is_timed) => {
                 self.times_passes = is_timed;
                 let session = self

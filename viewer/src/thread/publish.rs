@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use engine::display::{DeviceFilm, Display, DisplaySettings};
+use engine::display::{Channel, DeviceFilm, Display, DisplaySettings};
 use engine::load::LoadError;
 use engine::renderer::RenderError;
 use engine::scene::LightKind;
@@ -69,7 +69,13 @@ impl Published {
 }
 
 impl Render {
-    /// Shows the film as it is.
+    /// Samples per pixel of the picture.
+    pub(super) fn spp(&self) -> f64 {
+        let [width, height] = self.picture_size().map(f64::from);
+        self.run.samples_done as f64 / (width * height)
+    }
+
+    /// Shows the film as it is, or without its noise.
     pub(super) fn show(&mut self) -> Result<(), SessionError> {
         let Some(session) = &mut self.session else {
             return Ok(());
@@ -78,13 +84,13 @@ impl Render {
             Some(displays) => displays,
             none => none.insert(Displays {
                 now: Display::new(&self.device).map_err(RenderError::from)?,
+                clean: None,
                 before: Display::new(&self.device).map_err(RenderError::from)?,
                 beside: Display::new(&self.device).map_err(RenderError::from)?,
             }),
         };
         let film = session.device_film(self.settings.channel.needs_guides())?;
-        let pixels = u64::from(film.width) * u64::from(film.height);
-        let spp = self.run.samples_done as f64 / pixels as f64;
+        let spp = self.run.samples_done as f64 / (f64::from(film.width) * f64::from(film.height));
         let camera = session.shown_camera();
         let settings = DisplaySettings {
             distance_scale: camera.focus_distance,
@@ -106,11 +112,25 @@ impl Render {
             }
             None => Ok(None),
         };
+        let (generation, is_picture) = (self.run.generation, settings.channel == Channel::Radiance);
+        let clean = self.denoising.clean(generation, size);
+        let clean = clean.filter(|_| is_picture);
+        let denoised = clean.map(|(_, spp)| spp);
+        let shown = match clean {
+            Some((film, _)) => {
+                let display = match &mut displays.clean {
+                    Some(display) => display,
+                    none => none.insert(Display::new(&self.device).map_err(RenderError::from)?),
+                };
+                also(display, Some(film))?
+            }
+            None => now,
+        };
         let before = also(&mut displays.before, kept.as_ref())?;
         let beside = also(&mut displays.beside, self.beside.as_ref())?;
         self.run.last_shown = Instant::now();
         // The window draws with the device that renders.
-        let Some(now) = now else {
+        let Some(now) = shown else {
             return Ok(());
         };
         let textures = [Some(now.clone()), before.clone(), beside.clone()];
@@ -137,6 +157,7 @@ impl Render {
             });
         }
         board.status.spp = spp;
+        board.status.denoised = denoised;
         board.status.size = size;
         board.status.is_whole = is_whole;
         Ok(())

@@ -4,7 +4,7 @@ use egui::{ComboBox, DragValue, RichText, Slider, Ui};
 use engine::display::{Channel, DisplaySettings};
 use engine::scene::view::ViewTransform;
 
-use crate::link::{Command, Status};
+use crate::link::{Command, DenoiserState, Status};
 
 use super::dialogs::Dialog;
 use super::{Viewer, call, name};
@@ -69,6 +69,7 @@ impl Viewer {
         if compare.on_hover_text(hint).changed() {
             self.toggle_compare();
         }
+        self.denoise_tool(ui);
         let coarseness = self.preferences.coarseness.max(1);
         let choices = ComboBox::from_id_salt("coarseness")
             .selected_text(format!("1:{coarseness}"))
@@ -82,6 +83,36 @@ impl Viewer {
         call(&shown.response, "Coarseness");
         let hint = "pixels of the picture per pixel of the screen, along a side";
         shown.response.on_hover_text(hint);
+    }
+
+    fn denoise_tool(&mut self, ui: &mut Ui) {
+        let (is_ready, hint) = match &self.status.denoiser {
+            DenoiserState::Ready(title) => {
+                // Not in the bar of figures, which keeps its height: another one would begin the picture anew.
+                let shown = self.status.denoised.map_or_else(String::new, |spp| {
+                    format!("; shown is that of {:.0} spp", spp.floor())
+                });
+                (true, format!("take the noise out, by {title} (N){shown}"))
+            }
+            DenoiserState::Unknown => (false, "looking for Open Image Denoise ...".to_owned()),
+            DenoiserState::Absent(why) => (false, why.clone()),
+        };
+        let mut is_on = is_ready && self.preferences.denoises;
+        let toggle = ui.add_enabled_ui(is_ready, |ui| ui.toggle_value(&mut is_on, "Denoise"));
+        let toggle = toggle
+            .inner
+            .on_hover_text(&hint)
+            .on_disabled_hover_text(&hint);
+        if toggle.changed() {
+            self.toggle_denoise();
+        }
+    }
+
+    pub(super) fn toggle_denoise(&mut self) {
+        if matches!(self.status.denoiser, DenoiserState::Ready(_)) {
+            self.preferences.denoises ^= true;
+            self.link.send(Command::Denoise(self.preferences.denoises));
+        }
     }
 
     pub(super) fn toggle_region(&mut self) {

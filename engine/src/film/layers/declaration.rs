@@ -50,7 +50,8 @@ pub struct Layer {
 ///
 /// Where WGSL is asked for, it is an expression: `f32`, `vec2f` or `vec3f`, as many as there are channels, or `u32` for ids. It is evaluated
 /// for the first surface that a path doesn't pass through, once its texture program has run, and may name `at`, a
-/// `FirstSurface`, `frame`, `normal` and `colors` (the surface's `first_normal` and `first_colors`, worked out once), and the functions of `passes/film_layers/record.wgsl`.
+/// `FirstSurface`, `frame`, `base`, `normal` and `colors` (the surface's `first_base` and so on, worked out once), and the functions of
+/// `passes/film_layers/record.wgsl`.
 #[derive(Debug)]
 pub enum Rule {
     /// It follows from the sums of the picture's samples: nothing more is kept. Of a pixel, counted row by row.

@@ -6,7 +6,7 @@ use crate::film::Film;
 
 use super::declaration::{CAUGHT, Layer, Rule, SHADOW_CATCHER, VECTOR};
 
-/// The layer of a group of lights, by its number; 0 is what belongs to none.
+/// The layer of a group of lights, by its number; 0 is what belongs to none. A piece of light goes to that of its own group alone.
 macro_rules! light_group {
     ($number:literal) => {
         Layer {
@@ -14,11 +14,7 @@ macro_rules! light_group {
             pass: concat!("Combined_", $number),
             channels: "RGB",
             rule: Rule::Light {
-                wgsl: concat!(
-                    "select(vec3f(0.0), found.light, found.group == ",
-                    $number,
-                    "u)"
-                ),
+                wgsl: "found.light",
                 color: None,
             },
             help: "light of one group",
@@ -98,7 +94,7 @@ pub static LAYERS: [Layer; 67] = [
         name: "albedo",
         pass: "Denoising Albedo",
         channels: "RGB",
-        rule: Rule::Mean("first_base_color(at)"),
+        rule: Rule::Mean("base"),
         help: "base colour, textures included",
     },
     Layer {

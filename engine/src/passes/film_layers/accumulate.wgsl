@@ -64,6 +64,9 @@ fn accumulate_means(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     }
     var at = NO_PIXEL;
     var end = frame.wave_size;
+    var words0: vec4u;
+    var words1: vec4u;
+    var words2: vec4u;
     for (var slot = first; slot < end; slot += frame.padded_pixels) {
         let value = vec3f(finite_sample(layer_sum.word, slot), finite_sample(layer_sum.word + 1u, slot),
             finite_sample(layer_sum.word + 2u, slot));
@@ -77,11 +80,19 @@ fn accumulate_means(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
             if (at == NO_PIXEL || slot >= end) {
                 return;
             }
+            words0 = layer_film[at];
+            words1 = layer_film1[at];
+            words2 = layer_film2[at];
         }
         let weighed = value * sample_weight(slot);
-        layer_film[at] = with_sample(layer_film[at], weighed.x);
-        layer_film1[at] = with_sample(layer_film1[at], weighed.y);
-        layer_film2[at] = with_sample(layer_film2[at], weighed.z);
+        words0 = with_sample(words0, weighed.x);
+        words1 = with_sample(words1, weighed.y);
+        words2 = with_sample(words2, weighed.z);
+    }
+    if (at != NO_PIXEL) {
+        layer_film[at] = words0;
+        layer_film1[at] = words1;
+        layer_film2[at] = words2;
     }
 }
 

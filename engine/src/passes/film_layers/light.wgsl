@@ -7,6 +7,7 @@
 //!include shared/vectors.wgsl
 //!include film_layers/parts.wgsl
 //!include film_layers/samples.wgsl
+//!include film_layers/words.wgsl
 //!include generated/film_light.wgsl
 
 fn layer_add(word: u32, slot: u32, value: vec3f) {
@@ -44,7 +45,7 @@ fn take_own(slot: u32, field: u32) {
 
 // Whether the path's first surface is a shadow catcher.
 fn is_caught(slot: u32) -> bool {
-    return word_caught != 0u && layer_sample(0u, slot) != 0.0 && layer_sample(word_caught, slot) != 0.0;
+    return word_caught() != 0u && layer_sample(0u, slot) != 0.0 && layer_sample(word_caught(), slot) != 0.0;
 }
 
 // The shadow on the first surface: what has come of its light sample.

@@ -1,8 +1,8 @@
 //! The layers of a film beside the picture: what the first surface of each path gives to them is recorded in each round,
 //! and added to their planes at the end of a wave, sum by sum. One thread per path.
 //!
-//! What a layer is, its declaration says ([`crate::film::layers`]): the film makes WGSL of all of them, and constants tell the kernels
-//! that record which are asked for. Those that add know it by a uniform, so that they can come compiled with the program.
+//! What a layer is, its declaration says ([`crate::film::layers`]): the film makes WGSL of all of them, and uniforms tell the kernels
+//! which are asked for, so that they come compiled with the program, for whatever layers.
 
 use crate::{
     film::layers::{Rule, Sum},
@@ -22,6 +22,7 @@ pub const RECORD: Pass = Pass {
         "image_layers_srgb",
         "image_table",
         "instances",
+        "layer_words",
         "materials",
         "paths",
         "queues",
@@ -38,7 +39,7 @@ pub const LIGHT: Pass = Pass {
     name: "record_light",
     file: "film_layers/light.wgsl",
     work: Work::Queue(Queue::Active),
-    reads: &["frame", "queues", "rays", "triangles"],
+    reads: &["frame", "layer_words", "queues", "rays", "triangles"],
     writes: &["layer_samples", "paths"],
     exists: |features| features.splits_light,
 };
@@ -47,7 +48,7 @@ pub const LIGHT: Pass = Pass {
 pub const LAST_LIGHT: Pass = Pass {
     name: "record_last_light",
     work: Work::Paths,
-    reads: &["frame", "rays"],
+    reads: &["frame", "layer_words", "rays"],
     ..LIGHT
 };
 

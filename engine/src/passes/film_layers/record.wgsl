@@ -8,6 +8,7 @@
 //!include shared/appearance.wgsl
 //!include shared/node_values.wgsl
 //!include film_layers/samples.wgsl
+//!include film_layers/words.wgsl
 //!include generated/film_layers.wgsl
 
 // The surface, with what its texture program said.
@@ -20,8 +21,17 @@ struct FirstSurface {
     has_program: bool,
 }
 
-fn first_normal(at: FirstSurface) -> vec3f {
-    let texels = material_textures(at.material, 1u << TEXTURE_NORMAL, at.surface.triangle, at.surface.weights);
+// What the look of the surface is made from. All of it is read at once.
+const FIRST_BASE_TEXTURES = 1u << TEXTURE_BASE_COLOR;
+const FIRST_NORMAL_TEXTURES = 1u << TEXTURE_NORMAL;
+const FIRST_COLORS_TEXTURES = (1u << TEXTURE_BASE_COLOR) | (1u << TEXTURE_METALLIC_ROUGHNESS) | (1u << TEXTURE_SPECULAR)
+    | (1u << TEXTURE_SPECULAR_COLOR);
+
+fn first_texels(at: FirstSurface, wanted: u32) -> array<vec4f, FIRST_LAYER_TEXTURE> {
+    return material_textures(at.material, wanted, at.surface.triangle, at.surface.weights);
+}
+
+fn first_normal(at: FirstSurface, texels: array<vec4f, FIRST_LAYER_TEXTURE>) -> vec3f {
     return shading_normal_at(at.slot, at.driven, at.material, at.surface, at.instance, texels[TEXTURE_NORMAL]);
 }
 
@@ -29,8 +39,7 @@ fn in_camera_axes(v: vec3f) -> vec3f {
     return vec3f(dot(v, frame.camera_right), dot(v, frame.camera_up), dot(v, frame.camera_back));
 }
 
-fn first_base_color(at: FirstSurface) -> vec3f {
-    let texels = material_textures(at.material, 1u << TEXTURE_BASE_COLOR, at.surface.triangle, at.surface.weights);
+fn first_base(at: FirstSurface, texels: array<vec4f, FIRST_LAYER_TEXTURE>) -> vec3f {
     return base_color_at(at.slot, at.driven, at.material, at.surface, texels[TEXTURE_BASE_COLOR]);
 }
 
@@ -41,14 +50,11 @@ struct FirstColors {
     transmission: vec3f,
 }
 
-fn first_colors(at: FirstSurface) -> FirstColors {
+fn first_colors(at: FirstSurface, texels: array<vec4f, FIRST_LAYER_TEXTURE>) -> FirstColors {
     if ((materials[at.material].flags & MATERIAL_UNLIT) != 0u) {
         return FirstColors(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     }
-    let wanted = (1u << TEXTURE_BASE_COLOR) | (1u << TEXTURE_METALLIC_ROUGHNESS) | (1u << TEXTURE_SPECULAR)
-        | (1u << TEXTURE_SPECULAR_COLOR);
-    let texels = material_textures(at.material, wanted, at.surface.triangle, at.surface.weights);
-    let base = saturate(base_color_at(at.slot, at.driven, at.material, at.surface, texels[TEXTURE_BASE_COLOR]));
+    let base = saturate(first_base(at, texels));
     let metallic = saturate(metallic_at(at.slot, at.driven, at.material, texels[TEXTURE_METALLIC_ROUGHNESS]));
     var transmission = 0.0;
     var back = 0.0;
@@ -90,6 +96,13 @@ fn shown_at(p: vec3f) -> vec2f {
     return select(place / max(-p.z, 1e-20), place, frame.orthographic != 0u);
 }
 
+// Where the surface's point is in the object, where the list of the vertices' places at another moment begins at `first`. The record of
+// the motion says where the mesh's own vertices begin, and how many records each has.
+fn bent_position(at: FirstSurface, motion: u32, first: u32) -> vec3f {
+    let v = vec3u(first) + (at.surface.triangle.xyz - vec3u(instances[motion].id)) / instances[motion].asset;
+    return mat3x3f(vertex_position(v.x), vertex_position(v.y), vertex_position(v.z)) * at.surface.weights;
+}
+
 // Where the surface's point was a frame ago, seen from where it is now, and where it is now, seen from where it will be in a frame:
 // pixels, as Cycles counts them.
 fn first_motion(at: FirstSurface) -> vec4f {
@@ -99,9 +112,15 @@ fn first_motion(at: FirstSurface) -> vec4f {
     }
     let t = at.surface.triangle;
     let p = mat3x3f(vertex_position(t.x), vertex_position(t.y), vertex_position(t.z)) * at.surface.weights;
-    let before = transform_point(instances[motion].world_from_object, p);
+    var was = p;
+    var will_be = p;
+    if (instances[motion].root != 0u) {
+        was = bent_position(at, motion, instances[motion].root);
+        will_be = bent_position(at, motion, instances[motion].source);
+    }
+    let before = transform_point(instances[motion].world_from_object, was);
     let now = transform_point(instances[motion].object_from_world, p);
-    let after = transform_point(instances[motion + 1u].world_from_object, p);
+    let after = transform_point(instances[motion + 1u].world_from_object, will_be);
     // Nobody knows where something appears that is behind the camera.
     let is_flat = frame.orthographic != 0u;
     let place = shown_at(now);

@@ -264,6 +264,7 @@ fn motion_is_counted_in_pixels_of_the_picture() {
     for [since, until] in of(Some(Beside {
         cameras: both(Vec3::ZERO),
         transforms: [at(left), at(up)],
+        positions: Default::default(),
     })) {
         near(since, Vec2::new(-0.25, 0.0) * metre);
         near(until, Vec2::new(0.0, -0.5) * metre);
@@ -272,6 +273,7 @@ fn motion_is_counted_in_pixels_of_the_picture() {
     for [since, until] in of(Some(Beside {
         cameras: both(up),
         transforms: [at(Vec3::ZERO), at(up)],
+        positions: Default::default(),
     })) {
         assert_eq!((since, until.length() < 1e-3), (Vec2::ZERO, true));
     }
@@ -281,6 +283,7 @@ fn motion_is_counted_in_pixels_of_the_picture() {
     let found = of(Some(Beside {
         cameras: both(Vec3::ZERO),
         transforms: [turned, nearer],
+        positions: Default::default(),
     }));
     let positions = {
         let settings = with_layers(&camera, SHOT, &Layers::named(["position"]).expect("known"));
@@ -289,17 +292,34 @@ fn motion_is_counted_in_pixels_of_the_picture() {
             "position",
         )
     };
-    for ([since, until], p) in found.into_iter().zip(positions) {
+    for ([since, until], &p) in found.into_iter().zip(&positions) {
         let place = |p: Vec3| Vec2::new(p.x, -p.z) * metre;
         let was = glam::Quat::from_rotation_y(0.1) * p;
         near(since, place(was) - place(p));
         near(until, place(p) - place(p) * 1.5);
+    }
+    // A mesh that bends: each point has been elsewhere on the floor, and will be farther out.
+    let bent = |to: &dyn Fn(Vec3) -> Vec3| {
+        let mesh = scene.meshes[0].positions.iter();
+        vec![mesh.map(|&p| to(p)).collect::<Vec<_>>()]
+    };
+    let sheared = |p: Vec3| p + Vec3::X * (0.1 * p.z);
+    let found = of(Some(Beside {
+        cameras: both(Vec3::ZERO),
+        transforms: [at(Vec3::ZERO), at(up)],
+        positions: [bent(&sheared), bent(&|p| 1.25 * p)],
+    }));
+    for ([since, until], p) in found.into_iter().zip(&positions) {
+        let place = |p: Vec3| Vec2::new(p.x, -p.z) * metre;
+        near(since, place(sheared(*p)) - place(*p));
+        near(until, place(*p) - place(1.25 * *p + up));
     }
     for still in [
         None,
         Some(Beside {
             cameras: both(Vec3::ZERO),
             transforms: [at(Vec3::ZERO), at(Vec3::ZERO)],
+            positions: Default::default(),
         }),
     ] {
         assert!(of(still).iter().all(|motion| *motion == [Vec2::ZERO; 2]));

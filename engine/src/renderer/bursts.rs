@@ -1,0 +1,93 @@
+//! Several samples of each pixel at once, where the film has layers: a thread that has paths of its own then touches the planes of
+//! a pixel once for all of them, instead of once for each. There may be sixty planes, which no cache of a processor holds for a whole
+//! picture.
+//!
+//! A burst is that many samples of all pixels, block by block. Between two bursts all pixels have the same samples, as ever; within
+//! one the film itself says which blocks have them already, so that a film can be gone on with at any time.
+
+use crate::film::Film;
+use crate::frame::BLOCK_PIXELS;
+use crate::settings::Method;
+
+use super::{Lot, RenderError, Renderer};
+
+/// Most samples of a burst: more hardly save anything.
+const MOST_SAMPLES: u32 = 16;
+/// Most waves of a burst, so that no part of a picture is far ahead of the others for long.
+const MOST_WAVES: u64 = 8;
+
+/// The burst that a renderer is in.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Burst {
+    /// Paths before it.
+    start: u64,
+    /// Samples of each pixel; paths go sample by sample where there is one, or none.
+    samples: u32,
+}
+
+impl Burst {
+    /// That of a film with so many paths.
+    pub(super) fn of(film: &Film, paths: u64, per_sample: u64) -> Self {
+        let (first, last) = (film.samples(0), film.samples(film.pixels() - 1));
+        let burst = Self {
+            start: u64::from(last) * per_sample,
+            samples: first.saturating_sub(last),
+        };
+        let is_whole = |paths: u64| paths.is_multiple_of(burst.block_paths().max(1));
+        match paths.checked_sub(burst.start) {
+            Some(inside) if is_whole(inside) => burst,
+            _ => Self::default(),
+        }
+    }
+
+    fn block_paths(self) -> u64 {
+        u64::from(self.samples) * u64::from(BLOCK_PIXELS)
+    }
+}
+
+impl Renderer {
+    /// Whether samples may come in bursts. Caches learn from samples in their order.
+    pub(super) fn has_bursts(&self) -> bool {
+        let has_layers = self.scene.features.film_layers;
+        has_layers && !self.lanes.is_empty() && self.settings.method == Method::Path
+    }
+
+    /// Renders the next wave of a burst towards so many samples per pixel; false where the next paths are in none.
+    pub(super) fn step_burst(&mut self, target_spp: u32) -> Result<bool, RenderError> {
+        let padded = u64::from(self.frame.padded_pixels);
+        let end = self.burst.start + u64::from(self.burst.samples) * padded;
+        if self.position.is_multiple_of(padded) && !(self.burst.start..end).contains(&self.position)
+        {
+            self.burst = Burst {
+                start: self.position,
+                samples: self.next_burst(target_spp),
+            };
+        }
+        let Burst { start, samples } = self.burst;
+        if samples < 2 {
+            return Ok(false);
+        }
+        let first_sample = self.settings.first_sample + (start / padded) as u32;
+        let first_block = (self.position - start) / self.burst.block_paths();
+        let blocks = first_block..padded / u64::from(BLOCK_PIXELS);
+        let lot = Lot {
+            blocks: blocks.map(|block| [block as u32, first_sample]).collect(),
+            samples,
+        };
+        let done = self.render_lot(&lot, 0)?;
+        self.position += done as u64 * self.burst.block_paths();
+        Ok(true)
+    }
+
+    /// Samples of the burst that begins now.
+    fn next_burst(&self, target_spp: u32) -> u32 {
+        if !self.has_bursts() {
+            return 1;
+        }
+        let padded = u64::from(self.frame.padded_pixels);
+        let left = u64::from(target_spp) - self.position / padded;
+        // As many paths as so many waves have at the speed that is known by now.
+        let room = MOST_WAVES * u64::from(self.wave_size) / padded;
+        room.min(u64::from(MOST_SAMPLES)).min(left) as u32
+    }
+}
