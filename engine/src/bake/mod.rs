@@ -225,7 +225,7 @@ impl<'a> Baker<'a> {
         progress: Progress<'_>,
     ) -> Result<BakedMaterial, BakeError> {
         let painter = Painter::new(self.scene, self.procedural, &self.sites, material)?;
-        let planes = gltf::Planes::of(|output| painter.varies(output));
+        let planes = gltf::Planes::of(|output| painter.varies(output), painter.has_coat_normal());
         let placed = self.placed(target);
         let tables = painter.occlusion;
         let paint = &mut |batch: &Batch<'_>, open: &[f32]| {
