@@ -95,7 +95,7 @@ pub(crate) struct Folders {
 /// Which texture is meant, and its arguments.
 #[derive(Debug, Args)]
 pub(crate) struct Target {
-    /// A texture, or with --look one of its nodes.
+    /// A texture, or with --look one of its nodes; `voronoi.color` is an output of it, `voronoi.x` a component.
     pub(crate) name: String,
 
     /// Take a node of this look, with its arguments and links, instead of a bare texture.
