@@ -2,6 +2,8 @@
 //!
 //! How long it is rendered, and where the picture goes, is the caller's business.
 
+mod material;
+
 use std::f32::consts::{PI, TAU};
 
 use glam::{Affine3A, Mat3A, Quat, Vec2, Vec3, Vec4};
@@ -12,6 +14,8 @@ use crate::procedural::{CompileError, EditError, Output, TextureSources};
 use crate::renderer::{RenderError, RenderSettings, Renderer};
 use crate::scene::{Camera, Environment, FloatImage, Instance, Material, Mesh, Projection, Scene};
 use device::Device;
+
+pub use material::MaterialPreview;
 
 /// Material of the objects.
 const SHOWN: &str = "shown";
