@@ -133,7 +133,10 @@ fn userProc(tint: vec3f, depth: f32, photo: sam2D) -> vec3f { return tint * dept
     ] {
         assert!(waves.contains(wanted), "{wanted}:\n{waves}");
     }
-    assert!(list.contains("voronoi -> vec4f"), "the standard ones too");
+    assert!(
+        list.contains("voronoi -> cells vec4f, distance f32"),
+        "the standard ones too"
+    );
 
     let line = "texture list --textures mine --message-format json";
     let entries = json(&desk.run(line, 0).stdout);
