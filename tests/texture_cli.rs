@@ -133,7 +133,10 @@ fn userProc(tint: vec3f, depth: f32, photo: sam2D) -> vec3f { return tint * dept
     ] {
         assert!(waves.contains(wanted), "{wanted}:\n{waves}");
     }
-    assert!(list.contains("voronoi -> vec4f"), "the standard ones too");
+    assert!(
+        list.contains("voronoi -> cells vec4f, distance f32"),
+        "the standard ones too"
+    );
 
     let line = "texture list --textures mine --message-format json";
     let entries = json(&desk.run(line, 0).stdout);
@@ -411,6 +414,34 @@ fn many_points_are_evaluated_at_once_by_the_library() {
         before + 1,
         "one kernel does for all"
     );
+}
+
+#[test]
+fn a_preview_shows_a_material_on_a_ball() {
+    if !device() {
+        return;
+    }
+    let desk = Desk::new().with(
+        "a.look.toml",
+        "[material.Red]\nbase_color = [0.9, 0.02, 0.02]\n[material.Blue]\nbase_color = [0.02, 0.02, 0.9]\n",
+    );
+    desk.run(
+        "texture preview --look a.look.toml --material Red -o a.png --size 80",
+        0,
+    );
+    let image = image::open(desk.path("a.png"))
+        .expect("a picture")
+        .to_rgb8();
+    assert_eq!(image.dimensions(), (80, 60));
+    let [r, g, _] = image.get_pixel(40, 26).0;
+    assert!(r > 2 * g, "red: {r} {g}");
+    let [r, g, b] = image.get_pixel(4, 56).0;
+    assert!(
+        r.abs_diff(g) < 60 && g.abs_diff(b) < 60,
+        "grey floor: {r} {g} {b}"
+    );
+    desk.run("texture preview --look a.look.toml --material Rad", 1);
+    desk.run("texture preview Red --look a.look.toml --material Red", 2);
 }
 
 #[test]

@@ -39,12 +39,34 @@ def coefficients(name, i, is_image=False):
     Cycles filters those that are smaller."""
     number = lambda salt: zlib.crc32(f"{name}{i}{salt}".encode()) / 2**31 - 1.0
     middle, size = AROUND.get(name, (0.3, 2.0))
-    if is_image and name in ("texcoord", "st"):
+    if is_image and name in ("texcoord", "st", "viewdir"):
         middle, size = 0.31, 0.12
-    if is_image and name in ("uvtiling", "scale", "pivot", "offset", "uvoffset", "rotate", "realworldimagesize", "realworldtilesize"):
+    if is_image and name in ("uvtiling", "scale", "pivot", "offset", "uvoffset", "rotate", "realworldimagesize", "realworldtilesize", "rotation"):
         size = 0.0
-        middle = {"scale": 1.5, "uvtiling": 1.5, "realworldimagesize": 1.5, "rotate": 20.0}.get(name, 0.7)
+        middle = {"scale": 1.5, "uvtiling": 1.5, "realworldimagesize": 1.5, "rotate": 20.0, "rotation": 20.0}.get(name, 0.7)
     return size * number("x"), size * number("y"), middle + 0.1 * i * (size > 0)
+
+
+def combined(name, count, ty):
+    """Nodes that make a vector whose components vary."""
+    lines = []
+    for i in range(count):
+        x, y, c = coefficients(name, i)
+        lines.append(f'<dotproduct name="I_{name}_{i}" type="float"><input name="in1" type="vector3" nodename="Q"/><input name="in2" type="vector3" value="{x:.6f},{y:.6f},{c:.6f}"/></dotproduct>')
+    parts = "".join(f'<input name="in{i + 1}" type="float" nodename="I_{name}_{i}"/>' for i in range(count))
+    return lines + [f'<combine{count} name="I_{name}" type="{ty}">{parts}</combine{count}>']
+
+
+def matrix(definition, name, ty):
+    """Nodes that make a matrix whose rows vary. Where a point goes through four rows the last stays away: OSL leaves it out, the
+    shaders of MaterialX's other languages add it, and so does Patina."""
+    size = int(ty[-1])
+    width = 3 if definition.getName() == "ND_transformmatrix_vector3M4" else size
+    lines = []
+    for row in range(width):
+        lines += combined(f"{name}{row}", width, f"vector{width}")
+    parts = "".join(f'<input name="in{row + 1}" type="vector{width}" nodename="I_{name}{row}"/>' for row in range(width))
+    return lines + [f'<creatematrix name="I_{name}" type="{ty}">{parts}</creatematrix>']
 
 
 def document(definition):
@@ -66,9 +88,11 @@ def document(definition):
         if name == "filtertype":
             inputs.append('<input name="filtertype" type="string" value="closest"/>')
             continue
+        if ty in ("matrix33", "matrix44"):
+            lines += matrix(definition, name, ty)
+            inputs.append(f'<input name="{name}" type="{ty}" nodename="I_{name}"/>')
+            continue
         if ty not in COUNTS:
-            if ty.startswith("matrix"):
-                return None, "matrices"
             continue
         if ty == "boolean":
             add(f'<ifgreater name="I_{name}" type="boolean"><input name="value1" type="float" nodename="I_{name}_0"/><input name="value2" type="float" value="0"/></ifgreater>')

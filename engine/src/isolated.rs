@@ -4,8 +4,12 @@
 
 use std::collections::HashSet;
 use std::path::Path;
+use std::sync::Arc;
 
-use texgen::{Diagnostic, Diagnostics, OutputType, SourceFile, did_you_mean};
+use texgen::{
+    Diagnostic, Diagnostics, Graph, Library, OutputType, SourceFile, Swizzle, TextureType,
+    did_you_mean,
+};
 
 use crate::procedural::{EditError, Procedural, TextureSources, expanded};
 use crate::scene::Scene;
@@ -14,17 +18,21 @@ use crate::scene::look::{AoLook, AoSettings, CameraLook, Look, NodeLook, Spanned
 /// What is looked at.
 #[derive(Debug, Clone, Copy)]
 pub enum Subject<'a> {
-    /// A texture by name, with its default arguments.
+    /// A texture by name, with its default arguments; an output or components may stand behind the name, as in `voronoi.color`.
     Texture(&'a str),
-    /// A node of a look by name, with its arguments and links.
+    /// A node of a look by name, with its arguments and links; an output or components may stand behind the name.
     Node(&'a str, &'a Look),
 }
 
 impl Subject<'_> {
     /// Nodes without materials, and the subject among them.
     pub(crate) fn part(&self, sources: &TextureSources) -> Result<Part, Diagnostics> {
-        let (look, node, texture) = match *self {
+        let (look, node, texture, take) = match *self {
             Self::Texture(name) => {
+                let (name, take) = match sources.names().any(|known| known == name) {
+                    true => (name, None),
+                    false => output_of(name),
+                };
                 let mut look = Look::empty(Path::new(""), SourceFile::new("look", "", ""));
                 // A file may be called what no node can be.
                 let plain = |c: char| {
@@ -38,9 +46,10 @@ impl Subject<'_> {
                 look.nodes.push(node(&node_name, name));
                 // Two tables, so that `AO` and `AO1` are not one.
                 look.ao = ["ao", "ao1"].map(ao).into();
-                (look, node_name, name.to_owned())
+                (look, node_name, name.to_owned(), take)
             }
             Self::Node(name, look) => {
+                let (name, take) = output_of(name);
                 let (look, _) = expanded(look, &**sources.files())?;
                 let Some(node) = look.nodes.iter().find(|node| node.name.value == name) else {
                     let names = || look.nodes.iter().map(|node| node.name.value.as_str());
@@ -61,11 +70,19 @@ impl Subject<'_> {
                     nodes: with_sources(node, &look.nodes),
                     ..Look::clone(&look)
                 };
-                (alone, name.to_owned(), node.texture.value.clone())
+                (alone, name.to_owned(), node.texture.value.clone(), take)
             }
         };
         match sources.read(&texture) {
-            Some(Ok(file)) => Ok(Part { look, node, file }),
+            Some(Ok(file)) => {
+                let output = given(file, take)?;
+                Ok(Part {
+                    look,
+                    node,
+                    take,
+                    output,
+                })
+            }
             Some(Err(error)) => Err(Diagnostic::error(error.to_string()).into()),
             None => {
                 let error = Diagnostic::error(format!("there is no texture called `{texture}`"));
@@ -86,8 +103,29 @@ pub(crate) struct Part {
     pub(crate) look: Look,
     /// The subject's node.
     pub(crate) node: String,
-    /// Its texture.
-    pub(crate) file: SourceFile,
+    /// What is taken of it.
+    pub(crate) take: Option<Swizzle>,
+    /// What that is.
+    pub(crate) output: OutputType,
+}
+
+/// The name of a node or texture, and the output or the components behind it, as in `voronoi.color`.
+fn output_of(text: &str) -> (&str, Option<Swizzle>) {
+    let parts = text.split_once('.');
+    let parts = parts.and_then(|(name, take)| Some((name, take.parse().ok()?)));
+    parts.map_or((text, None), |(name, take)| (name, Some(take)))
+}
+
+/// What a texture gives by an output or components.
+fn given(file: SourceFile, take: Option<Swizzle>) -> Result<OutputType, Diagnostics> {
+    let texture = TextureType::parse(file)?;
+    let name = texture.name().to_owned();
+    let library = Library::new(vec![texture]).map_err(Diagnostics::from)?;
+    let mut graph = Graph::new(Arc::new(library));
+    let given = graph
+        .add_node(&name, &name, [0, 0])
+        .and_then(|node| graph.link_output(node, take));
+    given.map_err(|error| Diagnostic::error(error.to_string()).into())
 }
 
 /// A node and those below it, in the order of the look. What isn't needed is not built, and its mistakes don't matter.
@@ -135,6 +173,9 @@ pub struct Isolated {
     pub(crate) scene: Scene,
     pub(crate) procedural: Procedural,
     pub(crate) node: String,
+    /// What is taken of the node.
+    pub(crate) take: Option<Swizzle>,
+    output: OutputType,
 }
 
 impl Isolated {
@@ -143,21 +184,21 @@ impl Isolated {
     /// # Errors
     /// There is no such texture or node; every mistake in the textures and nodes.
     pub fn new(subject: Subject<'_>, sources: &TextureSources) -> Result<Self, Diagnostics> {
-        let Part { look, node, .. } = subject.part(sources)?;
-        Self::build(Scene::default(), &look, sources, node)
+        Self::build(Scene::default(), subject.part(sources)?, sources)
     }
 
     pub(crate) fn build(
         mut scene: Scene,
-        look: &Look,
+        part: Part,
         sources: &TextureSources,
-        node: String,
     ) -> Result<Self, Diagnostics> {
-        let procedural = Procedural::build(look, &mut scene, sources)?;
+        let procedural = Procedural::build(&part.look, &mut scene, sources)?;
         Ok(Self {
             scene,
             procedural,
-            node,
+            node: part.node,
+            take: part.take,
+            output: part.output,
         })
     }
 
@@ -180,9 +221,13 @@ impl Isolated {
 
     /// What it gives.
     pub fn output(&self) -> OutputType {
-        let graph = self.procedural.graph();
-        let node = graph.node(&self.node);
-        graph.output(node.expect("the subject is a node of its own graph"))
+        self.output
+    }
+
+    /// As a look names it: its node, and what is taken of it.
+    pub(crate) fn link(&self) -> String {
+        let take = self.take.map_or(String::new(), |take| take.to_string());
+        format!("{}{take}", self.node)
     }
 
     /// Its graph and what is odd in it.
@@ -209,6 +254,13 @@ mod tests {
             let names = look.nodes.into_iter().map(|node| node.name.value);
             names.collect::<Vec<_>>()
         };
+        let isolated = |subject| Isolated::new(subject, &sources).map_err(|e| e.to_string());
+        let taken = isolated(Subject::Node("d.x", &look)).map(|d| d.link());
+        assert_eq!(taken.as_deref(), Ok("d.x"));
+        let error = isolated(Subject::Texture("t.cell"))
+            .map(|_| ())
+            .unwrap_err();
+        assert!(error.contains("no output `cell`"), "{error}");
         assert_eq!(names("d"), ["d"]);
         assert_eq!(names("a"), ["a", "b"]);
         assert!(Isolated::new(Subject::Node("d", &look), &sources).is_ok());

@@ -2,16 +2,20 @@
 //!
 //! How long it is rendered, and where the picture goes, is the caller's business.
 
+mod material;
+
 use std::f32::consts::{PI, TAU};
 
 use glam::{Affine3A, Mat3A, Quat, Vec2, Vec3, Vec4};
-use texgen::{Diagnostic, Diagnostics, OutputType, TextureType, Value};
+use texgen::{Diagnostic, Diagnostics, OutputType, Value};
 
-use crate::isolated::{self, Isolated, Part, Subject};
+use crate::isolated::{self, Isolated, Subject};
 use crate::procedural::{CompileError, EditError, Output, TextureSources};
 use crate::renderer::{RenderError, RenderSettings, Renderer};
 use crate::scene::{Camera, Environment, FloatImage, Instance, Material, Mesh, Projection, Scene};
 use device::Device;
+
+pub use material::MaterialPreview;
 
 /// Material of the objects.
 const SHOWN: &str = "shown";
@@ -48,27 +52,21 @@ impl Preview {
         sources: &TextureSources,
         range: [f32; 2],
     ) -> Result<Self, Diagnostics> {
-        let Part {
-            mut look,
-            node,
-            file,
-        } = subject.part(sources)?;
-        let output = TextureType::parse(file)?.output();
+        let mut part = subject.part(sources)?;
         let mut sources = sources.clone();
         let mut display = DISPLAY.to_owned();
-        while look.nodes.iter().any(|node| node.name.value == display)
+        while (part.look.nodes.iter()).any(|node| node.name.value == display)
             || sources.names().any(|name| name == display)
         {
             display.push('_');
         }
-        sources.insert(&display, &display_of(output));
-        look.nodes.push(isolated::node(&display, &display));
-        let mut isolated = Isolated::build(studio(), &look, &sources, node)?;
-        let Isolated {
-            procedural, node, ..
-        } = &mut isolated;
+        sources.insert(&display, &display_of(part.output));
+        part.look.nodes.push(isolated::node(&display, &display));
+        let mut isolated = Isolated::build(studio(), part, &sources)?;
+        let link = isolated.link();
+        let procedural = &mut isolated.procedural;
         let prepared = procedural
-            .set_link(&display, "value", node)
+            .set_link(&display, "value", &link)
             .and_then(|()| procedural.set_value(&display, "low", Value::F32(range[0])))
             .and_then(|()| procedural.set_value(&display, "high", Value::F32(range[1])));
         prepared.map_err(|error| Diagnostic::error(error.to_string()))?;

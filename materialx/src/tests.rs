@@ -197,6 +197,52 @@ fn what_can_not_be_expressed_is_named_with_its_line() {
 }
 
 #[test]
+fn inputs_that_a_model_has_not_are_named_with_their_lines() {
+    let inputs = "<input name=\"base\" type=\"float\" value=\"0.5\"/>\n\
+         <input name=\"metalnes\" type=\"float\" value=\"1\"/>\n\
+         <input name=\"base_color\" type=\"string\" value=\"red\"/>";
+    let rendered = imported(&Memory::default(), "", inputs).warnings.render();
+    for wanted in [
+        "`standard_surface` has no input `metalnes`: it has no effect; did you mean `metalness`?",
+        "a.mtlx:5:1",
+        "`base_color` doesn't take this",
+        "a.mtlx:6:1",
+    ] {
+        assert!(rendered.contains(wanted), "{wanted}:\n{rendered}");
+    }
+}
+
+#[test]
+fn matrices_become_nodes_of_their_rows() {
+    let nodes = "<position name=\"p\" type=\"vector3\"/>\
+         <creatematrix name=\"m\" type=\"matrix33\"><input name=\"in1\" type=\"vector3\" nodename=\"p\"/></creatematrix>\
+         <transpose name=\"t\" type=\"matrix33\"><input name=\"in\" type=\"matrix33\" nodename=\"m\"/></transpose>\
+         <invertmatrix name=\"i\" type=\"matrix33\"><input name=\"in\" type=\"matrix33\" nodename=\"t\"/></invertmatrix>\
+         <multiply name=\"x\" type=\"matrix33\"><input name=\"in1\" type=\"matrix33\" nodename=\"i\"/>\
+         <input name=\"in2\" type=\"matrix33\" value=\"1,0,0, 0,2,0, 0,0,3\"/></multiply>\
+         <add name=\"a\" type=\"matrix33\"><input name=\"in1\" type=\"matrix33\" nodename=\"x\"/>\
+         <input name=\"in2\" type=\"float\" value=\"0.5\"/></add>\
+         <transformmatrix name=\"v\" type=\"vector2\"><input name=\"in\" type=\"vector2\" value=\"0.1, 0.2\"/>\
+         <input name=\"mat\" type=\"matrix33\" nodename=\"a\"/></transformmatrix>\
+         <convert name=\"c\" type=\"color3\"><input name=\"in\" type=\"vector2\" nodename=\"v\"/></convert>";
+    let (graph, input) = graph(nodes, "c");
+    let converted = imported(&Memory::default(), &graph, &input);
+    assert_eq!(warnings(&converted), [""; 0]);
+    let text = look_text(&converted);
+    for wanted in [
+        // The first column of a matrix whose other rows are the identity's.
+        "in1 = \"position.x\"\nin2 = 0.0\nin3 = 0.0",
+        "texture = \"mx_invertmatrix_3\"",
+        "row3 = [0.0, 0.0, 3.0]",
+        "in = [0.1, 0.2, 1.0]",
+    ] {
+        assert!(text.contains(wanted), "{wanted}:\n{text}");
+    }
+    let sums = text.matches("texture = \"mx_add\"").count();
+    assert_eq!(sums, 3, "a sum for each row:\n{text}");
+}
+
+#[test]
 fn a_bump_node_is_the_materials_bump() {
     let nodes = "<noise3d name=\"h\" type=\"float\"/>\
          <bump name=\"b\" type=\"vector3\"><input name=\"height\" type=\"float\" nodename=\"h\"/>\

@@ -19,26 +19,27 @@ macro_rules! texts {
 const TEXTURES: &[(&str, &str)] = texts!("":
     mx_absval mx_acos mx_add mx_and mx_asin mx_atan2 mx_bitangent_world mx_burn mx_ceil mx_cellnoise2d
     mx_cellnoise3d mx_checkerboard mx_circle mx_clamp mx_cloverleaf mx_colorcorrect mx_combine mx_constant
-    mx_contrast mx_convert_color4 mx_cos mx_crosshatch mx_crossproduct mx_difference mx_disjointover
-    mx_distance_2 mx_distance_3 mx_distance_4 mx_divide mx_dodge mx_dotproduct_2 mx_dotproduct_3
-    mx_dotproduct_4 mx_exp mx_extract mx_facingratio mx_floor mx_fract mx_fractal2d_float mx_fractal2d_vector2
-    mx_fractal2d_vector3 mx_fractal2d_vector4 mx_fractal3d_float mx_fractal3d_vector2 mx_fractal3d_vector3
-    mx_fractal3d_vector4 mx_frame mx_geomcolor mx_gltf_anisotropy_image mx_gltf_colorimage mx_gltf_image
-    mx_gltf_iridescence_thickness mx_gltf_normalmap mx_grid mx_hexagon mx_hsvadjust mx_hsvtorgb mx_ifequal
-    mx_ifequal_boolean mx_ifgreater mx_ifgreater_boolean mx_ifgreatereq mx_ifgreatereq_boolean mx_image mx_in
-    mx_inside mx_invert mx_latlongimage mx_line mx_ln mx_luminance mx_magnitude_2 mx_magnitude_3
-    mx_magnitude_4 mx_mask mx_matte mx_max mx_min mx_minus mx_mix mx_modulo mx_multiply mx_noise2d_float
-    mx_noise2d_vector2 mx_noise2d_vector3 mx_noise2d_vector4 mx_noise3d_float mx_noise3d_vector2
-    mx_noise3d_vector3 mx_noise3d_vector4 mx_normal mx_normal_world mx_normalize_2 mx_normalize_3
-    mx_normalize_4 mx_normalmap mx_not mx_or mx_out mx_outside mx_over mx_overlay mx_place2d mx_plus
-    mx_position mx_position_world mx_power mx_premult mx_ramp mx_ramp4 mx_ramp_gradient mx_ramplr mx_ramptb
-    mx_randomcolor mx_randomfloat mx_randomfloat_integer mx_range mx_reflect mx_refract mx_remap mx_rgbtohsv
-    mx_rotate2d mx_rotate3d mx_round mx_safepower mx_saturate mx_screen mx_sign mx_sin mx_smoothstep
-    mx_splitlr mx_splittb mx_sqrt mx_subtract mx_switch mx_tan mx_tangent_world mx_texcoord mx_texcoord1
-    mx_tiledcircles mx_tiledcloverleafs mx_tiledhexagons mx_tiledimage mx_time mx_toboolean mx_trianglewave
-    mx_triplanarprojection mx_unifiednoise2d mx_unifiednoise3d mx_unpremult mx_usdtransform2d mx_usduvtexture
-    mx_viewdirection_world mx_worleynoise2d mx_worleynoise2d_float mx_worleynoise3d mx_worleynoise3d_float
-    mx_xor
+    mx_contrast mx_convert_color4 mx_cos mx_crosshatch mx_crossproduct mx_determinant_3 mx_determinant_4
+    mx_difference mx_disjointover mx_distance_2 mx_distance_3 mx_distance_4 mx_divide mx_dodge
+    mx_dotproduct_2 mx_dotproduct_3 mx_dotproduct_4 mx_exp mx_extract mx_facingratio mx_floor mx_fract
+    mx_fractal2d_float mx_fractal2d_vector2 mx_fractal2d_vector3 mx_fractal2d_vector4 mx_fractal3d_float
+    mx_fractal3d_vector2 mx_fractal3d_vector3 mx_fractal3d_vector4 mx_frame mx_geomcolor
+    mx_gltf_anisotropy_image mx_gltf_colorimage mx_gltf_image mx_gltf_iridescence_thickness
+    mx_gltf_normalmap mx_grid mx_hexagon mx_hsvadjust mx_hsvtorgb mx_ifequal mx_ifequal_boolean
+    mx_ifgreater mx_ifgreater_boolean mx_ifgreatereq mx_ifgreatereq_boolean mx_image mx_in mx_inside
+    mx_invert mx_invertmatrix_3 mx_invertmatrix_4 mx_latlongimage mx_line mx_ln mx_luminance mx_magnitude_2
+    mx_magnitude_3 mx_magnitude_4 mx_mask mx_matte mx_max mx_min mx_minus mx_mix mx_modulo mx_multiply
+    mx_noise2d_float mx_noise2d_vector2 mx_noise2d_vector3 mx_noise2d_vector4 mx_noise3d_float
+    mx_noise3d_vector2 mx_noise3d_vector3 mx_noise3d_vector4 mx_normal mx_normal_world mx_normalize_2
+    mx_normalize_3 mx_normalize_4 mx_normalmap mx_not mx_or mx_out mx_outside mx_over mx_overlay mx_place2d
+    mx_plus mx_position mx_position_world mx_power mx_premult mx_ramp mx_ramp4 mx_ramp_gradient mx_ramplr
+    mx_ramptb mx_randomcolor mx_randomfloat mx_randomfloat_integer mx_range mx_reflect mx_refract mx_remap
+    mx_rgbtohsv mx_rotate2d mx_rotate3d mx_round mx_safepower mx_saturate mx_screen mx_sign mx_sin
+    mx_smoothstep mx_splitlr mx_splittb mx_sqrt mx_subtract mx_switch mx_tan mx_tangent_world mx_texcoord
+    mx_texcoord1 mx_tiledcircles mx_tiledcloverleafs mx_tiledhexagons mx_tiledimage mx_time mx_toboolean
+    mx_transformmatrix_3 mx_transformmatrix_4 mx_trianglewave mx_triplanarprojection mx_unifiednoise2d
+    mx_unifiednoise3d mx_unpremult mx_usdtransform2d mx_usduvtexture mx_viewdirection_world
+    mx_worleynoise2d mx_worleynoise2d_float mx_worleynoise3d mx_worleynoise3d_float mx_xor
 );
 
 /// The files that they share.

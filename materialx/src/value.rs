@@ -15,6 +15,8 @@ pub(crate) enum Value {
     File { path: String, is_srgb: bool },
     /// What a node gives.
     Link(Link),
+    /// A matrix: three rows of three numbers, or four of four, each a value.
+    Matrix(Vec<Value>),
 }
 
 /// What a node of the look gives, or components of it.
@@ -89,7 +91,7 @@ impl Value {
         match self {
             Self::Numbers(ty, _) => *ty,
             Self::Link(link) => link.ty,
-            Self::Text(_) | Self::File { .. } => Type::Other,
+            Self::Text(_) | Self::File { .. } | Self::Matrix(_) => Type::Other,
         }
     }
 

@@ -261,7 +261,19 @@ impl Model {
         let usual = ["x", "y", "z", "w", "xy", "xyz"];
         let usual = usual.iter().filter_map(|text| text.parse().ok().map(Some));
         let fits = |swizzle: &Option<Swizzle>| self.check(source, *swizzle, target).is_ok();
-        [None].into_iter().chain(usual).filter(fits).collect()
+        let outputs = self.texture(source).map_or(&[][..], TextureType::outputs);
+        // Each output as a whole where it fits, else its first component.
+        let named = outputs.iter().filter_map(|output| {
+            let first = format!("{}.x", output.name);
+            let whole = Swizzle::of_output(&output.name);
+            [whole, first.parse().ok()].into_iter().find(fits)
+        });
+        [None]
+            .into_iter()
+            .chain(usual)
+            .filter(fits)
+            .chain(named)
+            .collect()
     }
 
     /// Checks that a node's result, or some of its components, may go to a target.

@@ -11,7 +11,8 @@ use engine::aside;
 use engine::bake::{BakeError, Baker, Moment, Role, Target, shown, write_exr};
 use engine::load::{Loaded, load};
 use engine::scene::import::give_tangents;
-use texgen::{NodeId, OutputType, did_you_mean};
+use engine::scene::look::link_text;
+use texgen::{Link, NodeId, OutputType, did_you_mean};
 
 use crate::failure::Failure;
 use crate::progress::Bar;
@@ -23,7 +24,7 @@ use job::BakeJob;
 /// What is baked.
 enum Subject {
     Material(u32),
-    Node(NodeId),
+    Node(Link),
 }
 
 /// Makes and writes the pictures.
@@ -79,11 +80,13 @@ pub(crate) fn run(job: &BakeJob) -> Result<(), Failure> {
             }
             baked.overlap
         }
-        Subject::Node(node) => {
-            let maps = baker.node(node, &target, settings, progress)?;
+        Subject::Node(source) => {
+            let maps = baker.node(source, &target, settings, progress)?;
             bar.finish();
             let rgba = maps.rgba();
-            let ty = loaded.procedural.graph().output(node);
+            let graph = loaded.procedural.graph();
+            let ty =
+                (graph.link_output(source.source, source.swizzle)).map_err(Failure::because)?;
             let is_color = matches!(ty, OutputType::Vec3 | OutputType::Vec4);
             match job.output.format {
                 Format::Exr => write_floats(&job.output, maps.size, &rgba)?,
@@ -138,8 +141,17 @@ fn subject(loaded: &Loaded, name: &str) -> Result<Subject, Failure> {
         return Ok(Subject::Material(material));
     }
     let graph = loaded.procedural.graph();
-    if let Some(node) = graph.node(name) {
-        return Ok(Subject::Node(node));
+    if let Some((node, link)) = link_text(name)
+        .ok()
+        .and_then(|link| Some((graph.node(&link.node)?, link)))
+    {
+        // An output that isn't there is said so.
+        let given = graph.link_output(node, link.swizzle);
+        given.map_err(Failure::because)?;
+        return Ok(Subject::Node(Link {
+            source: node,
+            swizzle: link.swizzle,
+        }));
     }
     let nodes: Vec<NodeId> = graph.ids().collect();
     let known = (in_scene().map(|(_, m)| m.name.as_str()))

@@ -95,7 +95,7 @@ pub(crate) struct Folders {
 /// Which texture is meant, and its arguments.
 #[derive(Debug, Args)]
 pub(crate) struct Target {
-    /// A texture, or with --look one of its nodes.
+    /// A texture, or with --look one of its nodes; `voronoi.color` is an output of it, `voronoi.x` a component.
     pub(crate) name: String,
 
     /// Take a node of this look, with its arguments and links, instead of a bare texture.
@@ -163,15 +163,35 @@ pub(crate) struct EvalArgs {
 /// Flags of `patina texture preview`.
 #[derive(Debug, Args)]
 pub(crate) struct PreviewArgs {
-    /// Of what.
+    /// A texture, or with --look one of its nodes; `voronoi.color` is an output of it, `voronoi.x` a component.
+    #[arg(required_unless_present = "material", conflicts_with = "material")]
+    pub(crate) name: Option<String>,
+
+    /// A look with the node or material that is meant.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) look: Option<PathBuf>,
+
+    /// Show a material of the look, on a ball on a floor.
+    #[arg(long, value_name = "NAME", requires = "look", conflicts_with_all = ["sets", "range"])]
+    pub(crate) material: Option<String>,
+
+    /// An argument, written as in a look file. May be given several times.
+    #[arg(long = "set", value_name = "NAME=VALUE", action = ArgAction::Append)]
+    pub(crate) sets: Vec<String>,
+
+    /// Where textures are.
     #[command(flatten)]
-    pub(crate) target: Target,
+    pub(crate) folders: Folders,
+
+    /// Device by number or by part of its name, as `patina devices` lists them.
+    #[arg(long, value_name = "NAME|N")]
+    pub(crate) device: Option<String>,
 
     /// Where to write: .png, .jpg or .exr. Without it the picture goes to NAME-preview.png.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
-    /// Width of the picture in pixels; it is two fifths as high.
+    /// Width of the picture in pixels; it is two fifths as high, of materials three quarters.
     #[arg(long, value_name = "N", default_value = "512")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) size: String,

@@ -114,6 +114,8 @@ pub(crate) struct PreviewJob {
     pub(crate) size: u32,
     /// Values shown black and white.
     pub(crate) range: [f32; 2],
+    /// The target is a material.
+    pub(crate) is_material: bool,
 }
 
 /// A texture to begin.
@@ -231,7 +233,15 @@ impl EvalJob {
 
 impl PreviewJob {
     fn from_args(args: PreviewArgs) -> Result<Self, UsageError> {
-        let target = TargetJob::from_args(args.target)?;
+        let is_material = args.material.is_some();
+        let target = TargetJob::from_args(Target {
+            // clap demands one of the two.
+            name: args.material.or(args.name).unwrap_or_default(),
+            look: args.look,
+            sets: args.sets,
+            folders: args.folders,
+            device: args.device,
+        })?;
         let output = match args.output {
             Some(path) => path,
             None => format!("{}-preview.png", target.name).into(),
@@ -245,6 +255,7 @@ impl PreviewJob {
             range: args
                 .range
                 .map_or(Ok([0.0, 1.0]), |range| parse_range(&range))?,
+            is_material,
             target,
         })
     }

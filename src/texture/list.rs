@@ -53,6 +53,13 @@ fn first_sentence(docs: &str) -> String {
 
 fn add(table: &mut String, texture: &TextureType, origin: &str) {
     let (name, output) = (texture.name(), texture.output());
+    let outputs = (texture.outputs().iter())
+        .map(|output| format!("{} {}", output.name, output.ty))
+        .collect::<Vec<_>>();
+    let output = match outputs.is_empty() {
+        true => output.to_string(),
+        false => outputs.join(", "),
+    };
     let _ = writeln!(table, "{name} -> {output}  ({origin})");
     let sentence = first_sentence(texture.docs());
     if !sentence.is_empty() {
@@ -105,10 +112,20 @@ struct Entry<'a> {
     file: &'a str,
     built_in: bool,
     returns: String,
+    /// What links take by name; absent where it gives one value.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    outputs: Vec<OutputEntry<'a>>,
     doc: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]
     group: Option<&'a str>,
     parameters: Vec<ParameterEntry<'a>>,
+}
+
+#[derive(Serialize)]
+struct OutputEntry<'a> {
+    name: &'a str,
+    r#type: String,
+    label: &'a str,
 }
 
 #[derive(Serialize)]
@@ -155,6 +172,13 @@ impl<'a> From<&'a TextureType> for Entry<'a> {
             file: texture.file().path(),
             built_in: false,
             returns: texture.output().to_string(),
+            outputs: (texture.outputs().iter())
+                .map(|output| OutputEntry {
+                    name: &output.name,
+                    r#type: output.ty.to_string(),
+                    label: &output.label,
+                })
+                .collect(),
             doc: texture.docs(),
             group: texture.group(),
             parameters: texture.parameters().iter().map(parameter).collect(),

@@ -1,11 +1,14 @@
-//! `patina texture preview`: a texture on three objects, rendered within a second.
+//! `patina texture preview`: a texture on three objects, rendered within a second, or a material on a ball, within some. Of a
+//! material a small picture is there at once, and is written again when it is finer.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use device::Device;
 use engine::isolated::Subject;
-use engine::preview::Preview;
+use engine::preview::{MaterialPreview, Preview};
+use engine::procedural::TextureSources;
+use engine::renderer::Renderer;
 use engine::scene::look::Look;
 use engine::scene::view::View;
 
@@ -22,6 +25,14 @@ const MAX_SPP: u32 = 64;
 const MIN_SPP: u32 = 2;
 /// From the start until no further samples are taken: writing the picture takes the rest of a second.
 const PATIENCE: Duration = Duration::from_millis(900);
+/// The same for materials, whose light is less even.
+const PATIENCE_OF_MATERIALS: Duration = Duration::from_millis(5500);
+/// The first picture of a material is so many times smaller along each side.
+const FIRST_SCALE: u32 = 4;
+/// Samples per pixel of the first picture.
+const FIRST_SPP: u32 = 2;
+/// One wave takes no longer, so that the first picture is there soon.
+const LONGEST_WAVE: Duration = Duration::from_millis(60);
 /// The same where compiling alone takes seconds: the rest of five.
 const MORE_PATIENCE: Duration = Duration::from_millis(3800);
 
@@ -37,10 +48,6 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
     output::check_all(&written, &named)?;
     let sources = super::sources(&target.texture_dirs, target.look.as_deref())?;
     let look = target.look.as_deref().map(Look::load).transpose()?;
-    let subject = match &look {
-        Some(look) => Subject::Node(&target.name, look),
-        None => Subject::Texture(&target.name),
-    };
     let mut read = match &look {
         Some(look) => engine::load::files(Path::new(""), Some(look)),
         None => Vec::new(),
@@ -49,24 +56,31 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
     let values = target.sets.iter().map(|(_, value)| value.trim_matches('"'));
     read.extend(values.map(PathBuf::from));
     output::check_all(&written, &read)?;
-    let mut preview = Preview::new(subject, &sources, job.range)?;
-    console::diagnostics(preview.warnings());
-    for (parameter, value) in &target.sets {
-        preview.set(parameter, value).map_err(Failure::because)?;
-    }
+    let studio = match (&look, job.is_material) {
+        (Some(look), true) => {
+            let preview = MaterialPreview::new(look, &target.name, &sources)?;
+            console::diagnostics(preview.warnings());
+            Studio::Material(Box::new(preview))
+        }
+        (Some(look), false) => texture(job, Subject::Node(&target.name, look), &sources)?,
+        (None, _) => texture(job, Subject::Texture(&target.name), &sources)?,
+    };
 
     let bar = Bar::new("preparing the device");
     let device = Device::open(&target.device).map_err(Failure::because)?;
     bar.follow(&device);
-    let mut renderer = preview
-        .renderer(&device, job.size)
-        .map_err(Failure::because)?;
-    let patience = match device.traits().compiles_slowly {
-        true => MORE_PATIENCE,
-        false => PATIENCE,
+    if job.is_material {
+        first_picture(&studio, &device, job)?;
+    }
+    let mut renderer = studio.renderer(&device, job.size)?;
+    let patience = match (device.traits().compiles_slowly, job.is_material) {
+        (true, _) => MORE_PATIENCE,
+        (false, true) => PATIENCE_OF_MATERIALS,
+        (false, false) => PATIENCE,
     };
-    renderer.set_longest_wave(patience / 8);
+    renderer.set_longest_wave(LONGEST_WAVE);
     let mut is_complete = true;
+    let mut shown = 0;
     loop {
         let progress = renderer.step(MAX_SPP).map_err(Failure::because)?;
         bar.update(&progress, MAX_SPP);
@@ -75,6 +89,12 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
         if interrupt::requested() {
             is_complete = false;
             break;
+        }
+        // Again with twice as many samples, and so on.
+        if job.is_material && spp > 2 * shown && !progress.is_done() {
+            shown = spp;
+            let film = renderer.film().map_err(Failure::because)?;
+            output::write(&job.output, &film, None, &View::default()).map_err(Failure::because)?;
         }
         if progress.is_done() || (spp >= u64::from(MIN_SPP) && start.elapsed() > patience) {
             break;
@@ -90,4 +110,46 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
         true => Ok(()),
         false => Err(Failure::Interrupted),
     }
+}
+
+/// A small picture of few samples, which is there before the large one has any.
+fn first_picture(studio: &Studio, device: &Device, job: &PreviewJob) -> Result<(), Failure> {
+    let mut renderer = studio.renderer(device, (job.size / FIRST_SCALE).max(1))?;
+    while !(renderer.step(FIRST_SPP).map_err(Failure::because)?).is_done() {
+        if interrupt::requested() {
+            return Ok(());
+        }
+    }
+    let film = renderer.film().map_err(Failure::because)?;
+    output::write(&job.output, &film, None, &View::default()).map_err(Failure::because)
+}
+
+/// What is rendered.
+enum Studio {
+    Texture(Box<Preview>),
+    Material(Box<MaterialPreview>),
+}
+
+impl Studio {
+    fn renderer(&self, device: &Device, width: u32) -> Result<Renderer, Failure> {
+        let renderer = match self {
+            Self::Texture(preview) => preview.renderer(device, width),
+            Self::Material(preview) => preview.renderer(device, width),
+        };
+        renderer.map_err(Failure::because)
+    }
+}
+
+/// A texture or node with its arguments.
+fn texture(
+    job: &PreviewJob,
+    subject: Subject<'_>,
+    sources: &TextureSources,
+) -> Result<Studio, Failure> {
+    let mut preview = Preview::new(subject, sources, job.range)?;
+    console::diagnostics(preview.warnings());
+    for (parameter, value) in &job.target.sets {
+        preview.set(parameter, value).map_err(Failure::because)?;
+    }
+    Ok(Studio::Texture(Box::new(preview)))
 }

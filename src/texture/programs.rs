@@ -7,7 +7,7 @@ use engine::procedural::{
     HEAD_MASK, HEAD_MASK_VALUE, HEAD_OVER, HEAD_PROGRAM, HEAD_WORDS, Procedural,
 };
 use engine::scene::Scene;
-use texgen::{Graph, Instruction, NodeId, ParameterType, Program, Widget};
+use texgen::{Graph, Instruction, NodeId, ParameterType, Program, TextureType, Widget};
 
 use super::{counted, written};
 
@@ -68,7 +68,15 @@ pub(super) fn instructions(graph: &Graph, program: &Program, title: &str) -> Str
     let Ok(decoded) = program.instructions(library) else {
         return format!("    {title}: can't be decoded\n");
     };
-    let slots = decoded.iter().map(|one| one.slot + 1).max().unwrap_or(0);
+    let slots = (decoded.iter())
+        .flat_map(|one| {
+            one.further
+                .iter()
+                .map(|further| further.1)
+                .chain([one.slot])
+        })
+        .max()
+        .map_or(0, |last| last + 1);
     let mut text = format!(
         "    {title}: {}, {}\n",
         counted(decoded.len(), "instruction"),
@@ -96,13 +104,23 @@ pub(super) fn instructions(graph: &Graph, program: &Program, title: &str) -> Str
         }
         let _ = writeln!(
             text,
-            "        s{} = {}: {}({})  args at {}",
-            instruction.slot,
+            "        {} = {}: {}({})  args at {}",
+            slots_of(instruction, texture),
             node.map_or("?", |node| graph.name(node)),
             texture.name(),
             arguments.join(", "),
             instruction.args
         );
+    }
+    text
+}
+
+/// Where results go: `s2`, or of several outputs `s2, s3 (color)`.
+fn slots_of(instruction: &Instruction, texture: &TextureType) -> String {
+    let mut text = format!("s{}", instruction.slot);
+    for (number, slot) in &instruction.further {
+        let name = texture.outputs().get(*number).map_or("?", |o| &o.name);
+        let _ = write!(text, ", s{slot} ({name})");
     }
     text
 }

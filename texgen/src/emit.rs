@@ -10,6 +10,7 @@ use crate::args;
 use crate::attribute::{Attribute, BuiltinAttribute};
 use crate::interface::Parameter;
 use crate::library::Library;
+use crate::program::NOT_KEPT;
 use crate::rewrite::{Piece, array_reader, attribute_read, element_reader};
 use crate::source_map::{Segment, SourceMap};
 use crate::standard;
@@ -116,6 +117,7 @@ impl Emitter {
         emitter.array_readers(library);
         emitter.custom_attributes(library);
         emitter.standard_functions(library);
+        emitter.keeper(library);
         emitter
     }
 
@@ -191,6 +193,21 @@ impl Emitter {
         }
         for (index, name) in names.iter().enumerate() {
             self.line(&format!("const patina_custom{name} = {index}u;"));
+        }
+    }
+
+    /// What stores outputs behind the first, where some texture has any.
+    fn keeper(&mut self, library: &Library) {
+        let mut textures = library.textures().iter();
+        if textures.any(|texture| texture.outputs().len() > 1) {
+            self.line("");
+            self.line("// An output of several into its slot, if anything reads it.");
+            self.line("fn patina_keep(slot: u32, value: vec4f, args: u32) {");
+            self.line(&format!("    if slot != {NOT_KEPT}u {{"));
+            self.line("        patina_check(value, args);");
+            self.line("        patina_stack[slot] = value;");
+            self.line("    }");
+            self.line("}");
         }
     }
 
@@ -355,6 +372,11 @@ impl Emitter {
                 "    patina_occlusion = vec2u(occlusion & 0xffu, (occlusion >> 8u) & 0xffu);",
             );
         }
+        let outputs = texture.outputs();
+        for word in 0..outputs.len().saturating_sub(1).div_ceil(2) {
+            self.line(&format!("    let kept{word} = patina_program_word(*at);"));
+            self.line("    *at += 1u;");
+        }
         // Behind the AO slots, which an attribute may need.
         for (place, &i) in linkable.iter().enumerate() {
             let parameter = &texture.parameters()[i];
@@ -382,10 +404,15 @@ impl Emitter {
             "    let result = {name}__userProc({});",
             arguments.join(", ")
         ));
-        self.line(&format!(
-            "    return {};",
-            stored("result", texture.output())
-        ));
+        for (number, output) in outputs.iter().enumerate().skip(1) {
+            let (word, shift) = ((number - 1) / 2, 16 * ((number - 1) % 2));
+            let value = stored(&format!("result.{}", output.name), output.ty);
+            self.line(&format!(
+                "    patina_keep((kept{word} >> {shift}u) & 0xffffu, {value}, args);"
+            ));
+        }
+        let value = first_result("result", texture);
+        self.line(&format!("    return {value};"));
         self.line("}");
     }
 
@@ -452,6 +479,14 @@ pub(crate) fn stored(result: &str, output: OutputType) -> String {
         OutputType::Vec2 => format!("vec4f({result}, 0.0, 1.0)"),
         OutputType::Vec3 => format!("vec4f({result}, 1.0)"),
         OutputType::Vec4 => result.to_owned(),
+    }
+}
+
+/// The first output of a texture as it lies in a slot, from the variable that holds what `userProc` has returned.
+pub(crate) fn first_result(result: &str, texture: &TextureType) -> String {
+    match texture.outputs().first() {
+        Some(first) => stored(&format!("{result}.{}", first.name), first.ty),
+        None => stored(result, texture.output()),
     }
 }
 

@@ -42,8 +42,18 @@ const OCCLUSION_SLOTS: u32 = 4;
 pub struct Link {
     /// The node it comes from.
     pub source: NodeId,
-    /// The components it takes; all where there is none.
+    /// What it takes of it: an output by name, components; the first output as a whole where there is none.
     pub swizzle: Option<Swizzle>,
+}
+
+impl From<NodeId> for Link {
+    /// The first output as a whole.
+    fn from(source: NodeId) -> Self {
+        Self {
+            source,
+            swizzle: None,
+        }
+    }
 }
 
 /// A value that was lost because its parameter is of another type now.
@@ -392,10 +402,19 @@ impl Graph {
         source: NodeId,
         swizzle: Option<Swizzle>,
     ) -> Result<OutputType, GraphError> {
-        let output = self.output(source);
         let Some(swizzle) = swizzle else {
-            return Ok(output);
+            return Ok(self.output(source));
         };
+        let output = match swizzle.output() {
+            None => self.output(source),
+            Some(_) => {
+                let number = self.output_number(source, swizzle)?;
+                self.texture(source).outputs()[number].ty
+            }
+        };
+        if swizzle.components().is_empty() {
+            return Ok(output);
+        }
         let inside = swizzle
             .components()
             .iter()
@@ -408,6 +427,32 @@ impl Graph {
                 found: output,
                 swizzle,
             })
+    }
+
+    /// The place of the output that a link takes among those of the source's texture.
+    pub(crate) fn output_number(
+        &self,
+        source: NodeId,
+        swizzle: Swizzle,
+    ) -> Result<usize, GraphError> {
+        let Some(name) = swizzle.output() else {
+            return Ok(0);
+        };
+        let texture = self.texture(source);
+        let names = || texture.outputs().iter().map(|output| output.name.as_str());
+        let found = names().position(|known| known == name);
+        found.ok_or_else(|| GraphError::UnknownOutput {
+            source_node: self.name(source).to_owned(),
+            name: name.to_owned(),
+            suggestion: did_you_mean(name, names()).map(str::to_owned),
+            remedy: match texture.outputs().is_empty() {
+                true => format!(
+                    "it gives {}, components of which are written like `.x` or `.rgb`",
+                    texture.output()
+                ),
+                false => format!("it has {}", names().collect::<Vec<_>>().join(", ")),
+            },
+        })
     }
 
     /// The fake stack: constants of all nodes.

@@ -82,6 +82,18 @@ pub enum GraphError {
         /// The swizzle.
         swizzle: Swizzle,
     },
+    /// An output that the source doesn't have.
+    #[error("`{source_node}` has no output `{name}`{}: {remedy}", hint(.suggestion))]
+    UnknownOutput {
+        /// The node the link comes from.
+        source_node: String,
+        /// As asked for.
+        name: String,
+        /// A name it may have meant.
+        suggestion: Option<String>,
+        /// What there is.
+        remedy: String,
+    },
     /// Nodes that need each other: a cyclic link.
     #[error("cyclic link: {}; take one of these links away", .nodes.join(" -> "))]
     Cycle {

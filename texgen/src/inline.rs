@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 use crate::args;
 use crate::emit::{self, Emitter, GeneratedKernel};
-use crate::graph::{Graph, NodeId};
+use crate::graph::{Graph, Link, NodeId};
 use crate::graph_error::GraphError;
 use crate::program::{Instruction, compile};
 use crate::rewrite::attribute_read;
@@ -20,10 +20,7 @@ use crate::value::{ParameterType, Value};
 ///
 /// # Errors
 /// As [`Graph::compile`].
-pub fn emit_inlined(
-    graph: &Graph,
-    programs: &[Vec<NodeId>],
-) -> Result<GeneratedKernel, GraphError> {
+pub fn emit_inlined(graph: &Graph, programs: &[Vec<Link>]) -> Result<GeneratedKernel, GraphError> {
     let library = graph.library();
     let slots = programs.iter().map(Vec::len).max().unwrap_or(0) as u32;
     let mut emitter = Emitter::new(library, slots);
@@ -42,7 +39,7 @@ pub fn emit_inlined(
         emitter.line("");
         emitter.line(&format!("fn patina_program_{number}() {{"));
         // The variable that holds what is in each slot now.
-        let mut holder: HashMap<u32, usize> = HashMap::new();
+        let mut holder: HashMap<u32, String> = HashMap::new();
         for (place, instruction) in instructions.iter().enumerate() {
             let texture = &library.textures()[instruction.texture];
             if let Some([ao, ao1]) = instruction.occlusion {
@@ -58,10 +55,9 @@ pub fn emit_inlined(
                 &holder,
             );
             let call = format!("{}__userProc({arguments})", names[instruction.texture]);
-            emitter.line(&format!(
-                "    let n{place} = {};",
-                emit::stored(&call, texture.output())
-            ));
+            emitter.line(&format!("    let r{place} = {call};"));
+            let first = emit::first_result(&format!("r{place}"), texture);
+            emitter.line(&format!("    let n{place} = {first};"));
             if texture.rewrite().guards_loops {
                 let number = instruction.texture + 1;
                 emitter.line(&format!(
@@ -72,10 +68,20 @@ pub fn emit_inlined(
                 "    patina_check(n{place}, {}u);",
                 instruction.args
             ));
-            holder.insert(instruction.slot, place);
+            holder.insert(instruction.slot, format!("n{place}"));
+            for &(number, slot) in &instruction.further {
+                let output = &texture.outputs()[number];
+                let value = emit::stored(&format!("r{place}.{}", output.name), output.ty);
+                emitter.line(&format!("    let n{place}_{number} = {value};"));
+                emitter.line(&format!(
+                    "    patina_check(n{place}_{number}, {}u);",
+                    instruction.args
+                ));
+                holder.insert(slot, format!("n{place}_{number}"));
+            }
         }
         for (root, slot) in program.results.iter().enumerate() {
-            emitter.line(&format!("    patina_stack[{root}] = n{};", holder[slot]));
+            emitter.line(&format!("    patina_stack[{root}] = {};", holder[slot]));
         }
         emitter.line("}");
     }
@@ -98,7 +104,7 @@ fn arguments(
     graph: &Graph,
     node: Option<NodeId>,
     instruction: &Instruction,
-    holder: &HashMap<u32, usize>,
+    holder: &HashMap<u32, String>,
 ) -> String {
     let Some(node) = node else {
         return String::new();
@@ -147,8 +153,8 @@ fn arguments(
 }
 
 /// A link's `vec4f` from the variable that holds its source (see [`link_word`](crate::link_word)).
-fn swizzled(word: u32, holder: &HashMap<u32, usize>) -> String {
-    let source = format!("n{}", holder[&(word & 0xffff)]);
+fn swizzled(word: u32, holder: &HashMap<u32, String>) -> String {
+    let source = holder[&(word & 0xffff)].clone();
     if word >> 31 == 0 {
         return source;
     }

@@ -2,7 +2,18 @@
 //! Plain data; `parse` fills it from naga's module and `metadata` from the `@param` lines.
 
 use crate::attribute::{Attribute, BuiltinAttribute};
-use crate::value::{ParameterType, Value};
+use crate::value::{OutputType, ParameterType, Value};
+
+/// One of several values that `userProc` returns: a member of its struct.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedOutput {
+    /// The name of the member; what a link takes it by.
+    pub name: String,
+    /// Its type.
+    pub ty: OutputType,
+    /// What its `@output` line says; empty where there is none.
+    pub label: String,
+}
 
 /// One parameter of `userProc`.
 #[derive(Clone, Debug, PartialEq)]

@@ -93,7 +93,7 @@ pub use graph::{DroppedValue, Edit, Graph, Link, NodeId};
 pub use graph_error::GraphError;
 pub use guard::guarded;
 pub use inline::emit_inlined;
-pub use interface::{Parameter, Widget};
+pub use interface::{NamedOutput, Parameter, Widget};
 pub use libraries::used_libraries;
 pub use library::Library;
 pub use parse::CAPABILITIES;

@@ -4,12 +4,14 @@
 //! `[0 .. 10]` is the range, `[soft 0 .. 1]` the usual range, `[unit m]` a unit, and `color`, `angle`, `log`,
 //! `percent`, `seed` a widget, `data` an image of numbers, `[attr LocalPos]` the attribute that is taken unlinked; several stand in brackets of their own or behind commas. `linear`, `smooth` and
 //! `constant` are the interpolation of a ramp's default.
+//!
+//! `@output NAME label` says what a member of the struct is that `userProc` returns.
 
 use std::ops::Range;
 
 use crate::attribute::{Attribute, BUILTIN_ATTRIBUTES, BuiltinAttribute};
 use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
-use crate::interface::{Parameter, Widget};
+use crate::interface::{NamedOutput, Parameter, Widget};
 use crate::libraries::Whole;
 use crate::literal::{self, Literal};
 use crate::scope::Outline;
@@ -23,14 +25,24 @@ struct DocLine<'a> {
     start: usize,
 }
 
-/// Fills `parameters` from the `@param` lines above `userProc` and returns the rest of the text. Problems of
+/// What documentation may be about.
+pub(crate) struct Described<'a> {
+    pub(crate) parameters: &'a mut [Parameter],
+    pub(crate) outputs: &'a mut [NamedOutput],
+}
+
+/// Fills what is `described` from the `@param` and `@output` lines above `userProc` and returns the rest of the text. Problems of
 /// defaults are errors, of anything else warnings.
 pub(crate) fn read_docs(
     whole: &Whole,
     outline: &Outline<'_>,
-    parameters: &mut [Parameter],
+    described: Described<'_>,
     problems: &mut Diagnostics,
 ) -> String {
+    let Described {
+        parameters,
+        outputs,
+    } = described;
     let file = &whole.file;
     let mut docs = String::new();
     let mut described: Vec<String> = Vec::new();
@@ -41,6 +53,11 @@ pub(crate) fn read_docs(
             .any(|key| trimmed.starts_with(key));
         if is_read || line.start >= whole.own_len() {
             continue; // said elsewhere, or about a shared file
+        }
+        if let Some(rest) = trimmed.strip_prefix("@output ") {
+            let start = line.start + line.text.len() - rest.len();
+            describe_output(file, rest, start, outputs, problems);
+            continue;
         }
         let Some(rest) = trimmed.strip_prefix("@param") else {
             docs.push_str(line.text.strip_prefix(' ').unwrap_or(line.text).trim_end());
@@ -96,6 +113,35 @@ pub(crate) fn read_docs(
     }
     misplaced(file, outline, parameters, &described, problems);
     docs.trim().to_owned()
+}
+
+/// Reads what follows `@output`: a name and what it is.
+fn describe_output(
+    file: &SourceFile,
+    text: &str,
+    start: usize,
+    outputs: &mut [NamedOutput],
+    problems: &mut Diagnostics,
+) {
+    let text = text.trim_end();
+    let indent = text.len() - text.trim_start().len();
+    let (name, label) = text
+        .trim_start()
+        .split_once(char::is_whitespace)
+        .unwrap_or((text.trim_start(), ""));
+    let span = start + indent..start + indent + name.len();
+    if let Some(output) = outputs.iter_mut().find(|output| output.name == name) {
+        label.trim().clone_into(&mut output.label);
+        return;
+    }
+    let warning = Diagnostic::warning(format!("`userProc` has no output `{name}`"));
+    let names = || outputs.iter().map(|output| output.name.as_str());
+    let note = match (did_you_mean(name, names()), outputs.is_empty()) {
+        (Some(near), _) => format!("did you mean `{near}`?"),
+        (None, true) => "outputs are the members of a struct that it returns".to_owned(),
+        (None, false) => format!("it has: {}", names().collect::<Vec<_>>().join(", ")),
+    };
+    problems.push(warning.with_label(file, span, "").with_note(note));
 }
 
 /// What stands behind the first `@group`.

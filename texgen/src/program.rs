@@ -10,6 +10,7 @@
 //! | ⌈linkable parameters / 32⌉ | bit i is set where the i-th linkable parameter is a link, or a constant in the place of an attribute |
 //! | one per set bit | the link, see [`link_word`]; 2^30 for a constant in the place of an attribute |
 //! | 1, only where the texture reads `AO` or `AO1` | AO slots of the node: `AO` in bits 0..8, `AO1` in bits 8..16 |
+//! | ⌈(outputs - 1) / 2⌉, only where the texture has several | slots of all outputs but the first, 16 bits each; 0xffff for those that nothing reads |
 //!
 //! Links lie here and not in the fake stack because slot numbers differ from program to program.
 
@@ -17,7 +18,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use crate::attribute::{Attribute, BuiltinAttribute};
 use crate::emit::reads_occlusion;
-use crate::graph::{Graph, NodeId};
+use crate::graph::{Graph, Link, NodeId};
 use crate::graph_error::GraphError;
 use crate::library::Library;
 use crate::schedule::{self, Dag};
@@ -31,7 +32,7 @@ pub struct Program {
     pub words: Vec<u32>,
     /// Stack slots it needs.
     pub slots_needed: u32,
-    /// The slot that holds each root's result after the run, in the order of the roots.
+    /// The slot that holds each root after the run, in their order.
     pub results: Vec<u32>,
     /// Attributes its textures read.
     pub attributes: BTreeSet<Attribute>,
@@ -52,6 +53,8 @@ pub struct Instruction {
     pub links: Vec<(usize, u32)>,
     /// AO slots for `AO` and `AO1`, where the texture reads one of them.
     pub occlusion: Option<[u32; 2]>,
+    /// Numbers of the outputs behind the first that are read, and the slot of each.
+    pub further: Vec<(usize, u32)>,
 }
 
 impl Program {
@@ -96,6 +99,13 @@ impl Program {
             } else {
                 None
             };
+            let count = texture.outputs().len();
+            let mut further = Vec::new();
+            for number in (1..count).step_by(2) {
+                let word = next()?;
+                further.extend([(number, word & 0xffff), (number + 1, word >> 16)]);
+            }
+            further.retain(|&(_, slot)| slot != NOT_KEPT);
             let (texture, slot) = ((head & 0xffff) as usize, head >> 16);
             instructions.push(Instruction {
                 texture,
@@ -103,6 +113,7 @@ impl Program {
                 args,
                 links,
                 occlusion,
+                further,
             });
         }
         Ok(instructions)
@@ -111,6 +122,9 @@ impl Program {
 
 /// Stands in the place of a link where a parameter that would take an attribute has a constant.
 const CONSTANT: u32 = 1 << 30;
+
+/// The slot of an output that nothing reads.
+pub(crate) const NOT_KEPT: u32 = 0xffff;
 
 /// The word for a place with the width of the pixel in its last component: what has no such component gives 0, and so the hit's
 /// own.
@@ -123,6 +137,7 @@ fn coordinate_word(slot: u32, swizzle: Option<Swizzle>, output: OutputType) -> u
     };
     let selectors = match swizzle {
         None => own,
+        Some(swizzle) if swizzle.components().is_empty() => own,
         Some(swizzle) if swizzle.components().len() == 4 => swizzle.selectors(),
         Some(swizzle) => {
             let [x, y, z, _] = swizzle.selectors();
@@ -138,13 +153,13 @@ fn with_selectors(slot: u32, selectors: [u8; 4]) -> u32 {
     })
 }
 
-/// The word that reads stack slot `slot` through a swizzle. The generated kernel's `patina_link(word)` decodes it.
+/// The word that reads stack slot `slot` through the components of a swizzle. The generated kernel's `patina_link(word)` decodes it.
 ///
 /// Bits 0..16 are the slot. Without a swizzle that is all; else bit 31 is set and four selectors of three bits
 /// follow from bit 16 on: 0..=3 pick a component, 4 is the constant 0, 5 the constant 1.
 pub fn link_word(slot: u32, swizzle: Option<Swizzle>) -> u32 {
     let slot = slot & 0xffff;
-    match swizzle {
+    match swizzle.filter(|swizzle| !swizzle.components().is_empty()) {
         None => slot,
         Some(swizzle) => with_selectors(slot, swizzle.selectors()),
     }
@@ -156,13 +171,25 @@ impl Graph {
     /// # Errors
     /// An image parameter below the roots without an image; more than 65,535 results at once.
     pub fn compile(&self, roots: &[NodeId]) -> Result<Program, GraphError> {
+        let whole: Vec<Link> = roots.iter().copied().map(Link::from).collect();
+        self.compile_links(&whole)
+    }
+
+    /// As [`Self::compile`], for outputs of nodes: results are the slots of the outputs that the links take.
+    ///
+    /// # Errors
+    /// As [`Self::compile`]; an output that its texture doesn't have.
+    pub fn compile_links(&self, roots: &[Link]) -> Result<Program, GraphError> {
         compile(self, roots)
     }
 }
 
-/// See [`Graph::compile`].
-pub(crate) fn compile(graph: &Graph, roots: &[NodeId]) -> Result<Program, GraphError> {
-    let (nodes, dag) = reachable(graph, roots);
+/// See [`Graph::compile_links`].
+pub(crate) fn compile(graph: &Graph, roots: &[Link]) -> Result<Program, GraphError> {
+    let sources: Vec<NodeId> = roots.iter().map(|root| root.source).collect();
+    let (nodes, mut dag) = reachable(graph, &sources);
+    let kept = kept_outputs(graph, &nodes, roots)?;
+    dag.widths = nodes.iter().map(|node| 1 + kept[node].len()).collect();
     for &id in &nodes {
         require_images(graph, id)?;
     }
@@ -172,11 +199,14 @@ pub(crate) fn compile(graph: &Graph, roots: &[NodeId]) -> Result<Program, GraphE
             slots: schedule.slots_needed,
         });
     }
-    let slot_of: HashMap<NodeId, u32> = nodes
-        .iter()
-        .copied()
-        .zip(schedule.slots.iter().copied())
-        .collect();
+    let places: HashMap<NodeId, usize> = nodes.iter().copied().zip(0..).collect();
+    let slot_of = |link: &Link| -> Result<u32, GraphError> {
+        let slots = &schedule.slots[places[&link.source]];
+        let number = output_number(graph, link)?;
+        // The first output is always there, before those that are kept.
+        let further = kept[&link.source].iter().position(|&kept| kept == number);
+        Ok(slots[further.map_or(0, |at| at + 1)])
+    };
 
     let mut program = Program {
         words: vec![nodes.len() as u32],
@@ -188,23 +218,28 @@ pub(crate) fn compile(graph: &Graph, roots: &[NodeId]) -> Result<Program, GraphE
         let texture = graph.texture_of(node);
         program
             .words
-            .push(node.texture as u32 | schedule.slots[at] << 16);
+            .push(node.texture as u32 | schedule.slots[at][0] << 16);
         program.words.push(node.block);
         let inputs = node.inputs.iter().zip(texture.parameters());
-        let links: Vec<Option<u32>> = inputs
+        let links: Result<Vec<Option<u32>>, GraphError> = inputs
             .filter(|(_, parameter)| parameter.ty.is_linkable())
             .map(|(input, parameter)| {
                 let Some(link) = input.link else {
                     let constant = parameter.attribute.is_some() && input.is_set();
-                    return constant.then_some(CONSTANT);
+                    return Ok(constant.then_some(CONSTANT));
                 };
-                let slot = slot_of[&link.source];
-                Some(match parameter.is_coordinate() {
-                    true => coordinate_word(slot, link.swizzle, graph.output(link.source)),
+                let slot = slot_of(&link)?;
+                Ok(Some(match parameter.is_coordinate() {
+                    true => {
+                        let whole = link.swizzle.and_then(|swizzle| swizzle.whole());
+                        let output = graph.link_output(link.source, whole)?;
+                        coordinate_word(slot, link.swizzle, output)
+                    }
                     false => link_word(slot, link.swizzle),
-                })
+                }))
             })
             .collect();
+        let links = links?;
         for group in links.chunks(32) {
             let mask = group.iter().enumerate().fold(0, |mask, (bit, link)| {
                 mask | u32::from(link.is_some()) << bit
@@ -225,12 +260,52 @@ pub(crate) fn compile(graph: &Graph, roots: &[NodeId]) -> Result<Program, GraphE
                 }
             }
         }
+        let further = |number: usize| {
+            let kept = kept[&nodes[at]].iter().position(|&kept| kept == number);
+            kept.map_or(NOT_KEPT, |place| schedule.slots[at][place + 1])
+        };
+        for number in (1..texture.outputs().len()).step_by(2) {
+            program
+                .words
+                .push(further(number) | further(number + 1) << 16);
+        }
         program
             .attributes
             .extend(texture.attributes().iter().cloned());
     }
-    program.results = roots.iter().map(|root| slot_of[root]).collect();
+    program.results = roots.iter().map(slot_of).collect::<Result<_, _>>()?;
     Ok(program)
+}
+
+fn output_number(graph: &Graph, link: &Link) -> Result<usize, GraphError> {
+    match link.swizzle {
+        Some(swizzle) => graph.output_number(link.source, swizzle),
+        None => Ok(0),
+    }
+}
+
+/// The outputs of each node that something reads, but for the first ones: ascending.
+fn kept_outputs(
+    graph: &Graph,
+    nodes: &[NodeId],
+    roots: &[Link],
+) -> Result<HashMap<NodeId, Vec<usize>>, GraphError> {
+    let mut kept: HashMap<NodeId, Vec<usize>> =
+        nodes.iter().map(|&node| (node, Vec::new())).collect();
+    let inputs = nodes
+        .iter()
+        .flat_map(|node| &graph.nodes()[node.index()].inputs);
+    let links = inputs.filter_map(|input| input.link);
+    for link in links.chain(roots.iter().copied()) {
+        let number = output_number(graph, &link)?;
+        let outputs = kept.entry(link.source).or_default();
+        if number > 0 && !outputs.contains(&number) {
+            outputs.push(number);
+        }
+    }
+    kept.values_mut()
+        .for_each(|outputs| outputs.sort_unstable());
+    Ok(kept)
 }
 
 /// The nodes below the roots, roots included, and their links by place in that list.
@@ -264,6 +339,7 @@ fn reachable(graph: &Graph, roots: &[NodeId]) -> (Vec<NodeId>, Dag) {
     (
         nodes,
         Dag {
+            widths: vec![1; inputs.len()],
             inputs,
             roots: root_places,
         },

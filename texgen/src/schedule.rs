@@ -14,14 +14,16 @@ pub(crate) struct Dag {
     pub(crate) inputs: Vec<Vec<usize>>,
     /// Nodes whose results are kept to the end. Everything else is read by something.
     pub(crate) roots: Vec<usize>,
+    /// How many slots the results of each node take.
+    pub(crate) widths: Vec<usize>,
 }
 
 /// Order and slots.
 #[derive(Clone, Debug)]
 pub(crate) struct Schedule {
     pub(crate) order: Vec<usize>,
-    /// Slot of each node's result.
-    pub(crate) slots: Vec<u32>,
+    /// Slots of each node's results.
+    pub(crate) slots: Vec<Vec<u32>>,
     pub(crate) slots_needed: u32,
 }
 
@@ -49,23 +51,26 @@ fn reader_counts(dag: &Dag) -> Vec<usize> {
 
 fn assign_slots(dag: &Dag, order: Vec<usize>) -> Schedule {
     let mut readers = reader_counts(dag);
-    let mut slots = vec![0; dag.inputs.len()];
+    let mut slots: Vec<Vec<u32>> = vec![Vec::new(); dag.inputs.len()];
     let mut free = std::collections::BinaryHeap::new(); // the lowest slot first: results stay close together
     let mut slots_needed = 0;
     for &node in &order {
         for &input in &dag.inputs[node] {
             readers[input] -= 1;
             if readers[input] == 0 {
-                free.push(std::cmp::Reverse(slots[input]));
+                free.extend(slots[input].iter().copied().map(std::cmp::Reverse));
             }
         }
-        slots[node] = match free.pop() {
+        let next = || match free.pop() {
             Some(std::cmp::Reverse(slot)) => slot,
             None => {
                 slots_needed += 1;
                 slots_needed - 1
             }
         };
+        slots[node] = std::iter::repeat_with(next)
+            .take(dag.widths[node])
+            .collect();
     }
     Schedule {
         order,
@@ -81,9 +86,11 @@ fn peak(dag: &Dag, order: &[usize]) -> usize {
     for &node in order {
         for &input in &dag.inputs[node] {
             readers[input] -= 1;
-            live -= usize::from(readers[input] == 0);
+            if readers[input] == 0 {
+                live -= dag.widths[input];
+            }
         }
-        live += 1;
+        live += dag.widths[node];
         peak = peak.max(live);
     }
     peak
@@ -111,7 +118,8 @@ fn exact_order(dag: &Dag) -> Vec<usize> {
     let live = |done: usize| {
         (0..count)
             .filter(|&v| done >> v & 1 == 1 && (roots >> v & 1 == 1 || readers[v] & !done != 0))
-            .count() as u8
+            .map(|v| dag.widths[v])
+            .sum::<usize>() as u8
     };
     // best[done]: least peak to get there, and the node evaluated last. Sets grow, so numeric order will do.
     let mut best = vec![(u8::MAX, 0u8); full + 1];
@@ -238,6 +246,7 @@ mod tests {
         let dag = Dag {
             inputs: inputs.iter().map(|list| list.to_vec()).collect(),
             roots: roots.to_vec(),
+            widths: vec![1; inputs.len()],
         };
         let schedule = schedule(&dag);
         check(&dag, &schedule);
@@ -249,18 +258,19 @@ mod tests {
         let mut stack = vec![usize::MAX; schedule.slots_needed as usize];
         for &node in &schedule.order {
             for &input in &dag.inputs[node] {
-                assert_eq!(
-                    stack[schedule.slots[input] as usize], input,
-                    "{dag:?} {schedule:?}"
-                );
+                for &slot in &schedule.slots[input] {
+                    assert_eq!(stack[slot as usize], input, "{dag:?} {schedule:?}");
+                }
             }
-            stack[schedule.slots[node] as usize] = node;
+            assert_eq!(schedule.slots[node].len(), dag.widths[node]);
+            for &slot in &schedule.slots[node] {
+                stack[slot as usize] = node;
+            }
         }
         for &root in &dag.roots {
-            assert_eq!(
-                stack[schedule.slots[root] as usize], root,
-                "{dag:?} {schedule:?}"
-            );
+            for &slot in &schedule.slots[root] {
+                assert_eq!(stack[slot as usize], root, "{dag:?} {schedule:?}");
+            }
         }
         let mut sorted = schedule.order.clone();
         sorted.sort_unstable();
@@ -293,7 +303,13 @@ mod tests {
             .map(|v| inputs.iter().any(|list| list.contains(&v)))
             .collect();
         let roots = (0..count).filter(|&v| !read[v]).collect();
-        Dag { inputs, roots }
+        // Some keep several results.
+        let widths = (0..count).map(|_| 1 + random(seed) % 5 / 3).collect();
+        Dag {
+            inputs,
+            roots,
+            widths,
+        }
     }
 
     /// The least peak over all topological orders, by trying them all.
@@ -333,6 +349,7 @@ mod tests {
             let dag = Dag {
                 inputs,
                 roots: vec![length - 1],
+                widths: vec![1; length],
             };
             let schedule = schedule(&dag);
             check(&dag, &schedule);
@@ -358,6 +375,7 @@ mod tests {
             let dag = Dag {
                 inputs,
                 roots: vec![count - 1],
+                widths: vec![1; count],
             };
             let schedule = schedule(&dag);
             check(&dag, &schedule);

@@ -1,12 +1,15 @@
 //! `userProc` as naga sees it: the types of its parameters and of its result.
 
-use naga::{ArraySize, Handle, Module, Scalar, ScalarKind, Type, TypeInner, VectorSize};
+use naga::{
+    ArraySize, Handle, Module, Scalar, ScalarKind, StructMember, Type, TypeInner, VectorSize,
+};
 
 use crate::args::words_of;
 use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
-use crate::interface::{Parameter, Widget};
+use crate::interface::{NamedOutput, Parameter, Widget};
 use crate::scope::Outline;
 use crate::suggest::did_you_mean;
+use crate::swizzle::{MAX_OUTPUT_NAME, Swizzle};
 use crate::value::{ElementType, OutputType, ParameterType};
 
 /// Most elements of an array parameter.
@@ -15,14 +18,28 @@ const MAX_ARRAY: u32 = 65_536;
 /// Most words of all parameters together, 4 MiB. A node's arguments lie in memory several times, here and on the device.
 const MAX_WORDS: u64 = 1 << 20;
 
+const OUTPUTS_NOTE: &str = "each member of the struct is an output that links take by its name, the first one where they name none";
+
 const TYPES_NOTE: &str = "parameters are f32, i32, u32, bool, vec2f, vec3f, vec4f, mat3x3f, mat4x4f, sam2D, ramp1D, or array<T, N> of the plain ones";
+
+/// What `userProc` takes and gives.
+pub(crate) struct Signature {
+    pub(crate) parameters: Vec<Parameter>,
+    /// What it returns, or the first member of it.
+    pub(crate) output: OutputType,
+    /// The members of a struct that it returns.
+    pub(crate) outputs: Vec<NamedOutput>,
+}
+
+/// Most members of a struct that is returned.
+const MAX_OUTPUTS: usize = 8;
 
 /// Parameters and result of `userProc`; labels and defaults are still the plain ones.
 pub(crate) fn read(
     file: &SourceFile,
     outline: &Outline<'_>,
     module: &Module,
-) -> Result<(Vec<Parameter>, OutputType), Diagnostics> {
+) -> Result<Signature, Diagnostics> {
     let (Some(entry), Some((_, function))) = (
         outline.function("userProc"),
         module
@@ -70,18 +87,29 @@ pub(crate) fn read(
             ),
         }
     }
-    let output = function
-        .result
-        .as_ref()
-        .and_then(|result| output_type(module, result.ty));
+    let place = match entry.result.is_empty() {
+        true => outline.span(entry.name),
+        false => outline.span_of(&entry.result),
+    };
+    let mut outputs = Vec::new();
+    let result = function.result.as_ref();
+    let output = match result.map(|result| &module.types[result.ty].inner) {
+        Some(TypeInner::Struct { members, .. }) => {
+            match named_outputs(module, members) {
+                Ok(named) => outputs = named,
+                Err(problem) => {
+                    let error = Diagnostic::error(problem).with_label(file, place, "");
+                    problems.push(error.with_note(OUTPUTS_NOTE));
+                    return Err(problems);
+                }
+            }
+            outputs.first().map(|output| output.ty)
+        }
+        _ => result.and_then(|result| output_type(module, result.ty)),
+    };
     if output.is_none() {
-        let place = if entry.result.is_empty() {
-            outline.span(entry.name)
-        } else {
-            outline.span_of(&entry.result)
-        };
         problems.push(
-            Diagnostic::error("`userProc` returns f32, vec2f, vec3f or vec4f")
+            Diagnostic::error("`userProc` returns f32, vec2f, vec3f, vec4f or a struct of those")
                 .with_label(
                     file,
                     place,
@@ -95,9 +123,42 @@ pub(crate) fn read(
         );
     }
     match output {
-        Some(output) if problems.is_empty() => Ok((parameters, output)),
+        Some(output) if problems.is_empty() => Ok(Signature {
+            parameters,
+            output,
+            outputs,
+        }),
         _ => Err(problems),
     }
+}
+
+/// The members of a struct as outputs; else what is wrong with one.
+fn named_outputs(module: &Module, members: &[StructMember]) -> Result<Vec<NamedOutput>, String> {
+    if members.len() > MAX_OUTPUTS {
+        let count = members.len();
+        return Err(format!(
+            "`userProc` returns {count} values: at most {MAX_OUTPUTS} are possible"
+        ));
+    }
+    let output = |member: &StructMember| {
+        let name = member.name.clone().unwrap_or_default();
+        let Some(ty) = output_type(module, member.ty) else {
+            return Err(format!(
+                "the output `{name}` is none of f32, vec2f, vec3f and vec4f"
+            ));
+        };
+        if Swizzle::of_output(&name).is_none() {
+            return Err(format!(
+                "an output can't be called `{name}`: links would take it for components, or it is longer than {MAX_OUTPUT_NAME} letters"
+            ));
+        }
+        Ok(NamedOutput {
+            name,
+            ty,
+            label: String::new(),
+        })
+    };
+    members.iter().map(output).collect()
 }
 
 fn missing_entry(file: &SourceFile, outline: &Outline<'_>) -> Diagnostic {

@@ -10,16 +10,16 @@ use crate::args;
 use crate::attribute::{Attribute, BuiltinAttribute, Global};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity, SourceFile};
 use crate::habits::habits;
-use crate::interface::Parameter;
+use crate::interface::{NamedOutput, Parameter};
 use crate::libraries::Whole;
 use crate::memory_limit::{self, Needs};
-use crate::metadata;
+use crate::metadata::{self, Described};
 use crate::parse;
 use crate::reads::{self, ReadSource};
 use crate::refuse::{self, MAX_FILE_BYTES};
 use crate::rewrite::{self, Rewrite};
 use crate::scope::{GlobalKind, Outline};
-use crate::signature;
+use crate::signature::{self, Signature};
 use crate::standard;
 use crate::value::{OutputType, ParameterType};
 
@@ -32,6 +32,7 @@ pub struct TextureType {
     group: Option<String>,
     parameters: Vec<Parameter>,
     output: OutputType,
+    outputs: Vec<NamedOutput>,
     attributes: BTreeSet<Attribute>,
     globals: BTreeSet<Global>,
     reads_levels: bool,
@@ -100,8 +101,16 @@ impl TextureType {
                 return Err(problems);
             }
         };
-        let (mut parameters, output) = signature::read(&file, &outline, &module)?;
-        let docs = metadata::read_docs(whole, &outline, &mut parameters, &mut problems);
+        let Signature {
+            mut parameters,
+            output,
+            mut outputs,
+        } = signature::read(&file, &outline, &module)?;
+        let described = Described {
+            parameters: &mut parameters,
+            outputs: &mut outputs,
+        };
+        let docs = metadata::read_docs(whole, &outline, described, &mut problems);
         attributes.extend(parameters.iter().filter_map(|p| p.attribute.clone()));
         // How wide the pixel is comes with a position.
         if parameters.iter().any(Parameter::is_coordinate) {
@@ -125,6 +134,7 @@ impl TextureType {
             group: metadata::group(&outline),
             parameters,
             output,
+            outputs,
             attributes,
             globals,
             reads_levels: reads::reads_levels(&outline),
@@ -176,7 +186,12 @@ impl TextureType {
             .collect()
     }
 
-    /// What `userProc` returns.
+    /// The members of the struct that `userProc` returns, which links take by their names; empty where it returns a plain value.
+    pub fn outputs(&self) -> &[NamedOutput] {
+        &self.outputs
+    }
+
+    /// What `userProc` returns; of several values the first.
     pub fn output(&self) -> OutputType {
         self.output
     }

@@ -14,7 +14,12 @@ use super::images::sample;
 use super::place::{Place, Placed};
 
 /// Outputs by number; numbers are in all components. The normal is a direction in the world, and the bump is in it.
-pub(super) type Appearance = [Vec3; Output::ALL.len()];
+///
+/// The last one is the normal of the coat, which no program drives.
+pub(super) type Appearance = [Vec3; Output::ALL.len() + 1];
+
+/// Where an [`Appearance`] has the normal of the coat.
+pub(super) const COAT_NORMAL: usize = Output::ALL.len();
 
 /// A material with all that is below its blends.
 pub(super) struct Painter<'a> {
@@ -79,6 +84,14 @@ impl<'a> Painter<'a> {
                 let is_driven = surface.outputs.iter().any(|(driven, _)| *driven == output);
                 is_driven || has_picture(&self.scene.materials[*index as usize], output)
             }
+        })
+    }
+
+    /// Whether a coat has a normal map of its own; the surface below a coat has no part in its normal.
+    pub(super) fn has_coat_normal(&self) -> bool {
+        self.recipes.iter().any(|(index, recipe)| {
+            let material = &self.scene.materials[*index as usize];
+            matches!(recipe, Recipe::Surface(_)) && material.coat_normal_texture.is_some()
         })
     }
 
@@ -230,7 +243,7 @@ impl<'a> Painter<'a> {
                 _ => Vec3::ZERO,
             }
         };
-        let mut painted: Appearance = Output::ALL.map(|output| {
+        let outputs = Output::ALL.map(|output| {
             let value = given(output.key());
             match output.key() {
                 "emission" => value.map_or_else(
@@ -245,18 +258,23 @@ impl<'a> Painter<'a> {
                 key => value.unwrap_or_else(|| constant(key)),
             }
         });
+        let mut painted: Appearance = [Vec3::ZERO; COAT_NORMAL + 1];
+        painted[..COAT_NORMAL].copy_from_slice(&outputs);
         let of = |output: Output| output.number() as usize;
         painted[of(Output::EMISSION)] *= painted[of(Output::EMISSION_STRENGTH)].x.max(0.0);
         let scale = painted[of(Output::NORMAL_SCALE)].x;
+        let tangent = placed.tangent(placed.mesh, place);
+        let by_map = |map: Option<_>, scale: f32| match map {
+            None => place.normal,
+            map => mapped(place.normal, tangent, texel(map).truncate(), scale),
+        };
+        painted[COAT_NORMAL] = by_map(
+            material.coat_normal_texture.as_ref(),
+            material.coat_normal_scale,
+        );
         let normal = match given("normal").filter(|normal| is_direction(*normal)) {
             Some(normal) => normal.normalize(),
-            None => {
-                let map = material.normal_texture.as_ref();
-                let tangent = placed.tangent(placed.mesh, place);
-                map.map_or(place.normal, |map| {
-                    mapped(place.normal, tangent, texel(Some(map)).truncate(), scale)
-                })
-            }
+            None => by_map(material.normal_texture.as_ref(), scale),
         };
         // Mikkelsen, "Bump Mapping Unparametrized Surfaces on the GPU", 2010.
         let leaning = normal - (rise - normal * rise.dot(normal));

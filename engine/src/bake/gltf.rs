@@ -7,7 +7,7 @@ use glam::{Vec3, Vec4};
 use crate::procedural::Output;
 use crate::scene::{AlphaMode, Image, Material};
 
-use super::appearance::Appearance;
+use super::appearance::{Appearance, COAT_NORMAL};
 use super::images::{linear8, srgb8};
 use super::{BakeSettings, Maps, component};
 
@@ -43,6 +43,8 @@ pub enum Role {
     Coat,
     /// G its roughness.
     CoatRoughness,
+    /// Its normal in the frame of the tangents.
+    CoatNormal,
     /// RG direction, B strength.
     Anisotropy,
     /// R weight of the thin film.
@@ -53,7 +55,7 @@ pub enum Role {
 
 impl Role {
     /// All of them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::BaseColor,
         Self::MetallicRoughness,
         Self::Normal,
@@ -67,6 +69,7 @@ impl Role {
         Self::SheenRoughness,
         Self::Coat,
         Self::CoatRoughness,
+        Self::CoatNormal,
         Self::Anisotropy,
         Self::Iridescence,
         Self::IridescenceThickness,
@@ -91,6 +94,7 @@ impl Role {
             Self::SheenRoughness => "sheen_roughness",
             Self::Coat => "coat",
             Self::CoatRoughness => "coat_roughness",
+            Self::CoatNormal => "coat_normal",
             Self::Anisotropy => "anisotropy",
             Self::Iridescence => "iridescence",
             Self::IridescenceThickness => "iridescence_thickness",
@@ -124,6 +128,7 @@ impl Role {
             Self::SheenColor => rgb("sheen_color"),
             Self::Coat => [Number("coat", 0), One, One],
             Self::CoatRoughness => [One, Number("coat_roughness", 0), One],
+            Self::CoatNormal => rgb("coat_normal"),
             Self::Anisotropy => [
                 Number("anisotropy_rotation", 0),
                 Number("anisotropy_rotation", 1),
@@ -174,7 +179,7 @@ impl BakedImage {
         let texel = |texel: &[f32; 4]| -> [u8; 4] {
             let [r, g, b, a] = *texel;
             let rgb = match self.role {
-                Role::Normal => [r, g, b].map(|x| linear8(0.5 + 0.5 * x)),
+                Role::Normal | Role::CoatNormal => [r, g, b].map(|x| linear8(0.5 + 0.5 * x)),
                 Role::Anisotropy => [linear8(0.5 + 0.5 * r), linear8(0.5 + 0.5 * g), linear8(b)],
                 role if role.is_color() => [r, g, b].map(|x| srgb8(x * scale)),
                 _ => [r, g, b].map(|x| linear8(x * scale)),
@@ -216,11 +221,13 @@ pub struct BakedMaterial {
 pub(super) struct Planes {
     /// The outputs, with the number of their components.
     outputs: Vec<(Output, usize)>,
+    /// The coat's normal comes behind them.
+    has_coat_normal: bool,
 }
 
 impl Planes {
     /// All that differ from place to place, and the normal.
-    pub(super) fn of(varies: impl Fn(Output) -> bool) -> Self {
+    pub(super) fn of(varies: impl Fn(Output) -> bool, has_coat_normal: bool) -> Self {
         let wanted = |output: &Output| {
             *output == Output::NORMAL
                 || ![
@@ -242,12 +249,18 @@ impl Planes {
         let outputs = Output::ALL.into_iter().filter(wanted);
         Self {
             outputs: outputs.map(|output| (output, components(output))).collect(),
+            has_coat_normal,
         }
     }
 
-    /// Numbers of a texel: those of the outputs, and ambient occlusion.
+    fn of_outputs(&self) -> usize {
+        self.outputs.iter().map(|(_, count)| count).sum()
+    }
+
+    /// Numbers of a texel: those of the outputs, of the coat's normal, and ambient occlusion.
     pub(super) fn stride(&self) -> usize {
-        self.outputs.iter().map(|(_, count)| count).sum::<usize>() + 1
+        let coat = if self.has_coat_normal { 3 } else { 0 };
+        self.of_outputs() + coat + 1
     }
 
     /// The numbers of a place.
@@ -259,15 +272,15 @@ impl Planes {
         open: f32,
     ) -> Vec<f32> {
         let mut numbers = Vec::with_capacity(self.stride());
+        let along = tangent.truncate();
+        let across = normal.cross(along) * tangent.w;
+        let local = |bent: Vec3| {
+            let up = bent.dot(normal).max(0.01);
+            [bent.dot(along), bent.dot(across), up]
+        };
         for &(output, count) in &self.outputs {
             match output {
-                Output::NORMAL => {
-                    let bent = painted[output.number() as usize];
-                    let along = tangent.truncate();
-                    let across = normal.cross(along) * tangent.w;
-                    let local = [bent.dot(along), bent.dot(across), bent.dot(normal)];
-                    numbers.extend([local[0], local[1], local[2].max(0.01)]);
-                }
+                Output::NORMAL => numbers.extend(local(painted[output.number() as usize])),
                 Output::ANISOTROPY_ROTATION => {
                     let angle = component(painted, output, 0);
                     numbers.extend([angle.cos(), angle.sin()]);
@@ -275,12 +288,18 @@ impl Planes {
                 _ => numbers.extend((0..count).map(|i| component(painted, output, i))),
             }
         }
+        if self.has_coat_normal {
+            numbers.extend(local(painted[COAT_NORMAL]));
+        }
         numbers.push(open);
         numbers
     }
 
     /// Where an output's numbers begin.
     fn place(&self, key: &str) -> Option<usize> {
+        if key == "coat_normal" {
+            return self.has_coat_normal.then(|| self.of_outputs());
+        }
         let at = self.outputs.iter().position(|(o, _)| o.key() == key)?;
         Some(self.outputs[..at].iter().map(|(_, count)| count).sum())
     }
@@ -340,7 +359,7 @@ impl Planes {
         let texel =
             |texel: &[f32]| channels.map(|channel| channel.map_or_else(|c| c, |i| texel[i]));
         let mut rgba: Vec<[f32; 4]> = maps.plane(0, maps.stride).map(texel).collect();
-        if role == Role::Normal {
+        if matches!(role, Role::Normal | Role::CoatNormal) {
             for texel in &mut rgba {
                 let normal = Vec3::new(texel[0], texel[1], texel[2]).normalize_or(Vec3::Z);
                 [texel[0], texel[1], texel[2]] = normal.to_array();
@@ -419,7 +438,9 @@ fn is_flat(image: &BakedImage) -> bool {
     let is_same =
         |texel: &[f32; 4]| (0..4).all(|i| (texel[i] - first[i]).abs() < SAME * image.most);
     match image.role {
-        Role::Normal => image.rgba.iter().all(|t| t[0].abs().max(t[1].abs()) < SAME),
+        Role::Normal | Role::CoatNormal => {
+            image.rgba.iter().all(|t| t[0].abs().max(t[1].abs()) < SAME)
+        }
         _ => image.rgba.iter().all(is_same),
     }
 }
@@ -432,7 +453,7 @@ fn set_constant(m: &mut Material, role: Role, [r, g, b, a]: [f32; 4]) {
         Role::MetallicRoughness => {
             (m.roughness, m.metallic) = (g.clamp(0.0, 1.0), b.clamp(0.0, 1.0));
         }
-        Role::Normal => {}
+        Role::Normal | Role::CoatNormal => {}
         Role::Emission => m.emission = rgb.max(Vec3::ZERO),
         Role::Specular => m.specular = a.clamp(0.0, 1.0),
         Role::SpecularColor => m.specular_color = rgb.max(Vec3::ZERO),
@@ -469,6 +490,7 @@ fn prepare(m: &mut Material, image: &BakedImage) {
         Role::SheenRoughness => m.sheen_roughness = 1.0,
         Role::Coat => m.coat = 1.0,
         Role::CoatRoughness => m.coat_roughness = 1.0,
+        Role::CoatNormal => m.coat_normal_scale = 1.0,
         Role::Anisotropy => (m.anisotropy, m.anisotropy_rotation) = (1.0, 0.0),
         Role::Iridescence => m.iridescence = 1.0,
         Role::IridescenceThickness => m.iridescence_thickness = [0.0, image.most],

@@ -22,7 +22,7 @@ use std::ops::ControlFlow;
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use texgen::{NodeId, link_word};
+use texgen::{Link, link_word};
 
 use crate::evaluate::{EvaluateError, Sites};
 use crate::procedural::{CompileError, MAX_STACK_SLOTS, Output, Procedural};
@@ -186,19 +186,21 @@ impl<'a> Baker<'a> {
         })
     }
 
-    /// What a node gives: four components, the last ones filled up as [`evaluate`](crate::evaluate) does it.
+    /// What a node, or one of its outputs, gives: four components, the last ones filled up as [`evaluate`](crate::evaluate) does it.
     ///
     /// # Errors
     /// The mesh has no texture coordinates, the node's program can't run, the device fails, or the caller wants no more.
     pub fn node(
         &self,
-        node: NodeId,
+        source: impl Into<Link>,
         target: &Target<'_>,
         settings: &BakeSettings,
         progress: Progress<'_>,
     ) -> Result<Maps, BakeError> {
-        let program = (self.procedural.graph().compile(&[node])).map_err(CompileError::from)?;
-        let link = link_word(program.results[0], None);
+        let source = source.into();
+        let program = self.procedural.graph().compile_links(&[source]);
+        let program = program.map_err(CompileError::from)?;
+        let link = link_word(program.results[0], source.swizzle);
         let tables = program.occlusion_mask;
         if program.slots_needed > MAX_STACK_SLOTS {
             let needed = program.slots_needed;
@@ -225,7 +227,7 @@ impl<'a> Baker<'a> {
         progress: Progress<'_>,
     ) -> Result<BakedMaterial, BakeError> {
         let painter = Painter::new(self.scene, self.procedural, &self.sites, material)?;
-        let planes = gltf::Planes::of(|output| painter.varies(output));
+        let planes = gltf::Planes::of(|output| painter.varies(output), painter.has_coat_normal());
         let placed = self.placed(target);
         let tables = painter.occlusion;
         let paint = &mut |batch: &Batch<'_>, open: &[f32]| {

@@ -346,6 +346,7 @@ impl Role {
             Self::SheenRoughness => &mut m.sheen_roughness_texture,
             Self::Coat => &mut m.coat_texture,
             Self::CoatRoughness => &mut m.coat_roughness_texture,
+            Self::CoatNormal => &mut m.coat_normal_texture,
             Self::Anisotropy => &mut m.anisotropy_texture,
             Self::Iridescence => &mut m.iridescence_texture,
             Self::IridescenceThickness => &mut m.iridescence_thickness_texture,

@@ -1,13 +1,14 @@
 //! Pictures whose every texel is known.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::{Affine3A, Vec2, Vec4};
 
 use super::*;
 use crate::procedural::TextureSources;
 use crate::scene::look::Look;
-use crate::scene::{Instance, Material};
+use crate::scene::{Image, Instance, Material, Sampler, TextureRef};
 
 const SETTINGS: BakeSettings = BakeSettings {
     size: 16,
@@ -54,7 +55,15 @@ fn plain() -> Material {
 }
 
 fn baked(look: &str, textures: &[(&str, &str)], settings: &BakeSettings) -> BakedMaterial {
-    let mut scene = square(plain());
+    baked_of(square(plain()), look, textures, settings)
+}
+
+fn baked_of(
+    mut scene: Scene,
+    look: &str,
+    textures: &[(&str, &str)],
+    settings: &BakeSettings,
+) -> BakedMaterial {
     let mut sources = TextureSources::default();
     for (name, text) in textures {
         sources.insert(name, text);
@@ -192,6 +201,48 @@ fn heights_and_normals_of_the_world_become_normal_maps() {
         [0.6, 0.0, 0.8, 1.0],
         1e-5,
     );
+}
+
+#[test]
+fn the_coat_keeps_a_normal_of_its_own() {
+    let mut scene = square(Material {
+        coat: 1.0,
+        coat_normal_scale: 0.5,
+        coat_normal_texture: Some(TextureRef {
+            image: 0,
+            uv_set: 0,
+            sampler: Sampler::default(),
+            transform: [Vec3::X, Vec3::Y],
+        }),
+        ..plain()
+    });
+    scene.images.push(Image {
+        name: "coat".to_owned(),
+        width: 1,
+        height: 1,
+        rgba8: Arc::new(vec![230, 128, 230, 255]),
+        srgb: false,
+    });
+    let textures = [(
+        "tilt",
+        "fn userProc() -> vec3f { return vec3f(0.6, 0.0, 0.8); }",
+    )];
+    let look = "[node.t]\ntexture = \"tilt\"\n[material.M]\nnormal = \"t\"\n";
+    let coated = baked_of(scene, look, &textures, &SETTINGS);
+    near(
+        texel(&coated, Role::Normal, 3, 3),
+        [0.6, 0.0, 0.8, 1.0],
+        1e-3,
+    );
+    // The map leans by half as much as it is up, and as much along.
+    let texel_z = 2.0 * 230.0 / 255.0 - 1.0;
+    let wanted = Vec3::new(0.5 * texel_z, 0.5 / 255.0, texel_z).normalize();
+    near(
+        texel(&coated, Role::CoatNormal, 3, 3),
+        wanted.extend(1.0).to_array(),
+        1e-3,
+    );
+    assert_eq!(coated.material.coat_normal_scale, 1.0);
 }
 
 #[test]

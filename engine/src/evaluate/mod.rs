@@ -23,7 +23,7 @@ mod sites;
 
 use std::path::Path;
 
-use texgen::{Diagnostics, GraphError, LOOP_LIMIT, Library, Value, did_you_mean};
+use texgen::{Diagnostics, GraphError, LOOP_LIMIT, Library, Link, Value, did_you_mean, link_word};
 
 use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Trust, Usage};
 
@@ -191,7 +191,12 @@ impl Evaluator {
         let graph = self.isolated.procedural.graph();
         let node = graph.node(&self.isolated.node);
         let node = node.expect("the subject is a node of its own graph");
-        let program = graph.compile(&[node])?;
+        let link = Link {
+            source: node,
+            swizzle: self.isolated.take,
+        };
+        let program = graph.compile_links(&[link])?;
+        let links = [link_word(program.results[0], link.swizzle)];
         if program.slots_needed > MAX_STACK_SLOTS {
             return Err(EvaluateError::TooManySlots {
                 needed: program.slots_needed,
@@ -202,13 +207,7 @@ impl Evaluator {
         self.compile(program.slots_needed, (first != second).then_some(second))?;
         let scene = &self.isolated.scene;
         let images = GpuImages::new(&self.device, scene, &self.isolated.procedural.reads())?;
-        let mut resources = resources(
-            &self.device,
-            &images,
-            &program.words,
-            &args,
-            &program.results,
-        )?;
+        let mut resources = resources(&self.device, &images, &program.words, &args, &links)?;
         let Made { kernel, .. } = self.kernel.as_ref().expect("it was made before");
         let mut values = Vec::with_capacity(points.len());
         for batch in points.chunks(BATCH) {

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use texgen::NodeId;
+use texgen::{Link, NodeId};
 
 use super::memory::{HEAD_AO, HEAD_OPACITY, HEAD_PROGRAM};
 use super::wiring::CompileError;
-use super::{HEAD_WORDS, NO_NODE, Output, Procedural};
+use super::{HEAD_WORDS, NO_NODE, NodeOutput, Output, Procedural};
 
 /// The height of a bump map is evaluated at the hit and at two points beside it.
 const BUMP_POINTS: u64 = 3;
@@ -29,12 +29,13 @@ impl Procedural {
         for hits in hits {
             for material in self.chain(hits.material, hits.resolved) {
                 let wiring = &self.wiring[material as usize];
-                let bump = wiring.output(Output::BUMP).map(|source| source.node);
-                let programs = [
+                let bump = wiring.output(Output::BUMP);
+                let programs: [(Vec<Link>, u64); 2] = [
                     (wiring.roots(), 1),
-                    (bump.into_iter().collect(), BUMP_POINTS),
+                    (bump.iter().map(NodeOutput::root).collect(), BUMP_POINTS),
                 ];
                 for (roots, times) in programs {
+                    let roots: Vec<NodeId> = roots.iter().map(|root| root.source).collect();
                     for node in self.reachable(&roots) {
                         *runs.entry(node.index()).or_default() += times * hits.count;
                     }

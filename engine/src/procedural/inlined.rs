@@ -1,7 +1,7 @@
 //! The inlined form of all programs, for comparison with renderers that paste textures into their kernels: the same
 //! heads, but programs are numbers of functions in the kernel's text, which any edit changes.
 
-use texgen::{GeneratedKernel, NodeId, emit_inlined, link_word};
+use texgen::{GeneratedKernel, Link, emit_inlined, link_word};
 
 use super::wiring::CompileError;
 use super::{
@@ -26,7 +26,7 @@ impl Procedural {
     pub fn inlined(&self) -> Result<Inlined, CompileError> {
         let mut heads = self.programs()[..self.wiring.len() * HEAD_WORDS as usize].to_vec();
         // Number 0 means that there is no program.
-        let mut programs: Vec<Vec<NodeId>> = vec![Vec::new()];
+        let mut programs: Vec<Vec<Link>> = vec![Vec::new()];
         for (wiring, head) in self
             .wiring
             .iter()
@@ -34,7 +34,7 @@ impl Procedural {
         {
             let roots = wiring.roots();
             let link = |source: &NodeOutput| {
-                let place = roots.iter().position(|&root| root == source.node);
+                let place = roots.iter().position(|&root| root == source.root());
                 link_word(place.unwrap_or(0) as u32, source.swizzle)
             };
             for output in Output::ALL {
@@ -51,7 +51,9 @@ impl Procedural {
             {
                 head[HEAD_MASK as usize] = link(mask);
             }
-            let bump: Vec<NodeId> = (wiring.output(Output::BUMP).iter().map(|s| s.node)).collect();
+            let bump: Vec<Link> = (wiring.output(Output::BUMP).iter())
+                .map(NodeOutput::root)
+                .collect();
             for (word, roots) in [(HEAD_PROGRAM, roots.clone()), (HEAD_BUMP_PROGRAM, bump)] {
                 head[word as usize] = match roots.is_empty() {
                     true => 0,

@@ -68,7 +68,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use texgen::{Diagnostics, GeneratedKernel, Graph, NodeId, Swizzle};
+use texgen::{Diagnostics, GeneratedKernel, Graph, Link, NodeId, Swizzle};
 
 use crate::input::Files;
 use crate::scene::look::{AoSettings, MAX_AO};
@@ -139,11 +139,21 @@ pub struct Procedural {
     warnings: Diagnostics,
 }
 
-/// A node's result, or some of its components.
+/// An output of a node, or some of its components.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct NodeOutput {
     node: NodeId,
     swizzle: Option<Swizzle>,
+}
+
+impl NodeOutput {
+    /// The output as a whole: what a program has to give.
+    fn root(&self) -> Link {
+        Link {
+            source: self.node,
+            swizzle: self.swizzle.and_then(|swizzle| swizzle.whole()),
+        }
+    }
 }
 
 /// What must be written again on the GPU.

@@ -58,7 +58,7 @@ impl Procedural {
             let mask = match blend.mask {
                 Mask::Constant(value) => MaskRecipe::Constant(value),
                 Mask::Driven(source) => {
-                    let program = self.graph.compile(&[source.node])?;
+                    let program = self.graph.compile_links(&[source.root()])?;
                     let link = link_word(program.results[0], source.swizzle);
                     MaskRecipe::Driven(program, link)
                 }
@@ -71,14 +71,14 @@ impl Procedural {
         }
         let program = match roots.is_empty() {
             true => None,
-            false => Some(self.graph.compile(&roots)?),
+            false => Some(self.graph.compile_links(&roots)?),
         };
         let mut outputs = Vec::new();
         for output in Output::ALL {
             let (Some(source), Some(program)) = (wiring.output(output), &program) else {
                 continue;
             };
-            if let Some(root) = roots.iter().position(|&root| root == source.node)
+            if let Some(root) = roots.iter().position(|&root| root == source.root())
                 && output != Output::BUMP
             {
                 outputs.push((output, link_word(program.results[root], source.swizzle)));
@@ -87,7 +87,7 @@ impl Procedural {
         let bump = match wiring.output(Output::BUMP) {
             None => None,
             Some(source) => {
-                let program = self.graph.compile(&[source.node])?;
+                let program = self.graph.compile_links(&[source.root()])?;
                 let link = link_word(program.results[0], source.swizzle);
                 Some((program, link))
             }

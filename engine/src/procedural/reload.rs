@@ -176,7 +176,8 @@ impl Procedural {
                 node, source_node, ..
             } => &[node, source_node],
             GraphError::MissingValue { node, .. } => &[node],
-            GraphError::LinkSwizzle { source_node, .. } => &[source_node],
+            GraphError::LinkSwizzle { source_node, .. }
+            | GraphError::UnknownOutput { source_node, .. } => &[source_node],
             _ => &[],
         };
         let texture_of = |node: &str| {

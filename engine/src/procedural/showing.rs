@@ -1,7 +1,7 @@
 //! Nodes whose values the film keeps: every material that has one of them in its programs gives its result, too, whatever it is
 //! used for.
 
-use texgen::NodeId;
+use texgen::{Link, NodeId};
 
 use super::edit::EditError;
 use super::wiring::Wiring;
@@ -38,17 +38,19 @@ impl Procedural {
     }
 
     /// What a material's program has to give: what drives the material, and those of its nodes that are shown.
-    pub(super) fn roots_of(&self, wiring: &Wiring) -> Vec<NodeId> {
+    pub(super) fn roots_of(&self, wiring: &Wiring) -> Vec<Link> {
         let mut roots = wiring.roots();
         if self.shown.is_empty() {
             return roots;
         }
         let bump = wiring.output(Output::BUMP).map(|source| source.node);
-        let own: Vec<NodeId> = roots.iter().copied().chain(bump).collect();
+        let roots_of = roots.iter().map(|root| root.source);
+        let own: Vec<NodeId> = roots_of.chain(bump).collect();
         let own = self.reachable(&own);
         for node in self.shown.iter().filter(|node| own.contains(node)) {
-            if !roots.contains(node) {
-                roots.push(*node);
+            let root = Link::from(*node);
+            if !roots.contains(&root) {
+                roots.push(root);
             }
         }
         roots

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use texgen::{Graph, GraphError, NodeId, Program, link_word};
+use texgen::{Graph, GraphError, Link, NodeId, Program, link_word};
 
 use super::memory::{
     FLAG_BLEND, FLAG_CONSTANT_MASK, HEAD_AO, HEAD_BASE, HEAD_BUMP_PROGRAM, HEAD_BUMP_SCALE,
@@ -78,14 +78,14 @@ impl Wiring {
             .filter_map(|(output, source)| Some((output, source?)))
     }
 
-    /// The nodes whose results the program gives, each once. The bump height isn't among them: it has its own.
-    pub(super) fn roots(&self) -> Vec<NodeId> {
+    /// The outputs of nodes that the program gives, each once. The bump height isn't among them: it has its own.
+    pub(super) fn roots(&self) -> Vec<Link> {
         let mask = self.mask();
-        let mut roots: Vec<NodeId> = Vec::new();
+        let mut roots: Vec<Link> = Vec::new();
         let driven = self.driven().filter(|(output, _)| *output != Output::BUMP);
         for source in driven.map(|(_, source)| source).chain(mask.copied()) {
-            if !roots.contains(&source.node) {
-                roots.push(source.node);
+            if !roots.contains(&source.root()) {
+                roots.push(source.root());
             }
         }
         roots
@@ -95,7 +95,7 @@ impl Wiring {
 /// A material's programs that have not been stored yet.
 pub(super) struct Compiled {
     material: u32,
-    roots: Vec<NodeId>,
+    roots: Vec<Link>,
     program: Option<Program>,
     bump: Option<Program>,
 }
@@ -154,7 +154,9 @@ impl Procedural {
     pub(super) fn compile(&self, material: u32) -> Result<Compiled, CompileError> {
         let wiring = &self.wiring[material as usize];
         let roots = self.roots_of(wiring);
-        let bump: Vec<NodeId> = (wiring.output(Output::BUMP).iter().map(|s| s.node)).collect();
+        let bump: Vec<Link> = (wiring.output(Output::BUMP).iter())
+            .map(NodeOutput::root)
+            .collect();
         Ok(Compiled {
             material,
             program: self.program(material, &roots)?,
@@ -163,11 +165,11 @@ impl Procedural {
         })
     }
 
-    fn program(&self, material: u32, roots: &[NodeId]) -> Result<Option<Program>, CompileError> {
+    fn program(&self, material: u32, roots: &[Link]) -> Result<Option<Program>, CompileError> {
         if roots.is_empty() {
             return Ok(None);
         }
-        let program = self.graph.compile(roots)?;
+        let program = self.graph.compile_links(roots)?;
         if program.slots_needed > MAX_STACK_SLOTS {
             return Err(CompileError::TooManySlots {
                 material: self.material_name(material).to_owned(),
@@ -186,7 +188,7 @@ impl Procedural {
             bump,
         } = compiled;
         let wiring = &self.wiring[material as usize];
-        let mut nodes = roots.clone();
+        let mut nodes: Vec<NodeId> = roots.iter().map(|root| root.source).collect();
         nodes.extend(wiring.output(Output::BUMP).map(|source| source.node));
         let nodes = self.reachable(&nodes);
         let programs = || program.iter().chain(&bump);
@@ -195,7 +197,7 @@ impl Procedural {
         wiring.nodes = nodes;
         wiring.own_ao = own_ao;
         let link = |source: &NodeOutput| {
-            let root = roots.iter().position(|&root| root == source.node);
+            let root = roots.iter().position(|&root| root == source.root());
             let slots = program.as_ref().map_or(&[][..], |p| &p.results);
             root.and_then(|root| slots.get(root))
                 .map_or(0, |&slot| link_word(slot, source.swizzle))
@@ -204,7 +206,7 @@ impl Procedural {
             program
                 .as_ref()?
                 .results
-                .get(roots.iter().position(|r| r == node)?)
+                .get(roots.iter().position(|&root| root == Link::from(*node))?)
         };
         let link_of = |node: &NodeId| slots(node).map_or(NO_NODE, |&slot| link_word(slot, None));
         let shown: Vec<u32> = self.shown.iter().map(link_of).collect();

@@ -91,6 +91,17 @@ const TEXTURES: &[(&str, &str)] = &[
             return vec4f(p[0][0], p[0][1], p[1][0], q[1]) + f32(n) * 100.0;
         }",
     ),
+    (
+        "several",
+        "struct Several { first: f32, pair: vec2f, color: vec3f, all: vec4f }
+        fn userProc(x: f32) -> Several {
+            return Several(x, vec2f(x + 1.0, x + 2.0), vec3f(x, 2.0 * x, 3.0 * x), vec4f(x, x, x, 9.0));
+        }",
+    ),
+    (
+        "gathered",
+        "fn userProc(a: vec2f, b: vec3f, c: f32, d: f32) -> vec4f { return vec4f(a.x + b.x, a.y + b.y, c, d); }",
+    ),
 ];
 
 /// A graph, and what each of some nodes must give.
@@ -140,6 +151,29 @@ impl Case {
 
     fn expect(&mut self, node: NodeId, value: [f32; 4]) {
         self.expected.push((node, value));
+    }
+}
+
+#[test]
+fn outputs_of_one_node_reach_what_takes_them_by_name() {
+    let mut case = Case::new();
+    let source = case.node("several", [0, 0], &[("x", Value::F32(3.0))]);
+    let other = case.node("several", [0, 0], &[]);
+    case.link(other, "x", source, "color.b");
+    let gathered = case.node("gathered", [0, 0], &[]);
+    case.link(gathered, "a", source, "pair");
+    case.link(gathered, "b", other, "color");
+    case.link(gathered, "c", other, "all.w");
+    case.link(gathered, "d", other, "");
+    case.expect(gathered, [4.0 + 9.0, 5.0 + 18.0, 9.0, 9.0]);
+    case.expect(other, [9.0; 4]);
+    for form in [Form::Stack, Form::Inlined] {
+        let Some((results, _)) = run(&case, form) else {
+            return;
+        };
+        for ((node, expected), result) in case.expected.iter().zip(&results) {
+            assert_eq!(result, expected, "{form:?}: {}", case.graph.name(*node));
+        }
     }
 }
 
@@ -356,7 +390,10 @@ fn run(case: &Case, form: Form) -> Option<(Vec<[f32; 4]>, [f32; 2])> {
     let kernel = match form {
         Form::Stack => library.emit(program.slots_needed),
         Form::Inlined => {
-            let kernel = emit_inlined(&case.graph, std::slice::from_ref(&roots));
+            let kernel = emit_inlined(
+                &case.graph,
+                &[roots.iter().map(|&root| root.into()).collect()],
+            );
             kernel.expect("no image is missing")
         }
     };

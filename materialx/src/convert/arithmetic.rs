@@ -14,7 +14,7 @@ impl Converter<'_> {
         match value {
             Value::Link(link) => look::Value::Text(link.text(ParameterType::F32, false)),
             Value::Numbers(_, numbers) => look::Value::number(numbers[0]),
-            Value::Text(_) | Value::File { .. } => look::Value::number(0.0),
+            Value::Text(_) | Value::File { .. } | Value::Matrix(_) => look::Value::number(0.0),
         }
     }
 
@@ -24,7 +24,7 @@ impl Converter<'_> {
             Value::Link(link) => look::Value::Text(link.text(ParameterType::Vec4, false)),
             Value::Numbers(ty, numbers) if ty.components() == 1 => look::Value::number(numbers[0]),
             Value::Numbers(_, numbers) => look::Value::numbers(numbers),
-            Value::Text(_) | Value::File { .. } => look::Value::number(0.0),
+            Value::Text(_) | Value::File { .. } | Value::Matrix(_) => look::Value::number(0.0),
         }
     }
 

@@ -7,6 +7,7 @@ use crate::types::{Type, numbers, to_linear};
 use crate::value::Value;
 
 use super::Converter;
+use super::matrix;
 
 /// Connections don't run through more nodes than this.
 const MAX_DEPTH: usize = 256;
@@ -326,6 +327,16 @@ impl Converter<'_> {
         let name = element.attribute("type").unwrap_or("");
         if name == "filename" {
             return self.file(id, text);
+        }
+        if let Some(size) = matrix::size_of(name) {
+            let matrix = matrix::written(size, text);
+            if matrix.is_none() {
+                self.warn(
+                    id,
+                    format!("`{text}` is no {name}; the input has its default"),
+                );
+            }
+            return matrix;
         }
         let ty = Type::of(name);
         if ty == Type::Other {

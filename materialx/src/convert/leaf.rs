@@ -12,6 +12,7 @@ use crate::value::{Link, Value};
 
 use super::Converter;
 use super::graph::{Results, Scope};
+use super::matrix;
 
 /// Inputs that change nothing here, or are read with others.
 const SILENT: [&str; 12] = [
@@ -47,16 +48,36 @@ impl Converter<'_> {
         if let Some(missing) = self.missing_image(scope, id, &texture) {
             return Some(Results::One(missing));
         }
-        let (arguments, is_place) = self.arguments(scope, id, &texture);
         let element = self.document.element(id);
         let ty = match element.attribute("type") {
             Some("multioutput") | None => Type::Vector4,
-            Some(name) => Type::of(name),
+            Some(name) => match matrix::size_of(name) {
+                Some(size) => {
+                    let rows = (0..size).map(|row| {
+                        Value::Link(self.use_of(scope, id, &texture, matrix::row_type(size), row))
+                    });
+                    return Some(Results::One(Value::Matrix(rows.collect())));
+                }
+                None => Type::of(name),
+            },
         };
-        let look_name = self.look_name(scope, id);
-        let mut link = self.add(&look_name, texture.name(), arguments, ty, texture.output());
-        link.is_place = is_place;
+        let link = self.use_of(scope, id, &texture, ty, 0);
         Some(outputs(&element.kind, link))
+    }
+
+    /// A node of the look for a node of the document; of matrices it takes a row.
+    fn use_of(
+        &mut self,
+        scope: &Rc<Scope>,
+        id: ElementId,
+        texture: &TextureType,
+        ty: Type,
+        row: usize,
+    ) -> Link {
+        let (arguments, is_place) = self.arguments(scope, id, texture, row);
+        let look_name = self.look_name(scope, id);
+        let link = self.add(&look_name, texture.name(), arguments, ty, texture.output());
+        Link { is_place, ..link }
     }
 
     /// The texture of a node: of its category and type, of the type or size of what goes in, or of the category.
@@ -104,12 +125,14 @@ impl Converter<'_> {
         None
     }
 
-    /// Arguments for a texture, and whether the fourth component of what it gives is the width of the pixel.
+    /// Arguments for a texture, of matrices their row of that number, and whether the fourth component of what it gives is the
+    /// width of the pixel.
     fn arguments(
         &mut self,
         scope: &Rc<Scope>,
         id: ElementId,
         texture: &TextureType,
+        row: usize,
     ) -> (Vec<(String, look::Value)>, bool) {
         let document = self.document;
         let mut values: Vec<(&Parameter, Value)> = Vec::new();
@@ -120,6 +143,7 @@ impl Converter<'_> {
             };
             let value = match given {
                 None => self.default_place(parameter),
+                Some(Value::Matrix(rows)) => rows.into_iter().nth(row),
                 given => given,
             };
             values.extend(value.map(|value| (parameter, value)));

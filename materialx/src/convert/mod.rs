@@ -5,6 +5,7 @@ mod arithmetic;
 mod graph;
 mod image;
 mod leaf;
+mod matrix;
 mod special;
 
 use std::collections::{HashMap, HashSet};

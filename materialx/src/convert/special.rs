@@ -14,6 +14,9 @@ use super::graph::{Results, Scope};
 impl Converter<'_> {
     /// What such a node gives; `None` for all other nodes.
     pub(super) fn special(&mut self, scope: &Rc<Scope>, id: ElementId) -> Option<Option<Results>> {
+        if let Some(value) = self.matrix_node(scope, id) {
+            return Some(value.map(Results::One));
+        }
         let element = self.document.element(id);
         let ty = Type::of(element.attribute("type").unwrap_or(""));
         let value = match &*element.kind {
@@ -68,7 +71,7 @@ impl Converter<'_> {
     }
 
     /// What an input has; 0 where it has nothing.
-    fn given(&mut self, scope: &Rc<Scope>, id: ElementId, name: &str) -> Value {
+    pub(super) fn given(&mut self, scope: &Rc<Scope>, id: ElementId, name: &str) -> Value {
         let given = self.input(scope, id, name);
         given.unwrap_or_else(|| {
             let input = self.document.input(id, name);

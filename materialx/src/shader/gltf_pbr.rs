@@ -4,6 +4,39 @@ use crate::value::Value;
 
 use super::surface::Surface;
 
+/// What the model has.
+pub(super) const INPUTS: &[&str] = &[
+    "base_color",
+    "metallic",
+    "roughness",
+    "normal",
+    "tangent",
+    "occlusion",
+    "transmission",
+    "specular",
+    "specular_color",
+    "ior",
+    "alpha",
+    "alpha_mode",
+    "alpha_cutoff",
+    "iridescence",
+    "iridescence_ior",
+    "iridescence_thickness",
+    "sheen_color",
+    "sheen_roughness",
+    "clearcoat",
+    "clearcoat_roughness",
+    "clearcoat_normal",
+    "emissive",
+    "emissive_strength",
+    "thickness",
+    "attenuation_distance",
+    "attenuation_color",
+    "anisotropy_strength",
+    "anisotropy_rotation",
+    "dispersion",
+];
+
 pub(super) fn convert(s: &mut Surface<'_, '_>) {
     let color = s.color("base_color", 1.0);
     s.set_color("base_color", &color, 1.0);
@@ -61,6 +94,10 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
         let radians = s.number("anisotropy_rotation", 0.0);
         let degrees = s.product("rotation", &radians, &Value::number(1f32.to_degrees()));
         s.set("anisotropy_rotation", &degrees, -360.0, 360.0);
+        s.ignores_link(
+            "tangent",
+            "reflections stretch along the texture coordinates",
+        );
     }
     let dispersion = s.number("dispersion", 0.0);
     if dispersion.known().is_some() {

@@ -18,12 +18,20 @@ use surface::Surface;
 /// Turns the inputs of a shader into keys of a material.
 type Model = fn(&mut Surface<'_, '_>);
 
-/// The models, by their categories.
-const MODELS: [(&str, Model); 4] = [
-    ("standard_surface", standard_surface::convert),
-    ("open_pbr_surface", open_pbr::convert),
-    ("gltf_pbr", gltf_pbr::convert),
-    ("UsdPreviewSurface", usd_preview::convert),
+/// The models: their categories, and what each has.
+const MODELS: [(&str, &[&str], Model); 4] = [
+    (
+        "standard_surface",
+        standard_surface::INPUTS,
+        standard_surface::convert,
+    ),
+    ("open_pbr_surface", open_pbr::INPUTS, open_pbr::convert),
+    ("gltf_pbr", gltf_pbr::INPUTS, gltf_pbr::convert),
+    (
+        "UsdPreviewSurface",
+        usd_preview::INPUTS,
+        usd_preview::convert,
+    ),
 ];
 
 fn is_shader(document: &Document, id: ElementId) -> bool {
@@ -78,8 +86,8 @@ pub(crate) fn convert(
         None => (Rc::clone(&root), id),
     };
     let kind = &document.element(shader).kind;
-    let Some((_, model)) = MODELS.iter().find(|(model, _)| model == kind) else {
-        let known: Vec<&str> = MODELS.iter().map(|(model, _)| *model).collect();
+    let Some((_, inputs, model)) = MODELS.iter().find(|(model, ..)| model == kind) else {
+        let known: Vec<&str> = MODELS.iter().map(|(model, ..)| *model).collect();
         let known = known.join(", ");
         let message = format!(
             "surfaces of the model `{kind}` can't be shown ({known} can): `{name}` is left out"
@@ -89,6 +97,7 @@ pub(crate) fn convert(
     };
     let mut surface = Surface::new(converter, scope, shader, name);
     model(&mut surface);
+    surface.name_strangers(inputs);
     if let Some(input) = document.input(id, "displacementshader") {
         surface.displacement(&root, input);
     }

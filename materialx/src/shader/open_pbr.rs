@@ -4,6 +4,51 @@ use crate::value::Value;
 
 use super::surface::Surface;
 
+/// What the model has.
+pub(super) const INPUTS: &[&str] = &[
+    "base_weight",
+    "base_color",
+    "base_diffuse_roughness",
+    "base_metalness",
+    "specular_weight",
+    "specular_color",
+    "specular_roughness",
+    "specular_ior",
+    "specular_roughness_anisotropy",
+    "transmission_weight",
+    "transmission_color",
+    "transmission_depth",
+    "transmission_scatter",
+    "transmission_scatter_anisotropy",
+    "transmission_dispersion_scale",
+    "transmission_dispersion_abbe_number",
+    "subsurface_weight",
+    "subsurface_color",
+    "subsurface_radius",
+    "subsurface_radius_scale",
+    "subsurface_scatter_anisotropy",
+    "fuzz_weight",
+    "fuzz_color",
+    "fuzz_roughness",
+    "coat_weight",
+    "coat_color",
+    "coat_roughness",
+    "coat_roughness_anisotropy",
+    "coat_ior",
+    "coat_darkening",
+    "thin_film_weight",
+    "thin_film_thickness",
+    "thin_film_ior",
+    "emission_luminance",
+    "emission_color",
+    "geometry_opacity",
+    "geometry_thin_walled",
+    "geometry_normal",
+    "geometry_coat_normal",
+    "geometry_tangent",
+    "geometry_coat_tangent",
+];
+
 pub(super) fn convert(s: &mut Surface<'_, '_>) {
     let (base, color) = (s.number("base_weight", 1.0), s.color("base_color", 0.8));
     let mut body = s.product("base", &color, &base);
@@ -41,7 +86,13 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
     let ior = s.number("specular_ior", 1.5);
     s.set("ior", &ior, 1.0, f32::MAX);
     let anisotropy = s.number("specular_roughness_anisotropy", 0.0);
-    s.set_unless("anisotropy", &anisotropy, 0.0, 1.0);
+    if !anisotropy.is(0.0) {
+        s.set("anisotropy", &anisotropy, 0.0, 1.0);
+        s.ignores_link(
+            "geometry_tangent",
+            "reflections stretch along the texture coordinates",
+        );
+    }
     dispersion(s);
     let coat = s.number("coat_weight", 0.0);
     if !coat.is(0.0) {
@@ -55,6 +106,7 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
             0.0,
             "the coat reflects alike in all directions",
         );
+        s.ignores("coat_darkening", 0.0, "the coat leaves the colour below it");
         s.warn_of_coat_normal("geometry_coat_normal");
     }
     let (fuzz, color) = (s.number("fuzz_weight", 0.0), s.color("fuzz_color", 1.0));

@@ -4,6 +4,52 @@ use crate::value::Value;
 
 use super::surface::Surface;
 
+/// What the model has.
+pub(super) const INPUTS: &[&str] = &[
+    "base",
+    "base_color",
+    "diffuse_roughness",
+    "metalness",
+    "specular",
+    "specular_color",
+    "specular_roughness",
+    "specular_IOR",
+    "specular_anisotropy",
+    "specular_rotation",
+    "transmission",
+    "transmission_color",
+    "transmission_depth",
+    "transmission_scatter",
+    "transmission_scatter_anisotropy",
+    "transmission_dispersion",
+    "transmission_extra_roughness",
+    "subsurface",
+    "subsurface_color",
+    "subsurface_radius",
+    "subsurface_scale",
+    "subsurface_anisotropy",
+    "sheen",
+    "sheen_color",
+    "sheen_roughness",
+    "coat",
+    "coat_color",
+    "coat_roughness",
+    "coat_anisotropy",
+    "coat_rotation",
+    "coat_IOR",
+    "coat_normal",
+    "coat_affect_color",
+    "coat_affect_roughness",
+    "thin_film_thickness",
+    "thin_film_IOR",
+    "emission",
+    "emission_color",
+    "opacity",
+    "thin_walled",
+    "normal",
+    "tangent",
+];
+
 pub(super) fn convert(s: &mut Surface<'_, '_>) {
     let (base, color) = (s.number("base", 1.0), s.color("base_color", 0.8));
     let mut body = s.product("base", &color, &base);
@@ -46,6 +92,10 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
         let turns = s.number("specular_rotation", 0.0);
         let degrees = s.product("rotation", &turns, &Value::number(360.0));
         s.set("anisotropy_rotation", &degrees, -360.0, 360.0);
+        s.ignores_link(
+            "tangent",
+            "reflections stretch along the texture coordinates",
+        );
     }
     let abbe = s.number("transmission_dispersion", 0.0).known();
     if let Some([abbe, ..]) = abbe.filter(|abbe| abbe[0] > 0.0) {

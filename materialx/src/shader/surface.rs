@@ -3,12 +3,12 @@
 use std::rc::Rc;
 
 use scene::look;
-use texgen::{OutputType, ParameterType};
+use texgen::{OutputType, ParameterType, did_you_mean};
 
 use crate::convert::{Converter, Scope};
 use crate::document::ElementId;
 use crate::types::Type;
-use crate::value::Value;
+use crate::value::{Link, Value};
 
 /// A shader that is being turned into a material.
 pub(super) struct Surface<'c, 'd> {
@@ -54,7 +54,31 @@ impl<'c, 'd> Surface<'c, 'd> {
     /// What an input has, if it has anything.
     pub(super) fn given(&mut self, input: &str) -> Option<Value> {
         let given = self.converter.input(&self.scope, self.id, input);
-        given.filter(|value| value.ty() != Type::Other)
+        if matches!(&given, Some(value) if value.ty() == Type::Other) {
+            self.warn(
+                input,
+                &format!("`{input}` doesn't take this: it has its default"),
+            );
+            return None;
+        }
+        given
+    }
+
+    /// Warns of what is given to inputs that the model hasn't.
+    pub(super) fn name_strangers(&mut self, inputs: &[&'static str]) {
+        let document = self.converter.document;
+        let model = &document.element(self.id).kind;
+        for &child in document.children(self.id) {
+            let element = document.element(child);
+            let name = element.name();
+            if !matches!(&*element.kind, "input" | "parameter") || inputs.contains(&name) {
+                continue;
+            }
+            let near = did_you_mean(name, inputs.iter().copied());
+            let near = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+            let message = format!("`{model}` has no input `{name}`: it has no effect{near}");
+            self.converter.warn(child, message);
+        }
     }
 
     /// Whether an input is known to be on.
@@ -85,7 +109,7 @@ impl<'c, 'd> Surface<'c, 'd> {
         let value = match value {
             Value::Link(link) => look::Value::Text(link.text(ParameterType::F32, false)),
             Value::Numbers(_, numbers) => look::Value::number(numbers[0].clamp(low, high)),
-            Value::Text(_) | Value::File { .. } => return,
+            Value::Text(_) | Value::File { .. } | Value::Matrix(_) => return,
         };
         self.parameters.push((key, value));
     }
@@ -107,7 +131,7 @@ impl<'c, 'd> Surface<'c, 'd> {
                     std::array::from_fn(|i| n[if one { 0 } else { i }].clamp(0.0, high));
                 look::Value::numbers(&rgb)
             }
-            Value::Text(_) | Value::File { .. } => return,
+            Value::Text(_) | Value::File { .. } | Value::Matrix(_) => return,
         };
         self.parameters.push((key, value));
     }
@@ -210,10 +234,21 @@ impl<'c, 'd> Surface<'c, 'd> {
         self.opacity(&Value::Link(link));
     }
 
+    /// Warns where an input that is the surface's own by default is driven by another node than the surface's own.
+    pub(super) fn ignores_link(&mut self, input: &str, why: &str) {
+        let is_own = |link: &Link| link.node.starts_with("tangent_world");
+        if matches!(self.given(input), Some(Value::Link(link)) if !is_own(&link)) {
+            self.warn(input, &format!("`{input}` has no counterpart: {why}"));
+        }
+    }
+
     /// Warns where the coat has a normal of its own.
     pub(super) fn warn_of_coat_normal(&mut self, input: &str) {
         if matches!(self.given(input), Some(Value::Link(_))) {
-            self.warn(input, "the coat has the normal of the surface below it");
+            self.warn(
+                input,
+                &format!("`{input}` has no counterpart: the coat is smooth"),
+            );
         }
     }
 

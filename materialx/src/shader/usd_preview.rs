@@ -2,6 +2,25 @@
 
 use super::surface::Surface;
 
+/// What the model has.
+pub(super) const INPUTS: &[&str] = &[
+    "diffuseColor",
+    "emissiveColor",
+    "useSpecularWorkflow",
+    "specularColor",
+    "metallic",
+    "roughness",
+    "clearcoat",
+    "clearcoatRoughness",
+    "opacity",
+    "opacityMode",
+    "opacityThreshold",
+    "ior",
+    "normal",
+    "displacement",
+    "occlusion",
+];
+
 pub(super) fn convert(s: &mut Surface<'_, '_>) {
     let color = s.color("diffuseColor", 0.18);
     s.set_color("base_color", &color, 1.0);

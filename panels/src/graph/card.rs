@@ -137,7 +137,14 @@ impl GraphView {
             let text = center - vec2(2.0 * MARGIN, 0.0);
             let color = ui.visuals().weak_text_color();
             let letter = component.trim_start_matches('.');
-            write(ui, text, Align2::RIGHT_CENTER, letter, ROW, color);
+            write(
+                ui,
+                text,
+                Align2::RIGHT_CENTER,
+                letter,
+                WIDTH - PREVIEW - 4.0 * MARGIN,
+                color,
+            );
             let label = format!("Output {}{component}", output.source.node);
             let socket = socket(ui, center, &label, output.color);
             if socket.drag_started() {

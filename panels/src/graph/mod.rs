@@ -93,7 +93,12 @@ impl Sockets {
             ..source.clone()
         };
         let own = self.outputs.get(source);
-        own.or_else(|| self.outputs.get(&whole()))
+        let output = OutputSocket {
+            node: source.node.clone(),
+            swizzle: source.swizzle.and_then(|take| take.whole()),
+        };
+        own.or_else(|| self.outputs.get(&output))
+            .or_else(|| self.outputs.get(&whole()))
     }
 }
 

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use egui::{Color32, Pos2, Rect, pos2, vec2};
 use engine::procedural::{Kind, Output};
-use texgen::ParameterType;
+use texgen::{ParameterType, Swizzle};
 
 use super::{GraphItem, GraphView, OutputSocket, Sockets};
 use crate::context::Context;
@@ -16,6 +16,8 @@ pub(super) const WIDTH: f32 = 190.0;
 pub(super) const TITLE: f32 = 24.0;
 pub(super) const ROW: f32 = 18.0;
 pub(super) const PREVIEW: f32 = 64.0;
+/// From one output to the next.
+const OUTPUT: f32 = 15.0;
 pub(super) const MARGIN: f32 = 6.0;
 
 /// Something that can be driven.
@@ -62,7 +64,11 @@ impl Rows {
         let inputs = inputs(cx, subject);
         let mut sides = Vec::new();
         let (outputs, head) = match subject {
-            GraphItem::Node(node) => (outputs(cx, node), PREVIEW + MARGIN),
+            GraphItem::Node(node) => {
+                let outputs = outputs(cx, node);
+                let beside = OUTPUT * outputs.len().saturating_sub(1) as f32;
+                (outputs, beside.max(PREVIEW) + MARGIN)
+            }
             GraphItem::Material(material) => {
                 let names = cx.model.sides(material);
                 let others = names.into_iter().flatten().enumerate();
@@ -89,7 +95,7 @@ impl Rows {
     pub(super) fn output_place(card: Rect, i: usize) -> Pos2 {
         let below = match i {
             0 => 0.5 * TITLE,
-            _ => TITLE + (i as f32 - 0.5) * 15.0,
+            _ => TITLE + (i as f32 - 0.5) * OUTPUT,
         };
         card.right_top() + vec2(0.0, below)
     }
@@ -137,19 +143,32 @@ fn outputs(cx: &Context<'_>, node: &str) -> Vec<Out> {
     };
     let count = texture.output().components();
     let whole = [(None, count)];
+    if !texture.outputs().is_empty() {
+        // The first is what a link takes that names none.
+        let further = texture.outputs().iter().skip(1);
+        let further = further.map(|output| {
+            let take = Swizzle::of_output(&output.name);
+            (take, output.ty.components())
+        });
+        let all = whole.into_iter().chain(further);
+        return all.map(|(take, count)| out(node, take, count)).collect();
+    }
     // A number has no parts.
     let parts = if count > 1 { count } else { 0 };
     let parts = ["x", "y", "z", "w"].into_iter().take(parts);
     let parts = parts.map(|part| (part.parse().ok(), 1));
     let all = whole.into_iter().chain(parts);
-    let out = all.map(|(swizzle, components)| Out {
+    all.map(|(take, count)| out(node, take, count)).collect()
+}
+
+fn out(node: &str, swizzle: Option<Swizzle>, components: usize) -> Out {
+    Out {
         source: Rc::new(OutputSocket {
             node: node.to_owned(),
             swizzle,
         }),
         color: color_of(components),
-    });
-    out.collect()
+    }
 }
 
 /// What of a node or material can be driven, with its label and colour.

@@ -239,7 +239,7 @@ fn mistakes_of_value_are_explained() {
     one_problem("[camera]\nposition = [1, 2, nan]", 2, 19, "finite number");
     one_problem("[camera]\nup = [0, 0, 0]", 2, 6, "no direction");
     one_problem("[material.A]\nroughness = 1.5", 2, 13, "from 0 to 1");
-    one_problem("[material.A]\nroughness = 'a.xyq'", 2, 13, "swizzle");
+    one_problem("[material.A]\nroughness = 'a.x.y'", 2, 13, "swizzle");
     one_problem(
         "[material.A]\nblend = { base = 'B', over = 'C', mask = 0.5 }\nior = 1.4",
         3,

@@ -72,7 +72,18 @@ fn anchor(title: &str) -> String {
 
 fn entry(text: &mut String, texture: &TextureType, group: &str) {
     let _ = writeln!(text, "\n### {}", texture.name());
-    let _ = writeln!(text, "\n{} Gives `{}`.", texture.docs(), texture.output());
+    let gives = match texture.outputs() {
+        [] => format!("Gives `{}`.", texture.output()),
+        outputs => format!("Gives {} values by name.", outputs.len()),
+    };
+    let _ = writeln!(text, "\n{} {gives}", texture.docs());
+    if !texture.outputs().is_empty() {
+        text.push_str("\n| output | type | |\n|---|---|---|\n");
+        for output in texture.outputs() {
+            let label = output.label.replace('|', "\\|");
+            let _ = writeln!(text, "| `{}` | {} | {label} |", output.name, output.ty);
+        }
+    }
     if !texture.parameters().is_empty() {
         text.push_str("\n| parameter | type | default | range | |\n|---|---|---|---|---|\n");
         for parameter in texture.parameters() {
@@ -136,6 +147,13 @@ fn snippet(texture: &TextureType, group: &str) -> String {
     text.push('\n');
     let is_normal = ["normal_map", "height_to_normal", "flakes"].contains(&name);
     let drive = match (group, texture.output()) {
+        _ if texture
+            .outputs()
+            .iter()
+            .any(|output| output.name == "color") =>
+        {
+            format!("[material.Stone]\nbase_color = \"my_{name}.color\"\n")
+        }
         ("coordinates", _) => {
             format!("[node.stone]\ntexture = \"marble\"\nposition = \"my_{name}\"\n")
         }

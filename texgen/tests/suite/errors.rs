@@ -212,7 +212,7 @@ fn the_entry() {
     check(
         "fn userProc() -> i32 { return 1; }",
         &[
-            "`userProc` returns f32, vec2f, vec3f or vec4f",
+            "`userProc` returns f32, vec2f, vec3f, vec4f or a struct of those",
             "t.wgsl:1:18",
         ],
     );

@@ -95,7 +95,9 @@ fn the_inlined_form_takes_attributes_too() {
     graph
         .set_value(a, "n", Value::Vec3([0.0, 1.0, 0.0]))
         .expect("fits");
-    let kernel = emit_inlined(&graph, &[vec![a, b]]).expect("compiles").wgsl;
+    let kernel = emit_inlined(&graph, &[vec![a.into(), b.into()]])
+        .expect("compiles")
+        .wgsl;
     validate(&format!("{kernel}\n{HOST_STUB}")).unwrap_or_else(|problem| panic!("{problem}"));
     assert!(kernel.contains("patina_attr_custom(patina_custom_WETNESS).xy"));
     assert!(kernel.contains("patina_place("));

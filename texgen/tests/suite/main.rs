@@ -8,5 +8,6 @@ mod inputs;
 mod kernel;
 mod language;
 mod messages;
+mod outputs;
 mod robustness;
 mod shipped;

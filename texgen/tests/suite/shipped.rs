@@ -112,8 +112,11 @@ fn the_inlined_form_is_valid_too() {
     graph
         .set_link(mix, "b", rust, Some("zyx".parse().expect("a swizzle")))
         .expect("fits");
-    let kernel =
-        emit_inlined(&graph, &[vec![mix, mask], vec![rust], vec![]]).expect("no image is missing");
+    let kernel = emit_inlined(
+        &graph,
+        &[vec![mix.into(), mask.into()], vec![rust.into()], vec![]],
+    )
+    .expect("no image is missing");
     validate(&format!("{}\n{HOST_STUB}", kernel.wgsl))
         .unwrap_or_else(|problem| panic!("{problem}"));
     let call = "mix_color__userProc(vec4f(0.0f, 0.0f, 0.0f, 1.0f, ), vec4f(n";
