@@ -1,6 +1,5 @@
 //! Photons bring what mirrors and bodies of glass throw on other surfaces: the light that paths find, and all of it once.
 
-use ::device::Device;
 use engine::film::Film;
 use engine::procedural::TextureSources;
 use engine::renderer::Renderer;
