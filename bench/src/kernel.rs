@@ -2,6 +2,7 @@
 //! because of textures and nodes that it doesn't use.
 
 use std::fmt::Write;
+use std::ops::Range;
 use std::path::Path;
 use std::time::{Instant, SystemTime};
 
@@ -325,25 +326,52 @@ pub(super) fn variant(texture: &TextureType, name: &str, number: u64) -> SourceF
     let text = texture.file().text();
     let entry = text.find("fn userProc").unwrap_or(0);
     let body = entry + text[entry..].find("\n}").unwrap_or(text.len() - entry);
-    let changed = text[..body].rfind("return ").and_then(|at| {
+    let returned = text[..body].rfind("return ").and_then(|at| {
         let at = at + "return ".len();
-        let end = at + text[at..].find(';')?;
-        let tiny = (number % (1 << 24)) as f64 * 1e-15;
-        Some(format!(
-            "{}({}) + {}({tiny:e}){}",
-            &text[..at],
-            &text[at..end],
-            texture.output(),
-            &text[end..]
-        ))
+        Some(at..at + text[at..].find(';')?)
+    });
+    let tiny = (number % (1 << 24)) as f64 * 1e-15;
+    let with = |value: String| {
+        let returned = returned.clone().unwrap_or_default();
+        format!(
+            "{}{value}{}",
+            &text[..returned.start],
+            &text[returned.end..]
+        )
+    };
+    let value = &text[returned.clone().unwrap_or_default()];
+    let whole = with(format!("({value}) + {}({tiny:e})", texture.output()));
+    // Of a struct the last member.
+    let member = last_argument(value).map(|last| {
+        let (before, after) = (&value[..last.start], &value[last.end..]);
+        let last = value[last].trim();
+        with(format!("{before} ({last}) + {tiny:e} * ({last}){after}"))
     });
     let path = format!("{name}.wgsl");
     let file = |text: String| SourceFile::new(name, path.clone(), text);
-    let changed = file(changed.unwrap_or_default());
-    match TextureType::parse(changed.clone()) {
-        Ok(_) => changed,
-        Err(_) => file(text.to_owned()),
+    let mut changed = [Some(whole), member].into_iter().flatten().map(file);
+    let valid = changed.find(|changed| TextureType::parse(changed.clone()).is_ok());
+    valid.unwrap_or_else(|| file(text.to_owned()))
+}
+
+/// Where the last argument of a call stands.
+fn last_argument(call: &str) -> Option<Range<usize>> {
+    let (open, end) = (call.find('(')?, call.rfind(')')?);
+    let mut depth = 0;
+    let mut start = open + 1;
+    for (at, letter) in call
+        .char_indices()
+        .take_while(|&(at, _)| at < end)
+        .skip(open + 1)
+    {
+        match letter {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            ',' if depth == 0 => start = at + 1,
+            _ => {}
+        }
     }
+    Some(start..end)
 }
 
 /// Another number each time.

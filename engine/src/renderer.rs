@@ -372,7 +372,7 @@ impl Renderer {
             }
             if layers.split_light() {
                 let reason =
-                    "where light comes from a cache, the film can't tell parts of it apart";
+                    "where light comes from a cache, the film can't tell parts of the light apart";
                 return Err(ScheduleError::Unsupported(reason).into());
             }
         }

@@ -7,7 +7,6 @@ use std::collections::{BTreeSet, HashSet};
 use std::fmt::Write;
 
 use crate::args;
-use crate::attribute::{Attribute, BuiltinAttribute};
 use crate::interface::Parameter;
 use crate::library::Library;
 use crate::program::NOT_KEPT;
@@ -365,7 +364,7 @@ impl Emitter {
             }
             self.line("    }");
         }
-        if reads_occlusion(texture) {
+        if texture.reads_occlusion() {
             self.line("    let occlusion = patina_program_word(*at);");
             self.line("    *at += 1u;");
             self.line(
@@ -488,17 +487,6 @@ pub(crate) fn first_result(result: &str, texture: &TextureType) -> String {
         Some(first) => stored(&format!("{result}.{}", first.name), first.ty),
         None => stored(result, texture.output()),
     }
-}
-
-/// Whether instructions of this texture carry a word with AO slots.
-pub(crate) fn reads_occlusion(texture: &TextureType) -> bool {
-    [BuiltinAttribute::AO, BuiltinAttribute::AO1]
-        .iter()
-        .any(|&attribute| {
-            texture
-                .attributes()
-                .contains(&Attribute::Builtin(attribute))
-        })
 }
 
 /// Text that can't end a line comment.

@@ -386,7 +386,7 @@ impl Graph {
     pub fn set_occlusion(&mut self, node: NodeId, occlusion: [u32; 2]) -> Result<Edit, GraphError> {
         check_occlusion(self.name(node), occlusion)?;
         let old = std::mem::replace(&mut self.nodes[node.index()].occlusion, occlusion);
-        let program = old != occlusion && crate::emit::reads_occlusion(self.texture(node));
+        let program = old != occlusion && self.texture(node).reads_occlusion();
         Ok(Edit {
             words: Vec::new(),
             program,

@@ -17,7 +17,6 @@
 use std::collections::{BTreeSet, HashMap};
 
 use crate::attribute::{Attribute, BuiltinAttribute};
-use crate::emit::reads_occlusion;
 use crate::graph::{Graph, Link, NodeId};
 use crate::graph_error::GraphError;
 use crate::library::Library;
@@ -93,7 +92,7 @@ impl Program {
                     }
                 }
             }
-            let occlusion = if reads_occlusion(texture) {
+            let occlusion = if texture.reads_occlusion() {
                 let word = next()?;
                 Some([word & 0xff, word >> 8 & 0xff])
             } else {
@@ -247,7 +246,7 @@ pub(crate) fn compile(graph: &Graph, roots: &[Link]) -> Result<Program, GraphErr
             program.words.push(mask);
         }
         program.words.extend(links.into_iter().flatten());
-        if reads_occlusion(texture) {
+        if texture.reads_occlusion() {
             program
                 .words
                 .push(node.occlusion[0] | node.occlusion[1] << 8);

@@ -43,6 +43,12 @@ pub struct TextureType {
 }
 
 impl TextureType {
+    /// Whether instructions of this texture carry a word with AO slots.
+    pub(crate) fn reads_occlusion(&self) -> bool {
+        let mut occlusion = [BuiltinAttribute::AO, BuiltinAttribute::AO1].into_iter();
+        occlusion.any(|attribute| self.attributes().contains(&Attribute::Builtin(attribute)))
+    }
+
     /// Checks all but whether the generated kernel compiles: see [`Self::parse`].
     pub(crate) fn check(file: SourceFile) -> Result<Self, Diagnostics> {
         let whole = Whole::new(&file)?;

@@ -122,6 +122,8 @@ pub struct Viewer {
     problems: Problems,
     /// Material that was clicked.
     material: Option<String>,
+    /// Width of the bar of figures, and the greatest height that it has had since it has that, points.
+    figures: [f32; 2],
 }
 
 #[derive(Debug)]
@@ -159,6 +161,7 @@ impl Viewer {
             shown_title: String::new(),
             problems: Problems::default(),
             material: None,
+            figures: [0.0; 2],
         }
     }
 

@@ -644,3 +644,38 @@ fn times_of_passes_and_textures_are_listed() {
     assert!(matches!(stage.sent()[..], [Command::TimePasses(false), ..]));
     assert!(stage.harness.query_by_label("flakes").is_none());
 }
+
+/// A narrow window breaks the line of figures, here or there as numbers change: the picture must not begin anew for that.
+#[test]
+fn figures_that_change_leave_the_picture_its_size() {
+    let mut stage = Stage::new();
+    stage.harness.set_size(egui::Vec2::new(640.0, 480.0));
+    let mut sizes = Vec::new();
+    for round in 0..4 {
+        let mut board = stage.board.lock().unwrap();
+        let status = &mut board.status;
+        let is_long = round % 2 == 0;
+        (status.spp, status.target) = if is_long { (12345.0, 99999) } else { (1.0, 4) };
+        status.samples_per_second = if is_long { 123_456_789.0 } else { 1.0 };
+        status.latency = is_long.then_some(1.234);
+        status.size = [640, 360];
+        drop(board);
+        stage.harness.run_steps(4);
+        sizes.push(
+            stage
+                .sent()
+                .into_iter()
+                .filter_map(|command| match command {
+                    Command::Size(size) => Some(size),
+                    _ => None,
+                })
+                .last(),
+        );
+    }
+    assert!(sizes[0].is_some(), "{sizes:?}");
+    assert_eq!(
+        sizes[1..],
+        [None; 3],
+        "the first round had the longest line"
+    );
+}

@@ -30,7 +30,7 @@ struct Version {
 enum Said {
     /// What the library is called, or why there is none.
     Opened(Result<String, String>),
-    Clean(Clean),
+    Clean(Box<Clean>),
     Failed(String),
 }
 
@@ -147,7 +147,7 @@ impl Render {
             Said::Clean(clean) => {
                 self.denoising.is_busy = false;
                 let is_same = clean.version.generation == self.run.generation;
-                self.denoising.clean = is_same.then_some(clean);
+                self.denoising.clean = is_same.then_some(*clean);
                 if is_same && self.run.is_seen {
                     self.show()?;
                     (self.wake)();
@@ -178,7 +178,7 @@ fn work(
     };
     while let Ok((film, version)) = ordered.recv() {
         let said = match denoised(device, &denoiser, &film) {
-            Ok(film) => Said::Clean(Clean { film, version }),
+            Ok(film) => Said::Clean(Box::new(Clean { film, version })),
             Err(why) => Said::Failed(why),
         };
         if say.send(said).is_err() {

@@ -132,8 +132,20 @@ impl Viewer {
         self.link.send(Command::KeepBefore(is_kept));
     }
 
+    /// Keeps the height that its longest text has needed: another one would make the picture another one, which begins anew.
     pub(super) fn status_bar(&mut self, ui: &mut Ui) {
-        ui.horizontal_wrapped(|ui| {
+        let width = ui.available_width();
+        if self.figures[0] != width {
+            self.figures = [width, 0.0];
+        }
+        ui.set_min_height(self.figures[1]);
+        let height = self.status_line(ui);
+        self.figures[1] = self.figures[1].max(height);
+    }
+
+    /// The height that it takes.
+    fn status_line(&mut self, ui: &mut Ui) -> f32 {
+        let line = ui.horizontal_wrapped(|ui| {
             let status = &self.status;
             ui.label(progress(status));
             ui.separator();
@@ -191,6 +203,7 @@ impl Viewer {
             let whole = format!("{}\non {}", files.scene.display(), self.status.device);
             ui.label(title).on_hover_text(whole);
         });
+        line.response.rect.height()
     }
 
     /// Has a height of its own: another one would make the picture another one, which begins anew.
