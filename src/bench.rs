@@ -13,7 +13,7 @@ use device::{Device, DeviceChoice};
 use engine::load;
 use engine::scene::{self, Scene};
 use patina_bench::edit::{self, EditBenchError};
-use patina_bench::{scenes, traverse as rays};
+use patina_bench::{gather, scenes, traverse as rays};
 
 use crate::console;
 use crate::failure::Failure;
@@ -37,6 +37,11 @@ pub(crate) fn run(job: &BenchJob) -> Result<(), Failure> {
             edits,
             device,
         } => edits_of_a_look(*nodes, *edits, device),
+        BenchJob::Gather {
+            photons,
+            runs,
+            device,
+        } => gather(*photons, *runs, device),
         BenchJob::Methods(job) => methods::run(job),
         BenchJob::Render(job) => render::run(job),
         BenchJob::Scaling(job) => scaling::run(job),
@@ -56,6 +61,23 @@ fn edits_of_a_look(nodes: u32, edits: u32, device: &DeviceChoice) -> Result<(), 
         EditBenchError::Files(error) => Failure::because(error),
         EditBenchError::Session(error) => error.into(),
     })?;
+    bar.finish();
+    console::print(&report.table());
+    Ok(())
+}
+
+/// Measures ways to find photons and prints their times.
+///
+/// # Errors
+/// There is no device, or no room on it.
+fn gather(photons: u32, runs: u32, device: &DeviceChoice) -> Result<(), Failure> {
+    let bar = Bar::new("preparing the device");
+    let device = Device::open(device).map_err(Failure::because)?;
+    bar.follow(&device);
+    let report = gather::measure(&device, photons, runs, |case| {
+        bar.stage(&format!("measuring: {case}"));
+    });
+    let report = report.map_err(Failure::because)?;
     bar.finish();
     console::print(&report.table());
     Ok(())

@@ -16,6 +16,7 @@
 //! | [`kernel`] | building the texture kernel, and a hit beside unused textures |
 //! | [`scaling`] | how rendering scales with threads, sizes of pieces, and devices that render together |
 //! | [`methods`] | how long ways to find light take until the picture is good enough |
+//! | [`gather`] | finding photons by the octree, a grid and a kd-tree |
 //! | [`edit`] | live edits of a look of a thousand nodes |
 //! | [`traverse`] | rays per second of the traversal kernel |
 //! | [`traffic`] | bytes that each pass reads and writes: no measurement, but held to the kernels by tests |
@@ -28,6 +29,7 @@ pub mod coverage;
 pub mod edit;
 pub mod error;
 pub mod forms;
+pub mod gather;
 mod graphs;
 mod in_turn;
 pub mod inlined;

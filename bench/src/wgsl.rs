@@ -10,6 +10,7 @@ macro_rules! files {
 
 /// The WGSL files of this crate, by their paths here; they include the engine's.
 const FILES: &[File] = files![
+    "gather/compare.wgsl",
     "inlined/inlined.wgsl",
     "inlined/traced_ao.wgsl",
     "rayquery/kernel.wgsl",

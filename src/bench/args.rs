@@ -94,8 +94,32 @@ pub(crate) enum BenchCommand {
         #[arg(long, value_name = "NAME|N")]
         device: Option<String>,
     },
+    /// Finding photons: the renderer's octree of references against a grid with hashed cells and a kd-tree, milliseconds to build and to ask.
+    Gather {
+        /// Photons, and places that ask for them; rounded up to a power of two.
+        #[arg(
+            long,
+            value_name = "N",
+            default_value = "262144",
+            allow_hyphen_values = true
+        )]
+        photons: String,
+
+        /// Timed runs, in turn.
+        #[arg(
+            long,
+            value_name = "N",
+            default_value = "5",
+            allow_hyphen_values = true
+        )]
+        runs: String,
+
+        /// Device by number or by part of its name, as `patina devices` lists them.
+        #[arg(long, value_name = "NAME|N")]
+        device: Option<String>,
+    },
     /// How long ways to find light take until the picture is as good as a converged one to the eye: paths, adaptive sampling,
-    /// caches of light.
+    /// caches of light, photons.
     #[command(after_help = METHODS_EXAMPLES)]
     Methods(Box<MethodsArgs>),
     /// Whole renders: samples and rays per second, time of each pass, for several scenes in turn.

@@ -46,6 +46,15 @@ pub(crate) enum BenchJob {
         /// Device to measure.
         device: DeviceChoice,
     },
+    /// Ways to find photons.
+    Gather {
+        /// Photons, and places that ask for them.
+        photons: u32,
+        /// Timed runs.
+        runs: u32,
+        /// Device to measure.
+        device: DeviceChoice,
+    },
     /// Ways to find light.
     Methods(MethodsJob),
     /// Whole renders.
@@ -236,6 +245,16 @@ impl BenchJob {
                 // One chain for the blend's base, one for what lies over it.
                 nodes: parse_number("--nodes", &nodes, 20, 100_000)?,
                 edits: parse_number("--edits", &edits, 100, 1_000_000)?,
+                device: parse_device(device.as_deref())?,
+            },
+            BenchCommand::Gather {
+                photons,
+                runs,
+                device,
+            } => Self::Gather {
+                // A reference has twenty bits for a photon's number.
+                photons: parse_number("--photons", &photons, 1 << 10, 1 << 20)?,
+                runs: parse_number("--runs", &runs, 1, MAX_RUNS)?,
                 device: parse_device(device.as_deref())?,
             },
             BenchCommand::Methods(args) => Self::Methods(MethodsJob::from_args(*args)?),

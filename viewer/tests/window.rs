@@ -669,7 +669,7 @@ fn figures_that_change_leave_the_picture_its_size() {
                     Command::Size(size) => Some(size),
                     _ => None,
                 })
-                .last(),
+                .next_back(),
         );
     }
     assert!(sizes[0].is_some(), "{sizes:?}");

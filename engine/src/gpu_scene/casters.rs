@@ -7,7 +7,7 @@ use crate::{scene::Scene, texturing::ProgramTraits};
 use super::materials::casts_caustics;
 
 /// Most spheres: as many as `photons/settings.wgsl` has room for.
-pub(crate) const MOST_TARGETS: usize = 16;
+pub const MOST_TARGETS: usize = 16;
 
 /// Middle and radius, metres, of spheres that hold all casters. Radii may overlap.
 pub(super) fn targets(scene: &Scene, program: impl Fn(u32) -> ProgramTraits) -> Vec<Vec4> {

@@ -35,7 +35,7 @@ use self::{
     images::GpuImages, lights::LightTable, materials::GpuMaterial, update::Uploaded,
 };
 
-pub(crate) use self::casters::MOST_TARGETS;
+pub use self::casters::MOST_TARGETS;
 pub(crate) use self::estimate::bytes;
 use self::geometry::TRIANGLE_ALPHA;
 pub use self::geometry::{RayRules, ray_rules};

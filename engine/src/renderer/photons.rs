@@ -13,14 +13,16 @@
 //! A sample's photons follow from its number and the seed. Their flux is added up in whole numbers, so that the picture depends
 //! neither on the order in which they come nor on how work is cut.
 
-use bytemuck::{Pod, Zeroable};
 use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Usage};
 use glam::Vec4;
 
 use crate::{
     frame::paths_per_sample,
     gpu_scene::{MOST_TARGETS, SceneFeatures},
-    passes::{pass::Pass, photons as passes},
+    passes::{
+        pass::Pass,
+        photons::{self as passes, MAP, PhotonSettings},
+    },
     settings::{Method, RenderSettings},
     wave,
 };
@@ -33,10 +35,6 @@ const MOST: u64 = 1 << 20;
 /// Cells of the map for each photon, and references.
 const CELLS: u64 = 2;
 const REFERENCES: u64 = 24;
-/// Words of a photon, of the header before them, and of a cell.
-const PHOTON_BYTES: u64 = 32;
-const HEADER_BYTES: u64 = 16;
-const CELL_BYTES: u64 = 16;
 /// Radius of the first sample's photons in widths of a pixel.
 const FIRST_RADIUS: f64 = 3.0;
 /// How much of the photons within the radius the next sample keeps: as the error falls fastest (Kaplanyan and Dachsbacher,
@@ -48,25 +46,6 @@ const WIDEST: f32 = 0.1;
 const NEAREST: f32 = 0.01;
 /// Added to the picture's seed.
 const SEED: u32 = 0x7c0f_2e11;
-
-/// `PhotonSettings` of `settings.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct Settings {
-    mode: u32,
-    photons: u32,
-    field: u32,
-    seed: u32,
-    radius: f32,
-    nearest: f32,
-    cell_mask: u32,
-    references: u32,
-    light_count: u32,
-    directional_count: u32,
-    environment: u32,
-    target_count: u32,
-    targets: [Vec4; MOST_TARGETS],
-}
 
 /// What paths do with photons: as in `settings.wgsl`.
 const IDLE: u32 = 0;
@@ -113,8 +92,8 @@ impl Sizes {
 
     fn buffers(&self) -> [(&'static str, u64); 3] {
         [
-            ("photons", HEADER_BYTES + self.photons * PHOTON_BYTES),
-            ("photon_cells", (1 + self.cells) * CELL_BYTES),
+            ("photons", passes::bytes_of_photons(self.photons)),
+            ("photon_cells", passes::bytes_of_cells(self.cells)),
             ("photon_references", 4 * self.references),
         ]
     }
@@ -156,7 +135,7 @@ impl Photons {
         }
         let lights = device.buffer("photon lights", Usage::Storage, 8)?;
         resources.set_buffer("photon_lights", lights);
-        let bytes = size_of::<Settings>() as u64;
+        let bytes = size_of::<PhotonSettings>() as u64;
         let uniform = device.buffer("photon settings", Usage::Uniform, bytes)?;
         resources.set_buffer("photon_settings", uniform);
         let kernels = passes::APART.iter();
@@ -282,16 +261,13 @@ impl Renderer {
         }
         let frame = self.resources.buffer("frame");
         self.device.write(frame, 0, bytemuck::bytes_of(&self.frame));
-        let photons = || Extent::Threads(sizes.photons as u32);
-        let cells = || Extent::Threads(sizes.cells as u32);
-        let steps = [
-            (&passes::SPLIT, cells()),
-            (&passes::COUNT, photons()),
-            (&passes::JOIN, cells()),
-            (&passes::COUNT_AGAIN, photons()),
-            (&passes::PLACES, cells()),
-            (&passes::PUT_DOWN, photons()),
-        ];
+        let steps = MAP.map(|(pass, of)| {
+            let threads = match of {
+                passes::Each::Photon => sizes.photons,
+                passes::Each::Cell => sizes.cells,
+            };
+            (pass, Extent::Threads(threads as u32))
+        });
         self.play_apart("map of photons", steps)
     }
 
@@ -330,7 +306,7 @@ impl Renderer {
         let radius = radius(sample) as f32 * pixel;
         let mut targets = [Vec4::ZERO; MOST_TARGETS];
         targets[..self.scene.casters.len()].copy_from_slice(&self.scene.casters);
-        let words = Settings {
+        let words = PhotonSettings {
             mode: match purpose {
                 Purpose::Picture if is_there => USED,
                 _ => IDLE,

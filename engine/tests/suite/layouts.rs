@@ -9,7 +9,9 @@ use engine::{
     frame::Frame,
     gpu_scene::{GpuInstance, light_tree::GpuLightNode, lights::GpuLight, materials::GpuMaterial},
     passes::{
-        display, guide, irradiance, photons, proctex,
+        display, guide, irradiance,
+        photons::{self, PhotonSettings},
+        proctex,
         wgsl::{ComposedWgsl, FILES},
     },
     schedule,
@@ -101,6 +103,18 @@ fn shared_structs_agree() {
         "Instance",
         size_of::<GpuInstance>(),
         &GpuInstance::offsets(),
+    );
+    let (photons, _) = module(&photons::GATHER.source().text);
+    assert_layout(
+        &photons,
+        "PhotonSettings",
+        size_of::<PhotonSettings>(),
+        &[
+            ("radius", offset_of!(PhotonSettings, radius)),
+            ("references", offset_of!(PhotonSettings, references)),
+            ("target_count", offset_of!(PhotonSettings, target_count)),
+            ("targets", offset_of!(PhotonSettings, targets)),
+        ],
     );
     assert_layout(
         &advance,

@@ -8,46 +8,14 @@
 //!include shared/geometry.wgsl
 //!include shared/found_light.wgsl
 //!include shared/left.wgsl
-//!include photons/records.wgsl
+//!include photons/look_up.wgsl
 
 @group(0) @binding(57) var<storage, read> photon_lights: array<vec2f>;
-@group(0) @binding(58) var<storage, read> photons: array<vec4u>;
-@group(0) @binding(59) var<storage, read> photon_cells: array<vec4u>;
-@group(0) @binding(60) var<storage, read> photon_references: array<u32>;
-
-// Photons count if the side that they met faces about where this one does.
-const LEAST_FACING = 0.5;
 
 // The irradiance of photons, W/m2, that at most so many casters have scattered.
 fn photon_irradiance(position: vec3f, facing: vec3f, most_scattered: u32) -> vec3f {
+    let flux = photon_flux(position, facing, most_scattered);
     let radius = photon_radius(position);
-    let root = root_level(radius);
-    var depth = 0u;
-    var found = map_cell(root, 0u, vec3i(floor(position / side_of(root))));
-    var cell = photon_cells[found.at + 1u];
-    while (cell.y != 0u && depth < MAP_DEPTH) {
-        depth++;
-        found = map_cell(root, depth, vec3i(floor(position / side_of(root - depth))));
-        cell = photon_cells[found.at + 1u];
-    }
-    var flux = vec3u(0u);
-    for (var i = cell.z; i < cell.z + cell.w; i++) {
-        let reference = photon_references[i];
-        if ((reference >> REFERENCE_SHIFT) != found.check) {
-            continue;
-        }
-        let at = 1u + 2u * (reference & REFERENCE_PHOTON);
-        let place = photons[at];
-        let off = position - bitcast<vec3f>(place.xyz);
-        if (dot(off, off) > radius * radius) {
-            continue;
-        }
-        let normal = octahedral_decode(place.w);
-        let carried = photons[at + 1u];
-        let counts = dot(normal, facing) > LEAST_FACING && abs(dot(off, normal)) <= MOST_HEIGHT * radius
-            && carried.w <= most_scattered;
-        flux += select(vec3u(0u), carried.xyz, counts);
-    }
     let all = photon_lights[photon_settings.light_count + photon_settings.directional_count + photon_settings.environment - 1u].y;
     return vec3f(flux) * (all / (FLUX_SCALE * f32(photon_settings.photons) * 3.14159265 * radius * radius));
 }

@@ -1,9 +1,42 @@
 //! A map of photons: light that mirrors and bodies of glass throw on other surfaces. See `records.wgsl`; what photons carry and how
 //! their radii shrink, `renderer/photons.rs` says.
 
-use crate::wave::Queue;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec4;
+
+use crate::{gpu_scene::MOST_TARGETS, wave::Queue};
 
 use super::pass::{Pass, Work};
+
+/// What the passes are told; the twin of `settings.wgsl`, which says what the members are.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[expect(missing_docs, reason = "its twin has them")]
+pub struct PhotonSettings {
+    pub mode: u32,
+    pub photons: u32,
+    pub field: u32,
+    pub seed: u32,
+    pub radius: f32,
+    pub nearest: f32,
+    pub cell_mask: u32,
+    pub references: u32,
+    pub light_count: u32,
+    pub directional_count: u32,
+    pub environment: u32,
+    pub target_count: u32,
+    pub targets: [Vec4; MOST_TARGETS],
+}
+
+/// Bytes of so many photons: a header of four words, then eight words each.
+pub const fn bytes_of_photons(count: u64) -> u64 {
+    16 + 32 * count
+}
+
+/// Bytes of so many cells of the map: a header as large as a cell, then four words each.
+pub const fn bytes_of_cells(count: u64) -> u64 {
+    16 + 16 * count
+}
 
 /// Takes caustics from the map. One thread per path.
 pub const GATHER: Pass = Pass {
@@ -156,6 +189,25 @@ pub const PUT_DOWN: Pass = Pass {
     name: "put_down",
     ..COUNT
 };
+
+/// What a thread of the map's kernels is there for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Each {
+    /// A photon.
+    Photon,
+    /// A cell of the map.
+    Cell,
+}
+
+/// What makes the map of photons, in this order.
+pub const MAP: [(&Pass, Each); 6] = [
+    (&SPLIT, Each::Cell),
+    (&COUNT, Each::Photon),
+    (&JOIN, Each::Cell),
+    (&COUNT_AGAIN, Each::Photon),
+    (&PLACES, Each::Cell),
+    (&PUT_DOWN, Each::Photon),
+];
 
 /// What is no pass of a wave.
 pub static APART: [&Pass; 8] = [
