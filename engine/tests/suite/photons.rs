@@ -180,7 +180,7 @@ fn caustics_of_glass_are_those_of_paths() {
 #[test]
 fn more_photons_come_nearer() {
     let Some(device) = device::open() else { return };
-    let right = film(&device, below_glass(), &seen_below(5, Method::Path), 8192);
+    let right = film(&device, below_glass(), &seen_below(5, Method::Path), 4096);
     let error = |spp: u32| {
         let settings = seen_below(1, Method::Photons);
         let film = film(&device, below_glass(), &settings, spp);
@@ -188,7 +188,7 @@ fn more_photons_come_nearer() {
         let squares = apart.map(|(a, b)| (Vec3::from(a) - Vec3::from(b)).length_squared());
         (squares.sum::<f32>() / film.pixels() as f32).sqrt()
     };
-    let errors = [4, 16, 64, 256].map(error);
+    let errors = [2, 8, 32, 128].map(error);
     println!("{errors:?}");
     for pair in errors.windows(2) {
         assert!(pair[1] < pair[0], "{errors:?}");
