@@ -28,7 +28,7 @@ use crate::{
     gpu_scene::{GpuScene, GpuSceneError, Views},
     procedural::{CompileError, EditError, Procedural},
     scene::Scene,
-    schedule::{self, Emitting, Gathering, Schedule, ScheduleError, Unseen, Upload, Wavefront},
+    schedule::{self, Aside, Errand, Schedule, ScheduleError, Upload, Wavefront},
     settings::Method,
     stats::{NodeName, PassStats, Stats},
     system::System,
@@ -564,12 +564,17 @@ impl Renderer {
 
     /// How waves go.
     fn plan(&self, purpose: Purpose) -> Plan {
+        let errand = match purpose {
+            Purpose::Gather(..) => Some(Errand::Gather),
+            Purpose::Photons => Some(Errand::Emit),
+            Purpose::Find(_) => Some(Errand::Unseen),
+            Purpose::Picture | Purpose::Learn | Purpose::Apart => None,
+        };
+        let schedule = Arc::clone(&self.schedule);
         Plan {
-            schedule: match purpose {
-                Purpose::Gather(..) => Arc::new(Gathering(Arc::clone(&self.schedule))),
-                Purpose::Photons => Arc::new(Emitting(Arc::clone(&self.schedule))),
-                Purpose::Find(_) => Arc::new(Unseen(Arc::clone(&self.schedule))),
-                _ => Arc::clone(&self.schedule),
+            schedule: match errand {
+                Some(errand) => Arc::new(Aside { schedule, errand }),
+                None => schedule,
             },
             max_depth: self.settings.max_depth,
             may_take_longer: self.scene.features.passages,

@@ -71,6 +71,11 @@ pub fn start(wave: &mut dyn Run) {
 pub fn find_hits(wave: &mut dyn Run) {
     wave.run(&traverse::CLOSEST);
     wave.run(&light_cache::LOOK_UP);
+    shade_hits(wave);
+}
+
+/// What the texture programs say about hits.
+fn shade_hits(wave: &mut dyn Run) {
     wave.run(&classify::PASS);
     wave.run(&advance::AFTER_CLASSIFY);
     wave.run(&ao::PASS);
@@ -220,127 +225,87 @@ pub trait Schedule: fmt::Debug + Send + Sync {
     }
 }
 
-/// Waves of rays from records of irradiance instead of the camera, which end in a list instead of the film; all else as in another
-/// schedule.
-#[derive(Debug, Clone)]
-pub(crate) struct Gathering(pub(crate) Arc<dyn Schedule>);
+/// What waves are for that show nothing of the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Errand {
+    /// Rays start at records of irradiance instead of the camera, and end in a list instead of the film.
+    Gather,
+    /// Photons start at lamps, and end in a list as well.
+    Emit,
+    /// Paths are those of the picture, but nothing goes to the film.
+    Unseen,
+}
 
-impl Schedule for Gathering {
+/// Waves for such an errand, by the kernels of another schedule.
+#[derive(Debug, Clone)]
+pub(crate) struct Aside {
+    pub(crate) schedule: Arc<dyn Schedule>,
+    pub(crate) errand: Errand,
+}
+
+impl Schedule for Aside {
     fn texture_kernel(
         &self,
         features: &SceneFeatures,
         procedural: &Procedural,
     ) -> Result<Option<KernelText>, CompileError> {
-        self.0.texture_kernel(features, procedural)
+        self.schedule.texture_kernel(features, procedural)
     }
 
     fn program_words<'a>(
         &self,
         procedural: &'a Procedural,
     ) -> Result<Cow<'a, [u32]>, CompileError> {
-        self.0.program_words(procedural)
+        self.schedule.program_words(procedural)
     }
 
     fn start(&self, wave: &mut dyn Run) {
-        wave.run(&irradiance::START);
-        wave.run(&advance::AFTER_RAYGEN);
+        match self.errand {
+            Errand::Gather => {
+                wave.run(&irradiance::START);
+                wave.run(&advance::AFTER_RAYGEN);
+            }
+            Errand::Emit => {
+                wave.run(&photons::START);
+                wave.run(&advance::AFTER_RAYGEN);
+                // A point of a lamp is a hit.
+                shade_hits(wave);
+                wave.run(&photons::EMIT);
+                wave.run(&advance::AFTER_BRDF);
+            }
+            Errand::Unseen => self.schedule.start(wave),
+        }
     }
 
     fn round(&self, wave: &mut dyn Run) {
-        wave.run(&traverse::CLOSEST);
-        wave.run(&irradiance::FIRST_HIT);
-        wave.run(&light_cache::LOOK_UP);
-        wave.run(&classify::PASS);
-        wave.run(&advance::AFTER_CLASSIFY);
-        wave.run(&ao::PASS);
-        wave.run(&proctex::PASS);
-        wave.run(&brdf::PASS);
-        wave.run(&irradiance::NOTE);
-        wave.run(&advance::AFTER_BRDF);
-        wave.run(&traverse::OCCLUSION);
+        match self.errand {
+            Errand::Gather => {
+                wave.run(&traverse::CLOSEST);
+                wave.run(&irradiance::FIRST_HIT);
+                wave.run(&light_cache::LOOK_UP);
+                shade_hits(wave);
+                wave.run(&brdf::PASS);
+                wave.run(&irradiance::NOTE);
+                wave.run(&advance::AFTER_BRDF);
+                wave.run(&traverse::OCCLUSION);
+            }
+            Errand::Emit => {
+                wave.run(&traverse::CLOSEST);
+                wave.run(&photons::ARRIVE);
+                shade_hits(wave);
+                wave.run(&brdf::PASS);
+                wave.run(&photons::FOLLOW);
+                wave.run(&advance::AFTER_BRDF);
+            }
+            Errand::Unseen => self.schedule.round(wave),
+        }
     }
 
     fn end(&self, wave: &mut dyn Run) {
-        wave.run(&irradiance::END);
+        if self.errand == Errand::Gather {
+            wave.run(&irradiance::END);
+        }
     }
-}
-
-/// Waves of photons from the lamps instead of paths from the camera, which end in a list instead of the film; all else as in
-/// another schedule.
-#[derive(Debug, Clone)]
-pub(crate) struct Emitting(pub(crate) Arc<dyn Schedule>);
-
-impl Schedule for Emitting {
-    fn texture_kernel(
-        &self,
-        features: &SceneFeatures,
-        procedural: &Procedural,
-    ) -> Result<Option<KernelText>, CompileError> {
-        self.0.texture_kernel(features, procedural)
-    }
-
-    fn program_words<'a>(
-        &self,
-        procedural: &'a Procedural,
-    ) -> Result<Cow<'a, [u32]>, CompileError> {
-        self.0.program_words(procedural)
-    }
-
-    fn start(&self, wave: &mut dyn Run) {
-        wave.run(&photons::START);
-        wave.run(&advance::AFTER_RAYGEN);
-        wave.run(&classify::PASS);
-        wave.run(&advance::AFTER_CLASSIFY);
-        wave.run(&ao::PASS);
-        wave.run(&proctex::PASS);
-        wave.run(&photons::EMIT);
-        wave.run(&advance::AFTER_BRDF);
-    }
-
-    fn round(&self, wave: &mut dyn Run) {
-        wave.run(&traverse::CLOSEST);
-        wave.run(&photons::ARRIVE);
-        wave.run(&classify::PASS);
-        wave.run(&advance::AFTER_CLASSIFY);
-        wave.run(&ao::PASS);
-        wave.run(&proctex::PASS);
-        wave.run(&brdf::PASS);
-        wave.run(&photons::FOLLOW);
-        wave.run(&advance::AFTER_BRDF);
-    }
-
-    fn end(&self, _wave: &mut dyn Run) {}
-}
-
-/// Waves of another schedule of which nothing goes to the film.
-#[derive(Debug, Clone)]
-pub(crate) struct Unseen(pub(crate) Arc<dyn Schedule>);
-
-impl Schedule for Unseen {
-    fn texture_kernel(
-        &self,
-        features: &SceneFeatures,
-        procedural: &Procedural,
-    ) -> Result<Option<KernelText>, CompileError> {
-        self.0.texture_kernel(features, procedural)
-    }
-
-    fn program_words<'a>(
-        &self,
-        procedural: &'a Procedural,
-    ) -> Result<Cow<'a, [u32]>, CompileError> {
-        self.0.program_words(procedural)
-    }
-
-    fn start(&self, wave: &mut dyn Run) {
-        self.0.start(wave);
-    }
-
-    fn round(&self, wave: &mut dyn Run) {
-        self.0.round(wave);
-    }
-
-    fn end(&self, _wave: &mut dyn Run) {}
 }
 
 /// A kernel for each pass; texture programs are data.
