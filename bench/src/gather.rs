@@ -1,9 +1,9 @@
-//! Looking up photons: the renderer's octree of references against a grid with hashed cells and a kd-tree, which find the same photons for the
-//! same places.
+//! Looking up photons: the renderer's octree of references against its grid of sorted photons and a kd-tree, which find the same photons for
+//! the same places.
 //!
 //! Photons lie on a floor, many of them in one spot as below a lens, and on a ball; places that ask for them lie there too. All three ways test
-//! photons by the same function and add up whole numbers, so that their sums must be equal. Grid and tree are built by one thread of the
-//! program, the octree by the device; so the times of building are told beside, not compared.
+//! photons by the same function and add up whole numbers, so that their sums must be equal. The device sorts photons into the grid, and builds the octree of
+//! what is sorted, which is counted as its own; the tree is built by one thread of the program.
 
 use std::fmt::Write as _;
 use std::time::Instant;
@@ -12,8 +12,11 @@ use bytemuck::Zeroable;
 use device::{BoundKernel, Device, DeviceError, Extent, Recording, Resources, Trust, Usage};
 use engine::frame::Frame;
 use engine::gpu_scene::SceneFeatures;
-use engine::passes::photons::{Each, MAP, PhotonSettings, bytes_of_cells, bytes_of_photons};
-use glam::{IVec3, Vec2, Vec3};
+use engine::passes::pass::Pass;
+use engine::passes::photons::{
+    Each, GRID, OCTREE, PhotonSettings, bytes_of_cells, bytes_of_grid, bytes_of_photons,
+};
+use glam::{Vec2, Vec3};
 use serde::Serialize;
 
 use crate::spread::Spread;
@@ -35,7 +38,7 @@ const FLUX: u32 = 4096;
 pub enum Finder {
     /// Leaves that know all photons which reach into them.
     Octree,
-    /// Cells that hold the photons in them.
+    /// Cells that photons are sorted by.
     Grid,
     /// A left-balanced tree of the photons.
     Tree,
@@ -188,44 +191,6 @@ fn position(photon: &Words) -> Vec3 {
     )
 }
 
-/// `hash` and `hash2` of `shared/hash.wgsl`.
-fn hash(x: u32) -> u32 {
-    let v = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
-    let v = (v ^ (v >> 15)).wrapping_mul(0x846c_a68b);
-    v ^ (v >> 16)
-}
-
-fn hash2(x: u32, y: u32) -> u32 {
-    hash(x ^ hash(y).wrapping_add(0x9e37_79b9))
-}
-
-/// Photons in the order of their cells, and where those of each cell are.
-fn sorted_by_cells(photons: &[Words], radius: f32, cells: u32) -> (Vec<Words>, Vec<[u32; 2]>) {
-    let cell_of = |photon: &Words| -> usize {
-        let cell: IVec3 = (position(photon) / (2.0 * radius)).floor().as_ivec3();
-        let [x, y, z] = cell.to_array().map(|word| word as u32);
-        (hash2(hash2(hash(x), y), z) & (cells - 1)) as usize
-    };
-    let mut grid = vec![[0, 0]; cells as usize];
-    let at: Vec<usize> = photons.iter().map(cell_of).collect();
-    for &cell in &at {
-        grid[cell][1] += 1;
-    }
-    let mut first = 0;
-    for cell in &mut grid {
-        cell[0] = first;
-        first += cell[1];
-        cell[1] = 0;
-    }
-    let mut sorted = vec![[0; 8]; photons.len()];
-    for (photon, &cell) in photons.iter().zip(&at) {
-        let [first, count] = &mut grid[cell];
-        sorted[(*first + *count) as usize] = *photon;
-        *count += 1;
-    }
-    (sorted, grid)
-}
-
 /// Photons as a left-balanced tree (Jensen, "Realistic Image Synthesis Using Photon Mapping", 2001), each with its axis.
 fn as_tree(mut photons: Vec<Words>) -> Vec<Words> {
     let mut tree = vec![[0; 8]; photons.len()];
@@ -295,9 +260,10 @@ fn shared(
     resources.set_buffer("found", found);
     for (name, bytes) in [
         ("photons", bytes_of_photons(count.into())),
+        ("photons_arrived", bytes_of_photons(count.into())),
+        ("photon_grid", bytes_of_grid((CELLS * count).into())),
         ("photon_cells", bytes_of_cells((CELLS * count).into())),
         ("photon_references", 4 * u64::from(REFERENCES * count)),
-        ("grid", 8 * u64::from(CELLS * count)),
     ] {
         resources.set_buffer(name, device.buffer(name, Usage::Storage, bytes)?);
     }
@@ -313,11 +279,31 @@ struct Ready {
     find: Vec<f64>,
 }
 
-fn write_photons(device: &Device, resources: &Resources, photons: &[Words]) {
-    let buffer = resources.buffer("photons");
+fn write_photons(device: &Device, resources: &Resources, name: &str, photons: &[Words]) {
+    let buffer = resources.buffer(name);
     let header = [photons.len() as u32, 0, 0, 0];
     device.write(buffer, 0, bytemuck::cast_slice(&header));
     device.write(buffer, 16, bytemuck::cast_slice(photons));
+}
+
+/// Dispatches of the renderer's passes.
+fn record<'a>(
+    device: &Device,
+    resources: &Resources,
+    count: u32,
+    passes: impl IntoIterator<Item = &'a (&'static Pass, Each)>,
+    recording: &mut Recording,
+) -> Result<(), DeviceError> {
+    for (pass, each) in passes {
+        let kernel = pass.kernel(device, &SceneFeatures::default())?;
+        let kernel = kernel.bind(device, resources);
+        let threads = match each {
+            Each::Photon => count,
+            Each::Cell => CELLS * count,
+        };
+        recording.dispatch(&kernel, Extent::Threads(threads));
+    }
+    Ok(())
 }
 
 impl Ready {
@@ -342,51 +328,29 @@ impl Ready {
     }
 
     /// Builds it; milliseconds.
-    fn build(
-        &mut self,
-        device: &Device,
-        radius: f32,
-        photons: &[Words],
-    ) -> Result<(), DeviceError> {
-        let count = photons.len() as u32;
+    fn build(&mut self, device: &Device, photons: &[Words]) -> Result<(), DeviceError> {
         let milliseconds = |start: Instant| start.elapsed().as_secs_f64() * 1e3;
-        let took = match self.finder {
-            Finder::Octree => {
-                write_photons(device, &self.resources, photons);
-                let mut recording = Recording::new("map of photons");
-                for (pass, each) in MAP {
-                    let kernel = pass.kernel(device, &SceneFeatures::default())?;
-                    let kernel = kernel.bind(device, &self.resources);
-                    let threads = match each {
-                        Each::Photon => count,
-                        Each::Cell => CELLS * count,
-                    };
-                    recording.dispatch(&kernel, Extent::Threads(threads));
-                }
-                device.wait()?;
-                let start = Instant::now();
-                device.play(&recording)?;
-                milliseconds(start)
-            }
-            Finder::Grid => {
-                let start = Instant::now();
-                let (sorted, grid) = sorted_by_cells(photons, radius, CELLS * count);
-                let took = milliseconds(start);
-                write_photons(device, &self.resources, &sorted);
-                device.write(
-                    self.resources.buffer("grid"),
-                    0,
-                    bytemuck::cast_slice(&grid),
-                );
-                took
-            }
-            Finder::Tree => {
-                let start = Instant::now();
-                let tree = as_tree(photons.to_vec());
-                let took = milliseconds(start);
-                write_photons(device, &self.resources, &tree);
-                took
-            }
+        let took = if self.finder == Finder::Tree {
+            let start = Instant::now();
+            let tree = as_tree(photons.to_vec());
+            let took = milliseconds(start);
+            write_photons(device, &self.resources, "photons", &tree);
+            took
+        } else {
+            write_photons(device, &self.resources, "photons_arrived", photons);
+            let octree = match self.finder {
+                Finder::Octree => &OCTREE[..],
+                _ => &[],
+            };
+            let mut recording = Recording::new("map of photons");
+            recording.clear(self.resources.buffer("photon_grid"));
+            let passes = GRID.iter().chain(octree);
+            let count = photons.len() as u32;
+            record(device, &self.resources, count, passes, &mut recording)?;
+            device.wait()?;
+            let start = Instant::now();
+            device.play(&recording)?;
+            milliseconds(start)
         };
         self.build.push(took);
         Ok(())
@@ -426,7 +390,7 @@ pub fn measure(
             progress(&format!("radius {radius} m, run {run} of {runs}"));
             let mut right: Option<Vec<[u32; 4]>> = None;
             for way in &mut ways {
-                way.build(device, radius, &photons)?;
+                way.build(device, &photons)?;
                 let sums = way.find(device, count)?;
                 match &right {
                     None => {

@@ -31,6 +31,8 @@ pub struct GpuEnvironment {
     pub turn: f32,
     /// Whether any light comes from it.
     pub emits: bool,
+    /// Whether it is nowhere much brighter than elsewhere: a ray that leaves a surface is as good a way to find its light as any.
+    pub is_even: bool,
 }
 
 impl GpuEnvironment {
@@ -57,7 +59,7 @@ impl GpuEnvironment {
                     &weights,
                     radiance.to_array(),
                     0.0,
-                    emits,
+                    (emits, true),
                 )
             }
             Environment::Image {
@@ -84,7 +86,7 @@ impl GpuEnvironment {
                     &weights,
                     [*intensity; 3],
                     rotation / 360.0,
-                    emits,
+                    (emits, is_even(&weights, table)),
                 )
             }
         }
@@ -123,7 +125,7 @@ impl GpuEnvironment {
         weights: &[f64],
         scale: [f32; 3],
         turn: f32,
-        emits: bool,
+        (emits, is_even): (bool, bool),
     ) -> Result<Self, DeviceError> {
         let texels: Vec<[f32; 4]> = image.rgb.iter().map(|c| [c[0], c[1], c[2], 1.0]).collect();
         let cells: Vec<[u32; 4]> = alias_table(weights)
@@ -157,8 +159,26 @@ impl GpuEnvironment {
             scale,
             turn: turn.rem_euclid(1.0),
             emits,
+            is_even,
         })
     }
+}
+
+/// A cell is bright where its radiance is as many times the mean of all directions.
+const BRIGHT: f64 = 16.0;
+/// Share of the light that may come from bright cells.
+const MOST_FROM_BRIGHT: f64 = 0.1;
+
+/// Whether little of the light comes from small bright parts: of a sun in the sky, say.
+fn is_even(weights: &[f64], table: [u32; 2]) -> bool {
+    let sine = |cell: usize| row_sine(cell as u32 / table[0], table[1]);
+    let light: f64 = weights.iter().sum();
+    let angle: f64 = (0..weights.len()).map(sine).sum();
+    let from_bright: f64 = (weights.iter().enumerate())
+        .filter(|(cell, weight)| **weight * angle > BRIGHT * light * sine(*cell))
+        .map(|(_, weight)| weight)
+        .sum();
+    from_bright <= MOST_FROM_BRIGHT * light
 }
 
 /// Sine of the polar angle in the middle of a row.
@@ -190,4 +210,30 @@ fn table_weights(image: &FloatImage, table: [u32; 2]) -> Vec<f64> {
         }
     }
     weights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a sky is even of which so many texels are so much brighter than the rest.
+    fn with_bright(texels: usize, radiance: f32) -> bool {
+        let table = [64, 32];
+        let mut image = FloatImage {
+            width: table[0],
+            height: table[1],
+            rgb: vec![[0.5, 0.7, 1.0]; 64 * 32],
+        };
+        image.rgb[16 * 64..][..texels].fill([radiance; 3]);
+        is_even(&table_weights(&image, table), table)
+    }
+
+    #[test]
+    fn a_sun_makes_a_sky_uneven() {
+        assert!(with_bright(0, 0.0));
+        assert!(with_bright(1, 50.0)); // little light
+        assert!(with_bright(400, 10.0)); // large
+        assert!(!with_bright(1, 1e4));
+        assert!(!with_bright(8, 200.0));
+    }
 }

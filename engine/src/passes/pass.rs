@@ -55,17 +55,17 @@ impl Pass {
     /// # Errors
     /// If the driver refuses it.
     pub fn kernel(&self, device: &Device, features: &SceneFeatures) -> Result<Kernel, DeviceError> {
-        let own = [ao_constant(device)];
+        let own = processor_constants(device);
         let constants = [&features.constants()[..], &own].concat();
         let source = self.source();
         source.compile(device, self.name, Trust::All, &constants)
     }
 }
 
-/// The override constant that says whether a thread traces all rays of ambient occlusion of a hit, for the kernel that does it
-/// and the one that sizes its dispatch. A graphics card needs many threads, one for each ray. A processor has enough of them in the
-/// hits alone, and looks up each hit once.
-fn ao_constant(device: &Device) -> (&'static str, f64) {
-    let per_hit = device.traits().runs_threads_in_turn;
-    ("ao_thread_per_hit", f64::from(u8::from(per_hit)))
+/// Override constants by what suits a processor or a graphics card. Whether a thread traces all rays of ambient occlusion of a hit, for
+/// the kernel that does it and the one that sizes its dispatch: a graphics card needs many threads, one for each ray, a processor has
+/// enough of them in the hits alone, and looks up each hit once. And where photons are looked up.
+fn processor_constants(device: &Device) -> [(&'static str, f64); 2] {
+    let value = f64::from(u8::from(device.traits().runs_threads_in_turn));
+    [("ao_thread_per_hit", value), ("photons_by_grid", value)]
 }

@@ -44,7 +44,7 @@ impl DeviceMemory {
             film: picture,
             layers,
             scene: gpu_scene::bytes(device, scene, &procedural.reads()),
-            paths: paths(device, procedural, settings) + caches(settings),
+            paths: paths(device, procedural, settings) + caches(device, settings),
         }
     }
 
@@ -55,9 +55,9 @@ impl DeviceMemory {
 }
 
 /// Bytes of what knows light from before.
-fn caches(settings: &RenderSettings) -> u64 {
+fn caches(device: &Device, settings: &RenderSettings) -> u64 {
     let method = settings.method;
-    light_cache::bytes(method) + irradiance::bytes(method) + photons::bytes(settings)
+    light_cache::bytes(method) + irradiance::bytes(method) + photons::bytes(device, settings)
 }
 
 /// Bytes of a film as it is gathered: the picture's, and those of its layers.

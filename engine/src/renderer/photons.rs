@@ -21,7 +21,7 @@ use crate::{
     gpu_scene::{MOST_TARGETS, SceneFeatures},
     passes::{
         pass::Pass,
-        photons::{self as passes, MAP, PhotonSettings},
+        photons::{self as passes, Each, GRID, OCTREE, PhotonSettings},
     },
     settings::{Method, RenderSettings},
     wave,
@@ -32,7 +32,7 @@ use super::{Purpose, RenderError, Renderer, Work};
 /// Photons of a sample: about as many as pixels, but no fewer and no more.
 const FEWEST: u64 = 1 << 14;
 const MOST: u64 = 1 << 20;
-/// Cells of the map for each photon, and references.
+/// Cells of the grid, or of the octree, for each photon, and references.
 const CELLS: u64 = 2;
 const REFERENCES: u64 = 24;
 /// Radius of the first sample's photons in widths of a pixel.
@@ -75,34 +75,48 @@ pub(super) struct Photons {
 struct Sizes {
     photons: u64,
     cells: u64,
+    /// None where there is no octree.
     references: u64,
 }
 
 impl Sizes {
-    fn of(settings: &RenderSettings) -> Self {
+    fn of(device: &Device, settings: &RenderSettings) -> Self {
         let paths = paths_per_sample(settings.width, settings.height);
         // A power of two, which their sample points fill evenly.
         let photons = (1 << paths.max(1).ilog2()).clamp(FEWEST, MOST);
         Self {
             photons,
             cells: CELLS * photons,
-            references: REFERENCES * photons,
+            references: match passes::are_found_by_grid(device) {
+                true => 0,
+                false => REFERENCES * photons,
+            },
         }
     }
 
-    fn buffers(&self) -> [(&'static str, u64); 3] {
+    fn has_octree(&self) -> bool {
+        self.references > 0
+    }
+
+    fn buffers(&self) -> [(&'static str, u64); 5] {
+        let octree_cells = if self.has_octree() { self.cells } else { 0 };
         [
+            ("photons_arrived", passes::bytes_of_photons(self.photons)),
             ("photons", passes::bytes_of_photons(self.photons)),
-            ("photon_cells", passes::bytes_of_cells(self.cells)),
-            ("photon_references", 4 * self.references),
+            ("photon_grid", passes::bytes_of_grid(self.cells)),
+            ("photon_cells", passes::bytes_of_cells(octree_cells)),
+            ("photon_references", 4 * self.references.max(1)),
         ]
     }
 }
 
 /// Bytes of the buffers.
-pub(super) fn bytes(settings: &RenderSettings) -> u64 {
+pub(super) fn bytes(device: &Device, settings: &RenderSettings) -> u64 {
     match settings.method {
-        Method::Photons => Sizes::of(settings).buffers().iter().map(|(_, b)| b).sum(),
+        Method::Photons => {
+            let buffers = Sizes::of(device, settings).buffers();
+            buffers.iter().map(|(_, bytes)| bytes).sum()
+        }
         Method::Path | Method::Draft | Method::Cache => 0,
     }
 }
@@ -129,7 +143,7 @@ impl Photons {
         if settings.method != Method::Photons {
             return Ok(None);
         }
-        let sizes = Sizes::of(settings);
+        let sizes = Sizes::of(device, settings);
         for (name, bytes) in sizes.buffers() {
             resources.set_buffer(name, device.buffer(name, Usage::Storage, bytes)?);
         }
@@ -172,7 +186,7 @@ impl Renderer {
                     self.weigh_lights()?;
                 }
                 let mut recording = Recording::new("no photons");
-                recording.clear(self.resources.buffer("photons"));
+                recording.clear(self.resources.buffer("photons_arrived"));
                 self.device.start(&recording)?;
                 0
             }
@@ -210,8 +224,13 @@ impl Renderer {
     /// Whether there is something that throws caustics, and light that it could throw.
     pub fn casts_caustics(&self) -> bool {
         let lights = self.scene.light_count + self.scene.directional_count;
-        let is_lit = lights > 0 || self.scene.environment.emits;
+        let is_lit = lights > 0 || self.sky_has_photons();
         is_lit && !self.scene.casters.is_empty() && self.scene.features.energy_compensation
+    }
+
+    /// Whether photons come from the environment. An even one is left to paths, which find its light by chance alone as easily.
+    fn sky_has_photons(&self) -> bool {
+        self.scene.environment.emits && !self.scene.environment.is_even
     }
 
     /// The sample of the next path.
@@ -250,25 +269,35 @@ impl Renderer {
         let Some(sizes) = self.photons.as_ref().map(|photons| photons.sizes) else {
             return Ok(());
         };
+        let threads = |of| match of {
+            Each::Photon => Extent::Threads(sizes.photons as u32),
+            Each::Cell => Extent::Threads(sizes.cells as u32),
+        };
+        let mut recording = Recording::new("no grid");
+        recording.clear(self.resources.buffer("photon_grid"));
+        self.device.start(&recording)?;
+        let frame = self.resources.buffer("frame");
+        self.device.write(frame, 0, bytemuck::bytes_of(&self.frame));
+        self.play_apart(
+            "grid of photons",
+            GRID.map(|(pass, of)| (pass, threads(of))),
+        )?;
+        if !sizes.has_octree() {
+            return Ok(());
+        }
         let sample = self.next_sample();
         // Roots of another size: those of before are of no use.
         let is_as_before =
             sample > 0 && radius(sample).log2().floor() == radius(sample - 1).log2().floor();
         if !is_as_before || self.position == 0 {
-            let mut recording = Recording::new("no map");
+            let mut recording = Recording::new("no octree");
             recording.clear(self.resources.buffer("photon_cells"));
             self.device.start(&recording)?;
         }
-        let frame = self.resources.buffer("frame");
-        self.device.write(frame, 0, bytemuck::bytes_of(&self.frame));
-        let steps = MAP.map(|(pass, of)| {
-            let threads = match of {
-                passes::Each::Photon => sizes.photons,
-                passes::Each::Cell => sizes.cells,
-            };
-            (pass, Extent::Threads(threads as u32))
-        });
-        self.play_apart("map of photons", steps)
+        self.play_apart(
+            "octree of photons",
+            OCTREE.map(|(pass, of)| (pass, threads(of))),
+        )
     }
 
     /// Runs kernels that belong to no wave.
@@ -323,7 +352,7 @@ impl Renderer {
             references: photons.sizes.references as u32,
             light_count: self.scene.light_count,
             directional_count: self.scene.directional_count,
-            environment: u32::from(self.scene.environment.emits),
+            environment: u32::from(self.sky_has_photons()),
             target_count: self.scene.casters.len() as u32,
             targets,
         };

@@ -31,7 +31,7 @@ fn constants(value: f64) -> Vec<(&'static str, f64)> {
     let features = SceneFeatures::default().constants();
     let names = features.iter().map(|(name, _)| *name);
     names
-        .chain(["ao_thread_per_hit"])
+        .chain(["ao_thread_per_hit", "photons_by_grid"])
         .map(|name| (name, value))
         .collect()
 }

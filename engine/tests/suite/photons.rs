@@ -3,7 +3,9 @@
 use engine::film::Film;
 use engine::procedural::TextureSources;
 use engine::renderer::Renderer;
-use engine::scene::{Environment, LightKind, Material, Projection, PunctualLight, Scene};
+use engine::scene::{
+    Environment, FloatImage, LightKind, Material, Projection, PunctualLight, Scene,
+};
 use engine::settings::{Method, RenderSettings};
 use glam::Vec3;
 
@@ -60,6 +62,24 @@ fn below_glass() -> Scene {
     let panel = quad(Vec3::new(-0.4, 3.0, -0.4), Vec3::X * 0.8, Vec3::Z * 0.8);
     add(&mut scene, panel, lamp(Vec3::splat(20.0)));
     scene
+}
+
+fn sky_with_a_bright_place() -> Environment {
+    let (width, height) = (64, 32);
+    let radiance = |at: u32| match (at % width, at / width) {
+        (28..30, 8..10) => [60.0, 50.0, 40.0],
+        _ => [0.1, 0.14, 0.2],
+    };
+    let image = FloatImage {
+        width,
+        height,
+        rgb: (0..width * height).map(radiance).collect(),
+    };
+    Environment::Image {
+        image,
+        rotation: 0.0,
+        intensity: 1.0,
+    }
 }
 
 fn seen(size: (u32, u32), seed: u32, method: Method) -> RenderSettings {
@@ -139,17 +159,27 @@ fn the_light_of_every_kind_of_lamp_counts_once() {
     let disk = LightKind::Disk {
         angular_diameter: 0.2,
     };
-    let sky = Scene {
-        environment: Environment::Constant(Vec3::new(0.5, 0.7, 1.0)),
-        ..beside_a_mirror(0.3)
-    };
     let scenes = [
         ("a panel", with_lamp(beside_a_mirror(0.3))),
         ("a point", lit(LightKind::Point, Vec3::splat(5.0))),
         ("a spot", lit(spot, Vec3::splat(5.0))),
         ("a direction", lit(LightKind::Directional, Vec3::splat(3.0))),
         ("a sun", lit(disk, Vec3::splat(3.0))),
-        ("the sky", sky),
+        (
+            "a sky with a bright place",
+            Scene {
+                environment: sky_with_a_bright_place(),
+                ..beside_a_mirror(0.3)
+            },
+        ),
+        // Of which only the panel sends photons.
+        (
+            "an even sky and a panel",
+            Scene {
+                environment: Environment::Constant(Vec3::new(0.5, 0.7, 1.0)),
+                ..with_lamp(beside_a_mirror(0.3))
+            },
+        ),
     ];
     for (name, scene) in &scenes {
         let of = |method| {

@@ -35,7 +35,11 @@ fn handle_escaped_ray(p: Path, hit: RayHit) -> vec3f {
     if (has_environment && p.bsdf_pdf > 0.0) {
         weight = met_light_weight(p.bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
     }
-    let sky = environment_radiance(hit.direction) * weight;
+    let radiance = environment_radiance(hit.direction);
+    if (leaves_diffuse) {
+        leave_sky(p, radiance);
+    }
+    let sky = radiance * weight;
     let disks = disk_radiance(hit.direction, p.bsdf_pdf);
     if (splits_light) {
         // Clamped as one, as it is for the picture.

@@ -26,6 +26,11 @@ fn leave_scattering(p: Path, v: Vertex, m: MaterialSample, l: Lobes, origins: Ra
     path_set_words(PATH_LEFT, v.slot, vec4u(0u, 0u, v.depth, LEFT_DIFFUSE));
 }
 
+// Leaves that the ray has met the sky alone.
+fn leave_sky(p: Path, radiance: vec3f) {
+    path_set_words(PATH_LEFT, p.slot, vec4u(bitcast<vec3u>(p.throughput * radiance), LEFT_SKY));
+}
+
 // Leaves that the path goes on, and how much of the light from that direction the vertex scatters diffusely.
 fn leave_share(v: Vertex, b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f, value: vec3f) {
     let kind = path_words(PATH_LEFT, v.slot).w;

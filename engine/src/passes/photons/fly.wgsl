@@ -12,7 +12,7 @@
 //!include shared/left.wgsl
 //!include photons/records.wgsl
 
-@group(0) @binding(58) var<storage, read_write> photons: array<atomic<u32>>;
+@group(0) @binding(58) var<storage, read_write> photons_arrived: array<atomic<u32>>;
 
 // Whether nothing of the surface can scatter diffusely, so that no path asks for photons there.
 fn is_caster_throughout(material: u32) -> bool {
@@ -58,7 +58,7 @@ fn photon_arrive(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
     if (is_inside || is_caster_throughout(material)) {
         return;
     }
-    let at = atomicAdd(&photons[0], 1u);
+    let at = atomicAdd(&photons_arrived[0], 1u);
     if (at >= photon_settings.photons) {
         return;
     }
@@ -67,7 +67,7 @@ fn photon_arrive(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
     let words = array<u32, 8>(place.x, place.y, place.z, octahedral_encode(s.geometric_normal), whole_flux(carried.x, number),
         whole_flux(carried.y, number + 1u), whole_flux(carried.z, number + 2u), scattered);
     for (var i = 0u; i < PHOTON_WORDS; i++) {
-        atomicStore(&photons[4u + PHOTON_WORDS * at + i], words[i]);
+        atomicStore(&photons_arrived[4u + PHOTON_WORDS * at + i], words[i]);
     }
 }
 
@@ -81,11 +81,12 @@ fn photon_follow(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
     }
     let slot = queue_read(QUEUE_ACTIVE, index);
     let left = path_words(PATH_LEFT, slot);
-    if (left.w == LEFT_NONE) {
+    path_set_words(PATH_LEFT, slot, vec4u(0u));
+    let kind = left.w & LEFT_KIND;
+    if (kind == LEFT_NONE || kind == LEFT_SKY) {
         return; // it has passed, or is gone
     }
-    path_set_words(PATH_LEFT, slot, vec4u(0u));
-    if ((left.w & LEFT_KIND) != LEFT_CASTER) {
+    if (kind != LEFT_CASTER) {
         end_path(slot);
     }
 }

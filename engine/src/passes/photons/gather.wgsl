@@ -35,7 +35,7 @@ fn gather_photons(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
     }
     let kind = left.w & LEFT_KIND;
     let goes_on = (left.w & LEFT_ON) != 0u;
-    let before = select(path_depth(slot), left.z, kind != LEFT_NONE);
+    let before = select(path_depth(slot), left.z, kind != LEFT_NONE && kind != LEFT_SKY);
     let field = photon_settings.field;
     let gathered = path_read(PATH_RADIANCE, slot);
     var radiance = gathered.xyz;
@@ -45,6 +45,10 @@ fn gather_photons(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
         is = kept.w;
         if (is == PATH_IS_CAUSTIC) {
             radiance = with_less(bitcast<vec3f>(kept.xyz), radiance, slot);
+            if (kind == LEFT_SKY && photon_settings.environment == 0u) {
+                // No photons come from an even sky: rays alone, which meet it often enough, bring all of its light.
+                radiance += bitcast<vec3f>(left.xyz) * shares_diffuse(path_words(field + 1u, slot).xy);
+            }
         }
     }
     if (kind == LEFT_DIFFUSE) {

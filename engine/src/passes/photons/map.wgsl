@@ -1,13 +1,13 @@
-// Builds the map of the photons, all at once: references to the leaves that photons reach into are counted, places for them are
+// Builds the octree of the photons, all at once: references to the leaves that photons reach into are counted, places for them are
 // given out, and they are put down. No passes of a wave.
 //!include photons/records.wgsl
 //!include shared/rays.wgsl
 //!include shared/geometry.wgsl
 
-@group(0) @binding(58) var<storage, read> photons: array<vec4u>;
 // Before the cells a header of four words: references given out, and references counted.
 @group(0) @binding(59) var<storage, read_write> photon_cells: array<atomic<u32>>;
 @group(0) @binding(60) var<storage, read_write> photon_references: array<u32>;
+@group(0) @binding(62) var<storage, read> photons: array<vec4u>;
 
 const CELL_WORDS = 4u;
 const CELL_COUNT = 0u;
@@ -104,7 +104,7 @@ fn is_too_much() -> bool {
 }
 
 fn photon_count() -> u32 {
-    return min(photons[0].x, photon_settings.photons);
+    return photons[0].x;
 }
 
 // Cells that had too many references the last time are split from now on, and all are empty: where photons lie changes little from

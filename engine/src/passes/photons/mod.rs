@@ -2,6 +2,7 @@
 //! their radii shrink, `renderer/photons.rs` says.
 
 use bytemuck::{Pod, Zeroable};
+use device::Device;
 use glam::Vec4;
 
 use crate::{gpu_scene::MOST_TARGETS, wave::Queue};
@@ -33,7 +34,12 @@ pub const fn bytes_of_photons(count: u64) -> u64 {
     16 + 32 * count
 }
 
-/// Bytes of so many cells of the map: a header as large as a cell, then four words each.
+/// Bytes of so many cells of the grid: a header as large as a cell, then two words each.
+pub const fn bytes_of_grid(count: u64) -> u64 {
+    8 + 8 * count
+}
+
+/// Bytes of so many cells of the octree: a header as large as a cell, then four words each.
 pub const fn bytes_of_cells(count: u64) -> u64 {
     16 + 16 * count
 }
@@ -46,6 +52,7 @@ pub const GATHER: Pass = Pass {
     reads: &[
         "frame",
         "photon_cells",
+        "photon_grid",
         "photon_lights",
         "photon_references",
         "photon_settings",
@@ -108,7 +115,7 @@ pub const ARRIVE: Pass = Pass {
         "triangles",
         "vertices",
     ],
-    writes: &["paths", "photons"],
+    writes: &["paths", "photons_arrived"],
     ..GATHER
 };
 
@@ -146,6 +153,30 @@ pub const SUM: Pass = Pass {
     work: Work::Single,
     reads: &["photon_settings"],
     ..WEIGH
+};
+
+/// How many photons are in each cell of the grid. One thread per photon.
+pub const COUNT_PHOTONS: Pass = Pass {
+    name: "count_photons",
+    file: "photons/sort.wgsl",
+    work: Work::Paths,
+    reads: &["frame", "photon_settings", "photons_arrived"],
+    writes: &["photon_grid"],
+    ..GATHER
+};
+
+/// Gives each cell a place for its photons. One thread per cell.
+pub const GIVE_PHOTONS: Pass = Pass {
+    name: "give_photons",
+    reads: &["photon_settings"],
+    ..COUNT_PHOTONS
+};
+
+/// Puts them there. One thread per photon.
+pub const SORT_PHOTONS: Pass = Pass {
+    name: "sort_photons",
+    writes: &["photon_grid", "photons"],
+    ..COUNT_PHOTONS
 };
 
 /// Splits cells that had too many references, and empties all. One thread per cell.
@@ -190,17 +221,29 @@ pub const PUT_DOWN: Pass = Pass {
     ..COUNT
 };
 
+/// Whether photons are looked up in the grid, and there is no octree: `records.wgsl` says why.
+pub fn are_found_by_grid(device: &Device) -> bool {
+    device.traits().runs_threads_in_turn
+}
+
 /// What a thread of the map's kernels is there for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Each {
     /// A photon.
     Photon,
-    /// A cell of the map.
+    /// A cell of the grid, or of the octree: of either there are as many.
     Cell,
 }
 
-/// What makes the map of photons, in this order.
-pub const MAP: [(&Pass, Each); 6] = [
+/// What sorts photons by the cells of a grid, which is empty, in this order.
+pub const GRID: [(&Pass, Each); 3] = [
+    (&COUNT_PHOTONS, Each::Photon),
+    (&GIVE_PHOTONS, Each::Cell),
+    (&SORT_PHOTONS, Each::Photon),
+];
+
+/// What makes the octree of photons that are sorted, in this order.
+pub const OCTREE: [(&Pass, Each); 6] = [
     (&SPLIT, Each::Cell),
     (&COUNT, Each::Photon),
     (&JOIN, Each::Cell),
@@ -210,9 +253,12 @@ pub const MAP: [(&Pass, Each); 6] = [
 ];
 
 /// What is no pass of a wave.
-pub static APART: [&Pass; 8] = [
+pub static APART: [&Pass; 11] = [
     &WEIGH,
     &SUM,
+    &COUNT_PHOTONS,
+    &GIVE_PHOTONS,
+    &SORT_PHOTONS,
     &SPLIT,
     &COUNT,
     &JOIN,

@@ -1,6 +1,6 @@
 // Photons as they lie in memory: a header of four words, the first of them how many there are; then eight words each: position,
 // octahedral normal of the side that they met; flux in red, green and blue, as whole numbers so that sums don't depend on the
-// order; and how many casters have scattered them.
+// order; and how many casters have scattered them, with some bits of the hash of their cell of the grid above.
 //!include photons/settings.wgsl
 //!include shared/frame.wgsl
 //!include shared/vectors.wgsl
@@ -20,6 +20,28 @@ fn photon_radius(place: vec3f) -> f32 {
         return photon_settings.radius;
     }
     return photon_settings.radius * max(length(place - frame.camera_position), photon_settings.nearest);
+}
+
+const PHOTON_SCATTERED = 0xffu;
+const PHOTON_CHECK_SHIFT = 8u;
+
+// Whether photons are looked up in the grid that they are sorted by, or in an octree of references. A processor has the grid in no
+// time, and reads what lies side by side fast; threads of a graphics card should all do the same at once, as they do in one leaf.
+override photons_by_grid: bool = false;
+
+// Side of a cell of the grid over the radius there, at most; at least half of it.
+const GRID_SIDE = 3.0;
+
+// The cell of the grid around a place that photons reach `radius` of. As levels below, cells of two sizes may meet.
+fn grid_level(radius: f32) -> u32 {
+    return bitcast<u32>(GRID_SIDE * radius) >> 23u;
+}
+
+// Two words for each cell: where its photons begin, and how many there are. Before them as many, the first of them the number of
+// photons that have a place.
+fn grid_cell(level: u32, cell: vec3i) -> MapCell {
+    let number = hash_of_cell(level, cell);
+    return MapCell(number & photon_settings.cell_mask, hash(number) >> PHOTON_CHECK_SHIFT);
 }
 
 // The map is an octree whose nodes are found by a hash, and whose leaves know all photons that reach into them: a place asks one
@@ -52,8 +74,12 @@ fn side_of(level: u32) -> f32 {
     return bitcast<f32>(level << 23u);
 }
 
-fn map_cell(root: u32, depth: u32, cell: vec3i) -> MapCell {
+fn hash_of_cell(kind: u32, cell: vec3i) -> u32 {
     let place = vec3u(bitcast<u32>(cell.x), bitcast<u32>(cell.y), bitcast<u32>(cell.z));
-    let number = hash2(hash2(hash2(hash(4u * root + depth), place.x), place.y), place.z);
+    return hash2(hash2(hash2(hash(kind), place.x), place.y), place.z);
+}
+
+fn map_cell(root: u32, depth: u32, cell: vec3i) -> MapCell {
+    let number = hash_of_cell(4u * root + depth, cell);
     return MapCell(number & photon_settings.cell_mask, hash(number) >> REFERENCE_SHIFT);
 }

@@ -11,7 +11,7 @@ struct PhotonSettings {
     references: u32, // most that there is room for
     light_count: u32, // those with a place
     directional_count: u32,
-    environment: u32, // whether it emits
+    environment: u32, // whether it emits photons
     target_count: u32,
     targets: array<vec4f, 16>, // spheres around all that throws caustics: centre and radius
 }

@@ -5,14 +5,16 @@
 // Words of a path's fields, the first two where it scatters diffusely:
 // PATH_PLACE: where rays leave the surface, then the normal that its vertices give it, octahedral.
 // PATH_DIFFUSE: rgb that a unit of irradiance adds to the path's radiance, then the normal that it is shaded with.
-// PATH_LEFT: `shares_words` of the path's next ray, then vertices that had scattered before, then how this one does.
+// PATH_LEFT: `shares_words` of the path's next ray, then vertices that had scattered before, then how this one does; of a ray that
+// has met nothing, rgb that the sky would add if no light sample could have found it, then that.
 
 const LEFT_NONE = 0u; // nothing has scattered in this round
 const LEFT_DIFFUSE = 1u; // light from all sides equally, among others
 const LEFT_CASTER = 2u; // a mirror or a body of glass, which throws caustics
 const LEFT_OTHER = 3u; // some other way
-const LEFT_KIND = 3u; // mask of these
-const LEFT_ON = 4u; // besides: the path goes on
+const LEFT_SKY = 4u; // no surface: the sky
+const LEFT_KIND = 7u; // mask of these
+const LEFT_ON = 8u; // besides: the path goes on
 
 // A surface is a caster if its microfacets' distribution is at most as wide as this, and at most this much of the light that
 // enters it is scattered diffusely. It has to be flagged as one: photons are sent to no others.
