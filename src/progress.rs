@@ -16,6 +16,8 @@ use crate::console;
 
 /// How often the bar is drawn anew while nothing else happens.
 const TICK: Duration = Duration::from_millis(200);
+/// Before there is something to count.
+const WAITING: &str = "{spinner} {msg}";
 /// What takes longer is named.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Between lines for programs.
@@ -66,6 +68,8 @@ struct State {
     stage: Option<String>,
     /// The stage began, or the first samples arrived.
     since: Instant,
+    /// Of the stage more than its beginning is told.
+    goes_on: bool,
     activity: Option<Activity>,
     /// How much is done, and what that is of.
     done: Option<(f64, f64, Unit)>,
@@ -115,7 +119,7 @@ impl Bar {
             _ => ProgressDrawTarget::hidden(),
         };
         let bar = ProgressBar::with_draw_target(Some(1), target);
-        bar.set_style(style("{spinner} {msg}"));
+        bar.set_style(style(WAITING));
         IS_SHOWN.store(form == Form::Terminal, Ordering::Relaxed);
         let now = Instant::now();
         let shared = Arc::new(Shared {
@@ -126,6 +130,7 @@ impl Bar {
                 stage: stage.map(str::to_owned),
                 since: now,
                 activity: None,
+                goes_on: false,
                 done: None,
                 said: now,
                 is_named: false,
@@ -149,6 +154,18 @@ impl Bar {
         if state.done.is_none() {
             state.since = Instant::now();
         }
+        self.shared.show(&mut state);
+    }
+
+    /// Shows a stage that is told of again and again, before there is something to count, or after.
+    pub(crate) fn go_on(&self, stage: String) {
+        let mut state = self.shared.lock();
+        if state.done.take().is_some() || !state.goes_on {
+            state.since = Instant::now();
+            self.shared.bar.set_style(style(WAITING));
+        }
+        state.goes_on = true;
+        state.stage = Some(stage);
         self.shared.show(&mut state);
     }
 
@@ -188,6 +205,7 @@ impl Bar {
                 .bar
                 .set_style(style("{bar:12} {msg}").progress_chars("=> "));
         }
+        state.goes_on = false;
         state.done = Some((done, total, unit));
         self.shared.show(&mut state);
     }
@@ -363,6 +381,7 @@ mod tests {
             stage: None,
             since,
             activity: None,
+            goes_on: false,
             done: Some((
                 90_000.0,
                 f64::from(crate::words::MAX_SPP),

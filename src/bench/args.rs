@@ -94,7 +94,7 @@ pub(crate) enum BenchCommand {
         #[arg(long, value_name = "NAME|N")]
         device: Option<String>,
     },
-    /// Finding photons: the renderer's octree of references against a grid with hashed cells and a kd-tree, milliseconds to build and to ask.
+    /// Finding photons: the renderer's octree of references against its grid of sorted photons and a kd-tree, milliseconds to build and to ask.
     Gather {
         /// Photons, and places that ask for them; rounded up to a power of two.
         #[arg(

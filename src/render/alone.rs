@@ -265,8 +265,14 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
             if let Some(limit) = self.watch.reached::<Failure>(samples, error)? {
                 return Ok(Some(Ended::Enough(limit)));
             }
-            self.bar
-                .update(&self.watch.progress(&progress, samples), spp);
+            match session.records_awaited() {
+                Some(records) => self
+                    .bar
+                    .go_on(format!("making records of irradiance, {records} so far")),
+                None => self
+                    .bar
+                    .update(&self.watch.progress(&progress, samples), spp),
+            }
             if let Some(writer) = self.writer.as_mut().filter(|writer| writer.is_due()) {
                 writer.write(
                     session.snapshot().map_err(failure)?.film,

@@ -165,6 +165,12 @@ impl Irradiance {
 }
 
 impl Renderer {
+    /// Records of irradiance that there are, or are being made, while the picture waits for them; None once it has begun.
+    pub fn records_awaited(&self) -> Option<usize> {
+        let cache = self.irradiance.as_ref().filter(|_| !self.is_apart)?;
+        (cache.phase != Phase::Ready).then_some(cache.records.len())
+    }
+
     /// Takes a step towards a cache that the picture can be made with; false where it is there, or isn't needed.
     pub(super) fn prepare_irradiance(&mut self) -> Result<bool, RenderError> {
         let Some(phase) = self.irradiance.as_ref().map(|cache| cache.phase) else {

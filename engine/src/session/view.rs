@@ -72,6 +72,11 @@ impl Session {
         self.renderer.paths_done()
     }
 
+    /// See [`crate::renderer::Renderer::records_awaited`].
+    pub fn records_awaited(&self) -> Option<usize> {
+        self.renderer.records_awaited()
+    }
+
     /// See [`crate::renderer::Renderer::refine`].
     pub fn refine(&mut self) {
         self.renderer.refine();
