@@ -4,6 +4,7 @@ pub(crate) mod args;
 pub(crate) mod job;
 mod kernel;
 mod methods;
+mod prepared;
 mod render;
 mod report;
 mod scaling;

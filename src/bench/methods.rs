@@ -5,20 +5,16 @@ use std::path::Path;
 use std::time::Duration;
 
 use device::Device;
-use engine::load;
-use engine::procedural::{Procedural, TextureSources};
 use engine::renderer::RenderSettings;
-use engine::scene::look::{Look, LookError};
-use engine::scene::{Camera, Scene, default_camera};
 use patina_bench::methods::{self as bench, How, Setup};
 use patina_bench::report::methods::MethodsFigures;
-use patina_bench::scenes;
 
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::{console, library, output, picture};
+use crate::{console, output, picture};
 
 use super::job::{Amount, MethodsJob, ReportFormat};
+use super::prepared::Prepared;
 use super::report;
 
 /// What is rendered if the user says nothing; the samples are the most of each picture.
@@ -28,14 +24,6 @@ const USUAL: Amount = Amount {
     spp: 1024,
     runs: 1,
 };
-
-/// What is rendered.
-struct Prepared {
-    name: String,
-    scene: Scene,
-    procedural: Procedural,
-    camera: Camera,
-}
 
 /// Measures, prints the table and writes the reports.
 ///
@@ -51,7 +39,12 @@ pub(super) fn run(job: &MethodsJob) -> Result<(), Failure> {
     let read: Vec<_> = job.scene.iter().collect();
     report::check(&written, &read, job.look.as_deref())?;
     let bar = Bar::new("loading the scene");
-    let prepared = prepare(job, &bar)?;
+    let prepared = Prepared::load_or_cornell_box(
+        job.scene.as_deref(),
+        job.look.as_deref(),
+        &job.effort.texture_dirs,
+        &bar,
+    )?;
     let reference = job.reference.as_deref().map(reference).transpose()?;
     let device = Device::open(&job.effort.device).map_err(Failure::because)?;
     bar.follow(&device);
@@ -111,29 +104,4 @@ fn reference(path: &Path) -> Result<Vec<[f32; 3]>, Failure> {
     };
     let pixels = red.values.iter().zip(&green.values).zip(&blue.values);
     Ok(pixels.map(|((&r, &g), &b)| [r, g, b]).collect())
-}
-
-fn prepare(job: &MethodsJob, bar: &Bar) -> Result<Prepared, Failure> {
-    let Some(path) = &job.scene else {
-        let mut scene = scenes::cornell_box();
-        let nothing = Look::parse(Path::new(""), "")?;
-        let procedural = Procedural::build(&nothing, &mut scene, &TextureSources::default())
-            .map_err(LookError::from)?;
-        let camera = scene.cameras.first().cloned();
-        return Ok(Prepared {
-            name: "Cornell box".to_owned(),
-            camera: camera.unwrap_or_else(|| default_camera(&scene)),
-            procedural,
-            scene,
-        });
-    };
-    let texture_dirs = library::texture_dirs(&job.effort.texture_dirs, job.look.as_deref())?;
-    let loaded = load::load(path, job.look.as_deref(), &texture_dirs)?;
-    bar.suspend(|| console::diagnostics(&loaded.warnings));
-    Ok(Prepared {
-        name: path.display().to_string(),
-        scene: loaded.scene,
-        procedural: loaded.procedural,
-        camera: loaded.camera,
-    })
 }

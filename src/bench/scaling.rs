@@ -1,35 +1,22 @@
 //! `patina bench scaling`: how rendering scales with threads, sizes of pieces, and devices, as tables and report files.
 
 use std::io::Write as _;
-use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
 use device::{Device, DeviceChoice};
-use engine::load;
-use engine::procedural::{Procedural, TextureSources};
-use engine::scene::look::{Look, LookError};
-use engine::scene::{Camera, Scene, default_camera};
 use engine::stats::DeviceFacts;
 use patina_bench::report::conditions;
 use patina_bench::report::scaling::ScalingFigures;
 use patina_bench::scaling::{self as bench, Setup};
-use patina_bench::scenes;
 
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::{console, devices, library, output};
+use crate::{console, devices, output};
 
 use super::job::{ReportFormat, ScalingJob};
+use super::prepared::Prepared;
 use super::report;
-
-/// What is rendered.
-struct Prepared {
-    name: String,
-    scene: Scene,
-    procedural: Procedural,
-    camera: Camera,
-}
 
 /// Measures, prints the tables and writes the reports.
 ///
@@ -44,7 +31,12 @@ pub(super) fn run(job: &ScalingJob) -> Result<(), Failure> {
     let scenes: Vec<_> = job.scene.iter().collect();
     report::check(&written, &scenes, job.look.as_deref())?;
     let bar = Bar::new("loading the scene");
-    let prepared = prepare(job, &bar)?;
+    let prepared = Prepared::load_or_cornell_box(
+        job.scene.as_deref(),
+        job.look.as_deref(),
+        &job.texture_dirs,
+        &bar,
+    )?;
     let threads = job.threads.clone().unwrap_or_else(usual_threads);
     let most = threads.last().copied().unwrap_or(1);
     let together = devices::choices(&job.devices);
@@ -103,29 +95,4 @@ fn usual_threads() -> Vec<u32> {
         .take_while(|&count| count < most)
         .chain([most])
         .collect()
-}
-
-fn prepare(job: &ScalingJob, bar: &Bar) -> Result<Prepared, Failure> {
-    let Some(path) = &job.scene else {
-        let mut scene = scenes::cornell_box();
-        let nothing = Look::parse(Path::new(""), "")?;
-        let procedural = Procedural::build(&nothing, &mut scene, &TextureSources::default())
-            .map_err(LookError::from)?;
-        let camera = scene.cameras.first().cloned();
-        return Ok(Prepared {
-            name: "Cornell box".to_owned(),
-            camera: camera.unwrap_or_else(|| default_camera(&scene)),
-            procedural,
-            scene,
-        });
-    };
-    let texture_dirs = library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
-    let loaded = load::load(path, job.look.as_deref(), &texture_dirs)?;
-    bar.suspend(|| console::diagnostics(&loaded.warnings));
-    Ok(Prepared {
-        name: path.display().to_string(),
-        scene: loaded.scene,
-        procedural: loaded.procedural,
-        camera: loaded.camera,
-    })
 }
