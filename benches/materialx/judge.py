@@ -31,6 +31,8 @@ AROUND = {
     "amount": (1.2, 1.0), "lumacoeffs": (0.4, 0.1), "which": (5.0, 5.0), "index": (1.0, 0.0), "octaves": (3.0, 0.0), "ior": (0.7, 0.1),
     "seed": (3.0, 0.0), "num_intervals": (4.0, 0.0), "interval_num": (1.0, 0.0), "style": (0.0, 0.0), "type": (0.0, 0.0),
     "operationorder": (0.0, 0.0), "interpolation": (1.0, 0.0), "center": (0.2, 0.0), "scale": (1.5, 0.4), "fps": (24.0, 0.0),
+    "rotationrange": (30.0, 20.0), "scalerange": (1.0, 0.3), "offsetrange": (0.3, 0.5), "strength": (1.0, 0.0), "flip_g": (1.0, 0.0),
+    "coverage": (0.5, 0.4), "falloff": (0.5, 0.2), "falloffcontrast": (0.5, 0.2),
 }
 
 
@@ -184,6 +186,9 @@ def generate(lib, text, output, out):
     element = doc.getNodeGraph("g").getOutput(output)
     source = generator.generate("s", element, context).getSourceCode("pixel")
     source = source.replace('"image.png"', f'"{out}/image.png"')
+    if "hextiled" in text:
+        # These have no input for the filter.
+        source = source.replace('"swrap"', '"interp", "closest", "swrap"')
     folder = Path(mx.__file__).parent / "libraries/stdlib/genosl/include"
     return source.replace('"mx_funcs.h"', f'"{folder}/mx_funcs.h"')
 
@@ -296,7 +301,10 @@ def make(out):
         if text is None:
             refused[name] = materials
             continue
-        (out / f"{name}.mtlx").write_text(text)
+        ours = text
+        if "hextiled" in name:
+            ours = text.replace('type="filename"', 'type="filename" filter="closest"')
+        (out / f"{name}.mtlx").write_text(ours)
         for material in materials:
             if (out / f"{name}.{material}.osl.f32").exists():
                 continue
