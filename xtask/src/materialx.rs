@@ -87,6 +87,7 @@ pub(crate) fn run(arguments: &[&str]) -> Result<()> {
         }
     };
     script("make")?;
+    script("images")?;
     let folder = out.to_str();
     let folder = folder.with_context(|| format!("{} is no text", out.display()))?;
     let points = format!("{folder}/points.f32");

@@ -25,7 +25,8 @@ fn hexTile(
     offsetrange: vec2f,
 ) -> HexTile {
     const SIDE = 3.4641016;
-    let place = texcoord.xy * tiling;
+    // The lattice is laid over the image as it is stored, its first row on top.
+    let place = vec2f(0.0, 1.0) + vec2f(1.0, -1.0) * texcoord.xy * tiling;
     let p = place * SIDE;
     let skewed = vec2f(p.x - 0.57735027 * p.y, 1.1547005 * p.y);
     let base = floor(skewed);
@@ -47,7 +48,7 @@ fn hexTile(
         let size = mix(1.0, mix(scalerange.x, scalerange.y, random.y), scale);
         let shift = mix(offsetrange.xx, offsetrange.yy, random * offset);
         let uv = rotate2D(place - middle, turn) / size + middle + shift;
-        tile.at[i] = vec4f(uv, 0.0, width / max(abs(size), 1e-6));
+        tile.at[i] = vec4f(uv.x, 1.0 - uv.y, 0.0, width / max(abs(size), 1e-6));
         tile.turns[i] = turn;
     }
     return tile;
