@@ -296,7 +296,7 @@ fn the_materials_of_the_gallery_are_finished() {
         .map(|entry| entry.expect("an entry").path())
         .collect();
     looks.retain(|path| path.extension().is_some_and(|ending| ending == "toml"));
-    assert_eq!(looks.len(), 24);
+    assert_eq!(looks.len(), 26);
     for look in looks {
         let loaded = engine::load::load(&scene, Some(&look), &[]);
         let loaded = loaded.unwrap_or_else(|error| panic!("{}: {error}", look.display()));

@@ -1,9 +1,10 @@
 """Holds what MaterialX's nodes become against MaterialX's own OSL, run by Cycles.
 
     python benches/materialx/judge.py make OUT
+    python benches/materialx/judge.py images OUT
     python benches/materialx/judge.py check OUT
 
-`make` writes a document for each definition of MaterialX's library that gives numbers: its inputs vary over a plane. Cycles renders
+`make` writes a document for each definition of MaterialX's library that gives numbers, `images` for those that read images: its inputs vary over a plane. Cycles renders
 what MaterialX's generator makes of it, at 256 points, into OUT/NAME.MATERIAL.osl.f32; the points are in OUT/points.f32. `check`
 compares OUT/NAME.MATERIAL.f32, which Patina has written, and prints a table. `cargo xtask materialx` does all.
 """
@@ -31,6 +32,8 @@ AROUND = {
     "amount": (1.2, 1.0), "lumacoeffs": (0.4, 0.1), "which": (5.0, 5.0), "index": (1.0, 0.0), "octaves": (3.0, 0.0), "ior": (0.7, 0.1),
     "seed": (3.0, 0.0), "num_intervals": (4.0, 0.0), "interval_num": (1.0, 0.0), "style": (0.0, 0.0), "type": (0.0, 0.0),
     "operationorder": (0.0, 0.0), "interpolation": (1.0, 0.0), "center": (0.2, 0.0), "scale": (1.5, 0.4), "fps": (24.0, 0.0),
+    "strength": (1.0, 0.0), "flip_g": (1.0, 0.0),
+    "coverage": (0.5, 0.4), "falloff": (0.5, 0.2), "falloffcontrast": (0.5, 0.2),
 }
 
 
@@ -44,6 +47,8 @@ def coefficients(name, i, is_image=False):
     if is_image and name in ("uvtiling", "scale", "pivot", "offset", "uvoffset", "rotate", "realworldimagesize", "realworldtilesize", "rotation"):
         size = 0.0
         middle = {"scale": 1.5, "uvtiling": 1.5, "realworldimagesize": 1.5, "rotate": 20.0, "rotation": 20.0}.get(name, 0.7)
+    if is_image and name in ("tiling", "rotationrange", "scalerange", "offsetrange"):
+        return 0.0, 0.0, {"rotationrange": (10.0, 70.0), "scalerange": (0.8, 1.3), "offsetrange": (0.2, 0.9), "tiling": (1.5, 1.3)}[name][i]
     return size * number("x"), size * number("y"), middle + 0.1 * i * (size > 0)
 
 
@@ -76,7 +81,7 @@ def document(definition):
     add('<position name="P" type="vector3"><input name="space" type="string" value="world"/></position>')
     add('<add name="Q" type="vector3"><input name="in1" type="vector3" nodename="P"/><input name="in2" type="vector3" value="0,0,1"/></add>')
     inputs = []
-    is_image = any(port.getType() == "filename" for port in definition.getActiveInputs())
+    is_image = has_image(definition)
     for port in definition.getActiveInputs():
         name, ty = port.getName(), port.getType()
         if ty in ("string",) and name in ("space",):
@@ -166,6 +171,10 @@ def library():
     return lib, found
 
 
+def has_image(definition):
+    return any(port.getType() == "filename" for port in definition.getActiveInputs())
+
+
 def generate(lib, text, output, out):
     """MaterialX's OSL of an output of the document."""
     import MaterialX as mx
@@ -184,6 +193,9 @@ def generate(lib, text, output, out):
     element = doc.getNodeGraph("g").getOutput(output)
     source = generator.generate("s", element, context).getSourceCode("pixel")
     source = source.replace('"image.png"', f'"{out}/image.png"')
+    if "hextiled" in text:
+        # These have no input for the filter.
+        source = source.replace('"swrap"', '"interp", "closest", "swrap"')
     folder = Path(mx.__file__).parent / "libraries/stdlib/genosl/include"
     return source.replace('"mx_funcs.h"', f'"{folder}/mx_funcs.h"')
 
@@ -282,8 +294,9 @@ def picture():
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(raw)) + chunk(b"IEND", b"")
 
 
-def make(out):
+def make(out, with_images=False):
     lib, definitions = library()
+    definitions = [definition for definition in definitions if has_image(definition) == with_images]
     out.mkdir(parents=True, exist_ok=True)
     (out / "image.png").write_bytes(picture())
     cycles = Cycles(out)
@@ -296,7 +309,10 @@ def make(out):
         if text is None:
             refused[name] = materials
             continue
-        (out / f"{name}.mtlx").write_text(text)
+        ours = text
+        if "hextiled" in name:
+            ours = re.sub("(</hextiled)", '<input name="filtertype" type="string" value="closest"/>' + r"\1", text)
+        (out / f"{name}.mtlx").write_text(ours)
         for material in materials:
             if (out / f"{name}.{material}.osl.f32").exists():
                 continue
@@ -310,7 +326,14 @@ def make(out):
                 refused[name] = "its OSL does not compile"
                 break
             cycles.render(compiled).tofile(out / f"{name}.{material}.osl.f32")
-    (out / "refused.txt").write_text("".join(f"{name}: {why}\n" for name, why in sorted(refused.items())))
+    with open(out / "refused.txt", "a" if with_images else "w") as file:
+        file.writelines(f"{name}: {why}\n" for name, why in sorted(refused.items()))
+
+
+def images(out):
+    """Definitions that read images: in a process of their own, since the cache of images, which all its scripts share, gives other
+    pixels after hundreds of others."""
+    make(out, with_images=True)
 
 
 def check(out):
@@ -356,4 +379,4 @@ def compare(out, name):
 
 
 if __name__ == "__main__":
-    {"make": make, "check": check}[sys.argv[1]](Path(sys.argv[2]).resolve())
+    {"make": make, "images": images, "check": check}[sys.argv[1]](Path(sys.argv[2]).resolve())

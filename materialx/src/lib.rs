@@ -28,6 +28,7 @@ mod convert;
 mod document;
 mod import;
 mod look;
+mod procedurals;
 mod read;
 mod shader;
 #[cfg(test)]

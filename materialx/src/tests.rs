@@ -347,3 +347,34 @@ fn circles_end() {
             .any(|warning| warning.contains("graphs in graphs"))
     );
 }
+
+#[test]
+fn a_coats_colour_lies_on_what_is_below_it() {
+    let inputs = "<input name=\"base_color\" type=\"color3\" value=\"0.5, 0.5, 1\"/>\n\
+                  <input name=\"coat\" type=\"float\" value=\"0.5\"/>\n\
+                  <input name=\"coat_color\" type=\"color3\" value=\"1, 0.5, 0\"/>";
+    let converted = imported(&Memory::default(), "", inputs);
+    let text = look_text(&converted);
+    assert!(text.contains("base_color = [0.5, 0.375, 0.5]"), "{text}");
+    assert!(text.contains("specular_color = [1.0, 0.75, 0.5]"), "{text}");
+    assert_eq!(warnings(&converted), [""; 0]);
+}
+
+#[test]
+fn reflections_are_as_wide_as_the_models() {
+    let inputs = "<input name=\"specular_roughness\" type=\"float\" value=\"0.5\"/>\n\
+                  <input name=\"specular_anisotropy\" type=\"float\" value=\"0.75\"/>";
+    let converted = imported(&Memory::default(), "", inputs);
+    let known = |key: &str| {
+        let parameters = &converted.materials[0].parameters;
+        let (_, value) = parameters.iter().find(|(name, _)| *name == key).expect(key);
+        value.as_number().expect("a number")
+    };
+    // Widths of 0.25 / 0.5 and 0.25 * 0.5; glTF's of a roughness and a strength.
+    let across = known("roughness").powi(2);
+    let along = across + (1.0 - across) * known("anisotropy").powi(2);
+    assert!(
+        (across - 0.125).abs() < 1e-5 && (along - 0.5).abs() < 1e-5,
+        "{along} {across}"
+    );
+}

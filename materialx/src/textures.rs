@@ -21,11 +21,12 @@ const TEXTURES: &[(&str, &str)] = texts!("":
     mx_cellnoise3d mx_checkerboard mx_circle mx_clamp mx_cloverleaf mx_colorcorrect mx_combine mx_constant
     mx_contrast mx_convert_color4 mx_cos mx_crosshatch mx_crossproduct mx_determinant_3 mx_determinant_4
     mx_difference mx_disjointover mx_distance_2 mx_distance_3 mx_distance_4 mx_divide mx_dodge
-    mx_dotproduct_2 mx_dotproduct_3 mx_dotproduct_4 mx_exp mx_extract mx_facingratio mx_floor mx_fract
+    mx_dotproduct_2 mx_dotproduct_3 mx_dotproduct_4 mx_exp mx_extract mx_facingratio mx_flake2d mx_flake2d_normal mx_flake3d
+    mx_flake3d_normal mx_floor mx_fract
     mx_fractal2d_float mx_fractal2d_vector2 mx_fractal2d_vector3 mx_fractal2d_vector4 mx_fractal3d_float
     mx_fractal3d_vector2 mx_fractal3d_vector3 mx_fractal3d_vector4 mx_frame mx_geomcolor
     mx_gltf_anisotropy_image mx_gltf_colorimage mx_gltf_image mx_gltf_iridescence_thickness
-    mx_gltf_normalmap mx_grid mx_hexagon mx_hsvadjust mx_hsvtorgb mx_ifequal mx_ifequal_boolean
+    mx_gltf_normalmap mx_grid mx_hexagon mx_hextiledimage mx_hextilednormalmap mx_hsvadjust mx_hsvtorgb mx_ifequal mx_ifequal_boolean
     mx_ifgreater mx_ifgreater_boolean mx_ifgreatereq mx_ifgreatereq_boolean mx_image mx_in mx_inside
     mx_invert mx_invertmatrix_3 mx_invertmatrix_4 mx_latlongimage mx_line mx_ln mx_luminance mx_magnitude_2
     mx_magnitude_3 mx_magnitude_4 mx_mask mx_matte mx_max mx_min mx_minus mx_mix mx_modulo mx_multiply
@@ -43,7 +44,8 @@ const TEXTURES: &[(&str, &str)] = texts!("":
 );
 
 /// The files that they share.
-const SHARED: &[(&str, &str)] = texts!("lib/": mx_hsv mx_jenkins mx_picture mx_shapes mx_worley);
+const SHARED: &[(&str, &str)] =
+    texts!("lib/": mx_flakes mx_hextile mx_hsv mx_jenkins mx_picture mx_shapes mx_worley);
 
 /// The names of all textures.
 pub fn names() -> impl Iterator<Item = &'static str> {

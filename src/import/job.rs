@@ -15,6 +15,8 @@ pub(crate) struct ImportJob {
     pub(crate) material: Option<String>,
     /// What it is called in the look.
     pub(crate) name: Option<String>,
+    /// Whether drafts are read, too.
+    pub(crate) drafts: bool,
 }
 
 impl ImportJob {
@@ -27,6 +29,7 @@ impl ImportJob {
             file: args.file,
             material: args.material,
             name: args.name,
+            drafts: args.drafts,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! `patina import`: a MaterialX document as the text of a look.
+//! `patina import`: a MaterialX document, or glTF's procedural textures, as the text of a look.
 
 pub(crate) mod args;
 pub(crate) mod job;
@@ -20,7 +20,7 @@ use job::ImportJob;
 /// # Errors
 /// The document can't be read, has mistakes, or no such material; there is a look of that name already, or it can't be written.
 pub(crate) fn run(job: &ImportJob) -> Result<(), Failure> {
-    let document = Document::read(&Disk, &job.file)?;
+    let document = Document::open(&Disk, &job.file, job.drafts)?;
     let wanted = Wanted {
         material: job.material.clone(),
         name: job.name.clone(),

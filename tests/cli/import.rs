@@ -20,7 +20,7 @@ const DOCUMENT: &str = r#"<?xml version="1.0"?>
     <input name="emission" type="float" value="1"/>
     <input name="emission_color" type="color3" nodegraph="pattern" output="out"/>
     <input name="coat" type="float" value="1"/>
-    <input name="coat_color" type="color3" value="1, 0, 0"/>
+    <input name="coat_IOR" type="float" value="1.7"/>
   </standard_surface>
   <surfacematerial name="Squares" type="material">
     <input name="surfaceshader" type="surfaceshader" nodename="shader"/>
@@ -34,7 +34,7 @@ fn a_document_becomes_a_look() {
     fs::write(bench.path("a.mtlx"), DOCUMENT).expect("written");
     let run = bench.run("import a.mtlx --name Glow").expect_code(0);
     assert!(
-        run.stderr.contains("`coat_color` has no counterpart"),
+        run.stderr.contains("`coat_IOR` has no counterpart"),
         "{}",
         run.stderr
     );
@@ -71,6 +71,72 @@ fn a_document_becomes_a_look() {
         .run("import none.mtlx -o b.toml")
         .expect_error(1, "cannot read");
     bench
-        .run("import triangle.gltf -o b.toml")
-        .expect_error(1, "not valid XML");
+        .run("import look.txt -o b.toml")
+        .expect_error(1, "cannot read");
+}
+
+/// What makes the triangle's emission a checkerboard, and a place that is no texture coordinate.
+const PROCEDURALS: &str = r#"
+  "extensionsUsed": ["KHR_texture_procedurals", "EXT_texture_procedurals_mx_1_39"],
+  "extensions": { "KHR_texture_procedurals": { "procedurals": [ {
+    "name": "pattern", "nodetype": "nodegraph", "type": "color3",
+    "nodes": [
+      { "name": "place", "nodetype": "position", "type": "vector3" },
+      { "name": "uv", "nodetype": "convert", "type": "vector2",
+        "inputs": { "in": { "nodetype": "input", "type": "vector3", "node": 0 } } },
+      { "name": "squares", "nodetype": "checkerboard", "type": "color3", "inputs": {
+        "color1": { "nodetype": "input", "type": "color3", "value": [4, 0, 0] },
+        "color2": { "nodetype": "input", "type": "color3", "value": [0, 0, 4] },
+        "uvtiling": { "nodetype": "input", "type": "vector2", "value": [2, 2] },
+        "texcoord": { "nodetype": "input", "type": "vector2", "node": 1 } } } ],
+    "outputs": { "out": { "nodetype": "output", "type": "color3", "node": 2 } } } ] } },
+  "textures": [{ "source": 0 }],
+  "images": [{ "uri": "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR42mP4//8/AAX+Av4zEpUUAAAAAElFTkSuQmCC" }],
+  "scene": 0,"#;
+const BOUND: &str = r#""emissiveTexture": { "index": 0, "extensions": { "KHR_texture_procedurals": { "index": 0, "output": "out" } } },
+    "emissiveFactor""#;
+
+#[test]
+fn drafts_of_gltf_become_a_look_where_they_are_wanted() {
+    let bench = Bench::new();
+    let text = TRIANGLE.replace("\n  \"scene\": 0,", PROCEDURALS);
+    let text = text.replace("\"emissiveFactor\"", BOUND);
+    fs::write(bench.path("drafts.gltf"), &text).expect("written");
+    bench.run("import drafts.gltf").expect_error(1, "--drafts");
+    bench.run("import drafts.gltf --drafts").expect_code(0);
+    let line = "texture eval pattern_squares --look drafts.look.toml --device native --at WorldPos=0.2,0.2 --at WorldPos=0.7,0.2";
+    let values = bench.run(line).expect_code(0).stdout;
+    assert_eq!(values, "0 0 4 1\n4 0 0 1\n", "{values}");
+    // The model is seen as with its own MaterialX, whichever way the graph is read.
+    fs::write(bench.path("a.mtlx"), DOCUMENT).expect("written");
+    let looks = [
+        (
+            "mtlx",
+            "[[materialx]]\nfile = \"a.mtlx\"\nname = \"Glow\"\n[material.Glow]\nbase_color = [1.0, 1.0, 1.0]\ncoat = 0.0\nroughness = 1.0\n",
+        ),
+        (
+            "own",
+            "[[materialx]]\nfile = \"drafts.gltf\"\ndrafts = true\n",
+        ),
+    ];
+    for (name, look) in looks {
+        fs::write(bench.path(&format!("{name}.look.toml")), look).expect("written");
+    }
+    for look in ["drafts", "own", "mtlx"] {
+        let line = format!(
+            "render drafts.gltf --look {look}.look.toml --device native --size 32x32 --spp 4 -o {look}.exr"
+        );
+        bench.run(&line).expect_code(0);
+    }
+    bench
+        .run("compare drafts.exr own.exr --max-mse 0")
+        .expect_code(0);
+    bench
+        .run("compare drafts.exr mtlx.exr --max-mse 0.0001")
+        .expect_code(0);
+    let wrong = text.replace("\"node\": 1", "\"node\": 9");
+    fs::write(bench.path("wrong.gltf"), wrong).expect("written");
+    bench
+        .run("import wrong.gltf --drafts")
+        .expect_error(1, "the node `squares` is connected to node 9");
 }

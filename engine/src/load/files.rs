@@ -35,7 +35,7 @@ pub fn files_from(files: &dyn Files, scene: &Path, look: Option<&Look>) -> Vec<P
     }
     for document in &look.materialx {
         let path = look.resolve(&document.file.value);
-        if let Ok(document) = materialx::Document::read(files, &path) {
+        if let Ok(document) = materialx::Document::open(files, &path, document.drafts) {
             found.extend(document.paths().iter().cloned());
         }
         found.push(path);

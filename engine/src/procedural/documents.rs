@@ -57,7 +57,7 @@ fn add(
         name: text(&wanted.name),
         folder: look.resolve(""),
     };
-    let document = Document::read(files, &path)?;
+    let document = Document::open(files, &path, wanted.drafts)?;
     let converted = materialx::convert(&document, files, &options)?;
     let span = &wanted.file.span;
     for node in converted.nodes {

@@ -49,6 +49,10 @@ impl Converter<'_> {
             return Some(Results::One(missing));
         }
         let element = self.document.element(id);
+        if matches!(&*element.kind, "flake2d" | "flake3d") {
+            return self.flakes(scope, id, &texture);
+        }
+        self.warn_of_rest(id, &texture);
         let ty = match element.attribute("type") {
             Some("multioutput") | None => Type::Vector4,
             Some(name) => match matrix::size_of(name) {
@@ -63,6 +67,28 @@ impl Converter<'_> {
         };
         let link = self.use_of(scope, id, &texture, ty, 0);
         Some(outputs(&element.kind, link))
+    }
+
+    /// Two nodes of the look: one for what flakes are, one for their normals.
+    fn flakes(
+        &mut self,
+        scope: &Rc<Scope>,
+        id: ElementId,
+        texture: &TextureType,
+    ) -> Option<Results> {
+        let normals = textures::interface(&format!("{}_normal", texture.name()))?;
+        self.warn_of_rest(id, &normals);
+        let facts = self.use_of(scope, id, texture, Type::Vector3, 0);
+        let normal = self.use_of(scope, id, &normals, Type::Vector3, 0);
+        let fact = |ty, component| Value::Link(facts.pick(ty, &[component]));
+        let named = [
+            ("id", fact(Type::Integer, 0)),
+            ("rand", fact(Type::Float, 1)),
+            ("presence", fact(Type::Float, 2)),
+            ("flakenormal", Value::Link(normal)),
+        ];
+        let named = named.map(|(name, value)| (name.to_owned(), value));
+        Some(Results::Named(named.into()))
     }
 
     /// A node of the look for a node of the document; of matrices it takes a row.
@@ -148,7 +174,6 @@ impl Converter<'_> {
             };
             values.extend(value.map(|value| (parameter, value)));
         }
-        self.warn_of_rest(id, texture);
         let kind = &*document.element(id).kind;
         let is_place = keep_width(kind, &mut values);
         let mut arguments: Vec<(String, look::Value)> = Vec::new();

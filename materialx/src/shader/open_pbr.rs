@@ -74,32 +74,38 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
     );
     let depth = s.number("transmission_depth", 0.0);
     let body = s.transmission(&weight, &color, &depth, is_thin, body);
+    let (coat, coat_color) = (s.number("coat_weight", 0.0), s.color("coat_color", 1.0));
+    let body = s.below_coat("coated_base", &body, &coat, &coat_color);
     s.set_color("base_color", &body, 1.0);
     let metalness = s.number("base_metalness", 0.0);
     s.set("metallic", &metalness, 0.0, 1.0);
     let roughness = s.number("specular_roughness", 0.3);
-    s.set("roughness", &roughness, 0.0, 1.0);
+    let anisotropy = s.number("specular_roughness_anisotropy", 0.0);
+    s.roughness(&roughness, &anisotropy, widths);
     let specular = s.number("specular_weight", 1.0);
     s.set("specular", &specular, 0.0, 1.0);
     let color = s.color("specular_color", 1.0);
+    let color = s.below_coat("coated_specular", &color, &coat, &coat_color);
     s.set_color("specular_color", &color, f32::MAX);
     let ior = s.number("specular_ior", 1.5);
+    let film = s.number("thin_film_weight", 0.0);
+    // Films lie in air here, and bodies that let light through are seen from inside, too.
+    let ior = match weight.is(0.0) && film.is(0.0) {
+        true => ior_below_coat(s, &ior, &coat),
+        false => ior,
+    };
     s.set("ior", &ior, 1.0, f32::MAX);
-    let anisotropy = s.number("specular_roughness_anisotropy", 0.0);
     if !anisotropy.is(0.0) {
-        s.set("anisotropy", &anisotropy, 0.0, 1.0);
         s.ignores_link(
             "geometry_tangent",
             "reflections stretch along the texture coordinates",
         );
     }
     dispersion(s);
-    let coat = s.number("coat_weight", 0.0);
     if !coat.is(0.0) {
         s.set("coat", &coat, 0.0, 1.0);
         let roughness = s.number("coat_roughness", 0.0);
         s.set("coat_roughness", &roughness, 0.0, 1.0);
-        s.ignores("coat_color", 1.0, "the coat is clear");
         s.ignores("coat_ior", 1.5, "the coat's index of refraction is 1.5");
         s.ignores(
             "coat_roughness_anisotropy",
@@ -116,7 +122,6 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
         let roughness = s.number("fuzz_roughness", 0.5);
         s.set("sheen_roughness", &roughness, 0.0, 1.0);
     }
-    let film = s.number("thin_film_weight", 0.0);
     if !film.is(0.0) {
         s.set("iridescence", &film, 0.0, 1.0);
         let micrometres = s.number("thin_film_thickness", 0.5);
@@ -142,6 +147,25 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
         "diffuse surfaces are Lambertian",
     );
     s.ignores("transmission_scatter", 0.0, "bodies don't scatter");
+}
+
+/// The index of an opaque body relative to the coat on it, where both are known.
+fn ior_below_coat(s: &mut Surface<'_, '_>, ior: &Value, coat: &Value) -> Value {
+    let coat_ior = s.number("coat_ior", 1.6).known();
+    let (Some([ior, ..]), Some([coat_ior, ..]), Some([coat, ..])) =
+        (ior.known(), coat_ior, coat.known())
+    else {
+        return ior.clone();
+    };
+    let ratio = ior / (1.0 + (coat_ior - 1.0) * coat.clamp(0.0, 1.0)).max(1.0);
+    Value::number(ratio.max(1.0 / ratio.max(1e-6)))
+}
+
+/// Widths of reflections along the tangent and across it: MaterialX's `open_pbr_anisotropy`, which keeps their mean square.
+fn widths(roughness: f32, anisotropy: f32) -> [f32; 2] {
+    let ratio = 1.0 - anisotropy;
+    let along = roughness * roughness * (2.0 / (1.0 + ratio * ratio)).sqrt();
+    [along, along * ratio]
 }
 
 fn dispersion(s: &mut Surface<'_, '_>) {

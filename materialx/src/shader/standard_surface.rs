@@ -75,20 +75,22 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
     );
     let depth = s.number("transmission_depth", 0.0);
     let body = s.transmission(&weight, &color, &depth, is_thin, body);
+    let (coat, coat_color) = (s.number("coat", 0.0), s.color("coat_color", 1.0));
+    let body = s.below_coat("coated_base", &body, &coat, &coat_color);
     s.set_color("base_color", &body, 1.0);
     let metalness = s.number("metalness", 0.0);
     s.set("metallic", &metalness, 0.0, 1.0);
     let roughness = s.number("specular_roughness", 0.2);
-    s.set("roughness", &roughness, 0.0, 1.0);
+    let anisotropy = s.number("specular_anisotropy", 0.0);
+    s.roughness(&roughness, &anisotropy, widths);
     let specular = s.number("specular", 1.0);
     s.set("specular", &specular, 0.0, 1.0);
     let color = s.color("specular_color", 1.0);
+    let color = s.below_coat("coated_specular", &color, &coat, &coat_color);
     s.set_color("specular_color", &color, f32::MAX);
     let ior = s.number("specular_IOR", 1.5);
     s.set("ior", &ior, 1.0, f32::MAX);
-    let anisotropy = s.number("specular_anisotropy", 0.0);
     if !anisotropy.is(0.0) {
-        s.set("anisotropy", &anisotropy, 0.0, 1.0);
         let turns = s.number("specular_rotation", 0.0);
         let degrees = s.product("rotation", &turns, &Value::number(360.0));
         s.set("anisotropy_rotation", &degrees, -360.0, 360.0);
@@ -101,7 +103,7 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
     if let Some([abbe, ..]) = abbe.filter(|abbe| abbe[0] > 0.0) {
         s.set("dispersion", &Value::number(20.0 / abbe), 0.0, f32::MAX);
     }
-    coat(s);
+    coat_reflection(s);
     let (sheen, color) = (s.number("sheen", 0.0), s.color("sheen_color", 1.0));
     if !sheen.is(0.0) {
         let color = s.product("sheen", &color, &sheen);
@@ -133,7 +135,14 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
     );
 }
 
-fn coat(s: &mut Surface<'_, '_>) {
+/// Widths of reflections along the tangent and across it: MaterialX's `roughness_anisotropy`.
+fn widths(roughness: f32, anisotropy: f32) -> [f32; 2] {
+    let aspect = (1.0 - anisotropy.min(0.98)).sqrt();
+    let square = roughness * roughness;
+    [square / aspect, square * aspect]
+}
+
+fn coat_reflection(s: &mut Surface<'_, '_>) {
     let coat = s.number("coat", 0.0);
     if coat.is(0.0) {
         return;
@@ -141,7 +150,6 @@ fn coat(s: &mut Surface<'_, '_>) {
     s.set("coat", &coat, 0.0, 1.0);
     let roughness = s.number("coat_roughness", 0.1);
     s.set("coat_roughness", &roughness, 0.0, 1.0);
-    s.ignores("coat_color", 1.0, "the coat is clear");
     s.ignores("coat_IOR", 1.5, "the coat's index of refraction is 1.5");
     s.ignores(
         "coat_anisotropy",

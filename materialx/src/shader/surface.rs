@@ -203,6 +203,45 @@ impl<'c, 'd> Surface<'c, 'd> {
         }
     }
 
+    /// Roughness with its anisotropy. `widths` are the model's widths of reflections along the tangent and across it, for both
+    /// numbers; where they are known ours are made the same, else the anisotropy is taken for glTF's.
+    pub(super) fn roughness(
+        &mut self,
+        roughness: &Value,
+        anisotropy: &Value,
+        widths: fn(f32, f32) -> [f32; 2],
+    ) {
+        let (Some([r, ..]), Some([a, ..])) = (roughness.known(), anisotropy.known()) else {
+            self.set("roughness", roughness, 0.0, 1.0);
+            self.set_unless("anisotropy", anisotropy, 0.0, 1.0);
+            return;
+        };
+        let [along, across] = widths(r, a.clamp(0.0, 1.0)).map(|width| width.clamp(0.0, 1.0));
+        self.set("roughness", &Value::number(across.sqrt()), 0.0, 1.0);
+        if along > across {
+            // glTF's width along the tangent goes from that across it to 1 with the square of the strength.
+            let strength = ((along - across) / (1.0 - across)).sqrt();
+            self.set("anisotropy", &Value::number(strength), 0.0, 1.0);
+        }
+    }
+
+    /// A colour as it is seen through a coat.
+    pub(super) fn below_coat(
+        &mut self,
+        what: &str,
+        color: &Value,
+        coat: &Value,
+        coat_color: &Value,
+    ) -> Value {
+        if coat.is(0.0) || coat_color.is(1.0) {
+            return color.clone();
+        }
+        let white = Value::color([1.0; 3]);
+        let name = format!("{what}_below");
+        let tint = self.mixed(&name, &white, coat_color, coat);
+        self.product(what, color, &tint)
+    }
+
     /// The opacity, of a number or a colour.
     pub(super) fn opacity(&mut self, value: &Value) {
         if value.is(1.0) {

@@ -246,6 +246,8 @@ pub struct MaterialxLook {
     pub material: Option<Spanned<String>>,
     /// What it is called in the look; as in the document where absent.
     pub name: Option<Spanned<String>>,
+    /// Whether drafts are read, too: procedural textures of glTF.
+    pub drafts: bool,
 }
 
 /// `[[include]]`: another glTF file, placed in the scene.

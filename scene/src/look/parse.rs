@@ -396,14 +396,15 @@ fn tables<T>(
 }
 
 fn materialx(reader: &mut Reader, value: &Spanned<Value>) -> Option<MaterialxLook> {
-    const KEYS: [&str; 3] = ["file", "material", "name"];
+    const KEYS: [&str; 4] = ["file", "material", "name", "drafts"];
     let table = reader.table(value, "a table headed [[materialx]]")?;
-    let (mut file, mut material, mut name) = (None, None, None);
+    let (mut file, mut material, mut name, mut drafts) = (None, None, None, None);
     for Field { key, value } in table {
         match key.value.as_str() {
             "file" => file = reader.text(value),
             "material" => material = reader.text(value),
             "name" => name = reader.text(value),
+            "drafts" => drafts = reader.bool(value),
             _ => reader.unknown_key(key, "[[materialx]]", &KEYS),
         }
     }
@@ -418,6 +419,7 @@ fn materialx(reader: &mut Reader, value: &Spanned<Value>) -> Option<MaterialxLoo
         file: file?,
         material,
         name,
+        drafts: drafts.is_some_and(|drafts| drafts.value),
     })
 }
 
