@@ -30,6 +30,8 @@ pub enum Command {
     Region(Option<[f32; 4]>),
     /// Say what is seen at this place, (0, 0) the upper left corner, (1, 1) the lower right one.
     Pick(Vec2, PickPurpose),
+    /// Nothing is picked any more.
+    Unpick,
     /// Say how large something is.
     Bounds(Extent),
     /// Keep the picture to compare with, or forget it.
@@ -262,6 +264,8 @@ pub struct Board {
     pub scene: Arc<SceneFacts>,
     /// The look, once it has been read.
     pub look: Option<LookFacts>,
+    /// What has been shown, the latest first.
+    pub recent: Arc<[Files]>,
     /// Not read yet.
     pub replies: Vec<Reply>,
     /// When the user did something last; written by the window.

@@ -109,6 +109,7 @@ impl RenderThread {
                     is_stuck: false,
                     published: publish::Published::default(),
                 };
+                lock(&render.board).recent = render.host.recent().into();
                 render.run(&commands, files);
             })?;
         Ok(Self { link, thread })

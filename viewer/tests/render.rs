@@ -67,6 +67,16 @@ impl Host for TestHost {
         })
     }
 
+    fn recent(&self) -> Vec<Files> {
+        vec![Files::default()]
+    }
+
+    fn keep_recent(&self, list: &[Files]) -> Result<(), String> {
+        assert!(list[0].scene.is_absolute(), "{list:?}");
+        assert_eq!(list.last(), Some(&Files::default()), "former ones stay");
+        Ok(())
+    }
+
     fn check_picture(&self, path: &Path) -> Result<(), String> {
         let has_folder = path.parent().is_some_and(Path::is_dir);
         has_folder.then_some(()).ok_or("no folder".to_owned())

@@ -569,6 +569,49 @@ fn what_is_typed_into_a_menu_is_no_shortcut() {
 }
 
 #[test]
+fn what_was_shown_can_be_opened_again() {
+    let mut stage = Stage::new();
+    let folder = tempfile::tempdir().expect("a folder");
+    let there = Files {
+        scene: folder.path().join("vase.glb"),
+        look: None,
+        camera: None,
+    };
+    std::fs::write(&there.scene, "").expect("written");
+    let gone = Files {
+        scene: folder.path().join("gone.glb"),
+        look: Some(folder.path().join("gone.look.toml")),
+        camera: None,
+    };
+    stage.board.lock().unwrap().recent = vec![gone, there.clone()].into();
+    stage.click("File");
+    stage.click("Open recent");
+    let gone = stage.harness.get_by_label("gone.glb with gone.look.toml");
+    assert!(gone.accesskit_node().is_disabled());
+    stage.click("vase.glb");
+    let sent = stage.sent();
+    assert!(
+        matches!(&sent[..], [Command::Open(files)] if *files == there),
+        "{sent:?}"
+    );
+}
+
+#[test]
+fn escape_ends_the_line_around_what_was_picked() {
+    let mut stage = Stage::new();
+    stage.press(Modifiers::NONE, Key::Escape);
+    assert!(stage.sent().is_empty(), "nothing is picked");
+    stage.reply(Reply::Picked {
+        purpose: PickPurpose::Material,
+        hit: Some(("Brass".to_owned(), 1.0)),
+    });
+    assert_eq!(stage.harness.state().material(), Some("Brass"));
+    stage.press(Modifiers::NONE, Key::Escape);
+    assert!(matches!(stage.sent()[..], [Command::Unpick]));
+    assert_eq!(stage.harness.state().material(), None);
+}
+
+#[test]
 fn a_light_that_nobody_asked_for_is_marked_and_turned_off() {
     let mut stage = Stage::new();
     let said = "No light in the files: seen under a white sky";

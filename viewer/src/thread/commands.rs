@@ -55,6 +55,14 @@ impl Render {
                     Some((material.name.clone(), hit.depth))
                 });
                 self.reply(Reply::Picked { purpose, hit });
+                if purpose == PickPurpose::Material {
+                    self.show_again();
+                }
+            }
+            Command::Unpick => {
+                if self.picked.take().is_some() {
+                    self.show_again();
+                }
             }
             Command::KeepBefore(is_kept) => {
                 self.before = None;
