@@ -40,6 +40,8 @@ pub enum Command {
     Pause(bool),
     /// Show the picture without its noise, where there is what takes it out.
     Denoise(bool),
+    /// Show a scene without any light in that of a studio, or as dark as it is.
+    StudioLight(bool),
     /// Measure each pass and each texture.
     TimePasses(bool),
     /// Samples per pixel after which the picture is done.
@@ -245,7 +247,7 @@ pub struct LookFacts {
     pub materials: Arc<Vec<Material>>,
     /// So many of them are those of the scene's files.
     pub own_materials: usize,
-    /// There is no light but a white sky that nobody asked for.
+    /// There is no light but one that nobody asked for.
     pub has_stand_in_light: bool,
     /// Names of the directional lights.
     pub suns: Arc<[String]>,

@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 
 use device::Device;
 use engine::display::{DeviceFilm, Display, DisplaySettings};
+use engine::load::StandIn;
 use engine::scene::Camera;
 use engine::session::{ChangeQueue, Session, SessionError};
 
@@ -89,6 +90,7 @@ impl RenderThread {
                     settings: DisplaySettings::default(),
                     is_paused: false,
                     times_passes: false,
+                    stand_in: StandIn::Studio,
                     pending: Pending::default(),
                     motion: None,
                     is_moving: false,
@@ -137,6 +139,8 @@ struct Render {
     settings: DisplaySettings,
     is_paused: bool,
     times_passes: bool,
+    /// What a scene without light is seen by.
+    stand_in: StandIn,
     pending: Pending,
     /// When something moved last.
     motion: Option<Instant>,

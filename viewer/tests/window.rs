@@ -614,7 +614,7 @@ fn escape_ends_the_line_around_what_was_picked() {
 #[test]
 fn a_light_that_nobody_asked_for_is_marked_and_turned_off() {
     let mut stage = Stage::new();
-    let said = "No light in the files: seen under a white sky";
+    let said = "No light in the files";
     assert!(stage.harness.query_by_label(said).is_none());
     stage.board.lock().unwrap().look = Some(LookFacts {
         has_stand_in_light: true,
@@ -622,13 +622,20 @@ fn a_light_that_nobody_asked_for_is_marked_and_turned_off() {
     });
     stage.harness.run_steps(3);
     assert!(stage.harness.query_by_label(said).is_some());
-    stage.click("Turn off");
-    let sent = stage.sent();
-    let black = |change: &engine::session::Change| change.text().contains("[0.0, 0.0, 0.0]");
-    assert!(
-        matches!(&sent[..], [Command::Change(change, _)] if black(change)),
-        "{sent:?}"
-    );
+    for is_on in [false, true] {
+        stage.click("Studio light");
+        let sent = stage.sent();
+        assert!(
+            matches!(sent[..], [Command::StudioLight(now)] if now == is_on),
+            "nothing is written into the look: {sent:?}"
+        );
+        assert!(stage.harness.query_by_label(said).is_some());
+    }
+    // An environment of the look's own takes its place.
+    let white = Edit::environment("color", Value::numbers(&[1.0; 3]));
+    let document = stage.harness.state_mut().document_mut().expect("a look");
+    document.apply("a sky", &[white], None).expect("a look");
+    stage.harness.run_steps(3);
     assert!(stage.harness.query_by_label(said).is_none());
 }
 

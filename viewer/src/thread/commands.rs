@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use engine::load::StandIn;
 use engine::session::{Session, SessionError};
 
 use crate::link::{Command, Extent, PickPurpose, Reply};
@@ -89,6 +90,15 @@ impl Render {
             Command::Denoise(is_wanted) => {
                 self.denoising.is_wanted = is_wanted;
                 self.show_again();
+            }
+            Command::StudioLight(is_on) => {
+                self.stand_in = match is_on {
+                    true => StandIn::Studio,
+                    false => StandIn::Dark,
+                };
+                if let Some(session) = &mut self.session {
+                    session.set_stand_in(self.stand_in);
+                }
             }
             Command::TimePasses(is_timed) => {
                 self.times_passes = is_timed;

@@ -9,8 +9,8 @@ use engine::load;
 use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::Camera;
 use engine::scene::look::Look;
-use engine::session::{Inputs, Session};
-use engine::system::Disk;
+use engine::session::{Inputs, Opening, Session};
+use engine::system::{Disk, System};
 
 use crate::link::{Files, Reply, lock};
 
@@ -128,7 +128,10 @@ impl Render {
                 ..RenderSettings::new(width, height, &camera)
             }
         };
-        let opened = Session::open(inputs, Arc::new(open_device), Arc::new(make_settings));
+        let opened = Opening::read(inputs, System::default()).and_then(|opening| {
+            let opening = opening.lit_by(self.stand_in);
+            opening.start(Arc::new(open_device), Arc::new(make_settings))
+        });
         opened.map_err(|error| publish::message(&error))
     }
 
