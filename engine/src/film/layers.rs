@@ -445,12 +445,12 @@ mod tests {
         assert_eq!(
             words,
             [
-                ("layer depth 0", 1, 1, 1),
-                ("layer normal 0", 3, 2, 3),
-                ("layer crypto_object 0", ids::PLANES, 5, 1),
+                ("layer depth 0", 1, 2, 1),
+                ("layer normal 0", 3, 3, 3),
+                ("layer crypto_object 0", ids::PLANES, 6, 1),
             ]
         );
-        assert_eq!(layers.record_words(), 6);
+        assert_eq!(layers.record_words(), 7);
         assert_eq!(layers.plane_count(), layers.buffers().len());
         assert_eq!(Layers::default().record_words(), 0);
         let error = Layers::named(["deep"]).expect_err("unknown").to_string();
