@@ -35,6 +35,7 @@ mod overrides;
 mod picture;
 mod probe;
 mod progress;
+mod recent;
 mod render;
 mod report;
 mod texture;

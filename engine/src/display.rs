@@ -93,6 +93,15 @@ pub struct DisplaySettings {
     pub distance_scale: f32,
     /// Samples that are shown as the hottest.
     pub most_samples: u32,
+    /// The instance of the scene that has a line around it, where the film has guides.
+    pub outlined: Option<u32>,
+}
+
+impl DisplaySettings {
+    /// Whether the film needs [`crate::renderer::Renderer::trace_guides`].
+    pub fn needs_guides(&self) -> bool {
+        self.channel.needs_guides() || self.outlined.is_some()
+    }
 }
 
 /// The sums of a picture on the device.
@@ -107,6 +116,15 @@ pub struct DeviceFilm {
 }
 
 impl DeviceFilm {
+    /// The same sums with the guides of another film of this size.
+    #[must_use]
+    pub fn with_guides_of(&self, other: &Self) -> Self {
+        Self {
+            guides: other.guides.clone(),
+            ..self.clone()
+        }
+    }
+
     /// A copy that later samples don't change.
     ///
     /// # Errors
@@ -147,6 +165,10 @@ pub struct GpuDisplay {
     distance_scale: f32,
     most_samples: f32,
     is_balanced: u32,
+    outlined: u32,
+    unused0: u32,
+    unused1: u32,
+    unused2: u32,
     balance_red: [f32; 4],
     balance_green: [f32; 4],
     balance_blue: [f32; 4],
@@ -167,6 +189,10 @@ impl GpuDisplay {
             distance_scale,
             most_samples,
             is_balanced,
+            outlined,
+            unused0,
+            unused1,
+            unused2,
             balance_red,
             balance_green,
             balance_blue,
@@ -232,6 +258,7 @@ impl Display {
             true => Channel::Radiance,
             false => settings.channel,
         };
+        let outlined = settings.outlined.filter(|_| film.guides.is_some());
         let transform = settings.view.transform;
         if transform != self.transform {
             self.parameters = parameters(&self.device, transform)?;
@@ -249,6 +276,10 @@ impl Display {
             distance_scale: settings.distance_scale.max(1e-6),
             most_samples: settings.most_samples as f32,
             is_balanced: u32::from(encoder.balance().is_some()),
+            outlined: outlined.unwrap_or(u32::MAX),
+            unused0: 0,
+            unused1: 0,
+            unused2: 0,
             balance_red: row(0),
             balance_green: row(1),
             balance_blue: row(2),

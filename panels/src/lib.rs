@@ -14,6 +14,7 @@
 mod context;
 mod edits;
 mod graph;
+mod history;
 mod library;
 mod light;
 mod links;

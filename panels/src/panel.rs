@@ -11,6 +11,7 @@ use engine::session::Document;
 
 use crate::context::{Action, Context, material_names};
 use crate::graph::{GraphItem, GraphView};
+use crate::history::{Snapshots, history};
 use crate::library::add_menu;
 use crate::model::Model;
 use crate::preview::Previews;
@@ -47,6 +48,7 @@ pub struct TexturesPanel {
     wanted: Option<String>,
     /// What is looked for among the textures.
     search: String,
+    snapshots: Snapshots,
 }
 
 impl TexturesPanel {
@@ -83,6 +85,11 @@ impl TexturesPanel {
     /// Where the cards of the graph stand, by their ids: to be kept until the next start.
     pub fn places(&self) -> impl Iterator<Item = (&str, [f32; 2])> {
         self.graph.places()
+    }
+
+    /// Another look is edited from now on: states of the former one are forgotten.
+    pub fn forget_snapshots(&mut self) {
+        self.snapshots = Snapshots::default();
     }
 
     /// Puts the cards of the graph where they were.
@@ -209,9 +216,13 @@ impl TexturesPanel {
             if redo {
                 document.redo();
             }
-            if undo || redo {
+            let went = history(ui, document);
+            if undo || redo || went {
                 self.message = None;
             }
+            ui.weak("Snapshots");
+            let refused = self.snapshots.show(ui, document);
+            self.message = refused.or(self.message.take());
         });
         let mut is_read = false;
         if let Some(message) = &self.message {

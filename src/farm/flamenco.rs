@@ -10,10 +10,10 @@ pub(super) fn files(plan: &Plan) -> (Vec<(&'static str, String)>, String) {
     let merge = plan.folder.join("merge.sh").display().to_string();
     let count = plan.parts.len();
     let script = format!(
-        "// A job type: put it into the folder `scripts` of Flamenco's manager.\nconst JOB_TYPE = {{\n  label: {label},\n  settings: [\n    \
-         {{ key: \"parts\", type: \"int32\", default: {count}, editable: false }},\n  ],\n}};\n\nfunction compileJob(job) {{\n  \
+        "// A job type: put it into the folder `scripts` of Flamenco's manager.\nconst JOB_TYPE = {{\n  label: {label},\n  settings: [],\n}};\n\n\
+         function compileJob(job) {{\n  \
          const merge = author.Task(\"merge\", \"misc\");\n  merge.addCommand(author.Command(\"exec\", {{ exe: \"sh\", args: [{merge}] }}));\n  \
-         for (let part = 1; part <= job.settings.parts; part++) {{\n    const task = author.Task(\"part \" + part, \"misc\");\n    \
+         for (let part = 1; part <= {count}; part++) {{\n    const task = author.Task(\"part \" + part, \"misc\");\n    \
          task.addCommand(author.Command(\"exec\", {{ exe: \"sh\", args: [{part}, String(part)] }}));\n    job.addTask(task);\n    \
          merge.addDependency(task);\n  }}\n  job.addTask(merge);\n}}\n",
         label = json!(format!("Patina {}", plan.name)),

@@ -26,17 +26,18 @@ pub(super) fn files(plan: &Plan) -> (Vec<(&'static str, String)>, String) {
         format!("sh {folder}/part.sh #IFRAME#"),
         format!("1-{}", plan.parts.len()),
     );
+    // Not `Post`: layers of that type become a job of their own, which begins when this one has ended, with gaps or without.
     let merge = layer(
         "merge",
-        "Post",
+        "Util",
         format!("sh {folder}/merge.sh"),
         "1".to_owned(),
     );
-    // Show, shot and user are the site's own business.
+    // Show, shot and user are the site's own business. More than one retry is more than the server gives.
     let job = format!(
         "<?xml version=\"1.0\"?>\n<!DOCTYPE spec PUBLIC \"SPI Cue Specification Language\" \"http://localhost:8080/spcue/dtd/cjsl-1.15.dtd\">\n<spec>\n  \
          <facility>local</facility>\n  <show>testing</show>\n  <shot>patina</shot>\n  <user>patina</user>\n  <uid>1000</uid>\n  <job name=\"patina_{name}\">\n    \
-         <paused>False</paused>\n    <maxretries>2</maxretries>\n    <autoeat>False</autoeat>\n    <layers>\n{parts}{merge}    </layers>\n  </job>\n  <depends>\n    \
+         <paused>False</paused>\n    <maxretries>1</maxretries>\n    <autoeat>False</autoeat>\n    <layers>\n{parts}{merge}    </layers>\n  </job>\n  <depends>\n    \
          <depend type=\"LAYER_ON_LAYER\" anyframe=\"False\">\n      <depjob>patina_{name}</depjob>\n      <deplayer>merge</deplayer>\n      \
          <onjob>patina_{name}</onjob>\n      <onlayer>parts</onlayer>\n    </depend>\n  </depends>\n</spec>\n"
     );

@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::output;
 use crate::watch::files::Watcher;
 use crate::words::{Output, parse_output};
-use crate::{cache, console, library};
+use crate::{cache, console, library, recent};
 
 use job::ViewJob;
 
@@ -210,6 +210,17 @@ impl Host for ProgramHost {
 
     fn denoiser(&self) -> OpenDenoiser {
         Box::new(crate::denoise::open)
+    }
+
+    fn recent(&self) -> Vec<Files> {
+        recent::file().map_or_else(Vec::new, |file| recent::read(&file))
+    }
+
+    fn keep_recent(&self, list: &[Files]) -> Result<(), String> {
+        let Some(file) = recent::file() else {
+            return Ok(());
+        };
+        recent::write(&file, list).map_err(|error| error.to_string())
     }
 
     fn check_picture(&self, path: &Path) -> Result<(), String> {

@@ -80,6 +80,17 @@ fn each_scheduler_gets_files_and_senseless_jobs_are_refused() {
         template["steps"][1]["dependencies"][0]["dependsOn"],
         "Parts"
     );
+    let read = |name: &str| fs::read_to_string(bench.path(name)).expect("it is there");
+    let job = read("opencue/job.opencue.xml");
+    // A layer of type `Post` would be none of this job's, and wait for nothing of it.
+    assert!(
+        job.contains("<layer name=\"merge\" type=\"Util\">"),
+        "{job}"
+    );
+    assert!(job.contains("type=\"LAYER_ON_LAYER\""), "{job}");
+    // The parts are the script's own: whatever submits it may leave settings out.
+    let script = read("flamenco/patina.js");
+    assert!(!script.contains("job.settings"), "{script}");
     for wrong in [
         "-- --camera all",
         "-- --checkpoint",

@@ -7,6 +7,8 @@ use engine::denoise::Denoiser;
 use engine::film::{Film, Origin};
 use engine::scene::view::View;
 
+use crate::link::Files;
+
 /// What of the files that are rendered has changed.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Changes {
@@ -48,6 +50,15 @@ pub trait Host: Send {
 
     /// How what takes noise out of pictures is opened. Returns at once.
     fn denoiser(&self) -> OpenDenoiser;
+
+    /// What has been shown at former times, the latest first.
+    fn recent(&self) -> Vec<Files>;
+
+    /// Keeps that for the next time, where the system has a place for it.
+    ///
+    /// # Errors
+    /// It can't be written; the text is for people.
+    fn keep_recent(&self, list: &[Files]) -> Result<(), String>;
 
     /// Whether a picture can be written there: by its ending, and without overwriting what is shown.
     ///

@@ -30,6 +30,8 @@ pub enum Command {
     Region(Option<[f32; 4]>),
     /// Say what is seen at this place, (0, 0) the upper left corner, (1, 1) the lower right one.
     Pick(Vec2, PickPurpose),
+    /// Nothing is picked any more.
+    Unpick,
     /// Say how large something is.
     Bounds(Extent),
     /// Keep the picture to compare with, or forget it.
@@ -38,6 +40,8 @@ pub enum Command {
     Pause(bool),
     /// Show the picture without its noise, where there is what takes it out.
     Denoise(bool),
+    /// Show a scene without any light in that of a studio, or as dark as it is.
+    StudioLight(bool),
     /// Measure each pass and each texture.
     TimePasses(bool),
     /// Samples per pixel after which the picture is done.
@@ -243,7 +247,7 @@ pub struct LookFacts {
     pub materials: Arc<Vec<Material>>,
     /// So many of them are those of the scene's files.
     pub own_materials: usize,
-    /// There is no light but a white sky that nobody asked for.
+    /// There is no light but one that nobody asked for.
     pub has_stand_in_light: bool,
     /// Names of the directional lights.
     pub suns: Arc<[String]>,
@@ -262,6 +266,8 @@ pub struct Board {
     pub scene: Arc<SceneFacts>,
     /// The look, once it has been read.
     pub look: Option<LookFacts>,
+    /// What has been shown, the latest first.
+    pub recent: Arc<[Files]>,
     /// Not read yet.
     pub replies: Vec<Reply>,
     /// When the user did something last; written by the window.

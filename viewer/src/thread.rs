@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 
 use device::Device;
 use engine::display::{DeviceFilm, Display, DisplaySettings};
+use engine::load::StandIn;
 use engine::scene::Camera;
 use engine::session::{ChangeQueue, Session, SessionError};
 
@@ -89,6 +90,7 @@ impl RenderThread {
                     settings: DisplaySettings::default(),
                     is_paused: false,
                     times_passes: false,
+                    stand_in: StandIn::Studio,
                     pending: Pending::default(),
                     motion: None,
                     is_moving: false,
@@ -109,6 +111,7 @@ impl RenderThread {
                     is_stuck: false,
                     published: publish::Published::default(),
                 };
+                lock(&render.board).recent = render.host.recent().into();
                 render.run(&commands, files);
             })?;
         Ok(Self { link, thread })
@@ -136,6 +139,8 @@ struct Render {
     settings: DisplaySettings,
     is_paused: bool,
     times_passes: bool,
+    /// What a scene without light is seen by.
+    stand_in: StandIn,
     pending: Pending,
     /// When something moved last.
     motion: Option<Instant>,

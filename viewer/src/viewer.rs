@@ -49,6 +49,8 @@ pub struct Preferences {
     pub coarseness: u32,
     /// The picture is shown without its noise where that can be done.
     pub denoises: bool,
+    /// A scene without any light is seen in that of a studio.
+    pub studio_light: bool,
     /// How long passes and textures take is shown.
     pub shows_times: bool,
     /// Materials are shown as a graph.
@@ -76,6 +78,7 @@ impl Default for Preferences {
             view: ViewTransform::default().name().to_owned(),
             coarseness: 1,
             denoises: true,
+            studio_light: true,
             shows_times: false,
             shows_graph: false,
             places: Vec::new(),
@@ -142,6 +145,7 @@ impl Viewer {
         };
         link.send(Command::Display(display));
         link.send(Command::Denoise(preferences.denoises));
+        link.send(Command::StudioLight(preferences.studio_light));
         link.send(Command::TimePasses(preferences.shows_times));
         Self {
             link,
@@ -224,7 +228,7 @@ impl Viewer {
             .show(ui, |ui| {
                 let picture = ui.available_rect_before_wrap();
                 self.viewport(ui);
-                self.stand_in_light(ui, now, picture);
+                self.stand_in_light(ui, picture);
                 self.problems(ui, picture);
                 self.messages(ui, now, picture);
             });

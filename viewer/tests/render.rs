@@ -67,6 +67,16 @@ impl Host for TestHost {
         })
     }
 
+    fn recent(&self) -> Vec<Files> {
+        vec![Files::default()]
+    }
+
+    fn keep_recent(&self, list: &[Files]) -> Result<(), String> {
+        assert!(list[0].scene.is_absolute(), "{list:?}");
+        assert_eq!(list.last(), Some(&Files::default()), "former ones stay");
+        Ok(())
+    }
+
     fn check_picture(&self, path: &Path) -> Result<(), String> {
         let has_folder = path.parent().is_some_and(Path::is_dir);
         has_folder.then_some(()).ok_or("no folder".to_owned())
@@ -254,6 +264,33 @@ fn the_picture_is_shown_without_noise_where_that_can_be_done() {
     assert!(stage.harness.state().status().error.is_some());
     stage.thread.link.send(Command::Denoise(false));
     stage.wait("picture with noise", |stage| !is_clean(stage));
+    stage.thread.finish();
+}
+
+#[test]
+fn a_scene_without_light_is_seen_in_a_studio_that_the_look_has_nothing_of() {
+    const BARE: &str = "[material.Brass]\nroughness = 0.5\n";
+    let Some(mut stage) = Stage::beginning(BARE) else {
+        return;
+    };
+    let is_whole = |stage: &Stage, is_dark: bool| {
+        let status = stage.harness.state().status();
+        // Nothing but a black picture has no error at all.
+        status.spp >= 4.0 && status.error.is_some_and(|error| (error == 0.0) == is_dark)
+    };
+    stage.wait("lit picture", |stage| is_whole(stage, false));
+    for is_on in [false, true] {
+        stage.harness.get_by_label("Studio light").click();
+        stage.wait("other picture", |stage| is_whole(stage, !is_on));
+        assert_eq!(stage.harness.state().preferences.studio_light, is_on);
+    }
+    assert!(!stage.harness.state().status().has_unsaved_edits);
+    assert_eq!(stage.read("scene.look.toml"), BARE);
+    // What is built anew has it, too, and a light of the look takes its place.
+    stage.edit(Edit::environment("color", Value::numbers(&[0.0; 3])));
+    stage.wait("dark picture", |stage| is_whole(stage, true));
+    let studio = stage.harness.query_by_label("Studio light");
+    assert!(studio.is_none(), "the look says what there is");
     stage.thread.finish();
 }
 

@@ -569,9 +569,52 @@ fn what_is_typed_into_a_menu_is_no_shortcut() {
 }
 
 #[test]
+fn what_was_shown_can_be_opened_again() {
+    let mut stage = Stage::new();
+    let folder = tempfile::tempdir().expect("a folder");
+    let there = Files {
+        scene: folder.path().join("vase.glb"),
+        look: None,
+        camera: None,
+    };
+    std::fs::write(&there.scene, "").expect("written");
+    let gone = Files {
+        scene: folder.path().join("gone.glb"),
+        look: Some(folder.path().join("gone.look.toml")),
+        camera: None,
+    };
+    stage.board.lock().unwrap().recent = vec![gone, there.clone()].into();
+    stage.click("File");
+    stage.click("Open recent");
+    let gone = stage.harness.get_by_label("gone.glb with gone.look.toml");
+    assert!(gone.accesskit_node().is_disabled());
+    stage.click("vase.glb");
+    let sent = stage.sent();
+    assert!(
+        matches!(&sent[..], [Command::Open(files)] if *files == there),
+        "{sent:?}"
+    );
+}
+
+#[test]
+fn escape_ends_the_line_around_what_was_picked() {
+    let mut stage = Stage::new();
+    stage.press(Modifiers::NONE, Key::Escape);
+    assert!(stage.sent().is_empty(), "nothing is picked");
+    stage.reply(Reply::Picked {
+        purpose: PickPurpose::Material,
+        hit: Some(("Brass".to_owned(), 1.0)),
+    });
+    assert_eq!(stage.harness.state().material(), Some("Brass"));
+    stage.press(Modifiers::NONE, Key::Escape);
+    assert!(matches!(stage.sent()[..], [Command::Unpick]));
+    assert_eq!(stage.harness.state().material(), None);
+}
+
+#[test]
 fn a_light_that_nobody_asked_for_is_marked_and_turned_off() {
     let mut stage = Stage::new();
-    let said = "No light in the files: seen under a white sky";
+    let said = "No light in the files";
     assert!(stage.harness.query_by_label(said).is_none());
     stage.board.lock().unwrap().look = Some(LookFacts {
         has_stand_in_light: true,
@@ -579,13 +622,20 @@ fn a_light_that_nobody_asked_for_is_marked_and_turned_off() {
     });
     stage.harness.run_steps(3);
     assert!(stage.harness.query_by_label(said).is_some());
-    stage.click("Turn off");
-    let sent = stage.sent();
-    let black = |change: &engine::session::Change| change.text().contains("[0.0, 0.0, 0.0]");
-    assert!(
-        matches!(&sent[..], [Command::Change(change, _)] if black(change)),
-        "{sent:?}"
-    );
+    for is_on in [false, true] {
+        stage.click("Studio light");
+        let sent = stage.sent();
+        assert!(
+            matches!(sent[..], [Command::StudioLight(now)] if now == is_on),
+            "nothing is written into the look: {sent:?}"
+        );
+        assert!(stage.harness.query_by_label(said).is_some());
+    }
+    // An environment of the look's own takes its place.
+    let white = Edit::environment("color", Value::numbers(&[1.0; 3]));
+    let document = stage.harness.state_mut().document_mut().expect("a look");
+    document.apply("a sky", &[white], None).expect("a look");
+    stage.harness.run_steps(3);
     assert!(stage.harness.query_by_label(said).is_none());
 }
 

@@ -3,13 +3,15 @@
 //! Kept free of dependencies (but for errors and JSON), as it is built before anything else can happen. What a command
 //! does is written here from top to bottom; how to run a step is in `steps`, how to find or install a Vulkan driver in
 //! `vulkan`, another one in `swiftshader`, which systems the program must compile for in `targets`, how the program is built
-//! to be given away in `dist`, a picture by many machines in `farm`, the comparison with other renderers in `peers`, that of view
+//! to be given away in `dist`, a picture by many machines in `farm`, files for
+//! other schedulers in `farm_files`, the comparison with other renderers in `peers`, that of view
 //! transforms with OpenColorIO in `views`, reading our files with Blender in `blender`, comparing animated vertices with another
 //! evaluation in `poses`, what MaterialX's nodes become with MaterialX's own in `materialx`.
 
 mod blender;
 mod dist;
 mod farm;
+mod farm_files;
 mod materialx;
 mod peers;
 mod poses;
@@ -92,6 +94,7 @@ Commands:
   gallery       Render the materials of examples/gallery to docs/images/gallery.jpg
   blender       Read our layers with Blender; `cargo xtask blender --help` lists the options
   farm          Render a picture in parts by Slurm on this host, lose a node, compare with the whole
+  farm-files    Judge files for other schedulers; `cargo xtask farm-files --help` lists the options
   materialx     Compare MaterialX's nodes with its own; `cargo xtask materialx --help` lists the options
   peers         Compare with other renderers that are installed; `cargo xtask peers --help` lists the options
   poses         Compare vertices of animated models with another evaluation; `cargo xtask poses --help` lists the options
@@ -116,6 +119,11 @@ fn main() -> ExitCode {
         }
         ["blender", ref rest @ ..] => blender::run(rest),
         ["farm"] => farm::run(),
+        ["farm-files", "--help" | "-h"] => {
+            println!("{}", farm_files::USAGE);
+            Ok(())
+        }
+        ["farm-files", ref rest @ ..] => farm_files::run(rest),
         ["materialx", "--help" | "-h"] => {
             println!("{}", materialx::USAGE);
             Ok(())

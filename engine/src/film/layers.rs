@@ -256,8 +256,8 @@ impl Layers {
     /// What the samples of a wave are added to beside the picture, in the order of the film's planes: one kernel each.
     pub(crate) fn sums(&self) -> Vec<Sum> {
         let mut sums = Vec::new();
-        // The first word of a path's record says whether it met anything.
-        let mut word = 1;
+        // The first word of a path's record says whether it met anything, the second one of which parts of the light it has any.
+        let mut word = 2;
         for &layer in self.others.iter().filter(|layer| layer.wgsl().is_some()) {
             let words = layer.word_count() as u32;
             sums.push(Sum {
@@ -315,6 +315,13 @@ pub(crate) struct Sum {
     pub(crate) words: u32,
     /// Whether only paths that have met a surface give anything to it.
     pub(crate) is_of_surfaces: bool,
+}
+
+/// The bit of a layer among those that a path has brought light for, `lit_layers` of `film_layers/samples.wgsl`; 0 for one that is no part
+/// of the light.
+pub(crate) fn lit_bit(layer: &Layer) -> u32 {
+    let mut parts = LAYERS.iter().filter(|layer| layer.is_light());
+    parts.position(|part| part == layer).map_or(0, |at| 1 << at)
 }
 
 fn plane_name(layer: &Layer, index: usize) -> &'static str {
@@ -438,12 +445,12 @@ mod tests {
         assert_eq!(
             words,
             [
-                ("layer depth 0", 1, 1, 1),
-                ("layer normal 0", 3, 2, 3),
-                ("layer crypto_object 0", ids::PLANES, 5, 1),
+                ("layer depth 0", 1, 2, 1),
+                ("layer normal 0", 3, 3, 3),
+                ("layer crypto_object 0", ids::PLANES, 6, 1),
             ]
         );
-        assert_eq!(layers.record_words(), 6);
+        assert_eq!(layers.record_words(), 7);
         assert_eq!(layers.plane_count(), layers.buffers().len());
         assert_eq!(Layers::default().record_words(), 0);
         let error = Layers::named(["deep"]).expect_err("unknown").to_string();

@@ -7,6 +7,7 @@ mod files;
 mod groups;
 mod include;
 mod light;
+mod stand_in;
 mod timeline;
 
 use std::path::{Path, PathBuf};
@@ -24,6 +25,7 @@ use crate::scene::{
 use crate::system::{Assets, Disk, Files};
 
 pub use files::{files, files_from};
+pub use stand_in::StandIn;
 pub use timeline::Timeline;
 
 /// After so many includes that can't be read the others aren't tried.
@@ -161,7 +163,7 @@ fn finish(
     if !states_environment && is_dark(&scene, emits) {
         scene.environment = Environment::Constant(Vec3::ONE);
         warnings.push(Diagnostic::warning(
-            "the scene has no light: it is shown under an even white sky; a look can set its own `environment`",
+            "the scene has no light: pictures in files are made under an even white sky; a look can set its own `environment`",
         ));
     }
     Loaded {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use texgen::{Diagnostic, Diagnostics};
 
-use crate::load::{self, LoadError, Loaded};
+use crate::load::{self, LoadError, Loaded, StandIn};
 use crate::procedural::SourcesError;
 use crate::renderer::{Reload, ReloadError, Renderer};
 use crate::scene::look::{Look, LookError, Section, Value, find, placed_fields};
@@ -35,6 +35,7 @@ pub(super) fn load(
     files: &Arc<dyn Assets>,
     inputs: &Inputs,
     text: &str,
+    stand_in: StandIn,
 ) -> Result<Loaded, LoadError> {
     let look = match &inputs.look {
         Some(path) => Some(Look::parse(path, text).map_err(LookError::from)?),
@@ -46,6 +47,7 @@ pub(super) fn load(
     if let Some(name) = &inputs.camera {
         loaded.camera = loaded.camera_named(name)?;
     }
+    loaded.lit_by(stand_in);
     Ok(loaded)
 }
 
@@ -125,8 +127,9 @@ impl Session {
         let (inputs, system) = (self.inputs.clone(), self.system.clone());
         let device = self.renderer.device().clone();
         let (make_settings, look) = (self.make_settings.clone(), text.clone());
+        let stand_in = self.stand_in;
         let build = move || {
-            let loaded = load(&system.files, &inputs, &look)?;
+            let loaded = load(&system.files, &inputs, &look, stand_in)?;
             let settings = make_settings(loaded.camera.clone());
             let renderer = Renderer::new(&device, &loaded.scene, &loaded.procedural, &settings)?;
             let renderer = renderer.in_system(&system);

@@ -213,25 +213,62 @@ impl Document {
 
     /// Undoes the last step; false where there is none.
     pub fn undo(&mut self) -> bool {
+        let is_there = self.step_back();
+        if is_there {
+            self.went();
+        }
+        is_there
+    }
+
+    /// Does again what was undone last; false where there is nothing.
+    pub fn redo(&mut self) -> bool {
+        let is_there = self.step_on();
+        if is_there {
+            self.went();
+        }
+        is_there
+    }
+
+    /// What the steps are called, the first one first: those that [`Self::done`] counts, then those that were undone.
+    pub fn steps(&self) -> impl Iterator<Item = &str> {
+        let all = self.undo.iter().chain(self.redo.iter().rev());
+        all.map(|step| step.label.as_str())
+    }
+
+    /// How many of the steps the text has.
+    pub fn done(&self) -> usize {
+        self.undo.len()
+    }
+
+    /// Undoes steps or does them again until so many are done; false where the text has them already.
+    pub fn go_to(&mut self, done: usize) -> bool {
+        let before = self.done();
+        while self.done() > done && self.step_back() {}
+        while self.done() < done && self.step_on() {}
+        let is_other = self.done() != before;
+        if is_other {
+            self.went();
+        }
+        is_other
+    }
+
+    fn step_back(&mut self) -> bool {
         let Some(step) = self.undo.pop() else {
             return false;
         };
         step.patch.revert(&mut self.text);
         self.undone_of_others += usize::from(step.is_of_others);
         self.redo.push(step);
-        self.went();
         true
     }
 
-    /// Does again what was undone last; false where there is nothing.
-    pub fn redo(&mut self) -> bool {
+    fn step_on(&mut self) -> bool {
         let Some(step) = self.redo.pop() else {
             return false;
         };
         step.patch.apply(&mut self.text);
         self.undone_of_others -= usize::from(step.is_of_others);
         self.undo.push(step);
-        self.went();
         true
     }
 
@@ -345,6 +382,34 @@ mod tests {
         assert!(!document.undo());
         assert!(document.redo() && document.redo() && !document.redo());
         assert!(document.text().contains("scale = 6.0 # patches"));
+    }
+
+    #[test]
+    fn any_step_can_be_gone_to() {
+        let mut document = document();
+        for x in [5.0, 6.0, 7.0] {
+            let label = format!("to {x}");
+            document.apply(&label, &scale(x), None).expect("fine");
+        }
+        document.take_changes();
+        let labels = ["to 5", "to 6", "to 7"];
+        assert!(document.go_to(1));
+        assert!(document.text().contains("scale = 5.0 # patches"));
+        assert!(document.steps().eq(labels), "none is lost");
+        assert_eq!(document.done(), 1);
+        assert_eq!(
+            document.take_changes(),
+            [Change::Text(document.text().to_owned())],
+            "the session is told of the last one alone"
+        );
+        assert!(!document.go_to(1));
+        assert!(document.go_to(0));
+        assert_eq!(document.text(), TEXT);
+        assert!(document.go_to(9), "as far as there are any");
+        assert!(document.text().contains("scale = 7.0 # patches"));
+        document.go_to(2);
+        document.apply("to 1", &scale(1.0), None).expect("fine");
+        assert!(document.steps().eq(["to 5", "to 6", "to 1"]));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use texgen::{Diagnostic, Diagnostics, SourceFile};
 
-use crate::load;
+use crate::load::{self, StandIn};
 use crate::procedural::UpdateError;
 use crate::renderer::Touched;
 use crate::scene::look::{
@@ -120,7 +120,7 @@ impl Session {
 
     /// Writes what has changed to the device; all of it can be written, or nothing is.
     fn commit(&mut self, touched: Touched) -> Result<(), UpdateError> {
-        // A scene without any light is shown under a white sky, unless the look says what is there.
+        // A scene without any light is shown by another one, unless the look says what is there.
         let is_told = self.document.table(&Section::Environment).is_some();
         if touched.materials && !is_told && self.has_no_lamp() != self.was_without_lamp {
             return Err(UpdateError::Rebuild);
@@ -140,12 +140,21 @@ impl Session {
         }
     }
 
-    /// Neither scene nor look has any light, so that all is seen under a white sky that nobody asked for.
+    /// Neither scene nor look has any light, so that all is seen by one that nobody asked for.
     pub fn has_stand_in_light(&self) -> bool {
         let is_told = self.document.table(&Section::Environment).is_some();
-        let is_white =
-            matches!(self.scene.environment, Environment::Constant(c) if c == glam::Vec3::ONE);
-        !is_told && is_white && self.was_without_lamp
+        !is_told && self.was_without_lamp
+    }
+
+    /// Is seen by this from now on where there is no light: see [`Opening::lit_by`](super::Opening::lit_by).
+    pub fn set_stand_in(&mut self, stand_in: StandIn) {
+        if stand_in == self.stand_in {
+            return;
+        }
+        self.stand_in = stand_in;
+        if self.has_stand_in_light() {
+            self.rebuild();
+        }
     }
 
     pub(super) fn has_no_lamp(&self) -> bool {

@@ -49,6 +49,7 @@ use texgen::{Diagnostics, SourceFile};
 use device::Device;
 
 use crate::film::Film;
+use crate::load::StandIn;
 use crate::procedural::Procedural;
 use crate::renderer::{Progress, RenderSettings, Renderer};
 use crate::scene::look::{Field, LookDocument};
@@ -104,6 +105,8 @@ pub struct Session {
     generation: u64,
     /// All light there may be came from the sky when the scene was loaded.
     was_without_lamp: bool,
+    /// What it is seen by then.
+    stand_in: StandIn,
 }
 
 /// What is to be looked at once the background is free.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use device::{Device, DeviceError};
 
-use crate::load::{LoadError, Loaded, Timeline};
+use crate::load::{LoadError, Loaded, StandIn, Timeline};
 use crate::renderer::{RenderError, RenderSettings, Renderer};
 use crate::scene::look::{Look, LookDocument, LookError};
 use crate::scene::{Animation, Camera, Moment};
@@ -40,6 +40,7 @@ pub struct Opening {
     text: String,
     document: LookDocument,
     loaded: Loaded,
+    stand_in: StandIn,
 }
 
 /// What is rendered at one moment after the other: files are read once. See [`Timeline`].
@@ -103,6 +104,7 @@ impl Sequence {
             text: text.clone(),
             document: self.document.clone(),
             loaded,
+            stand_in: StandIn::default(),
         };
         opening.checked(&self.edits)
     }
@@ -118,6 +120,7 @@ impl Sequence {
             text: self.text,
             document: self.document,
             loaded: self.timeline.once(moment)?,
+            stand_in: StandIn::default(),
         };
         opening.checked(&self.edits)
     }
@@ -170,6 +173,14 @@ impl Opening {
         self.loaded
     }
 
+    /// Is seen by this where neither scene nor look has any light.
+    #[must_use]
+    pub fn lit_by(mut self, stand_in: StandIn) -> Self {
+        self.stand_in = stand_in;
+        self.loaded.lit_by(stand_in);
+        self
+    }
+
     /// Begins with this camera in place of the look's.
     #[must_use]
     pub fn seen_by(mut self, camera: Camera) -> Self {
@@ -199,6 +210,7 @@ impl Opening {
             Renderer::new(&device, &scene, &procedural, &settings)?.in_system(&self.system);
         let mut session = Session {
             was_without_lamp: false,
+            stand_in: self.stand_in,
             inputs: self.inputs,
             system: self.system,
             open_device,

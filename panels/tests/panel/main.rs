@@ -1,6 +1,7 @@
 //! The panel as its user has it.
 
 mod editing;
+mod history;
 mod large;
 mod names;
 mod picture;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use engine::load::StandIn;
 use engine::session::{Session, SessionError};
 
 use crate::link::{Command, Extent, PickPurpose, Reply};
@@ -55,6 +56,14 @@ impl Render {
                     Some((material.name.clone(), hit.depth))
                 });
                 self.reply(Reply::Picked { purpose, hit });
+                if purpose == PickPurpose::Material {
+                    self.show_again();
+                }
+            }
+            Command::Unpick => {
+                if self.picked.take().is_some() {
+                    self.show_again();
+                }
             }
             Command::KeepBefore(is_kept) => {
                 self.before = None;
@@ -81,6 +90,15 @@ impl Render {
             Command::Denoise(is_wanted) => {
                 self.denoising.is_wanted = is_wanted;
                 self.show_again();
+            }
+            Command::StudioLight(is_on) => {
+                self.stand_in = match is_on {
+                    true => StandIn::Studio,
+                    false => StandIn::Dark,
+                };
+                if let Some(session) = &mut self.session {
+                    session.set_stand_in(self.stand_in);
+                }
             }
             Command::TimePasses(is_timed) => {
                 self.times_passes = is_timed;

@@ -1,5 +1,6 @@
 //! How files are opened, and what becomes of those that can't be.
 
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -8,12 +9,15 @@ use engine::load;
 use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::Camera;
 use engine::scene::look::Look;
-use engine::session::{Inputs, Session};
-use engine::system::Disk;
+use engine::session::{Inputs, Opening, Session};
+use engine::system::{Disk, System};
 
 use crate::link::{Files, Reply, lock};
 
 use super::{Pending, Render, Run, publish};
+
+/// Files that have been shown, of which the menu has so many.
+const RECENT: usize = 10;
 
 impl Render {
     /// Renders other files, if they can be read.
@@ -40,11 +44,33 @@ impl Render {
                 self.waiting = None;
                 self.publish_scene();
                 self.watch();
+                self.remember(&files);
                 self.reply(Reply::Opened(files));
             }
             Err(why) => self.refuse(files, why),
         }
         self.publish_loading(false);
+    }
+
+    /// Puts files in front of those that have been shown.
+    fn remember(&self, files: &Files) {
+        let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
+        let files = Files {
+            scene: absolute(&files.scene),
+            look: files.look.as_ref().map(absolute),
+            camera: files.camera.clone(),
+        };
+        let former = Arc::clone(&lock(&self.board).recent);
+        let others = former.iter().filter(|other| **other != files).cloned();
+        let list: Vec<Files> = [files.clone()]
+            .into_iter()
+            .chain(others)
+            .take(RECENT)
+            .collect();
+        if let Err(why) = self.host.keep_recent(&list) {
+            self.reply(Reply::Failed(why));
+        }
+        lock(&self.board).recent = list.into();
     }
 
     /// Files can't be opened. Where there is nothing else to show, that stays in sight until they have been mended.
@@ -102,7 +128,10 @@ impl Render {
                 ..RenderSettings::new(width, height, &camera)
             }
         };
-        let opened = Session::open(inputs, Arc::new(open_device), Arc::new(make_settings));
+        let opened = Opening::read(inputs, System::default()).and_then(|opening| {
+            let opening = opening.lit_by(self.stand_in);
+            opening.start(Arc::new(open_device), Arc::new(make_settings))
+        });
         opened.map_err(|error| publish::message(&error))
     }
 

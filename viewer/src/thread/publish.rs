@@ -89,27 +89,36 @@ impl Render {
                 beside: Display::new(&self.device).map_err(RenderError::from)?,
             }),
         };
-        let film = session.device_film(self.settings.channel.needs_guides())?;
+        // Guides take as long as a sample, which a picture in motion has not.
+        let picked = self.picked.filter(|_| !self.is_moving);
+        let outlined = picked.map(|instance| instance as u32);
+        let guides = self.settings.channel.needs_guides();
+        let film = session.device_film(guides || outlined.is_some())?;
         let spp = self.run.samples_done as f64 / (f64::from(film.width) * f64::from(film.height));
         let camera = session.shown_camera();
         let settings = DisplaySettings {
             distance_scale: camera.focus_distance,
             most_samples: spp.ceil() as u32,
+            outlined: None,
             ..self.settings
         };
+        let with_line = DisplaySettings {
+            outlined,
+            ..settings
+        };
         let size = [film.width, film.height];
-        let now = displays.now.show(&film, &settings);
+        let now = displays.now.show(&film, &with_line);
         let now = now.map_err(RenderError::from)?.texture().cloned();
-        let guides = self.settings.channel.needs_guides();
         let kept = match &mut self.before {
             Some(before) => Some(before.film(guides)?),
             None => None,
         };
+        let show = |display: &mut Display, film: &DeviceFilm, settings: &DisplaySettings| {
+            let shown = display.show(film, settings).map_err(RenderError::from)?;
+            Ok::<_, SessionError>(shown.texture().cloned())
+        };
         let also = |display: &mut Display, film: Option<&DeviceFilm>| match film {
-            Some(film) => {
-                let shown = display.show(film, &settings).map_err(RenderError::from)?;
-                Ok::<_, SessionError>(shown.texture().cloned())
-            }
+            Some(film) => show(display, film, &settings),
             None => Ok(None),
         };
         let (generation, is_picture) = (self.run.generation, settings.channel == Channel::Radiance);
@@ -117,12 +126,12 @@ impl Render {
         let clean = clean.filter(|_| is_picture);
         let denoised = clean.map(|(_, spp)| spp);
         let shown = match clean {
-            Some((film, _)) => {
+            Some((clean, _)) => {
                 let display = match &mut displays.clean {
                     Some(display) => display,
                     none => none.insert(Display::new(&self.device).map_err(RenderError::from)?),
                 };
-                also(display, Some(film))?
+                show(display, &clean.with_guides_of(&film), &with_line)?
             }
             None => now,
         };

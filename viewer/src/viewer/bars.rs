@@ -1,5 +1,7 @@
 //! The bar of tools on top, and the figures at the bottom.
 
+use std::sync::Arc;
+
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
 use engine::display::{Channel, DisplaySettings};
 use engine::scene::view::ViewTransform;
@@ -48,6 +50,37 @@ impl Viewer {
             if ui.button("Open ...").clicked() {
                 self.dialog = Some(Dialog::open(&self.scene.files));
             }
+            self.recent_menu(ui);
+        });
+    }
+
+    /// What has been shown. What isn't there any more, or not now, can't be clicked.
+    fn recent_menu(&mut self, ui: &mut Ui) {
+        let list = Arc::clone(&self.link.board().recent);
+        ui.add_enabled_ui(!list.is_empty(), |ui| {
+            ui.menu_button("Open recent", |ui| {
+                for files in list.iter() {
+                    let look = files.look.as_ref();
+                    let text = match look {
+                        Some(look) => format!("{} with {}", name(&files.scene), name(look)),
+                        None => name(&files.scene),
+                    };
+                    let is_there = look
+                        .into_iter()
+                        .chain([&files.scene])
+                        .all(|path| path.exists());
+                    let entry = ui.add_enabled(is_there, egui::Button::new(text));
+                    let whole = files.scene.display().to_string();
+                    let entry = entry.on_hover_text(&whole);
+                    if entry
+                        .on_disabled_hover_text(format!("{whole} is not there"))
+                        .clicked()
+                    {
+                        self.open(files.clone());
+                        ui.close();
+                    }
+                }
+            });
         });
     }
 

@@ -203,6 +203,7 @@ impl Viewer {
     /// Begins with another look; in the form, and if it is the one of last time, with the places, that were kept.
     pub(super) fn begin_look(&mut self, is_last: bool) {
         let Editor { panel, .. } = &mut self.editor;
+        panel.forget_snapshots();
         let form = match self.preferences.shows_graph {
             true => Form::Graph,
             false => Form::List,

@@ -4,10 +4,7 @@ use std::time::Duration;
 
 use egui::{Align2, Area, Frame, Id, Label, Order, Rect, RichText, ScrollArea, Ui, vec2};
 
-use engine::scene::look::Value;
-use engine::session::Edit;
-
-use crate::link::Status;
+use crate::link::{Command, Status};
 
 use super::Viewer;
 
@@ -97,8 +94,8 @@ impl Viewer {
         *height = shown.response.rect.height() + MARGIN;
     }
 
-    /// A light that nobody asked for is no part of the model: that is said, and it can be turned off.
-    pub(super) fn stand_in_light(&mut self, ui: &Ui, now: f64, picture: Rect) {
+    /// A light that nobody asked for is no part of the model: that is said, and it can be turned off. The look has nothing of it.
+    pub(super) fn stand_in_light(&mut self, ui: &Ui, picture: Rect) {
         if !self.editor.has_stand_in_light() {
             return;
         }
@@ -106,18 +103,20 @@ impl Viewer {
             .order(Order::Middle)
             .fixed_pos(picture.right_top() + vec2(-MARGIN, MARGIN))
             .pivot(Align2::RIGHT_TOP);
-        let shown = area.show(ui.ctx(), |ui| {
+        let mut is_on = self.preferences.studio_light;
+        area.show(ui.ctx(), |ui| {
             let row = |ui: &mut Ui| {
-                ui.label("No light in the files: seen under a white sky");
-                let hint = "makes the look's environment black; Ctrl Z brings it back";
-                ui.small_button("Turn off").on_hover_text(hint).clicked()
+                ui.label("No light in the files");
+                let switch = ui.checkbox(&mut is_on, "Studio light");
+                switch.on_hover_text(
+                    "of this window alone: the look and pictures of `patina render` have nothing of it",
+                );
             };
-            let frame = Frame::popup(ui.style());
-            frame.show(ui, |ui| ui.horizontal(row).inner).inner
+            Frame::popup(ui.style()).show(ui, |ui| ui.horizontal(row));
         });
-        if shown.inner {
-            let black = Edit::environment("color", Value::numbers(&[0.0; 3]));
-            self.edit("no light", &[black], now);
+        if is_on != self.preferences.studio_light {
+            self.preferences.studio_light = is_on;
+            self.link.send(Command::StudioLight(is_on));
         }
     }
 

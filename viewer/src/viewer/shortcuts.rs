@@ -48,7 +48,7 @@ const LIST: [(&str, &str); 26] = [
     ("Ctrl O", "open a scene"),
     ("right-click a value", "its default"),
     ("?", "this list"),
-    ("Esc", "close; end what was begun"),
+    ("Esc", "close; end what was begun; nothing is picked"),
 ];
 
 impl Viewer {
@@ -95,6 +95,9 @@ impl Viewer {
         if escape {
             self.lists_shortcuts = false;
             self.viewport.chooses_region = false;
+            if self.material.take().is_some() {
+                self.link.send(Command::Unpick);
+            }
         }
     }
 

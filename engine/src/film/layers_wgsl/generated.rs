@@ -1,7 +1,7 @@
 //! The declarations of layers as WGSL: what kernels call to record them.
 
 use super::place;
-use crate::film::layers::{CAUGHT, LAYERS, Layer, Rule};
+use crate::film::layers::{CAUGHT, LAYERS, Layer, Rule, lit_bit};
 
 /// The function that gives the first word of a layer.
 fn word(layer: &str) -> String {
@@ -75,34 +75,31 @@ fn uses(layer: &Layer, name: &str) -> bool {
     words.any(|word| word == name)
 }
 
-/// `generated/film_light.wgsl`: functions that add a piece of light to all parts of the picture that are asked for, and that begin
-/// anew with nothing.
+/// `generated/film_light.wgsl`: functions that add a piece of light to all parts of the picture that are asked for.
 fn light_wgsl() -> String {
     // By the first one a path knows that its first surface is a catcher.
-    let (mut words, mut add, mut forget) = (word_wgsl(CAUGHT), String::new(), String::new());
+    let (mut words, mut add) = (word_wgsl(CAUGHT), String::new());
     for layer in LAYERS.iter().filter(|layer| layer.is_light()) {
         let Some(wgsl) = layer.wgsl() else { continue };
-        words += &word_wgsl(layer.name);
-        let (wanted, word) = match layer.light_group() {
-            None => (format!("{} != 0u", word(layer.name)), word(layer.name)),
+        let bit = format!("{:#x}u", lit_bit(layer));
+        let (word, bit) = match layer.light_group() {
+            None => (word(layer.name), bit),
             // One look-up instead of a question for each group.
             Some(0) => (
-                "group_word(found.group) != 0u".to_owned(),
                 "group_word(found.group)".to_owned(),
+                format!("{bit} << found.group"),
             ),
             Some(_) => continue,
         };
-        add += &format!("    if ({wanted}) {{\n        layer_add({word}, slot, {wgsl});\n    }}\n");
-    }
-    for layer in LAYERS.iter().filter(|layer| layer.is_light()) {
-        let word = word(layer.name);
-        forget +=
-            &format!("    if ({word} != 0u) {{\n        layer_clear({word}, slot);\n    }}\n");
+        if layer.light_group().is_none() {
+            words += &word_wgsl(layer.name);
+        }
+        add += &format!(
+            "    if ({word} != 0u) {{\n        layer_add({word}, {bit}, slot, {wgsl});\n    }}\n"
+        );
     }
     words += &group_wgsl();
-    format!(
-        "{words}\nfn add_found(slot: u32, found: Found) {{\n{add}}}\n\nfn forget_found(slot: u32) {{\n{forget}}}\n"
-    )
+    format!("{words}\nfn add_found(slot: u32, found: Found) {{\n{add}}}\n")
 }
 
 /// A function that gives the first word of the layer of a group of lights; 0 for groups that have none.
@@ -119,6 +116,22 @@ fn group_wgsl() -> String {
 
 /// `film_layers/words.wgsl` reads so many of [`record_words`] at once.
 const ROWS: usize = LAYERS.len().div_ceil(4);
+
+#[test]
+fn parts_of_the_light_have_bits_of_their_own() {
+    let bits = LAYERS.iter().map(lit_bit).filter(|&bit| bit != 0);
+    let all = bits.fold(0, |all, bit| {
+        assert_eq!(all & bit, 0, "one after the other");
+        all | bit
+    });
+    // Those of `LIT_NUMBER`, and of an exponent that stands for no number.
+    assert!(all < 1 << 29, "{all:#x}");
+    let groups = LAYERS.iter().filter(|layer| layer.light_group().is_some());
+    let first = groups.clone().next().map_or(0, lit_bit);
+    for (number, group) in groups.enumerate() {
+        assert_eq!(lit_bit(group), first << number, "{}", group.name);
+    }
+}
 
 /// A file that doesn't fit the table is written anew; the test has to be run again then.
 #[test]

@@ -12,6 +12,10 @@ struct Display {
     distance_scale: f32, // shown half bright, metres
     most_samples: f32,
     is_balanced: u32,
+    outlined: u32, // the instance that has a line around it; MISS: none
+    unused0: u32,
+    unused1: u32,
+    unused2: u32,
     // Rows of the matrix of the white balance.
     balance_red: vec4f,
     balance_green: vec4f,
@@ -138,6 +142,28 @@ fn octahedral(packed: u32) -> vec3f {
     return normalize(v);
 }
 
+const OUTLINE = vec3f(1.0, 0.62, 0.1);
+
+fn is_outlined(x: u32, y: u32) -> bool {
+    return guides[2u * (y * display.settings.width + x)].z == display.settings.outlined;
+}
+
+// Whether a pixel lies on the line: the outermost ones of what is seen of the instance, and those beside it.
+fn is_on_outline(at: u32) -> bool {
+    let width = display.settings.width;
+    let height = display.settings.height;
+    let x = at % width;
+    let y = at / width;
+    let left = is_outlined(max(x, 1u) - 1u, y);
+    let right = is_outlined(min(x + 1u, width - 1u), y);
+    let above = is_outlined(x, max(y, 1u) - 1u);
+    let below = is_outlined(x, min(y + 1u, height - 1u));
+    if (is_outlined(x, y)) {
+        return !(left && right && above && below);
+    }
+    return left || right || above || below;
+}
+
 @compute @workgroup_size(64)
 fn display_film(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
                 @builtin(local_invocation_index) local: u32) {
@@ -168,7 +194,10 @@ fn display_film(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
         if (count > 1u) {
             sums = vec3f(error, light, 1.0);
         }
-        let color = shown(at, mean, count, relative);
+        var color = shown(at, mean, count, relative);
+        if (display.settings.outlined != MISS && is_on_outline(at)) {
+            color = OUTLINE;
+        }
         textureStore(picture, vec2u(at % display.settings.width, at / display.settings.width), vec4f(color, 1.0));
     }
     partial[local] = sums;

@@ -68,6 +68,9 @@ fn accumulate_means(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     var words1: vec4u;
     var words2: vec4u;
     for (var slot = first; slot < end; slot += frame.padded_pixels) {
+        if (layer_sum.lit != 0u && (lit_layers(slot) & layer_sum.lit) == 0u) {
+            continue;
+        }
         let value = vec3f(finite_sample(layer_sum.word, slot), finite_sample(layer_sum.word + 1u, slot),
             finite_sample(layer_sum.word + 2u, slot));
         // Most parts of the light are black most of the time: then nothing of the film is touched, nor its place worked out.
@@ -108,6 +111,10 @@ fn accumulate_first(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     var words = former;
     let end = last_slot(first);
     var number = own_sample(first);
+    // One of before is kept.
+    if (former.x != 0u && former.x <= number) {
+        return;
+    }
     for (var slot = first; slot < end; slot += frame.padded_pixels) {
         number += 1u;
         if (layer_sample(0u, slot) == 0.0 || (words.x != 0u && words.x < number)) {

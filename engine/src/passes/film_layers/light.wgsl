@@ -10,20 +10,24 @@
 //!include film_layers/words.wgsl
 //!include generated/film_light.wgsl
 
-fn layer_add(word: u32, slot: u32, value: vec3f) {
+// `bit` is that of the layer among those that the path has brought light for: the first piece is written, and so nothing need be
+// cleared for paths that bring none.
+fn layer_add(word: u32, bit: u32, slot: u32, value: vec3f) {
     // A piece of light belongs to few of the layers, and to the others nothing is added.
     if (all(value == vec3f(0.0))) {
+        return;
+    }
+    let lit = lit_layers(slot);
+    if ((lit & bit) == 0u) {
+        set_lit_layers(slot, lit | bit);
+        layer_sample_set(word, slot, value.x);
+        layer_sample_set(word + 1u, slot, value.y);
+        layer_sample_set(word + 2u, slot, value.z);
         return;
     }
     layer_sample_set(word, slot, layer_sample(word, slot) + value.x);
     layer_sample_set(word + 1u, slot, layer_sample(word + 1u, slot) + value.y);
     layer_sample_set(word + 2u, slot, layer_sample(word + 2u, slot) + value.z);
-}
-
-fn layer_clear(word: u32, slot: u32) {
-    layer_sample_set(word, slot, 0.0);
-    layer_sample_set(word + 1u, slot, 0.0);
-    layer_sample_set(word + 2u, slot, 0.0);
 }
 
 // What the path's own ray has found, and that it has been taken.
@@ -90,7 +94,7 @@ fn record_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
     let depth = path_depth(slot);
     if (depth == 0u) {
         // Nothing has been found before the first surface, but by the path that was here in the wave before.
-        forget_found(slot);
+        set_lit_layers(slot, 0u);
         path_set_words(PATH_FOUND, slot, vec4u(0u));
         path_set_words(PATH_FOUND_DISKS, slot, vec4u(0u));
         if (catches_shadows) {

@@ -5,7 +5,7 @@
 //! which are asked for, so that they come compiled with the program, for whatever layers.
 
 use crate::{
-    film::layers::{Rule, Sum},
+    film::layers::{self, Rule, Sum},
     wave::Queue,
 };
 
@@ -99,5 +99,10 @@ pub(crate) fn pass_of(sum: &Sum) -> &'static Pass {
 
 /// `LayerSum` in `film_layers/sum.wgsl`.
 pub(crate) fn sum_words(sum: &Sum) -> [u32; 4] {
-    [sum.word, sum.words, u32::from(sum.is_of_surfaces), 0]
+    [
+        sum.word,
+        sum.words,
+        u32::from(sum.is_of_surfaces),
+        layers::lit_bit(sum.layer),
+    ]
 }

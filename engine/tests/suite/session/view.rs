@@ -1,7 +1,7 @@
 //! What a window wants of a live render: views, sizes, regions, pictures on the device, and what lies below a pixel. None
 //! of it changes the look or, once it is over, the film.
 
-use engine::display::{Channel, Display, DisplaySettings};
+use engine::display::{Channel, DeviceFilm, Display, DisplaySettings};
 use engine::film::Film;
 use engine::scene::look::Value;
 use engine::scene::view::{View, ViewTransform, WhiteBalance};
@@ -207,6 +207,62 @@ fn a_look_says_how_it_is_shown_without_a_new_picture() {
     session.assets_changed();
     settle(&mut session);
     assert_eq!(session.look_view().transform, transform);
+}
+
+#[test]
+fn what_is_picked_has_a_line_around_it() {
+    let Some((_stage, mut session, _)) = opened() else {
+        return;
+    };
+    let mut display = Display::new(session.device()).expect("compiled");
+    let objects = DisplaySettings {
+        channel: Channel::Object,
+        ..DisplaySettings::default()
+    };
+    let film = session.device_film(true).expect("guides");
+    display.show(&film, &objects).expect("shown");
+    let plain = display.read().expect("read");
+    let center = (8 * 24 + 12) * 4;
+    let hit = session.pick(Vec2::new(12.5 / 24.0, 8.5 / 16.0));
+    let with_line = DisplaySettings {
+        outlined: hit.map(|hit| hit.instance),
+        ..objects
+    };
+    assert!(with_line.needs_guides());
+    display.show(&film, &with_line).expect("shown");
+    let rgba = display.read().expect("read");
+    let is_own = |x: usize, y: usize| {
+        let at = (y * 24 + x) * 4;
+        plain[at..at + 4] == plain[center..center + 4]
+    };
+    let mut on_line = 0;
+    for y in 0..16 {
+        for x in 0..24 {
+            let beside = [
+                (x.max(1) - 1, y),
+                ((x + 1).min(23), y),
+                (x, y.max(1) - 1),
+                (x, (y + 1).min(15)),
+            ];
+            let is_edge = beside
+                .iter()
+                .any(|&(x1, y1)| is_own(x1, y1) != is_own(x, y));
+            let at = (y * 24 + x) * 4;
+            let is_line = rgba[at..at + 4] == [255, 158, 26, 255];
+            assert_eq!(is_line, is_edge, "{x} {y}");
+            assert!(is_line || rgba[at..at + 4] == plain[at..at + 4]);
+            on_line += u32::from(is_line);
+        }
+    }
+    assert!(on_line > 0, "the picture shows more than one object");
+    // Nothing is known of surfaces without guides, so no line can be drawn.
+    let bare = DisplaySettings {
+        channel: Channel::Radiance,
+        ..with_line
+    };
+    let radiance = film.radiance(session.device()).expect("read");
+    let film = DeviceFilm::of_radiance(session.device(), [24, 16], &radiance).expect("room");
+    display.show(&film, &bare).expect("shown");
 }
 
 #[test]
