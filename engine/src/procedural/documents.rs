@@ -133,7 +133,7 @@ mod tests {
         <standard_surface name="s" type="surfaceshader">
           <input name="specular_roughness" type="float" nodename="noise"/>
           <input name="metalness" type="float" value="1"/>
-          <input name="coat_color" type="color3" value="1, 0, 0"/>
+          <input name="diffuse_roughness" type="float" value="0.5"/>
           <input name="coat" type="float" value="1"/>
         </standard_surface>
         <surfacematerial name="M" type="material"><input name="surfaceshader" type="surfaceshader" nodename="s"/></surfacematerial>
@@ -151,7 +151,7 @@ mod tests {
         );
         let (whole, warnings) = expanded(&look, &Disk).unwrap_or_else(|p| panic!("{}", p.render()));
         assert!(
-            warnings.render().contains("coat_color"),
+            warnings.render().contains("diffuse_roughness"),
             "{}",
             warnings.render()
         );
