@@ -75,8 +75,8 @@ pub struct Frame {
     crop_min: u32,
     crop_whole: u32,
     crop_blocks_x: u32,
-    unused_a: u32,
-    unused_b: u32,
+    sky_cell_scale: f32,
+    sky_is_known: u32,
     sobol: [[u32; 4]; sobol::ROWS],
     lot: [[u32; 2]; LOT_BLOCKS],
 }
@@ -140,8 +140,8 @@ impl Frame {
             crop_min,
             crop_whole,
             crop_blocks_x,
-            unused_a,
-            unused_b,
+            sky_cell_scale,
+            sky_is_known,
             sobol,
             lot
         ]
@@ -150,6 +150,9 @@ impl Frame {
 
 /// Vertices that scatter before Russian roulette begins.
 const ROULETTE_START: u32 = 4;
+/// Side of a cell in which the sky is known over its distance to the camera, before it is rounded down to a power of two: in a room,
+/// half a metre.
+const SKY_CELL_SCALE: f32 = 0.25;
 /// Pixels along the side of a block.
 pub(crate) const BLOCK: u32 = 8;
 /// Pixels of a block.
@@ -164,6 +167,16 @@ pub(crate) fn paths_per_sample(width: u32, height: u32) -> u64 {
 }
 
 impl Frame {
+    /// Whether light samples of the sky go where it is known to be seen.
+    pub(crate) fn set_known_sky(&mut self, is_known: bool) {
+        self.sky_is_known = u32::from(is_known);
+    }
+
+    /// Share of the light samples that the environment gets where nothing is known.
+    pub(crate) fn environment_probability(&self) -> f32 {
+        self.environment_probability
+    }
+
     /// Without a lens.
     pub(crate) fn set_pinhole(&mut self) {
         self.aperture_radius = 0.0;
@@ -293,8 +306,8 @@ impl Frame {
             crop_min: settings.crop.map_or(0, |crop| crop.left | crop.top << 16),
             crop_whole: columns | rows << 16,
             crop_blocks_x: settings.crop.map_or(0, |_| columns.div_ceil(BLOCK)),
-            unused_a: 0,
-            unused_b: 0,
+            sky_cell_scale: SKY_CELL_SCALE,
+            sky_is_known: 0,
             sobol: sobol::nibbles(),
             lot: [[0; 2]; LOT_BLOCKS],
         }

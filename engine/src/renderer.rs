@@ -228,6 +228,8 @@ enum Purpose {
     Learn,
     /// Paths end in no cache, and none learns from them.
     Apart,
+    /// Light samples of the sky are counted.
+    Look,
     /// Candidates for records of irradiance, of this pass.
     Find(usize),
     /// Rays of these records.
@@ -567,6 +569,7 @@ impl Renderer {
         let errand = match purpose {
             Purpose::Gather(..) => Some(Errand::Gather),
             Purpose::Photons => Some(Errand::Emit),
+            Purpose::Look => Some(Errand::Look),
             Purpose::Find(_) => Some(Errand::Unseen),
             Purpose::Picture | Purpose::Learn | Purpose::Apart => None,
         };
@@ -625,6 +628,7 @@ impl Renderer {
         self.position = 0;
         self.burst = Burst::default();
         self.rendered = 0;
+        self.frame.set_known_sky(false);
         if let Some(irradiance) = &mut self.irradiance {
             irradiance.restart();
         }

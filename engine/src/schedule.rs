@@ -21,7 +21,7 @@ use crate::wave;
 
 /// The passes of a wave, in the order in which they first run. Those of textures exist only where a
 /// material has a program, those of layers where the film has more than the picture.
-pub static WAVE: [&Pass; 31] = [
+pub static WAVE: [&Pass; 32] = [
     &raygen::PASS,
     &advance::AFTER_RAYGEN,
     &traverse::CLOSEST,
@@ -38,6 +38,7 @@ pub static WAVE: [&Pass; 31] = [
     &photons::GATHER,
     &advance::AFTER_BRDF,
     &traverse::OCCLUSION,
+    &irradiance::LOOK,
     &irradiance::START,
     &irradiance::FIRST_HIT,
     &irradiance::NOTE,
@@ -234,6 +235,8 @@ pub(crate) enum Errand {
     Emit,
     /// Paths are those of the picture, but nothing goes to the film.
     Unseen,
+    /// The same, and light samples of the sky are counted.
+    Look,
 }
 
 /// Waves for such an errand, by the kernels of another schedule.
@@ -273,7 +276,7 @@ impl Schedule for Aside {
                 wave.run(&photons::EMIT);
                 wave.run(&advance::AFTER_BRDF);
             }
-            Errand::Unseen => self.schedule.start(wave),
+            Errand::Unseen | Errand::Look => self.schedule.start(wave),
         }
     }
 
@@ -298,6 +301,10 @@ impl Schedule for Aside {
                 wave.run(&advance::AFTER_BRDF);
             }
             Errand::Unseen => self.schedule.round(wave),
+            Errand::Look => {
+                self.schedule.round(wave);
+                wave.run(&irradiance::LOOK);
+            }
         }
     }
 

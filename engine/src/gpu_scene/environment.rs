@@ -3,7 +3,7 @@
 use device::{Device, DeviceError, Format, Image, Resources};
 
 use crate::{
-    alias::alias_table,
+    alias::{AliasCell, alias_table},
     scene::{Environment, FloatImage},
 };
 
@@ -11,8 +11,12 @@ use super::images::filled_image;
 
 /// Largest sampling table; larger pictures are summed up into its cells.
 const MAX_TABLE: (u32, u32) = (1024, 512);
-/// Rows of the table of a constant environment: enough to follow the sine of the polar angle.
-const CONSTANT_ROWS: u32 = 256;
+/// Columns and rows of the table of a constant environment: each part of the sky has a column, and rows enough to follow the sine of the
+/// polar angle.
+const CONSTANT_TABLE: [u32; 2] = [SKY_PARTS[0], 256];
+
+/// Columns and rows of parts of the sky: as in `shared/known_sky.wgsl`.
+pub(crate) const SKY_PARTS: [u32; 2] = [16, 8];
 
 /// The environment as kernels see it.
 #[derive(Debug)]
@@ -33,6 +37,8 @@ pub struct GpuEnvironment {
     pub emits: bool,
     /// Whether it is nowhere much brighter than elsewhere: a ray that leaves a surface is as good a way to find its light as any.
     pub is_even: bool,
+    /// Probability of each part of the sky, row by row.
+    pub(crate) parts: Vec<f64>,
 }
 
 impl GpuEnvironment {
@@ -48,14 +54,15 @@ impl GpuEnvironment {
                     height: 1,
                     rgb: vec![[1.0; 3]],
                 };
-                let weights: Vec<f64> = (0..CONSTANT_ROWS)
-                    .map(|j| row_sine(j, CONSTANT_ROWS))
+                let [columns, rows] = CONSTANT_TABLE;
+                let weights: Vec<f64> = (0..columns * rows)
+                    .map(|cell| row_sine(cell / columns, rows))
                     .collect();
                 let emits = radiance.max_element() > 0.0;
                 Self::upload(
                     device,
                     &white,
-                    [1, CONSTANT_ROWS],
+                    CONSTANT_TABLE,
                     &weights,
                     radiance.to_array(),
                     0.0,
@@ -128,8 +135,9 @@ impl GpuEnvironment {
         (emits, is_even): (bool, bool),
     ) -> Result<Self, DeviceError> {
         let texels: Vec<[f32; 4]> = image.rgb.iter().map(|c| [c[0], c[1], c[2], 1.0]).collect();
-        let cells: Vec<[u32; 4]> = alias_table(weights)
-            .iter()
+        let (in_parts, parts) = part_tables(weights, table_size);
+        let cells = alias_table(weights).into_iter().chain(in_parts);
+        let cells: Vec<[u32; 4]> = cells
             .map(|c| {
                 [
                     c.alias,
@@ -150,7 +158,7 @@ impl GpuEnvironment {
             table: filled_image(
                 device,
                 "environment table",
-                table_size,
+                [table_size[0], 2 * table_size[1]],
                 Format::Rgba32Uint,
                 bytemuck::cast_slice(&cells),
             )?,
@@ -160,8 +168,36 @@ impl GpuEnvironment {
             turn: turn.rem_euclid(1.0),
             emits,
             is_even,
+            parts,
         })
     }
+}
+
+/// Of each cell its entry in the alias table of its part of the sky, and the probability of each part.
+fn part_tables(weights: &[f64], table: [u32; 2]) -> (Vec<AliasCell>, Vec<f64>) {
+    let total = weights.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    let mut entries = alias_table(weights);
+    let mut probabilities = Vec::new();
+    let [columns, rows] = SKY_PARTS;
+    for part in 0..columns * rows {
+        let across =
+            begin(part % columns, columns, table[0])..begin(part % columns + 1, columns, table[0]);
+        let down = begin(part / columns, rows, table[1])..begin(part / columns + 1, rows, table[1]);
+        let cells: Vec<usize> = (down.flat_map(|y| across.clone().map(move |x| y * table[0] + x)))
+            .map(|cell| cell as usize)
+            .collect();
+        let own: Vec<f64> = cells.iter().map(|&cell| weights[cell]).collect();
+        for (&cell, entry) in cells.iter().zip(alias_table(&own)) {
+            entries[cell] = entry;
+        }
+        probabilities.push(own.iter().sum::<f64>() / total);
+    }
+    (entries, probabilities)
+}
+
+/// The first column of a table that lies in a column of parts, or the first row.
+fn begin(part: u32, parts: u32, side: u32) -> u32 {
+    (part * side).div_ceil(parts)
 }
 
 /// A cell is bright where its radiance is as many times the mean of all directions.
@@ -226,6 +262,28 @@ mod tests {
         };
         image.rgb[16 * 64..][..texels].fill([radiance; 3]);
         is_even(&table_weights(&image, table), table)
+    }
+
+    #[test]
+    fn parts_of_the_sky_hold_what_the_whole_does() {
+        // Tables that parts divide, that they don't, and that have fewer cells than parts.
+        for table in [[64, 32], [50, 27], [7, 3], [1, 1]] {
+            let count = table[0] * table[1];
+            let weights: Vec<f64> = (0..count).map(|i| f64::from(i * 7 % 13)).collect();
+            let whole = alias_table(&weights);
+            let (entries, parts) = part_tables(&weights, table);
+            assert!((parts.iter().sum::<f64>() - 1.0).abs() < 1e-12 || count == 1);
+            for cell in 0..count {
+                let [x, y] = [cell % table[0], cell / table[0]];
+                let part = y * SKY_PARTS[1] / table[1] * SKY_PARTS[0] + x * SKY_PARTS[0] / table[0];
+                let by_part = parts[part as usize] as f32 * entries[cell as usize].probability;
+                let at_once = whole[cell as usize].probability;
+                assert!(
+                    (by_part - at_once).abs() < 1e-6 || count == 1,
+                    "{table:?} {cell}"
+                );
+            }
+        }
     }
 
     #[test]

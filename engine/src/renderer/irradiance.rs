@@ -13,6 +13,7 @@
 //! neighbour has found something closer, and where many records overlap.
 
 mod records;
+mod sky;
 
 use bytemuck::{Pod, Zeroable};
 use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Usage};
@@ -22,6 +23,7 @@ use crate::{gpu_scene::SceneFeatures, passes::irradiance, settings::Method};
 use super::{Purpose, RenderError, Renderer, Work, clear_picture};
 
 use self::records::{Candidate, Grid, Record, settle, spread_out};
+use self::sky::Sky;
 
 /// Most records.
 const RECORDS: u32 = 1 << 16;
@@ -34,6 +36,10 @@ const REFERENCES: u32 = 1 << 20;
 const RAYS: u32 = 480;
 /// Records whose rays are gathered at once.
 const AT_ONCE: u32 = 2048;
+/// Paths that look where the sky is seen before anything else, at least, and samples of each pixel: a few of its light samples arrive
+/// through a small window, and they have to tell for each cell.
+const LOOKING: u64 = 1 << 18;
+const LOOKED: u32 = 4;
 /// Samples of each pixel from which the other cache learns before.
 const LEARNED: u32 = 8;
 /// Pixels between new records, pass by pass.
@@ -76,6 +82,8 @@ const USE: u32 = 2;
 /// What is being done.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
+    /// It is found out where the sky is seen; paths so far.
+    Looking(u64),
     /// The cache of scattered light learns; paths so far.
     Learning(u64),
     /// Candidates of a pass are found; paths so far.
@@ -94,6 +102,7 @@ pub(super) struct Irradiance {
     first_level: i32,
     levels: u32,
     falloff: f32,
+    sky: Sky,
     solve: Kernel,
 }
 
@@ -109,7 +118,7 @@ const BUFFERS: [(&str, u64); 5] = [
 pub(super) fn bytes(method: Method) -> u64 {
     match method {
         Method::Path | Method::Draft | Method::Photons => 0,
-        Method::Cache => BUFFERS.iter().map(|(_, bytes)| bytes).sum(),
+        Method::Cache => BUFFERS.iter().map(|(_, bytes)| bytes).sum::<u64>() + sky::BYTES,
     }
 }
 
@@ -122,6 +131,7 @@ impl Irradiance {
         resources: &mut Resources,
     ) -> Result<Option<Self>, DeviceError> {
         if method != Method::Cache {
+            sky::unknown(device, resources)?;
             return Ok(None);
         }
         for (name, bytes) in BUFFERS {
@@ -131,18 +141,19 @@ impl Irradiance {
         let settings = device.buffer("irradiance settings", Usage::Uniform, bytes)?;
         resources.set_buffer("irradiance_settings", settings);
         Ok(Some(Self {
-            phase: Phase::Learning(0),
+            phase: Phase::Looking(0),
             records: Vec::new(),
             first_level: 0,
             levels: 0,
             falloff: 1.0,
+            sky: Sky::new(device, resources)?,
             solve: irradiance::SOLVE.kernel(device, features)?,
         }))
     }
 
     /// Forgets all records.
     pub(super) fn restart(&mut self) {
-        self.phase = Phase::Learning(0);
+        self.phase = Phase::Looking(0);
         self.records.clear();
         self.levels = 0;
     }
@@ -181,6 +192,7 @@ impl Renderer {
         }
         let next = match phase {
             Phase::Ready => return Ok(false),
+            Phase::Looking(done) => self.look_for_sky(done)?,
             Phase::Learning(done) => {
                 let (done, is_last) = self.prepare_wave(Purpose::Learn, done, 0, LEARNED)?;
                 match is_last {
@@ -210,6 +222,35 @@ impl Renderer {
             cache.phase = next;
         }
         Ok(true)
+    }
+
+    /// Finds out where the sky is seen, of which so many paths are done.
+    fn look_for_sky(&mut self, done: u64) -> Result<Phase, RenderError> {
+        if !self.scene.environment.emits {
+            return Ok(Phase::Learning(0));
+        }
+        let Some(cache) = &self.irradiance else {
+            return Ok(Phase::Ready);
+        };
+        if done == 0 {
+            cache.sky.begin(&self.device, &self.resources)?;
+        }
+        let first_sample = LEARNED + DISTANCES.len() as u32;
+        let samples = LOOKING.div_ceil(u64::from(self.frame.padded_pixels));
+        let samples = LOOKED.max(samples as u32);
+        let (done, is_last) = self.prepare_wave(Purpose::Look, done, first_sample, samples)?;
+        if !is_last {
+            return Ok(Phase::Looking(done));
+        }
+        if let Some(cache) = &self.irradiance {
+            let parts = &self.scene.environment.parts;
+            let share = f64::from(self.frame.environment_probability());
+            cache
+                .sky
+                .learn(&self.device, &self.resources, parts, share)?;
+        }
+        self.frame.set_known_sky(true);
+        Ok(Phase::Learning(0))
     }
 
     /// Renders a wave of samples of all pixels, of which so many paths are done; how many are done then, and whether these are all.
@@ -335,7 +376,9 @@ impl Renderer {
             Purpose::Picture => (USE, 0.0, [0; 2]),
             Purpose::Find(pass) => (FIND, self.share_of(DISTANCES[pass]), [0; 2]),
             Purpose::Gather(first, end) => (IDLE, 0.0, [first, end]),
-            Purpose::Learn | Purpose::Apart | Purpose::Photons => (IDLE, 0.0, [0; 2]),
+            Purpose::Look | Purpose::Learn | Purpose::Apart | Purpose::Photons => {
+                (IDLE, 0.0, [0; 2])
+            }
         };
         // What is wrong between records grows with the square of their radii.
         let finer = 0.5_f32.sqrt().powi(self.settings.refinement.min(20) as i32);

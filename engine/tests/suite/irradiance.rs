@@ -2,8 +2,8 @@
 
 use engine::film::Layers;
 use engine::renderer::Renderer;
-use engine::scene::{Material, Projection};
-use engine::settings::Method;
+use engine::scene::{Environment, FloatImage, Material, Projection};
+use engine::settings::{Method, RenderSettings};
 use glam::Vec3;
 
 use crate::light_cache::{film, mean, room, seen};
@@ -125,4 +125,81 @@ fn the_picture_does_not_depend_on_how_waves_are_cut() {
         renderer.film().expect("the device reads")
     });
     assert!(films[0] == films[1]);
+}
+
+/// Where the sky is seen through a window alone, light samples learn to go there: what they bring on average stays the same.
+#[test]
+fn a_sky_behind_a_window_is_found_sooner_and_is_as_bright() {
+    let Some(device) = device::open() else { return };
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    let wall = Material {
+        double_sided: true,
+        ..lambert(Vec3::splat(0.5))
+    };
+    // A box of 4 metres, open by a metre in a corner of its wall at x = 2.
+    let room = || {
+        let quads = [
+            quad(-x * 2.0 - y * 2.0 - z * 2.0, x * 4.0, z * 4.0),
+            quad(-x * 2.0 + y * 2.0 - z * 2.0, x * 4.0, z * 4.0),
+            quad(-x * 2.0 - y * 2.0 - z * 2.0, y * 4.0, z * 4.0),
+            quad(-x * 2.0 - y * 2.0 - z * 2.0, x * 4.0, y * 4.0),
+            quad(-x * 2.0 - y * 2.0 + z * 2.0, x * 4.0, y * 4.0),
+            quad(x * 2.0 - y * 2.0 - z * 2.0, y * 4.0, z * 3.0),
+            quad(x * 2.0 - y * 2.0 + z * 1.0, y * 3.0, z * 1.0),
+        ];
+        let mut scene = scene(quads.map(|quad| (quad, wall.clone())), Vec3::ONE);
+        // Twice as bright on one side, and with a sun that misses the window.
+        let mut sky = FloatImage {
+            width: 64,
+            height: 32,
+            rgb: vec![[1.0; 3]; 64 * 32],
+        };
+        for (i, texel) in sky.rgb.iter_mut().enumerate() {
+            if i % 64 < 24 {
+                *texel = [2.0; 3];
+            }
+        }
+        sky.rgb[5 * 64 + 3] = [400.0; 3];
+        scene.environment = Environment::Image {
+            image: sky,
+            rotation: 30.0,
+            intensity: 1.0,
+        };
+        scene
+    };
+    let camera = camera(
+        Vec3::new(-1.8, 0.0, 1.2),
+        Vec3::new(1.0, 0.0, -1.0),
+        Vec3::Y,
+        Projection::Perspective { y_fov: 1.2 },
+    );
+    // Only light that one surface has scattered: no record has a share in it.
+    let shot = Shot {
+        size: (32, 32),
+        max_depth: 1,
+        spp: 0,
+    };
+    let of = |method: Method, seed: u32, spp: u32| {
+        let wanted = RenderSettings {
+            method,
+            seed,
+            ..settings(&camera, shot)
+        };
+        film(&device, room(), &wanted, spp)
+    };
+    let right = of(Method::Path, 7, 4096);
+    let errors = [Method::Path, Method::Cache].map(|method| {
+        let found = of(method, 1, 256);
+        let off = (mean(&found) / mean(&right) - 1.0).abs().max_element();
+        let squares: f32 = (found.mean().into_iter().zip(right.mean()))
+            .map(|(a, b)| (Vec3::from(a) - Vec3::from(b)).length_squared())
+            .sum();
+        println!(
+            "{}: mean off by {off:.4}, squared error {squares:.4}",
+            method.name()
+        );
+        assert!(off < 0.02, "{}: the mean is off by {off}", method.name());
+        squares
+    });
+    assert!(3.0 * errors[1] < errors[0], "{errors:?}");
 }

@@ -32,15 +32,16 @@ fn handle_escaped_ray(p: Path, hit: RayHit) -> vec3f {
         return p.radiance; // it only waited for its shadow ray
     }
     var weight = 1.0;
+    let shares = light_shares(hit.origin, p.id);
     if (has_environment && p.bsdf_pdf > 0.0) {
-        weight = met_light_weight(p.bsdf_pdf, frame.environment_probability * environment_pdf(hit.direction));
+        weight = met_light_weight(p.bsdf_pdf, sky_pdf(hit.direction, shares));
     }
     let radiance = environment_radiance(hit.direction);
     if (leaves_diffuse) {
         leave_sky(p, radiance);
     }
     let sky = radiance * weight;
-    let disks = disk_radiance(hit.direction, p.bsdf_pdf);
+    let disks = disk_radiance(hit.direction, p.bsdf_pdf, shares.other);
     if (splits_light) {
         // Clamped as one, as it is for the picture.
         let all = p.throughput * (sky + disks.radiance);
@@ -60,7 +61,8 @@ fn handle_emissive_intersection(p: Path, v: Vertex, hit: RayHit, receiver_before
     var weight = 1.0;
     if (p.bsdf_pdf > 0.0 && materials[v.own_material].light_radiance > 0.0 && max_component(emission) > 0.0) {
         let cosine = max(dot(v.surface.geometric_normal, v.surface.wo), 1e-7);
-        weight = met_light_weight(p.bsdf_pdf, light_hit_pdf(hit, receiver_before, cosine));
+        let share = light_shares(hit.origin, p.id).other;
+        weight = met_light_weight(p.bsdf_pdf, light_hit_pdf(hit, receiver_before, cosine, share));
     }
     let found = limited(p.throughput * emission * weight, f32(p.depth));
     if (splits_light) {

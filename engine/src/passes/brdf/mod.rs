@@ -18,6 +18,7 @@ pub const PASS: Pass = Pass {
         "image_layers_srgb",
         "image_table",
         "instances",
+        "known_sky",
         "lights",
         "materials",
         "triangles",

@@ -62,7 +62,7 @@ fn sample_direct_light(p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3
         return false;
     }
     let numbers = random4(v.id, vertex_dimension(v.depth, DIMENSION_LIGHT), GROUP_LIGHT);
-    let light = light_sample(s.position + origins.lift, origins.above, receiver, numbers.z, numbers.xy);
+    let light = light_sample(s.position + origins.lift, origins.above, receiver, v.id, numbers.z, numbers.xy);
     let wi = to_local(m.frame, light.wi);
     if (!(light.pdf > 0.0) || !leaves(wi.z, dot(light.wi, s.geometric_normal), origins.is_lifted)) {
         return false;

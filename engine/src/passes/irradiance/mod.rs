@@ -22,6 +22,16 @@ pub const LOOK_UP: Pass = Pass {
     exists: |features| features.irradiance_cache,
 };
 
+/// Counts light samples of the sky, and those that arrive. One thread per shadow ray.
+pub const LOOK: Pass = Pass {
+    name: "look_for_sky",
+    file: "irradiance/look.wgsl",
+    work: Work::Queue(Queue::Shadow),
+    reads: &["frame", "lights", "queues", "rays"],
+    writes: &["sky_seen"],
+    ..LOOK_UP
+};
+
 /// In place of the camera's rays: those of records.
 pub const START: Pass = Pass {
     name: "gather_start",

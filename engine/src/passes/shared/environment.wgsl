@@ -1,7 +1,9 @@
 // Light from infinitely far away: an equirectangular picture and its sampling table.
 
 @group(0) @binding(19) var environment_image: texture_2d<f32>;
-@group(0) @binding(20) var environment_table: texture_2d<u32>; // alias cell, its threshold, pdf over the unit square
+// Alias cell, its threshold, pdf over the unit square. Then as many rows once more: the same among the cells of each part of the sky,
+// see known_sky.wgsl, numbered row by row inside of it.
+@group(0) @binding(20) var environment_table: texture_2d<u32>;
 
 // Whether light comes from it.
 override has_environment: bool = true;
@@ -61,25 +63,30 @@ struct EnvironmentSample {
     pdf: f32, // per solid angle
 }
 
-// Radiance and pdf are those of the cell that was chosen. Found again from the direction, they would be a neighbour's
-// where sines and atan2 are off by a little, and beside a lamp that neighbour may be darker by orders of magnitude.
-fn environment_sample(u: vec2f) -> EnvironmentSample {
-    let count = frame.distribution_size.x * frame.distribution_size.y;
-    let chosen = cell_of(u.x, count, bitcast<u32>(u.x) ^ hash(bitcast<u32>(u.y)));
-    var cell = chosen.index;
-    var place = chosen.place;
-    let entry = textureLoad(environment_table, vec2u(cell % frame.distribution_size.x, cell / frame.distribution_size.x), 0);
+// What an alias table makes of one of its cells.
+fn alias_choice(chosen: Cell, entry: vec4u) -> Cell {
     let threshold = bitcast<f32>(entry.y);
-    if (place >= threshold) {
-        cell = entry.x;
-        place = (place - threshold) / (1.0 - threshold);
-    } else {
-        place /= threshold;
+    if (chosen.place >= threshold) {
+        return Cell(entry.x, (chosen.place - threshold) / (1.0 - threshold));
     }
-    let chosen_cell = vec2u(cell % frame.distribution_size.x, cell / frame.distribution_size.x);
-    let uv = (vec2f(chosen_cell) + vec2f(place, u.y)) / vec2f(frame.distribution_size);
+    return Cell(chosen.index, chosen.place / threshold);
+}
+
+fn environment_sample(u: vec2f) -> EnvironmentSample {
+    let width = frame.distribution_size.x;
+    let first = cell_of(u.x, width * frame.distribution_size.y, bitcast<u32>(u.x) ^ hash(bitcast<u32>(u.y)));
+    let chosen = alias_choice(first, textureLoad(environment_table, vec2u(first.index % width, first.index / width), 0));
+    let cell = vec2u(chosen.index % width, chosen.index / width);
+    return sample_in_cell(cell, vec2f(chosen.place, u.y), cell);
+}
+
+// The sample at a place inside a cell, whose pdf a row of the table tells. Radiance and pdf are those of the cell that was chosen. Found
+// again from the direction, they would be a neighbour's where sines and atan2 are off by a little, and beside a lamp that neighbour may
+// be darker by orders of magnitude.
+fn sample_in_cell(cell: vec2u, place: vec2f, entry: vec2u) -> EnvironmentSample {
+    let uv = (vec2f(cell) + place) / vec2f(frame.distribution_size);
     let polar = unit_circle(0.5 * uv.y);
     let azimuth = unit_circle(uv.x - frame.environment_turn);
     let wi = vec3f(polar.y * azimuth.y, polar.x, -polar.y * azimuth.x);
-    return EnvironmentSample(wi, environment_texel(uv), cell_pdf(chosen_cell, polar.y));
+    return EnvironmentSample(wi, environment_texel(uv), cell_pdf(entry, polar.y));
 }

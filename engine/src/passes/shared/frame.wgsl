@@ -55,8 +55,8 @@ struct Frame {
     crop_min: u32, // column | row << 16 of the film's first pixel in the whole picture
     crop_whole: u32, // columns | rows << 16 of the whole
     crop_blocks_x: u32, // blocks in a row of the whole; 0 where the film is the whole
-    unused_a: u32,
-    unused_b: u32,
+    sky_cell_scale: f32, // side of a cell in which the sky is known over its distance to the camera, see known_sky.wgsl
+    sky_is_known: u32,
     sobol: array<vec4u, 384>, // what four bits of an index add to three groups of four dimensions, see sobol.rs
     lot: array<vec4u, 2048>, // two in each: a block of the picture, and the first of the samples that it gets
 }

@@ -28,6 +28,7 @@ const DISTANT_EXTENT = 2u; // 1 - cos of the angular radius; 0: all light comes 
 // `frame.directional_count` directional ones; then the nodes of the light tree.
 @group(0) @binding(15) var<storage, read> lights: array<array<vec4u, 4>>;
 //!include shared/light_tree.wgsl
+//!include shared/known_sky.wgsl
 
 fn light_at(index: u32) -> Light {
     let w = lights[index];
@@ -46,39 +47,69 @@ struct LightSample {
     group: u32, // of lights
 }
 
-const FAR = 1e30;
-
 // The environment, directional lights and lights with a place get equal shares of the samples, as far as there are any.
 fn light_groups() -> u32 {
     return u32(frame.environment_probability > 0.0) + min(frame.directional_count, 1u) + min(frame.light_count, 1u);
 }
 
-// A light for the surface point `p`. `origin` is where scattered rays start: the density of what they hit is found from
-// there, so that this does so too. `receiver` is the side that receives light.
-fn light_sample(p: vec3f, origin: vec3f, receiver: u32, choice: f32, u: vec2f) -> LightSample {
-    let share = 1.0 / f32(max(light_groups(), 1u));
-    var pick = choice;
-    if (has_environment && pick < frame.environment_probability) {
-        let e = environment_sample(u);
-        return LightSample(e.wi, FAR, e.radiance, share * e.pdf, false, vec4u(MISS), frame.environment_group);
+// How often each group is chosen at a place from which rays start.
+struct LightShares {
+    environment: f32,
+    other: f32, // each of the others
+    sky_row: u32, // of what is known of the sky there, if that is so
+}
+
+fn light_shares(origin: vec3f, id: PathId) -> LightShares {
+    var shares = LightShares(frame.environment_probability, 1.0 / f32(max(light_groups(), 1u)), 0u);
+    if (sky_is_known()) {
+        shares.sky_row = sky_row(origin, id);
+        shares.environment = textureLoad(known_sky, vec2u(SKY_PARTS / 4u, shares.sky_row), 0).x;
+        shares.other = (1.0 - shares.environment) / f32(max(light_groups(), 2u) - 1u);
     }
-    pick -= frame.environment_probability;
+    return shares;
+}
+
+// pdf per solid angle of light samples of the environment in a direction, its choice included.
+fn sky_pdf(direction: vec3f, shares: LightShares) -> f32 {
+    if (sky_is_known()) {
+        return shares.environment * known_environment_pdf(direction, shares.sky_row);
+    }
+    return shares.environment * environment_pdf(direction);
+}
+
+fn sky_sample(u: vec2f, shares: LightShares) -> EnvironmentSample {
+    if (sky_is_known()) {
+        return known_environment_sample(u, shares.sky_row);
+    }
+    return environment_sample(u);
+}
+
+// A light for the surface point `p`. `origin` is where scattered rays start: the density of what they hit is found from
+// there, so that this does so too. `receiver` is the side that receives light, `id` the path.
+fn light_sample(p: vec3f, origin: vec3f, receiver: u32, id: PathId, choice: f32, u: vec2f) -> LightSample {
+    let shares = light_shares(origin, id);
+    var pick = choice;
+    if (has_environment && pick < shares.environment) {
+        let e = sky_sample(u, shares);
+        return LightSample(e.wi, FAR, e.radiance, shares.environment * e.pdf, false, vec4u(MISS), frame.environment_group);
+    }
+    pick -= shares.environment;
     let salt = bitcast<u32>(choice) ^ hash(bitcast<u32>(u.x));
     if (frame.directional_count > 0u) {
-        if (pick < share || frame.light_count == 0u) {
-            return directional_sample(saturate(pick / share), share, salt, u);
+        if (pick < shares.other || frame.light_count == 0u) {
+            return directional_sample(saturate(pick / shares.other), shares.other, salt, u);
         }
-        pick -= share;
+        pick -= shares.other;
     }
     if (frame.light_count == 0u) {
         return no_light();
     }
-    let chosen = choose_light(origin, receiver_normal(receiver), saturate(pick / share), salt);
+    let chosen = choose_light(origin, receiver_normal(receiver), saturate(pick / shares.other), salt);
     if (chosen.probability <= 0.0) {
         return no_light();
     }
     let light = light_at(chosen.index);
-    let probability = chosen.probability * share;
+    let probability = chosen.probability * shares.other;
     if (light.kind == LIGHT_TRIANGLE) {
         return triangle_sample(light, probability, p, u);
     }
@@ -122,10 +153,10 @@ struct DiskLight {
     group: u32, // of lights: that of the last disk, where they overlap
 }
 
-// Radiance of the disks in the sky that a ray meets, weighed against their own samples. `bsdf_pdf` is 0 for camera rays.
-fn disk_radiance(direction: vec3f, bsdf_pdf: f32) -> DiskLight {
+// Radiance of the disks in the sky that a ray meets, weighed against their own samples, of which each has a share. `bsdf_pdf` is 0 for
+// camera rays.
+fn disk_radiance(direction: vec3f, bsdf_pdf: f32, share: f32) -> DiskLight {
     var sum = DiskLight(vec3f(0.0), 0u);
-    let share = 1.0 / f32(max(light_groups(), 1u));
     for (var i = 0u; i < frame.directional_count; i++) {
         let light = light_at(frame.light_count + i);
         let extent = light.position[DISTANT_EXTENT];
@@ -223,15 +254,15 @@ fn light_of(instance: u32, triangle: u32) -> u32 {
 }
 
 // pdf per solid angle with which `light_sample` finds the point of an emissive triangle that a scattered ray has hit, at
-// an angle of this cosine.
-fn light_hit_pdf(hit: RayHit, receiver: u32, cosine: f32) -> f32 {
+// an angle of this cosine, where lights with a place have that share.
+fn light_hit_pdf(hit: RayHit, receiver: u32, cosine: f32, share: f32) -> f32 {
     let index = light_of(hit.instance, hit.triangle);
     if (index == frame.light_count) {
         return 0.0;
     }
     let light = light_at(index);
     let area = 0.5 * length(cross(light.direction, light.intensity));
-    let probability = light_probability(light.leaf, hit.origin, receiver_normal(receiver)) / f32(light_groups());
+    let probability = light_probability(light.leaf, hit.origin, receiver_normal(receiver)) * share;
     return probability / area * hit.t_max * hit.t_max / cosine;
 }
 

@@ -1,5 +1,6 @@
 // State of a path: its fields, and what can be said about them. Where they lie, `wave_memory.wgsl` says.
 // The Rust twin is `wave::PATH_FIELDS`.
+//!include shared/abilities.wgsl
 
 const PATH_THROUGHPUT = 0u; // rgb, then the pdf of the direction that was sampled last (0: not from a BSDF)
 const PATH_RADIANCE = 1u; // rgb gathered so far, then the ray cone's width at the ray's origin
@@ -26,13 +27,10 @@ const PATH_CAUGHT = 9u;
 override splits_light: bool = false;
 override catches_shadows: bool = false; // only where the former is true
 
-// In the same place, where a cache knows some of the light that comes to surfaces: see left.wgsl. Never both.
+// In the same place, where `leaves_diffuse`: see left.wgsl. Never both.
 const PATH_PLACE = 6u;
 const PATH_DIFFUSE = 7u;
 const PATH_LEFT = 8u;
-
-// Whether it does.
-override leaves_diffuse: bool = false;
 
 fn results_field() -> u32 {
     return PATH_RESULTS + select(0u, SPLIT_FIELDS, splits_light || leaves_diffuse) + select(0u, 1u, catches_shadows);

@@ -20,3 +20,6 @@ fn offset_origin(p: vec3f, normal: vec3f) -> vec3f {
     let moved = bitcast<vec3f>(bitcast<vec3i>(p) + select(n, -n, p < vec3f(0.0)));
     return select(moved, p + normal * (1.0 / 65536.0), abs(p) < vec3f(1.0 / 32.0));
 }
+
+// How far rays go that nothing ends.
+const FAR = 1e30;

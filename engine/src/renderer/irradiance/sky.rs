@@ -1,0 +1,195 @@
+//! Where the sky is seen from which places: what light samples need to know in a room that it lights through a window.
+//!
+//! Nearly all samples of such a sky end at a wall. Some paths go ahead, and count for each cell of space and each part of the sky how
+//! many samples were sent there and how many arrived. From then on parts are chosen by what they send and how likely it is to arrive
+//! (in the spirit of Bashford-Rogers, Debattista and Chalmers, "Importance Driven Environment Map Sampling", 2014). Each part that
+//! emits keeps a share, so that the picture is the same on average; only its noise isn't.
+
+use device::{Device, DeviceError, Format, Image, ImageUse, Recording, Resources, Usage};
+
+use crate::gpu_scene::environment::SKY_PARTS;
+
+/// Cells: as in `shared/known_sky.wgsl`.
+const CELLS: usize = 4096;
+/// Parts of the sky.
+const PARTS: usize = (SKY_PARTS[0] * SKY_PARTS[1]) as usize;
+/// What is counted for a cell: each part, and all lamps.
+const COUNTS: usize = PARTS + 1;
+/// Words of that for a cell, in pairs, with the wider cell around it.
+const PAIRS: usize = COUNTS + 1;
+/// Bytes of that in all cells.
+const COUNTED: u64 = (CELLS * PAIRS * 8) as u64;
+/// Texels of what is known of a cell, and floats: four parts in each, then the share of the sky.
+const TEXELS: u32 = PARTS as u32 / 4 + 1;
+const ROW: usize = 4 * TEXELS as usize;
+/// Bytes of that for all cells.
+const KNOWN: u64 = (CELLS * ROW * 4) as u64;
+/// Share of the samples that are sent as if nothing were known.
+const BLIND: f64 = 0.1;
+/// Samples that what is seen from the wider cell counts for beside those of a cell itself, and what is seen from all together beside those
+/// of the wider one.
+const PRIOR: f64 = 4.0;
+/// Share of the light samples that what hardly ever arrives keeps beside what does: the sky, or all lamps.
+const LEAST_SHARE: f64 = 0.15;
+/// Of samples so many have to arrive for an equal share: in a cell much may be in shadow, and some of it in bright light.
+const OFTEN: f64 = 0.02;
+
+/// What knows it.
+#[derive(Debug)]
+pub(super) struct Sky {
+    known: Image,
+}
+
+/// Bytes of its buffers.
+pub(super) const BYTES: u64 = COUNTED + KNOWN;
+
+/// Stands for what is known where nothing ever is.
+pub(super) fn unknown(device: &Device, resources: &mut Resources) -> Result<(), DeviceError> {
+    let none = device.image("known sky", ImageUse::Read, [1, 1, 1], Format::Rgba32Float)?;
+    resources.set_image("known_sky", none);
+    Ok(())
+}
+
+impl Sky {
+    /// Makes its buffers.
+    pub(super) fn new(device: &Device, resources: &mut Resources) -> Result<Self, DeviceError> {
+        let seen = device.buffer("sky_seen", Usage::Storage, COUNTED)?;
+        resources.set_buffer("sky_seen", seen);
+        let size = [TEXELS, CELLS as u32, 1];
+        let known = device.image("known sky", ImageUse::Read, size, Format::Rgba32Float)?;
+        resources.set_image("known_sky", known.clone());
+        Ok(Self { known })
+    }
+
+    /// Begins to count.
+    pub(super) fn begin(&self, device: &Device, resources: &Resources) -> Result<(), DeviceError> {
+        let mut recording = Recording::new("forget the sky");
+        recording.clear(resources.buffer("sky_seen"));
+        device.start(&recording)
+    }
+
+    /// Has light samples go by what has been counted; `parts` has the probability of each part by what it sends alone, `share` is that of
+    /// the sky where it arrives as often as lamps do.
+    pub(super) fn learn(
+        &self,
+        device: &Device,
+        resources: &Resources,
+        parts: &[f64],
+        share: f64,
+    ) -> Result<(), DeviceError> {
+        let bytes = device.read(resources.buffer("sky_seen"), 0, COUNTED)?;
+        let seen: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&bytes);
+        let rows = rows(&seen, parts, share);
+        let size = [TEXELS, CELLS as u32];
+        self.known
+            .write(device, [0; 3], size, bytemuck::cast_slice(&rows));
+        Ok(())
+    }
+}
+
+/// What is known of each cell: the probability of each part and those before it, of samples that were sent and arrived; then the share of
+/// the sky.
+fn rows(seen: &[[u32; 2]], parts: &[f64], share: f64) -> Vec<f32> {
+    let mut anywhere = [[0; 2]; COUNTS];
+    for cell in seen.chunks_exact(PAIRS) {
+        for (sum, counts) in anywhere.iter_mut().zip(cell) {
+            *sum = [sum[0] + u64::from(counts[0]), sum[1] + u64::from(counts[1])];
+        }
+    }
+    // What nothing was sent to may be seen.
+    let anywhere = anywhere.map(|[sent, arrived]| (arrived as f64 + 1.0) / (sent as f64 + 1.0));
+    let mut rows = Vec::with_capacity(seen.len() / PAIRS * ROW);
+    for cell in seen.chunks_exact(PAIRS) {
+        let wider = match cell[COUNTS][0] as usize {
+            0 => None,
+            row => seen.chunks_exact(PAIRS).nth(row - 1),
+        };
+        let around = wider.map_or(anywhere, |wider| arrives(wider, &anywhere));
+        let arrives = arrives(cell, &around);
+        let arriving: f64 = arrives.iter().zip(parts).map(|(a, part)| a * part).sum();
+        let last = parts.iter().rposition(|&part| part > 0.0).unwrap_or(0);
+        let mut sum = 0.0;
+        for (i, (arrives, part)) in arrives.iter().zip(parts).enumerate() {
+            let known = arrives * part / arriving.max(f64::MIN_POSITIVE);
+            sum += BLIND * part + (1.0 - BLIND) * known;
+            // From the last one that emits on, whatever rounding has left is its own.
+            rows.push(if i >= last { 1.0 } else { sum as f32 });
+        }
+        rows.extend([share_of_sky(share, arriving, arrives[PARTS]) as f32; 4]);
+    }
+    rows
+}
+
+/// How much of what is sent to a cell arrives, of which so much is supposed to without having counted.
+fn arrives(cell: &[[u32; 2]], supposed: &[f64; COUNTS]) -> [f64; COUNTS] {
+    std::array::from_fn(|i| {
+        let [sent, arrived] = cell[i].map(f64::from);
+        (arrived + PRIOR * supposed[i]) / (sent + PRIOR)
+    })
+}
+
+/// The share of the light samples that the sky gets, where so much of its light arrives and so many samples of lamps do.
+fn share_of_sky(share: f64, sky: f64, lamps: f64) -> f64 {
+    if share >= 1.0 {
+        return 1.0;
+    }
+    let of_sky = share * (sky / OFTEN).min(1.0);
+    let of_lamps = (1.0 - share) * (lamps / OFTEN).min(1.0);
+    (of_sky / (of_sky + of_lamps).max(f64::MIN_POSITIVE)).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_go_where_they_arrive_and_everywhere_else_too() {
+        let parts: Vec<f64> = (0..PARTS)
+            .map(|i| {
+                if i % 4 == 3 {
+                    0.0
+                } else {
+                    1.0 / (0.75 * PARTS as f64)
+                }
+            })
+            .collect();
+        // The first cell sees part 5 and no lamp, the second has seen nothing yet. The third lies in the first.
+        let mut seen = vec![[100, 0]; PAIRS];
+        seen[5] = [100, 90];
+        seen[COUNTS] = [0, 0];
+        seen.extend(vec![[0, 0]; 2 * PAIRS]);
+        seen[2 * PAIRS + COUNTS] = [1, 0];
+        let rows = rows(&seen, &parts, 0.5);
+        let probability = |cell: usize, part: usize| {
+            let before = match part {
+                0 => 0.0,
+                _ => rows[cell * ROW + part - 1],
+            };
+            rows[cell * ROW + part] - before
+        };
+        assert!(probability(0, 5) > 0.6, "{}", probability(0, 5));
+        for cell in 0..3 {
+            for (part, &sends) in parts.iter().enumerate() {
+                let least = BLIND * sends * 0.999;
+                assert!(f64::from(probability(cell, part)) >= least, "{cell} {part}");
+                assert!(
+                    sends > 0.0 || probability(cell, part) == 0.0,
+                    "{cell} {part}"
+                );
+            }
+            assert_eq!(rows[cell * ROW + PARTS - 1], 1.0);
+        }
+        // What others see is a hint.
+        assert!(probability(1, 5) > 10.0 * probability(1, 6));
+        assert!(probability(2, 5) > 0.6);
+    }
+
+    #[test]
+    fn what_arrives_gets_most_of_the_samples() {
+        assert_eq!(share_of_sky(1.0, 0.0, 0.0), 1.0);
+        assert_eq!(share_of_sky(0.5, 0.3, 0.9), 0.5);
+        assert_eq!(share_of_sky(0.5, 0.3, 0.0), 1.0 - LEAST_SHARE);
+        assert_eq!(share_of_sky(1.0 / 3.0, 0.0, 0.5), LEAST_SHARE);
+        assert!((0.5..0.6).contains(&share_of_sky(0.5, 1.0, 0.016)));
+    }
+}
