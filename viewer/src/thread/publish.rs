@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use engine::display::{Channel, DeviceFilm, Display, DisplaySettings};
 use engine::load::LoadError;
 use engine::renderer::RenderError;
-use engine::scene::LightKind;
 use engine::scene::look::LookError;
+use engine::scene::{LightKind, Motion};
 use engine::session::SessionError;
 use engine::stats::Doubt;
 use patina_panels::Textures;
@@ -107,6 +107,8 @@ impl Render {
             ..settings
         };
         let size = [film.width, film.height];
+        let moment = session.moment();
+        let moment = (moment.motion != Motion::Rest).then_some(moment.seconds);
         let now = displays.now.show(&film, &with_line);
         let now = now.map_err(RenderError::from)?.texture().cloned();
         let kept = match &mut self.before {
@@ -167,6 +169,7 @@ impl Render {
         }
         board.status.spp = spp;
         board.status.denoised = denoised;
+        board.status.moment = moment;
         board.status.size = size;
         board.status.is_whole = is_whole;
         Ok(())
@@ -335,6 +338,7 @@ impl Render {
             },
             cameras: scene.cameras.clone(),
             look_camera: Some(session.look_camera().clone()),
+            end: self.end,
         };
         lock(&self.board).scene = Arc::new(facts);
     }
