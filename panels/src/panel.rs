@@ -106,7 +106,12 @@ impl TexturesPanel {
         scene: SceneView<'_>,
     ) {
         shortcuts(ui, document);
+        let form = self.form;
         self.head(ui, document, scene);
+        if self.form != form {
+            // It may get another width, which a graph is to fit.
+            ui.ctx().request_repaint();
+        }
         let model = self.model(document, textures);
         let mut cx = Context {
             document,
@@ -118,7 +123,7 @@ impl TexturesPanel {
             wanted: self.wanted.take(),
             actions: Vec::new(),
         };
-        match self.form {
+        match form {
             Form::List => {
                 let material = self.material.as_deref();
                 let search = &mut self.search;

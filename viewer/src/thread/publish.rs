@@ -19,6 +19,9 @@ use super::{Displays, Render, lock_size};
 /// How often figures are brought up to date.
 const FIGURES: Duration = Duration::from_millis(400);
 
+/// Most pixels of the whole picture along a side per pixel of one that has a line around what was picked.
+const FINE: u32 = 2;
+
 /// What is on the board already.
 #[derive(Default)]
 pub(super) struct Published {
@@ -89,8 +92,9 @@ impl Render {
                 beside: Display::new(&self.device).map_err(RenderError::from)?,
             }),
         };
-        // Guides take as long as a sample, which a picture in motion has not.
-        let picked = self.picked.filter(|_| !self.is_moving);
+        // Guides take as long as a sample, which a picture in motion has not; and a line of large pixels hides what it is around.
+        let is_fine = !self.is_moving && self.divisor <= FINE;
+        let picked = self.picked.filter(|_| is_fine);
         let outlined = picked.map(|instance| instance as u32);
         let guides = self.settings.channel.needs_guides();
         let film = session.device_film(guides || outlined.is_some())?;
