@@ -92,6 +92,11 @@ impl TexturesPanel {
         self.snapshots = Snapshots::default();
     }
 
+    /// Whether the picture as it was before the last edits is to be compared with that of a state that was kept; asked for once.
+    pub fn take_comparison(&mut self) -> bool {
+        std::mem::take(&mut self.snapshots.compares)
+    }
+
     /// Puts the cards of the graph where they were.
     pub fn set_places(&mut self, places: impl IntoIterator<Item = (String, [f32; 2])>) {
         self.graph.set_places(places);

@@ -509,6 +509,25 @@ fn time_goes_on_once_a_moment_has_been_seen() {
 }
 
 #[test]
+fn a_state_that_was_kept_is_compared_with_at_once() {
+    let mut stage = Stage::new();
+    stage.click("Snapshot A");
+    let edit = Edit::material("Brass", "roughness", Value::number(0.25));
+    let document = stage.harness.state_mut().document_mut().expect("read");
+    document.apply("test", &[edit], None).expect("a look");
+    stage.harness.run_steps(2);
+    stage.sent();
+    stage.harness.get_by_label("Snapshot A").click_secondary();
+    stage.harness.run_steps(3);
+    stage.click("Compare with A");
+    let sent = stage.sent();
+    let at = |is_it: &dyn Fn(&Command) -> bool| sent.iter().position(is_it);
+    let kept = at(&|command| matches!(command, Command::KeepBefore(true)));
+    let changed = at(&|command| matches!(command, Command::Change(..)));
+    assert!(kept.is_some() && kept < changed, "{sent:?}");
+}
+
+#[test]
 fn dropped_files_are_opened_used_or_refused() {
     let mut stage = Stage::new();
     stage.drop_files(&["/models/car.GLB", "/models/red.look.toml"]);

@@ -189,6 +189,10 @@ impl Viewer {
             suns,
         };
         panel.show(ui, document, textures, scene);
+        // The picture is kept before it hears of the edit.
+        if panel.take_comparison() {
+            self.compare();
+        }
     }
 
     /// Shows pictures of nodes from now on.
