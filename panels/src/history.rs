@@ -40,6 +40,8 @@ pub(crate) fn history(ui: &mut Ui, document: &mut Document) -> bool {
 #[derive(Debug, Default)]
 pub(crate) struct Snapshots {
     kept: [Option<String>; 3],
+    /// The picture of now is to be compared with that of the state that was switched to.
+    pub(crate) compares: bool,
 }
 
 impl Snapshots {
@@ -56,13 +58,10 @@ impl Snapshots {
             let button = ui.selectable_label(is_shown, text);
             widgets::name(&button, &format!("Snapshot {name}"));
             let is_clicked = button.clicked();
-            match kept {
-                Some(text) if is_clicked => {
-                    let replaced = document.replace(&format!("snapshot {name}"), text);
-                    refused = replaced.err().map(|problems| problems.to_string());
-                }
-                None if is_clicked => *kept = Some(document.text().to_owned()),
-                _ => {}
+            let mut is_compared = false;
+            let was_kept = kept.is_some();
+            if is_clicked && !was_kept {
+                *kept = Some(document.text().to_owned());
             }
             let hint = match kept {
                 Some(_) => format!("shows the look as it was kept as {name}; right-click for more"),
@@ -71,6 +70,11 @@ impl Snapshots {
             let is_there = kept.is_some();
             let button = button.on_hover_text(hint);
             widgets::context_menu(&button, |ui| {
+                let compare = egui::Button::new(format!("Compare with {name}"));
+                if ui.add_enabled(is_there && !is_shown, compare).clicked() {
+                    is_compared = true;
+                    ui.close();
+                }
                 if ui
                     .button(format!("Keep the look of now as {name}"))
                     .clicked()
@@ -84,6 +88,13 @@ impl Snapshots {
                     ui.close();
                 }
             });
+            if let Some(text) = kept
+                && (is_compared || is_clicked && was_kept)
+            {
+                let replaced = document.replace(&format!("snapshot {name}"), text);
+                self.compares |= is_compared && replaced.is_ok();
+                refused = replaced.err().map(|problems| problems.to_string());
+            }
         }
         refused
     }

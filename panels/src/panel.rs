@@ -92,6 +92,11 @@ impl TexturesPanel {
         self.snapshots = Snapshots::default();
     }
 
+    /// Whether the picture as it was before the last edits is to be compared with that of a state that was kept; asked for once.
+    pub fn take_comparison(&mut self) -> bool {
+        std::mem::take(&mut self.snapshots.compares)
+    }
+
     /// Puts the cards of the graph where they were.
     pub fn set_places(&mut self, places: impl IntoIterator<Item = (String, [f32; 2])>) {
         self.graph.set_places(places);
@@ -106,7 +111,12 @@ impl TexturesPanel {
         scene: SceneView<'_>,
     ) {
         shortcuts(ui, document);
+        let form = self.form;
         self.head(ui, document, scene);
+        if self.form != form {
+            // It may get another width, which a graph is to fit.
+            ui.ctx().request_repaint();
+        }
         let model = self.model(document, textures);
         let mut cx = Context {
             document,
@@ -118,7 +128,7 @@ impl TexturesPanel {
             wanted: self.wanted.take(),
             actions: Vec::new(),
         };
-        match self.form {
+        match form {
             Form::List => {
                 let material = self.material.as_deref();
                 let search = &mut self.search;

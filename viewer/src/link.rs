@@ -22,6 +22,8 @@ pub enum Command {
     Change(Change, u64),
     /// Look through this camera, or again through that of the look.
     View(Option<Camera>),
+    /// Show a scene that moves as it is after so many seconds, or at rest.
+    Moment(Option<f64>),
     /// Pixels of the picture while nothing moves.
     Size([u32; 2]),
     /// How the picture is shown.
@@ -159,6 +161,8 @@ pub struct Status {
     pub denoised: Option<f64>,
     /// Where it ends.
     pub target: u32,
+    /// Seconds after which the scene is as it is shown; `None` at rest.
+    pub moment: Option<f64>,
     /// Pixels.
     pub size: [u32; 2],
     /// Camera paths per second.
@@ -230,6 +234,8 @@ pub struct SceneFacts {
     pub cameras: Vec<Camera>,
     /// That of the look.
     pub look_camera: Option<Camera>,
+    /// When its last animation ends, seconds; `None` where nothing moves.
+    pub end: Option<f64>,
 }
 
 /// The look as the render has it.

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use device::Device;
 use engine::display::{DeviceFilm, Display, DisplaySettings};
 use engine::load::StandIn;
-use engine::scene::Camera;
+use engine::scene::{Camera, Moment};
 use engine::session::{ChangeQueue, Session, SessionError};
 
 use crate::host::{Changes, Host};
@@ -108,6 +108,7 @@ impl RenderThread {
                     waiting: None,
                     failures: 0,
                     outside: 0,
+                    end: None,
                     is_stuck: false,
                     published: publish::Published::default(),
                 };
@@ -169,6 +170,8 @@ struct Render {
     failures: u32,
     /// Texts of the look that other programs have written.
     outside: u64,
+    /// When the scene's last animation ends, seconds.
+    end: Option<f64>,
     /// There were so many that nothing is tried until something changes.
     is_stuck: bool,
     published: publish::Published,
@@ -191,6 +194,7 @@ struct Pending {
     /// Of the last change that has come.
     number: u64,
     view: Option<Option<Camera>>,
+    moment: Option<Moment>,
     since: Option<Instant>,
 }
 
@@ -304,6 +308,7 @@ impl Render {
         }
         if changes.assets {
             session.assets_changed();
+            self.end = opening::end(session);
         }
         let polled = session.poll();
         if session.generation() != generation {
@@ -362,10 +367,15 @@ impl Render {
         if let Some(view) = self.pending.view.take() {
             session.set_view(view);
         }
+        let moment = self.pending.moment.take();
+        let moved = moment.map_or(Ok(()), |moment| session.set_moment(&moment));
         let changes = self.pending.changes.take();
         let sent = changes.iter().try_for_each(|change| session.apply(change));
         if !changes.is_empty() {
             self.publish_look();
+        }
+        if let Err(why) = moved {
+            self.reply(Reply::Failed(publish::message(&why)));
         }
         sent
     }

@@ -9,6 +9,7 @@ mod look;
 mod problems;
 mod questions;
 mod shortcuts;
+mod timeline;
 mod view;
 mod viewport;
 
@@ -26,12 +27,17 @@ use dialogs::Dialog;
 use look::{Editor, Outside};
 use problems::Problems;
 use questions::Questions;
+use timeline::Timeline;
 use viewport::Viewport;
 
 /// How long a message stays, seconds.
 const MESSAGE: f64 = 6.0;
 /// Points of the panel of the look, in which its widgets can be used.
 const LEAST_PANEL: f32 = 260.0;
+/// The same at first, where it shows lists.
+const LIST: f32 = 340.0;
+/// The same where it shows a graph, whose cards stand beside each other; at most half of the window.
+const GRAPH: f32 = 640.0;
 /// Messages that are kept.
 const MESSAGES: usize = 4;
 
@@ -120,6 +126,7 @@ pub struct Viewer {
     dialog: Option<Dialog>,
     lists_shortcuts: bool,
     questions: Questions,
+    timeline: Timeline,
     /// Of the window.
     shown_title: String,
     problems: Problems,
@@ -162,6 +169,7 @@ impl Viewer {
             dialog: None,
             lists_shortcuts: false,
             questions: Questions::default(),
+            timeline: Timeline::default(),
             shown_title: String::new(),
             problems: Problems::default(),
             material: None,
@@ -210,18 +218,31 @@ impl Viewer {
         top.show(ui, |ui| self.tools(ui));
         let bottom = Panel::bottom("status").frame(bare);
         bottom.show(ui, |ui| self.status_bar(ui));
+        if let Some(end) = self.scene.end {
+            let time = Panel::bottom("timeline").frame(bare);
+            time.show(ui, |ui| self.timeline(ui, end, now));
+        }
         if self.preferences.shows_times {
             let times = Panel::bottom("times").frame(bare).resizable(true);
             times.default_size(190.0).show(ui, |ui| self.times(ui));
         }
-        Panel::right("look")
+        // A graph that is as narrow as a list can't be read: each has a width of its own.
+        let (id, width) = match self.editor.shows_graph() && !self.lists_shortcuts {
+            true => ("graph", GRAPH.min(0.5 * ui.available_width()).max(LIST)),
+            false => ("look", LIST),
+        };
+        Panel::right(id)
             .frame(bare)
             .resizable(true)
-            .default_size(340.0)
+            .default_size(width)
             .min_size(LEAST_PANEL)
-            .show(ui, |ui| match self.lists_shortcuts {
-                true => self.shortcut_list(ui),
-                false => self.look_panel(ui),
+            .show(ui, |ui| {
+                // Before there is a look, too: a panel is as wide afterwards as what was in it at first.
+                ui.set_min_width(ui.available_width());
+                match self.lists_shortcuts {
+                    true => self.shortcut_list(ui),
+                    false => self.look_panel(ui),
+                }
             });
         CentralPanel::default()
             .frame(egui::Frame::NONE)
@@ -319,6 +340,7 @@ impl Viewer {
             }
             Reply::Opened(files) => {
                 self.viewport = Viewport::default();
+                self.timeline = Timeline::default();
                 self.editor.forget();
                 self.begin_look(self.preferences.files.as_ref() == Some(&files));
                 self.material = None;

@@ -59,6 +59,7 @@ impl Stage {
             },
             cameras: vec![camera("Door"), camera("Window")],
             look_camera: Some(camera("Door")),
+            end: None,
         });
         board.lock().unwrap().look = Some(LookFacts::default());
         let link = Link::new(sender, Arc::clone(&board));
@@ -435,6 +436,95 @@ fn problems_are_shown_with_their_place_until_they_are_mended() {
             .query_by_label("cannot write the look")
             .is_some()
     );
+}
+
+#[test]
+fn all_lines_of_a_problem_are_seen() {
+    let mut stage = Stage::new();
+    let text = (0..12).map(|line| format!("line {line}\n"));
+    let text: String = text.collect();
+    stage.board.lock().unwrap().status.problems = text.clone();
+    stage.harness.run_steps(4);
+    let lines = stage.harness.get_by_label(text.trim_end()).rect();
+    let picture = stage.harness.get_by_label("Viewport").rect();
+    assert!(
+        lines.height() > 100.0 && lines.bottom() <= picture.bottom(),
+        "{lines}"
+    );
+    let head = stage.harness.get_by_label("Hide").rect();
+    assert!(
+        head.bottom() <= lines.top() + 1.0,
+        "{head} lies over {lines}"
+    );
+}
+
+#[test]
+fn a_graph_has_more_room_than_a_list() {
+    let mut stage = Stage::new();
+    let width = |stage: &Stage| stage.harness.get_by_label("Viewport").rect().width();
+    let list = width(&stage);
+    assert!(
+        list > 900.0,
+        "the panel has its usual width from the start: {list}"
+    );
+    stage.click("Graph");
+    let graph = width(&stage);
+    assert!((500.0..list - 200.0).contains(&graph), "{graph} of {list}");
+    stage.click("List");
+    assert_eq!(width(&stage), list);
+}
+
+#[test]
+fn time_goes_on_once_a_moment_has_been_seen() {
+    let mut stage = Stage::new();
+    assert!(stage.harness.query_by_label("Play").is_none());
+    let facts = SceneFacts {
+        end: Some(2.0),
+        ..(*stage.board.lock().unwrap().scene).clone()
+    };
+    stage.board.lock().unwrap().scene = Arc::new(facts);
+    stage.harness.run_steps(2);
+    stage.sent();
+    let moments = |stage: &Stage| -> Vec<Option<f64>> {
+        let sent = stage.sent().into_iter();
+        sent.filter_map(|command| match command {
+            Command::Moment(seconds) => Some(seconds),
+            _ => None,
+        })
+        .collect()
+    };
+    stage.click("Play");
+    assert_eq!(moments(&stage), [Some(0.0)], "no more until that is seen");
+    stage.board.lock().unwrap().status.moment = Some(0.0);
+    stage.harness.run_steps(3);
+    let next = moments(&stage);
+    assert!(
+        matches!(next[..], [Some(seconds)] if seconds > 0.0 && seconds < 2.0),
+        "{next:?}"
+    );
+    stage.click("At rest");
+    assert_eq!(moments(&stage), [None]);
+    stage.harness.run_steps(3);
+    assert!(moments(&stage).is_empty(), "it plays no more");
+}
+
+#[test]
+fn a_state_that_was_kept_is_compared_with_at_once() {
+    let mut stage = Stage::new();
+    stage.click("Snapshot A");
+    let edit = Edit::material("Brass", "roughness", Value::number(0.25));
+    let document = stage.harness.state_mut().document_mut().expect("read");
+    document.apply("test", &[edit], None).expect("a look");
+    stage.harness.run_steps(2);
+    stage.sent();
+    stage.harness.get_by_label("Snapshot A").click_secondary();
+    stage.harness.run_steps(3);
+    stage.click("Compare with A");
+    let sent = stage.sent();
+    let at = |is_it: &dyn Fn(&Command) -> bool| sent.iter().position(is_it);
+    let kept = at(&|command| matches!(command, Command::KeepBefore(true)));
+    let changed = at(&|command| matches!(command, Command::Change(..)));
+    assert!(kept.is_some() && kept < changed, "{sent:?}");
 }
 
 #[test]

@@ -109,8 +109,13 @@ pub(crate) fn run(arguments: &[&str]) -> Result<()> {
     Ok(())
 }
 
+/// The program as it is built for release: Cargo's folder isn't always the usual one, but is the one that this program lies in.
 fn patina() -> Command {
-    Command::new(root().join("target/release/patina"))
+    let name = format!("patina{}", std::env::consts::EXE_SUFFIX);
+    let own = std::env::current_exe().unwrap_or_default();
+    let folder = own.ancestors().nth(2).map(Path::to_owned);
+    let folder = folder.unwrap_or_else(|| root().join("target"));
+    Command::new(folder.join("release").join(name))
 }
 
 fn render(look: &Path) -> Command {

@@ -5,13 +5,15 @@ use std::sync::Arc;
 
 use texgen::{Diagnostic, Diagnostics};
 
-use crate::load::{self, LoadError, Loaded, StandIn};
+use crate::load::{LoadError, Loaded, StandIn};
 use crate::procedural::SourcesError;
 use crate::renderer::{Reload, ReloadError, Renderer};
-use crate::scene::look::{Look, LookError, Section, Value, find, placed_fields};
+use crate::scene::Moment;
+use crate::scene::look::{LookError, Section, Value, find, placed_fields};
 use crate::system::{Assets, Task};
 
 use super::difference::TableChange;
+use super::moment::timeline;
 use super::{Inputs, Session, SessionError};
 
 /// Something in the making.
@@ -30,20 +32,15 @@ pub(super) struct Rebuilt {
     renderer: Renderer,
 }
 
-/// Loads scene, textures, and a look of this text.
+/// Loads scene, textures, and a look of this text, at a moment.
 pub(super) fn load(
     files: &Arc<dyn Assets>,
     inputs: &Inputs,
     text: &str,
+    moment: &Moment,
     stand_in: StandIn,
 ) -> Result<Loaded, LoadError> {
-    let look = match &inputs.look {
-        Some(path) => Some(Look::parse(path, text).map_err(LookError::from)?),
-        // Edits of a look without a file.
-        None if !text.is_empty() => Some(Look::parse("".as_ref(), text).map_err(LookError::from)?),
-        None => None,
-    };
-    let mut loaded = load::load_from(files, &inputs.scene, look, &inputs.textures)?;
+    let mut loaded = timeline(files, inputs, text).once(moment)?;
     if let Some(name) = &inputs.camera {
         loaded.camera = loaded.camera_named(name)?;
     }
@@ -54,6 +51,7 @@ pub(super) fn load(
 impl Session {
     /// The files of textures may have changed: those in use whose text is another one are built in the background.
     pub fn sources_changed(&mut self) {
+        self.timeline = None;
         if self.job.is_some() {
             self.again.sources = true;
             return;
@@ -127,10 +125,13 @@ impl Session {
         let (inputs, system) = (self.inputs.clone(), self.system.clone());
         let device = self.renderer.device().clone();
         let (make_settings, look) = (self.make_settings.clone(), text.clone());
-        let stand_in = self.stand_in;
+        let (stand_in, moment) = (self.stand_in, self.moment.clone());
+        // Files may be others by now.
+        self.timeline = None;
         let build = move || {
-            let loaded = load(&system.files, &inputs, &look, stand_in)?;
-            let settings = make_settings(loaded.camera.clone());
+            let loaded = load(&system.files, &inputs, &look, &moment, stand_in)?;
+            let mut settings = make_settings(loaded.camera.clone());
+            settings.time = moment.seconds as f32;
             let renderer = Renderer::new(&device, &loaded.scene, &loaded.procedural, &settings)?;
             let renderer = renderer.in_system(&system);
             Ok(Box::new(Rebuilt { loaded, renderer }))
@@ -193,15 +194,11 @@ impl Session {
         match built {
             Ok(built) => {
                 let Rebuilt { loaded, renderer } = *built;
-                self.scene = loaded.scene;
-                self.camera = loaded.camera;
-                self.warnings = loaded.warnings;
-                self.look_view = loaded.look.map_or_else(Default::default, |look| look.view);
                 self.renderer = renderer;
+                self.adopt(loaded);
                 if let Some(view) = &self.view {
                     self.renderer.set_camera(view);
                 }
-                self.was_without_lamp = self.has_no_lamp();
                 (self.problems.look, self.problems.sources) = Default::default();
                 self.generation += 1;
                 self.shown = Some(placed_fields(&text));

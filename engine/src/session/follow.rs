@@ -14,6 +14,7 @@ use crate::scene::{Camera, Environment, Material};
 
 use super::difference::{TableChange, difference};
 use super::edit::{Edit, summary};
+use super::moment::has_keys;
 use super::{Session, SessionError};
 
 /// What following may change of the scene.
@@ -259,6 +260,9 @@ impl Session {
             return Err(UpdateError::Rebuild);
         }
         let fields = after.as_deref().unwrap_or_default();
+        if self.moment.seconds != 0.0 && has_keys(fields) {
+            return Err(UpdateError::Rebuild);
+        }
         let read = |file| table(file, section, fields, span).map_err(UpdateError::Refused);
         let procedural = self.renderer.procedural_mut();
         if let (Section::Node(name), None) = (section, after) {

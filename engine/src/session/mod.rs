@@ -9,6 +9,7 @@
 //! | render | [`Session::step`], wave by wave |
 //! | see | [`Session::snapshot`] (a film), [`Session::device_film`] (on the device), [`Session::stats`], [`Session::problems`] |
 //! | save the look | [`Session::save`] |
+//! | go to another moment of a scene that moves | [`Session::set_moment`] |
 //! | bring edits together with what others have saved meanwhile | [`Session::look_changed_beside_edits`], [`merge`] |
 //!
 //! The text of the look is the truth. Everything else (graph, programs, material records, camera) follows from it and
@@ -36,6 +37,7 @@ mod files;
 mod follow;
 pub mod json;
 mod merge;
+mod moment;
 mod open;
 mod patch;
 mod setting;
@@ -49,12 +51,12 @@ use texgen::{Diagnostics, SourceFile};
 use device::Device;
 
 use crate::film::Film;
-use crate::load::StandIn;
+use crate::load::{StandIn, Timeline};
 use crate::procedural::Procedural;
 use crate::renderer::{Progress, RenderSettings, Renderer};
 use crate::scene::look::{Field, LookDocument};
 use crate::scene::view::ViewChoice;
-use crate::scene::{Camera, Scene};
+use crate::scene::{Camera, Moment, Scene};
 use crate::stats::Stats;
 use crate::system::System;
 
@@ -107,6 +109,10 @@ pub struct Session {
     was_without_lamp: bool,
     /// What it is seen by then.
     stand_in: StandIn,
+    /// Of a scene that moves.
+    moment: Moment,
+    /// The files as they were read for other moments, with the look's text of then.
+    timeline: Option<(String, Timeline)>,
 }
 
 /// What is to be looked at once the background is free.

@@ -41,6 +41,7 @@ pub struct Opening {
     document: LookDocument,
     loaded: Loaded,
     stand_in: StandIn,
+    moment: Moment,
 }
 
 /// What is rendered at one moment after the other: files are read once. See [`Timeline`].
@@ -105,6 +106,7 @@ impl Sequence {
             document: self.document.clone(),
             loaded,
             stand_in: StandIn::default(),
+            moment: moment.clone(),
         };
         opening.checked(&self.edits)
     }
@@ -121,6 +123,7 @@ impl Sequence {
             document: self.document,
             loaded: self.timeline.once(moment)?,
             stand_in: StandIn::default(),
+            moment: moment.clone(),
         };
         opening.checked(&self.edits)
     }
@@ -228,6 +231,8 @@ impl Opening {
             problems: Problems::default(),
             warnings,
             generation: 0,
+            moment: self.moment,
+            timeline: None,
         };
         session.was_without_lamp = session.has_no_lamp();
         Ok(session)
@@ -249,19 +254,11 @@ impl Session {
         settings: &RenderSettings,
         goes_on: bool,
     ) -> Result<(), SessionError> {
-        let Loaded {
-            scene,
-            procedural,
-            camera,
-            warnings,
-            look,
-        } = opening.loaded;
-        (self.renderer).show([&self.scene, &scene], &procedural, settings, goes_on)?;
-        self.scene = scene;
-        self.camera = camera;
-        self.warnings = warnings;
-        self.look_view = look.map_or_else(Default::default, |look| look.view);
-        self.was_without_lamp = self.has_no_lamp();
+        let Opening { loaded, moment, .. } = opening;
+        let scenes = [&self.scene, &loaded.scene];
+        (self.renderer).show(scenes, &loaded.procedural, settings, goes_on)?;
+        self.moment = moment;
+        self.adopt(loaded);
         if !goes_on {
             self.generation += 1;
         }

@@ -7,8 +7,9 @@ use std::sync::Arc;
 use ::device::{Device, DeviceChoice};
 use engine::film::Film;
 use engine::renderer::RenderSettings;
+use engine::scene::look::Value;
 use engine::scene::{Moment, Motion};
-use engine::session::{Inputs, Opening, Sequence, Session};
+use engine::session::{Edit, Inputs, Opening, Sequence, Session};
 use engine::system::System;
 use tempfile::TempDir;
 
@@ -231,6 +232,47 @@ fn each_moment_is_as_if_there_were_no_other() {
             session = Some(shown);
         }
     }
+}
+
+#[test]
+fn a_session_goes_to_other_moments_and_is_edited_there() {
+    let stage = Stage::new();
+    let Some(device) = device::open() else { return };
+    let rest = Moment::default();
+    let opening = stage.sequence().once(&rest).expect("it is read");
+    let mut session = started(&device, opening, 0.0, 0);
+    let first = film(&mut session, 4);
+    let made = |session: &Session| session.device().counts().pipelines;
+    // Pictures of even numbers: a session knows none, and the texture asks for it.
+    for seconds in [0.25, 0.75] {
+        let moment = moment(seconds);
+        let before = made(&session);
+        session.set_moment(&moment).expect("it is shown");
+        let found = film(&mut session, 4);
+        assert_eq!(made(&session), before, "nothing is compiled");
+        let alone = film(&mut started(&device, stage.at(seconds), seconds, 0), 4);
+        assert!(found == alone, "after {seconds} s");
+    }
+
+    // What is written to buffers, and what is built anew, is of that moment: the second one leaves a value with keys.
+    let edits = [
+        Edit::material("Painted", "roughness", Value::number(0.3)),
+        Edit::environment("color", Value::numbers(&[0.5, 0.2, 0.1])),
+    ];
+    for edit in edits {
+        session.edit(&edit).expect("it can be edited");
+        while session.is_building() {
+            session.step(1).expect("rendered");
+        }
+        let look = stage.folder.path().join("moving.look.toml");
+        fs::write(look, session.look_text()).expect("written");
+        let alone = film(&mut started(&device, stage.at(0.75), 0.75, 0), 4);
+        assert!(film(&mut session, 4) == alone, "after {edit:?}");
+    }
+    session.set_moment(&rest).expect("it is shown");
+    let opening = stage.sequence().once(&rest).expect("it is read");
+    let alone = film(&mut started(&device, opening, 0.0, 0), 4);
+    assert!(film(&mut session, 4) == alone && alone != first);
 }
 
 #[test]

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use engine::load::StandIn;
+use engine::scene::{Moment, Motion};
 use engine::session::{Session, SessionError};
 
 use crate::link::{Command, Extent, PickPurpose, Reply};
@@ -21,6 +22,14 @@ impl Render {
             }
             Command::View(view) => {
                 self.pending.view = Some(view);
+                self.pending.since.get_or_insert_with(Instant::now);
+            }
+            Command::Moment(seconds) => {
+                self.pending.moment =
+                    Some(seconds.map_or_else(Moment::default, |seconds| Moment {
+                        seconds,
+                        motion: Motion::Usual,
+                    }));
                 self.pending.since.get_or_insert_with(Instant::now);
             }
             Command::Size(size) => {

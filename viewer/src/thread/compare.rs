@@ -10,6 +10,8 @@ use super::{Render, lock_size};
 /// What is compared with.
 pub(super) struct Before {
     renderer: Renderer,
+    /// Shown until the renderer has a sample of each pixel: the picture that it had in another size.
+    coarse: Option<DeviceFilm>,
     samples_done: u64,
     is_done: bool,
 }
@@ -17,28 +19,53 @@ pub(super) struct Before {
 impl Before {
     /// As it is to be shown.
     pub(super) fn film(&mut self, guides: bool) -> Result<DeviceFilm, SessionError> {
+        if let Some(coarse) = &self.coarse {
+            return Ok(coarse.clone());
+        }
         if guides {
             self.renderer.trace_guides()?;
         }
         Ok(self.renderer.device_film()?)
     }
+
+    /// Begins anew in another size, behind what has been seen so far.
+    fn resize(&mut self, [width, height]: [u32; 2]) -> Result<(), SessionError> {
+        // What the renderer writes to from now on are other buffers.
+        let seen = self.film(false)?;
+        self.renderer.resize(width, height)?;
+        self.coarse = Some(seen);
+        (self.samples_done, self.is_done) = (0, false);
+        Ok(())
+    }
+
+    fn size(&self) -> [u32; 2] {
+        let settings = self.renderer.settings();
+        [settings.width, settings.height]
+    }
 }
 
 impl Render {
-    /// Keeps what is shown, with the samples that it has.
+    /// Keeps what is shown, with the samples that it has. In the midst of a motion that is a small picture, which becomes whole when
+    /// that of now does: nothing waits for it.
     pub(super) fn keep_before(&mut self) -> Result<(), SessionError> {
-        let is_whole = self.is_whole();
-        let [width, height] = *lock_size(&self.size);
+        let is_kept = self.run.is_seen && self.region.is_none();
+        let full = *lock_size(&self.size);
+        let small = full.map(|side| side / self.pace.moving_divisor(full));
         let Some(session) = &mut self.session else {
             return Ok(());
+        };
+        let now = session.settings();
+        let [width, height] = match is_kept {
+            true => [now.width, now.height],
+            false => small.map(|side| side.max(1)),
         };
         let settings = RenderSettings {
             width,
             height,
-            ..session.settings().clone()
+            ..now.clone()
         };
         let mut renderer = session.renderer_of(&settings)?;
-        let samples_done = match is_whole {
+        let samples_done = match is_kept {
             true => {
                 let film = session.snapshot()?.film;
                 renderer.resume(&film, session.paths_done())?;
@@ -54,6 +81,7 @@ impl Render {
         };
         self.before = Some(Before {
             renderer,
+            coarse: None,
             samples_done,
             is_done: false,
         });
@@ -77,19 +105,22 @@ impl Render {
         let Some(before) = &mut self.before else {
             return Ok(());
         };
-        let settings = before.renderer.settings();
-        let is_other = [settings.width, settings.height] != size;
-        if is_other && !self.is_moving {
-            before.renderer.resize(size[0], size[1])?;
-            (before.samples_done, before.is_done) = (0, false);
+        let may_grow = self.run.is_seen && !self.is_moving && self.divisor == 1;
+        if before.size() != size && may_grow {
+            before.resize(size)?;
         }
         if refines {
             before.renderer.set_longest_wave(longest);
             let progress = before.renderer.step(self.options.target_spp)?;
             before.samples_done = progress.samples_done;
             before.is_done = progress.is_done();
+            let [width, height] = before.size().map(u64::from);
+            let is_first = before.coarse.is_some() && progress.samples_done >= width * height;
+            if is_first {
+                before.coarse = None;
+            }
             // That of now is shown again and again while it has more to come.
-            if self.run.is_done {
+            if self.run.is_done || is_first {
                 self.show()?;
                 (self.wake)();
             }

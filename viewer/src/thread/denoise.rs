@@ -3,6 +3,7 @@
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use device::Device;
 use engine::denoise::{Denoiser, Guides};
@@ -16,6 +17,8 @@ use super::Render;
 
 /// Samples per pixel of a picture that is denoised first: with fewer there is little to go by.
 const FIRST: f64 = 4.0;
+/// Where samples take so long, a single one has to do: it is far from noise already.
+const SLOW: Duration = Duration::from_secs(5);
 /// A picture is denoised again with so many times the samples, so that most of the time goes into these.
 const AGAIN: f64 = 1.5;
 
@@ -96,13 +99,13 @@ impl Denoising {
     }
 
     /// Whether such a picture is to be denoised now.
-    fn is_due(&self, version: Version, is_done: bool) -> bool {
+    fn is_due(&self, version: Version, is_done: bool, took: Duration) -> bool {
         let is_new = match self.last {
             Some(last) if last.generation == version.generation => {
                 let is_last = is_done && version.spp > last.spp;
                 is_last || version.spp >= AGAIN * last.spp
             }
-            _ => version.spp >= FIRST || is_done,
+            _ => version.spp >= FIRST || is_done || took >= SLOW,
         };
         self.is_wanted && self.is_ready && !self.is_busy && is_new
     }
@@ -118,8 +121,9 @@ impl Render {
             generation: self.run.generation,
             spp: self.spp(),
         };
+        let took = self.run.start.elapsed();
         let is_picture = self.settings.channel == Channel::Radiance && self.is_whole();
-        if !is_picture || !self.denoising.is_due(version, self.run.is_done) {
+        if !is_picture || !self.denoising.is_due(version, self.run.is_done, took) {
             return Ok(());
         }
         let Some(session) = &mut self.session else {

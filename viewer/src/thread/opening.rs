@@ -25,6 +25,7 @@ impl Render {
         self.publish_loading(true);
         match self.opened(&files) {
             Ok(session) => {
+                self.end = end(&session);
                 self.session = Some(session);
                 self.run = Run::default();
                 self.run.cause = Some(Instant::now());
@@ -147,4 +148,11 @@ impl Render {
             self.reply(Reply::Failed(why));
         }
     }
+}
+
+/// When a scene's last animation ends, seconds. What is wrong with animations is told where one is shown.
+pub(super) fn end(session: &Session) -> Option<f64> {
+    let animations = session.animations().unwrap_or_default();
+    let ends = animations.iter().map(|animation| animation.end);
+    ends.filter(|&end| end > 0.0).reduce(f64::max)
 }

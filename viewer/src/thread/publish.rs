@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use engine::display::{Channel, DeviceFilm, Display, DisplaySettings};
 use engine::load::LoadError;
 use engine::renderer::RenderError;
-use engine::scene::LightKind;
 use engine::scene::look::LookError;
+use engine::scene::{LightKind, Motion};
 use engine::session::SessionError;
 use engine::stats::Doubt;
 use patina_panels::Textures;
@@ -18,6 +18,9 @@ use super::{Displays, Render, lock_size};
 
 /// How often figures are brought up to date.
 const FIGURES: Duration = Duration::from_millis(400);
+
+/// Most pixels of the whole picture along a side per pixel of one that has a line around what was picked.
+const FINE: u32 = 2;
 
 /// What is on the board already.
 #[derive(Default)]
@@ -89,8 +92,9 @@ impl Render {
                 beside: Display::new(&self.device).map_err(RenderError::from)?,
             }),
         };
-        // Guides take as long as a sample, which a picture in motion has not.
-        let picked = self.picked.filter(|_| !self.is_moving);
+        // Guides take as long as a sample, which a picture in motion has not; and a line of large pixels hides what it is around.
+        let is_fine = !self.is_moving && self.divisor <= FINE;
+        let picked = self.picked.filter(|_| is_fine);
         let outlined = picked.map(|instance| instance as u32);
         let guides = self.settings.channel.needs_guides();
         let film = session.device_film(guides || outlined.is_some())?;
@@ -107,6 +111,8 @@ impl Render {
             ..settings
         };
         let size = [film.width, film.height];
+        let moment = session.moment();
+        let moment = (moment.motion != Motion::Rest).then_some(moment.seconds);
         let now = displays.now.show(&film, &with_line);
         let now = now.map_err(RenderError::from)?.texture().cloned();
         let kept = match &mut self.before {
@@ -167,6 +173,7 @@ impl Render {
         }
         board.status.spp = spp;
         board.status.denoised = denoised;
+        board.status.moment = moment;
         board.status.size = size;
         board.status.is_whole = is_whole;
         Ok(())
@@ -335,6 +342,7 @@ impl Render {
             },
             cameras: scene.cameras.clone(),
             look_camera: Some(session.look_camera().clone()),
+            end: self.end,
         };
         lock(&self.board).scene = Arc::new(facts);
     }

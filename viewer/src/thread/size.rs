@@ -56,9 +56,11 @@ impl Render {
         Ok(())
     }
 
-    /// With a region, only that follows what is about to be changed: what lies beside it is kept. Another view is another picture.
+    /// With a region, only that follows what is about to be changed: what lies beside it is kept. Another view is another picture, and
+    /// so is another moment.
     pub(super) fn keep_beside(&mut self) -> Result<(), SessionError> {
-        if self.pending.view.is_some() || self.region.is_none() {
+        let is_other = self.pending.view.is_some() || self.pending.moment.is_some();
+        if is_other || self.region.is_none() {
             self.beside = None;
             return Ok(());
         }

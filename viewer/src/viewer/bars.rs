@@ -157,12 +157,16 @@ impl Viewer {
     }
 
     pub(super) fn toggle_compare(&mut self) {
-        self.viewport.split = match self.viewport.split {
-            Some(_) => None,
-            None => Some(0.5),
-        };
-        let is_kept = self.viewport.split.is_some();
-        self.link.send(Command::KeepBefore(is_kept));
+        match self.viewport.split.take() {
+            Some(_) => self.link.send(Command::KeepBefore(false)),
+            None => self.compare(),
+        }
+    }
+
+    /// Keeps the picture of now beside what comes.
+    pub(super) fn compare(&mut self) {
+        self.viewport.split.get_or_insert(0.5);
+        self.link.send(Command::KeepBefore(true));
     }
 
     /// Keeps the height that its longest text has needed: another one would make the picture another one, which begins anew.

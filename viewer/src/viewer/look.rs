@@ -108,6 +108,11 @@ impl Editor {
         self.has_stand_in_light && look.is_some_and(|look| look.environment.is_none())
     }
 
+    /// Whether the materials are shown as a graph.
+    pub(super) fn shows_graph(&self) -> bool {
+        self.panel.form() == Form::Graph
+    }
+
     /// Whether the file lacks an edit.
     pub(super) fn has_unsaved_edits(&self) -> bool {
         let document = self.document.as_ref();
@@ -184,6 +189,10 @@ impl Viewer {
             suns,
         };
         panel.show(ui, document, textures, scene);
+        // The picture is kept before it hears of the edit.
+        if panel.take_comparison() {
+            self.compare();
+        }
     }
 
     /// Shows pictures of nodes from now on.
@@ -193,9 +202,8 @@ impl Viewer {
 
     /// What is to be the same at the next start, as it is now.
     pub fn kept(&mut self) -> &Preferences {
-        let panel = &self.editor.panel;
-        self.preferences.shows_graph = panel.form() == Form::Graph;
-        let places = panel.places();
+        self.preferences.shows_graph = self.editor.shows_graph();
+        let places = self.editor.panel.places();
         self.preferences.places = places.map(|(id, at)| (id.to_owned(), at)).collect();
         &self.preferences
     }

@@ -82,8 +82,10 @@ impl Viewer {
                     return;
                 }
                 let most = MOST * picture.height();
+                // The area has as much room as it took last: all of the text is to be seen, as long as it isn't more than that.
                 let scroll = ScrollArea::both()
                     .max_height(most)
+                    .min_scrolled_height(most)
                     .auto_shrink([false, true]);
                 scroll.show(ui, |ui| {
                     let text = RichText::new(text.as_str()).monospace().color(color);

@@ -1,6 +1,8 @@
 //! The picture, and what the pointer and the keys do in it.
 
-use egui::{Color32, Key, PointerButton, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2};
+use egui::{
+    Align2, Color32, Key, PointerButton, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2,
+};
 use engine::display::Channel;
 use engine::scene::Camera;
 use glam::Vec3;
@@ -163,13 +165,7 @@ impl Viewer {
                     (false, false, false) => "Rendering ...",
                 };
                 let (font, color) = (egui::FontId::proportional(18.0), Color32::from_gray(170));
-                painter.text(
-                    rect.center(),
-                    egui::Align2::CENTER_CENTER,
-                    text,
-                    font,
-                    color,
-                );
+                painter.text(rect.center(), Align2::CENTER_CENTER, text, font, color);
             }
         }
         if let Some(region) = self.viewport.region {
@@ -184,12 +180,12 @@ impl Viewer {
             Channel::Samples => "samples: blue none, green half, red the most",
             _ => return,
         };
-        let at = rect.left_top() + Vec2::splat(10.0);
-        let font = egui::FontId::proportional(13.0);
-        let galley = painter.layout_no_wrap(legend.to_owned(), font, Color32::WHITE);
-        let back = Rect::from_min_size(at, galley.size()).expand(4.0);
-        painter.rect_filled(back, 3.0, Color32::from_black_alpha(170));
-        painter.galley(at, galley, Color32::WHITE);
+        note(
+            &painter,
+            rect.left_top() + Vec2::splat(10.0),
+            Align2::LEFT_TOP,
+            legend,
+        );
     }
 
     /// The border between both pictures. True while it has the pointer.
@@ -310,17 +306,23 @@ fn paint_before(painter: &egui::Painter, rect: Rect, split: f32, before: egui::T
     let part = Rect::from_min_max(pos2(0.0, 0.0), pos2(split, 1.0));
     painter.image(before, rect.with_max_x(border), part, Color32::WHITE);
     painter.vline(border, rect.y_range(), Stroke::new(2.0, Color32::WHITE));
-    let (font, top) = (egui::FontId::proportional(13.0), rect.top() + 6.0);
-    let left = pos2(border - 8.0, top);
-    painter.text(
-        left,
-        egui::Align2::RIGHT_TOP,
+    let top = rect.top() + 10.0;
+    note(
+        painter,
+        pos2(border - 10.0, top),
+        Align2::RIGHT_TOP,
         "before",
-        font.clone(),
-        Color32::WHITE,
     );
-    let right = pos2(border + 8.0, top);
-    painter.text(right, egui::Align2::LEFT_TOP, "now", font, Color32::WHITE);
+    note(painter, pos2(border + 10.0, top), Align2::LEFT_TOP, "now");
+}
+
+/// A word on the picture, which may be of any colour.
+fn note(painter: &egui::Painter, at: Pos2, align: Align2, text: &str) {
+    let font = egui::FontId::proportional(13.0);
+    let galley = painter.layout_no_wrap(text.to_owned(), font, Color32::WHITE);
+    let place = align.anchor_size(at, galley.size());
+    painter.rect_filled(place.expand(4.0), 3.0, Color32::from_black_alpha(170));
+    painter.galley(place.min, galley, Color32::WHITE);
 }
 
 /// A point of the viewport as 0 to 1 from its upper left corner.

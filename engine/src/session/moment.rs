@@ -1,0 +1,102 @@
+//! A scene that moves, at a moment of one's own: none of it is part of the look.
+
+use std::path::PathBuf;
+
+use crate::load::{Loaded, Timeline};
+use crate::renderer::RenderSettings;
+use crate::scene::look::{Field, Value, placed_fields};
+use crate::scene::{Animation, Moment};
+
+use super::{Inputs, Session, SessionError};
+
+impl Session {
+    /// The animations of the scene's own file, which is read for them.
+    ///
+    /// # Errors
+    /// As [`Timeline::animations`].
+    pub fn animations(&self) -> Result<Vec<Animation>, SessionError> {
+        let mut timeline = timeline(&self.system.files, &self.inputs, "");
+        Ok(timeline.animations()?)
+    }
+
+    /// The moment that is shown, or will be once what is being built is ready.
+    pub fn moment(&self) -> &Moment {
+        &self.moment
+    }
+
+    /// Shows the scene as it is at another moment. Only what has changed is sent to the device, and files are read again only after
+    /// the look has been edited. Whatever is edited or built meanwhile is of this moment, too.
+    ///
+    /// # Errors
+    /// The scene can't be read, or makes no sense at that moment: then it is shown as before. The device.
+    pub fn set_moment(&mut self, moment: &Moment) -> Result<(), SessionError> {
+        if *moment == self.moment {
+            return Ok(());
+        }
+        if self.job.is_some() {
+            // What is being built is of the former moment.
+            self.moment = moment.clone();
+            self.again.rebuild = true;
+            return Ok(());
+        }
+        let text = self.document.text();
+        let former = self.timeline.take().filter(|(of, _)| *of == text);
+        let mut timeline = match former {
+            Some((_, timeline)) => timeline,
+            None => timeline(&self.system.files, &self.inputs, &text),
+        };
+        let mut loaded = timeline.at(moment)?;
+        self.timeline = Some((text.clone(), timeline));
+        if let Some(name) = &self.inputs.camera {
+            loaded.camera = loaded.camera_named(name)?;
+        }
+        loaded.lit_by(self.stand_in);
+        self.moment = moment.clone();
+        let settings = RenderSettings {
+            camera: self.view.as_ref().unwrap_or(&loaded.camera).clone(),
+            time: moment.seconds as f32,
+            ..self.renderer.settings().clone()
+        };
+        let (scenes, procedural) = ([&self.scene, &loaded.scene], &loaded.procedural);
+        if let Err(error) = self.renderer.show(scenes, procedural, &settings, false) {
+            // What is on the device now is of no use.
+            self.rebuild();
+            return Err(error.into());
+        }
+        self.adopt(loaded);
+        self.generation += 1;
+        self.shown = Some(placed_fields(&text));
+        self.catch_up();
+        Ok(())
+    }
+
+    /// Takes over what the renderer shows.
+    pub(super) fn adopt(&mut self, loaded: Loaded) {
+        self.scene = loaded.scene;
+        self.camera = loaded.camera;
+        self.warnings = loaded.warnings;
+        self.look_view = loaded.look.map_or_else(Default::default, |look| look.view);
+        self.was_without_lamp = self.has_no_lamp();
+    }
+}
+
+/// A scene with a look of this text, of which nothing has been read yet.
+pub(super) fn timeline(
+    files: &std::sync::Arc<dyn crate::system::Assets>,
+    inputs: &Inputs,
+    text: &str,
+) -> Timeline {
+    // Edits of a look without a file are one, too.
+    let has_look = inputs.look.is_some() || !text.is_empty();
+    let path: PathBuf = inputs.look.clone().unwrap_or_default();
+    let look = has_look.then(|| (path, text.to_owned()));
+    Timeline::new(files, &inputs.scene, look, &inputs.textures)
+}
+
+/// Whether a value of these depends on the moment. A table that is read alone is read at its beginning.
+pub(super) fn has_keys(fields: &[Field]) -> bool {
+    fields.iter().any(|field| match &field.value.value {
+        Value::Table(fields) => fields.iter().any(|f| f.key.value == "keys") || has_keys(fields),
+        _ => false,
+    })
+}
