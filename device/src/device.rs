@@ -11,9 +11,9 @@ use crate::{
     native::{self, Processor},
 };
 
-/// The processor itself, which comes behind all GPUs and before the drivers that use it.
-fn own(drivers: &[DeviceDescription]) -> DeviceDescription {
-    native::describe(drivers.iter().filter(|device| !device.is_processor).count())
+/// The number of the processor itself, which comes behind all GPUs and before the drivers that use it.
+fn own_number(drivers: &[DeviceDescription]) -> usize {
+    drivers.iter().filter(|device| !device.is_processor).count()
 }
 
 /// Which device to open, and how.
@@ -76,7 +76,7 @@ impl Device {
     /// All devices of the machine, the usual choice first.
     pub fn all() -> Vec<DeviceDescription> {
         let mut all = Gpu::all();
-        let own = own(&all);
+        let own = native::describe(own_number(&all));
         all.insert(own.index, own);
         all
     }
@@ -112,23 +112,25 @@ impl Device {
     /// # Errors
     /// As [`Self::open`].
     pub fn open_with(options: &DeviceOptions) -> Result<Self, DeviceError> {
-        let drivers = Gpu::all();
-        let own = own(&drivers);
-        let is_gpu = |device: &DeviceDescription| !device.is_processor && device.usable.is_ok();
+        let has_gpu = || {
+            let is_gpu = |device: &DeviceDescription| !device.is_processor && device.usable.is_ok();
+            Gpu::all().iter().any(is_gpu)
+        };
         let mut threads = None;
+        // Drivers are asked only where the answer depends on them.
         let is_meant = match &options.choice {
             DeviceChoice::Native(count) => {
                 threads = Some(*count);
                 true
             }
-            DeviceChoice::Best => !options.ray_queries && !drivers.iter().any(is_gpu),
+            DeviceChoice::Best => !options.ray_queries && !has_gpu(),
             DeviceChoice::Driver => false,
-            DeviceChoice::Index(index) => *index == own.index,
+            DeviceChoice::Index(index) => *index == own_number(&Gpu::all()),
             DeviceChoice::Name(name) => name.eq_ignore_ascii_case(native::NAME),
         };
         Ok(Self {
             kind: match is_meant {
-                true => Kind::Native(Processor::open(own, threads)?),
+                true => Kind::Native(Processor::open(threads)?),
                 false => Kind::Gpu(Gpu::open(options)?),
             },
         })
@@ -154,7 +156,7 @@ impl Device {
     pub fn description(&self) -> &DeviceDescription {
         match &self.kind {
             Kind::Gpu(gpu) => gpu.description(),
-            Kind::Native(processor) => processor.description(),
+            Kind::Native(processor) => processor.description(|| own_number(&Gpu::all())),
         }
     }
 
@@ -235,8 +237,13 @@ impl Device {
     /// If it is larger than one binding of this device.
     pub fn buffer(&self, label: &str, usage: Usage, bytes: u64) -> Result<Buffer, DeviceError> {
         let size = bytes.next_multiple_of(16).max(16);
-        let description = self.description();
-        let limit = description.max_storage_binding.min(description.max_buffer);
+        let limit = match &self.kind {
+            Kind::Gpu(gpu) => {
+                let description = gpu.description();
+                description.max_storage_binding.min(description.max_buffer)
+            }
+            Kind::Native(_) => native::MAX_BUFFER,
+        };
         if size > limit {
             return Err(DeviceError::TooLarge {
                 what: label.to_owned(),

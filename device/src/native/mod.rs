@@ -34,4 +34,4 @@ pub mod compile;
 pub mod image;
 mod processor;
 
-pub(crate) use self::processor::{NAME, Processor, describe, resource};
+pub(crate) use self::processor::{MAX_BUFFER, NAME, Processor, describe, resource};

@@ -2,7 +2,7 @@
 
 use std::{
     sync::{
-        Arc,
+        Arc, OnceLock,
         atomic::{AtomicU64, Ordering},
     },
     time::Instant,
@@ -26,6 +26,12 @@ use super::{
 /// What `--device` calls it.
 pub(crate) const NAME: &str = "native";
 
+/// The most bytes of a buffer.
+pub(crate) const MAX_BUFFER: u64 = u32::MAX as u64;
+
+/// Buffers that a kernel may use.
+const STORAGE_BUFFERS: u32 = 64;
+
 /// Times that a loop of text that isn't trusted runs, as wgpu bounds loops: never by chance, and not for ever.
 const LOOP_LIMIT: u32 = u32::MAX;
 
@@ -37,7 +43,8 @@ pub(crate) struct Processor {
 
 #[derive(Debug)]
 struct Shared {
-    description: DeviceDescription,
+    /// Made when it is asked for: its number depends on the drivers, and to look for these takes a tenth of a second.
+    description: OnceLock<DeviceDescription>,
     shader_modules: AtomicU64,
     pipelines: AtomicU64,
     activity: Activity,
@@ -65,9 +72,9 @@ pub(crate) fn describe(index: usize) -> DeviceDescription {
         driver: driver(rayon::current_num_threads()),
         device_type: "CPU".to_owned(),
         is_processor: true,
-        max_storage_binding: u64::from(u32::MAX),
-        max_buffer: u64::from(u32::MAX),
-        storage_buffers_per_stage: 64,
+        max_storage_binding: MAX_BUFFER,
+        max_buffer: MAX_BUFFER,
+        storage_buffers_per_stage: STORAGE_BUFFERS,
         workgroup_invocations: 1024,
         timestamps: true,
         ray_queries: false,
@@ -77,10 +84,7 @@ pub(crate) fn describe(index: usize) -> DeviceDescription {
 
 impl Processor {
     /// With so many threads of its own, or with those of the program.
-    pub(crate) fn open(
-        mut description: DeviceDescription,
-        threads: Option<u32>,
-    ) -> Result<Self, DeviceError> {
+    pub(crate) fn open(threads: Option<u32>) -> Result<Self, DeviceError> {
         let pool = |count: u32| {
             let pool = ThreadPoolBuilder::new().num_threads(count.max(1) as usize);
             pool.build().map_err(|error| DeviceError::Open {
@@ -89,13 +93,10 @@ impl Processor {
             })
         };
         let threads = threads.map(pool).transpose()?;
-        if let Some(pool) = &threads {
-            description.driver = driver(pool.current_num_threads());
-        }
         Ok(Self {
             shared: Arc::new(Shared {
                 threads,
-                description,
+                description: OnceLock::new(),
                 shader_modules: AtomicU64::new(0),
                 pipelines: AtomicU64::new(0),
                 activity: Activity::default(),
@@ -104,8 +105,19 @@ impl Processor {
         })
     }
 
-    pub(crate) fn description(&self) -> &DeviceDescription {
-        &self.shared.description
+    /// What it is; `number` tells which device of the machine.
+    pub(crate) fn description(&self, number: impl FnOnce() -> usize) -> &DeviceDescription {
+        (self.shared.description).get_or_init(|| DeviceDescription {
+            driver: driver(self.threads()),
+            ..describe(number())
+        })
+    }
+
+    fn threads(&self) -> usize {
+        match &self.shared.threads {
+            Some(own) => own.current_num_threads(),
+            None => rayon::current_num_threads(),
+        }
     }
 
     pub(crate) fn activity(&self) -> &Activity {
@@ -113,11 +125,7 @@ impl Processor {
     }
 
     pub(crate) fn traits(&self) -> Traits {
-        let threads = match &self.shared.threads {
-            Some(own) => own.current_num_threads(),
-            None => rayon::current_num_threads(),
-        };
-        let lanes = u32::try_from(threads).unwrap_or(u32::MAX);
+        let lanes = u32::try_from(self.threads()).unwrap_or(u32::MAX);
         Traits {
             waves: WaveSizes {
                 first: 1 << 14,
@@ -135,7 +143,7 @@ impl Processor {
         Limits {
             image_side: 1 << 15,
             image_layers: 2048,
-            storage_buffers: self.description().storage_buffers_per_stage,
+            storage_buffers: STORAGE_BUFFERS,
         }
     }
 

@@ -132,6 +132,9 @@ pub(super) fn at(path: &Path) -> Option<SourceFile> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::procedural::{Procedural, TextureSources};
+    use crate::scene::look::Look;
+    use crate::scene::{Material, Scene};
 
     #[test]
     fn each_file_of_the_folder_is_part_of_the_program() {
@@ -145,5 +148,32 @@ mod tests {
         names.sort();
         let built_in: Vec<String> = files().map(|file| file.name().to_owned()).collect();
         assert_eq!(built_in, names);
+    }
+
+    #[test]
+    fn what_is_not_used_leaves_the_kernel_as_it_is() {
+        let text = "[node.n]\ntexture = \"rust\"\n[material.M]\nbase_color = \"n.xyz\"\n";
+        let look = Look::parse(Path::new("l.toml"), text).unwrap_or_else(|e| panic!("{e}"));
+        let mut alone = TextureSources::default();
+        alone.insert_file(at(&Path::new(FOLDER).join("rust.wgsl")).expect("a standard texture"));
+        let nowhere: [&Path; 0] = [];
+        let library = TextureSources::search(&nowhere).expect("no folder is read");
+        let [alone, beside] = [alone, library].map(|sources| {
+            let mut scene = Scene {
+                materials: vec![Material {
+                    name: "M".to_owned(),
+                    ..Material::default()
+                }],
+                ..Scene::default()
+            };
+            let built = Procedural::build(&look, &mut scene, &sources);
+            let built = built.unwrap_or_else(|e| panic!("{}", e.render()));
+            (built.kernel().wgsl.clone(), built.programs().to_vec())
+        });
+        assert!(alone.0.contains("rust"));
+        assert!(
+            alone == beside,
+            "the library is in the kernel, or its program differs"
+        );
     }
 }

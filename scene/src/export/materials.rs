@@ -231,7 +231,8 @@ fn material_of(m: &Material, textures: &mut Textures, tree: &mut Tree) -> Value 
         ];
         add(tree, "KHR_materials_transmission", fields);
     }
-    if m.is_solid {
+    // Without light that goes through, a volume means nothing, and validators warn of it.
+    if m.is_solid && (m.transmission > 0.0 || m.diffuse_transmission > 0.0) {
         let mut fields = vec![("thicknessFactor", some(1.0))];
         if m.absorption.max_element() > 0.0 {
             // Over such a way the strongest absorption leaves a third.

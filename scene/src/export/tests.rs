@@ -407,3 +407,30 @@ fn what_is_read_again_is_what_was_written() {
     );
     assert!(matches!(read.environment, Environment::Constant(c) if c == Vec3::new(0.5, 1.0, 2.0)));
 }
+
+#[test]
+fn a_volume_is_written_only_of_what_light_goes_through() {
+    let mut written = scene();
+    let file =
+        |scene: &Scene| String::from_utf8_lossy(&glb(scene).expect("a file").glb).into_owned();
+    assert!(file(&written).contains("KHR_materials_volume"));
+    for material in &mut written.materials {
+        material.transmission = 0.0;
+        material.diffuse_transmission = 0.0;
+    }
+    assert!(!file(&written).contains("KHR_materials_volume"));
+}
+
+#[test]
+fn a_coat_with_a_normal_map_gets_tangents() {
+    let mut written = scene();
+    written.meshes[0].tangents.clear();
+    for material in &mut written.materials {
+        material.coat_normal_texture = material.normal_texture.take();
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.glb");
+    std::fs::write(&path, glb(&written).expect("a file").glb).expect("written");
+    let imported = import::load(&path).unwrap_or_else(|e| panic!("{e}"));
+    assert!(!imported.scene.meshes[0].tangents.is_empty());
+}

@@ -2,6 +2,7 @@
 
 mod page;
 mod sheet;
+mod shown;
 mod swatch;
 
 use std::collections::BTreeMap;

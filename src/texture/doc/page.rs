@@ -13,7 +13,8 @@ const HEAD: &str = "\
 
 This page is made by `patina texture doc`. All of these textures are part of the program; those that a scene doesn't use cost it nothing. In
 a [look](look-file.md) a node names one as its `texture` and sets what it likes; a file of the same name in a folder of [textures of
-your own](texture-language.md) takes its place. Swatches show a square metre, or a ball of that size.
+your own](texture-language.md) takes its place. Swatches show a square metre, or a ball of that size;
+of textures that change a colour, what goes in on the left and what comes of it on the right.
 
 `position` and `texcoord` are taken from the surface where nothing is linked to them: link a node of `mapping`, `place2d`, `warp` or
 `coordinates` to change them. Results of several components are taken apart in links: `\"cells.x\"`.

@@ -8,6 +8,8 @@ use texgen::{OutputType, ParameterType, TextureType, Widget};
 
 use crate::failure::Failure;
 
+use super::shown;
+
 /// Side of a swatch, pixels.
 pub(super) const SIDE: usize = 144;
 /// Points along a side of a pixel.
@@ -24,6 +26,7 @@ pub(super) fn is_color(texture: &TextureType) -> bool {
     });
     let is_named = [
         "blackbody",
+        "combine",
         "wavelength",
         "white_noise",
         "magic",
@@ -43,8 +46,12 @@ pub(super) fn swatch(
     texture: &TextureType,
     image: &str,
 ) -> Result<Vec<[f32; 3]>, Failure> {
-    let isolated = Isolated::new(Subject::Texture(texture.name()), sources)?;
-    let mut evaluator = Evaluator::new(device, isolated);
+    let look = shown::look(texture.name())?;
+    let subject = match &look {
+        Some(look) => Subject::Node(shown::NODE, look),
+        None => Subject::Texture(texture.name()),
+    };
+    let mut evaluator = Evaluator::new(device, Isolated::new(subject, sources)?);
     for parameter in texture.parameters() {
         if parameter.ty == ParameterType::Image {
             evaluator.set(&parameter.name, image)?;
@@ -65,7 +72,15 @@ pub(super) fn swatch(
         .map(|place| place.point.clone())
         .collect();
     let values = evaluator.evaluate(&points)?;
-    let shown = shown(texture, &values);
+    let mut shown = as_colours(texture, &values);
+    if let Some(look) = look.as_ref().filter(|look| shown::has_input(look)) {
+        let input = Isolated::new(Subject::Node(shown::INPUT, look), sources)?;
+        let values = Evaluator::new(device, input).evaluate(&points)?;
+        let sides = shown.iter_mut().zip(values).enumerate();
+        for (_, (shown, value)) in sides.filter(|(i, _)| i % (SIDE * FINE) < SIDE * FINE / 2) {
+            *shown = [value[0], value[1], value[2]];
+        }
+    }
     let mut shown = shown.into_iter();
     let fine: Vec<[f32; 3]> = (places.iter())
         .map(|place| match place {
@@ -91,7 +106,7 @@ fn takes_uv(texture: &TextureType) -> bool {
 }
 
 /// Values as colours: colours as they are, directions around grey, places as a chequered space, numbers as greys by the first of them.
-fn shown(texture: &TextureType, values: &[[f32; 4]]) -> Vec<[f32; 3]> {
+fn as_colours(texture: &TextureType, values: &[[f32; 4]]) -> Vec<[f32; 3]> {
     let group = texture.group().unwrap_or_default();
     if group == "coordinates" {
         return values

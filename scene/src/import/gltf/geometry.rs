@@ -192,7 +192,9 @@ impl Builder<'_> {
         place: &dyn Fn() -> String,
         warnings: &mut Warnings,
     ) -> Result<(), Fault> {
-        let normal_map = self.materials.get(material).and_then(|m| m.normal_texture);
+        let normal_map = self.materials.get(material);
+        let normal_map = normal_map
+            .and_then(|m| (m.normal_texture.or(m.coat_normal_texture)).or(m.anisotropy_texture));
         let Some(texture) = normal_map.filter(|_| mesh.tangents.is_empty()) else {
             return Ok(());
         };
