@@ -22,7 +22,7 @@ use crate::{gpu_scene::SceneFeatures, passes::irradiance, settings::Method};
 
 use super::{Purpose, RenderError, Renderer, Work, clear_picture};
 
-use self::records::{Candidate, Grid, Record, settle, spread_out};
+use self::records::{Candidate, Grid, Record, calm, settle, spread_out};
 use self::sky::Sky;
 
 /// Most records.
@@ -36,12 +36,12 @@ const REFERENCES: u32 = 1 << 20;
 const RAYS: u32 = 480;
 /// Records whose rays are gathered at once.
 const AT_ONCE: u32 = 2048;
-/// Paths that look where the sky is seen before anything else, at least, and samples of each pixel: a few of its light samples arrive
-/// through a small window, and they have to tell for each cell.
-const LOOKING: u64 = 1 << 18;
+/// Samples of each pixel that look where the sky is seen before anything else.
 const LOOKED: u32 = 4;
 /// Samples of each pixel from which the other cache learns before.
 const LEARNED: u32 = 8;
+/// Paths of each of these, at least: few light samples arrive through a small window, and of what cells are wrong about all records are.
+const LEAST_PATHS: u64 = 1 << 18;
 /// Pixels between new records, pass by pass.
 const DISTANCES: [f32; 7] = [40.0, 20.0, 10.0, 5.0, 3.0, 3.0, 3.0];
 /// Candidates within the distance of each other, about.
@@ -194,7 +194,8 @@ impl Renderer {
             Phase::Ready => return Ok(false),
             Phase::Looking(done) => self.look_for_sky(done)?,
             Phase::Learning(done) => {
-                let (done, is_last) = self.prepare_wave(Purpose::Learn, done, 0, LEARNED)?;
+                let samples = self.samples_ahead(LEARNED);
+                let (done, is_last) = self.prepare_wave(Purpose::Learn, done, 0, samples)?;
                 match is_last {
                     false => Phase::Learning(done),
                     true => Phase::Finding(0, 0),
@@ -205,8 +206,9 @@ impl Renderer {
                     let candidates = self.resources.buffer("irradiance_candidates");
                     self.device.write(candidates, 0, &[0; 4]);
                 }
+                let first_sample = self.samples_ahead(LEARNED) + pass as u32;
                 let (done, is_last) =
-                    self.prepare_wave(Purpose::Find(pass), done, LEARNED + pass as u32, 1)?;
+                    self.prepare_wave(Purpose::Find(pass), done, first_sample, 1)?;
                 match is_last {
                     false => Phase::Finding(pass, done),
                     true => self.begin_records(pass)?,
@@ -224,6 +226,12 @@ impl Renderer {
         Ok(true)
     }
 
+    /// So many samples of each pixel, or as many as it takes for enough paths.
+    fn samples_ahead(&self, samples: u32) -> u32 {
+        let enough = LEAST_PATHS.div_ceil(u64::from(self.frame.padded_pixels));
+        samples.max(enough as u32)
+    }
+
     /// Finds out where the sky is seen, of which so many paths are done.
     fn look_for_sky(&mut self, done: u64) -> Result<Phase, RenderError> {
         if !self.scene.environment.emits {
@@ -235,9 +243,8 @@ impl Renderer {
         if done == 0 {
             cache.sky.begin(&self.device, &self.resources)?;
         }
-        let first_sample = LEARNED + DISTANCES.len() as u32;
-        let samples = LOOKING.div_ceil(u64::from(self.frame.padded_pixels));
-        let samples = LOOKED.max(samples as u32);
+        let samples = self.samples_ahead(LOOKED);
+        let first_sample = self.samples_ahead(LEARNED) + DISTANCES.len() as u32;
         let (done, is_last) = self.prepare_wave(Purpose::Look, done, first_sample, samples)?;
         if !is_last {
             return Ok(Phase::Looking(done));
@@ -312,6 +319,9 @@ impl Renderer {
         let is_last = pass + 1 == DISTANCES.len() || cache.records.len() as u32 == RECORDS;
         let falloff = if is_last { FALLOFF } else { 1.0 };
         settle(&mut cache.records, SLOTS, REFERENCES as usize);
+        if is_last {
+            calm(&mut cache.records, SLOTS, REFERENCES as usize);
+        }
         cache.find_by(&self.device, &self.resources, falloff);
         match is_last {
             true => Phase::Ready,

@@ -17,8 +17,10 @@ pub(super) struct Record {
     pub(super) irradiance: Vec3,
     /// Octahedral.
     pub(super) normal: u32,
-    /// What only the kernels read.
-    pub(super) inner: [u32; 23],
+    /// How each colour changes from place to place, W/m3.
+    gradients: [[f32; 3]; 3],
+    /// What only the kernels read; relative to the irradiance.
+    inner: [u32; 14],
     /// Of a pixel there, metres.
     pub(super) width: f32,
 }
@@ -31,6 +33,14 @@ impl Record {
             normal,
             width,
             ..Self::zeroed()
+        }
+    }
+
+    /// Makes it so many times as bright.
+    fn scale(&mut self, factor: f32) {
+        self.irradiance *= factor;
+        for number in self.gradients.iter_mut().flatten() {
+            *number *= factor;
         }
     }
 
@@ -256,6 +266,42 @@ pub(super) fn settle(records: &mut [Record], slots: u32, references: usize) {
     }
 }
 
+/// How far records are asked for their opinion of another one, over their radius.
+const REACH: f32 = 2.0;
+/// Records that must have one.
+const LEAST_NEIGHBOURS: usize = 3;
+/// Of all of them it may be so many times the brightest.
+const MOST_ABOVE: f32 = 1.25;
+
+/// Makes records that stand out among all their neighbours as bright as the brightest of these: irradiance has no such peaks, but one of
+/// the rays that a record was made of may have found what hardly any does, and then a spot as large as its radius would be seen.
+pub(super) fn calm(records: &mut [Record], slots: u32, references: usize) {
+    let grid = Grid::of(records, REACH, slots, references);
+    let brightness = |record: &Record| record.irradiance.element_sum();
+    let factors: Vec<f32> = (0..)
+        .zip(&*records)
+        .map(|(index, record)| {
+            let others: Vec<f32> = (grid.at(record.position).filter(|&other| other != index))
+                .map(|other| &records[other as usize])
+                .filter(|other| {
+                    let apart = other.position.distance(record.position);
+                    apart < REACH * other.radius && other.facing().dot(record.facing()) > 0.9
+                })
+                .map(brightness)
+                .collect();
+            let brightest = others.iter().fold(0.0, |most: f32, &other| most.max(other));
+            let stands_out = brightness(record) > MOST_ABOVE * brightest;
+            match others.len() >= LEAST_NEIGHBOURS && stands_out {
+                true => brightest / brightness(record),
+                false => 1.0,
+            }
+        })
+        .collect();
+    for (record, factor) in records.iter_mut().zip(factors) {
+        record.scale(factor);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -323,5 +369,29 @@ mod tests {
         let mut records = [record(Vec3::ZERO, 1.0), record(Vec3::X * 0.05, 0.1)];
         settle(&mut records, 1 << 8, 1 << 8);
         assert!((records[0].radius - 0.15).abs() < 1e-6, "{records:?}");
+    }
+
+    #[test]
+    fn a_record_that_stands_out_is_calmed() {
+        let at = |x: f32, light: f32| Record {
+            irradiance: Vec3::splat(light),
+            gradients: [[light; 3]; 3],
+            ..record(Vec3::X * x, 1.0)
+        };
+        // Four in the light of a lamp that comes nearer, and one that is alone.
+        let mut records = [
+            at(0.0, 1.0),
+            at(0.3, 1.2),
+            at(0.6, 9.0),
+            at(0.9, 1.6),
+            at(50.0, 9.0),
+        ];
+        let before = records;
+        calm(&mut records, 1 << 8, 1 << 8);
+        assert_eq!(records[2].irradiance, Vec3::splat(1.6));
+        assert!((records[2].gradients[2][1] - 1.6).abs() < 1e-6);
+        for i in [0, 1, 3, 4] {
+            assert_eq!(records[i], before[i]);
+        }
     }
 }
