@@ -105,6 +105,17 @@ impl GpuEnvironment {
         resources.set_image("environment_table", self.table.clone());
     }
 
+    /// Stands for what is known of where the sky is seen, until something is.
+    pub(super) fn name_unknown_sky(
+        device: &Device,
+        resources: &mut Resources,
+    ) -> Result<(), DeviceError> {
+        let nothing = bytemuck::bytes_of(&[0.0_f32; 4]);
+        let image = filled_image(device, "unknown sky", [1; 2], Format::Rgba32Float, nothing)?;
+        resources.set_image("known_sky", image);
+        Ok(())
+    }
+
     /// Takes over intensity and rotation; false where that is not all that has changed, and nothing is done.
     pub fn update(&mut self, environment: &Environment) -> bool {
         let (scale, turn) = match environment {

@@ -350,6 +350,7 @@ impl GpuScene {
         images.name(resources);
         resources.set_image("albedo_table", albedo::upload(device)?);
         environment.name(resources);
+        GpuEnvironment::name_unknown_sky(device, resources)?;
         bvh.nodes = Vec::new();
         let uploaded = Uploaded {
             geometry,

@@ -131,7 +131,6 @@ impl Irradiance {
         resources: &mut Resources,
     ) -> Result<Option<Self>, DeviceError> {
         if method != Method::Cache {
-            sky::unknown(device, resources)?;
             return Ok(None);
         }
         for (name, bytes) in BUFFERS {

@@ -83,7 +83,7 @@ fn points(@builtin(global_invocation_id) id: vec3u) {
     let normal = normalize(cross(light.direction, light.intensity));
     let hit = RayHit(params.position, 0.0, s.wi, s.distance, vec2f(0.0), light.triangle, light.instance);
     data[2u * id.x] = vec4f(s.wi, s.distance);
-    data[2u * id.x + 1u] = vec4f(s.pdf, light_hit_pdf(hit, side(), abs(dot(normal, s.wi))), probability, 0.0);
+    data[2u * id.x + 1u] = vec4f(s.pdf, light_hit_pdf(hit, side(), abs(dot(normal, s.wi)), 1.0 / f32(light_groups())), probability, 0.0);
 }
 
 // Samples of all lights: direction and pdf, then distance and whether it is a delta light.
@@ -91,7 +91,7 @@ fn points(@builtin(global_invocation_id) id: vec3u) {
 fn samples(@builtin(global_invocation_id) id: vec3u) {
     if (2u * id.x + 1u >= arrayLength(&data)) { return; }
     let u = vec2f(uniform_number(id.x, 1u), uniform_number(id.x, 2u));
-    let s = light_sample(params.position, params.position, side(), uniform_number(id.x, 0u), u);
+    let s = light_sample(params.position, params.position, side(), path_id(0u), uniform_number(id.x, 0u), u);
     data[2u * id.x] = vec4f(s.wi, s.pdf);
     data[2u * id.x + 1u] = vec4f(s.distance, f32(s.delta), max_component(s.radiance), 0.0);
 }

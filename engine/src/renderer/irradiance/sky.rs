@@ -43,13 +43,6 @@ pub(super) struct Sky {
 /// Bytes of its buffers.
 pub(super) const BYTES: u64 = COUNTED + KNOWN;
 
-/// Stands for what is known where nothing ever is.
-pub(super) fn unknown(device: &Device, resources: &mut Resources) -> Result<(), DeviceError> {
-    let none = device.image("known sky", ImageUse::Read, [1, 1, 1], Format::Rgba32Float)?;
-    resources.set_image("known_sky", none);
-    Ok(())
-}
-
 impl Sky {
     /// Makes its buffers.
     pub(super) fn new(device: &Device, resources: &mut Resources) -> Result<Self, DeviceError> {
