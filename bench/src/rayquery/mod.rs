@@ -43,6 +43,7 @@ pub static PASS: Pass = Pass {
         "image_layers_srgb",
         "image_table",
         "instances",
+        "known_sky",
         "lights",
         "materials",
         "programs",
