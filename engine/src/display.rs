@@ -93,7 +93,7 @@ pub struct DisplaySettings {
     pub distance_scale: f32,
     /// Samples that are shown as the hottest.
     pub most_samples: u32,
-    /// The instance of the scene that has a line around it, where the film has guides.
+    /// The material of the scene that has a line around it, where the film has guides.
     pub outlined: Option<u32>,
 }
 

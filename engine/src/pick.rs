@@ -14,6 +14,8 @@ pub struct Pick {
     pub instance: u32,
     /// In the world, metres.
     pub position: Vec3,
+    /// Of the triangle, unit length, on the side that is seen.
+    pub normal: Vec3,
     /// From the camera along the ray, metres.
     pub distance: f32,
     /// From the camera's plane: what focuses on the point.
@@ -30,20 +32,44 @@ pub fn pick(scene: &Scene, camera: &Camera, aspect: f32, place: Vec2) -> Option<
         .filter_map(|(number, instance)| {
             let mesh = &scene.meshes[instance.mesh as usize];
             let (distance, triangle) = nearest(scene, mesh, instance, &ray)?;
-            Some((distance, number as u32, mesh.triangle_materials[triangle]))
+            Some((distance, number as u32, triangle))
         })
         .min_by(|a, b| a.0.total_cmp(&b.0));
-    nearest.map(|(distance, instance, material)| {
+    nearest.map(|(distance, number, triangle)| {
+        let instance = &scene.instances[number as usize];
+        let mesh = &scene.meshes[instance.mesh as usize];
+        let corners = mesh.triangles[triangle].map(|i| mesh.positions[i as usize]);
+        let [a, b, c] = corners.map(|corner| instance.transform.transform_point3(corner));
+        let normal = (b - a).cross(c - a).normalize_or(-ray.direction);
         let position = ray.origin + ray.direction * distance;
         let seen = camera.transform.inverse().transform_point3(position);
         Pick {
-            material,
-            instance,
+            material: mesh.triangle_materials[triangle],
+            instance: number,
             position,
+            normal: normal
+                * if normal.dot(ray.direction) > 0.0 {
+                    -1.0
+                } else {
+                    1.0
+                },
             distance,
             depth: -seen.z,
         }
     })
+}
+
+/// How far below a point something lies to stand on, metres.
+pub fn below(scene: &Scene, point: Vec3) -> Option<f32> {
+    let ray = Ray {
+        origin: point,
+        direction: Vec3::NEG_Y,
+    };
+    let hits = scene.instances.par_iter().filter_map(|instance| {
+        let mesh = &scene.meshes[instance.mesh as usize];
+        nearest(scene, mesh, instance, &ray)
+    });
+    hits.map(|(distance, _)| distance).min_by(f32::total_cmp)
 }
 
 struct Ray {

@@ -8,6 +8,7 @@ use engine::session::{Document, Edit};
 
 use crate::Textures;
 use crate::edits;
+use crate::lamps::Placing;
 use crate::model::Model;
 use crate::preview::Previews;
 use crate::rename::Renaming;
@@ -42,6 +43,8 @@ pub(crate) enum Action {
     Rename(Renaming),
     /// A node is to be seen.
     Show(String),
+    /// The next click into the picture is for a light.
+    PlaceLight(String, Placing),
     Refused(String),
 }
 
@@ -99,6 +102,12 @@ impl<'a> Context<'a> {
     /// Whether a material is one of the scene's files.
     pub(crate) fn is_own(&self, material: &str) -> bool {
         own_names(self.scene).any(|own| own == material)
+    }
+
+    /// Has a light placed by the next click into the picture.
+    pub(crate) fn place_light(&mut self, light: &str, placing: Placing) {
+        let action = Action::PlaceLight(light.to_owned(), placing);
+        self.actions.push(action);
     }
 
     /// Takes away the materials that nothing uses any more once `material` is a blend of `sides`.

@@ -15,6 +15,7 @@ mod context;
 mod edits;
 mod graph;
 mod history;
+mod lamps;
 mod library;
 mod light;
 mod links;
@@ -31,6 +32,7 @@ mod textures;
 mod view;
 mod widgets;
 
+pub use lamps::{Placing, place_light};
 pub use panel::{Form, TexturesPanel};
 pub use preview::Previews;
 pub use scene_view::SceneView;

@@ -2,6 +2,7 @@
 
 use egui::{Key, Ui};
 use engine::session::summary;
+use texgen::TextureType;
 
 use crate::context::Context;
 use crate::{edits, widgets};
@@ -25,10 +26,26 @@ pub(crate) fn add_menu(ui: &mut Ui, cx: &mut Context<'_>, search: &mut String) -
     // What is called so comes before what only mentions it.
     found.sort_by_key(|texture| !texture.name().to_lowercase().contains(&wanted));
     let by_enter = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    let added = widgets::scrolled(ui, |ui| {
+        entries(ui, cx, &found, by_enter && !wanted.is_empty())
+    });
+    if added.is_some() {
+        search.clear();
+    }
+    added
+}
+
+/// Textures to choose from, and those that have mistakes. Gives the name of a node that was added, by Enter of the first texture.
+fn entries(
+    ui: &mut Ui,
+    cx: &mut Context<'_>,
+    found: &[&TextureType],
+    by_enter: bool,
+) -> Option<String> {
     let mut added = None;
     for (i, texture) in found.iter().enumerate() {
         let entry = ui.button(texture.name());
-        let is_chosen = entry.clicked() || (i == 0 && by_enter && !wanted.is_empty());
+        let is_chosen = entry.clicked() || (i == 0 && by_enter);
         entry.on_hover_text(texture.docs());
         if is_chosen && added.is_none() {
             let (name, edits) = edits::add_node(cx.document, texture.name());
@@ -43,9 +60,6 @@ pub(crate) fn add_menu(ui: &mut Ui, cx: &mut Context<'_>, search: &mut String) -
     for (name, problems) in &cx.textures.broken {
         let entry = ui.add_enabled(false, egui::Button::new(name));
         entry.on_disabled_hover_text(summary(problems));
-    }
-    if added.is_some() {
-        search.clear();
     }
     added
 }

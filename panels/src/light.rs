@@ -221,59 +221,6 @@ fn environment_kinds(ui: &mut Ui, cx: &mut Context<'_>) {
     }
 }
 
-/// Sizes of the scene's directional lights, and tables of lights that it doesn't have.
-pub(crate) fn suns(ui: &mut Ui, cx: &mut Context<'_>) {
-    let looks = &cx.document.look().lights;
-    let mut names: Vec<&str> = cx.scene.suns.iter().map(String::as_str).collect();
-    names.extend(looks.iter().map(|light| light.name.value.as_str()));
-    let mut seen = std::collections::HashSet::new();
-    names.retain(|name| seen.insert(*name));
-    if names.is_empty() {
-        return;
-    }
-    CollapsingHeader::new("Directional lights").show(ui, |ui| {
-        for light in names {
-            sun(ui, cx, light);
-        }
-    });
-}
-
-fn sun(ui: &mut Ui, cx: &mut Context<'_>, light: &str) {
-    const KEY: &str = "angular_diameter";
-    let section = Section::Light(light.to_owned());
-    let written_value = cx.document.value(&section, KEY);
-    let shown = written_value.as_ref().and_then(Value::as_number);
-    let label = format!("Size of {light}");
-    let spec = Spec {
-        name: label.clone(),
-        range: Some((0.0, 10.0)),
-        bounds: Bounds {
-            min: 0.0,
-            max: 90.0,
-        },
-        unit: "°",
-        widget: Widget::Plain,
-    };
-    let value = texgen::Value::F32(shown.unwrap_or(0.0) as f32);
-    let is_set = written_value.is_some();
-    let help = "how large the light is in the sky; the sun is 0.53°";
-    let (whole, edited) = row(ui, light, help, is_set, |ui| edit(ui, &spec, &value));
-    if let Some(value) = &edited.value {
-        let edit = Edit::set(section.clone(), KEY, written(value));
-        cx.edit(&label, vec![edit], Some(&edited.response));
-    }
-    // A table without keys says nothing.
-    let is_alone = cx.document.table(&section).len() <= 1;
-    let clear = match is_alone {
-        true => Edit::Remove { section },
-        false => Edit::Clear {
-            section,
-            key: KEY.to_owned(),
-        },
-    };
-    cx.reset_menu(&whole, is_set, &label, vec![clear]);
-}
-
 /// How ambient occlusion is traced, table by table.
 pub(crate) fn occlusion(ui: &mut Ui, cx: &mut Context<'_>) {
     let document = cx.document;

@@ -6,7 +6,7 @@ use texgen::SwizzleError;
 use crate::context::Context;
 use crate::edits;
 use crate::model::{Target, Wire};
-use crate::widgets::{draft, menu, name, row, row_menu};
+use crate::widgets::{draft, menu, name, row, row_menu, scrolled};
 
 /// A row of something that a node may drive: the link where one does, else a widget for the constant.
 pub(crate) fn driven(
@@ -104,13 +104,15 @@ fn connect_menu(ui: &mut Ui, cx: &mut Context<'_>, target: &Target, full: &str) 
     if fitting.is_empty() {
         ui.weak("no node fits");
     }
-    for (node, swizzle) in fitting {
-        if ui.button(edits::link(&node, swizzle)).clicked() {
-            let connected = edits::connect(cx.model, &node, swizzle, target);
-            cx.edit_if(&format!("connect {full}"), connected);
-            ui.close();
+    scrolled(ui, |ui| {
+        for (node, swizzle) in fitting {
+            if ui.button(edits::link(&node, swizzle)).clicked() {
+                let connected = edits::connect(cx.model, &node, swizzle, target);
+                cx.edit_if(&format!("connect {full}"), connected);
+                ui.close();
+            }
         }
-    }
+    });
 }
 
 /// By which a target is found.

@@ -11,7 +11,9 @@ use crate::edits;
 use crate::links::driven;
 use crate::material::{InLook as _, Key, PARAMETERS, Takes};
 use crate::model::Target;
-use crate::widgets::{Bounds, Edited, Spec, choice, draft, edit, image_slot, menu, name, row};
+use crate::widgets::{
+    Bounds, Edited, Spec, choice, draft, edit, image_slot, menu, name, row, scrolled,
+};
 
 /// A material: what it is blended of, what drives it, its constants.
 pub(crate) fn material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
@@ -59,17 +61,19 @@ fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
     let Some([base, over]) = cx.model.sides(material) else {
         let label = format!("Blend {material} with another material");
         let button = menu(ui, "Blend with…", |ui| {
-            for other in cx.material_names() {
-                // A material of which this one is a part would close a circle.
-                if cx.model.is_made_of(&other, material) {
-                    continue;
+            scrolled(ui, |ui| {
+                for other in cx.material_names() {
+                    // A material of which this one is a part would close a circle.
+                    if cx.model.is_made_of(&other, material) {
+                        continue;
+                    }
+                    if ui.button(&other).clicked() {
+                        let edits = edits::make_blend(material, &other);
+                        cx.edit("blend", edits, None);
+                        ui.close();
+                    }
                 }
-                if ui.button(&other).clicked() {
-                    let edits = edits::make_blend(material, &other);
-                    cx.edit("blend", edits, None);
-                    ui.close();
-                }
-            }
+            });
             ui.separator();
             new_material(ui, cx, material);
         });

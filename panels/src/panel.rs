@@ -12,13 +12,14 @@ use engine::session::Document;
 use crate::context::{Action, Context, material_names};
 use crate::graph::{GraphItem, GraphView};
 use crate::history::{Snapshots, history};
+use crate::lamps::Placing;
 use crate::library::add_menu;
 use crate::model::Model;
 use crate::preview::Previews;
 use crate::rename::{Renaming, rename};
 use crate::scene_view::SceneView;
 use crate::widgets::{self, ImageSlot};
-use crate::{Textures, light, list, view};
+use crate::{Textures, lamps, light, list, view};
 
 /// Of more nodes than this only the names are shown at first.
 const MAX_OPEN: usize = 12;
@@ -49,6 +50,8 @@ pub struct TexturesPanel {
     /// What is looked for among the textures.
     search: String,
     snapshots: Snapshots,
+    /// A light that a click is to place.
+    placing: Option<(String, Placing)>,
 }
 
 impl TexturesPanel {
@@ -97,6 +100,11 @@ impl TexturesPanel {
         std::mem::take(&mut self.snapshots.compares)
     }
 
+    /// The light that is to be placed by the next click into the picture; asked for once.
+    pub fn take_placing(&mut self) -> Option<(String, Placing)> {
+        self.placing.take()
+    }
+
     /// Puts the cards of the graph where they were.
     pub fn set_places(&mut self, places: impl IntoIterator<Item = (String, [f32; 2])>) {
         self.graph.set_places(places);
@@ -136,7 +144,7 @@ impl TexturesPanel {
                     list_form(ui, &mut cx, material, search);
                     light::occlusion(ui, &mut cx);
                     light::environment(ui, &mut cx);
-                    light::suns(ui, &mut cx);
+                    lamps::lights(ui, &mut cx);
                     view::view(ui, &mut cx);
                 });
             }
@@ -178,6 +186,7 @@ impl TexturesPanel {
                 self.graph.select(&node);
                 self.wanted = Some(node);
             }
+            Action::PlaceLight(light, placing) => self.placing = Some((light, placing)),
             Action::Refused(why) => self.message = Some(why),
         }
     }

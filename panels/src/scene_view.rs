@@ -1,6 +1,6 @@
 //! What the panels know of the scene that is shown.
 
-use engine::scene::Material;
+use engine::scene::{Camera, Material, PunctualLight};
 
 /// What the panel needs to know about the scene that is shown.
 #[derive(Debug, Clone, Copy)]
@@ -10,6 +10,8 @@ pub struct SceneView<'a> {
     pub materials: &'a [Material],
     /// So many of them are those of the scene's files.
     pub own: usize,
-    /// Names of the scene's directional lights.
-    pub suns: &'a [String],
+    /// Lights as they are shown, those of the look included.
+    pub lights: &'a [PunctualLight],
+    /// What it is looked at through, where that is known.
+    pub camera: Option<&'a Camera>,
 }

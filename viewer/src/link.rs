@@ -9,7 +9,7 @@ use std::time::Instant;
 use engine::display::DisplaySettings;
 use engine::renderer::TextureCosts;
 use engine::scene::view::View;
-use engine::scene::{Camera, Material};
+use engine::scene::{Camera, Material, PunctualLight};
 use engine::session::Change;
 use engine::stats::PassStats;
 use glam::Vec2;
@@ -34,6 +34,10 @@ pub enum Command {
     Pick(Vec2, PickPurpose),
     /// Nothing is picked any more.
     Unpick,
+    /// Draw a line around a material that was chosen by its name.
+    Outline(String),
+    /// Say how far below a point the ground is.
+    Ground(glam::Vec3),
     /// Say how large something is.
     Bounds(Extent),
     /// Keep the picture to compare with, or forget it.
@@ -115,6 +119,21 @@ pub enum PickPurpose {
     Material,
     /// To focus the lens there, and to turn around it.
     Focus,
+    /// To place a light.
+    Light,
+}
+
+/// What lies below a place of the picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hit {
+    /// Name of its material.
+    pub material: String,
+    /// Distance from the camera's plane, metres.
+    pub depth: f32,
+    /// Where it is, in the world.
+    pub position: glam::Vec3,
+    /// Away from it, towards the camera.
+    pub normal: glam::Vec3,
 }
 
 /// What the render has to say, once.
@@ -124,13 +143,20 @@ pub enum Reply {
     Picked {
         /// What it was asked for.
         purpose: PickPurpose,
-        /// Name of the material, and the distance from the camera's plane; `None` where nothing is seen.
-        hit: Option<(String, f32)>,
+        /// `None` where nothing is seen.
+        hit: Option<Hit>,
     },
     /// Something was done.
     Done(String),
     /// Something could not be done.
     Failed(String),
+    /// The ground below a point.
+    Ground {
+        /// The point.
+        from: glam::Vec3,
+        /// Metres to what lies below; `None` where nothing does.
+        below: Option<f32>,
+    },
     /// Corners of a box around what was asked for, metres.
     Bounds([glam::Vec3; 2]),
     /// Other files are rendered from now on.
@@ -255,8 +281,8 @@ pub struct LookFacts {
     pub own_materials: usize,
     /// There is no light but one that nobody asked for.
     pub has_stand_in_light: bool,
-    /// Names of the directional lights.
-    pub suns: Arc<[String]>,
+    /// As they are shown.
+    pub lights: Arc<[PunctualLight]>,
     /// That there are.
     pub textures: Arc<Textures>,
 }

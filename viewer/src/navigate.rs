@@ -52,7 +52,8 @@ impl Navigator {
         }
     }
 
-    fn eye(&self) -> Vec3 {
+    /// Where it stands.
+    pub fn eye(&self) -> Vec3 {
         self.camera.transform.translation.into()
     }
 
@@ -107,6 +108,19 @@ impl Navigator {
     pub fn fly(&mut self, way: Vec3) {
         let way = self.right() * way.x + self.up() * way.y + self.forward() * way.z;
         self.set_eye(self.eye() + way);
+    }
+
+    /// Moves over level ground: to the right and forward, metres, however the camera is tilted.
+    pub fn walk(&mut self, way: Vec2) {
+        let level = |v: Vec3| Vec3::new(v.x, 0.0, v.z).normalize_or_zero();
+        // Straight down, what is up in the picture is forward.
+        let ahead = level(self.forward() + self.up() * -self.forward().y.signum());
+        self.set_eye(self.eye() + level(self.right()) * way.x + ahead * way.y);
+    }
+
+    /// Stands higher by so many metres.
+    pub fn rise(&mut self, metres: f32) {
+        self.set_eye(self.eye() + Vec3::Y * metres);
     }
 
     /// Metres per second at which flying feels the same in scenes of any size.
@@ -213,6 +227,20 @@ mod tests {
         let mut n = navigator();
         n.look(Vec2::new(0.1, 0.0));
         assert!(place(&n, pivot).x > 0.0);
+    }
+
+    #[test]
+    fn a_walk_is_level() {
+        let mut n = navigator();
+        n.look(Vec2::new(0.2, 0.6));
+        let from = n.eye();
+        n.walk(Vec2::new(0.0, 2.0));
+        assert!((n.eye().y - from.y).abs() < 1e-5);
+        assert!((n.eye().distance(from) - 2.0).abs() < 1e-3);
+        n.walk(Vec2::new(1.0, -2.0));
+        assert!((n.eye().distance(from) - 1.0).abs() < 1e-3);
+        n.rise(0.5);
+        assert!((n.eye().y - from.y - 0.5).abs() < 1e-5);
     }
 
     #[test]

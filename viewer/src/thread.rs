@@ -99,6 +99,7 @@ impl RenderThread {
                     region: None,
                     beside: None,
                     picked: None,
+                    outlined: None,
                     before: None,
                     denoising,
                     pace,
@@ -156,6 +157,8 @@ struct Render {
     beside: Option<DeviceFilm>,
     /// The instance that was picked last.
     picked: Option<usize>,
+    /// The material that has a line around it.
+    outlined: Option<u32>,
     before: Option<compare::Before>,
     denoising: Denoising,
     pace: Pace,

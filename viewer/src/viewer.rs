@@ -16,12 +16,12 @@ mod viewport;
 use std::sync::Arc;
 use std::time::Instant;
 
-use egui::{CentralPanel, Color32, Panel, Ui};
+use egui::{CentralPanel, Color32, Panel, ThemePreference, Ui};
 use engine::display::DisplaySettings;
 use engine::scene::view::{View, ViewChoice, ViewTransform};
 
 use crate::blit::Drawn;
-use crate::link::{Command, Files, Link, PickPurpose, Reply, SceneFacts, Status};
+use crate::link::{Command, Files, Hit, Link, PickPurpose, Reply, SceneFacts, Status};
 
 use dialogs::Dialog;
 use look::{Editor, Outside};
@@ -57,6 +57,10 @@ pub struct Preferences {
     pub denoises: bool,
     /// A scene without any light is seen in that of a studio.
     pub studio_light: bool,
+    /// Of flights and walks, relative to the distance of the point in focus per second.
+    pub speed: f32,
+    /// Dark, light, or as the system has it.
+    pub theme: ThemePreference,
     /// How long passes and textures take is shown.
     pub shows_times: bool,
     /// Materials are shown as a graph.
@@ -85,6 +89,8 @@ impl Default for Preferences {
             coarseness: 1,
             denoises: true,
             studio_light: true,
+            speed: 1.0,
+            theme: ThemePreference::System,
             shows_times: false,
             shows_graph: false,
             places: Vec::new(),
@@ -208,6 +214,7 @@ impl Viewer {
         if ui.input(|input| !input.events.is_empty()) {
             self.link.board().touched = Some(Instant::now());
         }
+        ui.ctx().set_theme(self.preferences.theme);
         self.read_board(now);
         self.show_view();
         self.take_keys(ui);
@@ -317,22 +324,27 @@ impl Viewer {
     fn hear(&mut self, reply: Reply, now: f64) {
         match reply {
             Reply::Picked { purpose, hit } => match (purpose, hit) {
-                (PickPurpose::Material, Some((material, _))) => {
-                    self.show_material(&material);
-                    self.material = Some(material);
+                (PickPurpose::Material, Some(hit)) => {
+                    self.show_material(&hit.material);
+                    self.material = Some(hit.material);
                 }
                 (PickPurpose::Material, None) => self.material = None,
-                (PickPurpose::Focus, Some((_, depth))) => {
+                (PickPurpose::Focus, Some(Hit { depth, .. })) => {
                     let view = self.viewport.focus(depth);
                     self.send_view(view);
                     self.tell(format!("focus at {depth:.3} m"), false, now);
                 }
                 (PickPurpose::Focus, None) => {}
+                (PickPurpose::Light, hit) => self.place_light(hit.as_ref(), now),
             },
             Reply::Done(text) => self.tell(text, false, now),
             Reply::Failed(text) => {
                 self.stay_if_unsaved();
                 self.tell(text, true, now);
+            }
+            Reply::Ground { from, below } => {
+                let view = self.viewport.stand(from, below);
+                self.send_view(view);
             }
             Reply::Bounds([low, high]) => {
                 let view = self.viewport.moved(|camera| camera.frame(low, high));

@@ -16,7 +16,7 @@ use engine::scene::{Camera, Scene, default_camera};
 use engine::session::Edit;
 use engine::stats::PassStats;
 use patina_viewer::link::{
-    Board, Command, DenoiserState, Files, Link, LookFacts, PickPurpose, Reply, SceneFacts,
+    Board, Command, DenoiserState, Files, Hit, Link, LookFacts, PickPurpose, Reply, SceneFacts,
 };
 use patina_viewer::viewer::{Preferences, Viewer};
 
@@ -308,6 +308,16 @@ fn dragging_moves_the_camera_and_home_brings_it_back() {
     assert!(stage.sent().is_empty(), "it stands still again");
 }
 
+/// A surface that is clicked, so far from the camera's plane.
+fn brass(depth: f32) -> Hit {
+    Hit {
+        material: "Brass".to_owned(),
+        depth,
+        position: glam::Vec3::new(1.0, 0.0, 2.0),
+        normal: glam::Vec3::Y,
+    }
+}
+
 #[test]
 fn a_click_picks_and_with_command_focuses() {
     let mut stage = Stage::new();
@@ -318,7 +328,7 @@ fn a_click_picks_and_with_command_focuses() {
         panic!("{sent:?}");
     };
     assert!((*place - glam::Vec2::splat(0.5)).length() < 0.01);
-    let hit = Some(("Brass".to_owned(), 3.0));
+    let hit = Some(brass(3.0));
     stage.reply(Reply::Picked {
         purpose: PickPurpose::Material,
         hit: hit.clone(),
@@ -693,7 +703,7 @@ fn escape_ends_the_line_around_what_was_picked() {
     assert!(stage.sent().is_empty(), "nothing is picked");
     stage.reply(Reply::Picked {
         purpose: PickPurpose::Material,
-        hit: Some(("Brass".to_owned(), 1.0)),
+        hit: Some(brass(1.0)),
     });
     assert_eq!(stage.harness.state().material(), Some("Brass"));
     stage.press(Modifiers::NONE, Key::Escape);
@@ -818,4 +828,79 @@ fn figures_that_change_leave_the_picture_its_size() {
         [None; 3],
         "the first round had the longest line"
     );
+}
+
+#[test]
+fn a_light_is_added_and_placed_by_clicks() {
+    let mut stage = Stage::new();
+    stage.click("Lights");
+    stage.click("Add a light");
+    stage.click("Area: a rectangle with soft shadows");
+    stage.sent();
+    stage.click("Light by a click: light_1");
+    stage.click("Viewport");
+    assert!(matches!(
+        stage.sent()[..],
+        [Command::Pick(_, PickPurpose::Light)]
+    ));
+    stage.reply(Reply::Picked {
+        purpose: PickPurpose::Light,
+        hit: Some(brass(1.0)),
+    });
+    let sent = stage.sent();
+    let [Command::Change(change, _)] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    assert!(
+        change.text().contains("look_at = [1.0, 0.0, 2.0]"),
+        "{}",
+        change.text()
+    );
+    assert!(
+        change.text().contains("position = [1.0, "),
+        "above it: {}",
+        change.text()
+    );
+    // Only that one click was for the light.
+    stage.click("Viewport");
+    assert!(matches!(
+        stage.sent()[..],
+        [Command::Pick(_, PickPurpose::Material)]
+    ));
+    stage.click("Aim by a click: light_1");
+    stage.press(Modifiers::NONE, Key::Escape);
+    stage.click("Viewport");
+    assert!(matches!(
+        stage.sent()[..],
+        [Command::Pick(_, PickPurpose::Material)]
+    ));
+}
+
+#[test]
+fn who_walks_keeps_the_height_above_the_ground() {
+    let mut stage = Stage::new();
+    stage.type_text("g");
+    let sent = stage.sent();
+    let [Command::Ground(from)] = sent[..] else {
+        panic!("{sent:?}");
+    };
+    let below = Some(1.6);
+    stage.reply(Reply::Ground { from, below });
+    assert!(stage.sent().is_empty(), "it stands as it stood");
+    // A step: the ground is higher there.
+    stage.type_text("g");
+    stage.type_text("g");
+    stage.sent();
+    stage.reply(Reply::Ground { from, below });
+    let below = Some(1.4);
+    stage.reply(Reply::Ground { from, below });
+    let sent = stage.sent();
+    let [Command::View(Some(view))] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    let eye = glam::Vec3::from(view.transform.translation);
+    assert!((eye - from - glam::Vec3::Y * 0.2).length() < 1e-5);
+    let below = None;
+    stage.reply(Reply::Ground { from, below });
+    assert!(stage.sent().is_empty(), "over an abyss nobody falls");
 }

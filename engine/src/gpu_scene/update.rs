@@ -143,16 +143,7 @@ impl GpuScene {
             if lights.placed.is_empty() != (self.light_count == 0) {
                 return Ok(Update::Rebuild);
             }
-            let bytes = &lights.bytes()[..];
-            if resources.buffer("lights").size() >= bytes.len() as u64 {
-                device.write(resources.buffer("lights"), 0, bytes);
-            } else {
-                resources.set_buffer(
-                    "lights",
-                    device.filled_buffer("lights", Usage::Storage, bytes)?,
-                );
-                is_moved = true;
-            }
+            is_moved = write_lights(device, &lights, resources)?;
             self.light_count = lights.placed.len() as u32;
             self.uploaded.emission = emission;
         }
@@ -166,6 +157,28 @@ impl GpuScene {
         }
         self.uploaded.materials = records;
         self.casters = casters::targets(scene, &program);
+        Ok(Update::Written { is_moved })
+    }
+
+    /// Writes the lights anew after punctual ones have changed.
+    ///
+    /// # Errors
+    /// The device has no room for them.
+    pub(crate) fn update_lights(
+        &mut self,
+        device: &Device,
+        scene: &Scene,
+        resources: &mut Resources,
+    ) -> Result<Update, GpuSceneError> {
+        let lights = LightTable::of(scene, &self.uploaded.bvh, &self.uploaded.materials);
+        // Whether there are lights of either kind at all is decided once.
+        let had = [self.light_count, self.directional_count].map(|count| count > 0);
+        if had != [&lights.placed, &lights.directional].map(|lights| !lights.is_empty()) {
+            return Ok(Update::Rebuild);
+        }
+        let is_moved = write_lights(device, &lights, resources)?;
+        self.light_count = lights.placed.len() as u32;
+        self.directional_count = lights.directional.len() as u32;
         Ok(Update::Written { is_moved })
     }
 
@@ -183,4 +196,22 @@ impl GpuScene {
             && (self.features.layers || !has_layers)
             && Shadows::of(scene, program) == former
     }
+}
+
+/// Writes a table of lights; whether its buffer is another one now.
+fn write_lights(
+    device: &Device,
+    lights: &LightTable,
+    resources: &mut Resources,
+) -> Result<bool, GpuSceneError> {
+    let bytes = &lights.bytes()[..];
+    let is_moved = resources.buffer("lights").size() < bytes.len() as u64;
+    match is_moved {
+        true => {
+            let buffer = device.filled_buffer("lights", Usage::Storage, bytes)?;
+            resources.set_buffer("lights", buffer);
+        }
+        false => device.write(resources.buffer("lights"), 0, bytes),
+    }
+    Ok(is_moved)
 }

@@ -2,8 +2,10 @@
 
 use texgen::Diagnostic;
 
-use crate::scene::look::{Look, Spanned};
+use crate::scene::look::{LampKind, Look, Spanned};
 use crate::scene::{LightSource, MAX_LIGHT_GROUPS, Scene};
+
+use super::light;
 
 /// Puts everything that gives light into the group that the look names.
 pub(super) fn apply(look: &Look, scene: &mut Scene) -> Result<(), Diagnostic> {
@@ -17,6 +19,13 @@ pub(super) fn apply(look: &Look, scene: &mut Scene) -> Result<(), Diagnostic> {
         let group = material.group.as_ref()?;
         Some((LightSource::Material(&material.name.value), group))
     });
+    for light in &look.lights {
+        let is_area = (light.kind.as_ref()).is_some_and(|kind| kind.value == LampKind::Area);
+        if let Some(group) = light.group.as_ref().filter(|_| is_area) {
+            let material = light::material_name(&light.name.value);
+            assign(look, scene, LightSource::Material(&material), group)?;
+        }
+    }
     for (source, group) in environment.chain(lights).chain(materials) {
         assign(look, scene, source, group)?;
     }

@@ -25,6 +25,7 @@ use crate::scene::{
 use crate::system::{Assets, Disk, Files};
 
 pub use files::{files, files_from};
+pub(crate) use light::{change as change_light, own as own_light};
 pub use stand_in::StandIn;
 pub use timeline::Timeline;
 
@@ -42,6 +43,8 @@ pub struct Loaded {
     pub camera: Camera,
     /// The look itself, where there is one.
     pub look: Option<Look>,
+    /// Lights as they are without the look's `[light.NAME]`.
+    pub given_lights: Vec<PunctualLight>,
     /// What is shown differently from what the files say, and what is odd in the look or its textures.
     pub warnings: Diagnostics,
 }
@@ -122,7 +125,7 @@ pub fn load_from(
     } = files.scene(&mut importer, path)?;
 
     let mut environments = EnvironmentMaker::default();
-    let camera = match &look {
+    let applied = match &look {
         Some(look) => apply(
             &**files,
             look,
@@ -132,7 +135,7 @@ pub fn load_from(
             &mut warnings,
             None,
         )?,
-        None => first_camera(&scene, None),
+        None => Applied::nothing(&scene, None),
     };
     if scene.instances.is_empty() {
         return Err(LoadError::Empty {
@@ -142,17 +145,21 @@ pub fn load_from(
     let nothing = Look::empty(Path::new(""), SourceFile::new("look", "", ""));
     let procedural = Procedural::build(look.as_ref().unwrap_or(&nothing), &mut scene, &sources)
         .map_err(LookError::from)?;
-    Ok(finish(scene, procedural, camera, look, warnings))
+    Ok(finish(scene, procedural, applied, look, warnings))
 }
 
 /// A scene with all that belongs to it, under a light if there is none.
 fn finish(
     mut scene: Scene,
     procedural: Procedural,
-    camera: Camera,
+    applied: Applied,
     look: Option<Look>,
     warnings: Vec<String>,
 ) -> Loaded {
+    let Applied {
+        camera,
+        given_lights,
+    } = applied;
     let mut warnings: Diagnostics = warnings.into_iter().map(Diagnostic::warning).collect();
     if let Some(look) = &look {
         warnings.extend(look.warnings.iter().cloned());
@@ -171,6 +178,7 @@ fn finish(
         procedural,
         camera,
         look,
+        given_lights,
         warnings,
     }
 }
@@ -200,6 +208,23 @@ impl Loaded {
     }
 }
 
+/// What comes of a look beside its scene.
+#[derive(Debug)]
+struct Applied {
+    camera: Camera,
+    given_lights: Vec<PunctualLight>,
+}
+
+impl Applied {
+    /// Without a look.
+    fn nothing(scene: &Scene, still: Option<&Camera>) -> Self {
+        Self {
+            camera: first_camera(scene, still),
+            given_lights: scene.lights.clone(),
+        }
+    }
+}
+
 /// Everything of the look that is not a material: includes, environment, lights, camera.
 fn apply(
     files: &dyn Files,
@@ -209,7 +234,7 @@ fn apply(
     scene: &mut Scene,
     warnings: &mut Vec<String>,
     still: Option<&Camera>,
-) -> Result<Camera, LookError> {
+) -> Result<Applied, LookError> {
     let mut problems = Diagnostics::new();
     for table in &look.includes {
         match include::include(look, table, importer, scene) {
@@ -227,6 +252,7 @@ fn apply(
             Err(problem) => problems.push(problem),
         }
     }
+    let given_lights = scene.lights.clone();
     for table in &look.lights {
         problems.extend(light::apply(look, table, scene).err());
     }
@@ -234,7 +260,10 @@ fn apply(
         problems.push(problem);
     }
     match camera::resolve(look, scene, still) {
-        Ok(camera) if problems.is_empty() => Ok(camera),
+        Ok(camera) if problems.is_empty() => Ok(Applied {
+            camera,
+            given_lights,
+        }),
         Ok(_) => Err(problems.into()),
         Err(problem) => {
             problems.push(problem);

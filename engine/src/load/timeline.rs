@@ -11,7 +11,7 @@ use crate::scene::look::{Look, LookError};
 use crate::scene::{Animation, Camera, Image, Material, Moment, Motion, Scene, default_camera};
 use crate::system::Assets;
 
-use super::{EnvironmentMaker, LoadError, Loaded, apply, finish, first_camera};
+use super::{Applied, EnvironmentMaker, LoadError, Loaded, apply, finish};
 
 /// A scene with its look at any moment. What is the same at all of them (pictures, meshes that don't bend, textures) is read and
 /// built for the first one.
@@ -48,7 +48,7 @@ struct Former {
 struct Staged {
     scene: Scene,
     look: Option<Look>,
-    camera: Camera,
+    applied: Applied,
     warnings: Vec<String>,
 }
 
@@ -113,7 +113,7 @@ impl Timeline {
         let Staged {
             mut scene,
             look,
-            camera,
+            applied,
             warnings,
         } = self.stage(moment, still.as_ref())?;
         if scene.instances.is_empty() {
@@ -139,7 +139,7 @@ impl Timeline {
                 procedural: procedural.clone(),
             });
         }
-        Ok(finish(scene, procedural, camera, look, warnings))
+        Ok(finish(scene, procedural, applied, look, warnings))
     }
 
     /// The scene with all that a look says of it but for materials.
@@ -154,7 +154,7 @@ impl Timeline {
             mut scene,
             mut warnings,
         } = self.files.scene(&mut self.importer, &self.path)?;
-        let camera = match &look {
+        let applied = match &look {
             Some(look) => apply(
                 &*self.files,
                 look,
@@ -164,7 +164,7 @@ impl Timeline {
                 &mut warnings,
                 still,
             )?,
-            None => first_camera(&scene, still),
+            None => Applied::nothing(&scene, still),
         };
         match &self.images {
             // They were decoded when the files were read first.
@@ -174,7 +174,7 @@ impl Timeline {
         Ok(Staged {
             scene,
             look,
-            camera,
+            applied,
             warnings,
         })
     }
@@ -201,7 +201,9 @@ impl Former {
         let is_same = match (&self.look, look) {
             (None, None) => true,
             (Some(a), Some(b)) => {
-                (&a.nodes, &a.materials, &a.ao) == (&b.nodes, &b.materials, &b.ao)
+                // Rectangles among the lights have materials, too.
+                (&a.nodes, &a.materials, &a.ao, &a.lights)
+                    == (&b.nodes, &b.materials, &b.ao, &b.lights)
             }
             _ => false,
         };

@@ -19,6 +19,8 @@ pub(crate) struct Touched {
     pub(crate) environment: bool,
     /// The camera.
     pub(crate) camera: bool,
+    /// Punctual lights.
+    pub(crate) lights: bool,
 }
 
 impl Renderer {
@@ -58,6 +60,13 @@ impl Renderer {
                 Update::Written { is_moved: true } => {
                     self.bind();
                 }
+                Update::Written { is_moved: false } => {}
+            }
+        }
+        if touched.lights {
+            match (self.scene).update_lights(&self.device, scene, &mut self.resources)? {
+                Update::Rebuild => return Ok(false),
+                Update::Written { is_moved: true } => self.bind(),
                 Update::Written { is_moved: false } => {}
             }
         }

@@ -10,7 +10,7 @@ use crate::scene::look::{
     placed_fields, table,
 };
 use crate::scene::view::ViewChoice;
-use crate::scene::{Camera, Environment, Material};
+use crate::scene::{Camera, Environment, Material, PunctualLight};
 
 use super::difference::{TableChange, difference};
 use super::edit::{Edit, summary};
@@ -23,6 +23,7 @@ struct Before {
     environment: EnvironmentFactors,
     camera: Camera,
     look_view: ViewChoice,
+    lights: Vec<PunctualLight>,
 }
 
 /// The part of an environment that is edited.
@@ -256,12 +257,13 @@ impl Session {
             after,
             span,
         } = change;
-        if let Section::Light(_) = section {
-            return Err(UpdateError::Rebuild);
-        }
         let fields = after.as_deref().unwrap_or_default();
         if self.moment.seconds != 0.0 && has_keys(fields) {
             return Err(UpdateError::Rebuild);
+        }
+        if let Section::Light(name) = section {
+            touched.lights = true;
+            return self.follow_light(file, name, change);
         }
         let read = |file| table(file, section, fields, span).map_err(UpdateError::Refused);
         let procedural = self.renderer.procedural_mut();
@@ -350,6 +352,7 @@ impl Session {
             },
             camera: self.camera.clone(),
             look_view: self.look_view,
+            lights: self.scene.lights.clone(),
         }
     }
 
@@ -357,6 +360,7 @@ impl Session {
         self.scene.materials = before.materials;
         self.camera = before.camera;
         self.look_view = before.look_view;
+        self.scene.lights = before.lights;
         set_factors(&mut self.scene.environment, before.environment);
     }
 }

@@ -19,7 +19,7 @@
 //! | what changes | what happens |
 //! |---|---|
 //! | `[view]` | nothing: whoever shows the picture asks for [`Session::look_view`] |
-//! | keys of nodes, materials, AO tables; the sky's intensity and rotation; the camera | writes to buffers (`follow.rs`) |
+//! | keys of nodes, materials, AO tables; the sky's intensity and rotation; lights but for rectangles; the camera | writes to buffers (`follow.rs`) |
 //! | the source of a texture; a node of another texture | the texture kernel is built in the background, then swapped |
 //! | what is made from the whole look (includes, images, which materials blend), the scene, image files | the renderer is built anew in the background, then swapped |
 //!
@@ -36,6 +36,7 @@ mod error;
 mod files;
 mod follow;
 pub mod json;
+mod lights;
 mod merge;
 mod moment;
 mod open;
@@ -56,7 +57,7 @@ use crate::procedural::Procedural;
 use crate::renderer::{Progress, RenderSettings, Renderer};
 use crate::scene::look::{Field, LookDocument};
 use crate::scene::view::ViewChoice;
-use crate::scene::{Camera, Moment, Scene};
+use crate::scene::{Camera, Moment, PunctualLight, Scene};
 use crate::stats::Stats;
 use crate::system::System;
 
@@ -92,6 +93,8 @@ pub struct Session {
     shown: Option<Vec<Field>>,
     /// As it is shown: constants of the look included.
     scene: Scene,
+    /// Its lights without the look's `[light.NAME]`.
+    given_lights: Vec<PunctualLight>,
     /// That of the look.
     camera: Camera,
     /// How the look has its picture shown.

@@ -73,6 +73,7 @@ impl Session {
     /// Takes over what the renderer shows.
     pub(super) fn adopt(&mut self, loaded: Loaded) {
         self.scene = loaded.scene;
+        self.given_lights = loaded.given_lights;
         self.camera = loaded.camera;
         self.warnings = loaded.warnings;
         self.look_view = loaded.look.map_or_else(Default::default, |look| look.view);

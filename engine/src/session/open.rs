@@ -207,6 +207,7 @@ impl Opening {
             camera,
             warnings,
             look,
+            given_lights,
         } = self.loaded;
         let settings = make_settings(camera.clone());
         let renderer =
@@ -222,6 +223,7 @@ impl Opening {
             saved: self.text,
             shown: None,
             scene,
+            given_lights,
             camera,
             view: None,
             look_view: look.map_or_else(Default::default, |look| look.view),

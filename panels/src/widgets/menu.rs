@@ -2,7 +2,8 @@
 
 use egui::containers::menu::{MenuButton, MenuConfig, SubMenuButton, is_in_menu};
 use egui::{
-    InnerResponse, Popup, PopupCloseBehavior, Response, SetOpenCommand, Ui, UiKind, UiStackInfo,
+    InnerResponse, Popup, PopupCloseBehavior, Response, ScrollArea, SetOpenCommand, Ui, UiKind,
+    UiStackInfo,
 };
 
 fn config() -> MenuConfig {
@@ -21,6 +22,13 @@ pub(crate) fn menu<R>(
         false => MenuButton::new(text).config(config()).ui(ui, add),
     };
     InnerResponse::new(inner.map(|inner| inner.inner), response)
+}
+
+/// A list in a menu: as long as it is, and no higher than the window allows, as menus themselves don't scroll.
+pub(crate) fn scrolled<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let most = (0.6 * ui.ctx().content_rect().height()).max(80.0);
+    let area = ScrollArea::vertical().max_height(most);
+    area.show(ui, add).inner
 }
 
 /// A menu by right click on a widget.

@@ -9,7 +9,7 @@ use egui::accesskit::Role;
 use egui::{Response, Ui, WidgetInfo};
 
 pub(crate) use image_slot::{ImageSlot, image_slot};
-pub(crate) use menu::{context_menu, menu, row_menu};
+pub(crate) use menu::{context_menu, menu, row_menu, scrolled};
 pub(crate) use value::{Bounds, Spec, edit};
 
 /// What a widget shows, and what it has become.

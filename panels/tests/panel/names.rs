@@ -5,7 +5,7 @@ use egui_kittest::kittest::Queryable;
 use engine::procedural::TextureSources;
 use engine::scene::look::Value;
 use engine::session::Edit;
-use patina_panels::{Form, Textures};
+use patina_panels::{Form, Placing, Textures};
 
 use crate::support::{LOOK, assert_kept, center, drag, harness, harness_of, text, write};
 
@@ -168,7 +168,7 @@ fn components_of_a_link_are_chosen() {
 #[test]
 fn a_sun_has_a_size() {
     let mut harness = harness(Form::List);
-    harness.get_by_label("Directional lights").click();
+    harness.get_by_label("Lights").click();
     harness.run();
     harness.run();
     let at = center(&harness, Role::Slider, "Size of Sun");
@@ -180,6 +180,41 @@ fn a_sun_has_a_size() {
         .click_secondary();
     harness.run();
     harness.get_by_label("Reset").click();
+    harness.run();
+    assert_eq!(text(&harness), LOOK);
+}
+
+#[test]
+fn lights_are_added_changed_and_taken_away() {
+    let mut harness = harness(Form::List);
+    harness.get_by_label("Lights").click();
+    harness.run();
+    harness.get_by_label("Add a light").click();
+    harness.run();
+    harness.get_by_label("Spot: a cone").click();
+    harness.run();
+    harness.run();
+    assert!(
+        text(&harness).contains("[light.light_1]\ntype = \"spot\"\nposition = ["),
+        "{}",
+        text(&harness)
+    );
+    let at = center(&harness, Role::Slider, "Outer angle of light_1");
+    drag(&mut harness, at, egui::vec2(-20.0, 0.0));
+    assert!(text(&harness).contains("outer_cone_angle = "));
+    harness.get_by_label("light_1 is on").click();
+    harness.run();
+    assert!(text(&harness).contains("\non = false"));
+    harness.get_by_label("light_1 is on").click();
+    harness.run();
+    assert!(!text(&harness).contains("\non = "));
+    harness.get_by_label("Aim by a click: light_1").click();
+    harness.run();
+    let panel = &mut harness.state_mut().panel;
+    let placing = panel.take_placing();
+    assert_eq!(placing, Some(("light_1".to_owned(), Placing::Aim)));
+    assert_eq!(panel.take_placing(), None);
+    harness.get_by_label("Delete light light_1").click();
     harness.run();
     assert_eq!(text(&harness), LOOK);
 }

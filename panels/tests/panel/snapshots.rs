@@ -48,7 +48,7 @@ fn click(harness: &mut Harness<'_, State>, label: &str) {
 
 #[test]
 fn a_list() {
-    let mut harness = panel(Form::List, [440.0, 1100.0]);
+    let mut harness = panel(Form::List, [440.0, 1130.0]);
     click(&mut harness, "Material Paint");
     check(&mut harness, "list");
 }
@@ -63,7 +63,7 @@ fn a_graph() {
 
 #[test]
 fn blends_and_light() {
-    let mut harness = panel(Form::List, [440.0, 1100.0]);
+    let mut harness = panel(Form::List, [440.0, 1130.0]);
     for closed in [
         "Material Rusty Iron",
         "Node rust_mask",
@@ -72,7 +72,7 @@ fn blends_and_light() {
         "Node cells",
         "Ambient occlusion",
         "Environment",
-        "Directional lights",
+        "Lights",
     ] {
         click(&mut harness, closed);
     }

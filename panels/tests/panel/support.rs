@@ -7,8 +7,9 @@ use egui::{Key, Modifiers, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use engine::procedural::TextureSources;
-use engine::scene::Material;
+use engine::scene::{LightKind, Material, PunctualLight};
 use engine::session::Document;
+use glam::Vec3;
 use patina_panels::{Form, SceneView, Textures, TexturesPanel};
 
 use crate::picture::Painter;
@@ -28,7 +29,7 @@ pub(crate) struct State {
     pub(crate) document: Document,
     pub(crate) textures: Textures,
     pub(crate) materials: Vec<Material>,
-    pub(crate) suns: Vec<String>,
+    pub(crate) lights: Vec<PunctualLight>,
     /// Has the textures that the panel shows.
     pub(crate) painter: Painter,
 }
@@ -69,7 +70,7 @@ pub(crate) fn harness_of(
         document: Document::new(Path::new("a.look.toml"), look).expect("a look"),
         textures,
         materials: materials.iter().map(material).collect(),
-        suns: vec!["Sun".to_owned()],
+        lights: vec![sun()],
         painter: Painter::default(),
     };
     let mut harness = Harness::builder()
@@ -80,7 +81,8 @@ pub(crate) fn harness_of(
                 let scene = SceneView {
                     materials: &state.materials,
                     own: state.materials.len(),
-                    suns: &state.suns,
+                    lights: &state.lights,
+                    camera: None,
                 };
                 state
                     .panel
@@ -134,4 +136,15 @@ pub(crate) fn write(harness: &mut Harness<'_, State>, label: &str, text: &str) {
     harness.event(egui::Event::Text(text.to_owned()));
     harness.key_press(Key::Enter);
     harness.run();
+}
+
+fn sun() -> PunctualLight {
+    PunctualLight {
+        name: "Sun".to_owned(),
+        intensity: Vec3::new(2.0, 1.0, 1.0),
+        position: Vec3::ZERO,
+        direction: Vec3::NEG_Y,
+        range: f32::INFINITY,
+        kind: LightKind::Directional,
+    }
 }

@@ -1,13 +1,13 @@
-//! What a look says about light: its environment and the lights of the glTF file.
+//! What a look says about light from far away: its environment.
 
 use glam::Vec3;
 
+use crate::UNGROUPED;
 use crate::sky::Sky;
-use crate::{MAX_ANGULAR_DIAMETER, UNGROUPED};
 
+use super::EnvironmentLook;
 use super::reader::{Reader, unit};
-use super::value::{Field, Span, Spanned, Value};
-use super::{EnvironmentLook, LightLook};
+use super::value::{Field, Spanned, Value};
 
 /// `environment = { ... }`: a picture, a colour or a sky.
 pub(super) fn environment(
@@ -166,32 +166,4 @@ fn sky(reader: &mut Reader, value: &Spanned<Value>) -> Option<Sky> {
         }
     }
     Some(sky)
-}
-
-/// `[light.NAME]`: overrides of a light of the glTF file.
-pub(super) fn light(
-    reader: &mut Reader,
-    name: &Spanned<String>,
-    table: &[Field],
-    _: &Span,
-) -> Option<LightLook> {
-    const KEYS: [&str; 2] = ["angular_diameter", "group"];
-    let mut light = LightLook {
-        name: name.clone(),
-        angular_diameter: None,
-        group: None,
-    };
-    let largest = MAX_ANGULAR_DIAMETER.to_degrees();
-    for Field { key, value } in table {
-        match key.value.as_str() {
-            "angular_diameter" => {
-                let wanted = format!("degrees from 0 to {largest:.0}");
-                light.angular_diameter =
-                    reader.number(value, &wanted, |x| (0.0..=largest).contains(&x));
-            }
-            "group" => light.group = group(reader, value),
-            _ => reader.unknown_key(key, "[light.NAME]", &KEYS),
-        }
-    }
-    Some(light)
 }

@@ -7,6 +7,7 @@
 
 mod document;
 mod keys;
+mod lamp;
 mod light;
 mod material;
 mod parse;
@@ -28,6 +29,7 @@ use crate::sky::Sky;
 use crate::view::ViewChoice;
 
 pub use document::{Kept, LookDocument, Section};
+pub use lamp::direction_of;
 pub use material::MaterialLook;
 pub use parse::{Table, placed_fields, table};
 pub use reader::{color, color_remedy, link_text, misplaced_key, unquoted};
@@ -134,15 +136,73 @@ impl CameraLook {
     }
 }
 
-/// `[light.NAME]`: overrides of the lights of that name; whatever is `None` is left as it is in the glTF file.
+/// `[light.NAME]`: a light of the look's own, or overrides of the lights of that name in the scene's files; whatever is `None` is left as
+/// it is there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightLook {
-    /// A light of the glTF file.
+    /// What it is called.
     pub name: Spanned<String>,
+    /// Of the look's own lights: what they are. `None` for those of the scene's files.
+    pub kind: Option<Spanned<LampKind>>,
+    /// Whether it shines.
+    pub on: Option<bool>,
+    /// Radiant intensity of its brightest channel, W/sr; of a rectangle along its axis, of directional lights W/m².
+    pub intensity: Option<Spanned<f32>>,
+    /// Linear colour, by which the intensity is multiplied.
+    pub color: Option<Spanned<Vec3>>,
+    /// Where it stands, metres.
+    pub position: Option<Spanned<Vec3>>,
+    /// Where it shines to.
+    pub aim: Option<Spanned<Aim>>,
+    /// Width and height of a rectangle, metres.
+    pub size: Option<Spanned<[f32; 2]>>,
+    /// Within which angle from the axis a spot has all of its intensity, degrees.
+    pub inner_cone_angle: Option<Spanned<f32>>,
+    /// Beyond which it has none.
+    pub outer_cone_angle: Option<Spanned<f32>>,
+    /// How far it reaches, metres.
+    pub range: Option<Spanned<f32>>,
     /// Degrees; 0 for light from a single direction.
     pub angular_diameter: Option<Spanned<f32>>,
     /// The group of lights that they belong to.
     pub group: Option<Spanned<String>>,
+}
+
+/// What a light of a look is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LampKind {
+    /// A point that shines in all directions.
+    Point,
+    /// One that shines in a cone.
+    Spot,
+    /// Light from infinitely far away.
+    Directional,
+    /// A rectangle that shines to one side.
+    Area,
+}
+
+impl LampKind {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Point, Self::Spot, Self::Directional, Self::Area];
+
+    /// How a look writes it.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Spot => "spot",
+            Self::Directional => "directional",
+            Self::Area => "area",
+        }
+    }
+}
+
+/// Where a light shines to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Aim {
+    /// Along a direction, of any length but 0.
+    Direction(Vec3),
+    /// At a point, from where it stands.
+    At(Vec3),
 }
 
 /// `[ao.NAME]`: one kind of ambient occlusion, traced for every hit whose textures read it.

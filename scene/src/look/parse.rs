@@ -13,14 +13,15 @@ use crate::view::ViewChoice;
 
 use super::document::Section;
 use super::keys::{self, Keyed, When};
-use super::light::{environment, environment_group, light};
+use super::lamp::light;
+use super::light::{environment, environment_group};
 use super::material::{MaterialLook, material};
 use super::reader::{Reader, choice, is_name, unquoted};
 use super::value::{Field, Span, Spanned, Value, fields};
 use super::view::view;
 use super::{
-    AoDirection, AoLook, AoSettings, CameraLook, EnvironmentLook, Include, Input, KEYS, Look,
-    MAX_AO, MaterialxLook, NodeLook,
+    AoDirection, AoLook, AoSettings, CameraLook, EnvironmentLook, Include, Input, KEYS, LightLook,
+    Look, MAX_AO, MaterialxLook, NodeLook,
 };
 
 /// A look larger than this is not one.
@@ -165,8 +166,9 @@ pub fn table(
         }
         Section::Camera => Some(Table::Camera(camera(&mut reader, &whole()))),
         Section::View => Some(Table::View(view(&mut reader, &whole()))),
-        // Lights are read with the scene.
-        Section::Light(_) => None,
+        Section::Light(name) => {
+            light(&mut reader, &named(name), fields, span).map(|l| Table::Light(Box::new(l)))
+        }
         Section::Ao(name) => {
             ao(&mut reader, &named(name), fields, span).map(|ao| Table::Ao(ao.settings))
         }
@@ -190,6 +192,8 @@ pub enum Table {
     Camera(CameraLook),
     /// `[view]`.
     View(ViewChoice),
+    /// `[light.NAME]`.
+    Light(Box<LightLook>),
     /// `[ao.NAME]`.
     Ao(AoSettings),
     /// `[node.NAME]`.

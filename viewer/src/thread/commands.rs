@@ -7,7 +7,7 @@ use engine::load::StandIn;
 use engine::scene::{Moment, Motion};
 use engine::session::{Session, SessionError};
 
-use crate::link::{Command, Extent, PickPurpose, Reply};
+use crate::link::{Command, Extent, Hit, PickPurpose, Reply};
 
 use super::{Render, lock_size, publish};
 
@@ -59,10 +59,16 @@ impl Render {
                     .and_then(|session| session.pick(place));
                 if purpose == PickPurpose::Material {
                     self.picked = seen.map(|hit| hit.instance as usize);
+                    self.outlined = seen.map(|hit| hit.material);
                 }
                 let hit = seen.zip(self.session.as_ref()).and_then(|(hit, session)| {
                     let material = session.scene().materials.get(hit.material as usize)?;
-                    Some((material.name.clone(), hit.depth))
+                    Some(Hit {
+                        material: material.name.clone(),
+                        depth: hit.depth,
+                        position: hit.position,
+                        normal: hit.normal,
+                    })
                 });
                 self.reply(Reply::Picked { purpose, hit });
                 if purpose == PickPurpose::Material {
@@ -70,9 +76,22 @@ impl Render {
                 }
             }
             Command::Unpick => {
-                if self.picked.take().is_some() {
+                self.picked = None;
+                if self.outlined.take().is_some() {
                     self.show_again();
                 }
+            }
+            Command::Outline(name) => {
+                let scene = self.session.as_ref().map(Session::scene);
+                let mut materials = scene.iter().flat_map(|scene| &scene.materials);
+                let place = materials.position(|material| material.name == name);
+                self.outlined = place.map(|place| place as u32);
+                self.show_again();
+            }
+            Command::Ground(from) => {
+                let scene = self.session.as_ref().map(Session::scene);
+                let below = scene.and_then(|scene| engine::pick::below(scene, from));
+                self.reply(Reply::Ground { from, below });
             }
             Command::KeepBefore(is_kept) => {
                 self.before = None;

@@ -33,7 +33,7 @@ impl Render {
                 self.motion = self.run.cause;
                 self.before = None;
                 self.region = None;
-                (self.picked, self.beside) = (None, None);
+                (self.picked, self.outlined, self.beside) = (None, None, None);
                 self.pending = Pending::default();
                 self.published.forget();
                 {

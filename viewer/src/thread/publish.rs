@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use engine::display::{Channel, DeviceFilm, Display, DisplaySettings};
 use engine::load::LoadError;
 use engine::renderer::RenderError;
+use engine::scene::Motion;
 use engine::scene::look::LookError;
-use engine::scene::{LightKind, Motion};
 use engine::session::SessionError;
 use engine::stats::Doubt;
 use patina_panels::Textures;
@@ -94,8 +94,7 @@ impl Render {
         };
         // Guides take as long as a sample, which a picture in motion has not; and a line of large pixels hides what it is around.
         let is_fine = !self.is_moving && self.divisor <= FINE;
-        let picked = self.picked.filter(|_| is_fine);
-        let outlined = picked.map(|instance| instance as u32);
+        let outlined = self.outlined.filter(|_| is_fine);
         let guides = self.settings.channel.needs_guides();
         let film = session.device_film(guides || outlined.is_some())?;
         let spp = self.run.samples_done as f64 / (f64::from(film.width) * f64::from(film.height));
@@ -308,12 +307,6 @@ impl Render {
             }
         };
         self.published.textures_there = Some(Arc::clone(&textures));
-        let is_sun = |kind| matches!(kind, LightKind::Directional | LightKind::Disk { .. });
-        let suns = session
-            .scene()
-            .lights
-            .iter()
-            .filter(|light| is_sun(light.kind));
         lock(&self.board).look = Some(LookFacts {
             text: session.look_text().into(),
             saved: session.saved_text().into(),
@@ -322,7 +315,7 @@ impl Render {
             materials: Arc::new(session.scene().materials.clone()),
             has_stand_in_light: session.has_stand_in_light(),
             own_materials: session.procedural().scene_materials(),
-            suns: suns.map(|light| light.name.clone()).collect(),
+            lights: session.scene().lights.clone().into(),
             textures,
         });
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{ComboBox, DragValue, RichText, Slider, Ui};
+use egui::{ComboBox, DragValue, RichText, Slider, ThemePreference, Ui};
 use engine::display::{Channel, DisplaySettings};
 use engine::scene::view::ViewTransform;
 
@@ -51,6 +51,16 @@ impl Viewer {
                 self.dialog = Some(Dialog::open(&self.scene.files));
             }
             self.recent_menu(ui);
+            ui.separator();
+            ui.menu_button("Colours", |ui| {
+                for (theme, text) in [
+                    (ThemePreference::System, "As the system"),
+                    (ThemePreference::Dark, "Dark"),
+                    (ThemePreference::Light, "Light"),
+                ] {
+                    ui.radio_value(&mut self.preferences.theme, theme, text);
+                }
+            });
         });
     }
 

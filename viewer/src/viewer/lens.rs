@@ -11,6 +11,7 @@ use crate::navigate::Navigator;
 
 use super::Viewer;
 use super::bars::dragged;
+use super::viewport::{FASTEST, SLOWEST};
 
 impl Viewer {
     pub(super) fn camera_menu(&mut self, ui: &mut Ui) {
@@ -38,6 +39,8 @@ impl Viewer {
             ui.separator();
             self.lens(ui);
             ui.separator();
+            self.movement(ui);
+            ui.separator();
             let store = egui::Button::new("Put into the look");
             let is_other = self.viewport.has_own_view();
             if ui.add_enabled(is_other, store).clicked() {
@@ -54,6 +57,24 @@ impl Viewer {
     pub(super) fn look_through(&mut self, camera: Camera) {
         let view = self.viewport.moved(|now| *now = Navigator::new(camera));
         self.send_view(view);
+    }
+
+    /// How the keys move the camera.
+    fn movement(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            let label = ui.label("Speed");
+            let pace = 0.02 * self.preferences.speed;
+            let speed = egui::DragValue::new(&mut self.preferences.speed)
+                .range(SLOWEST..=FASTEST)
+                .speed(pace)
+                .suffix(" x");
+            ui.add(speed).labelled_by(label.id);
+        });
+        let mut walks = self.viewport.walks();
+        let walk = ui.checkbox(&mut walks, "Walk on the ground");
+        if walk.on_hover_text("G").changed() {
+            self.toggle_walk();
+        }
     }
 
     fn lens(&mut self, ui: &mut Ui) {

@@ -4,11 +4,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use egui::Ui;
-use engine::scene::Material;
+use engine::scene::{Material, PunctualLight};
 use engine::session::{Document, Edit, Merged, merge};
 use patina_panels::{Form, Previews, SceneView, Textures, TexturesPanel};
 
-use crate::link::{Command, Link, LookFacts};
+use crate::link::{Command, Hit, Link, LookFacts};
+use crate::navigate::Navigator;
 
 use super::{Preferences, Viewer};
 
@@ -21,7 +22,7 @@ pub(super) struct Editor {
     materials: Arc<Vec<Material>>,
     own_materials: usize,
     has_stand_in_light: bool,
-    suns: Arc<[String]>,
+    lights: Arc<[PunctualLight]>,
     /// Changes that have been sent.
     sent: u64,
     /// The file's text, as far as the document knows it.
@@ -46,7 +47,7 @@ impl Editor {
         self.materials = Arc::clone(&facts.materials);
         self.own_materials = facts.own_materials;
         self.has_stand_in_light = facts.has_stand_in_light;
-        self.suns = Arc::clone(&facts.suns);
+        self.lights = Arc::clone(&facts.lights);
         let Some(document) = &mut self.document else {
             self.document = Document::new(path, &facts.text).ok();
             self.take_saved(facts);
@@ -177,22 +178,53 @@ impl Viewer {
             textures,
             materials,
             own_materials,
-            suns,
+            lights,
             ..
         } = &mut self.editor
         else {
             return;
         };
+        let navigator = self.viewport.now();
         let scene = SceneView {
             materials,
             own: *own_materials,
-            suns,
+            lights,
+            camera: navigator.as_ref().map(Navigator::camera),
         };
+        let chosen = panel.material().map(str::to_owned);
         panel.show(ui, document, textures, scene);
+        let now = panel.material();
+        if chosen.is_some() && now != chosen.as_deref() {
+            self.material = now.map(str::to_owned);
+            let outline = now.map(|name| Command::Outline(name.to_owned()));
+            self.link.send(outline.unwrap_or(Command::Unpick));
+        }
+        if let Some(placing) = panel.take_placing() {
+            self.viewport.placing = Some(placing);
+        }
         // The picture is kept before it hears of the edit.
         if panel.take_comparison() {
             self.compare();
         }
+    }
+
+    /// Places a light at a surface that was clicked.
+    pub(super) fn place_light(&mut self, hit: Option<&Hit>, now: f64) {
+        let (Some((light, placing)), Some(hit)) = (self.viewport.placing.take(), hit) else {
+            return;
+        };
+        let Some(document) = &self.editor.document else {
+            return;
+        };
+        let scene = SceneView {
+            materials: &self.editor.materials,
+            own: self.editor.own_materials,
+            lights: &self.editor.lights,
+            camera: None,
+        };
+        let place = [hit.position, hit.normal];
+        let edits = patina_panels::place_light(document, scene, &light, placing, place);
+        self.edit(&format!("place {light}"), &edits, now);
     }
 
     /// Shows pictures of nodes from now on.

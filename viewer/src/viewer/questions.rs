@@ -20,6 +20,13 @@ pub(super) struct Questions {
     conflict: Option<Merged>,
 }
 
+impl Questions {
+    /// Whether an answer is waited for, so that keys are not for what lies below.
+    pub(super) fn is_asking(&self) -> bool {
+        self.leaving.is_some() || self.overwrites || self.conflict.is_some()
+    }
+}
+
 /// Why the look is left.
 #[derive(Debug, Clone, PartialEq)]
 enum Leaving {

@@ -19,7 +19,7 @@ const REDO_TOO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key
 const STOP: f32 = 0.25;
 
 /// What the list says: keys, and what they do.
-const LIST: [(&str, &str); 26] = [
+const LIST: [(&str, &str); 33] = [
     ("drag", "turn around the point in focus"),
     ("right drag", "look around"),
     ("middle drag, Shift drag", "pan"),
@@ -28,7 +28,8 @@ const LIST: [(&str, &str); 26] = [
         "W A S D, Q E",
         "fly, with the pointer over the picture; Shift is faster",
     ),
-    ("click", "choose the material"),
+    ("G", "walk: W A S D follow the ground; again: fly"),
+    ("click", "choose the material; a line goes around it"),
     ("Ctrl click", "focus there, and turn around it"),
     ("F", "frame what was clicked, or everything"),
     ("Shift F", "frame everything"),
@@ -47,6 +48,15 @@ const LIST: [(&str, &str); 26] = [
     ("Ctrl E", "save the picture"),
     ("Ctrl O", "open a scene"),
     ("right-click a value", "its default"),
+    (
+        "right-click A, B, C",
+        "keep, forget or compare a state of the look",
+    ),
+    ("ramp: click, Delete", "add a stop; take one away"),
+    ("graph: drag, wheel", "move, nearer and farther"),
+    ("graph: Shift click", "select one more card"),
+    ("graph: Ctrl D", "duplicate what is selected"),
+    ("graph: Delete", "delete what is selected"),
     ("?", "this list"),
     ("Esc", "close; end what was begun; nothing is picked"),
 ];
@@ -54,7 +64,7 @@ const LIST: [(&str, &str); 26] = [
 impl Viewer {
     pub(super) fn take_keys(&mut self, ui: &Ui) {
         let ctx = ui.ctx();
-        if self.dialog.is_some() {
+        if self.dialog.is_some() || self.questions.is_asking() {
             // Its own keys are taken where it is shown.
             return;
         }
@@ -95,6 +105,9 @@ impl Viewer {
         if escape {
             self.lists_shortcuts = false;
             self.viewport.chooses_region = false;
+            if self.viewport.placing.take().is_some() {
+                return;
+            }
             if self.material.take().is_some() {
                 self.link.send(Command::Unpick);
             }
@@ -110,6 +123,7 @@ impl Viewer {
             "r" => self.toggle_region(),
             "c" => self.toggle_compare(),
             "n" => self.toggle_denoise(),
+            "g" => self.toggle_walk(),
             "p" => self.link.send(Command::Pause(!self.status.is_paused)),
             "[" => display.view.exposure -= STOP,
             "]" => display.view.exposure += STOP,

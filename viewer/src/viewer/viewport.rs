@@ -6,6 +6,7 @@ use egui::{
 use engine::display::Channel;
 use engine::scene::Camera;
 use glam::Vec3;
+use patina_panels::Placing;
 
 use crate::link::{Command, PickPurpose, SceneFacts};
 use crate::navigate::Navigator;
@@ -16,6 +17,9 @@ use super::Viewer;
 const WHEEL: f32 = 0.002;
 /// Flying while Shift is held is so many times faster.
 const FAST: f32 = 4.0;
+/// How slow and how fast it can be set.
+pub(super) const SLOWEST: f32 = 0.01;
+pub(super) const FASTEST: f32 = 100.0;
 /// Points around the border between both pictures in which it can be taken.
 const GRIP: f32 = 6.0;
 /// Frames per second while flying: more would take time from rendering.
@@ -42,9 +46,40 @@ pub(super) struct Viewport {
     pub(super) split: Option<f32>,
     is_splitting: bool,
     is_flying: bool,
+    walk: Option<Walk>,
+    /// A light that the next click places.
+    pub(super) placing: Option<(String, Placing)>,
+}
+
+/// On foot: the eye stays so high above the ground.
+#[derive(Debug, Default)]
+struct Walk {
+    /// Metres; not known before the ground has been found.
+    height: Option<f32>,
+    /// The ground has been asked for.
+    is_asking: bool,
 }
 
 impl Viewport {
+    /// Whether one walks in place of flying.
+    pub(super) fn walks(&self) -> bool {
+        self.walk.is_some()
+    }
+
+    /// Stands on the ground that was found; gives what is to be looked through then.
+    pub(super) fn stand(&mut self, from: Vec3, below: Option<f32>) -> Option<Camera> {
+        let walk = self.walk.as_mut()?;
+        walk.is_asking = false;
+        // Over an abyss it goes on as it was.
+        let below = below?;
+        let height = *walk.height.get_or_insert(below);
+        let eye = self.now()?.eye();
+        let rise = height - below + from.y - eye.y;
+        // Nobody climbs walls, nor steps off roofs.
+        let is_step = (1e-4..=0.75 * height.max(0.01)).contains(&rise.abs());
+        is_step.then(|| self.moved(|navigator| navigator.rise(rise)))?
+    }
+
     pub(super) fn scene_changed(&mut self, scene: &SceneFacts) {
         self.home.clone_from(&scene.look_camera);
     }
@@ -115,9 +150,11 @@ impl Viewer {
             .interact_pointer_pos()
             .filter(|_| response.clicked())
         {
-            let purpose = match ui.input(|input| input.modifiers.command) {
-                true => PickPurpose::Focus,
-                false => PickPurpose::Material,
+            let is_focus = ui.input(|input| input.modifiers.command);
+            let purpose = match (&self.viewport.placing, is_focus) {
+                (Some(_), _) => PickPurpose::Light,
+                (None, true) => PickPurpose::Focus,
+                (None, false) => PickPurpose::Material,
             };
             let [x, y] = place(rect, at);
             let at = glam::Vec2::new(x, y);
@@ -164,9 +201,22 @@ impl Viewer {
                     (false, false, true) => "Drop a glTF file here",
                     (false, false, false) => "Rendering ...",
                 };
-                let (font, color) = (egui::FontId::proportional(18.0), Color32::from_gray(170));
+                let (font, color) = (
+                    egui::FontId::proportional(18.0),
+                    ui.visuals().weak_text_color(),
+                );
                 painter.text(rect.center(), Align2::CENTER_CENTER, text, font, color);
             }
+        }
+        if let Some((light, placing)) = &self.viewport.placing {
+            let text = match placing {
+                Placing::Aim => format!("click on what {light} is to shine at, or press Esc"),
+                Placing::InFront => {
+                    format!("click on what {light} is to stand in front of, or press Esc")
+                }
+            };
+            let at = rect.center_top() + Vec2::new(0.0, 10.0);
+            note(&painter, at, Align2::CENTER_TOP, &text);
         }
         if let Some(region) = self.viewport.region {
             let region = corners(rect, region);
@@ -288,10 +338,37 @@ impl Viewer {
             true => seconds.min(0.1),
             false => 1.0 / FLIGHT_FPS,
         };
-        self.viewport.moved(|navigator| {
-            let way = way * (seconds * navigator.speed());
-            navigator.fly(way);
-        })
+        let pace = seconds * self.preferences.speed.clamp(SLOWEST, FASTEST);
+        let walks = self.viewport.walks();
+        let view = self.viewport.moved(|navigator| {
+            let way = way * (pace * navigator.speed());
+            match walks {
+                true => navigator.walk(glam::Vec2::new(way.x, way.z)),
+                false => navigator.fly(way),
+            }
+        });
+        self.ask_for_ground();
+        view
+    }
+}
+
+impl Viewer {
+    /// Walks from now on in place of flying, or flies again.
+    pub(super) fn toggle_walk(&mut self) {
+        self.viewport.walk = match self.viewport.walk {
+            Some(_) => None,
+            None => Some(Walk::default()),
+        };
+        self.ask_for_ground();
+    }
+
+    fn ask_for_ground(&mut self) {
+        let eye = self.viewport.now().map(|navigator| navigator.eye());
+        if let (Some(walk), Some(eye)) = (&mut self.viewport.walk, eye)
+            && !std::mem::replace(&mut walk.is_asking, true)
+        {
+            self.link.send(Command::Ground(eye));
+        }
     }
 }
 

@@ -12,7 +12,7 @@ struct Display {
     distance_scale: f32, // shown half bright, metres
     most_samples: f32,
     is_balanced: u32,
-    outlined: u32, // the instance that has a line around it; MISS: none
+    outlined: u32, // the material that has a line around it; MISS: none
     unused0: u32,
     unused1: u32,
     unused2: u32,
@@ -145,10 +145,10 @@ fn octahedral(packed: u32) -> vec3f {
 const OUTLINE = vec3f(1.0, 0.62, 0.1);
 
 fn is_outlined(x: u32, y: u32) -> bool {
-    return guides[2u * (y * display.settings.width + x)].z == display.settings.outlined;
+    return guides[2u * (y * display.settings.width + x)].y == display.settings.outlined;
 }
 
-// Whether a pixel lies on the line: the outermost ones of what is seen of the instance, and those beside it.
+// Whether a pixel lies on the line: the outermost ones of what is seen of the material, and those beside it.
 fn is_on_outline(at: u32) -> bool {
     let width = display.settings.width;
     let height = display.settings.height;

@@ -225,7 +225,7 @@ fn what_is_picked_has_a_line_around_it() {
     let center = (8 * 24 + 12) * 4;
     let hit = session.pick(Vec2::new(12.5 / 24.0, 8.5 / 16.0));
     let with_line = DisplaySettings {
-        outlined: hit.map(|hit| hit.instance),
+        outlined: hit.map(|hit| hit.material),
         ..objects
     };
     assert!(with_line.needs_guides());
