@@ -161,7 +161,7 @@ pub(crate) fn remove_unused(
 }
 
 /// A name that no node has: `wanted`, or with a number behind it. Other characters than names may have become `_`.
-fn free_name(document: &Document, wanted: &str, taken: &[String]) -> String {
+pub(crate) fn free_name(document: &Document, wanted: &str, taken: &[String]) -> String {
     let plain = |c: char| match c.is_alphanumeric() || c == '-' {
         true => c,
         false => '_',

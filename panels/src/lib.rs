@@ -11,8 +11,10 @@
 //! [`Previews`] paints small pictures of nodes in the background. Nothing here opens windows, files (but looks and images) or event
 //! loops, and nothing renders the scene.
 
+mod clipboard;
 mod context;
 mod edits;
+mod environments;
 mod graph;
 mod history;
 mod lamps;

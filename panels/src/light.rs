@@ -6,6 +6,7 @@ use engine::session::{Edit, written};
 use texgen::Widget;
 
 use crate::context::Context;
+use crate::environments::picker;
 use crate::widgets::{Bounds, Spec, choice, draft, edit, name, row};
 
 /// A number of the environment: key, label, slider, bounds, unit, and what it is without the key.
@@ -139,7 +140,9 @@ fn environment_image(ui: &mut Ui, cx: &mut Context<'_>) {
     };
     let help = "an equirectangular picture";
     let (_, field) = row(ui, "Image", help, true, |ui| {
-        draft(ui, "Environment image", "path of a picture", &path, 260.0)
+        let field = draft(ui, "Environment image", "path of a picture", &path, 160.0);
+        picker(ui, cx, "Choose…");
+        field
     });
     if let Some(path) = field.value {
         let edit = Edit::environment("image", Value::Text(path));
@@ -213,6 +216,9 @@ fn environment_kinds(ui: &mut Ui, cx: &mut Context<'_>) {
         if !is_chosen && ui.button(label).clicked() {
             cx.edit(&format!("environment: {label}"), other(key, value), None);
         }
+    }
+    if cx.document.value(&section, "image").is_none() {
+        picker(ui, cx, "A picture…");
     }
     let has_any = !cx.document.table(&section).is_empty();
     if has_any && ui.button("That of the scene").clicked() {

@@ -6,7 +6,7 @@ use egui::{
     Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
 
-use super::rows::{Input, MARGIN, PREVIEW, ROW, Rows, TITLE, WIDTH};
+use super::rows::{Input, MARGIN, PREVIEW, ROW, Rows, Shown, TITLE, WIDTH};
 use super::{GraphItem, GraphView, Loose, OutputSocket, Sockets};
 use crate::context::Context;
 use crate::widgets::{context_menu, describe, menu};
@@ -168,7 +168,8 @@ impl GraphView {
         let target = row.target.as_ref();
         let full = links::target_name(target, &row.label);
         let text = center + vec2(2.0 * MARGIN, 0.0);
-        let (ink, room) = (ui.visuals().text_color(), WIDTH - 3.0 * MARGIN);
+        let taken = constant(ui, center, row.value.as_ref());
+        let (ink, room) = (ui.visuals().text_color(), WIDTH - 3.0 * MARGIN - taken);
         write(ui, text, Align2::LEFT_CENTER, &row.label, room, ink);
         let socket = socket(ui, center, &format!("Input {full}"), row.color);
         let wire = cx.model.source(target).cloned();
@@ -185,6 +186,26 @@ impl GraphView {
         context_menu(&socket, |ui| {
             links::link_menu(ui, cx, target, &full, wire.is_some(), "Disconnect");
         });
+    }
+}
+
+/// Paints a constant at the right end of its row. Gives the points that it takes.
+fn constant(ui: &Ui, start: Pos2, value: Option<&Shown>) -> f32 {
+    let end = start + vec2(WIDTH - MARGIN, 0.0);
+    match value {
+        None => 0.0,
+        Some(Shown::Color([r, g, b])) => {
+            let color = egui::Rgba::from_rgb(*r, *g, *b);
+            let place = Rect::from_center_size(end - vec2(12.0, 0.0), vec2(24.0, ROW - 6.0));
+            let edge = Stroke::new(1.0, ui.visuals().weak_text_color());
+            let painter = ui.painter();
+            painter.rect(place, 2.0, color, edge, StrokeKind::Inside);
+            30.0
+        }
+        Some(Shown::Text(text)) => {
+            let (color, room) = (ui.visuals().weak_text_color(), 0.5 * WIDTH);
+            write(ui, end, Align2::RIGHT_CENTER, text, room, color) + MARGIN
+        }
     }
 }
 
@@ -240,11 +261,13 @@ fn socket(ui: &mut Ui, center: Pos2, label: &str, color: Color32) -> Response {
     response.on_hover_text(label)
 }
 
-/// One line of text, cut where there is no more room.
-fn write(ui: &Ui, at: Pos2, anchor: Align2, text: &str, width: f32, color: Color32) {
+/// One line of text, cut where there is no more room. Gives its width.
+fn write(ui: &Ui, at: Pos2, anchor: Align2, text: &str, width: f32, color: Color32) -> f32 {
     let mut job = LayoutJob::simple_singleline(text.to_owned(), FontId::proportional(12.0), color);
     job.wrap = egui::text::TextWrapping::truncate_at_width(width);
     let line = ui.painter().layout_job(job);
     let place = anchor.anchor_size(at, line.size());
+    let width = line.size().x;
     ui.painter().galley(place.min, line, color);
+    width
 }

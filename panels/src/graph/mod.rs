@@ -5,12 +5,15 @@
 mod card;
 mod layout;
 mod rows;
+mod select;
 
 use std::collections::{BTreeSet, HashMap};
 use std::rc::Rc;
 
 use egui::epaint::CubicBezierShape;
-use egui::{Color32, Key, Modifiers, Pos2, Rect, Response, Scene, Shape, Stroke, Ui, vec2};
+use egui::{
+    Color32, DragPanButtons, Key, Modifiers, Pos2, Rect, Response, Scene, Shape, Stroke, Ui, vec2,
+};
 use texgen::Swizzle;
 
 use crate::context::Context;
@@ -56,6 +59,14 @@ pub(crate) struct GraphView {
     /// Where the menu for new nodes was opened.
     menu_at: Pos2,
     search: String,
+    /// What is looked for among the nodes.
+    wanted: String,
+    /// Nodes whose cards are shown.
+    nodes_shown: Vec<String>,
+    /// Where the plane is in the window, points.
+    area: Rect,
+    /// Where a rectangle that selects begins, in the window.
+    box_start: Option<Pos2>,
 }
 
 impl Default for GraphView {
@@ -69,6 +80,10 @@ impl Default for GraphView {
             rows_of: 0,
             menu_at: Pos2::ZERO,
             search: String::new(),
+            wanted: String::new(),
+            nodes_shown: Vec::new(),
+            area: Rect::ZERO,
+            box_start: None,
         }
     }
 }
@@ -167,6 +182,7 @@ impl GraphView {
         let mut nodes = model.nodes_of(materials);
         nodes.extend(model.loose_nodes(cx.document.look()));
         self.selected.retain(|node| nodes.contains(node));
+        self.nodes_shown.clone_from(&nodes);
         ui.horizontal(|ui| self.tools(ui, cx));
         let mut subjects: Vec<GraphItem<'_>> = materials
             .iter()
@@ -176,8 +192,16 @@ impl GraphView {
         self.place(cx, &subjects);
 
         let area = ui.available_rect_before_wrap();
+        self.area = area;
+        // With Shift or Command held a drag selects.
+        let selects = ui.input(|i| i.modifiers.shift || i.modifiers.command);
+        let pans = match selects || self.box_start.is_some() {
+            true => DragPanButtons::all() - DragPanButtons::PRIMARY,
+            false => DragPanButtons::all(),
+        };
         let mut seen = self.seen;
         let shown = Scene::new()
+            .drag_pan_buttons(pans)
             .zoom_range(0.1..=2.0)
             .max_inner_size(vec2(f32::INFINITY, f32::INFINITY))
             .show(ui, &mut seen, |ui| {
@@ -193,10 +217,12 @@ impl GraphView {
             });
         self.seen = seen;
         self.background(cx, &shown.response);
+        self.select_in_box(ui, cx, &shown.response);
         let pointer = ui.input(|input| input.pointer.latest_pos());
         let is_here = pointer.is_none_or(|pointer| area.contains(pointer));
         if is_here && !ui.text_edit_focused() {
             self.keys(ui, cx);
+            self.take_clipboard(ui, cx);
         }
     }
 
@@ -214,6 +240,7 @@ impl GraphView {
         if ui.button("Fit").clicked() {
             self.fit();
         }
+        self.find(ui, cx);
         if !self.selected.is_empty() {
             if ui.button("Duplicate").clicked() {
                 self.duplicate(cx);

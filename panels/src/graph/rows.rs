@@ -4,12 +4,13 @@ use std::rc::Rc;
 
 use egui::{Color32, Pos2, Rect, pos2, vec2};
 use engine::procedural::{Kind, Output};
-use texgen::{ParameterType, Swizzle};
+use engine::scene::look::Section;
+use texgen::{Parameter, ParameterType, Swizzle, Value, Widget};
 
 use super::{GraphItem, GraphView, OutputSocket, Sockets};
 use crate::context::Context;
 use crate::list;
-use crate::material::{InLook as _, PARAMETERS};
+use crate::material::{InLook as _, PARAMETERS, Takes};
 use crate::model::Target;
 
 pub(super) const WIDTH: f32 = 190.0;
@@ -26,11 +27,22 @@ pub(super) struct Input {
     pub(super) target: Rc<Target>,
     pub(super) label: String,
     pub(super) color: Color32,
+    /// The constant that it has, where nothing drives it.
+    pub(super) value: Option<Shown>,
+}
+
+/// A constant on a card.
+#[derive(Debug, PartialEq)]
+pub(super) enum Shown {
+    Text(String),
+    /// Linear.
+    Color([f32; 3]),
 }
 
 impl Input {
-    fn new(target: Target, label: String, components: usize) -> Self {
+    fn new(target: Target, label: String, components: usize, value: Option<Shown>) -> Self {
         Self {
+            value,
             target: Rc::new(target),
             label,
             color: color_of(components),
@@ -183,7 +195,8 @@ fn inputs(cx: &Context<'_>, subject: GraphItem<'_>) -> Vec<Input> {
                     parameter: parameter.name.clone(),
                 };
                 let label = list::short_label(parameter).to_owned();
-                Input::new(target, label, components(parameter.ty))
+                let shown = node_value(cx, node, parameter).filter(|_| is_free(cx, &target));
+                Input::new(target, label, components(parameter.ty), shown)
             });
             input.collect()
         }
@@ -192,7 +205,7 @@ fn inputs(cx: &Context<'_>, subject: GraphItem<'_>) -> Vec<Input> {
                 let target = Target::Mask {
                     material: material.to_owned(),
                 };
-                Input::new(target, "Mask".to_owned(), 1)
+                Input::new(target, "Mask".to_owned(), 1, None)
             });
             let keys = PARAMETERS.iter().filter_map(|key| {
                 let output = key.output()?;
@@ -207,10 +220,67 @@ fn inputs(cx: &Context<'_>, subject: GraphItem<'_>) -> Vec<Input> {
                     Kind::Scalar => 1,
                     Kind::Color | Kind::Vector => 3,
                 };
-                is_shown.then(|| Input::new(target, key.label.to_owned(), count))
+                let section = Section::Material(material.to_owned());
+                let constant = || {
+                    let written = cx.document.value(&section, key.key);
+                    let constant = written.or_else(|| key.written(cx.scene_material(material)));
+                    shown(
+                        &key.shown(&constant?)?,
+                        matches!(key.takes, Takes::Color { .. }),
+                    )
+                };
+                let value = (!is_driven).then(constant).flatten();
+                is_shown.then(|| Input::new(target, key.label.to_owned(), count, value))
             });
             mask.into_iter().chain(keys).collect()
         }
+    }
+}
+
+/// Whether nothing drives it.
+fn is_free(cx: &Context<'_>, target: &Target) -> bool {
+    cx.model.source(target).is_none()
+}
+
+/// What a parameter of a node is: the name of an attribute, or a constant.
+fn node_value(cx: &Context<'_>, node: &str, parameter: &Parameter) -> Option<Shown> {
+    let id = cx.model.graph.node(node)?;
+    if let Some(attribute) = cx.model.graph.attribute(id, &parameter.name) {
+        return Some(Shown::Text(attribute.name().to_owned()));
+    }
+    let value = cx.model.graph.value(id, &parameter.name)?;
+    shown(value, parameter.widget == Widget::Color)
+}
+
+fn shown(value: &Value, is_color: bool) -> Option<Shown> {
+    let list = |list: &[f32]| {
+        let words: Vec<String> = list.iter().map(|&x| number(x)).collect();
+        Some(Shown::Text(words.join(" ")))
+    };
+    match value {
+        Value::Vec3(rgb) if is_color => Some(Shown::Color(*rgb)),
+        Value::Vec4([r, g, b, _]) if is_color => Some(Shown::Color([*r, *g, *b])),
+        Value::F32(x) => list(&[*x]),
+        Value::Vec2(v) => list(v),
+        Value::Vec3(v) => list(v),
+        Value::Vec4(v) => list(v),
+        Value::I32(x) => Some(Shown::Text(x.to_string())),
+        Value::U32(x) => Some(Shown::Text(x.to_string())),
+        Value::Bool(x) => Some(Shown::Text(if *x { "yes" } else { "no" }.to_owned())),
+        _ => None,
+    }
+}
+
+/// With three digits, as a card has little room.
+fn number(x: f32) -> String {
+    if x == 0.0 || !x.is_finite() || !(1e-3..1e5).contains(&x.abs()) {
+        return format!("{x:.2e}").replace("0.00e0", "0");
+    }
+    let digits = (2 - x.abs().log10().floor() as i32).clamp(0, 5) as usize;
+    let text = format!("{x:.digits$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
     }
 }
 
@@ -230,5 +300,24 @@ fn color_of(components: usize) -> Color32 {
         2 => Color32::from_rgb(90, 170, 120),
         3 => Color32::from_rgb(210, 180, 80),
         _ => Color32::from_rgb(170, 110, 200),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (x, text) in [
+            (0.0, "0"),
+            (1.0, "1"),
+            (0.25, "0.25"),
+            (123.456, "123"),
+            (-0.012345, "-0.0123"),
+            (1e6, "1.00e6"),
+        ] {
+            assert_eq!(number(x), text);
+        }
     }
 }

@@ -5,17 +5,24 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::SystemTime;
 
-use egui::{ColorImage, TextureHandle, TextureOptions, Ui, vec2};
+use egui::{Color32, ColorImage, Rgba, TextureHandle, TextureOptions, Ui, vec2};
+use engine::scene::FloatImage;
+use engine::scene::import::load_environment_image;
 use engine::scene::look::{Field, Spanned, Value, find};
+use engine::system::Disk;
 
 use super::{Edited, choice, draft};
 
 /// Points of a thumbnail's longer side.
 const THUMBNAIL: u32 = 48;
+/// Pictures that are read at the same time.
+const MOST_PENDING: usize = 2;
 
 /// Thumbnails by file, made in the background.
 pub(crate) struct ImageSlot {
     thumbnails: HashMap<PathBuf, Thumbnail>,
+    /// So many are being made.
+    pending: usize,
     sender: Sender<(PathBuf, Option<ColorImage>)>,
     receiver: Receiver<(PathBuf, Option<ColorImage>)>,
 }
@@ -36,6 +43,7 @@ impl Default for ImageSlot {
         let (sender, receiver) = channel();
         Self {
             thumbnails: HashMap::new(),
+            pending: 0,
             sender,
             receiver,
         }
@@ -43,8 +51,10 @@ impl Default for ImageSlot {
 }
 
 impl ImageSlot {
-    fn thumbnail(&mut self, ctx: &egui::Context, path: &Path) -> Option<&TextureHandle> {
+    /// A small picture of a file, once it has been made.
+    pub(crate) fn thumbnail(&mut self, ctx: &egui::Context, path: &Path) -> Option<&TextureHandle> {
         while let Ok((path, image)) = self.receiver.try_recv() {
+            self.pending = self.pending.saturating_sub(1);
             if let (Some(slot), Some(image)) = (self.thumbnails.get_mut(&path), image) {
                 let name = path.display().to_string();
                 slot.texture = Some(ctx.load_texture(name, image, TextureOptions::LINEAR));
@@ -54,18 +64,20 @@ impl ImageSlot {
             .and_then(|file| file.modified())
             .ok();
         let known = self.thumbnails.get(path);
-        if known.is_none_or(|known| known.modified != modified) {
+        let is_new = known.is_none_or(|known| known.modified != modified);
+        if is_new && self.pending < MOST_PENDING {
             let texture = None;
             let slot = Thumbnail { modified, texture };
             self.thumbnails.insert(path.to_owned(), slot);
             let (sender, path, ctx) = (self.sender.clone(), path.to_owned(), ctx.clone());
             // Where the system starts no more threads there is no thumbnail.
-            let _ = std::thread::Builder::new().spawn(move || {
+            let begun = std::thread::Builder::new().spawn(move || {
                 let image = read(&path);
                 // The panel may be gone by now.
                 let _ = sender.send((path, image));
                 ctx.request_repaint();
             });
+            self.pending += usize::from(begun.is_ok());
         }
         self.thumbnails.get(path)?.texture.as_ref()
     }
@@ -75,12 +87,55 @@ impl ImageSlot {
 const MAX_FILE: u64 = 1 << 30;
 
 fn read(path: &Path) -> Option<ColorImage> {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    let is_radiance = |e: &str| {
+        ["hdr", "exr"]
+            .iter()
+            .any(|known| e.eq_ignore_ascii_case(known))
+    };
+    if ending.is_some_and(is_radiance) {
+        let (image, _) = load_environment_image(&Disk, path).ok()?;
+        return Some(panorama(&image));
+    }
     let file = engine::input::read(path, MAX_FILE).ok()?;
     let image = image::ImageReader::new(std::io::Cursor::new(file));
     let image = image.with_guessed_format().ok()?.decode().ok()?;
     let small = image.thumbnail(THUMBNAIL, THUMBNAIL).to_rgba8();
     let size = [small.width() as usize, small.height() as usize];
     Some(ColorImage::from_rgba_unmultiplied(size, small.as_raw()))
+}
+
+/// A panorama in twice the width of its height, as bright as one looks at it.
+fn panorama(image: &FloatImage) -> ColorImage {
+    let (width, height) = (2 * THUMBNAIL, THUMBNAIL);
+    let texel = |x: u32, y: u32| {
+        // A few texels of each pixel: the sun may be missed, the rest is right.
+        let at = |of: u32, among: u32, i: u32, size: u32| {
+            ((f64::from(of) + (f64::from(i) + 0.5) / 4.0) / f64::from(among) * f64::from(size))
+                as u32
+        };
+        let mut sum = [0.0f32; 3];
+        for i in 0..16 {
+            let u = at(x, width, i % 4, image.width).min(image.width - 1);
+            let v = at(y, height, i / 4, image.height).min(image.height - 1);
+            let rgb = image.rgb[(v * image.width + u) as usize];
+            for (sum, channel) in sum.iter_mut().zip(rgb) {
+                *sum += channel / 16.0;
+            }
+        }
+        sum
+    };
+    let pixels = (0..width * height).map(|at| texel(at % width, at / width));
+    let pixels: Vec<[f32; 3]> = pixels.collect();
+    let total: f32 = pixels.iter().flatten().map(|x| x / (1.0 + x)).sum();
+    let mean = (total / (3 * pixels.len()) as f32).clamp(1e-6, 0.99);
+    let gain = 0.4 / (mean / (1.0 - mean));
+    let shown = |[r, g, b]: [f32; 3]| {
+        let channel = |x: f32| x * gain / (1.0 + x * gain);
+        Color32::from(Rgba::from_rgb(channel(r), channel(g), channel(b)))
+    };
+    let size = [width as usize, height as usize];
+    ColorImage::new(size, pixels.into_iter().map(shown).collect())
 }
 
 /// Shows the slot of an image; `folder` is what paths are relative to.

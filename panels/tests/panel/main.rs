@@ -5,5 +5,6 @@ mod history;
 mod large;
 mod names;
 mod picture;
+mod selecting;
 mod snapshots;
 mod support;

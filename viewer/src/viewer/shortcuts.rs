@@ -19,7 +19,7 @@ const REDO_TOO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key
 const STOP: f32 = 0.25;
 
 /// What the list says: keys, and what they do.
-const LIST: [(&str, &str); 33] = [
+const LIST: [(&str, &str); 36] = [
     ("drag", "turn around the point in focus"),
     ("right drag", "look around"),
     ("middle drag, Shift drag", "pan"),
@@ -55,6 +55,12 @@ const LIST: [(&str, &str); 33] = [
     ("ramp: click, Delete", "add a stop; take one away"),
     ("graph: drag, wheel", "move, nearer and farther"),
     ("graph: Shift click", "select one more card"),
+    ("graph: Shift drag", "select the cards in a rectangle"),
+    ("graph: Ctrl A", "select all cards"),
+    (
+        "graph: Ctrl C, X, V",
+        "copy, cut and paste, from look to look",
+    ),
     ("graph: Ctrl D", "duplicate what is selected"),
     ("graph: Delete", "delete what is selected"),
     ("?", "this list"),
