@@ -25,6 +25,7 @@ mod list;
 mod material;
 mod model;
 mod panel;
+mod pictures;
 mod preview;
 #[cfg(test)]
 mod random_tests;
@@ -36,6 +37,7 @@ mod widgets;
 
 pub use lamps::{Placing, place_light};
 pub use panel::{Form, TexturesPanel};
+pub use pictures::{DraggedMaterial, PictureUse, give_material};
 pub use preview::Previews;
 pub use scene_view::SceneView;
 pub use textures::Textures;

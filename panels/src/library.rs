@@ -7,6 +7,9 @@ use texgen::TextureType;
 use crate::context::Context;
 use crate::{edits, widgets};
 
+/// Points of the picture of a texture.
+const SWATCH: egui::Vec2 = egui::vec2(36.0, 36.0);
+
 /// The library, narrowed down by what is looked for. Gives the name of a node that was added.
 pub(crate) fn add_menu(ui: &mut Ui, cx: &mut Context<'_>, search: &mut String) -> Option<String> {
     let field = egui::TextEdit::singleline(search).hint_text("search");
@@ -44,9 +47,12 @@ fn entries(
 ) -> Option<String> {
     let mut added = None;
     for (i, texture) in found.iter().enumerate() {
-        let entry = ui.button(texture.name());
-        let is_chosen = entry.clicked() || (i == 0 && by_enter);
-        entry.on_hover_text(texture.docs());
+        let row = ui.horizontal(|ui| {
+            swatch(ui, cx, texture.name());
+            ui.button(texture.name())
+        });
+        let is_chosen = row.inner.clicked() || (i == 0 && by_enter);
+        row.inner.on_hover_text(texture.docs());
         if is_chosen && added.is_none() {
             let (name, edits) = edits::add_node(cx.document, texture.name());
             cx.edit(&format!("add {name}"), edits, None);
@@ -62,6 +68,24 @@ fn entries(
         entry.on_disabled_hover_text(summary(problems));
     }
     added
+}
+
+/// What a texture looks like by itself, where there are pictures at all.
+fn swatch(ui: &mut Ui, cx: &mut Context<'_>, texture: &str) {
+    let Some(previews) = &mut cx.previews else {
+        return;
+    };
+    let (place, _) = ui.allocate_exact_size(SWATCH, egui::Sense::hover());
+    if !ui.is_rect_visible(place) {
+        return;
+    }
+    match previews.texture(ui.ctx(), cx.textures, texture) {
+        Some(picture) => egui::Image::new((picture.id(), SWATCH)).paint_at(ui, place),
+        None => {
+            let background = ui.visuals().extreme_bg_color;
+            ui.painter().rect_filled(place, 2.0, background);
+        }
+    }
 }
 
 /// Whether something is shown that was not a frame ago: what is written goes there then.

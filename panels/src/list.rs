@@ -11,6 +11,7 @@ use crate::edits;
 use crate::links::driven;
 use crate::material::{InLook as _, Key, PARAMETERS, Takes};
 use crate::model::Target;
+use crate::pictures::DraggedMaterial;
 use crate::widgets::{
     Bounds, Edited, Spec, choice, draft, edit, image_slot, menu, name, row, scrolled,
 };
@@ -22,6 +23,7 @@ pub(crate) fn material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
         .id_salt(&title)
         .default_open(true);
     header.show(ui, |ui| {
+        handle(ui, cx, material);
         if !cx.is_own(material) {
             let label = format!("Name of {title}");
             let help = "what blends call this material";
@@ -54,6 +56,18 @@ pub(crate) fn material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
             }
         });
     });
+}
+
+/// By which a material is dragged onto the model, where there is another one to be had by it.
+fn handle(ui: &mut Ui, cx: &Context<'_>, material: &str) {
+    if cx.material_names().len() < 2 {
+        return;
+    }
+    let id = ui.scope_id().with(("drag", material));
+    let payload = DraggedMaterial(material.to_owned());
+    let dragged = ui.dnd_drag_source(id, payload, |ui| ui.weak("drag onto the model"));
+    let help = "what it is dropped on looks like this material, by a blend";
+    dragged.response.on_hover_text(help);
 }
 
 fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {

@@ -100,6 +100,11 @@ impl TexturesPanel {
         std::mem::take(&mut self.snapshots.compares)
     }
 
+    /// Whether the slot of an image has taken a file that was dropped; asked for once.
+    pub fn take_dropped(&mut self) -> bool {
+        self.images.take_dropped()
+    }
+
     /// The light that is to be placed by the next click into the picture; asked for once.
     pub fn take_placing(&mut self) -> Option<(String, Placing)> {
         self.placing.take()

@@ -25,17 +25,18 @@ const SIZE: usize = 64;
 /// Kernels that are kept: one for each set of textures.
 const MAX_KERNELS: usize = 16;
 
-/// What is to be shown.
+/// What is to be shown: a node, or without a look a texture of the library with its own values.
 struct Wanted {
     node: String,
     hash: u64,
-    look: Arc<Look>,
+    look: Option<Arc<Look>>,
     sources: Arc<TextureSources>,
 }
 
 /// What it looks like, or why it can't be shown.
 struct Made {
     node: String,
+    is_texture: bool,
     hash: u64,
     picture: Result<ColorImage, String>,
 }
@@ -45,6 +46,8 @@ pub struct Previews {
     wanted: Sender<Wanted>,
     made: Receiver<Made>,
     pictures: HashMap<String, Picture>,
+    /// Of textures, by their names.
+    textures: HashMap<String, Picture>,
     /// The look that is shown, with the hashes of its nodes so far.
     shown: Option<Shown>,
 }
@@ -91,6 +94,7 @@ impl Previews {
             wanted,
             made,
             pictures: HashMap::new(),
+            textures: HashMap::new(),
             shown: None,
         }
     }
@@ -126,21 +130,55 @@ impl Previews {
             let _ = self.wanted.send(Wanted {
                 node: node.to_owned(),
                 hash,
-                look: Arc::clone(&shown.look),
+                look: Some(Arc::clone(&shown.look)),
                 sources: Arc::clone(&shown.sources),
             });
         }
         (picture.texture.as_ref(), picture.error.as_deref())
     }
 
+    /// The picture of a texture with its own values, once there is one.
+    pub(crate) fn texture(
+        &mut self,
+        ctx: &egui::Context,
+        textures: &Textures,
+        name: &str,
+    ) -> Option<&TextureHandle> {
+        self.receive(ctx);
+        let mut hasher = DefaultHasher::new();
+        let text = textures
+            .library
+            .get(name)
+            .map(|texture| texture.file().text());
+        text.hash(&mut hasher);
+        let hash = hasher.finish();
+        let picture = self.textures.entry(name.to_owned()).or_default();
+        if picture.asked != Some(hash) {
+            picture.asked = Some(hash);
+            // Without a device nobody listens.
+            let _ = self.wanted.send(Wanted {
+                node: name.to_owned(),
+                hash,
+                look: None,
+                sources: Arc::new(textures.sources.clone()),
+            });
+        }
+        picture.texture.as_ref()
+    }
+
     fn receive(&mut self, ctx: &egui::Context) {
         while let Ok(Made {
             node,
+            is_texture,
             hash,
             picture: made,
         }) = self.made.try_recv()
         {
-            let Some(picture) = self.pictures.get_mut(&node) else {
+            let known = match is_texture {
+                true => &mut self.textures,
+                false => &mut self.pictures,
+            };
+            let Some(picture) = known.get_mut(&node) else {
                 continue;
             };
             match made {
@@ -222,14 +260,20 @@ fn work(
         // While a slider is dragged, only the last of each node matters.
         let mut waiting: Vec<Wanted> = Vec::new();
         for wanted in std::iter::once(first).chain(requests.try_iter()) {
-            waiting.retain(|other| other.node != wanted.node);
+            let is_same = |other: &Wanted| {
+                other.node == wanted.node && other.look.is_some() == wanted.look.is_some()
+            };
+            waiting.retain(|other| !is_same(other));
             waiting.push(wanted);
         }
         for wanted in waiting {
             let picture = picture(&device, &mut kernels, &wanted);
-            let Wanted { node, hash, .. } = wanted;
+            let Wanted {
+                node, hash, look, ..
+            } = wanted;
             let made = Made {
                 node,
+                is_texture: look.is_none(),
                 hash,
                 picture,
             };
@@ -246,7 +290,10 @@ fn picture(
     kernels: &mut Vec<(BTreeSet<String>, Evaluator)>,
     wanted: &Wanted,
 ) -> Result<ColorImage, String> {
-    let subject = Subject::Node(&wanted.node, &wanted.look);
+    let subject = match &wanted.look {
+        Some(look) => Subject::Node(&wanted.node, look),
+        None => Subject::Texture(&wanted.node),
+    };
     let isolated = Isolated::new(subject, &wanted.sources).map_err(|p| summary(&p))?;
     let output = isolated.output();
     let library = isolated.procedural().graph().library();
@@ -361,7 +408,7 @@ mod tests {
             let wanted = Wanted {
                 node: node.to_owned(),
                 hash: 0,
-                look: Arc::new(document(text).look().clone()),
+                look: Some(Arc::new(document(text).look().clone())),
                 sources: Arc::new(textures.sources.clone()),
             };
             picture(&device, &mut kernels, &wanted)
@@ -375,5 +422,13 @@ mod tests {
         assert_eq!(second.pixels[0].r(), 0);
         assert_eq!(second.pixels[9].g(), first.pixels[9].g());
         assert!(make("c", LOOK).is_err());
+        let by_itself = Wanted {
+            node: "ramp".to_owned(),
+            hash: 0,
+            look: None,
+            sources: Arc::new(textures.sources.clone()),
+        };
+        let by_itself = picture(&device, &mut kernels, &by_itself).expect("a picture");
+        assert!(by_itself.pixels[0].r() < 60 && by_itself.pixels[SIZE - 1].r() > 250);
     }
 }

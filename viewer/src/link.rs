@@ -121,6 +121,8 @@ pub enum PickPurpose {
     Focus,
     /// To place a light.
     Light,
+    /// To give it a material that was dropped there.
+    Drop,
 }
 
 /// What lies below a place of the picture.

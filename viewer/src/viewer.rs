@@ -131,6 +131,8 @@ pub struct Viewer {
     messages: Vec<Message>,
     dialog: Option<Dialog>,
     lists_shortcuts: bool,
+    /// A picture that was dropped, as the look names it, until it is known what for.
+    picture_to_use: Option<String>,
     questions: Questions,
     timeline: Timeline,
     /// Of the window.
@@ -174,6 +176,7 @@ impl Viewer {
             messages: Vec::new(),
             dialog: None,
             lists_shortcuts: false,
+            picture_to_use: None,
             questions: Questions::default(),
             timeline: Timeline::default(),
             shown_title: String::new(),
@@ -261,6 +264,7 @@ impl Viewer {
                 self.messages(ui, now, picture);
             });
         self.dialogs(ui);
+        self.picture_question(ui);
         self.flush_edits();
         self.show_title(ui);
         self.close(ui);
@@ -336,6 +340,7 @@ impl Viewer {
                 }
                 (PickPurpose::Focus, None) => {}
                 (PickPurpose::Light, hit) => self.place_light(hit.as_ref(), now),
+                (PickPurpose::Drop, hit) => self.drop_material(hit, now),
             },
             Reply::Done(text) => self.tell(text, false, now),
             Reply::Failed(text) => {

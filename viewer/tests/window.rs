@@ -594,7 +594,6 @@ fn dropped_files_are_opened_used_or_refused() {
     );
 
     for (file, said) in [
-        ("/a/wood.png", "onto the slot of a texture"),
         (
             "/a/notes.txt",
             "nothing is known to be done with /a/notes.txt",
@@ -903,4 +902,42 @@ fn who_walks_keeps_the_height_above_the_ground() {
     let below = None;
     stage.reply(Reply::Ground { from, below });
     assert!(stage.sent().is_empty(), "over an abyss nobody falls");
+}
+
+#[test]
+fn a_picture_that_is_dropped_becomes_what_one_says() {
+    let mut stage = Stage::new();
+    stage.harness.state_mut().document_mut().expect("a look");
+    stage.drop_files(&["/maps/oak.png"]);
+    assert!(stage.harness.query_by_label("oak.png").is_some());
+    stage.type_text("p");
+    assert!(stage.sent().is_empty(), "keys are not for what lies below");
+    stage.click("Cancel");
+    assert!(stage.harness.query_by_label("oak.png").is_none());
+
+    let text = "[material.Wood]\nroughness = 0.5\n";
+    stage.board.lock().unwrap().look = Some(LookFacts {
+        text: text.into(),
+        saved: text.into(),
+        outside: 1,
+        ..LookFacts::default()
+    });
+    stage.harness.run_steps(3);
+    stage.sent();
+    stage.drop_files(&["/maps/oak.png"]);
+    stage.click("Use as Roughness");
+    let sent = stage.sent();
+    let [Command::Change(change, _)] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    assert!(
+        change.text().contains("roughness = \"oak.x\""),
+        "{}",
+        change.text()
+    );
+    assert!(
+        change.text().contains("file = \"/maps/oak.png\""),
+        "{}",
+        change.text()
+    );
 }

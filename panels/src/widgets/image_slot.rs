@@ -23,6 +23,8 @@ pub(crate) struct ImageSlot {
     thumbnails: HashMap<PathBuf, Thumbnail>,
     /// So many are being made.
     pending: usize,
+    /// A slot has taken a file that was dropped.
+    has_taken: bool,
     sender: Sender<(PathBuf, Option<ColorImage>)>,
     receiver: Receiver<(PathBuf, Option<ColorImage>)>,
 }
@@ -44,6 +46,7 @@ impl Default for ImageSlot {
         Self {
             thumbnails: HashMap::new(),
             pending: 0,
+            has_taken: false,
             sender,
             receiver,
         }
@@ -51,6 +54,11 @@ impl Default for ImageSlot {
 }
 
 impl ImageSlot {
+    /// Whether a slot has taken a file that was dropped; asked for once.
+    pub(crate) fn take_dropped(&mut self) -> bool {
+        std::mem::take(&mut self.has_taken)
+    }
+
     /// A small picture of a file, once it has been made.
     pub(crate) fn thumbnail(&mut self, ctx: &egui::Context, path: &Path) -> Option<&TextureHandle> {
         while let Ok((path, image)) = self.receiver.try_recv() {
@@ -184,6 +192,7 @@ pub(crate) fn image_slot(
             }
             let field = field.response;
             if let Some(dropped) = dropped_on(ui, field.rect.union(place)) {
+                slots.has_taken = true;
                 let relative = dropped.strip_prefix(folder).unwrap_or(&dropped);
                 let path = relative.to_string_lossy().replace('\\', "/");
                 value = Some(with_key(fields, "file", Value::Text(path)));

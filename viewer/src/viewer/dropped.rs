@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::Ui;
+use egui::{Id, Modal, Ui};
 use engine::scene::import::is_scene;
 use engine::scene::look::{Section, Value};
 use engine::session::Edit;
+use patina_panels::PictureUse;
 
 use crate::link::{Command, Files};
 
-use super::Viewer;
+use super::{Viewer, call, name};
 
 /// What is done with a file, by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,12 +65,11 @@ impl Viewer {
         for file in &files {
             match kind(file) {
                 Dropped::Scene | Dropped::Look => {}
-                Dropped::Image if self.viewport.has_pointer(ui) => {
-                    let text =
-                        "an image is dropped onto the slot of a texture, in the panel at the right";
-                    self.tell(text.to_owned(), false, now);
+                // Unless a slot takes it, which is seen when the panel has been shown.
+                Dropped::Image => {
+                    let path = self.named_by_look(file);
+                    self.picture_to_use = Some(path.display().to_string());
                 }
-                Dropped::Image => {}
                 Dropped::Texture => self.take_texture(file, now),
                 Dropped::Environment => {
                     let path = self.named_by_look(file).display().to_string();
@@ -85,6 +85,46 @@ impl Viewer {
                     self.tell(text, true, now);
                 }
             }
+        }
+    }
+
+    /// Asks what a picture is to be.
+    pub(super) fn picture_question(&mut self, ui: &Ui) {
+        let is_taken = self.slot_took_picture();
+        let Some(path) = self.picture_to_use.take().filter(|_| !is_taken) else {
+            return;
+        };
+        let material = self.shown_material().map(str::to_owned);
+        let (mut is_closed, mut chosen) = (false, None);
+        let shown = Modal::new(Id::unique("picture to use")).show(ui.ctx(), |ui| {
+            ui.set_width(360.0);
+            ui.heading(name(Path::new(&path)));
+            match &material {
+                Some(material) => ui.label(format!("It is to be of {material}:")),
+                None => {
+                    ui.label("Click on a surface first: then the picture can be its material's.")
+                }
+            };
+            ui.horizontal_wrapped(|ui| {
+                for way in PictureUse::ALL {
+                    let button = egui::Button::new(way.label);
+                    let button = ui.add_enabled(material.is_some(), button);
+                    call(&button, &format!("Use as {}", way.label));
+                    if button.clicked() {
+                        chosen = Some(way);
+                    }
+                }
+            });
+            ui.separator();
+            is_closed = ui.button("Cancel").clicked();
+        });
+        if let (Some(way), Some(material)) = (chosen, material) {
+            let now = ui.input(|input| input.time);
+            let edits = self.document_mut().map(|d| way.edits(d, &path, &material));
+            let label = format!("{} of {material}", way.label);
+            self.edit(&label, &edits.unwrap_or_default(), now);
+        } else if !is_closed && !shown.should_close() {
+            self.picture_to_use = Some(path);
         }
     }
 

@@ -227,6 +227,27 @@ impl Viewer {
         self.edit(&format!("place {light}"), &edits, now);
     }
 
+    /// Gives a surface the material that was dropped there.
+    pub(super) fn drop_material(&mut self, hit: Option<Hit>, now: f64) {
+        let (Some(material), Some(hit)) = (self.viewport.dropped.take(), hit) else {
+            return;
+        };
+        if material != hit.material {
+            let edits = patina_panels::give_material(&hit.material, &material);
+            self.edit(&format!("{material} on {}", hit.material), &edits, now);
+        }
+    }
+
+    /// Whether a slot of the panel has taken what was dropped; asked for once.
+    pub(super) fn slot_took_picture(&mut self) -> bool {
+        self.editor.panel.take_dropped()
+    }
+
+    /// The material in the panel.
+    pub(super) fn shown_material(&self) -> Option<&str> {
+        self.editor.panel.material()
+    }
+
     /// Shows pictures of nodes from now on.
     pub fn set_previews(&mut self, previews: Previews) {
         self.editor.panel.set_previews(previews);

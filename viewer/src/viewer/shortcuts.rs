@@ -70,7 +70,7 @@ const LIST: [(&str, &str); 36] = [
 impl Viewer {
     pub(super) fn take_keys(&mut self, ui: &Ui) {
         let ctx = ui.ctx();
-        if self.dialog.is_some() || self.questions.is_asking() {
+        if self.dialog.is_some() || self.questions.is_asking() || self.picture_to_use.is_some() {
             // Its own keys are taken where it is shown.
             return;
         }

@@ -6,7 +6,7 @@ use egui::{
 use engine::display::Channel;
 use engine::scene::Camera;
 use glam::Vec3;
-use patina_panels::Placing;
+use patina_panels::{DraggedMaterial, Placing};
 
 use crate::link::{Command, PickPurpose, SceneFacts};
 use crate::navigate::Navigator;
@@ -49,6 +49,8 @@ pub(super) struct Viewport {
     walk: Option<Walk>,
     /// A light that the next click places.
     pub(super) placing: Option<(String, Placing)>,
+    /// A material that was dropped, until it is known on what.
+    pub(super) dropped: Option<String>,
 }
 
 /// On foot: the eye stays so high above the ground.
@@ -114,12 +116,6 @@ impl Viewport {
         Some(camera)
     }
 
-    /// Whether the pointer is over the picture.
-    pub(super) fn has_pointer(&self, ui: &Ui) -> bool {
-        let pointer = ui.input(|input| input.pointer.latest_pos());
-        (self.area.zip(pointer)).is_some_and(|(area, at)| area.contains(at))
-    }
-
     pub(super) fn focus(&mut self, depth: f32) -> Option<Camera> {
         self.moved(|navigator| {
             navigator.set_distance(depth);
@@ -143,6 +139,14 @@ impl Viewer {
         if self.viewport.chooses_region {
             self.choose_region(ui, rect, &response);
             return;
+        }
+        if let Some(material) = response.dnd_release_payload::<DraggedMaterial>()
+            && let Some(at) = ui.input(|input| input.pointer.latest_pos())
+        {
+            self.viewport.dropped = Some(material.0.clone());
+            let [x, y] = place(rect, at);
+            let at = glam::Vec2::new(x, y);
+            self.link.send(Command::Pick(at, PickPurpose::Drop));
         }
         let view = self.navigate(ui, rect, &response);
         self.send_view(view);
