@@ -22,6 +22,7 @@ mod library;
 mod light;
 mod links;
 mod list;
+mod maps;
 mod material;
 mod model;
 mod panel;
@@ -36,6 +37,7 @@ mod view;
 mod widgets;
 
 pub use lamps::{Placing, place_light};
+pub use maps::ModelImage;
 pub use panel::{Form, TexturesPanel};
 pub use pictures::{DraggedMaterial, PictureUse, give_material};
 pub use preview::Previews;

@@ -9,6 +9,7 @@ use texgen::{BuiltinAttribute, Parameter, Widget};
 use crate::context::Context;
 use crate::edits;
 use crate::links::driven;
+use crate::maps::maps;
 use crate::material::{InLook as _, Key, PARAMETERS, Takes};
 use crate::model::Target;
 use crate::pictures::DraggedMaterial;
@@ -43,6 +44,7 @@ pub(crate) fn material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
         for key in PARAMETERS.iter().filter(|key| key.is_common) {
             material_key(ui, cx, material, key);
         }
+        maps(ui, cx, material);
         // They stay there when they are set, so that a slider isn't lost while it is dragged.
         let is_any = PARAMETERS
             .iter()

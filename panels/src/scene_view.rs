@@ -2,6 +2,8 @@
 
 use engine::scene::{Camera, Material, PunctualLight};
 
+use crate::maps::ModelImage;
+
 /// What the panel needs to know about the scene that is shown.
 #[derive(Debug, Clone, Copy)]
 pub struct SceneView<'a> {
@@ -10,6 +12,8 @@ pub struct SceneView<'a> {
     pub materials: &'a [Material],
     /// So many of them are those of the scene's files.
     pub own: usize,
+    /// Images of the model, by the numbers that materials have of them.
+    pub images: &'a [ModelImage],
     /// Lights as they are shown, those of the look included.
     pub lights: &'a [PunctualLight],
     /// What it is looked at through, where that is known.

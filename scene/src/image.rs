@@ -17,6 +17,17 @@ pub struct Image {
     pub srgb: bool,
 }
 
+impl Image {
+    /// What the model calls it: the name or the path of its file, or its number where it has neither.
+    pub fn short_name(&self) -> &str {
+        let quoted = self
+            .name
+            .split_once('"')
+            .and_then(|(_, rest)| rest.strip_suffix('"'));
+        quoted.unwrap_or_else(|| self.name.trim_start_matches("image "))
+    }
+}
+
 /// A linear floating-point picture, row 0 on top.
 #[derive(Debug, Clone)]
 pub struct FloatImage {

@@ -13,7 +13,7 @@ use engine::scene::{Camera, Material, PunctualLight};
 use engine::session::Change;
 use engine::stats::PassStats;
 use glam::Vec2;
-use patina_panels::Textures;
+use patina_panels::{ModelImage, Textures};
 
 /// What the render is to do.
 #[derive(Debug, Clone)]
@@ -283,6 +283,8 @@ pub struct LookFacts {
     pub own_materials: usize,
     /// There is no light but one that nobody asked for.
     pub has_stand_in_light: bool,
+    /// Images of the model.
+    pub images: Arc<[ModelImage]>,
     /// As they are shown.
     pub lights: Arc<[PunctualLight]>,
     /// That there are.

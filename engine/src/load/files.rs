@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::scene::import::referenced_files;
-use crate::scene::look::{EnvironmentLook, Field, Look, Value};
+use crate::scene::look::{EnvironmentLook, Field, Look, MODEL_IMAGE, Value};
 use crate::system::{Disk, Files};
 
 /// The scene and all files that it and the look name, whether or not they exist; not the look itself, nor textures in
@@ -55,7 +55,7 @@ pub fn files_from(files: &dyn Files, scene: &Path, look: Option<&Look>) -> Vec<P
 fn other_texts(look: &Look) -> impl Iterator<Item = PathBuf> {
     let fields = look.nodes.iter().flat_map(|node| &node.params);
     fields.filter_map(|field| match &field.value.value {
-        Value::Text(text) => Some(look.resolve(text)),
+        Value::Text(text) if !text.starts_with(MODEL_IMAGE) => Some(look.resolve(text)),
         Value::Table(fields) => match &crate::scene::look::find(fields, "file")?.value {
             Value::Text(text) => Some(look.resolve(text)),
             _ => None,
@@ -70,7 +70,9 @@ fn image_names(value: &Value, names: &mut Vec<String>) {
     match value {
         Value::Text(text) => {
             let ending = Path::new(text).extension().and_then(|e| e.to_str());
-            if ending.is_some_and(|e| ENDINGS.contains(&e.to_ascii_lowercase().as_str())) {
+            let is_file = !text.starts_with(MODEL_IMAGE);
+            if is_file && ending.is_some_and(|e| ENDINGS.contains(&e.to_ascii_lowercase().as_str()))
+            {
                 names.push(text.clone());
             }
         }

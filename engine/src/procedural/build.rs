@@ -12,7 +12,8 @@ use texgen::{
 use crate::input::Files;
 use crate::scene::Scene;
 use crate::scene::look::{
-    AoSettings, Field, Input, Look, MAX_AO, NodeLook, Span, Spanned, misplaced_key, unquoted,
+    AoSettings, Field, Input, Look, MAX_AO, MODEL_IMAGE, NodeLook, Span, Spanned, misplaced_key,
+    unquoted,
 };
 
 use super::documents::expanded;
@@ -439,6 +440,17 @@ impl<'a> Builder<'a> {
         parameter: &Parameter,
         scene: &mut Scene,
     ) -> Option<u32> {
+        if let Some(name) = image.file.value.strip_prefix(MODEL_IMAGE) {
+            let srgb = image.srgb.unwrap_or(!parameter.is_data);
+            let found = self.images.of_model(scene, name, srgb, image.sampler);
+            return found
+                .map_err(|error| {
+                    let message = format!("the image `{name}`: {error}");
+                    let note = "`patina info` lists the images of a model";
+                    self.problem(&image.file.span, message, Some(note.to_owned()));
+                })
+                .ok();
+        }
         let path = self.look.resolve(&image.file.value);
         let srgb = image.srgb.unwrap_or(!parameter.is_data);
         let files = &*self.files;

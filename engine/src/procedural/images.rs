@@ -4,10 +4,11 @@ use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 use glam::Vec3;
+use texgen::did_you_mean;
 
 use crate::input::{FileId, Files};
 use crate::scene::import::load_picture;
-use crate::scene::{Sampler, Scene, TextureRef};
+use crate::scene::{Image, Sampler, Scene, TextureRef};
 
 /// Loads images and hands out texture handles.
 #[derive(Debug, Default)]
@@ -45,6 +46,44 @@ impl Images {
                 image
             }
         };
+        Ok(self.texture(image, sampler))
+    }
+
+    /// The handle of an image that the model brings, by its name there.
+    pub(super) fn of_model(
+        &mut self,
+        scene: &mut Scene,
+        name: &str,
+        srgb: bool,
+        sampler: Sampler,
+    ) -> Result<u32, String> {
+        let named = |image: &Image| image.short_name() == name;
+        let Some(first) = scene.images.iter().position(named) else {
+            let known = || scene.images.iter().map(Image::short_name);
+            return Err(match did_you_mean(name, known()) {
+                Some(near) => {
+                    format!("the model has no image of that name; did you mean `{near}`?")
+                }
+                None => "the model has no image of that name".to_owned(),
+            });
+        };
+        let fits = |image: &Image| named(image) && image.srgb == srgb;
+        let image = match scene.images.iter().position(fits) {
+            Some(image) => image,
+            // The pixels are shared.
+            None => {
+                let other = Image {
+                    srgb,
+                    ..scene.images[first].clone()
+                };
+                scene.images.push(other);
+                scene.images.len() - 1
+            }
+        };
+        Ok(self.texture(image as u32, sampler))
+    }
+
+    fn texture(&mut self, image: u32, sampler: Sampler) -> u32 {
         let texture = TextureRef {
             image,
             uv_set: 0,
@@ -52,9 +91,10 @@ impl Images {
             transform: [Vec3::X, Vec3::Y],
         };
         let known = self.textures.iter().position(|t| *t == texture);
-        Ok(known.unwrap_or_else(|| {
+        let place = known.unwrap_or_else(|| {
             self.textures.push(texture);
             self.textures.len() - 1
-        }) as u32)
+        });
+        place as u32
     }
 }

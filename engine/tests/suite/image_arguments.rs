@@ -4,9 +4,10 @@
 use std::path::Path;
 
 use ::device::Device;
-use engine::procedural::TextureSources;
+use engine::procedural::{Procedural, TextureSources};
 use engine::renderer::Renderer;
-use engine::scene::Material;
+use engine::scene::look::Look;
+use engine::scene::{Image, Material};
 use tempfile::TempDir;
 
 use crate::support::device;
@@ -197,11 +198,17 @@ fn sources() -> TextureSources {
 
 /// What each pixel shows, by rows.
 fn shown(device: &Device, node: &str) -> Vec<[f32; 3]> {
+    shown_with(device, node, &[])
+}
+
+/// The same with images of the model.
+fn shown_with(device: &Device, node: &str, images: &[Image]) -> Vec<[f32; 3]> {
     let surface = Material {
         unlit: true,
         ..Material::default()
     };
     let mut scene = scene([(floor(1.0), surface)], glam::Vec3::ZERO);
+    scene.images = images.to_vec();
     let look = format!("[node.image]\n{node}\n[material.'material 0']\nbase_color='image'\n");
     let procedural = textured(&mut scene, &look, &sources());
     let shot = Shot {
@@ -308,6 +315,40 @@ fn without_settings_colours_are_srgb_and_data_is_linear_and_alpha_always_is() {
             }
         });
     }
+}
+
+#[test]
+fn images_of_the_model_are_read_by_their_names() {
+    let Some(device) = device::open() else { return };
+    let picture = Picture::new(4, 4);
+    // As a material reads it, in the other colour space.
+    let image = Image {
+        name: "image 3 \"maps/oak.png\"".to_owned(),
+        width: 4,
+        height: 4,
+        rgba8: picture.texels.as_flattened().to_vec().into(),
+        srgb: false,
+    };
+    for (space, srgb) in [("srgb", true), ("linear", false)] {
+        let use_ = Use {
+            wrap: ["repeat"; 2],
+            nearest: false,
+            srgb,
+        };
+        let file = format!("{{ file = 'model:maps/oak.png', color_space = '{space}' }}");
+        let node = format!("texture='plain'\nimage={file}\n{}", place());
+        let shown = shown_with(&device, &node, std::slice::from_ref(&image));
+        assert_shows(space, &shown, READ_ERROR, |x, y| {
+            picture.sample(0, uv(x, y), &use_)
+        });
+    }
+    let look = "[node.image]\ntexture='plain'\nimage='model:maps/oak.pmg'\n";
+    let look = Look::parse(Path::new("a.look.toml"), look).expect("a look");
+    let mut scene = scene([(floor(1.0), Material::default())], glam::Vec3::ZERO);
+    scene.images = vec![image];
+    let error = Procedural::build(&look, &mut scene, &sources()).expect_err("it has no such image");
+    let error = error.to_string();
+    assert!(error.contains("did you mean `maps/oak.png`?"), "{error}");
 }
 
 #[test]

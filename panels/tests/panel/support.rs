@@ -81,6 +81,7 @@ pub(crate) fn harness_of(
                 let scene = SceneView {
                     materials: &state.materials,
                     own: state.materials.len(),
+                    images: &[],
                     lights: &state.lights,
                     camera: None,
                 };

@@ -35,6 +35,9 @@ pub use parse::{Table, placed_fields, table};
 pub use reader::{color, color_remedy, link_text, misplaced_key, unquoted};
 pub use value::{Field, Span, Spanned, Value, find, parse_value};
 
+/// What stands before the name of an image that the model brings, in place of a path.
+pub const MODEL_IMAGE: &str = "model:";
+
 /// The most AO tables a look may have: the hit of a path carries this many occlusion values.
 pub const MAX_AO: usize = 4;
 

@@ -10,7 +10,7 @@ use engine::scene::Motion;
 use engine::scene::look::LookError;
 use engine::session::SessionError;
 use engine::stats::Doubt;
-use patina_panels::Textures;
+use patina_panels::{ModelImage, Textures};
 
 use crate::link::{Files, LookFacts, Reply, SceneFacts, Shown, lock};
 
@@ -33,6 +33,8 @@ pub(super) struct Published {
     doubts: Vec<Doubt>,
     error: Option<f64>,
     textures_there: Option<Arc<Textures>>,
+    /// Small pictures of the model's images.
+    images_there: Option<Arc<[ModelImage]>>,
 }
 
 /// Figures grow over the life of a renderer; rates are those of the last while.
@@ -64,6 +66,7 @@ impl Published {
 
     pub(super) fn forget(&mut self) {
         self.forget_textures();
+        self.images_there = None;
         self.figures = None;
         self.state = None;
         self.doubts.clear();
@@ -307,6 +310,11 @@ impl Render {
             }
         };
         self.published.textures_there = Some(Arc::clone(&textures));
+        let images = match &self.published.images_there {
+            Some(images) => Arc::clone(images),
+            None => session.scene().images.iter().map(ModelImage::new).collect(),
+        };
+        self.published.images_there = Some(Arc::clone(&images));
         lock(&self.board).look = Some(LookFacts {
             text: session.look_text().into(),
             saved: session.saved_text().into(),
@@ -315,6 +323,7 @@ impl Render {
             materials: Arc::new(session.scene().materials.clone()),
             has_stand_in_light: session.has_stand_in_light(),
             own_materials: session.procedural().scene_materials(),
+            images,
             lights: session.scene().lights.clone().into(),
             textures,
         });
@@ -322,6 +331,7 @@ impl Render {
 
     /// What is known of the scene.
     pub(super) fn publish_scene(&mut self) {
+        self.published.images_there = None;
         self.publish_look();
         let Some(session) = &self.session else {
             return;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use egui::Ui;
 use engine::scene::{Material, PunctualLight};
 use engine::session::{Document, Edit, Merged, merge};
-use patina_panels::{Form, Previews, SceneView, Textures, TexturesPanel};
+use patina_panels::{Form, ModelImage, Previews, SceneView, Textures, TexturesPanel};
 
 use crate::link::{Command, Hit, Link, LookFacts};
 use crate::navigate::Navigator;
@@ -22,6 +22,7 @@ pub(super) struct Editor {
     materials: Arc<Vec<Material>>,
     own_materials: usize,
     has_stand_in_light: bool,
+    images: Arc<[ModelImage]>,
     lights: Arc<[PunctualLight]>,
     /// Changes that have been sent.
     sent: u64,
@@ -48,6 +49,7 @@ impl Editor {
         self.own_materials = facts.own_materials;
         self.has_stand_in_light = facts.has_stand_in_light;
         self.lights = Arc::clone(&facts.lights);
+        self.images = Arc::clone(&facts.images);
         let Some(document) = &mut self.document else {
             self.document = Document::new(path, &facts.text).ok();
             self.take_saved(facts);
@@ -179,6 +181,7 @@ impl Viewer {
             materials,
             own_materials,
             lights,
+            images,
             ..
         } = &mut self.editor
         else {
@@ -188,6 +191,7 @@ impl Viewer {
         let scene = SceneView {
             materials,
             own: *own_materials,
+            images,
             lights,
             camera: navigator.as_ref().map(Navigator::camera),
         };
@@ -219,6 +223,7 @@ impl Viewer {
         let scene = SceneView {
             materials: &self.editor.materials,
             own: self.editor.own_materials,
+            images: &self.editor.images,
             lights: &self.editor.lights,
             camera: None,
         };

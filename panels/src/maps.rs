@@ -1,0 +1,211 @@
+//! The images that a model brings for a material: seen, and made nodes of, so that they can be changed.
+
+use egui::{ColorImage, TextureHandle, TextureOptions, Ui, vec2};
+use engine::scene::look::{Field, MODEL_IMAGE, Section, Spanned, Value};
+use engine::scene::{Image, Material, TextureRef, Wrap};
+use engine::session::Edit;
+use glam::Vec3;
+
+use crate::context::Context;
+use crate::edits::free_name;
+use crate::widgets::name;
+
+/// Pixels of a small picture's longer side.
+const SMALL: u32 = 48;
+
+/// An image of the model, as small as it is shown.
+#[derive(Debug, Clone)]
+pub struct ModelImage {
+    /// As a look calls it, behind `model:`.
+    pub name: String,
+    /// Of the image itself.
+    pub size: [u32; 2],
+    small: ColorImage,
+}
+
+impl ModelImage {
+    /// Makes the small picture of an image.
+    pub fn new(image: &Image) -> Self {
+        let longer = image.width.max(image.height).max(1);
+        let side = |of: u32| (of * SMALL / longer).clamp(1, SMALL);
+        let [width, height] = [side(image.width), side(image.height)];
+        let texel = |x: u32, y: u32| {
+            let at = |i: u32, of: u32, among: u32| (2 * i + 1) * of / (2 * among);
+            let place = at(y, image.height, height) * image.width + at(x, image.width, width);
+            let bytes = image.rgba8.get(place as usize * 4..place as usize * 4 + 3);
+            bytes.map_or([0; 3], |rgb| [rgb[0], rgb[1], rgb[2]])
+        };
+        let pixels = (0..width * height).flat_map(|i| texel(i % width, i / width));
+        let pixels: Vec<u8> = pixels.collect();
+        Self {
+            name: image.short_name().to_owned(),
+            size: [image.width, image.height],
+            small: ColorImage::from_rgb([width as usize, height as usize], &pixels),
+        }
+    }
+}
+
+/// What of a material an image of the model is for.
+struct Map {
+    label: &'static str,
+    key: &'static str,
+    swizzle: &'static str,
+    is_data: bool,
+    texture: fn(&Material) -> Option<&TextureRef>,
+    /// What its colours are multiplied by.
+    factor: fn(&Material) -> Vec3,
+}
+
+const MAPS: [Map; 5] = [
+    Map {
+        label: "Base colour map",
+        key: "base_color",
+        swizzle: "xyz",
+        is_data: false,
+        texture: |m| m.base_color_texture.as_ref(),
+        factor: |m| m.base_color.truncate(),
+    },
+    Map {
+        label: "Roughness map",
+        key: "roughness",
+        swizzle: "y",
+        is_data: true,
+        texture: |m| m.metallic_roughness_texture.as_ref(),
+        factor: |m| Vec3::new(1.0, m.roughness, m.metallic),
+    },
+    Map {
+        label: "Metallic map",
+        key: "metallic",
+        swizzle: "z",
+        is_data: true,
+        texture: |m| m.metallic_roughness_texture.as_ref(),
+        factor: |m| Vec3::new(1.0, m.roughness, m.metallic),
+    },
+    Map {
+        label: "Normal map",
+        key: "normal",
+        swizzle: "xyz",
+        is_data: true,
+        texture: |m| m.normal_texture.as_ref(),
+        factor: |_| Vec3::ONE,
+    },
+    Map {
+        label: "Emission map",
+        key: "emission",
+        swizzle: "xyz",
+        is_data: false,
+        texture: |m| m.emission_texture.as_ref(),
+        factor: |_| Vec3::ONE,
+    },
+];
+
+/// Rows of the images that a material has of its model, where no node stands in their place.
+pub(crate) fn maps(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
+    let shown = cx.scene_material(material);
+    for map in &MAPS {
+        let Some(texture) = (map.texture)(shown) else {
+            continue;
+        };
+        let Some(image) = cx.scene.images.get(texture.image as usize) else {
+            continue;
+        };
+        let section = Section::Material(material.to_owned());
+        if cx.document.value(&section, map.key).is_some() {
+            continue;
+        }
+        ui.horizontal(|ui| {
+            let handle = small(ui, image, texture.image);
+            let size = handle.size_vec2();
+            let size = size * (20.0 / size.max_elem());
+            ui.add(egui::Image::new((handle.id(), size)).fit_to_exact_size(vec2(20.0, 20.0)));
+            let [width, height] = image.size;
+            let label = ui.label(map.label);
+            label.on_hover_text(format!("{}, {width} x {height}, of the model", image.name));
+            let button = ui.button("As a node");
+            name(&button, &format!("{} of {material} as a node", map.label));
+            let help = "so that it can be graded, mixed, or moved; what it looks like stays";
+            if button.on_hover_text(help).clicked() {
+                let edits = as_node(cx, material, map, texture, image);
+                cx.edit(&format!("{} as a node", map.label), edits, None);
+            }
+        });
+    }
+}
+
+/// The picture as egui has it, made once for each image.
+fn small(ui: &Ui, image: &ModelImage, number: u32) -> TextureHandle {
+    let id = egui::Id::unique(("image of the model", number, &image.name, image.size));
+    let known = ui.data(|data| data.get_temp::<TextureHandle>(id));
+    known.unwrap_or_else(|| {
+        let options = TextureOptions::LINEAR;
+        let small = image.small.clone();
+        let handle = ui.ctx().load_texture(&image.name, small, options);
+        ui.data_mut(|data| data.insert_temp(id, handle.clone()));
+        handle
+    })
+}
+
+/// A node that reads the image as the material did.
+fn as_node(
+    cx: &Context<'_>,
+    material: &str,
+    map: &Map,
+    texture: &TextureRef,
+    image: &ModelImage,
+) -> Vec<Edit> {
+    let stem = image.name.rsplit('/').next().unwrap_or(&image.name);
+    let stem = stem.split('.').next().unwrap_or("image");
+    let node = free_name(cx.document, stem, &[]);
+    let section = || Section::Node(node.clone());
+    let field = |key: &str, value: Value| Field {
+        key: Spanned::new(key.to_owned(), 0..0),
+        value: Spanned::new(value, 0..0),
+    };
+    let text = |text: &str| Value::Text(text.to_owned());
+    let mut file = vec![field(
+        "file",
+        Value::Text(format!("{MODEL_IMAGE}{}", image.name)),
+    )];
+    if map.is_data {
+        file.push(field("color_space", text("linear")));
+    }
+    let wraps = [texture.sampler.wrap_u, texture.sampler.wrap_v];
+    if wraps != [Wrap::Repeat; 2] {
+        let words = wraps.map(|wrap| match wrap {
+            Wrap::Repeat => "repeat",
+            Wrap::Mirror => "mirror",
+            Wrap::Clamp => "clamp",
+        });
+        let words = words.map(|word| Spanned::new(text(word), 0..0));
+        file.push(field("wrap", Value::List(words.to_vec())));
+    }
+    let mut edits = vec![
+        Edit::add_node(&node, "image"),
+        Edit::set(section(), "file", Value::Table(file)),
+    ];
+    // A shift and a scale; what is turned has to be turned by hand.
+    let [u, v] = texture.transform;
+    let tiling = [u.x, v.y];
+    if tiling != [1.0; 2] && tiling.iter().all(|x| *x != 0.0) {
+        edits.push(Edit::set(section(), "uvtiling", Value::numbers(&tiling)));
+    }
+    let offset = [u.z, v.z];
+    if offset != [0.0; 2] {
+        edits.push(Edit::set(section(), "uvoffset", Value::numbers(&offset)));
+    }
+    let factor = (map.factor)(cx.scene_material(material));
+    if factor != Vec3::ONE {
+        let gain = factor.extend(1.0).to_array();
+        edits.push(Edit::set(section(), "gain", Value::numbers(&gain)));
+    }
+    let mut link = format!("{node}.{}", map.swizzle);
+    if map.key == "normal" {
+        let normal = free_name(cx.document, "normal_map", &[node.clone()]);
+        let section = Section::Node(normal.clone());
+        edits.push(Edit::add_node(&normal, "normal_map"));
+        edits.push(Edit::set(section, "color", Value::Text(link)));
+        link = normal;
+    }
+    edits.push(Edit::material(material, map.key, Value::Text(link)));
+    edits
+}
