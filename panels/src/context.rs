@@ -7,6 +7,7 @@ use engine::scene::Material;
 use engine::session::{Document, Edit};
 
 use crate::Textures;
+use crate::browse::Browser;
 use crate::edits;
 use crate::model::Model;
 use crate::preview::Previews;
@@ -52,6 +53,7 @@ pub(crate) struct Context<'a> {
     pub(crate) textures: &'a Textures,
     pub(crate) scene: SceneView<'a>,
     pub(crate) images: &'a mut ImageSlot,
+    pub(crate) browser: &'a mut Browser,
     pub(crate) previews: Option<&'a mut Previews>,
     /// A node that is to be scrolled to.
     pub(crate) wanted: Option<String>,

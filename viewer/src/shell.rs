@@ -12,6 +12,7 @@ use patina_panels::Previews;
 
 use crate::appearance;
 use crate::blit::Blit;
+use crate::file_dialogs::SystemDialogs;
 use crate::host::Host;
 use crate::link::{Files, Link};
 use crate::thread::{RenderOptions, RenderThread};
@@ -205,6 +206,7 @@ impl Shell {
         // A device of their own, so that they don't keep the render waiting.
         let choice = options.preview_device;
         let open = move || Device::open(&choice);
+        viewer.set_file_dialogs(Arc::new(SystemDialogs::over(context)));
         viewer.set_previews(Previews::start(&context.egui_ctx, open));
         Ok(Self {
             device,

@@ -19,6 +19,7 @@ use std::time::Instant;
 use egui::{CentralPanel, Color32, Panel, Ui};
 use engine::display::DisplaySettings;
 use engine::scene::view::{View, ViewChoice, ViewTransform};
+use patina_panels::{Browser, FileDialogs};
 
 use crate::blit::Drawn;
 use crate::link::{Command, Files, Link, PickPurpose, Reply, SceneFacts, Status};
@@ -124,6 +125,7 @@ pub struct Viewer {
     scene: Arc<SceneFacts>,
     messages: Vec<Message>,
     dialog: Option<Dialog>,
+    browser: Browser,
     lists_shortcuts: bool,
     questions: Questions,
     timeline: Timeline,
@@ -167,6 +169,7 @@ impl Viewer {
             scene: Arc::default(),
             messages: Vec::new(),
             dialog: None,
+            browser: Browser::default(),
             lists_shortcuts: false,
             questions: Questions::default(),
             timeline: Timeline::default(),
@@ -185,6 +188,12 @@ impl Viewer {
     /// Figures as they are shown.
     pub fn status(&self) -> &Status {
         &self.status
+    }
+
+    /// Has all that asks for a file ask that system from now on.
+    pub fn set_file_dialogs(&mut self, system: Arc<dyn FileDialogs>) {
+        self.editor.set_file_dialogs(Arc::clone(&system));
+        self.browser.set_system(system);
     }
 
     /// Something that the window itself has to say.
