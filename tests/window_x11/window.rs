@@ -28,6 +28,8 @@ pub(crate) struct Window<'a> {
     /// As the window system calls it.
     id: String,
     said: PathBuf,
+    /// What it prints when it is closed.
+    figures: PathBuf,
 }
 
 impl<'a> Window<'a> {
@@ -35,6 +37,8 @@ impl<'a> Window<'a> {
     pub(crate) fn open(desktop: &'a Desktop, folder: &Path) -> Self {
         let said = folder.join("stderr");
         let stderr = std::fs::File::create(&said).expect("a file");
+        let figures = folder.join("stdout");
+        let stdout = std::fs::File::create(&figures).expect("a file");
         let path = std::env::var_os("PATH").unwrap_or_default();
         let paths = std::iter::once(folder.to_owned()).chain(std::env::split_paths(&path));
         let mut command = Command::new(env!("CARGO_BIN_EXE_patina"));
@@ -42,7 +46,7 @@ impl<'a> Window<'a> {
             command.env(name, folder);
         }
         let program = command
-            .args(["view", "demo.gltf", "--look", "demo.look.toml"])
+            .args(["view", "demo.gltf", "--look", "demo.look.toml", "--figures"])
             .current_dir(folder)
             .env("PATH", std::env::join_paths(paths).expect("paths"))
             .env("DISPLAY", &desktop.display)
@@ -51,7 +55,7 @@ impl<'a> Window<'a> {
             // No dialog but the one of this test.
             .env("DBUS_SESSION_BUS_ADDRESS", "disabled:")
             .stdin(Stdio::null())
-            .stdout(Stdio::null())
+            .stdout(stdout)
             .stderr(stderr)
             .spawn()
             .expect("patina starts");
@@ -60,6 +64,7 @@ impl<'a> Window<'a> {
             program: Running(program),
             id: String::new(),
             said,
+            figures,
         };
         window.id = window.until("the window", |window| {
             let search = ["search", "--onlyvisible", "--name", "Patina"];
@@ -238,7 +243,7 @@ impl<'a> Window<'a> {
         });
     }
 
-    /// Closes it, and the program ends as it should.
+    /// Closes it, and the program ends as it should and tells how quickly it was.
     pub(crate) fn closes(mut self) {
         self.is_well("before it is closed");
         self.keys(&["super+q"]);
@@ -248,5 +253,9 @@ impl<'a> Window<'a> {
             .until("its end", || program.try_wait().expect("its state"));
         let said = std::fs::read_to_string(&self.said).unwrap_or_default();
         assert!(ended.success(), "{ended}: {said}");
+        let figures = std::fs::read_to_string(&self.figures).expect("what it printed");
+        for told in ["first picture ", "while dragging ", "ms to a picture"] {
+            assert!(figures.contains(told), "{told:?} is missing: {figures}");
+        }
     }
 }

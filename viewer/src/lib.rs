@@ -15,6 +15,7 @@
 
 pub mod appearance;
 pub mod blit;
+pub mod figures;
 mod file_dialogs;
 pub mod host;
 pub mod link;

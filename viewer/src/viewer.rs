@@ -196,6 +196,12 @@ impl Viewer {
         self.browser.set_system(system);
     }
 
+    /// Pixels of the viewport per pixel of the picture, along a side.
+    pub(crate) fn coarseness(&self) -> f64 {
+        let [whole, _] = self.viewport.size();
+        f64::from(whole) / f64::from(self.status.size[0].max(1))
+    }
+
     /// Something that the window itself has to say.
     pub fn tell(&mut self, text: String, is_error: bool, now: f64) {
         let until = now + MESSAGE * if is_error { 3.0 } else { 1.0 };
