@@ -7,6 +7,7 @@ use engine::scene::Material;
 use engine::session::{Document, Edit};
 
 use crate::Textures;
+use crate::browse::Browser;
 use crate::edits;
 use crate::lamps::Placing;
 use crate::model::Model;
@@ -55,6 +56,7 @@ pub(crate) struct Context<'a> {
     pub(crate) textures: &'a Textures,
     pub(crate) scene: SceneView<'a>,
     pub(crate) images: &'a mut ImageSlot,
+    pub(crate) browser: &'a mut Browser,
     pub(crate) previews: Option<&'a mut Previews>,
     /// A node that is to be scrolled to.
     pub(crate) wanted: Option<String>,

@@ -8,9 +8,10 @@
 //!    has been shown.
 //! 3. Whoever owns the window brings what the document has changed to the [`Session`](engine::session::Session).
 //!
-//! [`Previews`] paints small pictures of nodes in the background. Nothing here opens windows, files (but looks and images) or event
-//! loops, and nothing renders the scene.
+//! [`Previews`] paints small pictures of nodes in the background; a [`Browser`] asks the system for files through what it is handed.
+//! Nothing here opens windows, files (but looks and images) or event loops, and nothing renders the scene.
 
+mod browse;
 mod clipboard;
 mod context;
 mod edits;
@@ -36,6 +37,7 @@ mod textures;
 mod view;
 mod widgets;
 
+pub use browse::{Answer, Browser, Choice, FileDialogs, FileRequest, Purpose, named_from};
 pub use lamps::{Placing, place_light};
 pub use maps::ModelImage;
 pub use panel::{Form, TexturesPanel};

@@ -5,6 +5,7 @@ use engine::scene::look::{AoDirection, AoLook, AoSettings, MAX_AO, Section, Valu
 use engine::session::{Edit, written};
 use texgen::Widget;
 
+use crate::browse::{FileRequest, Purpose, named_from};
 use crate::context::Context;
 use crate::environments::picker;
 use crate::widgets::{Bounds, Spec, choice, draft, edit, name, row};
@@ -220,11 +221,38 @@ fn environment_kinds(ui: &mut Ui, cx: &mut Context<'_>) {
     if cx.document.value(&section, "image").is_none() {
         picker(ui, cx, "A picture…");
     }
+    if let Some(path) = browse_environment(ui, cx) {
+        let set = Edit::environment("image", Value::Text(path));
+        let is_there = cx.document.value(&section, "image").is_some();
+        let edits = match is_there {
+            true => vec![set],
+            false => clear.iter().cloned().chain([set]).collect(),
+        };
+        cx.edit("environment: a picture", edits, None);
+    }
     let has_any = !cx.document.table(&section).is_empty();
     if has_any && ui.button("That of the scene").clicked() {
         let remove = Edit::Remove { section };
         cx.edit("environment: that of the scene", vec![remove], None);
     }
+}
+
+/// A picture of the surroundings, as the look names it, once one has been chosen.
+fn browse_environment(ui: &mut Ui, cx: &mut Context<'_>) -> Option<String> {
+    let (document, folder) = (cx.document, cx.document.look().resolve(""));
+    let request = || FileRequest {
+        title: "Picture of the surroundings".to_owned(),
+        purpose: Purpose::Open,
+        kind: "Pictures of surroundings",
+        endings: vec!["hdr", "exr"],
+        start: match document.value(&Section::Environment, "image") {
+            Some(Value::Text(path)) => folder.join(path),
+            _ => folder.join(""),
+        },
+    };
+    let what = "a picture of the surroundings";
+    let chosen = cx.browser.button(ui, "Browse ...", what, request)?;
+    Some(named_from(&folder, &chosen))
 }
 
 /// How ambient occlusion is traced, table by table.

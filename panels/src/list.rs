@@ -410,7 +410,8 @@ pub(crate) fn node_parameter(ui: &mut Ui, cx: &mut Context<'_>, node: &str, para
             None => {
                 let folder = cx.document.look().resolve("");
                 let written = written_value.as_ref();
-                image_slot(ui, cx.images, &full, &folder, written)
+                let (slots, browser) = (&mut *cx.images, &mut *cx.browser);
+                image_slot(ui, slots, browser, &full, &folder, written)
             }
         };
         if let Some(value) = value {

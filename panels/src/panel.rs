@@ -4,11 +4,13 @@
 //! been shown.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use egui::{Key, Modifiers, ScrollArea, Ui};
 use engine::scene::look::Section;
 use engine::session::Document;
 
+use crate::browse::{Browser, FileDialogs};
 use crate::context::{Action, Context, material_names};
 use crate::graph::{GraphItem, GraphView};
 use crate::history::{Snapshots, history};
@@ -43,6 +45,7 @@ pub struct TexturesPanel {
     message: Option<String>,
     model: Option<Rc<Model>>,
     images: ImageSlot,
+    browser: Browser,
     previews: Option<Previews>,
     graph: GraphView,
     /// A node that is to be seen in the list.
@@ -73,6 +76,11 @@ impl TexturesPanel {
     /// Shows pictures of nodes from now on.
     pub fn set_previews(&mut self, previews: Previews) {
         self.previews = Some(previews);
+    }
+
+    /// Has fields of files ask that system from now on.
+    pub fn set_file_dialogs(&mut self, system: Arc<dyn FileDialogs>) {
+        self.browser.set_system(system);
     }
 
     /// The form in which the material is shown.
@@ -137,6 +145,7 @@ impl TexturesPanel {
             textures,
             scene,
             images: &mut self.images,
+            browser: &mut self.browser,
             previews: self.previews.as_mut(),
             wanted: self.wanted.take(),
             actions: Vec::new(),
@@ -162,6 +171,8 @@ impl TexturesPanel {
         for action in cx.actions {
             self.make(document, action);
         }
+        let refusal = self.browser.take_refusal();
+        self.message = refusal.or(self.message.take());
         // A drag ends where the button is let go.
         if ui.input(|input| input.pointer.any_released()) {
             document.end_group();

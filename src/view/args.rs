@@ -49,6 +49,10 @@ pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) display: DisplayArgs,
 
+    /// When the window is closed, print how quickly it followed: the first picture, frames and pictures while dragging, changes.
+    #[arg(long)]
+    pub(crate) figures: bool,
+
     /// Write a picture of the window (.png or .jpg) and close it.
     #[arg(long, value_name = "FILE")]
     pub(crate) screenshot: Option<PathBuf>,

@@ -34,6 +34,8 @@ pub(crate) struct ViewJob {
     pub(crate) texture_dirs: Vec<PathBuf>,
     /// How the picture is shown, as far as the command line says it.
     pub(crate) display: ViewChoice,
+    /// How quickly the window followed is printed when it is closed.
+    pub(crate) figures: bool,
     /// Where a picture of the window goes, and the samples per pixel that it waits for.
     pub(crate) screenshot: Option<(Output, u32)>,
 }
@@ -70,6 +72,7 @@ impl ViewJob {
             device: parse_device(args.device.as_deref())?,
             texture_dirs: args.common.texture_dirs,
             display: parse_display(&args.display)?,
+            figures: args.figures,
             screenshot,
         })
     }

@@ -4,7 +4,7 @@ pub(crate) mod args;
 pub(crate) mod job;
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use device::{Device, DeviceChoice, DeviceError, DeviceOptions};
 use engine::film::{Film, Origin};
@@ -30,6 +30,7 @@ const FIRST_SIZE: [u32; 2] = [640, 360];
 /// # Errors
 /// There is no device or no window system, or a file on the command line isn't there.
 pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
+    let start = Instant::now();
     // Said at once rather than in a window.
     for file in job.scene.iter().chain(&job.look) {
         std::fs::metadata(file)
@@ -73,6 +74,7 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
         preview_device: choice.clone(),
         display: job.display,
         picture_at_spp: job.screenshot.as_ref().map(|(_, spp)| *spp),
+        figures_since: job.figures.then_some(start),
     };
     let outcome = shell::run(&device, options, Box::new(host)).map_err(|error| match error {
         WindowError::System(_) => no_window(&without_places(&error.to_string())),
@@ -80,7 +82,11 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
     });
     // Nothing depends on it but the time of the next start.
     let _ = device.save_cache();
-    match (outcome?, &job.screenshot) {
+    let closed = outcome?;
+    if let Some(figures) = &closed.figures {
+        console::print(figures.to_string().trim_end());
+    }
+    match (closed.picture, &job.screenshot) {
         (Some(picture), Some((output, _))) => {
             output::write_shown(output, picture.size, &picture.rgba).map_err(Failure::because)?;
             console::print(&format!("wrote {}", output.path.display()));

@@ -9,12 +9,14 @@
 //! 3. [`thread::RenderThread`] renders. Both talk over a [`link::Link`]: commands go one way, what is shown lies on a
 //!    [`link::Board`], and neither waits for the other. [`pace`] decides how long waves may take, so that the window stays at
 //!    hand.
-//! 4. [`blit`] paints the picture by a pipeline of its own.
+//! 4. [`blit`] paints the picture by a pipeline of its own; `file_dialogs` opens those of the system.
 //!
 //! Panels that edit the look are `patina_panels`. Nothing here prints.
 
 pub mod appearance;
 pub mod blit;
+pub mod figures;
+mod file_dialogs;
 pub mod host;
 pub mod link;
 pub mod navigate;

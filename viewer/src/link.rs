@@ -209,7 +209,9 @@ pub struct Status {
     pub pipelines: u64,
     /// Shader modules created since the device was opened.
     pub shader_modules: u64,
-    /// Seconds from the last change to the first picture of it.
+    /// Changes that a first picture has been shown of.
+    pub answered: u64,
+    /// Seconds from the last of them to its picture.
     pub latency: Option<f64>,
     /// Something is being built in the background.
     pub is_building: bool,

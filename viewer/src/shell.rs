@@ -12,6 +12,8 @@ use patina_panels::Previews;
 
 use crate::appearance;
 use crate::blit::Blit;
+use crate::figures::{Figures, Frame};
+use crate::file_dialogs::SystemDialogs;
 use crate::host::Host;
 use crate::link::{Files, Link};
 use crate::thread::{RenderOptions, RenderThread};
@@ -40,6 +42,17 @@ pub struct WindowOptions {
     pub display: ViewChoice,
     /// The window is pictured and closed, once the render has so many samples per pixel.
     pub picture_at_spp: Option<u32>,
+    /// Figures are taken, which count from then.
+    pub figures_since: Option<Instant>,
+}
+
+/// What a window leaves.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Closed {
+    /// A picture of it, if one was asked for and could be taken.
+    pub picture: Option<WindowPicture>,
+    /// How quickly it followed, if that was asked for.
+    pub figures: Option<Figures>,
 }
 
 /// A picture of the window.
@@ -68,7 +81,7 @@ pub enum WindowError {
     Lost(String),
 }
 
-/// Opens a window and returns when it has been closed, with a picture of it if one was asked for and could be taken.
+/// Opens a window and returns when it has been closed.
 ///
 /// # Errors
 /// There is no window system, or the device was lost.
@@ -76,7 +89,7 @@ pub fn run(
     device: &Device,
     options: WindowOptions,
     host: Box<dyn Host>,
-) -> Result<Option<WindowPicture>, WindowError> {
+) -> Result<Closed, WindowError> {
     let driver = device.gpu().ok_or(WindowError::NoDriver)?;
     let setup = WgpuSetupExisting {
         instance: driver.instance().clone(),
@@ -131,8 +144,8 @@ pub fn run(
     if let Some(why) = lock(&lost).take() {
         return Err(WindowError::Lost(why));
     }
-    let picture = lock(&taken).take();
-    Ok(picture)
+    let closed = std::mem::take(&mut *lock(&taken));
+    Ok(closed)
 }
 
 /// Waits until the render has noticed that the device is lost, and has kept the edits: what it says of that.
@@ -151,8 +164,8 @@ fn farewell(thread: RenderThread) -> String {
     why
 }
 
-/// The picture, once it has been taken.
-type Taken = Arc<Mutex<Option<WindowPicture>>>;
+/// What is left, as far as there is something.
+type Taken = Arc<Mutex<Closed>>;
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
@@ -170,6 +183,7 @@ struct Shell {
     picture_at_spp: Option<u32>,
     /// The picture has been asked for.
     is_taking: bool,
+    figures_since: Option<Instant>,
     taken: Taken,
     /// Why the window has closed by itself.
     lost: Arc<Mutex<Option<String>>>,
@@ -205,6 +219,7 @@ impl Shell {
         // A device of their own, so that they don't keep the render waiting.
         let choice = options.preview_device;
         let open = move || Device::open(&choice);
+        viewer.set_file_dialogs(Arc::new(SystemDialogs::over(context)));
         viewer.set_previews(Previews::start(&context.egui_ctx, open));
         Ok(Self {
             device,
@@ -219,6 +234,7 @@ impl Shell {
             texture_number: 0,
             picture_at_spp: options.picture_at_spp,
             is_taking: false,
+            figures_since: options.figures_since,
             taken,
             lost: Arc::default(),
         })
@@ -276,12 +292,30 @@ impl Shell {
         }
     }
 
+    fn note_frame(&self, ui: &Ui) {
+        let Some(start) = self.figures_since else {
+            return;
+        };
+        let status = self.viewer.status();
+        let frame = Frame {
+            at: start.elapsed().as_secs_f64(),
+            has_picture: self.viewer.picture.is_some(),
+            answered: status.answered,
+            latency: status.latency,
+            coarseness: self.viewer.coarseness(),
+            is_whole: status.is_whole,
+            is_held: ui.input(|input| input.pointer.any_down()),
+        };
+        let mut taken = lock(&self.taken);
+        taken.figures.get_or_insert_default().note(frame);
+    }
+
     /// Pictures the window when it is time, and closes it.
     fn take_screenshot(&mut self, ui: &Ui) {
         let Some(spp) = self.picture_at_spp else {
             return;
         };
-        if lock(&self.taken).is_some() {
+        if lock(&self.taken).picture.is_some() {
             ui.ctx().send_viewport_cmd(ViewportCommand::Close);
             return;
         }
@@ -292,7 +326,7 @@ impl Shell {
             self.is_taking = true;
             let (taken, ctx) = (Taken::clone(&self.taken), ui.ctx().clone());
             let take = move |image: Arc<egui::ColorImage>| {
-                *lock(&taken) = Some(WindowPicture {
+                lock(&taken).picture = Some(WindowPicture {
                     size: image.size.map(|side| side as u32),
                     rgba: image
                         .pixels
@@ -313,6 +347,7 @@ impl eframe::App for Shell {
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         self.take_picture(frame);
         self.viewer.ui(ui);
+        self.note_frame(ui);
         self.end_if_lost(ui);
         self.take_screenshot(ui);
     }

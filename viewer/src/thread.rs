@@ -432,7 +432,9 @@ impl Render {
                 let cause = self.run.cause.take();
                 if let Some(cause) = cause {
                     let latency = cause.elapsed();
-                    lock(&self.board).status.latency = Some(latency.as_secs_f64());
+                    let status = &mut lock(&self.board).status;
+                    status.latency = Some(latency.as_secs_f64());
+                    status.answered += 1;
                     if self.is_moving {
                         self.pace.note_latency(latency);
                     }

@@ -19,6 +19,7 @@ use std::time::Instant;
 use egui::{CentralPanel, Color32, Panel, ThemePreference, Ui};
 use engine::display::DisplaySettings;
 use engine::scene::view::{View, ViewChoice, ViewTransform};
+use patina_panels::{Browser, FileDialogs};
 
 use crate::blit::Drawn;
 use crate::link::{Command, Files, Hit, Link, PickPurpose, Reply, SceneFacts, Status};
@@ -130,6 +131,7 @@ pub struct Viewer {
     scene: Arc<SceneFacts>,
     messages: Vec<Message>,
     dialog: Option<Dialog>,
+    browser: Browser,
     lists_shortcuts: bool,
     /// A picture that was dropped, as the look names it, until it is known what for.
     picture_to_use: Option<String>,
@@ -175,6 +177,7 @@ impl Viewer {
             scene: Arc::default(),
             messages: Vec::new(),
             dialog: None,
+            browser: Browser::default(),
             lists_shortcuts: false,
             picture_to_use: None,
             questions: Questions::default(),
@@ -194,6 +197,18 @@ impl Viewer {
     /// Figures as they are shown.
     pub fn status(&self) -> &Status {
         &self.status
+    }
+
+    /// Has all that asks for a file ask that system from now on.
+    pub fn set_file_dialogs(&mut self, system: Arc<dyn FileDialogs>) {
+        self.editor.set_file_dialogs(Arc::clone(&system));
+        self.browser.set_system(system);
+    }
+
+    /// Pixels of the viewport per pixel of the picture, along a side.
+    pub(crate) fn coarseness(&self) -> f64 {
+        let [whole, _] = self.viewport.size();
+        f64::from(whole) / f64::from(self.status.size[0].max(1))
     }
 
     /// Something that the window itself has to say.

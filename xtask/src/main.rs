@@ -2,8 +2,8 @@
 //!
 //! Kept free of dependencies (but for errors and JSON), as it is built before anything else can happen. What a command
 //! does is written here from top to bottom; how to run a step is in `steps`, how to find or install a Vulkan driver in
-//! `vulkan`, another one in `swiftshader`, which systems the program must compile for in `targets`, how the program is built
-//! to be given away in `dist`, a picture by many machines in `farm`, files for
+//! `vulkan`, another one in `swiftshader`, a screen for the window's tests in `screen`, which systems the program must
+//! compile for in `targets`, how the program is built to be given away in `dist`, a picture by many machines in `farm`, files for
 //! other schedulers in `farm_files`, the comparison with other renderers in `peers`, that of view
 //! transforms with OpenColorIO in `views`, reading our files with Blender in `blender`, comparing animated vertices with another
 //! evaluation in `poses`, what MaterialX's nodes become with MaterialX's own in `materialx`.
@@ -15,6 +15,7 @@ mod farm_files;
 mod materialx;
 mod peers;
 mod poses;
+mod screen;
 mod steps;
 mod swiftshader;
 mod targets;
@@ -217,6 +218,12 @@ fn test(full: bool) -> Result<()> {
             false => tests,
         }
     };
+    if full {
+        steps.run("Screen", || {
+            screen::ensure();
+            Ok(())
+        })?;
+    }
     let name = if full { "All tests" } else { "Tests" };
     steps.run(name, || tests(&["--workspace"]).run())?;
     for (name, device) in OTHER_DEVICES {

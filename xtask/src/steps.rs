@@ -2,8 +2,9 @@
 
 use std::env;
 use std::ffi::OsString;
+use std::io;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
@@ -107,13 +108,21 @@ impl Step {
     }
 
     /// Whether it can be started and exits with 0; its output is dropped.
-    pub(crate) fn succeeds(mut self) -> bool {
+    pub(crate) fn succeeds(self) -> bool {
+        self.quietly().is_ok_and(|status| status.success())
+    }
+
+    /// Whether it can be started, however it ends; its output is dropped.
+    pub(crate) fn starts(self) -> bool {
+        self.quietly().is_ok()
+    }
+
+    fn quietly(mut self) -> io::Result<ExitStatus> {
         self.command
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .status()
-            .is_ok_and(|status| status.success())
     }
 
     /// What it prints to stdout, or nothing where it fails.

@@ -12,6 +12,10 @@ use engine::scene::look::{Field, Spanned, Value, find};
 use engine::system::Disk;
 
 use super::{Edited, choice, draft};
+use crate::browse::{Browser, FileRequest, Purpose, named_from};
+
+/// How names of pictures end that can be images.
+const ENDINGS: [&str; 4] = ["png", "jpg", "jpeg", "webp"];
 
 /// Points of a thumbnail's longer side.
 const THUMBNAIL: u32 = 48;
@@ -150,6 +154,7 @@ fn panorama(image: &FloatImage) -> ColorImage {
 pub(crate) fn image_slot(
     ui: &mut Ui,
     slots: &mut ImageSlot,
+    browser: &mut Browser,
     label: &str,
     folder: &Path,
     written: Option<&Value>,
@@ -186,15 +191,22 @@ pub(crate) fn image_slot(
                     ui.painter().rect_filled(place, 2.0, background);
                 }
             }
-            let field = draft(ui, label, "path of an image, or drop one here", file, 260.0);
+            let (field, browsed) = match browser.has_system() {
+                // Both fit beside the thumbnail.
+                true => {
+                    ui.vertical(|ui| path_field(ui, browser, label, folder, file))
+                        .inner
+                }
+                false => path_field(ui, browser, label, folder, file),
+            };
             if let Some(path) = field.value {
                 value = Some(with_key(fields, "file", Value::Text(path)));
             }
             let field = field.response;
-            if let Some(dropped) = dropped_on(ui, field.rect.union(place)) {
-                slots.has_taken = true;
-                let relative = dropped.strip_prefix(folder).unwrap_or(&dropped);
-                let path = relative.to_string_lossy().replace('\\', "/");
+            let dropped = dropped_on(ui, field.rect.union(place));
+            slots.has_taken |= dropped.is_some();
+            if let Some(taken) = dropped.or(browsed) {
+                let path = named_from(folder, &taken);
                 value = Some(with_key(fields, "file", Value::Text(path)));
             }
         });
@@ -230,6 +242,26 @@ pub(crate) fn image_slot(
         response: area.response,
         value,
     }
+}
+
+/// The path, and what was chosen in a dialog of the system.
+fn path_field(
+    ui: &mut Ui,
+    browser: &mut Browser,
+    label: &str,
+    folder: &Path,
+    file: &str,
+) -> (Edited<String>, Option<PathBuf>) {
+    let field = draft(ui, label, "path of an image, or drop one here", file, 260.0);
+    let request = || FileRequest {
+        title: format!("Image for {label}"),
+        purpose: Purpose::Open,
+        kind: "Pictures",
+        endings: ENDINGS.to_vec(),
+        start: folder.join(file),
+    };
+    let browsed = browser.button(ui, "Browse ...", label, request);
+    (field, browsed)
 }
 
 fn file_text(written: Option<&Value>) -> String {

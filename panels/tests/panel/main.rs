@@ -1,6 +1,7 @@
 //! The panel as its user has it.
 
 mod editing;
+mod files;
 mod history;
 mod large;
 mod names;

@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 use egui::{Id, Key, Modal, Ui};
 
 use engine::film::MAX_SIDE;
+use engine::scene::import::FORMATS;
 use engine::scene::view::{View, ViewTransform};
+
+use patina_panels::{Browser, FileRequest, Purpose};
 
 use crate::link::{Command, Files, PictureOrder};
 
@@ -21,6 +24,10 @@ pub(super) struct Dialog {
     path: String,
     look: String,
     picture: Picture,
+    /// The scene and the look that are shown.
+    shown: [String; 2],
+    /// Why the system has no dialog to choose the file in.
+    refusal: Option<String>,
     /// It has just been opened: the path gets the keyboard.
     is_new: bool,
 }
@@ -34,6 +41,13 @@ struct Picture {
     view: View,
 }
 
+/// What people call the files of looks.
+const LOOKS: &str = "Looks";
+/// How names of pictures end that can be written.
+const PICTURES: [&str; 4] = ["png", "jpg", "jpeg", "exr"];
+/// Points of a button that opens the system's dialog.
+const BROWSE: f32 = 76.0;
+
 /// A picture that is saved has so many samples of each pixel, unless there are more already, or others are asked for.
 const SAMPLES: u32 = 64;
 
@@ -44,13 +58,26 @@ enum What {
     Scene,
 }
 
+impl What {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Look => "the file of the look",
+            Self::Picture => "the file of the picture",
+            Self::Scene => "the scene",
+        }
+    }
+}
+
 impl Dialog {
     fn new(what: What, path: &Path, look: Option<&Path>) -> Self {
         let text = |path: &Path| path.display().to_string();
+        let (path, look) = (text(path), look.map(text).unwrap_or_default());
         Self {
             what,
-            path: text(path),
-            look: look.map(text).unwrap_or_default(),
+            shown: [path.clone(), look.clone()],
+            path,
+            look,
+            refusal: None,
             picture: Picture::default(),
             is_new: true,
         }
@@ -92,6 +119,61 @@ impl Dialog {
         }
     }
 
+    /// What the system is asked for.
+    fn request(&self) -> FileRequest {
+        let (purpose, kind, endings) = match self.what {
+            What::Look => (Purpose::Save, LOOKS, vec!["toml"]),
+            What::Picture => (Purpose::Save, "Pictures", PICTURES.to_vec()),
+            What::Scene => {
+                let endings = FORMATS.iter().flat_map(|format| format.endings);
+                (Purpose::Open, "Scenes", endings.copied().collect())
+            }
+        };
+        FileRequest {
+            title: self.title().to_owned(),
+            purpose,
+            kind,
+            endings,
+            start: PathBuf::from(self.path.trim()),
+        }
+    }
+
+    fn look_request(&self) -> FileRequest {
+        let named = match self.look.trim() {
+            "" => self.path.trim(),
+            look => look,
+        };
+        FileRequest {
+            title: "Look of the scene".to_owned(),
+            purpose: Purpose::Open,
+            kind: LOOKS,
+            endings: vec!["toml"],
+            start: PathBuf::from(named),
+        }
+    }
+
+    /// A file has been chosen in the system's dialog. Where it is to be written and has no ending, it gets the usual one.
+    fn choose(&mut self, mut path: PathBuf) {
+        let ending = match self.what {
+            What::Look => Some("look.toml"),
+            What::Picture => Some("png"),
+            What::Scene => None,
+        };
+        if let (Some(ending), None) = (ending, path.extension()) {
+            path.set_extension(ending);
+        }
+        let [scene, look] = &self.shown;
+        if self.what == What::Scene && path != Path::new(scene) && self.look == *look {
+            // The former scene's look isn't this one's.
+            let own = path.with_extension("look.toml");
+            self.look = match own.is_file() {
+                true => own.display().to_string(),
+                false => String::new(),
+            };
+        }
+        self.path = path.display().to_string();
+    }
+
     fn command(&self) -> Command {
         let path = PathBuf::from(self.path.trim());
         match self.what {
@@ -109,6 +191,44 @@ impl Dialog {
                 camera: None,
             }),
         }
+    }
+}
+
+/// The file, and the look of a scene, each with a button that opens the system's dialog.
+fn file_fields(ui: &mut Ui, dialog: &mut Dialog, browser: &mut Browser) {
+    let has_system = browser.has_system();
+    let width = move |ui: &Ui| match has_system {
+        true => ui.available_width() - BROWSE - ui.spacing().item_spacing.x,
+        false => f32::INFINITY,
+    };
+    let label = ui.label("File");
+    ui.horizontal(|ui| {
+        let edit = egui::TextEdit::singleline(&mut dialog.path).desired_width(width(ui));
+        let path = ui.add(edit).labelled_by(label.id);
+        if std::mem::take(&mut dialog.is_new) {
+            path.request_focus();
+        }
+        let request = || dialog.request();
+        if let Some(path) = browser.button(ui, "Browse ...", dialog.what.name(), request) {
+            dialog.choose(path);
+        }
+    });
+    if dialog.what == What::Scene {
+        let label = ui.label("Look (may be empty)");
+        ui.horizontal(|ui| {
+            let edit = egui::TextEdit::singleline(&mut dialog.look).desired_width(width(ui));
+            ui.add(edit).labelled_by(label.id);
+            let request = || dialog.look_request();
+            if let Some(path) = browser.button(ui, "Browse ...", "the look of the scene", request) {
+                dialog.look = path.display().to_string();
+            }
+        });
+    }
+    if let Some(why) = browser.take_refusal() {
+        dialog.refusal = Some(why);
+    }
+    if let Some(why) = &dialog.refusal {
+        ui.colored_label(ui.visuals().warn_fg_color, why);
     }
 }
 
@@ -171,18 +291,7 @@ impl Viewer {
         let shown = Modal::new(Id::unique("file dialog")).show(ui.ctx(), |ui| {
             ui.set_width(460.0);
             ui.heading(dialog.title());
-            let label = ui.label("File");
-            let edit = egui::TextEdit::singleline(&mut dialog.path).desired_width(f32::INFINITY);
-            let path = ui.add(edit).labelled_by(label.id);
-            if std::mem::take(&mut dialog.is_new) {
-                path.request_focus();
-            }
-            if dialog.what == What::Scene {
-                let label = ui.label("Look (may be empty)");
-                let edit =
-                    egui::TextEdit::singleline(&mut dialog.look).desired_width(f32::INFINITY);
-                ui.add(edit).labelled_by(label.id);
-            }
+            file_fields(ui, &mut dialog, &mut self.browser);
             if dialog.what == What::Picture {
                 picture_fields(ui, &mut dialog);
             }
@@ -198,6 +307,9 @@ impl Viewer {
                 is_cancelled = ui.button("Cancel").clicked();
             });
         });
+        if is_done || is_cancelled || shown.should_close() {
+            self.browser.forget();
+        }
         if is_done {
             match dialog.command() {
                 Command::Open(files) => self.open(files),

@@ -6,7 +6,7 @@ use egui::{Id, Modal, Ui};
 use engine::scene::import::is_scene;
 use engine::scene::look::{Section, Value};
 use engine::session::Edit;
-use patina_panels::PictureUse;
+use patina_panels::{PictureUse, named_from};
 
 use crate::link::{Command, Files};
 
@@ -67,12 +67,11 @@ impl Viewer {
                 Dropped::Scene | Dropped::Look => {}
                 // Unless a slot takes it, which is seen when the panel has been shown.
                 Dropped::Image => {
-                    let path = self.named_by_look(file);
-                    self.picture_to_use = Some(path.display().to_string());
+                    self.picture_to_use = Some(self.named_by_look(file));
                 }
                 Dropped::Texture => self.take_texture(file, now),
                 Dropped::Environment => {
-                    let path = self.named_by_look(file).display().to_string();
+                    let path = self.named_by_look(file);
                     // In place of whatever light there is.
                     let clear = Edit::Remove {
                         section: Section::Environment,
@@ -142,14 +141,12 @@ impl Viewer {
     }
 
     /// A file as the look names it: from its own folder, where it lies below that.
-    fn named_by_look(&self, file: &Path) -> PathBuf {
+    fn named_by_look(&self, file: &Path) -> String {
         let look = self.scene.files.look.as_deref().and_then(Path::parent);
-        let folder = look.and_then(|folder| match folder == Path::new("") {
-            true => Path::new(".").canonicalize().ok(),
-            false => folder.canonicalize().ok(),
-        });
-        let below = folder.and_then(|folder| file.strip_prefix(folder).ok().map(Path::to_owned));
-        below.unwrap_or_else(|| file.to_owned())
+        look.map_or_else(
+            || file.display().to_string(),
+            |folder| named_from(folder, file),
+        )
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use egui::Ui;
 use engine::scene::{Material, PunctualLight};
 use engine::session::{Document, Edit, Merged, merge};
-use patina_panels::{Form, ModelImage, Previews, SceneView, Textures, TexturesPanel};
+use patina_panels::{FileDialogs, Form, ModelImage, Previews, SceneView, Textures, TexturesPanel};
 
 use crate::link::{Command, Hit, Link, LookFacts};
 use crate::navigate::Navigator;
@@ -120,6 +120,11 @@ impl Editor {
     pub(super) fn has_unsaved_edits(&self) -> bool {
         let document = self.document.as_ref();
         document.is_some_and(|document| *document.text() != *self.saved)
+    }
+
+    /// Has fields of files ask that system from now on.
+    pub(super) fn set_file_dialogs(&mut self, system: Arc<dyn FileDialogs>) {
+        self.panel.set_file_dialogs(system);
     }
 
     /// Forgets the look. The panel stays, with its previews.
