@@ -36,7 +36,7 @@ impl FileDialogs for SystemDialogs {
     fn ask(&self, request: FileRequest, answer: Answer) {
         let (folder, name) = start(&request);
         let mut dialog = self.plain.clone().set_title(request.title);
-        dialog = dialog.add_filter(request.kind, &request.endings);
+        dialog = dialog.add_filter(request.kind, &filter(&request.endings));
         if let Some(folder) = folder {
             dialog = dialog.set_directory(folder);
         }
@@ -60,6 +60,15 @@ impl FileDialogs for SystemDialogs {
             .name("file dialog".to_owned())
             .spawn(ask);
     }
+}
+
+/// How names may end: dialogs of Linux take capitals for other letters, and cameras write them.
+fn filter(endings: &[&str]) -> Vec<String> {
+    let mut all: Vec<_> = endings.iter().map(|ending| (*ending).to_owned()).collect();
+    if cfg!(target_os = "linux") {
+        all.extend(endings.iter().map(|ending| ending.to_uppercase()));
+    }
+    all
 }
 
 /// The folder that is shown first, the nearest one that is there; and the name that is proposed for a file to be written.
