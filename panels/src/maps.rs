@@ -200,7 +200,7 @@ fn as_node(
     }
     let mut link = format!("{node}.{}", map.swizzle);
     if map.key == "normal" {
-        let normal = free_name(cx.document, "normal_map", &[node.clone()]);
+        let normal = free_name(cx.document, "normal_map", std::slice::from_ref(&node));
         let section = Section::Node(normal.clone());
         edits.push(Edit::add_node(&normal, "normal_map"));
         edits.push(Edit::set(section, "color", Value::Text(link)));

@@ -27,10 +27,8 @@ pub(super) fn apply(look: &Look, wanted: &LightLook, scene: &mut Scene) -> Resul
         if !is_there {
             return Err(unknown(&look.file, wanted, scene));
         }
-        let lights = scene.lights.iter_mut().filter(|l| l.name == *name);
-        return lights
-            .map(|light| change(&look.file, wanted, light))
-            .collect();
+        let mut lights = scene.lights.iter_mut().filter(|l| l.name == *name);
+        return lights.try_for_each(|light| change(&look.file, wanted, light));
     };
     if is_there {
         let problem = format!("the scene has a light called `{name}` already");
