@@ -1,4 +1,5 @@
-//! The window around [`Viewer`]: its device is that of the render, so that the picture is shown without being copied.
+//! The window around [`Viewer`]. Where its device is that of the render, the picture is shown without being copied; what the
+//! processor renders by itself is brought to the device that draws.
 
 use std::panic::AssertUnwindSafe;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,8 +14,9 @@ use patina_panels::Previews;
 use crate::appearance;
 use crate::blit::Blit;
 use crate::host::Host;
-use crate::link::{Files, Link};
+use crate::link::{Command, Files, Link};
 use crate::thread::{RenderOptions, RenderThread};
+use crate::upload::Upload;
 use crate::viewer::{PictureIds, Preferences, Viewer};
 
 /// Key of what is kept between starts.
@@ -24,8 +26,26 @@ const SIZE: [f32; 2] = [1280.0, 800.0];
 
 /// What the driver refused to draw is drawn again after so long: by then a window has the size that it says it has.
 const DRAWN_AGAIN: Duration = Duration::from_millis(30);
+/// Of the device that draws.
+const LOST: &str = "the graphics device was lost";
 /// How long a render may take to notice that the device is lost.
 const FAREWELL: Duration = Duration::from_secs(10);
+
+/// What renders, and what draws the window. Both may be one.
+#[derive(Debug, Clone)]
+pub struct Devices {
+    /// The picture is rendered on this one.
+    pub render: Device,
+    /// The window is drawn by this one, which has a driver.
+    pub window: Device,
+}
+
+impl Devices {
+    /// The picture has to be brought from one to the other.
+    fn are_two(&self) -> bool {
+        self.render.gpu().is_none()
+    }
+}
 
 /// What is opened, and how.
 #[derive(Debug, Clone)]
@@ -57,13 +77,13 @@ pub enum WindowError {
     /// There is no window system, or none that can be used.
     #[error("cannot open a window: {0}")]
     System(#[from] eframe::Error),
-    /// The processor renders by itself, but a window needs a driver.
+    /// The processor renders by itself, but a window needs a driver to be drawn.
     #[error(
-        "a window needs a graphics driver (Debian/Ubuntu: `apt install mesa-vulkan-drivers libvulkan1`); `render` and `watch` \
-         need none"
+        "a window needs a graphics driver to be drawn, be it one in software (Debian/Ubuntu: `apt install mesa-vulkan-drivers \
+         libvulkan1`); `render` and `watch` need none"
     )]
     NoDriver,
-    /// The device is gone, and nothing can be drawn without it. The text says where edits are that were not saved.
+    /// The window's device is gone, and nothing can be drawn without it. The text says where edits are that were not saved.
     #[error("{0}")]
     Lost(String),
 }
@@ -71,13 +91,14 @@ pub enum WindowError {
 /// Opens a window and returns when it has been closed, with a picture of it if one was asked for and could be taken.
 ///
 /// # Errors
-/// There is no window system, or the device was lost.
+/// There is no window system, or the device that draws was lost.
 pub fn run(
-    device: &Device,
+    devices: &Devices,
     options: WindowOptions,
     host: Box<dyn Host>,
 ) -> Result<Option<WindowPicture>, WindowError> {
-    let driver = device.gpu().ok_or(WindowError::NoDriver)?;
+    let window = &devices.window;
+    let driver = window.gpu().ok_or(WindowError::NoDriver)?;
     let setup = WgpuSetupExisting {
         instance: driver.instance().clone(),
         adapter: driver.adapter().clone(),
@@ -100,14 +121,14 @@ pub fn run(
         // A screenshot looks the same whatever the last window was.
         persist_window: !is_screenshot,
         // Nobody sees it in flat panels, and a software driver pays for each pixel.
-        dithering: !device.traits().shares_the_processor,
+        dithering: !window.traits().shares_the_processor,
         ..eframe::NativeOptions::default()
     };
     let lost = Arc::new(Mutex::new(None));
     let running = Arc::new(Mutex::new(None));
-    let (own, kept) = (device.clone(), Taken::clone(&taken));
+    let (own, kept) = (devices.clone(), Taken::clone(&taken));
     let (why, thread) = (Arc::clone(&lost), Arc::clone(&running));
-    let window = AssertUnwindSafe(move || {
+    let shown = AssertUnwindSafe(move || {
         eframe::run_native(
             "Patina",
             native,
@@ -120,11 +141,13 @@ pub fn run(
         )
     });
     // egui panics where it meets a device that is lost, before or after the render has noticed.
-    match std::panic::catch_unwind(window) {
+    match std::panic::catch_unwind(shown) {
         Ok(outcome) => outcome?,
-        Err(_) if device.is_lost() => {
+        Err(_) if window.is_lost() => {
             let thread = lock(&running).take();
-            return Err(WindowError::Lost(thread.map_or_else(String::new, farewell)));
+            return Err(WindowError::Lost(
+                thread.map_or_else(String::new, |thread| farewell(thread, devices.are_two())),
+            ));
         }
         Err(panic) => std::panic::resume_unwind(panic),
     }
@@ -135,15 +158,19 @@ pub fn run(
     Ok(picture)
 }
 
-/// Waits until the render has noticed that the device is lost, and has kept the edits: what it says of that.
-fn farewell(thread: RenderThread) -> String {
+/// Waits until the render has noticed that the device is lost, or heard of it where that isn't its own, and has kept the edits:
+/// what it says of that.
+fn farewell(thread: RenderThread, are_two: bool) -> String {
     let end = Instant::now() + FAREWELL;
+    if are_two {
+        thread.link.send(Command::Abandon(LOST.to_owned()));
+    }
     let why = loop {
         if let Some(why) = thread.link.board().status.fatal.clone() {
             break why;
         }
         if Instant::now() > end {
-            return "the graphics device was lost".to_owned();
+            return LOST.to_owned();
         }
         std::thread::sleep(Duration::from_millis(20));
     };
@@ -159,18 +186,23 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 struct Shell {
-    device: Device,
+    devices: Devices,
     link: Link,
     viewer: Viewer,
     thread: Arc<Mutex<Option<RenderThread>>>,
     /// Of the picture, of that before, and of what lies beside the region.
-    ids: [Option<TextureId>; 3],
+    ids: [Option<(TextureId, wgpu::TextureView)>; 3],
+    /// The same, as far as another device renders them.
+    uploads: [Upload; 3],
     blit: Option<Blit>,
-    texture_number: u64,
+    /// Of what is shown.
+    number: u64,
     picture_at_spp: Option<u32>,
     /// The picture has been asked for.
     is_taking: bool,
     taken: Taken,
+    /// The render has been told that the window can't be drawn any more.
+    is_abandoned: bool,
     /// Why the window has closed by itself.
     lost: Arc<Mutex<Option<String>>>,
 }
@@ -178,7 +210,7 @@ struct Shell {
 impl Shell {
     fn new(
         context: &eframe::CreationContext<'_>,
-        device: Device,
+        devices: Devices,
         options: WindowOptions,
         host: Box<dyn Host>,
         taken: Taken,
@@ -195,81 +227,98 @@ impl Shell {
         let files = options.files.or_else(last);
         // While a window is resized its surface may be refused: that is drawn again, and no failure of the render.
         let ctx = context.egui_ctx.clone();
-        if let Some(driver) = device.gpu() {
+        if let Some(driver) = devices.window.gpu() {
             driver.draw_here(move |_| ctx.request_repaint_after(DRAWN_AGAIN));
         }
         let ctx = context.egui_ctx.clone();
         let wake = Box::new(move || ctx.request_repaint());
-        let thread = RenderThread::start(device.clone(), files, options.render, host, wake)?;
+        let render = devices.render.clone();
+        let thread = RenderThread::start(render, files, options.render, host, wake)?;
         let mut viewer = Viewer::new(thread.link.clone(), preferences, options.display);
         // A device of their own, so that they don't keep the render waiting.
         let choice = options.preview_device;
         let open = move || Device::open(&choice);
         viewer.set_previews(Previews::start(&context.egui_ctx, open));
         Ok(Self {
-            device,
+            devices,
             link: thread.link.clone(),
             viewer,
             thread: Arc::new(Mutex::new(Some(thread))),
-            ids: [None; 3],
+            ids: Default::default(),
+            uploads: Default::default(),
             blit: context
                 .wgpu_render_state
                 .as_ref()
                 .and_then(|state| Blit::new(&state.device, state.target_format)),
-            texture_number: 0,
+            number: 0,
             picture_at_spp: options.picture_at_spp,
             is_taking: false,
             taken,
+            is_abandoned: false,
             lost: Arc::default(),
         })
     }
 
-    /// Makes the picture known to the window's renderer when it lies in another texture.
+    /// Makes the picture known to the window's renderer when it is another one, or lies in another texture.
     fn take_picture(&mut self, frame: &eframe::Frame) {
         let Some(state) = frame.wgpu_render_state() else {
             return;
         };
         let shown = match &self.link.board().shown {
-            Some(shown) if shown.texture_number != self.texture_number => shown.clone(),
+            Some(shown) if shown.number != self.number => shown.clone(),
             _ => return,
         };
-        self.texture_number = shown.texture_number;
+        self.number = shown.number;
+        let (device, filter) = (&state.device, wgpu::FilterMode::Linear);
         let mut renderer = state.renderer.write();
         let mut register = |view: &wgpu::TextureView, id: Option<TextureId>| match id {
-            None => renderer.register_native_texture(&state.device, view, wgpu::FilterMode::Linear),
+            None => renderer.register_native_texture(device, view, filter),
             Some(id) => {
-                let filter = wgpu::FilterMode::Linear;
-                renderer.update_egui_texture_from_wgpu_texture(&state.device, view, filter, id);
+                renderer.update_egui_texture_from_wgpu_texture(device, view, filter, id);
                 id
             }
         };
-        let views = [
-            Some(&shown.view),
-            shown.before.as_ref(),
-            shown.beside.as_ref(),
-        ];
-        for (id, view) in self.ids.iter_mut().zip(views) {
-            if let Some(view) = view {
-                *id = Some(register(view, *id));
-            }
+        let mut is_there = [false; 3];
+        for (place, picture) in shown.pictures.iter().enumerate() {
+            let Some(picture) = picture else {
+                self.uploads[place] = Upload::default();
+                continue;
+            };
+            is_there[place] = true;
+            let view = self.uploads[place].view(picture, device, &state.queue);
+            let known = self.ids[place].take();
+            let is_known = known.as_ref().is_some_and(|(_, known)| *known == view);
+            self.ids[place] = match known {
+                known if is_known => known,
+                known => {
+                    if let (0, Some(blit)) = (place, &self.blit) {
+                        self.viewer.drawn = Some(blit.bind(device, &view));
+                    }
+                    Some((register(&view, known.map(|(id, _)| id)), view))
+                }
+            };
         }
-        let [Some(now), before, beside] = self.ids else {
-            return;
+        let id = |place: usize| {
+            let id = self.ids[place].as_ref().map(|(id, _)| *id);
+            id.filter(|_| is_there[place])
         };
-        let blit = self.blit.as_ref();
-        self.viewer.drawn = blit.map(|blit| blit.bind(&state.device, &shown.view));
-        self.viewer.picture = Some(PictureIds {
+        self.viewer.picture = id(0).map(|now| PictureIds {
             now,
-            before: before.filter(|_| shown.before.is_some()),
-            beside: beside.filter(|_| shown.beside.is_some()),
+            before: id(1),
+            beside: id(2),
             size: shown.size,
         });
     }
 
     /// Without its device the window can show nothing, not even that: it closes, and who opened it tells why.
-    fn end_if_lost(&self, ui: &Ui) {
+    fn end_if_lost(&mut self, ui: &Ui) {
+        // A render on another device doesn't notice by itself.
+        if self.devices.are_two() && !self.is_abandoned && self.devices.window.is_lost() {
+            self.is_abandoned = true;
+            self.link.send(Command::Abandon(LOST.to_owned()));
+        }
         if let Some(why) = self.viewer.status().fatal.as_ref()
-            && self.device.is_lost()
+            && self.devices.window.is_lost()
         {
             lock(&self.lost).get_or_insert_with(|| why.clone());
             ui.ctx().send_viewport_cmd(ViewportCommand::Close);

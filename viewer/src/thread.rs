@@ -77,7 +77,7 @@ impl RenderThread {
                 let full = options.size;
                 let size = Arc::new(Mutex::new(full));
                 let denoising = Denoising::start(&device, host.denoiser());
-                let pace = Pace::of(device.traits().shares_the_processor);
+                let pace = Pace::of(device.traits());
                 let mut render = Render {
                     device,
                     options,
