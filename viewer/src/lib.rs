@@ -21,6 +21,7 @@ pub mod link;
 pub mod navigate;
 pub mod pace;
 pub mod picture;
+mod screen;
 pub mod shell;
 pub mod thread;
 mod upload;

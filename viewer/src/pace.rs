@@ -9,13 +9,15 @@ use device::Traits;
 const MOVING: Duration = Duration::from_millis(40);
 /// Less than this would leave nothing to be seen.
 const SHORTEST: Duration = Duration::from_millis(10);
-/// A change is to be seen so soon. One that comes while a picture is under way waits for two: what is at most late makes 15 pictures
-/// a second.
+/// More than this only seems to be needed: what samples take was measured while others took the device's time.
+const LONGEST: Duration = Duration::from_millis(120);
+/// A change is to be seen so soon. One that comes while a picture is under way waits for two: where that takes no longer, 15 pictures come
+/// in a second.
 const GOAL_ON_GPU: Duration = Duration::from_millis(100);
-const GOAL_ON_CPU: Duration = Duration::from_millis(140);
+const GOAL_ON_CPU: Duration = Duration::from_millis(150);
 /// Of the goal: with more than the first moving pictures become smaller, with less than the second larger.
 const LATE: f64 = 0.7;
-const EARLY: f64 = 0.5;
+const EARLY: f64 = 0.45;
 /// Most that sides are divided by while moving.
 const COARSEST: u32 = 16;
 
@@ -28,7 +30,7 @@ const SECONDS_BY_DRIVER: f64 = 2e-5;
 #[derive(Debug, Clone, Copy)]
 pub struct Pace {
     seconds_per_path: Option<f64>,
-    /// For the samples of a moving picture: less than [`MOVING`] where other things, the window's frames for one, take
+    /// For the samples of a moving picture: [`MOVING`] at first; less where other things, the window's frames for one, take
     /// the device's time.
     budget: Duration,
     /// From a change to its picture.
@@ -67,11 +69,11 @@ impl Pace {
     /// So long after a change its moving picture was there.
     pub fn note_latency(&mut self, latency: Duration) {
         let factor = match latency.div_duration_f64(self.goal) {
-            late if late > LATE => 0.7,
+            late if late > LATE => 0.8,
             early if early < EARLY => 1.1,
             _ => return,
         };
-        self.budget = self.budget.mul_f64(factor).clamp(SHORTEST, MOVING);
+        self.budget = self.budget.mul_f64(factor).clamp(SHORTEST, LONGEST);
     }
 
     /// Camera paths per second.
@@ -142,10 +144,12 @@ mod tests {
         // In time is neither late nor early.
         pace.note_latency(Duration::from_millis(80));
         assert_eq!(pace.moving_divisor([640, 360]), least);
+        // What seemed to be slow is given more time than it was thought to need.
         for _ in 0..100 {
             pace.note_latency(Duration::from_millis(50));
         }
-        assert_eq!(pace.moving_divisor([640, 360]), first);
+        let most = pace.moving_divisor([640, 360]);
+        assert!(most > 1 && most < first, "{most} {first}");
     }
 
     #[test]

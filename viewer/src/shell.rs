@@ -2,22 +2,21 @@
 //! processor renders by itself is brought to the device that draws.
 
 use std::panic::AssertUnwindSafe;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use device::{Device, DeviceChoice};
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupExisting};
-use egui::{TextureId, Ui, ViewportBuilder, ViewportCommand};
+use egui::{Ui, ViewportBuilder, ViewportCommand};
 use engine::scene::view::ViewChoice;
 use patina_panels::Previews;
 
 use crate::appearance;
-use crate::blit::Blit;
 use crate::host::Host;
 use crate::link::{Command, Files, Link};
+use crate::screen::Screen;
 use crate::thread::{RenderOptions, RenderThread};
-use crate::upload::Upload;
-use crate::viewer::{PictureIds, Preferences, Viewer};
+use crate::viewer::{Preferences, Viewer};
 
 /// Key of what is kept between starts.
 const PREFERENCES: &str = "preferences";
@@ -125,24 +124,48 @@ pub fn run(
         ..eframe::NativeOptions::default()
     };
     let lost = Arc::new(Mutex::new(None));
-    let running = Arc::new(Mutex::new(None));
-    let (own, kept) = (devices.clone(), Taken::clone(&taken));
-    let (why, thread) = (Arc::clone(&lost), Arc::clone(&running));
+    // Files are read while the window is opened.
+    let seen = Arc::new(OnceLock::<egui::Context>::new());
+    let waked = Arc::clone(&seen);
+    let wake = Box::new(move || {
+        if let Some(ctx) = waked.get() {
+            ctx.request_repaint();
+        }
+    });
+    let (render, files) = (devices.render.clone(), options.files.clone());
+    let thread = RenderThread::start(render, files, options.render.clone(), host, wake)
+        .map_err(|error| eframe::Error::AppCreation(error.into()))?;
+    let link = thread.link.clone();
+    let running = Arc::new(Mutex::new(Some(thread)));
+    let parts = Parts {
+        devices: devices.clone(),
+        link,
+        thread: Arc::clone(&running),
+        taken: Taken::clone(&taken),
+        lost: Arc::clone(&lost),
+    };
     let shown = AssertUnwindSafe(move || {
         eframe::run_native(
             "Patina",
             native,
             Box::new(move |context| {
-                let mut shell = Shell::new(context, own, options, host, kept)?;
-                *lock(&thread) = lock(&shell.thread).take();
-                (shell.lost, shell.thread) = (why, thread);
+                let shell = Shell::new(context, parts, options);
+                // What there is to see by now is seen.
+                let _ = seen.set(context.egui_ctx.clone());
+                context.egui_ctx.request_repaint();
                 Ok(Box::new(shell))
             }),
         )
     });
     // egui panics where it meets a device that is lost, before or after the render has noticed.
     match std::panic::catch_unwind(shown) {
-        Ok(outcome) => outcome?,
+        Ok(outcome) => {
+            // Where no window could be opened, nobody has ended it.
+            if let Some(thread) = lock(&running).take() {
+                thread.finish();
+            }
+            outcome?;
+        }
         Err(_) if window.is_lost() => {
             let thread = lock(&running).take();
             return Err(WindowError::Lost(
@@ -185,36 +208,29 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-struct Shell {
+/// What a shell shares with [`run`].
+struct Parts {
     devices: Devices,
     link: Link,
-    viewer: Viewer,
     thread: Arc<Mutex<Option<RenderThread>>>,
-    /// Of the picture, of that before, and of what lies beside the region.
-    ids: [Option<(TextureId, wgpu::TextureView)>; 3],
-    /// The same, as far as another device renders them.
-    uploads: [Upload; 3],
-    blit: Option<Blit>,
-    /// Of what is shown.
-    number: u64,
-    picture_at_spp: Option<u32>,
-    /// The picture has been asked for.
-    is_taking: bool,
     taken: Taken,
-    /// The render has been told that the window can't be drawn any more.
-    is_abandoned: bool,
     /// Why the window has closed by itself.
     lost: Arc<Mutex<Option<String>>>,
 }
 
+struct Shell {
+    parts: Parts,
+    viewer: Viewer,
+    screen: Screen,
+    picture_at_spp: Option<u32>,
+    /// The picture has been asked for.
+    is_taking: bool,
+    /// The render has been told that the window can't be drawn any more.
+    is_abandoned: bool,
+}
+
 impl Shell {
-    fn new(
-        context: &eframe::CreationContext<'_>,
-        devices: Devices,
-        options: WindowOptions,
-        host: Box<dyn Host>,
-        taken: Taken,
-    ) -> std::io::Result<Self> {
+    fn new(context: &eframe::CreationContext<'_>, parts: Parts, options: WindowOptions) -> Self {
         appearance::apply(&context.egui_ctx);
         let storage = context.storage.filter(|_| options.picture_at_spp.is_none());
         let preferences: Preferences = storage
@@ -224,103 +240,55 @@ impl Shell {
             let files = preferences.files.clone();
             files.filter(|files| files.scene.exists())
         };
-        let files = options.files.or_else(last);
+        if options.files.is_none()
+            && let Some(files) = last()
+        {
+            parts.link.send(Command::Open(files));
+        }
         // While a window is resized its surface may be refused: that is drawn again, and no failure of the render.
         let ctx = context.egui_ctx.clone();
-        if let Some(driver) = devices.window.gpu() {
+        if let Some(driver) = parts.devices.window.gpu() {
             driver.draw_here(move |_| ctx.request_repaint_after(DRAWN_AGAIN));
         }
-        let ctx = context.egui_ctx.clone();
-        let wake = Box::new(move || ctx.request_repaint());
-        let render = devices.render.clone();
-        let thread = RenderThread::start(render, files, options.render, host, wake)?;
-        let mut viewer = Viewer::new(thread.link.clone(), preferences, options.display);
+        let mut viewer = Viewer::new(parts.link.clone(), preferences, options.display);
         // A device of their own, so that they don't keep the render waiting.
         let choice = options.preview_device;
         let open = move || Device::open(&choice);
         viewer.set_previews(Previews::start(&context.egui_ctx, open));
-        Ok(Self {
-            devices,
-            link: thread.link.clone(),
+        Self {
+            parts,
             viewer,
-            thread: Arc::new(Mutex::new(Some(thread))),
-            ids: Default::default(),
-            uploads: Default::default(),
-            blit: context
-                .wgpu_render_state
-                .as_ref()
-                .and_then(|state| Blit::new(&state.device, state.target_format)),
-            number: 0,
+            screen: Screen::new(context.wgpu_render_state.as_ref()),
             picture_at_spp: options.picture_at_spp,
             is_taking: false,
-            taken,
             is_abandoned: false,
-            lost: Arc::default(),
-        })
+        }
     }
 
-    /// Makes the picture known to the window's renderer when it is another one, or lies in another texture.
+    /// Shows the picture that is on the board by now.
     fn take_picture(&mut self, frame: &eframe::Frame) {
         let Some(state) = frame.wgpu_render_state() else {
             return;
         };
-        let shown = match &self.link.board().shown {
-            Some(shown) if shown.number != self.number => shown.clone(),
+        let shown = match &self.parts.link.board().shown {
+            Some(shown) if self.screen.is_new(shown) => shown.clone(),
             _ => return,
         };
-        self.number = shown.number;
-        let (device, filter) = (&state.device, wgpu::FilterMode::Linear);
-        let mut renderer = state.renderer.write();
-        let mut register = |view: &wgpu::TextureView, id: Option<TextureId>| match id {
-            None => renderer.register_native_texture(device, view, filter),
-            Some(id) => {
-                renderer.update_egui_texture_from_wgpu_texture(device, view, filter, id);
-                id
-            }
-        };
-        let mut is_there = [false; 3];
-        for (place, picture) in shown.pictures.iter().enumerate() {
-            let Some(picture) = picture else {
-                self.uploads[place] = Upload::default();
-                continue;
-            };
-            is_there[place] = true;
-            let view = self.uploads[place].view(picture, device, &state.queue);
-            let known = self.ids[place].take();
-            let is_known = known.as_ref().is_some_and(|(_, known)| *known == view);
-            self.ids[place] = match known {
-                known if is_known => known,
-                known => {
-                    if let (0, Some(blit)) = (place, &self.blit) {
-                        self.viewer.drawn = Some(blit.bind(device, &view));
-                    }
-                    Some((register(&view, known.map(|(id, _)| id)), view))
-                }
-            };
-        }
-        let id = |place: usize| {
-            let id = self.ids[place].as_ref().map(|(id, _)| *id);
-            id.filter(|_| is_there[place])
-        };
-        self.viewer.picture = id(0).map(|now| PictureIds {
-            now,
-            before: id(1),
-            beside: id(2),
-            size: shown.size,
-        });
+        self.screen.show(&shown, state, &mut self.viewer);
     }
 
     /// Without its device the window can show nothing, not even that: it closes, and who opened it tells why.
     fn end_if_lost(&mut self, ui: &Ui) {
         // A render on another device doesn't notice by itself.
-        if self.devices.are_two() && !self.is_abandoned && self.devices.window.is_lost() {
+        if self.parts.devices.are_two() && !self.is_abandoned && self.parts.devices.window.is_lost()
+        {
             self.is_abandoned = true;
-            self.link.send(Command::Abandon(LOST.to_owned()));
+            self.parts.link.send(Command::Abandon(LOST.to_owned()));
         }
         if let Some(why) = self.viewer.status().fatal.as_ref()
-            && self.devices.window.is_lost()
+            && self.parts.devices.window.is_lost()
         {
-            lock(&self.lost).get_or_insert_with(|| why.clone());
+            lock(&self.parts.lost).get_or_insert_with(|| why.clone());
             ui.ctx().send_viewport_cmd(ViewportCommand::Close);
         }
     }
@@ -330,7 +298,7 @@ impl Shell {
         let Some(spp) = self.picture_at_spp else {
             return;
         };
-        if lock(&self.taken).is_some() {
+        if lock(&self.parts.taken).is_some() {
             ui.ctx().send_viewport_cmd(ViewportCommand::Close);
             return;
         }
@@ -339,7 +307,7 @@ impl Shell {
         let is_ready = is_finished || status.fatal.is_some() || status.refused.is_some();
         if is_ready && !self.is_taking {
             self.is_taking = true;
-            let (taken, ctx) = (Taken::clone(&self.taken), ui.ctx().clone());
+            let (taken, ctx) = (Taken::clone(&self.parts.taken), ui.ctx().clone());
             let take = move |image: Arc<egui::ColorImage>| {
                 *lock(&taken) = Some(WindowPicture {
                     size: image.size.map(|side| side as u32),
@@ -381,7 +349,7 @@ impl eframe::App for Shell {
     }
 
     fn on_exit(&mut self) {
-        if let Some(thread) = lock(&self.thread).take() {
+        if let Some(thread) = lock(&self.parts.thread).take() {
             thread.finish();
         }
     }
