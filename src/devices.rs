@@ -6,7 +6,7 @@ use device::{Device, DeviceChoice, DeviceDescription, DeviceError, DeviceOptions
 
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::words::Devices;
+use crate::words::{Devices, NATIVE};
 use crate::{cache, console};
 
 /// Prints the list.
@@ -75,6 +75,24 @@ fn known(parts: &[&str]) -> String {
     known.join(", ")
 }
 
+/// What each device does where `--device` isn't given; nothing where another one is better at it.
+fn unasked(device: &DeviceDescription, all: &[DeviceDescription]) -> &'static str {
+    let first = |is_meant: &dyn Fn(&DeviceDescription) -> bool| {
+        let mut usable = all.iter().filter(|device| device.usable.is_ok());
+        let found = usable.find(|device| is_meant(device));
+        found.is_some_and(|found| found.index == device.index)
+    };
+    let is_own = |device: &DeviceDescription| device.name == NATIVE;
+    let renders = first(&|device| !device.is_processor || is_own(device));
+    let draws = first(&|device| !is_own(device));
+    match (renders, draws) {
+        (true, true) => "renders, and draws the window of `view`",
+        (true, false) => "renders",
+        (false, true) => "draws the window of `view`",
+        (false, false) => "",
+    }
+}
+
 /// `together` are the numbers of those that `--device all` takes.
 fn list(adapters: &[DeviceDescription], together: &[usize]) -> String {
     let mut text = String::new();
@@ -113,8 +131,12 @@ fn list(adapters: &[DeviceDescription], together: &[usize]) -> String {
                 },
             ),
         ];
+        let unasked = unasked(adapter, adapters);
+        let unasked =
+            (!unasked.is_empty()).then(|| format!("where no `--device` is given: {unasked}"));
+        let unasked = unasked.map(|text| ("used", text));
         let _ = writeln!(text, "{}: {}", adapter.index, adapter.name);
-        for (name, value) in facts {
+        for (name, value) in facts.into_iter().chain(unasked) {
             let _ = writeln!(text, "     {name:7} {value}");
         }
     }
@@ -125,9 +147,8 @@ fn list(adapters: &[DeviceDescription], together: &[usize]) -> String {
 mod tests {
     use super::*;
 
-    #[test]
-    fn an_unusable_device_says_why() {
-        let adapter = DeviceDescription {
+    fn old_gpu() -> DeviceDescription {
+        DeviceDescription {
             index: 3,
             name: "Old GPU".into(),
             backend: "Vulkan".into(),
@@ -141,8 +162,39 @@ mod tests {
             timestamps: false,
             ray_queries: false,
             usable: Err("4 storage buffers per stage, 8 are needed".into()),
+        }
+    }
+
+    #[test]
+    fn the_list_says_what_is_used_without_being_named() {
+        let device = |index: usize, name: &str, is_processor: bool| DeviceDescription {
+            index,
+            name: name.to_owned(),
+            is_processor,
+            usable: Ok(()),
+            ..old_gpu()
         };
-        let text = list(&[adapter], &[]);
+        let native = |index| device(index, NATIVE, true);
+        let software = |index| device(index, "llvmpipe", true);
+        let used = |all: &[DeviceDescription]| -> Vec<&str> {
+            all.iter().map(|device| unasked(device, all)).collect()
+        };
+        let both = "renders, and draws the window of `view`";
+        let (renders, draws) = ("renders", "draws the window of `view`");
+        assert_eq!(used(&[native(0)]), [renders]);
+        assert_eq!(used(&[native(0), software(1)]), [renders, draws]);
+        let all = [device(0, "GPU", false), native(1), software(2)];
+        assert_eq!(used(&all), [both, "", ""]);
+        let all = [old_gpu(), native(4), software(5)];
+        assert_eq!(used(&all), ["", renders, draws]);
+        let text = list(&all, &[]);
+        let said = "used    where no `--device` is given: renders\n";
+        assert!(text.contains(said), "{text}");
+    }
+
+    #[test]
+    fn an_unusable_device_says_why() {
+        let text = list(&[old_gpu()], &[]);
         assert!(text.starts_with("3: Old GPU\n"), "{text}");
         assert!(text.contains("Vulkan, IntegratedGpu\n"), "{text}");
         assert!(text.contains("128.0 MiB per storage binding"), "{text}");

@@ -125,6 +125,7 @@ impl Job {
     pub(crate) fn threads(&self) -> Option<usize> {
         match self {
             Self::Render(job) => job.threads.map(|threads| threads as usize),
+            Self::View(job) => job.threads.map(|threads| threads as usize),
             _ => None,
         }
     }
@@ -405,7 +406,9 @@ mod tests {
         let threads = |line: &str| job(line).map(|job| job.threads());
         assert_eq!(threads("render a.glb"), Ok(None));
         assert_eq!(threads("render a.glb --threads 3"), Ok(Some(3)));
+        assert_eq!(threads("view a.glb --threads 3"), Ok(Some(3)));
         assert!(threads("render a.glb --threads 0").is_err());
+        assert!(threads("view a.glb --threads 0").is_err());
         assert!(threads("render a.glb --threads -1").is_err());
         assert_eq!(threads("devices"), Ok(None));
     }

@@ -14,7 +14,7 @@ use crate::flags::DisplayArgs;
 use crate::usage::{MAX_EXPOSURE, UsageError};
 
 /// The processor without a driver.
-const NATIVE: &str = "native";
+pub(crate) const NATIVE: &str = "native";
 /// Every device that a picture is rendered faster with.
 const ALL_DEVICES: &str = "all";
 

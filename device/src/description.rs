@@ -46,7 +46,7 @@ pub enum DeviceChoice {
     /// Discrete before integrated before virtual; where there is no GPU, the processor without a driver.
     #[default]
     Best,
-    /// The same among those that have a driver, which may be one in software: a window shows what these make.
+    /// The same among those that have a driver, which may be one in software: one of these draws a window.
     Driver,
     /// By [`DeviceDescription::index`].
     Index(usize),

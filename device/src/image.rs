@@ -108,8 +108,8 @@ impl Image {
             (Texels::Native(image), _) => {
                 let [width, height, _] = self.size;
                 let words = width * height * (self.format.texel_bytes() / 4);
-                let words = image.texels().read::<u32>(0, words as usize);
-                Ok(bytemuck::cast_slice(&words).to_vec())
+                let texels = image.texels().read::<[u8; 4]>(0, words as usize);
+                Ok(texels.into_flattened())
             }
             (Texels::Gpu { .. }, Kind::Gpu(gpu)) => gpu.read_image(self),
             (Texels::Gpu { .. }, Kind::Native(_)) => {

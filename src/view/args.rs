@@ -41,9 +41,15 @@ pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) common: CommonArgs,
 
-    /// Device by number or by part of its name, as `patina devices` lists them.
+    /// Device to render on, by number or by part of its name, as `patina devices` lists them; it draws the window, too, if it has a
+    /// driver. Without it a GPU does both; where there is none, `native` renders, and a driver in software draws the window.
     #[arg(long, value_name = "NAME|N")]
     pub(crate) device: Option<String>,
+
+    /// Threads of the device `native` and of all else that the program computes by itself; without it one for each processor.
+    #[arg(long, value_name = "N")]
+    #[arg(allow_hyphen_values = true)]
+    pub(crate) threads: Option<String>,
 
     /// How the picture is shown.
     #[command(flatten)]

@@ -7,8 +7,8 @@ use engine::scene::view::ViewChoice;
 
 use crate::usage::UsageError;
 use crate::words::{
-    Format, MAX_DEPTH, MAX_SPP, Output, parse_device, parse_display, parse_number, parse_output,
-    refuse_overwriting,
+    Format, MAX_DEPTH, MAX_SPP, MOST_THREADS, Output, parse_device, parse_display, parse_number,
+    parse_output, refuse_overwriting,
 };
 
 use super::args::ViewArgs;
@@ -30,6 +30,8 @@ pub(crate) struct ViewJob {
     pub(crate) seed: u32,
     /// Device to render on.
     pub(crate) device: DeviceChoice,
+    /// Threads of the processor, if not one for each that it has.
+    pub(crate) threads: Option<u32>,
     /// Folders the user named, searched first.
     pub(crate) texture_dirs: Vec<PathBuf>,
     /// How the picture is shown, as far as the command line says it.
@@ -70,6 +72,9 @@ impl ViewJob {
             max_depth: parse_number("--max-depth", &args.common.max_depth, 1, MAX_DEPTH)?,
             seed: parse_number("--seed", &args.common.seed, 0, u32::MAX)?,
             device: parse_device(args.device.as_deref())?,
+            threads: (args.threads.as_deref())
+                .map(|threads| parse_number("--threads", threads, 1, MOST_THREADS))
+                .transpose()?,
             texture_dirs: args.common.texture_dirs,
             display: parse_display(&args.display)?,
             figures: args.figures,

@@ -11,13 +11,13 @@ use engine::film::{Film, Origin};
 use engine::scene::view::View;
 use patina_viewer::host::{Changes, Host, OpenDenoiser};
 use patina_viewer::link::Files;
-use patina_viewer::shell::{self, WindowError, WindowOptions};
+use patina_viewer::shell::{self, Devices, WindowError, WindowOptions};
 use patina_viewer::thread::RenderOptions;
 
 use crate::failure::Failure;
 use crate::output;
 use crate::watch::files::Watcher;
-use crate::words::{Output, parse_output};
+use crate::words::{NATIVE, Output, parse_output};
 use crate::{cache, console, library, recent};
 
 use job::ViewJob;
@@ -48,16 +48,7 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
     };
     library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
     let folder = cache::folder();
-    // A window shows what drivers make.
-    let choice = match &job.device {
-        DeviceChoice::Best => &DeviceChoice::Driver,
-        named => named,
-    };
-    let device = Device::open_with(&DeviceOptions::new(choice).with_cache(folder.as_deref()))
-        .map_err(|error| match error {
-            DeviceError::NoAdapter => Failure::because(WindowError::NoDriver),
-            error => Failure::because(error),
-        })?;
+    let devices = devices(&job.device, folder.as_deref())?;
     let files = job.scene.clone().map(|scene| Files {
         scene,
         look: job.look.clone(),
@@ -71,17 +62,21 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
             seed: job.seed,
             size: FIRST_SIZE,
         },
-        preview_device: choice.clone(),
+        preview_device: match devices.render.gpu() {
+            // What is known isn't looked for again.
+            None if job.device == DeviceChoice::Best => native(),
+            _ => job.device.clone(),
+        },
         display: job.display,
         picture_at_spp: job.screenshot.as_ref().map(|(_, spp)| *spp),
         figures_since: job.figures.then_some(start),
     };
-    let outcome = shell::run(&device, options, Box::new(host)).map_err(|error| match error {
+    let outcome = shell::run(&devices, options, Box::new(host)).map_err(|error| match error {
         WindowError::System(_) => no_window(&without_places(&error.to_string())),
         WindowError::NoDriver | WindowError::Lost(_) => Failure::because(error),
     });
     // Nothing depends on it but the time of the next start.
-    let _ = device.save_cache();
+    let _ = devices.window.save_cache();
     let closed = outcome?;
     if let Some(figures) = &closed.figures {
         console::print(figures.to_string().trim_end());
@@ -98,6 +93,38 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
         }
         (_, None) => Ok(()),
     }
+}
+
+/// What renders, and what draws the window: one device, if it has a driver. Where nothing is said, that is a real GPU; without one
+/// the processor renders by itself, faster than by a driver in software, which then has nothing to do but to draw the window.
+fn devices(choice: &DeviceChoice, cache: Option<&Path>) -> Result<Devices, Failure> {
+    let open = |choice: &DeviceChoice| {
+        let options = DeviceOptions::new(choice).with_cache(cache);
+        Device::open_with(&options).map_err(|error| match error {
+            DeviceError::NoAdapter => Failure::because(WindowError::NoDriver),
+            error => Failure::because(error),
+        })
+    };
+    if *choice != DeviceChoice::Best {
+        let render = open(choice)?;
+        let window = match render.gpu() {
+            Some(_) => render.clone(),
+            None => open(&DeviceChoice::Driver)?,
+        };
+        return Ok(Devices { render, window });
+    }
+    // Drivers are looked for once: that takes a tenth of a second.
+    let window = open(&DeviceChoice::Driver)?;
+    let render = match window.description().is_processor {
+        true => open(&native())?,
+        false => window.clone(),
+    };
+    Ok(Devices { render, window })
+}
+
+/// The processor without a driver, on the program's threads.
+fn native() -> DeviceChoice {
+    DeviceChoice::Name(NATIVE.to_owned())
 }
 
 /// Whether there is something to open a window on, as far as the system says so beforehand.

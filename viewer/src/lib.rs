@@ -9,7 +9,8 @@
 //! 3. [`thread::RenderThread`] renders. Both talk over a [`link::Link`]: commands go one way, what is shown lies on a
 //!    [`link::Board`], and neither waits for the other. [`pace`] decides how long waves may take, so that the window stays at
 //!    hand.
-//! 4. [`blit`] paints the picture by a pipeline of its own; `file_dialogs` opens those of the system.
+//! 4. [`blit`] paints the picture by a pipeline of its own. Where another device than the window's renders, the [`picture`] comes
+//!    as pixels, which are brought to the window's. `file_dialogs` opens the dialogs of the system.
 //!
 //! Panels that edit the look are `patina_panels`. Nothing here prints.
 
@@ -21,6 +22,9 @@ pub mod host;
 pub mod link;
 pub mod navigate;
 pub mod pace;
+pub mod picture;
+mod screen;
 pub mod shell;
 pub mod thread;
+mod upload;
 pub mod viewer;

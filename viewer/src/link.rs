@@ -15,6 +15,8 @@ use engine::stats::PassStats;
 use glam::Vec2;
 use patina_panels::{ModelImage, Textures};
 
+use crate::picture::Pictures;
+
 /// What the render is to do.
 #[derive(Debug, Clone)]
 pub enum Command {
@@ -62,6 +64,8 @@ pub enum Command {
     Open(Files),
     /// Search textures in this folder, too.
     TextureFolder(PathBuf),
+    /// The window can't be drawn any more, for this reason: keep what is not saved.
+    Abandon(String),
     /// End.
     Quit,
 }
@@ -165,19 +169,16 @@ pub enum Reply {
     Opened(Files),
 }
 
-/// A picture on the device.
+/// What is to be seen.
 #[derive(Debug, Clone)]
 pub struct Shown {
-    /// What is rendered.
-    pub view: wgpu::TextureView,
-    /// Its size; smaller than the viewport while something moves.
+    /// What is rendered; what was kept to compare with, shown in the same way; what lies beside the region, where only that follows
+    /// changes.
+    pub pictures: Pictures,
+    /// Pixels of what is rendered; fewer than those of the viewport while something moves.
     pub size: [u32; 2],
-    /// What was kept to compare with, shown in the same way.
-    pub before: Option<wgpu::TextureView>,
-    /// What lies beside the region, where only that follows changes.
-    pub beside: Option<wgpu::TextureView>,
-    /// Another one with each texture, not with each sample.
-    pub texture_number: u64,
+    /// Another one with each other picture. One on the window's device is the same one while samples are added to it.
+    pub number: u64,
 }
 
 /// Figures of a render.
@@ -233,7 +234,7 @@ pub struct Status {
     pub doubts: String,
     /// The look has edits that are not saved.
     pub has_unsaved_edits: bool,
-    /// The device.
+    /// The device that renders.
     pub device: String,
     /// What takes noise out of the picture.
     pub denoiser: DenoiserState,
@@ -310,6 +311,8 @@ pub struct Board {
     pub replies: Vec<Reply>,
     /// When the user did something last; written by the window.
     pub touched: Option<Instant>,
+    /// A button or a key is held, so that what moves may go on moving; written by the window.
+    pub is_held: bool,
 }
 
 /// The window's end.

@@ -2,28 +2,35 @@
 
 use std::time::Duration;
 
+use device::Traits;
+
 /// A moving picture's samples may take so long, where the device does nothing else. A change may have to wait until the
 /// picture before it has been seen, and is on screen in time all the same.
-const MOVING: Duration = Duration::from_millis(50);
+const MOVING: Duration = Duration::from_millis(40);
 /// Less than this would leave nothing to be seen.
-const SHORTEST: Duration = Duration::from_millis(15);
-/// A change is to be seen so soon.
+const SHORTEST: Duration = Duration::from_millis(10);
+/// More than this only seems to be needed: what samples take was measured while others took the device's time.
+const LONGEST: Duration = Duration::from_millis(120);
+/// A change is to be seen so soon. One that comes while a picture is under way waits for two: where that takes no longer, 15 pictures come
+/// in a second.
 const GOAL_ON_GPU: Duration = Duration::from_millis(100);
-const GOAL_ON_CPU: Duration = Duration::from_millis(500);
+const GOAL_ON_CPU: Duration = Duration::from_millis(150);
 /// Of the goal: with more than the first moving pictures become smaller, with less than the second larger.
 const LATE: f64 = 0.7;
-const EARLY: f64 = 0.5;
+const EARLY: f64 = 0.45;
 /// Most that sides are divided by while moving.
 const COARSEST: u32 = 16;
 
-/// What a processor is thought to take for a path until it has been measured. Others are fast enough for any guess.
-const SECONDS_ON_CPU: f64 = 2e-5;
+/// What a processor is thought to take for a path until it has been measured, by itself and by a driver in software. Others are
+/// fast enough for any guess.
+const SECONDS_ON_CPU: f64 = 4e-6;
+const SECONDS_BY_DRIVER: f64 = 2e-5;
 
 /// What was measured.
 #[derive(Debug, Clone, Copy)]
 pub struct Pace {
     seconds_per_path: Option<f64>,
-    /// For the samples of a moving picture: less than [`MOVING`] where other things, the window's frames for one, take
+    /// For the samples of a moving picture: [`MOVING`] at first; less where other things, the window's frames for one, take
     /// the device's time.
     budget: Duration,
     /// From a change to its picture.
@@ -32,14 +39,16 @@ pub struct Pace {
 
 impl Pace {
     /// Before anything is measured.
-    pub fn of(is_cpu: bool) -> Self {
+    pub fn of(device: Traits) -> Self {
+        let (seconds_per_path, goal) = match (device.shares_the_processor, device.compiles_slowly) {
+            (false, _) => (None, GOAL_ON_GPU),
+            (true, false) => (Some(SECONDS_ON_CPU), GOAL_ON_CPU),
+            (true, true) => (Some(SECONDS_BY_DRIVER), GOAL_ON_CPU),
+        };
         Self {
-            seconds_per_path: is_cpu.then_some(SECONDS_ON_CPU),
+            seconds_per_path,
             budget: MOVING,
-            goal: match is_cpu {
-                true => GOAL_ON_CPU,
-                false => GOAL_ON_GPU,
-            },
+            goal,
         }
     }
 
@@ -60,11 +69,11 @@ impl Pace {
     /// So long after a change its moving picture was there.
     pub fn note_latency(&mut self, latency: Duration) {
         let factor = match latency.div_duration_f64(self.goal) {
-            late if late > LATE => 0.7,
+            late if late > LATE => 0.8,
             early if early < EARLY => 1.1,
             _ => return,
         };
-        self.budget = self.budget.mul_f64(factor).clamp(SHORTEST, MOVING);
+        self.budget = self.budget.mul_f64(factor).clamp(SHORTEST, LONGEST);
     }
 
     /// Camera paths per second.
@@ -91,46 +100,56 @@ pub fn interval(since_start: Duration) -> Duration {
 mod tests {
     use super::*;
 
+    fn device(shares_the_processor: bool) -> Traits {
+        let processor = device::Device::open(&device::DeviceChoice::Native(1));
+        Traits {
+            shares_the_processor,
+            ..processor.expect("the processor").traits()
+        }
+    }
+
     #[test]
     fn slow_devices_get_smaller_pictures_while_moving() {
-        let mut pace = Pace::of(false);
+        let mut pace = Pace::of(device(false));
         assert_eq!(pace.moving_divisor([640, 360]), 1);
-        assert!(Pace::of(true).moving_divisor([640, 360]) > 4);
-        // 100,000 paths per second: 2.3 s for all pixels, a forty-sixth of them in time.
+        assert!(Pace::of(device(true)).moving_divisor([640, 360]) > 4);
+        // 100,000 paths per second: 2.3 s for all pixels, a fifty-eighth of them in time.
         pace.note(100_000, Duration::from_secs(1), true);
-        assert_eq!(pace.moving_divisor([640, 360]), 7);
-        let seconds = f64::from(91 * 51) / pace.paths_per_second().unwrap();
+        assert_eq!(pace.moving_divisor([640, 360]), 8);
+        let seconds = f64::from(80 * 45) / pace.paths_per_second().unwrap();
         assert!(seconds <= MOVING.as_secs_f64());
         // A GPU needs no reduction, and there is an end to it.
-        let mut fast = Pace::of(false);
+        let mut fast = Pace::of(device(false));
         fast.note(100_000_000, Duration::from_secs(1), false);
         assert_eq!(fast.moving_divisor([1920, 1080]), 1);
         // What is measured while something moves counts only where there is nothing else.
         pace.note(1, Duration::from_secs(1000), true);
-        assert_eq!(pace.moving_divisor([640, 360]), 7);
+        assert_eq!(pace.moving_divisor([640, 360]), 8);
         pace.note(1, Duration::from_secs(1000), false);
         assert_eq!(pace.moving_divisor([1920, 1080]), COARSEST);
     }
 
     #[test]
     fn pictures_that_come_late_become_smaller() {
-        let mut pace = Pace::of(true);
-        let first = pace.moving_divisor([320, 180]);
-        let late = Duration::from_millis(700);
+        let mut pace = Pace::of(device(true));
+        let first = pace.moving_divisor([640, 360]);
+        let late = Duration::from_millis(200);
         pace.note_latency(late);
-        assert!(pace.moving_divisor([320, 180]) > first);
+        assert!(pace.moving_divisor([640, 360]) > first);
         for _ in 0..100 {
             pace.note_latency(late);
         }
-        let least = pace.moving_divisor([320, 180]);
+        let least = pace.moving_divisor([640, 360]);
         assert!(least < COARSEST);
         // In time is neither late nor early.
-        pace.note_latency(Duration::from_millis(300));
-        assert_eq!(pace.moving_divisor([320, 180]), least);
+        pace.note_latency(Duration::from_millis(80));
+        assert_eq!(pace.moving_divisor([640, 360]), least);
+        // What seemed to be slow is given more time than it was thought to need.
         for _ in 0..100 {
-            pace.note_latency(Duration::from_millis(100));
+            pace.note_latency(Duration::from_millis(50));
         }
-        assert_eq!(pace.moving_divisor([320, 180]), first);
+        let most = pace.moving_divisor([640, 360]);
+        assert!(most > 1 && most < first, "{most} {first}");
     }
 
     #[test]

@@ -1,23 +1,24 @@
-//! The window around [`Viewer`]: its device is that of the render, so that the picture is shown without being copied.
+//! The window around [`Viewer`]. Where its device is that of the render, the picture is shown without being copied; what the
+//! processor renders by itself is brought to the device that draws.
 
 use std::panic::AssertUnwindSafe;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use device::{Device, DeviceChoice};
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupExisting};
-use egui::{TextureId, Ui, ViewportBuilder, ViewportCommand};
+use egui::{Ui, ViewportBuilder, ViewportCommand};
 use engine::scene::view::ViewChoice;
 use patina_panels::Previews;
 
 use crate::appearance;
-use crate::blit::Blit;
 use crate::figures::{Figures, Frame};
 use crate::file_dialogs::SystemDialogs;
 use crate::host::Host;
-use crate::link::{Files, Link};
+use crate::link::{Command, Files, Link};
+use crate::screen::Screen;
 use crate::thread::{RenderOptions, RenderThread};
-use crate::viewer::{PictureIds, Preferences, Viewer};
+use crate::viewer::{Preferences, Viewer};
 
 /// Key of what is kept between starts.
 const PREFERENCES: &str = "preferences";
@@ -26,8 +27,26 @@ const SIZE: [f32; 2] = [1280.0, 800.0];
 
 /// What the driver refused to draw is drawn again after so long: by then a window has the size that it says it has.
 const DRAWN_AGAIN: Duration = Duration::from_millis(30);
+/// Of the device that draws.
+const LOST: &str = "the graphics device was lost";
 /// How long a render may take to notice that the device is lost.
 const FAREWELL: Duration = Duration::from_secs(10);
+
+/// What renders, and what draws the window. Both may be one.
+#[derive(Debug, Clone)]
+pub struct Devices {
+    /// The picture is rendered on this one.
+    pub render: Device,
+    /// The window is drawn by this one, which has a driver.
+    pub window: Device,
+}
+
+impl Devices {
+    /// The picture has to be brought from one to the other.
+    fn are_two(&self) -> bool {
+        self.render.gpu().is_none()
+    }
+}
 
 /// What is opened, and how.
 #[derive(Debug, Clone)]
@@ -70,13 +89,13 @@ pub enum WindowError {
     /// There is no window system, or none that can be used.
     #[error("cannot open a window: {0}")]
     System(#[from] eframe::Error),
-    /// The processor renders by itself, but a window needs a driver.
+    /// The processor renders by itself, but a window needs a driver to be drawn.
     #[error(
-        "a window needs a graphics driver (Debian/Ubuntu: `apt install mesa-vulkan-drivers libvulkan1`); `render` and `watch` \
-         need none"
+        "a window needs a graphics driver to be drawn, be it one in software (Debian/Ubuntu: `apt install mesa-vulkan-drivers \
+         libvulkan1`); `render` and `watch` need none"
     )]
     NoDriver,
-    /// The device is gone, and nothing can be drawn without it. The text says where edits are that were not saved.
+    /// The window's device is gone, and nothing can be drawn without it. The text says where edits are that were not saved.
     #[error("{0}")]
     Lost(String),
 }
@@ -84,13 +103,14 @@ pub enum WindowError {
 /// Opens a window and returns when it has been closed.
 ///
 /// # Errors
-/// There is no window system, or the device was lost.
+/// There is no window system, or the device that draws was lost.
 pub fn run(
-    device: &Device,
+    devices: &Devices,
     options: WindowOptions,
     host: Box<dyn Host>,
 ) -> Result<Closed, WindowError> {
-    let driver = device.gpu().ok_or(WindowError::NoDriver)?;
+    let window = &devices.window;
+    let driver = window.gpu().ok_or(WindowError::NoDriver)?;
     let setup = WgpuSetupExisting {
         instance: driver.instance().clone(),
         adapter: driver.adapter().clone(),
@@ -113,31 +133,57 @@ pub fn run(
         // A screenshot looks the same whatever the last window was.
         persist_window: !is_screenshot,
         // Nobody sees it in flat panels, and a software driver pays for each pixel.
-        dithering: !device.traits().shares_the_processor,
+        dithering: !window.traits().shares_the_processor,
         ..eframe::NativeOptions::default()
     };
     let lost = Arc::new(Mutex::new(None));
-    let running = Arc::new(Mutex::new(None));
-    let (own, kept) = (device.clone(), Taken::clone(&taken));
-    let (why, thread) = (Arc::clone(&lost), Arc::clone(&running));
-    let window = AssertUnwindSafe(move || {
+    // Files are read while the window is opened.
+    let seen = Arc::new(OnceLock::<egui::Context>::new());
+    let waked = Arc::clone(&seen);
+    let wake = Box::new(move || {
+        if let Some(ctx) = waked.get() {
+            ctx.request_repaint();
+        }
+    });
+    let (render, files) = (devices.render.clone(), options.files.clone());
+    let thread = RenderThread::start(render, files, options.render.clone(), host, wake)
+        .map_err(|error| eframe::Error::AppCreation(error.into()))?;
+    let link = thread.link.clone();
+    let running = Arc::new(Mutex::new(Some(thread)));
+    let parts = Parts {
+        devices: devices.clone(),
+        link,
+        thread: Arc::clone(&running),
+        taken: Taken::clone(&taken),
+        lost: Arc::clone(&lost),
+    };
+    let shown = AssertUnwindSafe(move || {
         eframe::run_native(
             "Patina",
             native,
             Box::new(move |context| {
-                let mut shell = Shell::new(context, own, options, host, kept)?;
-                *lock(&thread) = lock(&shell.thread).take();
-                (shell.lost, shell.thread) = (why, thread);
+                let shell = Shell::new(context, parts, options);
+                // What there is to see by now is seen.
+                let _ = seen.set(context.egui_ctx.clone());
+                context.egui_ctx.request_repaint();
                 Ok(Box::new(shell))
             }),
         )
     });
     // egui panics where it meets a device that is lost, before or after the render has noticed.
-    match std::panic::catch_unwind(window) {
-        Ok(outcome) => outcome?,
-        Err(_) if device.is_lost() => {
+    match std::panic::catch_unwind(shown) {
+        Ok(outcome) => {
+            // Where no window could be opened, nobody has ended it.
+            if let Some(thread) = lock(&running).take() {
+                thread.finish();
+            }
+            outcome?;
+        }
+        Err(_) if window.is_lost() => {
             let thread = lock(&running).take();
-            return Err(WindowError::Lost(thread.map_or_else(String::new, farewell)));
+            return Err(WindowError::Lost(
+                thread.map_or_else(String::new, |thread| farewell(thread, devices.are_two())),
+            ));
         }
         Err(panic) => std::panic::resume_unwind(panic),
     }
@@ -148,15 +194,19 @@ pub fn run(
     Ok(closed)
 }
 
-/// Waits until the render has noticed that the device is lost, and has kept the edits: what it says of that.
-fn farewell(thread: RenderThread) -> String {
+/// Waits until the render has noticed that the device is lost, or heard of it where that isn't its own, and has kept the edits:
+/// what it says of that.
+fn farewell(thread: RenderThread, are_two: bool) -> String {
     let end = Instant::now() + FAREWELL;
+    if are_two {
+        thread.link.send(Command::Abandon(LOST.to_owned()));
+    }
     let why = loop {
         if let Some(why) = thread.link.board().status.fatal.clone() {
             break why;
         }
         if Instant::now() > end {
-            return "the graphics device was lost".to_owned();
+            return LOST.to_owned();
         }
         std::thread::sleep(Duration::from_millis(20));
     };
@@ -171,32 +221,30 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-struct Shell {
-    device: Device,
+/// What a shell shares with [`run`].
+struct Parts {
+    devices: Devices,
     link: Link,
-    viewer: Viewer,
     thread: Arc<Mutex<Option<RenderThread>>>,
-    /// Of the picture, of that before, and of what lies beside the region.
-    ids: [Option<TextureId>; 3],
-    blit: Option<Blit>,
-    texture_number: u64,
-    picture_at_spp: Option<u32>,
-    /// The picture has been asked for.
-    is_taking: bool,
-    figures_since: Option<Instant>,
     taken: Taken,
     /// Why the window has closed by itself.
     lost: Arc<Mutex<Option<String>>>,
 }
 
+struct Shell {
+    parts: Parts,
+    viewer: Viewer,
+    screen: Screen,
+    picture_at_spp: Option<u32>,
+    /// The picture has been asked for.
+    is_taking: bool,
+    /// The render has been told that the window can't be drawn any more.
+    is_abandoned: bool,
+    figures_since: Option<Instant>,
+}
+
 impl Shell {
-    fn new(
-        context: &eframe::CreationContext<'_>,
-        device: Device,
-        options: WindowOptions,
-        host: Box<dyn Host>,
-        taken: Taken,
-    ) -> std::io::Result<Self> {
+    fn new(context: &eframe::CreationContext<'_>, parts: Parts, options: WindowOptions) -> Self {
         appearance::apply(&context.egui_ctx);
         let storage = context.storage.filter(|_| options.picture_at_spp.is_none());
         let preferences: Preferences = storage
@@ -206,88 +254,57 @@ impl Shell {
             let files = preferences.files.clone();
             files.filter(|files| files.scene.exists())
         };
-        let files = options.files.or_else(last);
+        if options.files.is_none()
+            && let Some(files) = last()
+        {
+            parts.link.send(Command::Open(files));
+        }
         // While a window is resized its surface may be refused: that is drawn again, and no failure of the render.
         let ctx = context.egui_ctx.clone();
-        if let Some(driver) = device.gpu() {
+        if let Some(driver) = parts.devices.window.gpu() {
             driver.draw_here(move |_| ctx.request_repaint_after(DRAWN_AGAIN));
         }
-        let ctx = context.egui_ctx.clone();
-        let wake = Box::new(move || ctx.request_repaint());
-        let thread = RenderThread::start(device.clone(), files, options.render, host, wake)?;
-        let mut viewer = Viewer::new(thread.link.clone(), preferences, options.display);
+        let mut viewer = Viewer::new(parts.link.clone(), preferences, options.display);
         // A device of their own, so that they don't keep the render waiting.
         let choice = options.preview_device;
         let open = move || Device::open(&choice);
         viewer.set_file_dialogs(Arc::new(SystemDialogs::over(context)));
         viewer.set_previews(Previews::start(&context.egui_ctx, open));
-        Ok(Self {
-            device,
-            link: thread.link.clone(),
+        Self {
+            parts,
             viewer,
-            thread: Arc::new(Mutex::new(Some(thread))),
-            ids: [None; 3],
-            blit: context
-                .wgpu_render_state
-                .as_ref()
-                .and_then(|state| Blit::new(&state.device, state.target_format)),
-            texture_number: 0,
+            screen: Screen::new(context.wgpu_render_state.as_ref()),
             picture_at_spp: options.picture_at_spp,
             is_taking: false,
+            is_abandoned: false,
             figures_since: options.figures_since,
-            taken,
-            lost: Arc::default(),
-        })
+        }
     }
 
-    /// Makes the picture known to the window's renderer when it lies in another texture.
+    /// Shows the picture that is on the board by now.
     fn take_picture(&mut self, frame: &eframe::Frame) {
         let Some(state) = frame.wgpu_render_state() else {
             return;
         };
-        let shown = match &self.link.board().shown {
-            Some(shown) if shown.texture_number != self.texture_number => shown.clone(),
+        let shown = match &self.parts.link.board().shown {
+            Some(shown) if self.screen.is_new(shown) => shown.clone(),
             _ => return,
         };
-        self.texture_number = shown.texture_number;
-        let mut renderer = state.renderer.write();
-        let mut register = |view: &wgpu::TextureView, id: Option<TextureId>| match id {
-            None => renderer.register_native_texture(&state.device, view, wgpu::FilterMode::Linear),
-            Some(id) => {
-                let filter = wgpu::FilterMode::Linear;
-                renderer.update_egui_texture_from_wgpu_texture(&state.device, view, filter, id);
-                id
-            }
-        };
-        let views = [
-            Some(&shown.view),
-            shown.before.as_ref(),
-            shown.beside.as_ref(),
-        ];
-        for (id, view) in self.ids.iter_mut().zip(views) {
-            if let Some(view) = view {
-                *id = Some(register(view, *id));
-            }
-        }
-        let [Some(now), before, beside] = self.ids else {
-            return;
-        };
-        let blit = self.blit.as_ref();
-        self.viewer.drawn = blit.map(|blit| blit.bind(&state.device, &shown.view));
-        self.viewer.picture = Some(PictureIds {
-            now,
-            before: before.filter(|_| shown.before.is_some()),
-            beside: beside.filter(|_| shown.beside.is_some()),
-            size: shown.size,
-        });
+        self.screen.show(&shown, state, &mut self.viewer);
     }
 
     /// Without its device the window can show nothing, not even that: it closes, and who opened it tells why.
-    fn end_if_lost(&self, ui: &Ui) {
-        if let Some(why) = self.viewer.status().fatal.as_ref()
-            && self.device.is_lost()
+    fn end_if_lost(&mut self, ui: &Ui) {
+        // A render on another device doesn't notice by itself.
+        if self.parts.devices.are_two() && !self.is_abandoned && self.parts.devices.window.is_lost()
         {
-            lock(&self.lost).get_or_insert_with(|| why.clone());
+            self.is_abandoned = true;
+            self.parts.link.send(Command::Abandon(LOST.to_owned()));
+        }
+        if let Some(why) = self.viewer.status().fatal.as_ref()
+            && self.parts.devices.window.is_lost()
+        {
+            lock(&self.parts.lost).get_or_insert_with(|| why.clone());
             ui.ctx().send_viewport_cmd(ViewportCommand::Close);
         }
     }
@@ -306,7 +323,7 @@ impl Shell {
             is_whole: status.is_whole,
             is_held: ui.input(|input| input.pointer.any_down()),
         };
-        let mut taken = lock(&self.taken);
+        let mut taken = lock(&self.parts.taken);
         taken.figures.get_or_insert_default().note(frame);
     }
 
@@ -315,7 +332,7 @@ impl Shell {
         let Some(spp) = self.picture_at_spp else {
             return;
         };
-        if lock(&self.taken).picture.is_some() {
+        if lock(&self.parts.taken).picture.is_some() {
             ui.ctx().send_viewport_cmd(ViewportCommand::Close);
             return;
         }
@@ -324,7 +341,7 @@ impl Shell {
         let is_ready = is_finished || status.fatal.is_some() || status.refused.is_some();
         if is_ready && !self.is_taking {
             self.is_taking = true;
-            let (taken, ctx) = (Taken::clone(&self.taken), ui.ctx().clone());
+            let (taken, ctx) = (Taken::clone(&self.parts.taken), ui.ctx().clone());
             let take = move |image: Arc<egui::ColorImage>| {
                 lock(&taken).picture = Some(WindowPicture {
                     size: image.size.map(|side| side as u32),
@@ -367,7 +384,7 @@ impl eframe::App for Shell {
     }
 
     fn on_exit(&mut self) {
-        if let Some(thread) = lock(&self.thread).take() {
+        if let Some(thread) = lock(&self.parts.thread).take() {
             thread.finish();
         }
     }

@@ -77,7 +77,7 @@ impl RenderThread {
                 let full = options.size;
                 let size = Arc::new(Mutex::new(full));
                 let denoising = Denoising::start(&device, host.denoiser());
-                let pace = Pace::of(device.traits().shares_the_processor);
+                let pace = Pace::of(device.traits());
                 let mut render = Render {
                     device,
                     options,
@@ -254,7 +254,16 @@ impl Render {
 
     fn has_work(&self) -> bool {
         let has_more = self.is_rendering() || self.pending.since.is_some() || self.refines_before();
-        !self.is_stuck && self.session.is_some() && has_more
+        !self.is_stuck && self.session.is_some() && has_more && !self.makes_way()
+    }
+
+    /// What is seen waits for what is built, where one would take the other's time: that is a matter of moments. Not so with
+    /// drivers that compile for seconds.
+    fn makes_way(&self) -> bool {
+        let device = self.device.traits();
+        let is_building = self.session.as_ref().is_some_and(Session::is_building);
+        let shares = device.shares_the_processor && !device.compiles_slowly;
+        shares && is_building && self.run.is_seen
     }
 
     /// Paused, too, what has changed is seen once.
@@ -329,7 +338,7 @@ impl Render {
             self.publish_scene();
             self.watch();
         }
-        if self.is_rendering() {
+        if self.is_rendering() && !self.makes_way() {
             self.render()?;
         }
         self.refine_before()?;

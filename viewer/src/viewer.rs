@@ -229,8 +229,16 @@ impl Viewer {
         let now = ui.input(|input| input.time);
         // What was edited since the last frame is no change of the file's.
         self.flush_edits();
-        if ui.input(|input| !input.events.is_empty()) {
-            self.link.board().touched = Some(Instant::now());
+        let (is_touched, is_held) = ui.input(|input| {
+            let is_held = input.pointer.any_down() || !input.keys_down.is_empty();
+            (!input.events.is_empty(), is_held)
+        });
+        {
+            let mut board = self.link.board();
+            board.is_held = is_held;
+            if is_touched {
+                board.touched = Some(Instant::now());
+            }
         }
         ui.ctx().set_theme(self.preferences.theme);
         self.read_board(now);

@@ -1,5 +1,5 @@
-//! The window's contents with a render behind them: what is done by labels ends up in pictures and files. Skipped where
-//! there is no device.
+//! The window's contents with a render behind them: what is done by labels ends up in pictures and files. `PATINA_DEVICE` names the
+//! device, or it is the best that there is; skipped where there is none.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,8 @@ use engine::scene::look::Value;
 use engine::scene::view::{View, ViewChoice};
 use engine::session::Edit;
 use patina_viewer::host::{Changes, Host, OpenDenoiser};
-use patina_viewer::link::{Command, DenoiserState, Files, PickPurpose, PictureOrder};
+use patina_viewer::link::{Command, DenoiserState, Files, PickPurpose, PictureOrder, Saving};
+use patina_viewer::picture::Picture;
 use patina_viewer::thread::{RenderOptions, RenderThread};
 use patina_viewer::viewer::{Preferences, Viewer};
 use tempfile::TempDir;
@@ -121,7 +122,13 @@ impl Stage {
 
     /// With a look that may be wrong.
     fn beginning(look: &str) -> Option<Self> {
-        let device = match Device::open(&DeviceChoice::Driver) {
+        let name = std::env::var("PATINA_DEVICE");
+        let choice = name.map_or(DeviceChoice::Best, DeviceChoice::Name);
+        Self::on(&choice, look)
+    }
+
+    fn on(choice: &DeviceChoice, look: &str) -> Option<Self> {
+        let device = match Device::open(choice) {
             Ok(device) => device,
             Err(error) => {
                 assert!(
@@ -165,7 +172,8 @@ impl Stage {
         };
         let viewer = Viewer::new(thread.link.clone(), preferences, ViewChoice::default());
         let harness = Harness::builder()
-            .with_size([900.0, 400.0])
+            // So wide that the figures at the bottom need one line, however many digits they have.
+            .with_size([1200.0, 400.0])
             .build_ui_state(|ui, viewer: &mut Viewer| viewer.ui(ui), viewer);
         Some(Self {
             device,
@@ -310,12 +318,19 @@ fn pictures_are_finished_before_they_are_written() {
     // In motion there is a coarse picture only; what is written is as large and as fine as it was asked for.
     let camera = stage.thread.link.board().scene.look_camera.clone();
     for (name, size, spp, layers, count) in [
-        ("a.png", size, 2, false, 1),
+        ("a.png", size, 5, false, 1),
         ("b.png", [40, 30], 3, false, 1),
         ("c.exr", [20, 10], 1, true, 2),
-        ("d.png", size, 2, false, 1),
+        ("d.png", size, 4, false, 1),
     ] {
-        stage.thread.link.send(Command::View(camera.clone()));
+        match name {
+            // What has all of its samples is written as it is.
+            "d.png" => stage.wait("whole picture", |stage| {
+                let status = stage.harness.state().status();
+                status.is_whole && status.spp >= 4.0
+            }),
+            _ => stage.thread.link.send(Command::View(camera.clone())),
+        }
         let order = order(&stage, name, size, spp, layers);
         stage.thread.link.send(Command::SavePicture(order));
         stage.wait("written picture", |stage| !stage.read(name).is_empty());
@@ -337,7 +352,9 @@ fn pictures_are_finished_before_they_are_written() {
     stage.thread.link.send(Command::SavePicture(long));
     stage.wait("progress", |stage| {
         let saving = &stage.harness.state().status().saving;
-        saving.as_ref().is_some_and(|saving| saving.spp > 0.0)
+        // That before may not have gone yet.
+        let is_long = |saving: &Saving| saving.target == 1 << 20 && saving.spp > 0.0;
+        saving.as_ref().is_some_and(is_long)
     });
     stage.harness.get_by_label("Cancel").click();
     stage.wait("end of it", |stage| {
@@ -473,7 +490,8 @@ fn a_region_alone_follows_edits_and_the_picture_of_before_is_kept() {
         let board = stage.thread.link.board();
         let shown = board.shown.as_ref();
         shown.map_or((false, false), |shown| {
-            (shown.before.is_some(), shown.beside.is_some())
+            let [_, before, beside] = &shown.pictures;
+            (before.is_some(), beside.is_some())
         })
     };
     stage.thread.link.send(Command::KeepBefore(true));
@@ -511,8 +529,11 @@ fn a_picture_that_is_kept_in_the_midst_of_a_motion_keeps_nothing_waiting() {
         let end = Instant::now() + Duration::from_secs(60);
         loop {
             let shown = stage.thread.link.board().shown.clone();
-            let sizes =
-                shown.and_then(|shown| Some((shown.size[0], shown.before?.texture().width())));
+            let sizes = shown.and_then(|shown| {
+                let [now, before, _] = &shown.pictures;
+                assert_eq!(now.as_ref().map(Picture::size), Some(shown.size));
+                Some((shown.size[0], before.as_ref()?.size()[0]))
+            });
             match sizes {
                 Some((now, before)) if is_so(now, before) => return before,
                 _ => assert!(Instant::now() < end, "no {what}: {sizes:?}"),
@@ -675,10 +696,127 @@ fn a_picked_material_is_named() {
 }
 
 #[test]
-fn a_lost_device_ends_the_render_and_keeps_the_edits() {
+fn pictures_lie_on_the_board_as_the_device_has_them() {
     let Some(mut stage) = Stage::new() else {
         return;
     };
+    let has_textures = stage.device.gpu().is_some();
+    let whole = |stage: &Stage| {
+        let status = stage.harness.state().status();
+        status.spp >= 4.0 && status.is_whole
+    };
+    stage.wait("whole picture", whole);
+    let pictures = |stage: &Stage| {
+        let shown = stage.thread.link.board().shown.clone();
+        shown.map(|shown| shown.pictures).unwrap_or_default()
+    };
+    // Where they are pixels, the mean of each channel but the last.
+    let mean = |picture: &Option<Picture>| match picture {
+        Some(Picture::Pixels(pixels)) => {
+            assert!(!has_textures);
+            let count = pixels.size[0] * pixels.size[1];
+            assert_eq!(pixels.rgba.len(), 4 * count as usize);
+            let (pixels, _) = pixels.rgba.as_chunks::<4>();
+            let sum = |i: usize| pixels.iter().map(|pixel| f64::from(pixel[i])).sum::<f64>();
+            assert_eq!(
+                sum(3),
+                255.0 * f64::from(count),
+                "they hide what is behind them"
+            );
+            Some([0, 1, 2].map(|i| sum(i) / f64::from(count)))
+        }
+        Some(Picture::Here(_)) => {
+            assert!(has_textures);
+            None
+        }
+        None => panic!("there is no picture"),
+    };
+    let size = stage.harness.state().status().size;
+    let [now, before, beside] = pictures(&stage);
+    assert_eq!(now.as_ref().map(Picture::size), Some(size));
+    assert_eq!((before, beside), (None, None));
+    let white = mean(&now);
+
+    // Compared with, the picture that was stays as it is.
+    stage.thread.link.send(Command::KeepBefore(true));
+    stage.edit(Edit::environment("color", Value::numbers(&[1.0, 0.0, 0.0])));
+    stage.wait("picture in red", |stage| {
+        let [now, before, _] = pictures(stage);
+        before.is_some() && whole(stage) && mean(&now).is_none_or(|[_, green, _]| green == 0.0)
+    });
+    let [now, before, _] = pictures(&stage);
+    let (red, kept) = (mean(&now), mean(&before));
+    assert_eq!(before.as_ref().map(Picture::size), Some(size));
+    if let (Some(white), Some(red), Some(kept)) = (white, red, kept) {
+        assert!(white.iter().all(|&mean| mean > 50.0), "{white:?}");
+        assert!(red[0] > 50.0 && red[2] == 0.0, "{red:?}");
+        let differs = (0..3).any(|i| (kept[i] - white[i]).abs() > 1.0);
+        assert!(!differs, "{kept:?} {white:?}");
+    }
+    stage.thread.link.send(Command::KeepBefore(false));
+
+    // What lies beside the region stays, too.
+    stage
+        .thread
+        .link
+        .send(Command::Region(Some([0.0, 0.0, 0.5, 1.0])));
+    stage.edit(Edit::environment("color", Value::numbers(&[0.0, 0.0, 1.0])));
+    stage.wait("region in blue", |stage| {
+        let [now, _, beside] = pictures(stage);
+        let is_blue = |[_, _, blue]: [f64; 3]| blue > 50.0;
+        beside.is_some() && mean(&now).is_none_or(is_blue)
+    });
+    if let (Some(beside), Some(red)) = (mean(&pictures(&stage)[2]), red) {
+        assert_eq!(beside, red);
+    }
+    // While nothing changes, nothing is handed over again.
+    stage.wait("end", |stage| stage.harness.state().status().spp >= 4.0);
+    std::thread::sleep(Duration::from_millis(200));
+    let number = || {
+        stage
+            .thread
+            .link
+            .board()
+            .shown
+            .as_ref()
+            .map(|shown| shown.number)
+    };
+    let last = number();
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(number(), last);
+    stage.thread.finish();
+}
+
+#[test]
+fn a_window_that_cannot_be_drawn_any_more_ends_the_render_and_keeps_the_edits() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
+    for why in ["the window is gone", "it is still gone"] {
+        stage.thread.link.send(Command::Abandon(why.to_owned()));
+    }
+    stage.wait("message", |stage| {
+        stage.harness.state().status().fatal.is_some()
+    });
+    let fatal = stage.harness.state().status().fatal.clone();
+    let fatal = fatal.expect("it has just been there");
+    assert!(fatal.starts_with("the window is gone\n"), "{fatal}");
+    assert!(fatal.contains("scene.look.toml.recovered"), "{fatal}");
+    let recovered = stage.read("scene.look.toml.recovered");
+    assert_eq!(recovered, LOOK.replace("0.5 ", "0.25 "));
+    stage.thread.finish();
+}
+
+#[test]
+fn a_lost_device_ends_the_render_and_keeps_the_edits() {
+    // The processor is never lost.
+    let Some(mut stage) = Stage::on(&DeviceChoice::Driver, LOOK) else {
+        return;
+    };
+    stage.wait("a picture", |stage| {
+        stage.harness.state().status().spp >= 4.0
+    });
     // More than will be done before the device is gone.
     stage.thread.link.send(Command::Target(1 << 20));
     stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));

@@ -38,9 +38,9 @@ const PICTURE_SIZE: &str = "800x450";
 const PICTURE_SPP: &str = "64";
 const PICTURE_FLAGS: [&str; 3] = ["--view", "agx", "--denoise"];
 
-/// The tests of pictures, of rays and of schedules. Of the whole workspace: a package alone would ask for other features, and build its dependencies
+/// The tests of pictures, of rays and of schedules, and of what the window has to show. Of the whole workspace: a package alone would ask for other features, and build its dependencies
 /// anew.
-const PICTURES: [&str; 3] = ["--workspace", "--test", "suite"];
+const PICTURES: [&str; 5] = ["--workspace", "--test", "suite", "--test", "render"];
 
 /// Devices that the tests of pictures run on beside the usual one, each with the step's name.
 const OTHER_DEVICES: [(&str, &str); 1] = [("Tests on a software driver", "llvmpipe")];

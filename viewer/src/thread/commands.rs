@@ -43,6 +43,10 @@ impl Render {
                     self.show_again();
                 }
             }
+            Command::Abandon(why) => {
+                self.apply_all();
+                self.stop(why);
+            }
             Command::Region(region) => {
                 self.region = region;
                 self.run.is_done = false;

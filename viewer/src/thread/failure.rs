@@ -18,7 +18,7 @@ impl Render {
         self.failures += 1;
         let is_lost = matches!(error, SessionError::Lost(_)) || self.device.is_lost();
         match (is_lost, self.failures >= MOST_FAILURES) {
-            (true, _) => self.stop(error),
+            (true, _) => self.stop(publish::message(error)),
             (false, false) => self.reply(Reply::Failed(publish::message(error))),
             (false, true) => {
                 self.is_stuck = true;
@@ -42,13 +42,14 @@ It is tried again as soon as something changes."
         }
     }
 
-    /// The device is gone: says so, and keeps what was not saved.
-    fn stop(&mut self, error: &SessionError) {
-        let Some(mut session) = self.session.take() else {
+    /// A device is gone: says so, and keeps what was not saved.
+    pub(super) fn stop(&mut self, mut text: String) {
+        if lock(&self.board).status.fatal.is_some() {
             return;
-        };
-        let mut text = publish::message(error);
-        if session.has_unsaved_edits() {
+        }
+        if let Some(mut session) = self.session.take()
+            && session.has_unsaved_edits()
+        {
             let look = session.inputs().look.clone();
             let beside = look.unwrap_or_else(|| session.inputs().scene.with_extension("look.toml"));
             let mut name = beside.into_os_string();

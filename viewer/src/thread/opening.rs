@@ -101,7 +101,7 @@ impl Render {
             textures: self.host.texture_folders(files.look.as_deref())?,
             camera: files.camera.clone(),
         };
-        // The window shows what lies on its own device: there can be no other one.
+        // What is shown lies on this device, which may be the window's: there can be no other one.
         let (device, is_first) = (self.device.clone(), Mutex::new(true));
         let open_device = move || {
             let mut is_first = is_first

@@ -25,8 +25,7 @@ const FINE: u32 = 2;
 /// What is on the board already.
 #[derive(Default)]
 pub(super) struct Published {
-    textures: [Option<wgpu::Texture>; 3],
-    number: u64,
+    pictures: crate::picture::Published,
     figures: Option<Figures>,
     state: Option<State>,
     /// Of the picture, that were told.
@@ -116,17 +115,17 @@ impl Render {
         let moment = session.moment();
         let moment = (moment.motion != Motion::Rest).then_some(moment.seconds);
         let now = displays.now.show(&film, &with_line);
-        let now = now.map_err(RenderError::from)?.texture().cloned();
+        let now = now.map_err(RenderError::from)?.clone();
         let kept = match &mut self.before {
             Some(before) => Some(before.film(guides)?),
             None => None,
         };
         let show = |display: &mut Display, film: &DeviceFilm, settings: &DisplaySettings| {
             let shown = display.show(film, settings).map_err(RenderError::from)?;
-            Ok::<_, SessionError>(shown.texture().cloned())
+            Ok::<_, SessionError>(shown.clone())
         };
         let also = |display: &mut Display, film: Option<&DeviceFilm>| match film {
-            Some(film) => show(display, film, &settings),
+            Some(film) => show(display, film, &settings).map(Some),
             None => Ok(None),
         };
         let (generation, is_picture) = (self.run.generation, settings.channel == Channel::Radiance);
@@ -146,31 +145,22 @@ impl Render {
         let before = also(&mut displays.before, kept.as_ref())?;
         let beside = also(&mut displays.beside, self.beside.as_ref())?;
         self.run.last_shown = Instant::now();
-        // The window draws with the device that renders.
-        let Some(now) = shown else {
-            return Ok(());
-        };
-        let textures = [Some(now.clone()), before.clone(), beside.clone()];
-        if textures != self.published.textures {
-            self.published.textures = textures;
-            self.published.number += 1;
-        }
-        let view =
-            |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let number = self.published.number;
+        let images = [Some(&shown), before.as_ref(), beside.as_ref()];
+        let published = &mut self.published.pictures;
+        let taken = published.show(images, &self.device);
+        taken.map_err(RenderError::from)?;
+        let number = published.number;
         let is_whole = self.region.is_none() && size == *lock_size(&self.size);
         let mut board = lock(&self.board);
         if board
             .shown
             .as_ref()
-            .is_none_or(|shown| shown.texture_number != number)
+            .is_none_or(|shown| shown.number != number)
         {
             board.shown = Some(Shown {
-                view: view(&now),
+                pictures: published.pictures.clone(),
                 size,
-                before: before.as_ref().map(view),
-                beside: beside.as_ref().map(view),
-                texture_number: number,
+                number,
             });
         }
         board.status.spp = spp;

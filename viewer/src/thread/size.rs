@@ -8,13 +8,16 @@ use crate::link::lock;
 
 use super::{Render, lock_size};
 
-/// Motion is over when nothing has moved for so long, and the user is at work until so long after his last input.
+/// Motion is over when nothing has moved for so long while a button or a key is held, and the user is at work until so long after his
+/// last input.
 const STILL: Duration = Duration::from_millis(250);
+/// The same once nothing is held any more: a wheel's steps and what is played come one by one, but sharpness is waited for.
+const LET_GO: Duration = Duration::from_millis(50);
 /// Longest waves on a GPU: the window's frames wait for them.
 const GPU_WAVE: Duration = Duration::from_millis(15);
-/// The same on a software driver, while the user is at work and while nothing needs the window.
+/// The same where the processor renders, while the user is at work and while nothing needs the window.
 const CPU_WAVE_TOUCHED: Duration = Duration::from_millis(20);
-const CPU_WAVE: Duration = Duration::from_millis(100);
+const CPU_WAVE: Duration = Duration::from_millis(50);
 
 /// A moving picture comes after so many waves: a frame of the window may lie between any two of them.
 const MOVING_WAVES: u32 = 2;
@@ -23,9 +26,13 @@ impl Render {
     /// A small picture while something moves; when nothing does, larger ones until it is whole.
     pub(super) fn fit_size(&mut self) -> Result<(), SessionError> {
         let full = *lock_size(&self.size);
+        let still = match lock(&self.board).is_held {
+            true => STILL,
+            false => LET_GO,
+        };
         // What has begun small is seen small first, however long a driver compiles before.
         let is_awaited = self.is_moving && !self.run.is_seen && self.has_work();
-        self.is_moving = is_awaited || self.motion.is_some_and(|motion| motion.elapsed() < STILL);
+        self.is_moving = is_awaited || self.motion.is_some_and(|motion| motion.elapsed() < still);
         // Another size would begin it anew.
         let keeps_size = is_awaited && full == self.full;
         self.full = full;
@@ -64,7 +71,8 @@ impl Render {
             self.beside = None;
             return Ok(());
         }
-        let is_whole = self.run.is_seen && self.divisor == 1 && !self.is_moving;
+        // A fast device's pictures are whole while something moves, too.
+        let is_whole = self.run.is_seen && self.divisor == 1;
         if let Some(session) = &mut self.session
             && self.beside.is_none()
             && is_whole
@@ -92,10 +100,11 @@ impl Render {
     }
 }
 
-/// Step by step, each once the one before has been seen: what the sides are divided by next, while nothing moves.
+/// Step by step, each once the one before has been seen: what the sides are divided by next, while nothing moves. A step that gains
+/// less than twice the pixels of a side isn't worth the time that it takes from the next.
 fn finer(divisor: u32, is_seen: bool) -> u32 {
     match is_seen {
-        true => divisor.div_ceil(2),
+        true => (divisor / 2).max(1),
         false => divisor,
     }
 }
@@ -118,7 +127,7 @@ mod tests {
     #[test]
     fn pictures_at_rest_become_finer_in_few_steps() {
         assert_eq!(finer(16, false), 16);
-        for (coarse, steps) in [(1, 0), (2, 1), (3, 2), (7, 3), (16, 4)] {
+        for (coarse, steps) in [(1, 0), (2, 1), (3, 1), (7, 2), (16, 4)] {
             let mut divisor = coarse;
             for _ in 0..steps {
                 assert_ne!(divisor, 1);
