@@ -3,6 +3,7 @@
 
 mod edits;
 mod files;
+mod layers;
 pub(crate) mod look;
 mod losses;
 mod random;
