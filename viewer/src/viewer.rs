@@ -6,6 +6,7 @@ mod dialogs;
 mod dropped;
 mod lens;
 mod look;
+mod mix;
 mod problems;
 mod questions;
 mod shortcuts;
@@ -25,6 +26,7 @@ use crate::link::{Command, Files, Link, PickPurpose, Reply, SceneFacts, Status};
 
 use dialogs::Dialog;
 use look::{Editor, Outside};
+use mix::LightMixer;
 use problems::Problems;
 use questions::Questions;
 use timeline::Timeline;
@@ -125,6 +127,7 @@ pub struct Viewer {
     messages: Vec<Message>,
     dialog: Option<Dialog>,
     lists_shortcuts: bool,
+    mixer: LightMixer,
     questions: Questions,
     timeline: Timeline,
     /// Of the window.
@@ -168,6 +171,7 @@ impl Viewer {
             messages: Vec::new(),
             dialog: None,
             lists_shortcuts: false,
+            mixer: LightMixer::default(),
             questions: Questions::default(),
             timeline: Timeline::default(),
             shown_title: String::new(),
@@ -239,9 +243,10 @@ impl Viewer {
             .show(ui, |ui| {
                 // Before there is a look, too: a panel is as wide afterwards as what was in it at first.
                 ui.set_min_width(ui.available_width());
-                match self.lists_shortcuts {
-                    true => self.shortcut_list(ui),
-                    false => self.look_panel(ui),
+                match (self.lists_shortcuts, self.mixer.is_open) {
+                    (true, _) => self.shortcut_list(ui),
+                    (false, true) => self.mix_panel(ui),
+                    (false, false) => self.look_panel(ui),
                 }
             });
         CentralPanel::default()
@@ -255,6 +260,7 @@ impl Viewer {
             });
         self.dialogs(ui);
         self.flush_edits();
+        self.send_mix();
         self.show_title(ui);
         self.close(ui);
     }
@@ -341,6 +347,7 @@ impl Viewer {
             Reply::Opened(files) => {
                 self.viewport = Viewport::default();
                 self.timeline = Timeline::default();
+                self.forget_mix();
                 self.editor.forget();
                 self.begin_look(self.preferences.files.as_ref() == Some(&files));
                 self.material = None;
