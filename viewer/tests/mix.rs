@@ -407,7 +407,10 @@ fn faders_send_what_they_say() {
     };
     let (on, off) = ([1.0; 3], DARK);
     let neutral = mix(&[("key", on), ("day", on), ("rest", on)]);
-    assert_eq!(click(&mut harness, "Light mix"), [neutral.clone()]);
+    assert_eq!(
+        click(&mut harness, "Light mix"),
+        std::slice::from_ref(&neutral)
+    );
     let expected = mix(&[("key", off), ("day", on), ("rest", on)]);
     assert_eq!(click(&mut harness, "key"), [expected]);
     let expected = mix(&[("key", off), ("day", on), ("rest", off)]);

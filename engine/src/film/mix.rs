@@ -153,8 +153,10 @@ mod tests {
     const LIGHT: [[f32; 3]; 3] = [[0.25, 0.5, 1.0], [3.0, 2.0, 0.125], [-0.5, 0.0, 1e-4]];
 
     fn film() -> Film {
-        let mut scene = scene::Scene::default();
-        scene.light_groups = groups();
+        let scene = scene::Scene {
+            light_groups: groups(),
+            ..scene::Scene::default()
+        };
         let layers = Layers::named([LIGHT_GROUPS]).expect("known");
         let mut film = Film::with_layers(1, 1, layers.of_scene(&scene));
         for sample in 0..2 {
