@@ -1,5 +1,6 @@
 //! What a window shows of a film: written to a texture on the device that rendered it, nothing is read back.
 
+mod mix;
 mod pixels;
 
 use bytemuck::{Pod, Zeroable};
@@ -13,6 +14,8 @@ use device::{
     Usage,
 };
 
+pub(crate) use self::mix::GroupPlanes;
+pub use self::mix::{GpuMix, Mixer};
 pub use self::pixels::Surfaces;
 
 /// What is shown of each pixel.
@@ -113,9 +116,25 @@ pub struct DeviceFilm {
     pub height: u32,
     pub(crate) planes: [Buffer; film::PICTURE_PLANES.len()],
     pub(crate) guides: Option<Buffer>,
+    /// Of lights that it keeps apart.
+    pub(crate) groups: Vec<GroupPlanes>,
 }
 
 impl DeviceFilm {
+    /// Whether it keeps groups of lights apart, so that they can be mixed.
+    pub fn has_groups(&self) -> bool {
+        !self.groups.is_empty()
+    }
+
+    /// The same without its groups of lights.
+    #[must_use]
+    pub fn picture(&self) -> Self {
+        Self {
+            groups: Vec::new(),
+            ..self.clone()
+        }
+    }
+
     /// The same sums with the guides of another film of this size.
     #[must_use]
     pub fn with_guides_of(&self, other: &Self) -> Self {
@@ -143,11 +162,20 @@ impl DeviceFilm {
             .map(&mut copy)
             .collect::<Result<_, DeviceError>>()?;
         let guides = self.guides.as_ref().map(&mut copy).transpose()?;
+        let groups = self.groups.iter().map(|group| {
+            let [red, green, blue] = &group.planes;
+            Ok(GroupPlanes {
+                planes: [copy(red)?, copy(green)?, copy(blue)?],
+                ..*group
+            })
+        });
+        let groups = groups.collect::<Result<_, DeviceError>>()?;
         device.start(&recording)?;
         let planes = planes.try_into().expect("as many as there were");
         Ok(Self {
             planes,
             guides,
+            groups,
             ..*self
         })
     }

@@ -27,12 +27,15 @@ mod hash;
 pub mod ids;
 pub mod layers;
 pub(crate) mod layers_wgsl;
+mod mix;
 mod part;
 pub mod write;
 
 pub use crop::Crop;
 pub(crate) use hash::Hash;
 pub use layers::{LAYERS, Layer, Layers};
+pub(crate) use mix::Multiple;
+pub use mix::{GroupFactors, LightMix};
 pub use part::{MAGIC_BYTES, Origin, Part, PartError, is_film};
 #[doc(hidden)]
 pub use part::{sealed, unpacked};

@@ -1,12 +1,13 @@
 //! The line between the window and the render's thread: commands one way, pictures and figures the other. The window
 //! never waits.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use engine::display::DisplaySettings;
+use engine::film::LightMix;
 use engine::renderer::TextureCosts;
 use engine::scene::view::View;
 use engine::scene::{Camera, Material, PunctualLight};
@@ -48,6 +49,8 @@ pub enum Command {
     Pause(bool),
     /// Show the picture without its noise, where there is what takes it out.
     Denoise(bool),
+    /// Keep the light of groups apart from now on, and show it mixed; or show the picture as it is.
+    MixLights(Option<LightMix>),
     /// Show a scene without any light in that of a studio, or as dark as it is.
     StudioLight(bool),
     /// Measure each pass and each texture.
@@ -70,7 +73,8 @@ pub enum Command {
     Quit,
 }
 
-/// A picture that is to be written: as a view shows it as .png or .jpg, radiance as .exr.
+/// A picture that is to be written: as a view shows it as .png or .jpg, with its lights mixed as they are shown; radiance as .exr, as it is
+/// rendered.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PictureOrder {
     /// The file.
@@ -83,6 +87,19 @@ pub struct PictureOrder {
     pub layers: bool,
     /// How it is shown.
     pub view: View,
+}
+
+impl PictureOrder {
+    /// Whether it is radiance, and not what a screen shows.
+    pub fn is_radiance(&self) -> bool {
+        is_radiance(&self.path)
+    }
+}
+
+/// Whether a file holds radiance, by its name.
+pub(crate) fn is_radiance(path: &Path) -> bool {
+    let ending = path.extension();
+    ending.is_some_and(|ending| ending.eq_ignore_ascii_case("exr"))
 }
 
 /// How far a picture is that is to be written.
@@ -192,6 +209,8 @@ pub struct Status {
     pub target: u32,
     /// Seconds after which the scene is as it is shown; `None` at rest.
     pub moment: Option<f64>,
+    /// The light of groups is kept apart in what is shown, so that it can be mixed.
+    pub keeps_groups: bool,
     /// Pixels.
     pub size: [u32; 2],
     /// Camera paths per second.
@@ -204,7 +223,7 @@ pub struct Status {
     pub textures: TextureCosts,
     /// GPU memory of the render, bytes.
     pub memory: u64,
-    /// Relative standard error of the picture.
+    /// Relative standard error of the picture, before its lights are mixed.
     pub error: Option<f64>,
     /// Pipelines created since the device was opened.
     pub pipelines: u64,
@@ -267,6 +286,8 @@ pub struct SceneFacts {
     pub look_camera: Option<Camera>,
     /// When its last animation ends, seconds; `None` where nothing moves.
     pub end: Option<f64>,
+    /// Names of the groups that its lights are in.
+    pub light_groups: Vec<String>,
 }
 
 /// The look as the render has it.

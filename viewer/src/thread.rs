@@ -4,6 +4,7 @@ mod commands;
 mod compare;
 mod denoise;
 mod failure;
+mod mix;
 mod opening;
 mod picture;
 mod publish;
@@ -25,6 +26,7 @@ use crate::link::{Board, Command, Files, Link, Reply, lock};
 use crate::pace::{self, Pace};
 
 use denoise::Denoising;
+use mix::Mixing;
 
 /// Parsing recurses along a texture's expressions.
 const STACK_BYTES: usize = 8 << 20;
@@ -102,6 +104,7 @@ impl RenderThread {
                     outlined: None,
                     before: None,
                     denoising,
+                    mixing: Mixing::default(),
                     pace,
                     run: Run::default(),
                     is_stale: false,
@@ -161,6 +164,7 @@ struct Render {
     outlined: Option<u32>,
     before: Option<compare::Before>,
     denoising: Denoising,
+    mixing: Mixing,
     pace: Pace,
     run: Run,
     /// The scene, or its files, may be others than those on the board.
@@ -183,8 +187,8 @@ struct Render {
 /// What shows the picture, and what it is compared with.
 struct Displays {
     now: Display,
-    /// Without noise; made once there is such a picture.
-    clean: Option<Display>,
+    /// Without noise, or with its lights mixed; made once there is such a picture.
+    other: Option<Display>,
     before: Display,
     beside: Display,
 }

@@ -6,6 +6,7 @@ mod dialogs;
 mod dropped;
 mod lens;
 mod look;
+mod mix;
 mod problems;
 mod questions;
 mod shortcuts;
@@ -26,6 +27,7 @@ use crate::link::{Command, Files, Hit, Link, PickPurpose, Reply, SceneFacts, Sta
 
 use dialogs::Dialog;
 use look::{Editor, Outside};
+use mix::LightMixer;
 use problems::Problems;
 use questions::Questions;
 use timeline::Timeline;
@@ -135,6 +137,7 @@ pub struct Viewer {
     lists_shortcuts: bool,
     /// A picture that was dropped, as the look names it, until it is known what for.
     picture_to_use: Option<String>,
+    mixer: LightMixer,
     questions: Questions,
     timeline: Timeline,
     /// Of the window.
@@ -180,6 +183,7 @@ impl Viewer {
             browser: Browser::default(),
             lists_shortcuts: false,
             picture_to_use: None,
+            mixer: LightMixer::default(),
             questions: Questions::default(),
             timeline: Timeline::default(),
             shown_title: String::new(),
@@ -272,9 +276,10 @@ impl Viewer {
             .show(ui, |ui| {
                 // Before there is a look, too: a panel is as wide afterwards as what was in it at first.
                 ui.set_min_width(ui.available_width());
-                match self.lists_shortcuts {
-                    true => self.shortcut_list(ui),
-                    false => self.look_panel(ui),
+                match (self.lists_shortcuts, self.mixer.is_open) {
+                    (true, _) => self.shortcut_list(ui),
+                    (false, true) => self.mix_panel(ui),
+                    (false, false) => self.look_panel(ui),
                 }
             });
         CentralPanel::default()
@@ -289,6 +294,7 @@ impl Viewer {
         self.dialogs(ui);
         self.picture_question(ui);
         self.flush_edits();
+        self.send_mix();
         self.show_title(ui);
         self.close(ui);
     }
@@ -381,6 +387,7 @@ impl Viewer {
             Reply::Opened(files) => {
                 self.viewport = Viewport::default();
                 self.timeline = Timeline::default();
+                self.forget_mix();
                 self.editor.forget();
                 self.begin_look(self.preferences.files.as_ref() == Some(&files));
                 self.material = None;

@@ -60,6 +60,7 @@ impl Stage {
             cameras: vec![camera("Door"), camera("Window")],
             look_camera: Some(camera("Door")),
             end: None,
+            light_groups: Vec::new(),
         });
         board.lock().unwrap().look = Some(LookFacts::default());
         let link = Link::new(sender, Arc::clone(&board));

@@ -72,6 +72,7 @@ impl DeviceFilm {
             height,
             planes: planes.try_into().expect("a film has these planes"),
             guides: None,
+            groups: Vec::new(),
         })
     }
 

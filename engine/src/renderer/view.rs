@@ -6,7 +6,7 @@ use std::time::Duration;
 use device::{Buffer, Device, DeviceError, Kernel, Resources, Usage};
 
 use crate::{
-    display::DeviceFilm,
+    display::{DeviceFilm, GroupPlanes},
     film::{Layers, MAX_SIDE, PICTURE_PLANES},
     frame::Frame,
     gpu_scene::SceneFeatures,
@@ -104,7 +104,7 @@ impl Renderer {
         frame
     }
 
-    /// The film on the device, with the guides if they have been traced for it.
+    /// The film on the device, with the groups of lights that it keeps apart, and with the guides if they have been traced for it.
     ///
     /// # Errors
     /// What the driver reports.
@@ -115,7 +115,21 @@ impl Renderer {
             height: self.settings.height,
             planes: PICTURE_PLANES.map(|name| self.resources.buffer(name).clone()),
             guides: self.guides.as_ref().and_then(|g| g.buffer.clone()),
+            groups: self.light_groups(),
         })
+    }
+
+    fn light_groups(&self) -> Vec<GroupPlanes> {
+        let sums = self.settings.layers.sums().into_iter();
+        let of_group = sums.filter_map(|sum| {
+            let plane = |&name: &&'static str| self.resources.buffer(name).clone();
+            let planes: Vec<_> = sum.planes.iter().map(plane).collect();
+            Some(GroupPlanes {
+                number: sum.layer.light_group()?,
+                planes: planes.try_into().ok()?,
+            })
+        });
+        of_group.collect()
     }
 
     /// Traces what the camera's rays hit first, pinhole-sharp, unless that is known, and runs its textures. The film stays as it

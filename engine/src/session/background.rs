@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use texgen::{Diagnostic, Diagnostics};
 
+use crate::film::Layers;
 use crate::load::{LoadError, Loaded, StandIn};
 use crate::procedural::SourcesError;
 use crate::renderer::{Reload, ReloadError, Renderer};
 use crate::scene::Moment;
-use crate::scene::look::{LookError, Section, Value, find, placed_fields};
+use crate::scene::look::{Look, LookError, Section, Value, find, placed_fields};
 use crate::system::{Assets, Task};
 
 use super::difference::TableChange;
@@ -122,16 +123,54 @@ impl Session {
             return;
         }
         let text = self.document.text();
-        let (inputs, system) = (self.inputs.clone(), self.system.clone());
-        let device = self.renderer.device().clone();
-        let (make_settings, look) = (self.make_settings.clone(), text.clone());
-        let (stand_in, moment) = (self.stand_in, self.moment.clone());
+        let (inputs, files) = (self.inputs.clone(), Arc::clone(&self.system.files));
+        let (stand_in, moment, look) = (self.stand_in, self.moment.clone(), text.clone());
         // Files may be others by now.
         self.timeline = None;
+        self.build(text, move || {
+            load(&files, &inputs, &look, &moment, stand_in)
+        });
+    }
+
+    /// Gathers these layers from now on, those that the scene has, whatever the settings say; without them what these say. Nothing is read
+    /// again: what is shown is built anew in the background, and begins once more when that is ready.
+    pub fn set_layers(&mut self, layers: Option<Layers>) {
+        if layers == self.layers {
+            return;
+        }
+        self.layers = layers;
+        // Otherwise what is shown isn't what is wanted.
+        if !self.is_up_to_date() {
+            return self.rebuild();
+        }
+        let text = self.document.text();
+        let loaded = Loaded {
+            scene: self.scene.clone(),
+            procedural: self.renderer.procedural().clone(),
+            camera: self.camera.clone(),
+            look: Look::parse(&self.look_path(), &text).ok(),
+            given_lights: self.given_lights.clone(),
+            warnings: self.warnings.clone(),
+        };
+        self.build(text, move || Ok(loaded));
+    }
+
+    /// Builds another renderer in the background, of what was read by a look's text.
+    fn build(
+        &mut self,
+        text: String,
+        read: impl FnOnce() -> Result<Loaded, LoadError> + Send + 'static,
+    ) {
+        let (device, system) = (self.renderer.device().clone(), self.system.clone());
+        let (make_settings, layers) = (self.make_settings.clone(), self.layers.clone());
+        let time = self.moment.seconds as f32;
         let build = move || {
-            let loaded = load(&system.files, &inputs, &look, &moment, stand_in)?;
+            let loaded = read()?;
             let mut settings = make_settings(loaded.camera.clone());
-            settings.time = moment.seconds as f32;
+            settings.time = time;
+            if let Some(layers) = layers {
+                settings.layers = layers.of_scene(&loaded.scene);
+            }
             let renderer = Renderer::new(&device, &loaded.scene, &loaded.procedural, &settings)?;
             let renderer = renderer.in_system(&system);
             Ok(Box::new(Rebuilt { loaded, renderer }))

@@ -6,7 +6,7 @@ use crate::load::{self, StandIn};
 use crate::procedural::UpdateError;
 use crate::renderer::Touched;
 use crate::scene::look::{
-    EnvironmentLook, Look, LookDocument, MaterialLook, Section, Spanned, Table, find,
+    EnvironmentLook, Field, Look, LookDocument, MaterialLook, Section, Spanned, Table, find,
     placed_fields, table,
 };
 use crate::scene::view::ViewChoice;
@@ -258,6 +258,12 @@ impl Session {
             span,
         } = change;
         let fields = after.as_deref().unwrap_or_default();
+        // Groups of lights are numbered over the whole look.
+        let group = |fields: &[Field]| find(fields, "group").map(|value| value.value.clone());
+        let is_of_light = matches!(section, Section::Environment | Section::Material(_));
+        if is_of_light && group(before.as_deref().unwrap_or_default()) != group(fields) {
+            return Err(UpdateError::Rebuild);
+        }
         if self.moment.seconds != 0.0 && has_keys(fields) {
             return Err(UpdateError::Rebuild);
         }

@@ -10,6 +10,7 @@
 //! | see | [`Session::snapshot`] (a film), [`Session::device_film`] (on the device), [`Session::stats`], [`Session::problems`] |
 //! | save the look | [`Session::save`] |
 //! | go to another moment of a scene that moves | [`Session::set_moment`] |
+//! | keep other layers of the film than at first | [`Session::set_layers`] |
 //! | bring edits together with what others have saved meanwhile | [`Session::look_changed_beside_edits`], [`merge`] |
 //!
 //! The text of the look is the truth. Everything else (graph, programs, material records, camera) follows from it and
@@ -51,7 +52,7 @@ use texgen::{Diagnostics, SourceFile};
 
 use device::Device;
 
-use crate::film::Film;
+use crate::film::{Film, Layers};
 use crate::load::{StandIn, Timeline};
 use crate::procedural::Procedural;
 use crate::renderer::{Progress, RenderSettings, Renderer};
@@ -85,6 +86,8 @@ pub struct Session {
     system: System,
     open_device: Arc<OpenDevice>,
     make_settings: Arc<MakeSettings>,
+    /// What the film gathers, where that isn't what its settings say.
+    layers: Option<Layers>,
     /// The look as it is wanted.
     document: LookDocument,
     /// The look's text as it was read or written last.

@@ -219,6 +219,7 @@ impl Opening {
             system: self.system,
             open_device,
             make_settings,
+            layers: None,
             document: self.document,
             saved: self.text,
             shown: None,

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::mem::{offset_of, size_of};
 
 use engine::{
-    display::GpuDisplay,
+    display::{GpuDisplay, GpuMix},
     frame::Frame,
     gpu_scene::{GpuInstance, light_tree::GpuLightNode, lights::GpuLight, materials::GpuMaterial},
     passes::{
@@ -71,6 +71,8 @@ fn shared_structs_agree() {
         size_of::<GpuDisplay>(),
         &GpuDisplay::offsets(),
     );
+    let (mix, _) = module(&ComposedWgsl::of(display::MIX).text);
+    assert_layout(&mix, "Mix", size_of::<GpuMix>(), &GpuMix::offsets());
     assert_layout(
         &brdf,
         "RayHit",
@@ -140,7 +142,7 @@ fn kernels_are_valid_and_bind_at_most_eight_storage_buffers() {
     let files = passes
         .filter(|pass| pass.name != proctex::PASS.name)
         .map(|pass| pass.file)
-        .chain([display::FILE]);
+        .chain([display::FILE, display::MIX]);
     let texts = files
         .map(|file| (file, ComposedWgsl::of(file).text))
         .chain([("proctex", proctex.text)]);
@@ -226,7 +228,8 @@ fn private_memory_counts_the_stack_of_programs() {
 #[test]
 fn every_wgsl_file_is_part_of_a_kernel() {
     let mut roots: Vec<&str> = schedule::WAVE.iter().map(|pass| pass.file).collect();
-    roots.extend([guide::PASS.file, irradiance::SOLVE.file, display::FILE]);
+    let aside = [guide::PASS.file, irradiance::SOLVE.file];
+    roots.extend(aside.into_iter().chain([display::FILE, display::MIX]));
     roots.extend(photons::APART.map(|pass| pass.file));
     let used: BTreeSet<String> = roots
         .into_iter()

@@ -72,7 +72,7 @@ fn every_kernel_compiles() {
     let files: BTreeSet<&str> = passes
         .filter(|pass| pass.name != proctex::PASS.name)
         .map(|pass| pass.file)
-        .chain([display::FILE])
+        .chain([display::FILE, display::MIX])
         .collect();
     for file in files {
         let source = ComposedWgsl::of(file);

@@ -123,6 +123,7 @@ impl Render {
                 self.denoising.is_wanted = is_wanted;
                 self.show_again();
             }
+            Command::MixLights(mix) => self.mix_lights(mix),
             Command::StudioLight(is_on) => {
                 self.stand_in = match is_on {
                     true => StandIn::Studio,
@@ -198,7 +199,7 @@ impl Render {
     }
 
     /// Shows the picture in another way.
-    fn show_again(&mut self) {
+    pub(super) fn show_again(&mut self) {
         // A picture whose first samples are coming is shown with them.
         if self.session.is_some() && self.run.is_seen {
             let shown: Result<(), SessionError> = self.show();

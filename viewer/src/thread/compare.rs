@@ -2,6 +2,7 @@
 //! reaches.
 
 use engine::display::DeviceFilm;
+use engine::film::GroupFactors;
 use engine::renderer::{RenderSettings, Renderer};
 use engine::session::SessionError;
 
@@ -14,6 +15,8 @@ pub(super) struct Before {
     coarse: Option<DeviceFilm>,
     samples_done: u64,
     is_done: bool,
+    /// How its lights were mixed.
+    pub(super) factors: Option<GroupFactors>,
 }
 
 impl Before {
@@ -64,6 +67,7 @@ impl Render {
             height,
             ..now.clone()
         };
+        let factors = self.mixing.factors(session.scene());
         let mut renderer = session.renderer_of(&settings)?;
         let samples_done = match is_kept {
             true => {
@@ -84,6 +88,7 @@ impl Render {
             coarse: None,
             samples_done,
             is_done: false,
+            factors,
         });
         Ok(())
     }

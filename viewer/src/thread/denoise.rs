@@ -8,6 +8,7 @@ use std::time::Duration;
 use device::Device;
 use engine::denoise::{Denoiser, Guides};
 use engine::display::{Channel, DeviceFilm};
+use engine::renderer::RenderError;
 use engine::session::SessionError;
 
 use crate::host::OpenDenoiser;
@@ -22,11 +23,19 @@ const SLOW: Duration = Duration::from_secs(5);
 /// A picture is denoised again with so many times the samples, so that most of the time goes into these.
 const AGAIN: f64 = 1.5;
 
-/// A picture, by its generation and its samples per pixel.
+/// A picture, by its generation, by how its lights are mixed, and its samples per pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Version {
     generation: u64,
+    mix: u64,
     spp: f64,
+}
+
+impl Version {
+    /// Whether more samples are all that makes another one of it.
+    fn is_of(self, generation: u64, mix: u64) -> bool {
+        (self.generation, self.mix) == (generation, mix)
+    }
 }
 
 /// What the thread has to say.
@@ -90,18 +99,23 @@ impl Denoising {
         }
     }
 
-    /// What is to be shown in place of a picture of this generation and size, and its samples per pixel.
-    pub(super) fn clean(&self, generation: u64, size: [u32; 2]) -> Option<(&DeviceFilm, f64)> {
+    /// What is to be shown in place of a picture of this generation, mix and size, and its samples per pixel.
+    pub(super) fn clean(
+        &self,
+        generation: u64,
+        mix: u64,
+        size: [u32; 2],
+    ) -> Option<(&DeviceFilm, f64)> {
         let clean = self.clean.as_ref().filter(|_| self.is_wanted)?;
         let film = &clean.film;
-        let is_same = clean.version.generation == generation && [film.width, film.height] == size;
+        let is_same = clean.version.is_of(generation, mix) && [film.width, film.height] == size;
         is_same.then_some((film, clean.version.spp))
     }
 
     /// Whether such a picture is to be denoised now.
     fn is_due(&self, version: Version, is_done: bool, took: Duration) -> bool {
         let is_new = match self.last {
-            Some(last) if last.generation == version.generation => {
+            Some(last) if last.is_of(version.generation, version.mix) => {
                 let is_last = is_done && version.spp > last.spp;
                 is_last || version.spp >= AGAIN * last.spp
             }
@@ -119,17 +133,25 @@ impl Render {
         }
         let version = Version {
             generation: self.run.generation,
+            mix: self.mixing.number(),
             spp: self.spp(),
         };
         let took = self.run.start.elapsed();
         let is_picture = self.settings.channel == Channel::Radiance && self.is_whole();
-        if !is_picture || !self.denoising.is_due(version, self.run.is_done, took) {
+        if !is_picture
+            || self.mixing.is_moving()
+            || !self.denoising.is_due(version, self.run.is_done, took)
+        {
             return Ok(());
         }
         let Some(session) = &mut self.session else {
             return Ok(());
         };
-        let film = session.keep_film(true)?;
+        let film = session.device_film(true)?;
+        let factors = self.mixing.factors(session.scene());
+        let film = self.mixing.mixed(&self.device, &film, factors.as_ref())?;
+        let film = film.picture().copy(&self.device);
+        let film = film.map_err(RenderError::from)?;
         let denoising = &mut self.denoising;
         if let Some(orders) = &denoising.orders {
             denoising.is_busy = orders.send((film, version)).is_ok();
@@ -150,7 +172,8 @@ impl Render {
             }
             Said::Clean(clean) => {
                 self.denoising.is_busy = false;
-                let is_same = clean.version.generation == self.run.generation;
+                let (generation, mix) = (self.run.generation, self.mixing.number());
+                let is_same = clean.version.is_of(generation, mix);
                 self.denoising.clean = is_same.then_some(*clean);
                 if is_same && self.run.is_seen {
                     self.show()?;

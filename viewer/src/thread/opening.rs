@@ -32,6 +32,7 @@ impl Render {
                 // The first picture comes soon, too.
                 self.motion = self.run.cause;
                 self.before = None;
+                self.mixing.forget();
                 self.region = None;
                 (self.picked, self.outlined, self.beside) = (None, None, None);
                 self.pending = Pending::default();

@@ -6,7 +6,8 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use engine::film::{Film, Layers, MAX_SIDE, Origin};
+use engine::film::layers::LIGHT_GROUPS;
+use engine::film::{Film, GroupFactors, Layers, MAX_SIDE, Origin};
 use engine::renderer::{RenderSettings, Renderer};
 
 use crate::link::{PictureOrder, Reply, Saving, lock};
@@ -20,6 +21,8 @@ const WAVE: Duration = Duration::from_millis(40);
 pub(super) struct Making {
     order: PictureOrder,
     origin: Origin,
+    /// How its lights are mixed.
+    factors: Option<GroupFactors>,
     paths: Arc<AtomicU64>,
     is_cancelled: Arc<AtomicBool>,
     film: Receiver<Result<Film, String>>,
@@ -61,35 +64,51 @@ impl Render {
         self.host.check_picture(&order.path)?;
         // Edits that wait are part of the picture.
         self.apply_all();
+        // Of what has begun anew there is no picture yet.
+        self.notice_generation();
         order.size = order.size.map(|side| side.clamp(1, MAX_SIDE));
         order.spp = order.spp.max(1);
         let is_whole = self.is_whole();
         let session = self.session.as_mut().ok_or("there is no picture yet")?;
         let [width, height] = order.size;
-        let layers = match order.layers {
-            true => Layers::all().of_scene(session.scene()),
-            false => Layers::default(),
+        let scene = session.scene();
+        // Radiance is what is rendered: whoever wants it mixes its layers.
+        let factors = self.mixing.factors(scene).filter(|_| !order.is_radiance());
+        let layers = match (order.layers, &factors) {
+            (true, _) => Layers::all().of_scene(scene),
+            (false, Some(_)) => {
+                let groups = Layers::named([LIGHT_GROUPS]);
+                groups.unwrap_or_default().of_scene(scene)
+            }
+            (false, None) => Layers::default(),
         };
         let settings = RenderSettings {
             width,
             height,
-            layers,
+            layers: layers.clone(),
             ..session.settings().clone()
         };
         let origin = session.origin_of(&settings);
         let now = session.settings();
-        let is_same = is_whole && [now.width, now.height] == order.size && !order.layers;
+        // What else the window has is left out.
+        let has_layers = now.layers == layers || layers.is_picture_alone();
+        let is_same = is_whole && [now.width, now.height] == order.size && has_layers;
         let wanted = u64::from(width) * u64::from(height) * u64::from(order.spp);
         if is_same && self.run.samples_done >= wanted {
             let film = session
                 .snapshot()
-                .map_err(|error| publish::message(&error))?;
-            self.write_picture(&order, &film.film, &origin);
+                .map_err(|error| publish::message(&error))?
+                .film;
+            let film = match layers.is_picture_alone() {
+                true => film.picture(),
+                false => film,
+            };
+            self.write_picture(&order, film, &origin, factors.as_ref());
             return Ok(None);
         }
         let renderer = session.renderer_of(&settings);
         let renderer = renderer.map_err(|error| publish::message(&error))?;
-        start(order, origin, renderer).map(Some)
+        start(order, origin, factors, renderer).map(Some)
     }
 
     /// Takes over a picture that has been finished.
@@ -104,16 +123,28 @@ impl Render {
         };
         if let Some(making) = self.making.take() {
             match finished {
-                Ok(film) => self.write_picture(&making.order, &film, &making.origin),
+                Ok(film) => {
+                    let factors = making.factors.as_ref();
+                    self.write_picture(&making.order, film, &making.origin, factors);
+                }
                 Err(why) => self.reply(Reply::Failed(why)),
             }
         }
         self.publish_making();
     }
 
-    fn write_picture(&self, order: &PictureOrder, film: &Film, origin: &Origin) {
+    fn write_picture(
+        &self,
+        order: &PictureOrder,
+        mut film: Film,
+        origin: &Origin,
+        factors: Option<&GroupFactors>,
+    ) {
         let PictureOrder { path, view, .. } = order;
-        self.reply(match self.host.write_picture(path, film, origin, view) {
+        if let Some(factors) = factors {
+            film = film.mixed(factors);
+        }
+        self.reply(match self.host.write_picture(path, &film, origin, view) {
             Ok(()) => Reply::Done(format!("wrote {}", path.display())),
             Err(why) => Reply::Failed(why),
         });
@@ -136,7 +167,12 @@ impl Render {
     }
 }
 
-fn start(order: PictureOrder, origin: Origin, mut renderer: Renderer) -> Result<Making, String> {
+fn start(
+    order: PictureOrder,
+    origin: Origin,
+    factors: Option<GroupFactors>,
+    mut renderer: Renderer,
+) -> Result<Making, String> {
     let (sender, film) = channel();
     let (paths, is_cancelled) = (
         Arc::new(AtomicU64::new(0)),
@@ -170,6 +206,7 @@ fn start(order: PictureOrder, origin: Origin, mut renderer: Renderer) -> Result<
     Ok(Making {
         order,
         origin,
+        factors,
         paths,
         is_cancelled,
         film,

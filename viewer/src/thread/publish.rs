@@ -14,6 +14,7 @@ use patina_panels::{ModelImage, Textures};
 
 use crate::link::{Files, LookFacts, Reply, SceneFacts, Shown, lock};
 
+use super::mix::Place;
 use super::{Displays, Render, lock_size};
 
 /// How often figures are brought up to date.
@@ -31,6 +32,8 @@ pub(super) struct Published {
     /// Of the picture, that were told.
     doubts: Vec<Doubt>,
     error: Option<f64>,
+    /// The picture that the error is of, by generation and camera paths.
+    counted: Option<(u64, u64)>,
     textures_there: Option<Arc<Textures>>,
     /// Small pictures of the model's images.
     images_there: Option<Arc<[ModelImage]>>,
@@ -70,6 +73,7 @@ impl Published {
         self.state = None;
         self.doubts.clear();
         self.error = None;
+        self.counted = None;
     }
 }
 
@@ -80,7 +84,7 @@ impl Render {
         self.run.samples_done as f64 / (width * height)
     }
 
-    /// Shows the film as it is, or without its noise.
+    /// Shows the film as it is, or with its lights mixed, or without its noise.
     pub(super) fn show(&mut self) -> Result<(), SessionError> {
         let Some(session) = &mut self.session else {
             return Ok(());
@@ -89,7 +93,7 @@ impl Render {
             Some(displays) => displays,
             none => none.insert(Displays {
                 now: Display::new(&self.device).map_err(RenderError::from)?,
-                clean: None,
+                other: None,
                 before: Display::new(&self.device).map_err(RenderError::from)?,
                 beside: Display::new(&self.device).map_err(RenderError::from)?,
             }),
@@ -114,36 +118,59 @@ impl Render {
         let size = [film.width, film.height];
         let moment = session.moment();
         let moment = (moment.motion != Motion::Rest).then_some(moment.seconds);
-        let now = displays.now.show(&film, &with_line);
-        let now = now.map_err(RenderError::from)?.clone();
-        let kept = match &mut self.before {
-            Some(before) => Some(before.film(guides)?),
+        let is_picture = settings.channel == Channel::Radiance;
+        let factors = self.mixing.factors(session.scene());
+        let factors = factors.as_ref().filter(|_| is_picture);
+        let mut kept = match &mut self.before {
+            Some(before) => Some((before.film(guides)?, before.factors.as_ref())),
             None => None,
         };
+        kept = kept.map(|(film, factors)| (film, factors.filter(|_| is_picture)));
         let show = |display: &mut Display, film: &DeviceFilm, settings: &DisplaySettings| {
             let shown = display.show(film, settings).map_err(RenderError::from)?;
             Ok::<_, SessionError>(shown.clone())
         };
-        let also = |display: &mut Display, film: Option<&DeviceFilm>| match film {
-            Some(film) => show(display, film, &settings).map(Some),
-            None => Ok(None),
-        };
-        let (generation, is_picture) = (self.run.generation, settings.channel == Channel::Radiance);
-        let clean = self.denoising.clean(generation, size);
+        let (generation, mix) = (self.run.generation, self.mixing.number());
+        let clean = self.denoising.clean(generation, mix, size);
         let clean = clean.filter(|_| is_picture);
         let denoised = clean.map(|(_, spp)| spp);
-        let shown = match clean {
-            Some((clean, _)) => {
-                let display = match &mut displays.clean {
+        let other = match (clean, factors) {
+            (Some((clean, _)), _) => Some(clean.with_guides_of(&film)),
+            (None, Some(_)) => Some(self.mixing.mixed(&self.device, &film, factors)?),
+            (None, None) => None,
+        };
+        // Of a picture that is shown otherwise it is the error alone that is wanted of the film: nothing new before the next sample.
+        let counted = Some((generation, self.run.samples_done));
+        let now = match &other {
+            Some(_) if self.published.counted == counted => None,
+            _ => Some(show(&mut displays.now, &film, &with_line)?),
+        };
+        self.published.counted = counted;
+        let shown = match &other {
+            Some(other) => {
+                let display = match &mut displays.other {
                     Some(display) => display,
                     none => none.insert(Display::new(&self.device).map_err(RenderError::from)?),
                 };
-                show(display, &clean.with_guides_of(&film), &with_line)?
+                Some(show(display, other, &with_line)?)
             }
             None => now,
         };
-        let before = also(&mut displays.before, kept.as_ref())?;
-        let beside = also(&mut displays.beside, self.beside.as_ref())?;
+        // One of both is there.
+        let Some(shown) = shown else {
+            return Ok(());
+        };
+        let mut also = |place, display: &mut Display, film: Option<(&DeviceFilm, _)>| {
+            let Some((film, factors)) = film else {
+                return Ok(None);
+            };
+            let film = self.mixing.mixed_at(place, &self.device, film, factors)?;
+            show(display, &film, &settings).map(Some)
+        };
+        let kept = kept.as_ref().map(|(film, factors)| (film, *factors));
+        let before = also(Place::Before, &mut displays.before, kept)?;
+        let beside = self.beside.as_ref().map(|film| (film, factors));
+        let beside = also(Place::Beside, &mut displays.beside, beside)?;
         self.run.last_shown = Instant::now();
         let images = [Some(&shown), before.as_ref(), beside.as_ref()];
         let published = &mut self.published.pictures;
@@ -166,6 +193,7 @@ impl Render {
         board.status.spp = spp;
         board.status.denoised = denoised;
         board.status.moment = moment;
+        board.status.keeps_groups = film.has_groups();
         board.status.size = size;
         board.status.is_whole = is_whole;
         Ok(())
@@ -336,6 +364,7 @@ impl Render {
             cameras: scene.cameras.clone(),
             look_camera: Some(session.look_camera().clone()),
             end: self.end,
+            light_groups: scene.light_groups.names().to_vec(),
         };
         lock(&self.board).scene = Arc::new(facts);
     }

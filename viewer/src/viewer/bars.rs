@@ -112,6 +112,7 @@ impl Viewer {
         if compare.on_hover_text(hint).changed() {
             self.toggle_compare();
         }
+        self.mix_tool(ui);
         self.denoise_tool(ui);
         let coarseness = self.preferences.coarseness.max(1);
         let choices = ComboBox::from_id_salt("coarseness")
@@ -140,13 +141,11 @@ impl Viewer {
             DenoiserState::Unknown => (false, "looking for Open Image Denoise ...".to_owned()),
             DenoiserState::Absent(why) => (false, why.clone()),
         };
-        let mut is_on = is_ready && self.preferences.denoises;
-        let toggle = ui.add_enabled_ui(is_ready, |ui| ui.toggle_value(&mut is_on, "Denoise"));
-        let toggle = toggle
-            .inner
-            .on_hover_text(&hint)
-            .on_disabled_hover_text(&hint);
-        if toggle.changed() {
+        let is_on = is_ready && self.preferences.denoises;
+        // By itself: within a frame of its own it would break the bar's rows.
+        let toggle = ui.add_enabled(is_ready, egui::Button::selectable(is_on, "Denoise"));
+        let toggle = toggle.on_hover_text(&hint).on_disabled_hover_text(&hint);
+        if toggle.clicked() {
             self.toggle_denoise();
         }
     }

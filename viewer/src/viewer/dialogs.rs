@@ -10,7 +10,7 @@ use engine::scene::view::{View, ViewTransform};
 
 use patina_panels::{Browser, FileRequest, Purpose};
 
-use crate::link::{Command, Files, PictureOrder};
+use crate::link::{Command, Files, PictureOrder, is_radiance};
 
 use super::{Viewer, call, name};
 
@@ -39,6 +39,8 @@ struct Picture {
     spp: u32,
     layers: bool,
     view: View,
+    /// The lights of what is shown are mixed.
+    is_mixed: bool,
 }
 
 /// What people call the files of looks.
@@ -234,14 +236,13 @@ fn file_fields(ui: &mut Ui, dialog: &mut Dialog, browser: &mut Browser) {
 
 /// How large and how fine a picture is, and how it is shown.
 fn picture_fields(ui: &mut Ui, dialog: &mut Dialog) {
-    let is_exr = Path::new(dialog.path.trim())
-        .extension()
-        .is_some_and(|ending| ending.eq_ignore_ascii_case("exr"));
+    let is_exr = is_radiance(Path::new(dialog.path.trim()));
     let Picture {
         size: [width, height],
         spp,
         layers,
         view,
+        is_mixed,
     } = &mut dialog.picture;
     let number = |ui: &mut Ui, text: &str, value: &mut u32, most: u32| {
         let label = ui.label(text);
@@ -265,6 +266,12 @@ fn picture_fields(ui: &mut Ui, dialog: &mut Dialog) {
         call(&shown.response, "View of the picture");
         ui.label(format!("exposure {:+.2} EV", view.exposure));
     });
+    if *is_mixed {
+        ui.label(match is_exr {
+            true => "Lights are as they are rendered; all layers have their groups apart.",
+            false => "Lights are mixed as they are shown.",
+        });
+    }
     ui.weak("It is finished aside, as it is now: you can go on meanwhile.");
 }
 
@@ -278,6 +285,7 @@ impl Viewer {
             spp: there.max(SAMPLES).min(self.status.target.max(1)),
             layers: false,
             view: self.display.view,
+            is_mixed: self.mixes_lights(),
         };
         self.dialog = Some(Dialog::save_picture(&self.scene.files, picture));
     }

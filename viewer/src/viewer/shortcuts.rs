@@ -19,7 +19,7 @@ const REDO_TOO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key
 const STOP: f32 = 0.25;
 
 /// What the list says: keys, and what they do.
-const LIST: [(&str, &str); 36] = [
+const LIST: [(&str, &str); 37] = [
     ("drag", "turn around the point in focus"),
     ("right drag", "look around"),
     ("middle drag, Shift drag", "pan"),
@@ -37,6 +37,7 @@ const LIST: [(&str, &str); 36] = [
     ("1 ... 9", "cameras of the scene"),
     ("R", "render a region only; again: everything"),
     ("C", "compare with the picture of now; again: don't"),
+    ("L", "mix the lights; again: the look"),
     ("N", "take the noise out of what is shown; again: don't"),
     ("P", "pause"),
     ("[  ]", "exposure by a quarter of a stop"),
@@ -128,6 +129,7 @@ impl Viewer {
             "F" => self.link.send(Command::Bounds(Extent::Scene)),
             "r" => self.toggle_region(),
             "c" => self.toggle_compare(),
+            "l" => self.toggle_mix(),
             "n" => self.toggle_denoise(),
             "g" => self.toggle_walk(),
             "p" => self.link.send(Command::Pause(!self.status.is_paused)),

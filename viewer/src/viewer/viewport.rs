@@ -232,6 +232,7 @@ impl Viewer {
                 "relative error: blue 0.1 %, cyan 0.6 %, green 3 %, yellow 18 %, red 100 %"
             }
             Channel::Samples => "samples: blue none, green half, red the most",
+            Channel::Radiance if self.mixes_unseen() => "lights are mixed (L)",
             _ => return,
         };
         note(

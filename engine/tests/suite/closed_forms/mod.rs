@@ -14,6 +14,7 @@ mod film_layers;
 mod filters;
 mod furnace;
 mod light_layers;
+mod light_mix;
 mod non_finite;
 mod seeds;
 mod shadow_catcher;

@@ -3,6 +3,7 @@
 
 mod edits;
 mod files;
+mod layers;
 mod lights;
 pub(crate) mod look;
 mod losses;
