@@ -7,14 +7,12 @@ use engine::scene::Material;
 use engine::session::{Document, Edit};
 
 use crate::Textures;
-use crate::browse::Browser;
 use crate::edits;
-use crate::lamps::Placing;
 use crate::model::Model;
 use crate::preview::Previews;
 use crate::rename::Renaming;
-use crate::scene_view::SceneView;
-use crate::widgets::{ImageSlot, row_menu};
+use crate::scene_view::{Placing, SceneView};
+use crate::widgets::{Browser, ImageSlot, row_menu};
 
 /// Those of the scene, then those that only the look has.
 pub(crate) fn material_names(document: &Document, scene: SceneView<'_>) -> Vec<String> {

@@ -10,22 +10,13 @@ use glam::Vec3;
 use texgen::Widget;
 
 use crate::context::Context;
-use crate::scene_view::SceneView;
+use crate::scene_view::{Placing, SceneView};
 use crate::widgets::{Bounds, Spec, draft, edit, menu, name, row};
 
 /// With more lights than that each is folded at first.
 const MAX_OPEN: usize = 3;
 /// Metres to what a camera that isn't focused on anything looks at.
 const DISTANCE: f32 = 2.0;
-
-/// What a click into the picture is to do to a light.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Placing {
-    /// It shines there from where it is.
-    Aim,
-    /// It stands in front of the surface that is there, and shines on it.
-    InFront,
-}
 
 /// A light as it is shown: of the scene's files, of the look, or both.
 struct Lamp<'a> {

@@ -11,7 +11,6 @@
 //! [`Previews`] paints small pictures of nodes in the background; a [`Browser`] asks the system for files through what it is handed.
 //! Nothing here opens windows, files (but looks and images) or event loops, and nothing renders the scene.
 
-mod browse;
 mod clipboard;
 mod context;
 mod edits;
@@ -26,6 +25,7 @@ mod list;
 mod maps;
 mod material;
 mod model;
+mod model_image;
 mod panel;
 mod pictures;
 mod preview;
@@ -37,11 +37,11 @@ mod textures;
 mod view;
 mod widgets;
 
-pub use browse::{Answer, Browser, Choice, FileDialogs, FileRequest, Purpose, named_from};
-pub use lamps::{Placing, place_light};
-pub use maps::ModelImage;
+pub use lamps::place_light;
+pub use model_image::ModelImage;
 pub use panel::{Form, TexturesPanel};
 pub use pictures::{DraggedMaterial, PictureUse, give_material};
 pub use preview::Previews;
-pub use scene_view::SceneView;
+pub use scene_view::{Placing, SceneView};
 pub use textures::Textures;
+pub use widgets::{Answer, Browser, Choice, FileDialogs, FileRequest, Purpose, named_from};

@@ -5,10 +5,11 @@ use engine::scene::look::{AoDirection, AoLook, AoSettings, MAX_AO, Section, Valu
 use engine::session::{Edit, written};
 use texgen::Widget;
 
-use crate::browse::{FileRequest, Purpose, named_from};
 use crate::context::Context;
 use crate::environments::picker;
-use crate::widgets::{Bounds, Spec, choice, draft, edit, name, row};
+use crate::widgets::{
+    Bounds, FileRequest, Purpose, Spec, choice, draft, edit, name, named_from, row,
+};
 
 /// A number of the environment: key, label, slider, bounds, unit, and what it is without the key.
 struct Number {

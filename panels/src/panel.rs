@@ -10,17 +10,15 @@ use egui::{Key, Modifiers, ScrollArea, Ui};
 use engine::scene::look::Section;
 use engine::session::Document;
 
-use crate::browse::{Browser, FileDialogs};
 use crate::context::{Action, Context, material_names};
 use crate::graph::{GraphItem, GraphView};
 use crate::history::{Snapshots, history};
-use crate::lamps::Placing;
 use crate::library::add_menu;
 use crate::model::Model;
 use crate::preview::Previews;
 use crate::rename::{Renaming, rename};
-use crate::scene_view::SceneView;
-use crate::widgets::{self, ImageSlot};
+use crate::scene_view::{Placing, SceneView};
+use crate::widgets::{self, Browser, FileDialogs, ImageSlot};
 use crate::{Textures, lamps, light, list, view};
 
 /// Of more nodes than this only the names are shown at first.

@@ -1,8 +1,8 @@
-//! What the panels know of the scene that is shown.
+//! What the panels know of the scene that is shown, and what they want of its picture.
 
 use engine::scene::{Camera, Material, PunctualLight};
 
-use crate::maps::ModelImage;
+use crate::model_image::ModelImage;
 
 /// What the panel needs to know about the scene that is shown.
 #[derive(Debug, Clone, Copy)]
@@ -18,4 +18,13 @@ pub struct SceneView<'a> {
     pub lights: &'a [PunctualLight],
     /// What it is looked at through, where that is known.
     pub camera: Option<&'a Camera>,
+}
+
+/// What a click into the picture is to do to a light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Placing {
+    /// It shines there from where it is.
+    Aim,
+    /// It stands in front of the surface that is there, and shines on it.
+    InFront,
 }

@@ -11,8 +11,8 @@ use engine::scene::import::load_environment_image;
 use engine::scene::look::{Field, Spanned, Value, find};
 use engine::system::Disk;
 
+use super::browse::{Browser, FileRequest, Purpose, named_from};
 use super::{Edited, choice, draft};
-use crate::browse::{Browser, FileRequest, Purpose, named_from};
 
 /// How names of pictures end that can be images.
 const ENDINGS: [&str; 4] = ["png", "jpg", "jpeg", "webp"];

@@ -1,5 +1,6 @@
 //! Widgets for values of all types. They know neither looks nor history: each shows a value and says what it becomes.
 
+mod browse;
 mod image_slot;
 mod menu;
 mod ramp;
@@ -8,6 +9,7 @@ mod value;
 use egui::accesskit::Role;
 use egui::{Response, Ui, WidgetInfo};
 
+pub use browse::{Answer, Browser, Choice, FileDialogs, FileRequest, Purpose, named_from};
 pub(crate) use image_slot::{ImageSlot, image_slot};
 pub(crate) use menu::{context_menu, menu, row_menu, scrolled};
 pub(crate) use value::{Bounds, Spec, edit};

@@ -34,7 +34,7 @@ fn an_image_is_chosen_and_named_from_the_look() {
     document.set_path(&folder.path().join("a.look.toml"));
     let edit = [Edit::add_node("poster", "picture")];
     document.apply("add", &edit, None).expect("a look");
-    harness.run();
+    harness.run_steps(8);
     let label = "Browse for image of poster";
     assert!(
         harness.query_by_label(label).is_none(),
@@ -47,9 +47,9 @@ fn an_image_is_chosen_and_named_from_the_look() {
     });
     let panel = &mut harness.state_mut().panel;
     panel.set_file_dialogs(Arc::clone(&system) as Arc<dyn FileDialogs>);
-    harness.run();
+    harness.run_steps(8);
     harness.get_by_label(label).click();
-    harness.run();
+    harness.run_steps(8);
     assert!(
         text(&harness).contains("image = \"maps/wood.png\""),
         "{}",
@@ -60,7 +60,7 @@ fn an_image_is_chosen_and_named_from_the_look() {
     // The next one is looked for where this one is, and has a path of its own elsewhere.
     *system.answer.lock().unwrap() = Choice::File(PathBuf::from("/pictures/oak.jpg"));
     harness.get_by_label(label).click();
-    harness.run();
+    harness.run_steps(8);
     let asked = system.asked.lock().unwrap().clone();
     assert_eq!(asked[1].start, maps.join("wood.png"));
     assert_eq!(asked[1].endings, ["png", "jpg", "jpeg", "webp"]);
@@ -73,7 +73,7 @@ fn an_image_is_chosen_and_named_from_the_look() {
     ] {
         *system.answer.lock().unwrap() = choice;
         harness.get_by_label(label).click();
-        harness.run();
+        harness.run_steps(8);
     }
     assert_eq!(text(&harness), before);
     assert_eq!(harness.state().panel.message(), Some("there is none"));

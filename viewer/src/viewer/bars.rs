@@ -193,6 +193,15 @@ impl Viewer {
     fn status_line(&mut self, ui: &mut Ui) -> f32 {
         let line = ui.horizontal_wrapped(|ui| {
             let status = &self.status;
+            // First, so that what is counted doesn't move the button from below the pointer.
+            if let Some(saving) = &status.saving {
+                if ui.small_button("Cancel").clicked() {
+                    self.link.send(Command::CancelPicture);
+                }
+                let (file, done) = (name(&saving.path), saving.spp.floor());
+                ui.label(format!("{file}: {done:.0} of {} spp", saving.target));
+                ui.separator();
+            }
             ui.label(progress(status));
             ui.separator();
             let samples = count(status.samples_per_second);
@@ -218,14 +227,6 @@ impl Viewer {
             if toggle.on_hover_text(hint).changed() {
                 self.preferences.shows_times = shows_times;
                 self.link.send(Command::TimePasses(shows_times));
-            }
-            if let Some(saving) = &status.saving {
-                ui.separator();
-                let (file, done) = (name(&saving.path), saving.spp.floor());
-                ui.label(format!("{file}: {done:.0} of {} spp", saving.target));
-                if ui.small_button("Cancel").clicked() {
-                    self.link.send(Command::CancelPicture);
-                }
             }
             if !status.doubts.is_empty() {
                 ui.separator();
