@@ -16,6 +16,7 @@
 
 pub mod appearance;
 pub mod blit;
+mod canvas;
 pub mod figures;
 mod file_dialogs;
 pub mod host;

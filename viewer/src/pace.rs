@@ -16,8 +16,8 @@ const LONGEST: Duration = Duration::from_millis(120);
 const GOAL_ON_GPU: Duration = Duration::from_millis(100);
 const GOAL_ON_CPU: Duration = Duration::from_millis(150);
 /// Of the goal: with more than the first moving pictures become smaller, with less than the second larger.
-const LATE: f64 = 0.7;
-const EARLY: f64 = 0.45;
+const LATE: f64 = 0.75;
+const EARLY: f64 = 0.6;
 /// Most that sides are divided by while moving.
 const COARSEST: u32 = 16;
 

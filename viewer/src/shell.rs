@@ -12,6 +12,7 @@ use engine::scene::view::ViewChoice;
 use patina_panels::Previews;
 
 use crate::appearance;
+use crate::canvas::Canvas;
 use crate::figures::{Figures, Frame};
 use crate::file_dialogs::SystemDialogs;
 use crate::host::Host;
@@ -27,6 +28,8 @@ const SIZE: [f32; 2] = [1280.0, 800.0];
 
 /// What the driver refused to draw is drawn again after so long: by then a window has the size that it says it has.
 const DRAWN_AGAIN: Duration = Duration::from_millis(30);
+/// Frames of the window come no more often where the processor draws them that renders, too: 40 a second are enough to the eye.
+const FRAME: Duration = Duration::from_millis(25);
 /// Of the device that draws.
 const LOST: &str = "the graphics device was lost";
 /// How long a render may take to notice that the device is lost.
@@ -241,11 +244,19 @@ struct Shell {
     /// The render has been told that the window can't be drawn any more.
     is_abandoned: bool,
     figures_since: Option<Instant>,
+    /// When the last frame began.
+    drawn: Option<Instant>,
 }
 
 impl Shell {
     fn new(context: &eframe::CreationContext<'_>, parts: Parts, options: WindowOptions) -> Self {
         appearance::apply(&context.egui_ctx);
+        // A GPU draws egui's own way as fast.
+        let is_software = parts.devices.window.traits().shares_the_processor;
+        let state = context.wgpu_render_state.as_ref();
+        if let Some(canvas) = state.filter(|_| is_software).and_then(Canvas::new) {
+            context.egui_ctx.add_plugin(canvas);
+        }
         let storage = context.storage.filter(|_| options.picture_at_spp.is_none());
         let preferences: Preferences = storage
             .and_then(|storage| eframe::get_value(storage, PREFERENCES))
@@ -278,7 +289,22 @@ impl Shell {
             is_taking: false,
             is_abandoned: false,
             figures_since: options.figures_since,
+            drawn: None,
         }
+    }
+
+    /// Leaves the processor to the render for a while, as the wait for a screen's next picture would. What comes meanwhile is heard
+    /// together.
+    fn rest(&mut self, ui: &Ui) {
+        let is_shared = self.parts.devices.window.traits().shares_the_processor;
+        // A frame may be laid out more than once.
+        if !is_shared || ui.ctx().current_pass_index() > 0 {
+            return;
+        }
+        if let Some(drawn) = self.drawn {
+            std::thread::sleep(FRAME.saturating_sub(drawn.elapsed()));
+        }
+        self.drawn = Some(Instant::now());
     }
 
     /// Shows the picture that is on the board by now.
@@ -362,6 +388,7 @@ impl Shell {
 
 impl eframe::App for Shell {
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        self.rest(ui);
         self.take_picture(frame);
         self.viewer.ui(ui);
         self.note_frame(ui);

@@ -86,6 +86,41 @@ fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
     }
 }
 
+/// What a texture holds, by the device's own way to read one.
+#[cfg(test)]
+pub(crate) fn held(driver: &device::gpu::Gpu, view: &wgpu::TextureView) -> Vec<u8> {
+    let [width, height] = [view.texture().width(), view.texture().height()];
+    let stride = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = driver.device().create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(stride * height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = driver.device().create_command_encoder(&Default::default());
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(stride),
+        rows_per_image: None,
+    };
+    let target = wgpu::TexelCopyBufferInfo {
+        buffer: &buffer,
+        layout,
+    };
+    let source = view.texture().as_image_copy();
+    encoder.copy_texture_to_buffer(source, target, view.texture().size());
+    driver.queue().submit([encoder.finish()]);
+    let slice = buffer.slice(..);
+    slice.map_async(wgpu::MapMode::Read, |mapped| mapped.expect("mapped"));
+    let waited = (driver.device()).poll(wgpu::PollType::wait_indefinitely());
+    waited.expect("the device is there");
+    let bytes = slice.get_mapped_range().expect("mapped");
+    let rows = bytes.chunks(stride as usize);
+    rows.flat_map(|row| &row[..4 * width as usize])
+        .copied()
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -93,40 +128,6 @@ mod tests {
     use device::{Device, DeviceChoice};
 
     use super::*;
-
-    /// What a texture holds, by the device's own way to read one.
-    fn held(driver: &device::gpu::Gpu, view: &wgpu::TextureView) -> Vec<u8> {
-        let [width, height] = [view.texture().width(), view.texture().height()];
-        let stride = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
-        let buffer = driver.device().create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: u64::from(stride * height),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        let mut encoder = driver.device().create_command_encoder(&Default::default());
-        let layout = wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(stride),
-            rows_per_image: None,
-        };
-        let target = wgpu::TexelCopyBufferInfo {
-            buffer: &buffer,
-            layout,
-        };
-        let source = view.texture().as_image_copy();
-        encoder.copy_texture_to_buffer(source, target, view.texture().size());
-        driver.queue().submit([encoder.finish()]);
-        let slice = buffer.slice(..);
-        slice.map_async(wgpu::MapMode::Read, |mapped| mapped.expect("mapped"));
-        let waited = (driver.device()).poll(wgpu::PollType::wait_indefinitely());
-        waited.expect("the device is there");
-        let bytes = slice.get_mapped_range().expect("mapped");
-        let rows = bytes.chunks(stride as usize);
-        rows.flat_map(|row| &row[..4 * width as usize])
-            .copied()
-            .collect()
-    }
 
     #[test]
     fn pixels_are_written_once_to_a_texture_that_stays() {
