@@ -257,6 +257,27 @@ fn the_picture_is_turned_by_keys_while_it_has_the_keyboard() {
 }
 
 #[test]
+fn a_line_goes_around_what_has_the_keyboard() {
+    let mut stage = Stage::new();
+    let has_line = |stage: &Stage| {
+        let place = stage.harness.get_by_label("Snapshot B").rect();
+        let picture = stage.painter.paint(&stage.harness);
+        let (x, y) = (place.left() - 1.0, place.center().y);
+        let color = stage.harness.ctx.global_style().visuals.hyperlink_color;
+        let [r, g, b, _] = color.to_array();
+        picture.get_pixel(x as u32, y as u32).0 == [r, g, b]
+    };
+    stage.focus("Snapshot A");
+    assert!(!has_line(&stage));
+    stage.press(Modifiers::NONE, Key::Tab);
+    assert!(stage.has_keyboard("Snapshot B"));
+    assert!(has_line(&stage));
+    // Who goes on by the pointer doesn't see it.
+    stage.click("Viewport");
+    assert!(!has_line(&stage));
+}
+
+#[test]
 fn the_graph_has_a_panel_of_its_own_below_the_picture() {
     let mut stage = Stage::new();
     let before = stage.harness.get_by_label("Viewport").rect();
