@@ -8,7 +8,7 @@ use engine::session::{Document, Edit};
 
 use crate::Textures;
 use crate::edits;
-use crate::model::Model;
+use crate::model::{Model, Target};
 use crate::preview::Previews;
 use crate::rename::Renaming;
 use crate::scene_view::{Placing, SceneView};
@@ -42,6 +42,8 @@ pub(crate) enum Action {
     Rename(Renaming),
     /// A node is to be seen.
     Show(String),
+    /// A material is to be shown.
+    ShowMaterial(String),
     /// The next click into the picture is for a light.
     PlaceLight(String, Placing),
     Refused(String),
@@ -79,6 +81,14 @@ impl<'a> Context<'a> {
         }
     }
 
+    /// A material and all that it is blended of; nothing of none.
+    pub(crate) fn family<'m>(&self, material: Option<&'m str>) -> Vec<&'m str>
+    where
+        'a: 'm,
+    {
+        material.map_or(Vec::new(), |material| self.model.family(material))
+    }
+
     /// Gives a node another name, and all links with it.
     pub(crate) fn rename_node(&mut self, node: &str, name: &str) {
         let renaming = Renaming::of_node(self.document, self.model, node, name);
@@ -92,6 +102,32 @@ impl<'a> Context<'a> {
         let renaming = Renaming::of_material(self.document, self.model, material, name, own);
         self.actions
             .push(renaming.map_or_else(Action::Refused, Action::Rename));
+    }
+
+    /// Gives a frame of the graph another title.
+    pub(crate) fn rename_frame(&mut self, frame: &str, name: &str) {
+        let renaming = Renaming::of_frame(self.document, frame, name);
+        self.actions
+            .push(renaming.map_or_else(Action::Refused, Action::Rename));
+    }
+
+    /// A new node of a texture drives something, or it is said why it can't. Gives its name.
+    pub(crate) fn add_linked(&mut self, texture: &str, target: &Target) -> Option<String> {
+        match edits::add_linked(self.document, self.textures, texture, target) {
+            Ok((node, edits)) => {
+                self.edit(&format!("add {node}"), edits, None);
+                Some(node)
+            }
+            Err(why) => {
+                self.actions.push(Action::Refused(why));
+                None
+            }
+        }
+    }
+
+    /// Shows a material.
+    pub(crate) fn show_material(&mut self, material: &str) {
+        self.actions.push(Action::ShowMaterial(material.to_owned()));
     }
 
     /// Brings a node into view.

@@ -1,10 +1,11 @@
 //! Edits of several keys that belong together: each is one step of the history.
 
 use engine::procedural::Output;
-use engine::scene::look::{Section, Value};
+use engine::scene::look::{FrameLook, Section, Spanned, Value};
 use engine::session::{Document, Edit};
 use texgen::Swizzle;
 
+use crate::Textures;
 use crate::model::{Model, Target};
 
 /// `node` or `node.xyz`, as a look writes a link.
@@ -73,7 +74,76 @@ pub(crate) fn remove_nodes(document: &Document, model: &Model, nodes: &[String])
         }
     }
     edits.extend(nodes.iter().map(|node| Edit::remove_node(node)));
+    edits.extend(unframe(document, nodes));
     edits
+}
+
+/// The frame that a node is in.
+pub(crate) fn frame_of<'d>(document: &'d Document, node: &str) -> Option<&'d FrameLook> {
+    let mut frames = document.look().frames.iter();
+    frames.find(|frame| frame.nodes.iter().any(|member| member.value == node))
+}
+
+/// Puts a frame around nodes, which leave those that they are in. Also gives its title.
+pub(crate) fn frame(document: &Document, nodes: &[String]) -> (String, Vec<Edit>) {
+    let frames = &document.look().frames;
+    let is_taken = |title: &str| frames.iter().any(|frame| frame.name.value == title);
+    let numbered = (2..).map(|number| format!("Frame {number}"));
+    let mut titles = std::iter::once("Frame".to_owned()).chain(numbered);
+    let title = titles.find(|title| !is_taken(title));
+    let title = title.expect("there are more numbers than frames");
+    let mut edits = unframe(document, nodes);
+    let section = Section::Frame(title.clone());
+    edits.push(Edit::set(section, "nodes", names(nodes.iter())));
+    (title, edits)
+}
+
+/// Takes nodes out of the frames that they are in. One around nothing is taken away.
+pub(crate) fn unframe(document: &Document, nodes: &[String]) -> Vec<Edit> {
+    let changed = document.look().frames.iter().filter_map(|frame| {
+        let section = Section::Frame(frame.name.value.clone());
+        let members = || frame.nodes.iter().map(|member| &member.value);
+        let stay = || members().filter(|member| !nodes.contains(member));
+        match (members().count(), stay().count()) {
+            (before, after) if before == after => None,
+            (_, 0) => Some(Edit::Remove { section }),
+            _ => Some(Edit::set(section, "nodes", names(stay()))),
+        }
+    });
+    changed.collect()
+}
+
+/// A list of names.
+pub(crate) fn names<'n>(names: impl Iterator<Item = &'n String>) -> Value {
+    let texts = names.map(|name| Spanned::new(Value::Text(name.clone()), 0..0));
+    Value::List(texts.collect())
+}
+
+/// A new node of a texture that drives something, and its name.
+///
+/// # Errors
+/// It doesn't fit: says why.
+pub(crate) fn add_linked(
+    document: &Document,
+    textures: &Textures,
+    texture: &str,
+    target: &Target,
+) -> Result<(String, Vec<Edit>), String> {
+    let (node, mut edits) = add_node(document, texture);
+    // What fits is known once the node is there.
+    let mut with_node =
+        Document::new(document.path(), document.text()).map_err(|problems| problems.to_string())?;
+    with_node.apply("", &edits, None)?;
+    let model = Model::new(&with_node, &textures.library);
+    let fits = |swizzle| connect(&model, &node, swizzle, target);
+    let parts = ["xyz", "xy", "x"].map(|part| part.parse().ok());
+    let mut parts = parts.into_iter().filter_map(|part| fits(part).ok());
+    let link = match fits(None) {
+        Ok(link) => link,
+        Err(why) => parts.next().ok_or(why)?,
+    };
+    edits.extend(link);
+    Ok((node, edits))
 }
 
 /// Copies nodes with all that is set on them; links among them lead to the copies. Also gives the copies' names.

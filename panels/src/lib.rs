@@ -44,4 +44,7 @@ pub use pictures::{DraggedMaterial, PictureUse, give_material};
 pub use preview::Previews;
 pub use scene_view::{Placing, SceneView};
 pub use textures::Textures;
-pub use widgets::{Answer, Browser, Choice, FileDialogs, FileRequest, Purpose, named_from};
+pub use widgets::{
+    Answer, Browser, Choice, FileDialogs, FileRequest, Purpose, asks_for_menu, keyboard_is_used,
+    named_from, show_focus,
+};

@@ -1,14 +1,49 @@
 //! The menu of textures that nodes can be made of.
 
-use egui::{Key, Ui};
+use egui::{Align2, DragAndDrop, FontId, Key, LayerId, Order, Response, Sense, Stroke, Ui, vec2};
 use engine::session::summary;
 use texgen::TextureType;
 
 use crate::context::Context;
+use crate::model::Target;
 use crate::{edits, widgets};
 
 /// Points of the picture of a texture.
 const SWATCH: egui::Vec2 = egui::vec2(36.0, 36.0);
+
+/// A texture that is dragged from the list of them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct DraggedTexture(pub(crate) String);
+
+/// A texture that is dropped on a row drives what the row is of.
+pub(crate) fn take_texture(ui: &Ui, cx: &mut Context<'_>, row: &Response, target: &Target) {
+    if row.dnd_hover_payload::<DraggedTexture>().is_some() {
+        let stroke = Stroke::new(2.0, ui.visuals().selection.bg_fill);
+        let painter = ui.painter();
+        painter.rect_stroke(row.rect, 2.0, stroke, egui::StrokeKind::Inside);
+    }
+    if let Some(texture) = row.dnd_release_payload::<DraggedTexture>() {
+        cx.add_linked(&texture.0, target);
+    }
+}
+
+/// The name of a texture that is dragged, at the pointer.
+pub(crate) fn show_dragged(ui: &Ui) {
+    let Some(texture) = DragAndDrop::payload::<DraggedTexture>(ui.ctx()) else {
+        return;
+    };
+    let Some(at) = ui.input(|input| input.pointer.latest_pos()) else {
+        return;
+    };
+    let layer = LayerId::new(Order::Tooltip, egui::Id::unique("dragged texture"));
+    let painter = ui.ctx().layer_painter(layer);
+    let color = ui.visuals().strong_text_color();
+    let font = FontId::proportional(13.0);
+    let line = painter.layout_no_wrap(texture.0.clone(), font, color);
+    let place = Align2::LEFT_TOP.anchor_size(at + vec2(12.0, 8.0), line.size());
+    painter.rect_filled(place.expand(4.0), 3.0, ui.visuals().window_fill);
+    painter.galley(place.min, line, color);
+}
 
 /// The library, narrowed down by what is looked for. Gives the name of a node that was added.
 pub(crate) fn add_menu(ui: &mut Ui, cx: &mut Context<'_>, search: &mut String) -> Option<String> {
@@ -49,8 +84,13 @@ fn entries(
     for (i, texture) in found.iter().enumerate() {
         let row = ui.horizontal(|ui| {
             swatch(ui, cx, texture.name());
-            ui.button(texture.name())
+            ui.add(egui::Button::new(texture.name()).sense(Sense::click_and_drag()))
         });
+        if row.inner.drag_started() {
+            DragAndDrop::set_payload(ui.ctx(), DraggedTexture(texture.name().to_owned()));
+            // It would lie over what the texture is dropped on.
+            ui.close();
+        }
         let is_chosen = row.inner.clicked() || (i == 0 && by_enter);
         row.inner.on_hover_text(texture.docs());
         if is_chosen && added.is_none() {

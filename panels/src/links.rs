@@ -5,6 +5,7 @@ use texgen::SwizzleError;
 
 use crate::context::Context;
 use crate::edits;
+use crate::library::take_texture;
 use crate::model::{Target, Wire};
 use crate::widgets::{draft, menu, name, row, row_menu, scrolled};
 
@@ -38,6 +39,7 @@ pub(crate) fn driven(
             link
         }
     });
+    take_texture(ui, cx, &whole, target);
     row_menu(&whole, |ui| {
         link_menu(ui, cx, target, &full, is_set, "Reset")
     });

@@ -1,6 +1,6 @@
 //! The list form: what belongs to a material as rows of widgets.
 
-use egui::{CollapsingHeader, Response, RichText, Ui};
+use egui::{Button, CollapsingHeader, Response, RichText, ScrollArea, Sense, Ui};
 use engine::scene::look::{Section, Value};
 use engine::scene::material_parameters::{Unit, Valid};
 use engine::session::{Edit, written};
@@ -12,10 +12,13 @@ use crate::links::driven;
 use crate::maps::maps;
 use crate::material::{InLook as _, Key, PARAMETERS, Takes};
 use crate::model::Target;
-use crate::pictures::DraggedMaterial;
+use crate::pictures::{DraggedMaterial, take_material};
 use crate::widgets::{
     Bounds, Edited, Spec, choice, draft, edit, image_slot, menu, name, row, scrolled,
 };
+
+/// Points that the list of all materials takes at most.
+const ALL_MATERIALS: f32 = 160.0;
 
 /// A material: what it is blended of, what drives it, its constants.
 pub(crate) fn material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
@@ -23,7 +26,7 @@ pub(crate) fn material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
     let header = CollapsingHeader::new(RichText::new(&title).strong())
         .id_salt(&title)
         .default_open(true);
-    header.show(ui, |ui| {
+    let shown = header.show(ui, |ui| {
         handle(ui, cx, material);
         if !cx.is_own(material) {
             let label = format!("Name of {title}");
@@ -55,6 +58,34 @@ pub(crate) fn material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
         more.show(ui, |ui| {
             for key in PARAMETERS.iter().filter(|key| !key.is_common) {
                 material_key(ui, cx, material, key);
+            }
+        });
+    });
+    take_material(ui, cx, material, &shown.header_response);
+}
+
+/// All materials, to be shown by a click, and to be dragged onto each other and onto the model.
+pub(crate) fn materials(ui: &mut Ui, cx: &mut Context<'_>, shown: Option<&str>) {
+    let names = cx.material_names();
+    if names.len() < 2 {
+        return;
+    }
+    let header = CollapsingHeader::new("All materials").default_open(false);
+    header.show(ui, |ui| {
+        let area = ScrollArea::vertical().max_height(ALL_MATERIALS);
+        area.show(ui, |ui| {
+            for material in &names {
+                let is_shown = shown == Some(material);
+                let row = Button::selectable(is_shown, material).sense(Sense::click_and_drag());
+                let row = ui.add(row);
+                name(&row, &format!("Show {material}"));
+                row.dnd_set_drag_payload(DraggedMaterial(material.clone()));
+                take_material(ui, cx, material, &row);
+                if row.clicked() {
+                    cx.show_material(material);
+                }
+                let help = "click to show it; drag it onto the model or another material, which looks like it then";
+                row.on_hover_text(help);
             }
         });
     });
@@ -106,10 +137,13 @@ fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
         let words: Vec<&str> = names.iter().filter(fits).map(String::as_str).collect();
         let label = format!("{side} of {material}");
         let help = "a material that this one is blended of";
-        let (_, picked) = row(ui, side, help, true, |ui| {
+        let (whole, picked) = row(ui, side, help, true, |ui| {
             choice(ui, &label, chosen, &words)
         });
-        if let Some(other) = picked.value {
+        let dropped = whole.dnd_release_payload::<DraggedMaterial>();
+        let dropped = dropped.map(|dragged| dragged.0.clone());
+        let fits = |other: &String| words.contains(&other.as_str()) && other != chosen;
+        if let Some(other) = picked.value.or(dropped.filter(fits)) {
             let sides = match key {
                 "blend.base" => [other.as_str(), &over],
                 _ => [&base, other.as_str()],

@@ -13,7 +13,7 @@ use engine::session::Document;
 use crate::context::{Action, Context, material_names};
 use crate::graph::{GraphItem, GraphView};
 use crate::history::{Snapshots, history};
-use crate::library::add_menu;
+use crate::library::{add_menu, show_dragged};
 use crate::model::Model;
 use crate::preview::Previews;
 use crate::rename::{Renaming, rename};
@@ -32,6 +32,8 @@ pub enum Form {
     List,
     /// As a graph, with the widgets of the selected node below.
     Graph,
+    /// As rows of widgets here, and as a graph in a panel of its own: see [`TexturesPanel::show_graph`].
+    Both,
 }
 
 /// The textures panel.
@@ -53,6 +55,13 @@ pub struct TexturesPanel {
     snapshots: Snapshots,
     /// A light that a click is to place.
     placing: Option<(String, Placing)>,
+}
+
+/// What of the panel is shown beside the look.
+struct Parts<'a> {
+    material: Option<&'a str>,
+    search: &'a mut String,
+    graph: &'a mut GraphView,
 }
 
 impl TexturesPanel {
@@ -136,6 +145,62 @@ impl TexturesPanel {
             // It may get another width, which a graph is to fit.
             ui.ctx().request_repaint();
         }
+        let wanted = self.wanted.take();
+        self.with_context(document, textures, scene, wanted, |cx, parts| match form {
+            Form::List | Form::Both => {
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    list_form(ui, cx, parts.material, parts.search);
+                    light::occlusion(ui, cx);
+                    light::environment(ui, cx);
+                    lamps::lights(ui, cx);
+                    view::view(ui, cx);
+                });
+            }
+            Form::Graph => {
+                let family = cx.family(parts.material);
+                graph_form(ui, cx, &family, parts.graph);
+            }
+        });
+        show_dragged(ui);
+        let refusal = self.browser.take_refusal();
+        self.message = refusal.or(self.message.take());
+        // A drag ends where the button is let go.
+        if ui.input(|input| input.pointer.any_released()) {
+            document.end_group();
+        }
+    }
+
+    /// Shows the graph alone, for a panel of its own; [`Self::show`] has the rest.
+    pub fn show_graph(
+        &mut self,
+        ui: &mut Ui,
+        document: &mut Document,
+        textures: &Textures,
+        scene: SceneView<'_>,
+    ) {
+        self.with_context(document, textures, scene, None, |cx, parts| {
+            let family = cx.family(parts.material);
+            let graph = parts.graph;
+            let before = graph.selected().map(str::to_owned);
+            graph.show(ui, cx, &family);
+            // Its values are in the list.
+            if let Some(node) = graph.selected().map(str::to_owned)
+                && before.as_ref() != Some(&node)
+            {
+                cx.show_node(&node);
+            }
+        });
+    }
+
+    /// Shows something of the look, and makes the edits that come of it.
+    fn with_context(
+        &mut self,
+        document: &mut Document,
+        textures: &Textures,
+        scene: SceneView<'_>,
+        wanted: Option<String>,
+        show: impl FnOnce(&mut Context<'_>, Parts<'_>),
+    ) {
         let model = self.model(document, textures);
         let mut cx = Context {
             document,
@@ -145,35 +210,17 @@ impl TexturesPanel {
             images: &mut self.images,
             browser: &mut self.browser,
             previews: self.previews.as_mut(),
-            wanted: self.wanted.take(),
+            wanted,
             actions: Vec::new(),
         };
-        match form {
-            Form::List => {
-                let material = self.material.as_deref();
-                let search = &mut self.search;
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    list_form(ui, &mut cx, material, search);
-                    light::occlusion(ui, &mut cx);
-                    light::environment(ui, &mut cx);
-                    lamps::lights(ui, &mut cx);
-                    view::view(ui, &mut cx);
-                });
-            }
-            Form::Graph => {
-                let family = self.material.as_deref();
-                let family = family.map_or(Vec::new(), |material| model.family(material));
-                graph_form(ui, &mut cx, &family, &mut self.graph);
-            }
-        }
+        let parts = Parts {
+            material: self.material.as_deref(),
+            search: &mut self.search,
+            graph: &mut self.graph,
+        };
+        show(&mut cx, parts);
         for action in cx.actions {
             self.make(document, action);
-        }
-        let refusal = self.browser.take_refusal();
-        self.message = refusal.or(self.message.take());
-        // A drag ends where the button is let go.
-        if ui.input(|input| input.pointer.any_released()) {
-            document.end_group();
         }
     }
 
@@ -200,6 +247,7 @@ impl TexturesPanel {
                 self.graph.select(&node);
                 self.wanted = Some(node);
             }
+            Action::ShowMaterial(material) => self.pick(&material),
             Action::PlaceLight(light, placing) => self.placing = Some((light, placing)),
             Action::Refused(why) => self.message = Some(why),
         }
@@ -216,6 +264,7 @@ impl TexturesPanel {
             Section::Node(_) => self
                 .graph
                 .rename(GraphItem::Node(old), GraphItem::Node(new)),
+            Section::Frame(_) => {}
             _ => (self.graph).rename(GraphItem::Material(old), GraphItem::Material(new)),
         }
         if matches!(renaming.section, Section::Material(_)) && self.material() == Some(old) {
@@ -237,8 +286,17 @@ impl TexturesPanel {
             if let Some(picked) = widgets::choice(ui, "Material", shown, &words).value {
                 self.material = Some(picked);
             }
-            for (form, text) in [(Form::List, "List"), (Form::Graph, "Graph")] {
-                ui.selectable_value(&mut self.form, form, text);
+            for (form, text, hint) in [
+                (Form::List, "List", "as rows of values"),
+                (Form::Graph, "Graph", "as cards with links, here"),
+                (
+                    Form::Both,
+                    "Both",
+                    "the rows here, the cards below the picture",
+                ),
+            ] {
+                let choice = ui.selectable_value(&mut self.form, form, text);
+                choice.on_hover_text(hint);
             }
             ui.separator();
             let undo = history_button(ui, "Undo", document.undo_label());
@@ -297,7 +355,8 @@ fn shortcuts(ui: &mut Ui, document: &mut Document) {
 /// A material with all that it is made of, and what no material needs.
 fn list_form(ui: &mut Ui, cx: &mut Context<'_>, material: Option<&str>, search: &mut String) {
     let model = cx.model;
-    let family = material.map_or(Vec::new(), |material| model.family(material));
+    let family = cx.family(material);
+    list::materials(ui, cx, material);
     for material in &family {
         list::material(ui, cx, material);
     }

@@ -1,8 +1,10 @@
 //! Pictures and materials that are dropped where they are to be seen.
 
+use egui::{Response, Stroke, StrokeKind, Ui};
 use engine::scene::look::{Field, Section, Spanned, Value};
 use engine::session::{Document, Edit};
 
+use crate::context::Context;
 use crate::edits::free_name;
 
 /// What a picture can be of a material.
@@ -94,6 +96,32 @@ pub fn give_material(target: &str, material: &str) -> Vec<Edit> {
         Edit::material(target, "blend.over", text(material)),
         Edit::material(target, "blend.mask", Value::number(1.0)),
     ]
+}
+
+/// A material that is dropped on something of another one is given to that.
+pub(crate) fn take_material(ui: &Ui, cx: &mut Context<'_>, target: &str, place: &Response) {
+    let is_other = |dragged: &DraggedMaterial| dragged.0 != target;
+    if place
+        .dnd_hover_payload::<DraggedMaterial>()
+        .is_some_and(|dragged| is_other(&dragged))
+    {
+        let stroke = Stroke::new(2.0, ui.visuals().selection.bg_fill);
+        let painter = ui.painter();
+        painter.rect_stroke(place.rect, 2.0, stroke, StrokeKind::Inside);
+    }
+    let Some(dragged) = place.dnd_release_payload::<DraggedMaterial>() else {
+        return;
+    };
+    if !is_other(&dragged) {
+        return;
+    }
+    let material = &dragged.0;
+    // A material of which this one is a part would close a circle.
+    let edits = match cx.model.is_made_of(material, target) {
+        true => Err(format!("`{material}` is made of `{target}` already")),
+        false => Ok(give_material(target, material)),
+    };
+    cx.edit_if(&format!("{material} on {target}"), edits);
 }
 
 #[cfg(test)]

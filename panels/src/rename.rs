@@ -3,7 +3,7 @@
 use engine::scene::look::{Section, Value, link_text};
 use engine::session::{Document, Edit};
 
-use crate::edits::link;
+use crate::edits::{link, names};
 use crate::model::{Model, Target};
 
 /// A table that gets another name, and those that refer to it.
@@ -58,10 +58,42 @@ impl Renaming {
                 followers.push(Edit::set(section, key, value));
             }
         }
+        for frame in &document.look().frames {
+            let members = || frame.nodes.iter().map(|member| &member.value);
+            if !members().any(|member| member == node) {
+                continue;
+            }
+            let called = members().map(|member| match member == node {
+                true => name.to_owned(),
+                false => member.clone(),
+            });
+            let called: Vec<String> = called.collect();
+            let section = Section::Frame(frame.name.value.clone());
+            followers.push(Edit::set(section, "nodes", names(called.iter())));
+        }
         Ok(Self {
             section: Section::Node(node.to_owned()),
             name: name.to_owned(),
             followers,
+        })
+    }
+
+    /// A frame of the graph has another title.
+    ///
+    /// # Errors
+    /// It can't be called so: says why.
+    pub(crate) fn of_frame(document: &Document, frame: &str, name: &str) -> Result<Self, String> {
+        if name.is_empty() {
+            return Err("a frame needs a title".to_owned());
+        }
+        let mut frames = document.look().frames.iter();
+        if frames.any(|other| other.name.value == name) {
+            return Err(format!("there is a frame called `{name}` already"));
+        }
+        Ok(Self {
+            section: Section::Frame(frame.to_owned()),
+            name: name.to_owned(),
+            followers: Vec::new(),
         })
     }
 

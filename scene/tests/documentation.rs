@@ -41,6 +41,7 @@ fn every_key_is_documented() {
         "[ao.a]\ndistance = 1\nzzzzzzzzzz = 1",
         "[material.a]\nzzzzzzzzzz = 1",
         "[material.a]\nblend = { base = 'b', over = 'c', mask = 1, zzzzzzzzzz = 1 }",
+        "[graph.a]\nzzzzzzzzzz = 1",
         "[[include]]\nfile = 'a'\nzzzzzzzzzz = 1",
     ];
     for look in unknown {

@@ -20,7 +20,7 @@ use std::time::Instant;
 use egui::{CentralPanel, Color32, Panel, ThemePreference, Ui};
 use engine::display::DisplaySettings;
 use engine::scene::view::{View, ViewChoice, ViewTransform};
-use patina_panels::{Browser, FileDialogs};
+use patina_panels::{Browser, FileDialogs, show_focus};
 
 use crate::blit::Drawn;
 use crate::link::{Command, Files, Hit, Link, PickPurpose, Reply, SceneFacts, Status};
@@ -30,6 +30,7 @@ use look::{Editor, Outside};
 use mix::LightMixer;
 use problems::Problems;
 use questions::Questions;
+pub use shortcuts::SHORTCUTS;
 use timeline::Timeline;
 use viewport::Viewport;
 
@@ -41,6 +42,9 @@ const LEAST_PANEL: f32 = 260.0;
 const LIST: f32 = 340.0;
 /// The same where it shows a graph, whose cards stand beside each other; at most half of the window.
 const GRAPH: f32 = 640.0;
+/// Heights of a graph below the picture, and of the picture above one, that can be worked with.
+const LEAST_GRAPH: f32 = 140.0;
+const LEAST_PICTURE: f32 = 120.0;
 /// Messages that are kept.
 const MESSAGES: usize = 4;
 
@@ -68,6 +72,8 @@ pub struct Preferences {
     pub shows_times: bool,
     /// Materials are shown as a graph.
     pub shows_graph: bool,
+    /// The graph is below the picture, and the list beside it.
+    pub graph_is_below: bool,
     /// Where the cards of the graph of these files stand.
     pub places: Vec<(String, [f32; 2])>,
 }
@@ -96,6 +102,7 @@ impl Default for Preferences {
             theme: ThemePreference::System,
             shows_times: false,
             shows_graph: false,
+            graph_is_below: false,
             places: Vec::new(),
         }
     }
@@ -282,6 +289,19 @@ impl Viewer {
                     (false, false) => self.look_panel(ui),
                 }
             });
+        if self.editor.graph_is_below() {
+            let most = ui.available_height() - LEAST_PICTURE;
+            Panel::bottom("graph below")
+                .frame(bare)
+                .resizable(true)
+                .default_size(0.4 * ui.available_height())
+                .min_size(LEAST_GRAPH)
+                .max_size(most.max(LEAST_GRAPH))
+                .show(ui, |ui| {
+                    ui.set_min_size(ui.available_size());
+                    self.graph_panel(ui);
+                });
+        }
         CentralPanel::default()
             .frame(egui::Frame::NONE)
             .show(ui, |ui| {
@@ -297,6 +317,7 @@ impl Viewer {
         self.send_mix();
         self.show_title(ui);
         self.close(ui);
+        show_focus(ui.ctx());
     }
 
     /// What is rendered, and whether it has edits that are not saved.

@@ -43,10 +43,11 @@ pub(super) fn difference(before: &[Field], after: &[Field]) -> Option<Vec<TableC
     }
     let mut changes = Vec::new();
     type Named = fn(String) -> Section;
-    let named: [(&str, Named); 3] = [
+    let named: [(&str, Named); 4] = [
         ("ao", Section::Ao),
         ("node", Section::Node),
         ("material", Section::Material),
+        ("graph", Section::Frame),
     ];
     let mut gone = Vec::new();
     for (key, section) in named {
@@ -145,6 +146,10 @@ mod tests {
         assert_eq!(sections(before, &after), Some(expected));
         let after = format!("{before}\n[view]\nexposure = 1");
         let expected = vec!["[view]".to_owned()];
+        assert_eq!(sections(before, &after), Some(expected.clone()));
+        assert_eq!(sections(&after, before), Some(expected));
+        let after = format!("{before}\n[graph.F]\nnodes = ['a']");
+        let expected = vec!["[graph.F]".to_owned()];
         assert_eq!(sections(before, &after), Some(expected.clone()));
         assert_eq!(sections(&after, before), Some(expected));
         let after = "[node.a]\ntexture = 't'\nx = 1\n[node.c]\ntexture = 't'\n[camera]\ny_fov = 30";

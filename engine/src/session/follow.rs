@@ -272,6 +272,9 @@ impl Session {
             return self.follow_light(file, name, change);
         }
         let read = |file| table(file, section, fields, span).map_err(UpdateError::Refused);
+        if let (Section::Frame(_), None) = (section, after) {
+            return Ok(());
+        }
         let procedural = self.renderer.procedural_mut();
         if let (Section::Node(name), None) = (section, after) {
             return procedural.release_node(name);
@@ -303,6 +306,7 @@ impl Session {
                 touched.environment = true;
                 self.follow_environment(&environment)
             }
+            (_, Table::Frame(_)) => Ok(()),
             (_, Table::View(view)) => {
                 self.look_view = view;
                 Ok(())
@@ -373,7 +377,7 @@ impl Session {
 
 /// Whether the samples of the picture depend on a table, and not only how they are shown.
 fn is_of_samples(section: &Section) -> bool {
-    *section != Section::View
+    !matches!(section, Section::View | Section::Frame(_))
 }
 
 /// False where the environment is of the other kind.

@@ -110,10 +110,11 @@ impl<'de> Deserialize<'de> for TableName {
             ["ao", name] => named(Section::Ao, name),
             ["node", name] => named(Section::Node, name),
             ["material", name] => named(Section::Material, name),
+            ["graph", name] => named(Section::Frame, name),
             _ => {
                 return Err(de::Error::custom(format!(
                     "{place:?} is no table: write [\"camera\"], [\"environment\"], [\"view\"], or [\"node\", NAME], and so for \
-                     \"material\", \"ao\" and \"light\""
+                     \"material\", \"ao\", \"light\" and \"graph\""
                 )));
             }
         })
@@ -257,6 +258,7 @@ mod tests {
             Section::Ao(name()),
             Section::Node(name()),
             Section::Material(name()),
+            Section::Frame(name()),
         ]
     }
 

@@ -177,11 +177,12 @@ fn is_same_value(a: &Option<Value>, b: &Option<Value>) -> bool {
 /// All tables of both.
 fn sections(a: &[Field], b: &[Field]) -> Vec<Section> {
     type Named = fn(String) -> Section;
-    let named: [(&str, Named); 4] = [
+    let named: [(&str, Named); 5] = [
         ("light", Section::Light),
         ("ao", Section::Ao),
         ("node", Section::Node),
         ("material", Section::Material),
+        ("graph", Section::Frame),
     ];
     let mut all = vec![Section::Environment, Section::Camera, Section::View];
     for (key, section) in named {

@@ -20,6 +20,7 @@
 //! | what changes | what happens |
 //! |---|---|
 //! | `[view]` | nothing: whoever shows the picture asks for [`Session::look_view`] |
+//! | `[graph.NAME]` | nothing at all: it is of whoever shows the look as a graph |
 //! | keys of nodes, materials, AO tables; the sky's intensity and rotation; lights but for rectangles; the camera | writes to buffers (`follow.rs`) |
 //! | the source of a texture; a node of another texture | the texture kernel is built in the background, then swapped |
 //! | what is made from the whole look (includes, images, which materials blend), the scene, image files | the renderer is built anew in the background, then swapped |

@@ -3,14 +3,15 @@
 use egui::accesskit::Role;
 use egui::text::LayoutJob;
 use egui::{
-    Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
+    Align2, Color32, FontId, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
 };
 
 use super::rows::{Input, MARGIN, PREVIEW, ROW, Rows, Shown, TITLE, WIDTH};
 use super::{GraphItem, GraphView, Loose, OutputSocket, Sockets};
 use crate::context::Context;
+use crate::pictures::take_material;
 use crate::widgets::{context_menu, describe, menu};
-use crate::{links, list};
+use crate::{edits, links, list};
 
 const SOCKET: f32 = 5.0;
 
@@ -39,6 +40,9 @@ impl GraphView {
         let body = ui.interact(card, ui.scope_id().with(&id), Sense::click_and_drag());
         describe(&body, Role::Button, &id);
         self.handle(ui, cx, subject, &body);
+        if let GraphItem::Material(material) = subject {
+            take_material(ui, cx, material, &body);
+        }
         let (name, is_selected) = match subject {
             GraphItem::Node(name) => (name, self.selected.contains(name)),
             GraphItem::Material(name) => (name, false),
@@ -88,30 +92,42 @@ impl GraphView {
                         ui.close();
                     }
                 });
-                for (text, is_delete) in [("Duplicate", false), ("Delete", true)] {
+                type Deed = fn(&mut GraphView, &mut Context<'_>);
+                let deeds: [(&str, Deed); 3] = [
+                    ("Duplicate", Self::duplicate),
+                    ("Frame", Self::frame_selected),
+                    ("Delete", Self::delete),
+                ];
+                for (text, deed) in deeds {
                     if !ui.button(text).clicked() {
                         continue;
                     }
                     if !self.selected.contains(node) {
                         self.selected = [node.to_owned()].into();
                     }
-                    match is_delete {
-                        true => self.delete(cx),
-                        false => self.duplicate(cx),
-                    }
+                    deed(self, cx);
+                    ui.close();
+                }
+                if edits::frame_of(cx.document, node).is_some()
+                    && ui.button("Take out of the frame").clicked()
+                {
+                    let edits = edits::unframe(cx.document, &[node.to_owned()]);
+                    cx.edit(&format!("take {node} out of its frame"), edits, None);
                     ui.close();
                 }
             });
         }
-        if body.dragged() {
-            let moved = body.drag_delta();
+        let by_key = self.card_keys(ui, cx, subject, body);
+        if body.dragged() || by_key != Vec2::ZERO {
+            let moved = body.drag_delta() + by_key;
             let ids: Vec<String> = match subject {
-                GraphItem::Node(_) => self
+                GraphItem::Node(node) if self.selected.contains(node) => self
                     .selected
                     .iter()
                     .map(|n| GraphItem::Node(n).id())
                     .collect(),
-                GraphItem::Material(_) => vec![subject.id()],
+                // The keyboard may be on another card than those that are selected.
+                GraphItem::Node(_) | GraphItem::Material(_) => vec![subject.id()],
             };
             for id in ids {
                 *self.places.entry(id).or_default() += moved;

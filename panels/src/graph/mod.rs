@@ -3,7 +3,11 @@
 //! The look doesn't say where cards stand; that is a matter of the view.
 
 mod card;
+mod drop;
+mod focus;
+mod frames;
 mod layout;
+mod place;
 mod rows;
 mod select;
 
@@ -12,7 +16,8 @@ use std::rc::Rc;
 
 use egui::epaint::CubicBezierShape;
 use egui::{
-    Color32, DragPanButtons, Key, Modifiers, Pos2, Rect, Response, Scene, Shape, Stroke, Ui, vec2,
+    Color32, DragPanButtons, Key, LayerId, Modifiers, Pos2, Rect, Response, Scene, Shape, Stroke,
+    Ui, vec2,
 };
 use texgen::Swizzle;
 
@@ -63,6 +68,15 @@ pub(crate) struct GraphView {
     wanted: String,
     /// Nodes whose cards are shown.
     nodes_shown: Vec<String>,
+    /// Cards that are shown, by their ids, and the material that they are of.
+    shown: BTreeSet<String>,
+    shown_of: Option<String>,
+    /// What is to be brought into sight.
+    revealed: Option<Rect>,
+    /// The plane's, by which its widgets are told from others.
+    layer: Option<LayerId>,
+    /// What the plane lies in.
+    outer_layer: Option<LayerId>,
     /// Where the plane is in the window, points.
     area: Rect,
     /// Where a rectangle that selects begins, in the window.
@@ -82,6 +96,11 @@ impl Default for GraphView {
             search: String::new(),
             wanted: String::new(),
             nodes_shown: Vec::new(),
+            shown: BTreeSet::new(),
+            shown_of: None,
+            revealed: None,
+            layer: None,
+            outer_layer: None,
             area: Rect::ZERO,
             box_start: None,
         }
@@ -151,6 +170,8 @@ impl GraphView {
     pub(crate) fn rename(&mut self, old: GraphItem<'_>, new: GraphItem<'_>) {
         if let Some(&place) = self.places.get(&old.id()) {
             self.places.insert(new.id(), place);
+            // It is the same card, wherever it stands.
+            self.shown.insert(new.id());
         }
         if let (GraphItem::Node(old), GraphItem::Node(new)) = (old, new)
             && self.selected.remove(old)
@@ -193,6 +214,7 @@ impl GraphView {
 
         let area = ui.available_rect_before_wrap();
         self.area = area;
+        self.outer_layer = Some(ui.layer_id());
         // With Shift or Command held a drag selects.
         let selects = ui.input(|i| i.modifiers.shift || i.modifiers.command);
         let pans = match selects || self.box_start.is_some() {
@@ -205,22 +227,24 @@ impl GraphView {
             .zoom_range(0.1..=2.0)
             .max_inner_size(vec2(f32::INFINITY, f32::INFINITY))
             .show(ui, &mut seen, |ui| {
+                let mut sockets = Sockets::default();
+                self.layer = Some(ui.layer_id());
+                self.frames(ui, cx);
                 // Links lie below the cards, but are known after them.
                 let below = ui.painter().add(Shape::Noop);
-                let mut sockets = Sockets::default();
                 for &subject in &subjects {
                     self.card(ui, cx, subject, &mut sockets);
                 }
                 self.drop_loose(ui, cx, &sockets);
+                self.drop_texture(ui, cx, &subjects);
                 let links = self.links(ui, model, &sockets);
                 ui.painter().set(below, Shape::Vec(links));
             });
         self.seen = seen;
+        self.reveal(ui);
         self.background(cx, &shown.response);
         self.select_in_box(ui, cx, &shown.response);
-        let pointer = ui.input(|input| input.pointer.latest_pos());
-        let is_here = pointer.is_none_or(|pointer| area.contains(pointer));
-        if is_here && !ui.text_edit_focused() {
+        if self.has_keyboard(ui) {
             self.keys(ui, cx);
             self.take_clipboard(ui, cx);
         }
@@ -245,6 +269,9 @@ impl GraphView {
             if ui.button("Duplicate").clicked() {
                 self.duplicate(cx);
             }
+            if ui.button("Frame").on_hover_text("Ctrl G").clicked() {
+                self.frame_selected(cx);
+            }
             if ui.button("Delete").clicked() {
                 self.delete(cx);
             }
@@ -255,52 +282,6 @@ impl GraphView {
         if let Some(name) = add_menu(ui, cx, &mut self.search) {
             self.places.insert(GraphItem::Node(&name).id(), at);
             self.selected = BTreeSet::from([name]);
-        }
-    }
-
-    /// Gives places to cards that have none.
-    fn place(&mut self, cx: &Context<'_>, subjects: &[GraphItem<'_>]) {
-        let ids: Vec<String> = subjects.iter().map(|subject| subject.id()).collect();
-        if ids.iter().all(|id| self.places.contains_key(id)) {
-            return;
-        }
-        let index = |subject: GraphItem<'_>| subjects.iter().position(|other| *other == subject);
-        let mut cards: Vec<layout::Card<'_>> = subjects
-            .iter()
-            .zip(&ids)
-            .map(|(&subject, id)| layout::Card {
-                id,
-                height: self.rows(cx, subject).height,
-                readers: Vec::new(),
-            })
-            .collect();
-        for wire in &cx.model.wires {
-            let reader = match &wire.target {
-                Target::Parameter { node, .. } => GraphItem::Node(node),
-                Target::Input { material, .. } | Target::Mask { material } => {
-                    GraphItem::Material(material)
-                }
-            };
-            if let (Some(source), Some(reader)) =
-                (index(GraphItem::Node(&wire.source)), index(reader))
-            {
-                cards[source].readers.push(reader);
-            }
-        }
-        for (reader, subject) in subjects.iter().enumerate() {
-            let GraphItem::Material(material) = *subject else {
-                continue;
-            };
-            for side in cx.model.sides(material).into_iter().flatten() {
-                let side = index(GraphItem::Material(side));
-                if let Some(side) = side.filter(|&side| side != reader) {
-                    cards[side].readers.push(reader);
-                }
-            }
-        }
-        let places = layout::arrange(&cards);
-        for (card, place) in cards.iter().zip(places) {
-            self.places.entry(card.id.to_owned()).or_insert(place);
         }
     }
 
@@ -414,6 +395,9 @@ impl GraphView {
         }
         if pressed(Modifiers::COMMAND, Key::D) {
             self.duplicate(cx);
+        }
+        if pressed(Modifiers::COMMAND, Key::G) {
+            self.frame_selected(cx);
         }
     }
 

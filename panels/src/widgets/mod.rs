@@ -1,6 +1,7 @@
 //! Widgets for values of all types. They know neither looks nor history: each shows a value and says what it becomes.
 
 mod browse;
+mod focus;
 mod image_slot;
 mod menu;
 mod ramp;
@@ -10,6 +11,7 @@ use egui::accesskit::Role;
 use egui::{Response, Ui, WidgetInfo};
 
 pub use browse::{Answer, Browser, Choice, FileDialogs, FileRequest, Purpose, named_from};
+pub use focus::{asks_for_menu, keyboard_is_used, show_focus};
 pub(crate) use image_slot::{ImageSlot, image_slot};
 pub(crate) use menu::{context_menu, menu, row_menu, scrolled};
 pub(crate) use value::{Bounds, Spec, edit};

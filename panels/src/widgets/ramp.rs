@@ -1,9 +1,13 @@
 //! The editor of ramps: a bar of colours with stops on it, and a curve where the colours are greys.
 //!
-//! A click on the bar adds a stop, dragging moves it, Delete or the button takes it away.
+//! A click on the bar adds a stop, dragging moves it, Delete or the button takes it away. With the keyboard on a stop, arrows move it,
+//! Insert adds another one behind it, Enter goes to its colour.
 
 use egui::accesskit::Role;
-use egui::{Color32, Key, Mesh, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::{
+    Color32, EventFilter, Id, Key, Mesh, Modifiers, Popup, Pos2, Rect, Response, Sense, Shape,
+    Stroke, StrokeKind, Ui, pos2, vec2,
+};
 use texgen::{Interpolation, Ramp};
 
 use super::{Edited, choice, describe, name};
@@ -11,6 +15,9 @@ use super::{Edited, choice, describe, name};
 const HEIGHT: f32 = 22.0;
 const CURVE_HEIGHT: f32 = 64.0;
 const HANDLE: f32 = 6.0;
+/// Share of the ramp that an arrow moves a stop by; with Shift.
+const STEP: f32 = 0.01;
+const FINE_STEP: f32 = 0.001;
 const WORDS: [(&str, Interpolation); 3] = [
     ("linear", Interpolation::Linear),
     ("smooth", Interpolation::Smooth),
@@ -105,8 +112,15 @@ fn bar(ui: &mut Ui, label: &str, ramp: &mut Ramp, selected: &mut usize, is_curve
         ramp.stops.insert(place, (at, color_at(ramp, at)));
         *selected = place;
         changed = true;
+        // Keys are for the new one, once this click is over: it would take the keyboard from there.
+        ui.data_mut(|data| data.insert_temp(response.id, place));
+        ui.ctx().request_repaint();
+    } else if let Some(place) = ui.data_mut(|data| data.remove_temp::<usize>(response.id)) {
+        let id = response.id.with(("stop", place));
+        ui.memory_mut(|memory| memory.request_focus(id));
     }
     let mut moved = None;
+    let mut pressed = None;
     for (i, &(at, color)) in ramp.stops.iter().enumerate() {
         let center = match is_curve {
             true => pos2(x_of(at), y_of(color[0])),
@@ -116,8 +130,14 @@ fn bar(ui: &mut Ui, label: &str, ramp: &mut Ramp, selected: &mut usize, is_curve
         let id = response.id.with(("stop", i));
         let handle = ui.interact(place, id, Sense::click_and_drag());
         describe(&handle, Role::Button, &format!("{label} stop {i}"));
-        if handle.clicked() || handle.drag_started() {
+        if handle.clicked() || handle.drag_started() || handle.gained_focus() {
             *selected = i;
+        }
+        if handle.clicked() || handle.drag_started() {
+            handle.request_focus();
+        }
+        if let Some(key) = stop_key(ui, &handle) {
+            pressed = Some((i, key));
         }
         if handle.dragged()
             && let Some(pointer) = handle.interact_pointer_pos()
@@ -152,7 +172,96 @@ fn bar(ui: &mut Ui, label: &str, ramp: &mut Ramp, selected: &mut usize, is_curve
         }
         changed |= *stop != was;
     }
+    if let Some((i, key)) = pressed {
+        let focus = |i: usize| {
+            let id = response.id.with(("stop", i));
+            ui.memory_mut(|memory| memory.request_focus(id));
+        };
+        match key {
+            StopKey::Move(by, rise) => {
+                let before = i.checked_sub(1).map_or(low, |i| ramp.stops[i].0);
+                let after = ramp.stops.get(i + 1).map_or(high, |stop| stop.0);
+                let stop = &mut ramp.stops[i];
+                let was = *stop;
+                let at = round(stop.0 + by * (high - low));
+                // One that is outside already is not drawn in.
+                stop.0 = at.clamp(before.min(stop.0), after.max(stop.0));
+                if is_curve {
+                    let value = round((stop.1[0] + rise * top).max(0.0));
+                    stop.1 = [value, value, value, stop.1[3]];
+                }
+                changed |= *stop != was;
+            }
+            StopKey::Insert => {
+                let at = ramp.stops[i].0;
+                let next = ramp.stops.get(i + 1).map_or(high, |stop| stop.0);
+                let between = 0.5 * (at + next);
+                ramp.stops.insert(i + 1, (between, color_at(ramp, between)));
+                *selected = i + 1;
+                focus(i + 1);
+                changed = true;
+            }
+            StopKey::Delete if ramp.stops.len() > 1 => {
+                ramp.stops.remove(i);
+                *selected = i.min(ramp.stops.len() - 1);
+                focus(*selected);
+                changed = true;
+            }
+            StopKey::Delete => {}
+            StopKey::Edit => {
+                *selected = i;
+                let id = edits_color(ui, label);
+                ui.data_mut(|data| data.insert_temp(id, true));
+            }
+        }
+    }
     changed
+}
+
+/// What a key does to the stop that has the keyboard.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum StopKey {
+    /// By a share of the ramp, and of the curve's height.
+    Move(f32, f32),
+    Insert,
+    Delete,
+    /// Its colour.
+    Edit,
+}
+
+fn stop_key(ui: &Ui, stop: &Response) -> Option<StopKey> {
+    if !stop.has_focus() {
+        return None;
+    }
+    let filter = EventFilter {
+        horizontal_arrows: true,
+        vertical_arrows: true,
+        ..EventFilter::default()
+    };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(stop.id, filter));
+    ui.input_mut(|input| {
+        for (modifiers, step) in [(Modifiers::SHIFT, FINE_STEP), (Modifiers::NONE, STEP)] {
+            let mut count = |key| input.count_and_consume_key(modifiers, key) as f32;
+            let by = count(Key::ArrowRight) - count(Key::ArrowLeft);
+            let rise = count(Key::ArrowUp) - count(Key::ArrowDown);
+            if by != 0.0 || rise != 0.0 {
+                return Some(StopKey::Move(by * step, rise * step));
+            }
+        }
+        let keys = [
+            (Key::Insert, StopKey::Insert),
+            (Key::Delete, StopKey::Delete),
+            (Key::Enter, StopKey::Edit),
+        ];
+        let mut keys = keys.into_iter();
+        keys.find(|(key, _)| input.consume_key(Modifiers::NONE, *key))
+            .map(|(_, deed)| deed)
+    })
+}
+
+/// Where it is kept that the colour of the selected stop is to be edited.
+fn edits_color(ui: &Ui, label: &str) -> Id {
+    ui.ctx().viewport_id().0.with((label, "edits colour"))
 }
 
 fn paint_colors(ui: &Ui, ramp: &Ramp, place: Rect, at_of: impl Fn(f32) -> f32) {
@@ -207,8 +316,18 @@ fn details(ui: &mut Ui, label: &str, ramp: &mut Ramp, selected: &mut usize) -> b
         name(&position, &format!("{label} position"));
         changed |= position.changed();
         let mut rgb = [stop.1[0], stop.1[1], stop.1[2]];
+        // The button's own id: egui makes the one of its popup so.
+        let popup = ui.auto_id_with("popup");
         let picker = ui.color_edit_button_rgb(&mut rgb);
         name(&picker, &format!("{label} colour"));
+        let asked = edits_color(ui, label);
+        if ui
+            .data_mut(|data| data.remove_temp::<bool>(asked))
+            .is_some()
+        {
+            picker.request_focus();
+            Popup::open_id(ui.ctx(), popup);
+        }
         if picker.changed() && rgb.iter().all(|x| x.is_finite()) {
             stop.1[..3].copy_from_slice(&rgb);
             changed = true;

@@ -10,6 +10,8 @@ use egui::vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use engine::procedural::TextureSources;
+use engine::scene::look::{Section, Spanned, Value};
+use engine::session::Edit;
 use image::RgbImage;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use patina_panels::{Form, Textures};
@@ -59,6 +61,28 @@ fn a_graph() {
     click(&mut harness, "Fit");
     click(&mut harness, "node speckled");
     check(&mut harness, "graph");
+}
+
+#[test]
+fn frames() {
+    let mut harness = panel(Form::Graph, [760.0, 640.0]);
+    let frame = |title: &str, nodes: [&str; 2], color: Option<&str>| {
+        let text = |text: &str| Value::Text(text.to_owned());
+        let nodes = nodes.map(|node| Spanned::new(text(node), 0..0));
+        let set = |key, value| Edit::set(Section::Frame(title.to_owned()), key, value);
+        let color = color.map(|color| set("color", text(color)));
+        let nodes = set("nodes", Value::List(nodes.to_vec()));
+        [nodes].into_iter().chain(color).collect::<Vec<_>>()
+    };
+    let mut edits = frame("Old paint", ["rust", "speckled"], Some("#d08a2e"));
+    edits.extend(frame("Where it rusts", ["rust_mask", "gone"], None));
+    // It finds a place outside both.
+    edits.push(Edit::add_node("more", "fbm"));
+    let document = &mut harness.state_mut().document;
+    document.apply("frames", &edits, None).expect("a look");
+    harness.run();
+    click(&mut harness, "Fit");
+    check(&mut harness, "frames");
 }
 
 #[test]

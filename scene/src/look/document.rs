@@ -31,6 +31,8 @@ pub enum Section {
     Node(String),
     /// `[material.NAME]`.
     Material(String),
+    /// `[graph.NAME]`.
+    Frame(String),
 }
 
 impl Section {
@@ -44,6 +46,7 @@ impl Section {
             Self::Ao(name) => ("ao", Some(name)),
             Self::Node(name) => ("node", Some(name)),
             Self::Material(name) => ("material", Some(name)),
+            Self::Frame(name) => ("graph", Some(name)),
         }
     }
 }

@@ -6,6 +6,7 @@
 //! `docs/look-file.md` is the reference for users.
 
 mod document;
+mod frame;
 mod keys;
 mod lamp;
 mod light;
@@ -29,6 +30,7 @@ use crate::sky::Sky;
 use crate::view::ViewChoice;
 
 pub use document::{Kept, LookDocument, Section};
+pub use frame::FrameLook;
 pub use lamp::direction_of;
 pub use material::MaterialLook;
 pub use parse::{Table, placed_fields, table};
@@ -42,7 +44,7 @@ pub const MODEL_IMAGE: &str = "model:";
 pub const MAX_AO: usize = 4;
 
 /// Keys of a look.
-const KEYS: [&str; 9] = [
+const KEYS: [&str; 10] = [
     "environment",
     "camera",
     "view",
@@ -50,6 +52,7 @@ const KEYS: [&str; 9] = [
     "ao",
     "node",
     "material",
+    "graph",
     "materialx",
     "include",
 ];
@@ -77,6 +80,8 @@ pub struct Look {
     pub nodes: Vec<NodeLook>,
     /// `[material.NAME]` tables, in the order of the file.
     pub materials: Vec<MaterialLook>,
+    /// `[graph.NAME]` tables, in the order of the file.
+    pub frames: Vec<FrameLook>,
     /// `[[materialx]]` tables, in the order of the file.
     pub materialx: Vec<MaterialxLook>,
     /// `[[include]]` tables, in the order of the file.
@@ -399,6 +404,7 @@ impl Look {
             ao: Vec::new(),
             nodes: Vec::new(),
             materials: Vec::new(),
+            frames: Vec::new(),
             materialx: Vec::new(),
             includes: Vec::new(),
             warnings: Diagnostics::new(),

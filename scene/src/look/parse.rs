@@ -12,6 +12,7 @@ use toml_edit::Document;
 use crate::view::ViewChoice;
 
 use super::document::Section;
+use super::frame::{FrameLook, frame};
 use super::keys::{self, Keyed, When};
 use super::lamp::light;
 use super::light::{environment, environment_group};
@@ -120,6 +121,7 @@ fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
             "ao" => look.ao = named(reader, value, "[ao.NAME]", ao),
             "node" => look.nodes = named(reader, value, "[node.NAME]", node),
             "material" => look.materials = named(reader, value, "[material.NAME]", material),
+            "graph" => look.frames = named(reader, value, "[graph.NAME]", frame),
             "materialx" => look.materialx = tables(reader, value, "[[materialx]]", materialx),
             "include" => look.includes = tables(reader, value, "[[include]]", include),
             _ => reader.unknown_key(key, "a look", &KEYS),
@@ -176,6 +178,7 @@ pub fn table(
         Section::Material(name) => {
             material(&mut reader, &named(name), fields, span).map(|m| Table::Material(Box::new(m)))
         }
+        Section::Frame(name) => frame(&mut reader, &named(name), fields, span).map(Table::Frame),
     };
     match read {
         Some(table) if reader.problems.is_empty() => Ok(table),
@@ -200,6 +203,8 @@ pub enum Table {
     Node(NodeLook),
     /// `[material.NAME]`.
     Material(Box<MaterialLook>),
+    /// `[graph.NAME]`.
+    Frame(FrameLook),
 }
 
 /// Reads a table of tables, as `[node.a]` and `[node.b]` make.

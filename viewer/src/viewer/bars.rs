@@ -5,6 +5,7 @@ use std::sync::Arc;
 use egui::{ComboBox, DragValue, RichText, Slider, ThemePreference, Ui};
 use engine::display::{Channel, DisplaySettings};
 use engine::scene::view::ViewTransform;
+use patina_panels::asks_for_menu;
 
 use crate::link::{Command, DenoiserState, Status};
 
@@ -271,7 +272,7 @@ fn display_settings(ui: &mut Ui, display: &mut DisplaySettings) {
         .fixed_decimals(2)
         .suffix(" EV");
     let response = ui.add(slider).labelled_by(label.id);
-    if response.secondary_clicked() {
+    if response.secondary_clicked() || asks_for_menu(&response) {
         display.view.exposure = 0.0;
     }
     response.on_hover_text("brightness of what is shown; right-click for 0");

@@ -116,6 +116,11 @@ impl Editor {
         self.panel.form() == Form::Graph
     }
 
+    /// Whether the graph has a panel of its own.
+    pub(super) fn graph_is_below(&self) -> bool {
+        self.panel.form() == Form::Both && self.document.is_some()
+    }
+
     /// Whether the file lacks an edit.
     pub(super) fn has_unsaved_edits(&self) -> bool {
         let document = self.document.as_ref();
@@ -217,6 +222,31 @@ impl Viewer {
         }
     }
 
+    /// The graph in a panel of its own.
+    pub(super) fn graph_panel(&mut self, ui: &mut Ui) {
+        let Editor {
+            document: Some(document),
+            panel,
+            textures,
+            materials,
+            own_materials,
+            lights,
+            images,
+            ..
+        } = &mut self.editor
+        else {
+            return;
+        };
+        let scene = SceneView {
+            materials,
+            own: *own_materials,
+            images,
+            lights,
+            camera: None,
+        };
+        panel.show_graph(ui, document, textures, scene);
+    }
+
     /// Places a light at a surface that was clicked.
     pub(super) fn place_light(&mut self, hit: Option<&Hit>, now: f64) {
         let (Some((light, placing)), Some(hit)) = (self.viewport.placing.take(), hit) else {
@@ -266,6 +296,7 @@ impl Viewer {
     /// What is to be the same at the next start, as it is now.
     pub fn kept(&mut self) -> &Preferences {
         self.preferences.shows_graph = self.editor.shows_graph();
+        self.preferences.graph_is_below = self.editor.panel.form() == Form::Both;
         let places = self.editor.panel.places();
         self.preferences.places = places.map(|(id, at)| (id.to_owned(), at)).collect();
         &self.preferences
@@ -275,9 +306,10 @@ impl Viewer {
     pub(super) fn begin_look(&mut self, is_last: bool) {
         let Editor { panel, .. } = &mut self.editor;
         panel.forget_snapshots();
-        let form = match self.preferences.shows_graph {
-            true => Form::Graph,
-            false => Form::List,
+        let form = match self.preferences {
+            Preferences { graph_is_below, .. } if graph_is_below => Form::Both,
+            Preferences { shows_graph, .. } if shows_graph => Form::Graph,
+            _ => Form::List,
         };
         panel.set_form(form);
         if is_last {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use egui::{RichText, ScrollArea, Slider, Ui};
 use engine::film::LightMix;
 use engine::scene::UNGROUPED;
+use patina_panels::asks_for_menu;
 
 use crate::link::Command;
 
@@ -175,7 +176,7 @@ fn fader_of(ui: &mut Ui, group: &str, fader: &mut Fader) {
         alone.on_hover_text("those alone; several may be");
         let tint = ui.color_edit_button_rgb(&mut fader.tint);
         call(&tint, &format!("Tint of {group}"));
-        if tint.secondary_clicked() {
+        if tint.secondary_clicked() || asks_for_menu(&tint) {
             fader.tint = [1.0; 3];
         }
         tint.on_hover_text("multiplies the light's colour; right-click for white");
@@ -188,7 +189,7 @@ fn fader_of(ui: &mut Ui, group: &str, fader: &mut Fader) {
         .suffix(" x");
     let strength = ui.add(slider);
     call(&strength, &format!("Strength of {group}"));
-    if strength.secondary_clicked() {
+    if strength.secondary_clicked() || asks_for_menu(&strength) {
         fader.strength = 1.0;
     }
     strength.on_hover_text("times as strong as it is rendered; right-click for 1");

@@ -18,8 +18,8 @@ const REDO_TOO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key
 /// Stops that a key changes.
 const STOP: f32 = 0.25;
 
-/// What the list says: keys, and what they do.
-const LIST: [(&str, &str); 37] = [
+/// What `?` lists: keys, and what they do.
+pub const SHORTCUTS: [(&str, &str); 49] = [
     ("drag", "turn around the point in focus"),
     ("right drag", "look around"),
     ("middle drag, Shift drag", "pan"),
@@ -33,6 +33,13 @@ const LIST: [(&str, &str); 37] = [
     ("Ctrl click", "focus there, and turn around it"),
     ("F", "frame what was clicked, or everything"),
     ("Shift F", "frame everything"),
+    (
+        "arrows",
+        "turn, while the picture has the keyboard (click it, or Tab)",
+    ),
+    ("Shift arrows", "pan, likewise"),
+    ("+  -", "nearer, farther, likewise"),
+    ("Enter", "choose the material in the middle, likewise"),
     ("Home", "the look's camera"),
     ("1 ... 9", "cameras of the scene"),
     ("R", "render a region only; again: everything"),
@@ -53,7 +60,16 @@ const LIST: [(&str, &str); 37] = [
         "right-click A, B, C",
         "keep, forget or compare a state of the look",
     ),
+    ("Tab, Shift Tab", "the next widget, the one before"),
+    (
+        "Menu, Shift F10",
+        "what a right click offers on the widget that has the keyboard",
+    ),
     ("ramp: click, Delete", "add a stop; take one away"),
+    (
+        "ramp: arrows, Insert, Enter",
+        "move a stop that has the keyboard; add one; its colour",
+    ),
     ("graph: drag, wheel", "move, nearer and farther"),
     ("graph: Shift click", "select one more card"),
     ("graph: Shift drag", "select the cards in a rectangle"),
@@ -63,7 +79,18 @@ const LIST: [(&str, &str); 37] = [
         "copy, cut and paste, from look to look",
     ),
     ("graph: Ctrl D", "duplicate what is selected"),
+    ("graph: Ctrl G", "a frame around what is selected"),
     ("graph: Delete", "delete what is selected"),
+    ("graph: arrows", "the next card; Enter shows its values"),
+    ("graph: Shift arrows", "move the card, or what is selected"),
+    (
+        "drag a texture",
+        "from the list of textures: onto a value, or onto the graph",
+    ),
+    (
+        "drag a material",
+        "onto the model, or onto another material",
+    ),
     ("?", "this list"),
     ("Esc", "close; end what was begun; nothing is picked"),
 ];
@@ -91,7 +118,7 @@ impl Viewer {
             self.dialog = Some(Dialog::open(&self.scene.files));
         }
         // What is written into a field or over an open menu is no shortcut.
-        if ctx.egui_wants_keyboard_input() || Popup::is_any_open(ctx) {
+        if ctx.text_edit_focused() || Popup::is_any_open(ctx) {
             return;
         }
         // By what was typed: where the question mark is depends on the keyboard.
@@ -156,7 +183,7 @@ impl Viewer {
             }
         });
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            for (keys, what) in LIST {
+            for (keys, what) in SHORTCUTS {
                 ui.horizontal_wrapped(|ui| {
                     ui.label(RichText::new(keys).strong());
                     ui.label(what);

@@ -1,12 +1,13 @@
 //! The picture, and what the pointer and the keys do in it.
 
 use egui::{
-    Align2, Color32, Key, PointerButton, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2,
+    Align2, Color32, Event, EventFilter, Key, Modifiers, PointerButton, Pos2, Rect, Sense, Stroke,
+    StrokeKind, Ui, Vec2, pos2,
 };
 use engine::display::Channel;
 use engine::scene::Camera;
 use glam::Vec3;
-use patina_panels::{DraggedMaterial, Placing};
+use patina_panels::{DraggedMaterial, Placing, keyboard_is_used};
 
 use crate::link::{Command, PickPurpose, SceneFacts};
 use crate::navigate::Navigator;
@@ -15,6 +16,10 @@ use super::Viewer;
 
 /// Of the distance per point of the wheel.
 const WHEEL: f32 = 0.002;
+/// Of the height of the picture, that an arrow is as good as the pointer moved by.
+const KEY_MOTION: f32 = 0.04;
+/// On the distance, by `-`.
+const KEY_ZOOM: f32 = 1.1;
 /// Flying while Shift is held is so many times faster.
 const FAST: f32 = 4.0;
 /// How slow and how fast it can be set.
@@ -150,10 +155,19 @@ impl Viewer {
         }
         let view = self.navigate(ui, rect, &response);
         self.send_view(view);
-        if let Some(at) = response
-            .interact_pointer_pos()
-            .filter(|_| response.clicked())
-        {
+        if response.clicked() {
+            response.request_focus();
+        }
+        // By the pointer it has the keyboard as long as that is there: elsewhere keys are for what lies below.
+        let is_moving = ui.input(|input| input.pointer.delta() != Vec2::ZERO);
+        if is_moving && !response.contains_pointer() && !keyboard_is_used(ui.ctx()) {
+            response.surrender_focus();
+        }
+        let view = self.navigate_by_keys(ui, &response);
+        self.send_view(view);
+        // By Enter it is clicked in its middle.
+        let clicked = response.interact_pointer_pos().unwrap_or(rect.center());
+        if let Some(at) = Some(clicked).filter(|_| response.clicked()) {
             let is_focus = ui.input(|input| input.modifiers.command);
             let purpose = match (&self.viewport.placing, is_focus) {
                 (Some(_), _) => PickPurpose::Light,
@@ -311,10 +325,54 @@ impl Viewer {
         self.fly(ui, response).or(view)
     }
 
+    /// Moves the camera by the arrows and `+`, `-`, while the picture has the keyboard.
+    fn navigate_by_keys(&mut self, ui: &Ui, response: &egui::Response) -> Option<Camera> {
+        if !response.has_focus() {
+            return None;
+        }
+        let filter = EventFilter {
+            horizontal_arrows: true,
+            vertical_arrows: true,
+            ..EventFilter::default()
+        };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+        let arrows = |modifiers| {
+            ui.input_mut(|input| {
+                let mut count = |key| input.count_and_consume_key(modifiers, key) as f32;
+                glam::Vec2::new(
+                    count(Key::ArrowRight) - count(Key::ArrowLeft),
+                    count(Key::ArrowDown) - count(Key::ArrowUp),
+                )
+            })
+        };
+        // The longer ones first: an arrow with Shift is an arrow, too.
+        let (pan, orbit) = (arrows(Modifiers::SHIFT), arrows(Modifiers::NONE));
+        // By what was typed: where these are depends on the keyboard.
+        let nearer: i32 = ui.input(|input| {
+            let signs = input.events.iter().map(|event| match event {
+                Event::Text(text) if text == "+" => 1,
+                Event::Text(text) if text == "-" => -1,
+                _ => 0,
+            });
+            signs.sum()
+        });
+        if pan == glam::Vec2::ZERO && orbit == glam::Vec2::ZERO && nearer == 0 {
+            return None;
+        }
+        self.viewport.moved(|navigator| {
+            // Even a turn by nothing rounds.
+            if orbit != glam::Vec2::ZERO {
+                navigator.orbit(orbit * KEY_MOTION);
+            }
+            navigator.pan(pan * KEY_MOTION);
+            navigator.dolly(KEY_ZOOM.powi(-nearer));
+        })
+    }
+
     fn fly(&mut self, ui: &Ui, response: &egui::Response) -> Option<Camera> {
         let was_flying = std::mem::take(&mut self.viewport.is_flying);
-        let is_here = response.hovered() || response.dragged();
-        if !is_here || ui.ctx().egui_wants_keyboard_input() || self.dialog.is_some() {
+        let is_here = response.hovered() || response.dragged() || response.has_focus();
+        if !is_here || ui.ctx().text_edit_focused() || self.dialog.is_some() {
             return None;
         }
         let (way, seconds) = ui.input(|input| {

@@ -3,7 +3,7 @@
 
 use engine::display::{Channel, DeviceFilm, Display, DisplaySettings};
 use engine::film::Film;
-use engine::scene::look::Value;
+use engine::scene::look::{Section, Spanned, Value};
 use engine::scene::view::{View, ViewTransform, WhiteBalance};
 use engine::session::{Edit, Session};
 use engine::view::ViewEncoder;
@@ -207,6 +207,34 @@ fn a_look_says_how_it_is_shown_without_a_new_picture() {
     session.assets_changed();
     settle(&mut session);
     assert_eq!(session.look_view().transform, transform);
+}
+
+#[test]
+fn frames_of_the_graph_leave_the_picture_as_it_is() {
+    let Some((_stage, mut session, whole)) = opened() else {
+        return;
+    };
+    let generation = session.generation();
+    let frame = || Section::Frame("Old paint".to_owned());
+    let nodes = Value::List(vec![Spanned::new(Value::Text("gone".to_owned()), 0..0)]);
+    let edit = Edit::set(frame(), "nodes", nodes);
+    session.edit(&edit).expect("edited");
+    assert!(session.look_text().contains("[graph.\"Old paint\"]"));
+    let bad = Edit::set(frame(), "colour", Value::Text("red".to_owned()));
+    assert!(session.edit(&bad).is_err());
+    assert!(!session.look_text().contains("colour"));
+    // As whole texts, too, to and fro.
+    let with = session.look_text();
+    session
+        .edit(&Edit::Remove { section: frame() })
+        .expect("edited");
+    let without = session.look_text();
+    for text in [&with, &without, &with] {
+        session.replace_look(text).expect("a look");
+        assert_eq!(session.look_text(), *text);
+    }
+    assert_eq!(session.generation(), generation);
+    assert!(is_same(&session.snapshot().expect("read").film, &whole));
 }
 
 #[test]
