@@ -7,10 +7,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use device::{Device, DeviceChoice, DeviceError, DeviceOptions};
-use engine::film::{Film, Origin};
-use engine::scene::view::View;
-use patina_viewer::host::{Changes, Host, OpenDenoiser};
-use patina_viewer::link::Files;
+use engine::film::write::{Content, Form};
+use patina_viewer::host::{Changes, Finished, Host, OpenDenoiser};
+use patina_viewer::link::{Denoise, Files};
 use patina_viewer::shell::{self, Devices, WindowError, WindowOptions};
 use patina_viewer::thread::RenderOptions;
 
@@ -41,6 +40,10 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
         output::check_all(std::slice::from_ref(&output.path), &read)?;
     }
     is_displayed()?;
+    if job.denoise {
+        crate::denoise::open()
+            .map_err(|why| Failure::Failed(format!("--denoise: {why}")))?;
+    }
     let host = ProgramHost {
         texture_dirs: job.texture_dirs.clone(),
         watched: None,
@@ -68,6 +71,12 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
             _ => job.device.clone(),
         },
         display: job.display,
+        denoise: match (job.denoise, &job.screenshot) {
+            (true, _) => Some(Denoise::Always),
+            // It looks the same whatever is installed, and however long that takes.
+            (false, Some(_)) => Some(Denoise::Never),
+            (false, None) => None,
+        },
         picture_at_spp: job.screenshot.as_ref().map(|(_, spp)| *spp),
         figures_since: job.figures.then_some(start),
     };
@@ -261,15 +270,21 @@ impl Host for ProgramHost {
         output::check(&output.path).map_err(|error| error.to_string())
     }
 
-    fn write_picture(
-        &self,
-        path: &Path,
-        film: &Film,
-        origin: &Origin,
-        view: &View,
-    ) -> Result<(), String> {
+    fn write_picture(&self, path: &Path, picture: &Finished<'_>) -> Result<(), String> {
         let output = self.output(path)?;
-        output::write(&output, film, Some(origin), view).map_err(|error| error.to_string())
+        let Finished { origin, view, .. } = *picture;
+        let content = Content {
+            film: picture.film,
+            layers: picture.layers,
+            denoised: picture.denoised.map(|(radiance, _)| radiance),
+            transparent: false,
+            form: &Form::USUAL,
+        };
+        let written = match picture.denoised {
+            Some((_, by)) => output::write_denoised(&output, content, origin, view, by),
+            None => output::write(&output, content, Some(origin), view),
+        };
+        written.map_err(|error| error.to_string())
     }
 }
 

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use engine::denoise::Denoiser;
-use engine::film::{Film, Origin};
+use engine::film::{Film, Layers, Origin};
 use engine::scene::view::View;
 
 use crate::link::Files;
@@ -18,6 +18,21 @@ pub struct Changes {
     pub look: bool,
     /// The scene, what it is made of, or an image.
     pub assets: bool,
+}
+
+/// A picture that is to be written.
+#[derive(Debug, Clone, Copy)]
+pub struct Finished<'a> {
+    /// What was gathered.
+    pub film: &'a Film,
+    /// Those of its layers that files hold.
+    pub layers: &'a Layers,
+    /// Its radiance without the noise, and what has taken it out.
+    pub denoised: Option<(&'a [[f32; 3]], &'a str)>,
+    /// Where it comes from.
+    pub origin: &'a Origin,
+    /// How it is shown.
+    pub view: &'a View,
 }
 
 /// Opens what takes noise out of pictures, or says why there is none and what to do; the text is for people. Called on a thread of its own.
@@ -66,16 +81,9 @@ pub trait Host: Send {
     /// The text is for people.
     fn check_picture(&self, path: &Path) -> Result<(), String>;
 
-    /// Writes a picture: as the view shows it (.png, .jpg), or as linear radiance with all layers of the film and where it came
-    /// from (.exr).
+    /// Writes a picture: as the view shows it (.png, .jpg), or as linear radiance with its layers and where it came from (.exr).
     ///
     /// # Errors
     /// The text is for people.
-    fn write_picture(
-        &self,
-        path: &Path,
-        film: &Film,
-        origin: &Origin,
-        view: &View,
-    ) -> Result<(), String>;
+    fn write_picture(&self, path: &Path, picture: &Finished<'_>) -> Result<(), String>;
 }

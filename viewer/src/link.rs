@@ -47,8 +47,8 @@ pub enum Command {
     KeepBefore(bool),
     /// Render, or wait.
     Pause(bool),
-    /// Show the picture without its noise, where there is what takes it out.
-    Denoise(bool),
+    /// When to show the picture without its noise, where there is what takes it out.
+    Denoise(Denoise),
     /// Keep the light of groups apart from now on, and show it mixed; or show the picture as it is.
     MixLights(Option<LightMix>),
     /// Show a scene without any light in that of a studio, or as dark as it is.
@@ -73,6 +73,24 @@ pub enum Command {
     Quit,
 }
 
+/// When the picture is shown without its noise.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Denoise {
+    /// While it has so much that it is seen, and so little that what is left without it is steady: see [`NOISY`] and [`FINE`].
+    #[default]
+    ByItself,
+    /// However much it has.
+    Always,
+    /// Not at all.
+    Never,
+}
+
+/// Relative error of a picture that is shown without its noise by itself from then on. With more, what the denoiser makes of the next
+/// samples is another picture: it would boil.
+pub const NOISY: f64 = 0.25;
+/// Relative error of a picture that is shown as it is from then on: its noise isn't seen, and it has what the denoiser takes for noise.
+pub const FINE: f64 = 0.01;
+
 /// A picture that is to be written: as a view shows it as .png or .jpg, with its lights mixed as they are shown; radiance as .exr, as it is
 /// rendered.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,6 +103,8 @@ pub struct PictureOrder {
     pub spp: u32,
     /// All layers that there are, where the file can hold them.
     pub layers: bool,
+    /// Without its noise. A file that holds layers keeps the noisy picture as one of them.
+    pub denoised: bool,
     /// How it is shown.
     pub view: View,
 }

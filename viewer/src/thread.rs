@@ -103,6 +103,7 @@ impl RenderThread {
                     picked: None,
                     outlined: None,
                     before: None,
+                    kept: 0,
                     denoising,
                     mixing: Mixing::default(),
                     pace,
@@ -163,6 +164,8 @@ struct Render {
     /// The material that has a line around it.
     outlined: Option<u32>,
     before: Option<compare::Before>,
+    /// Pictures that have been kept to compare with.
+    kept: u64,
     denoising: Denoising,
     mixing: Mixing,
     pace: Pace,

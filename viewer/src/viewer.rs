@@ -23,7 +23,7 @@ use engine::scene::view::{View, ViewChoice, ViewTransform};
 use patina_panels::{Browser, FileDialogs};
 
 use crate::blit::Drawn;
-use crate::link::{Command, Files, Hit, Link, PickPurpose, Reply, SceneFacts, Status};
+use crate::link::{Command, Denoise, Files, Hit, Link, PickPurpose, Reply, SceneFacts, Status};
 
 use dialogs::Dialog;
 use look::{Editor, Outside};
@@ -56,7 +56,7 @@ pub struct Preferences {
     pub view: String,
     /// Pixels of the viewport per pixel of the picture.
     pub coarseness: u32,
-    /// The picture is shown without its noise where that can be done.
+    /// The picture is shown without its noise where that can be done, once it has so little of it that what is left is steady.
     pub denoises: bool,
     /// A scene without any light is seen in that of a studio.
     pub studio_light: bool,
@@ -125,6 +125,8 @@ pub struct Viewer {
     /// What draws it faster than egui does, if there is such a thing.
     pub drawn: Option<Drawn>,
     display: DisplaySettings,
+    /// When the picture is shown without its noise.
+    denoise: Denoise,
     /// What the command line says of the view.
     given_view: ViewChoice,
     viewport: Viewport,
@@ -164,7 +166,11 @@ impl Viewer {
             ..DisplaySettings::default()
         };
         link.send(Command::Display(display));
-        link.send(Command::Denoise(preferences.denoises));
+        let denoise = match preferences.denoises {
+            true => Denoise::ByItself,
+            false => Denoise::Never,
+        };
+        link.send(Command::Denoise(denoise));
         link.send(Command::StudioLight(preferences.studio_light));
         link.send(Command::TimePasses(preferences.shows_times));
         Self {
@@ -173,6 +179,7 @@ impl Viewer {
             picture: None,
             drawn: None,
             display,
+            denoise,
             given_view: view,
             viewport: Viewport::default(),
             editor: Editor::default(),
@@ -191,6 +198,12 @@ impl Viewer {
             material: None,
             figures: [0.0; 2],
         }
+    }
+
+    /// Shows the picture without its noise from now on whenever this says, where that can be done.
+    pub fn set_denoise(&mut self, denoise: Denoise) {
+        self.denoise = denoise;
+        self.link.send(Command::Denoise(denoise));
     }
 
     /// The material that was clicked last.

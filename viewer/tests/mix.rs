@@ -12,12 +12,12 @@ use egui::Event;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use engine::denoise::{self, Denoiser};
-use engine::film::{Film, LightMix, Origin};
+use engine::film::{Film, LightMix};
 use engine::scene::view::{View, ViewChoice};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use patina_viewer::host::{Changes, Host, OpenDenoiser};
+use patina_viewer::host::{Changes, Finished, Host, OpenDenoiser};
 use patina_viewer::link::{
-    Board, Command, DenoiserState, Files, Link, LookFacts, PictureOrder, SceneFacts, Shown,
+    Board, Command, Denoise, DenoiserState, Files, Link, LookFacts, PictureOrder, SceneFacts, Shown,
 };
 use patina_viewer::picture::Picture;
 use patina_viewer::thread::{RenderOptions, RenderThread};
@@ -95,8 +95,8 @@ impl Host for TestHost {
         Ok(())
     }
 
-    fn write_picture(&self, _: &Path, film: &Film, _: &Origin, _: &View) -> Result<(), String> {
-        *self.0.lock().expect("no panic") = Some(film.clone());
+    fn write_picture(&self, _: &Path, picture: &Finished<'_>) -> Result<(), String> {
+        *self.0.lock().expect("no panic") = Some(picture.film.clone());
         Ok(())
     }
 }
@@ -250,6 +250,7 @@ impl Stage {
             size: self.harness.state().status().size,
             spp: SPP,
             layers: false,
+            denoised: false,
             view: View::default(),
         };
         self.thread.link.send(Command::SavePicture(order));
@@ -337,7 +338,7 @@ fn noise_is_taken_out_of_what_is_mixed() {
     let both = stage.now();
     stage.click("day");
     let screen = stage.after(&both);
-    stage.thread.link.send(Command::Denoise(true));
+    stage.thread.link.send(Command::Denoise(Denoise::Always));
     let is_clean = |stage: &Stage| stage.harness.state().status().denoised.is_some();
     stage.wait("picture without noise", is_clean);
     assert_alike(&stage.now(), &screen);

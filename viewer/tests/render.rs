@@ -10,12 +10,13 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use engine::denoise::{self, Denoiser};
-use engine::film::{Film, Origin};
 use engine::scene::look::Value;
 use engine::scene::view::{View, ViewChoice};
 use engine::session::Edit;
-use patina_viewer::host::{Changes, Host, OpenDenoiser};
-use patina_viewer::link::{Command, DenoiserState, Files, PickPurpose, PictureOrder, Saving};
+use patina_viewer::host::{Changes, Finished, Host, OpenDenoiser};
+use patina_viewer::link::{
+    Command, Denoise, DenoiserState, FINE, Files, PickPurpose, PictureOrder, Saving,
+};
 use patina_viewer::picture::Picture;
 use patina_viewer::thread::{RenderOptions, RenderThread};
 use patina_viewer::viewer::{Preferences, Viewer};
@@ -83,22 +84,29 @@ impl Host for TestHost {
         has_folder.then_some(()).ok_or("no folder".to_owned())
     }
 
-    fn write_picture(
-        &self,
-        path: &Path,
-        film: &Film,
-        origin: &Origin,
-        view: &View,
-    ) -> Result<(), String> {
+    fn write_picture(&self, path: &Path, picture: &Finished<'_>) -> Result<(), String> {
+        let Finished {
+            film, origin, view, ..
+        } = *picture;
         let (least, most) = film.sample_bounds();
         assert_eq!(least, most, "each pixel has all of its samples");
         // Of few samples some are black, but no part of the picture is.
         let black = film.mean().iter().filter(|rgb| rgb[0] <= 0.0).count();
         assert!(black < film.mean().len() / 8, "{black} pixels are black");
-        let layers = film.layers().iter().count();
+        let layers = picture.layers.iter().count();
         let (width, height) = (film.width, film.height);
         let (depth, shown) = (origin.setting("max-depth"), view.transform.name());
-        let text = format!("{width} x {height}, {least} spp, {layers} layers, {depth:?}, {shown}");
+        let clean = match picture.denoised {
+            Some((radiance, by)) => {
+                assert_eq!(radiance.len(), film.pixels());
+                assert!(Denoiser::has_guides(film));
+                format!(" without noise by {by},")
+            }
+            None => String::new(),
+        };
+        let text = format!(
+            "{width} x {height}, {least} spp, {layers} layers,{clean} {depth:?}, {shown}"
+        );
         fs::write(path, text).map_err(|error| error.to_string())
     }
 }
@@ -251,7 +259,7 @@ fn the_picture_is_shown_without_noise_where_that_can_be_done() {
     let Some(mut stage) = Stage::new() else {
         return;
     };
-    stage.thread.link.send(Command::Denoise(true));
+    stage.thread.link.send(Command::Denoise(Denoise::Always));
     stage.wait("answer", |stage| {
         stage.harness.state().status().denoiser != DenoiserState::Unknown
     });
@@ -270,8 +278,68 @@ fn the_picture_is_shown_without_noise_where_that_can_be_done() {
         is_clean(stage)
     });
     assert!(stage.harness.state().status().error.is_some());
-    stage.thread.link.send(Command::Denoise(false));
+    stage.thread.link.send(Command::Denoise(Denoise::Never));
     stage.wait("picture with noise", |stage| !is_clean(stage));
+    stage.thread.finish();
+}
+
+#[test]
+fn noise_is_taken_out_by_itself_and_of_what_is_compared_and_saved() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    stage.wait("answer", |stage| {
+        stage.harness.state().status().denoiser != DenoiserState::Unknown
+    });
+    if let DenoiserState::Absent(why) = &stage.harness.state().status().denoiser {
+        eprintln!("skipped: {why}");
+        return stage.thread.finish();
+    }
+    let noisy = |stage: &Stage| {
+        let [_, before, _] = stage.thread.link.board().shown.clone()?.pictures;
+        before
+    };
+    stage.thread.link.send(Command::KeepBefore(true));
+    stage.wait("picture of before", |stage| noisy(stage).is_some());
+    let kept = noisy(&stage);
+    // Done, with an error that can be seen.
+    stage
+        .thread
+        .link
+        .send(Command::Denoise(Denoise::ByItself));
+    let is_clean = |stage: &Stage| stage.harness.state().status().denoised.is_some();
+    let error = |stage: &Stage| stage.harness.state().status().error.unwrap_or(1.0);
+    stage.wait("picture without noise", |stage| {
+        error(stage) < FINE || is_clean(stage)
+    });
+    assert!(error(&stage) > FINE, "{}", error(&stage));
+    stage.wait("picture of before without noise", |stage| {
+        noisy(stage) != kept
+    });
+    // With more samples nobody sees it.
+    stage.thread.link.send(Command::Target(1 << 20));
+    stage.wait("picture with its samples", |stage| {
+        error(stage) < FINE && !is_clean(stage)
+    });
+    // Who asks for it gets it all the same.
+    stage.thread.link.send(Command::Denoise(Denoise::Always));
+    stage.wait("picture without noise", is_clean);
+    let size = [40, 30];
+    for (name, layers) in [("clean.png", 1), ("clean.exr", 1)] {
+        let order = PictureOrder {
+            path: stage.path(name),
+            size,
+            spp: 2,
+            layers: false,
+            denoised: true,
+            view: View::default(),
+        };
+        stage.thread.link.send(Command::SavePicture(order));
+        stage.wait("written picture", |stage| !stage.read(name).is_empty());
+        let text = stage.read(name);
+        let start = format!("40 x 30, 2 spp, {layers} layers, without noise by Open Image Denoise");
+        assert!(text.starts_with(&start), "{text}");
+    }
     stage.thread.finish();
 }
 
@@ -313,6 +381,7 @@ fn pictures_are_finished_before_they_are_written() {
         size,
         spp,
         layers,
+        denoised: false,
         view: View::default(),
     };
     // In motion there is a coarse picture only; what is written is as large and as fine as it was asked for.
@@ -848,6 +917,7 @@ fn a_lost_device_ends_the_render_and_keeps_the_edits() {
             size: [8, 8],
             spp: 1,
             layers: false,
+            denoised: false,
             view: View::default(),
         }),
     ] {

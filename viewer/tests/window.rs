@@ -16,7 +16,8 @@ use engine::scene::{Camera, Scene, default_camera};
 use engine::session::Edit;
 use engine::stats::PassStats;
 use patina_viewer::link::{
-    Board, Command, DenoiserState, Files, Hit, Link, LookFacts, PickPurpose, Reply, SceneFacts,
+    Board, Command, Denoise, DenoiserState, Files, Hit, Link, LookFacts, NOISY, PickPurpose, Reply,
+    SceneFacts,
 };
 use patina_viewer::viewer::{Preferences, Viewer};
 
@@ -225,10 +226,28 @@ fn noise_is_taken_out_where_there_is_something_that_does() {
     state(&mut stage, DenoiserState::Ready("Denoiser 2".to_owned()));
     assert!(!is_disabled(&stage));
     stage.click("Denoise");
-    assert!(matches!(stage.sent()[..], [Command::Denoise(false)]));
+    assert!(matches!(
+        stage.sent()[..],
+        [Command::Denoise(Denoise::Never)]
+    ));
     assert!(!stage.harness.state().preferences.denoises);
     stage.type_text("n");
-    assert!(matches!(stage.sent()[..], [Command::Denoise(true)]));
+    assert!(matches!(
+        stage.sent()[..],
+        [Command::Denoise(Denoise::Always)]
+    ));
+    assert!(stage.harness.state().preferences.denoises);
+    // The levels between which it works by itself are told, and a right click has it do so again.
+    stage.harness.get_by_label("Denoise").hover();
+    stage.harness.run_steps(60);
+    let levels = format!("{:.0} %", 100.0 * NOISY);
+    assert!(stage.harness.query_by_label_contains(&levels).is_some());
+    stage.harness.get_by_label("Denoise").click_secondary();
+    stage.harness.run_steps(3);
+    assert!(matches!(
+        stage.sent()[..],
+        [Command::Denoise(Denoise::ByItself)]
+    ));
 }
 
 #[test]

@@ -119,8 +119,8 @@ impl Render {
                 self.is_paused = is_paused;
                 self.publish_status(true);
             }
-            Command::Denoise(is_wanted) => {
-                self.denoising.is_wanted = is_wanted;
+            Command::Denoise(wanted) => {
+                self.denoising.wanted = wanted;
                 self.show_again();
             }
             Command::MixLights(mix) => self.mix_lights(mix),
