@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use device::{Device, DeviceChoice, DeviceError, DeviceOptions};
 use engine::film::write::{Content, Form};
 use patina_viewer::host::{Changes, Finished, Host, OpenDenoiser};
-use patina_viewer::link::{Denoise, Files};
+use patina_viewer::link::{Denoise, Files, Waker};
 use patina_viewer::shell::{self, Devices, WindowError, WindowOptions};
 use patina_viewer::thread::RenderOptions;
 
@@ -20,6 +20,9 @@ use crate::words::{NATIVE, Output, parse_output};
 use crate::{cache, console, library, recent};
 
 use job::ViewJob;
+
+/// How often files are looked at that have no events, while the window has nothing to do.
+const LOOKED_AT: Duration = Duration::from_secs(1);
 
 /// Pixels of a picture before the window has said how large it is.
 const FIRST_SIZE: [u32; 2] = [640, 360];
@@ -41,12 +44,12 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
     }
     is_displayed()?;
     if job.denoise {
-        crate::denoise::open()
-            .map_err(|why| Failure::Failed(format!("--denoise: {why}")))?;
+        crate::denoise::open().map_err(|why| Failure::Failed(format!("--denoise: {why}")))?;
     }
     let host = ProgramHost {
         texture_dirs: job.texture_dirs.clone(),
         watched: None,
+        waker: None,
         read: Vec::new(),
     };
     library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
@@ -190,6 +193,8 @@ struct ProgramHost {
     /// Folders named on the command line.
     texture_dirs: Vec<PathBuf>,
     watched: Option<Watched>,
+    /// Wakes the window's render.
+    waker: Option<Waker>,
     /// What is shown: no picture is written over it.
     read: Vec<PathBuf>,
 }
@@ -226,7 +231,13 @@ impl Host for ProgramHost {
                 watched.watcher.set_files(files, look);
             }
             watched => {
-                let watcher = Watcher::new(files, look, textures);
+                let waker = self.waker.clone();
+                let wake = move || {
+                    if let Some(waker) = &waker {
+                        waker.wake();
+                    }
+                };
+                let watcher = Watcher::telling(files, look, textures, wake);
                 *watched = Some(Watched {
                     watcher: watcher.map_err(|failure| failure.to_string())?,
                     textures: textures.to_owned(),
@@ -243,6 +254,17 @@ impl Host for ProgramHost {
             textures: changes.textures,
             look: changes.look,
             assets: changes.assets,
+        })
+    }
+
+    fn wake_by(&mut self, waker: Waker) {
+        self.waker = Some(waker);
+    }
+
+    fn patience(&self) -> Duration {
+        let watched = self.watched.as_ref();
+        watched.map_or(LOOKED_AT, |watched| {
+            watched.watcher.patience().min(LOOKED_AT)
         })
     }
 

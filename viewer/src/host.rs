@@ -2,12 +2,13 @@
 //! written there, as for every other command.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use engine::denoise::Denoiser;
 use engine::film::{Film, Layers, Origin};
 use engine::scene::view::View;
 
-use crate::link::Files;
+use crate::link::{Files, Waker};
 
 /// What of the files that are rendered has changed.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -59,6 +60,12 @@ pub trait Host: Send {
 
     /// What has changed since the last call. Returns at once.
     fn changes(&mut self) -> Changes;
+
+    /// Is handed what is to be called when there may be changes, before anything is watched.
+    fn wake_by(&mut self, waker: Waker);
+
+    /// How long nobody needs to ask for changes, unless he is woken.
+    fn patience(&self) -> Duration;
 
     /// Says on the terminal what is wrong, as what the window shows may be overlooked.
     fn report(&self, text: &str);

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::Sender;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Instant;
 
 use engine::display::DisplaySettings;
@@ -67,6 +67,8 @@ pub enum Command {
     Open(Files),
     /// Search textures in this folder, too.
     TextureFolder(PathBuf),
+    /// Files may have changed.
+    LookForChanges,
     /// The window can't be drawn any more, for this reason: keep what is not saved.
     Abandon(String),
     /// End.
@@ -87,9 +89,9 @@ pub enum Denoise {
 
 /// Relative error of a picture that is shown without its noise by itself from then on. With more, what the denoiser makes of the next
 /// samples is another picture: it would boil.
-pub const NOISY: f64 = 0.25;
+pub const NOISY: f64 = 0.5;
 /// Relative error of a picture that is shown as it is from then on: its noise isn't seen, and it has what the denoiser takes for noise.
-pub const FINE: f64 = 0.01;
+pub const FINE: f64 = 0.05;
 
 /// A picture that is to be written: as a view shows it as .png or .jpg, with its lights mixed as they are shown; radiance as .exr, as it is
 /// rendered.
@@ -359,14 +361,20 @@ pub struct Board {
 /// The window's end.
 #[derive(Debug, Clone)]
 pub struct Link {
-    commands: Sender<Command>,
+    commands: Arc<Sender<Command>>,
     board: Arc<Mutex<Board>>,
 }
 
 impl Link {
     /// From both halves.
     pub fn new(commands: Sender<Command>, board: Arc<Mutex<Board>>) -> Self {
+        let commands = Arc::new(commands);
         Self { commands, board }
+    }
+
+    /// What wakes the render.
+    pub fn waker(&self) -> Waker {
+        Waker(Arc::downgrade(&self.commands))
     }
 
     /// Sends a command. One that nobody hears is lost: then the board says why.
@@ -377,6 +385,20 @@ impl Link {
     /// What there is to read. Held for moments only, by either side.
     pub fn board(&self) -> MutexGuard<'_, Board> {
         lock(&self.board)
+    }
+}
+
+/// Wakes the render, while there is a [`Link`] to it, to look for files that have changed.
+#[derive(Debug, Clone)]
+pub struct Waker(Weak<Sender<Command>>);
+
+impl Waker {
+    /// From any thread.
+    pub fn wake(&self) {
+        if let Some(commands) = self.0.upgrade() {
+            // Where nobody hears it, nobody sleeps.
+            let _ = commands.send(Command::LookForChanges);
+        }
     }
 }
 

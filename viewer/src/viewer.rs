@@ -401,8 +401,16 @@ impl Viewer {
                 self.viewport = Viewport::default();
                 self.timeline = Timeline::default();
                 self.forget_mix();
-                self.editor.forget();
-                self.begin_look(self.preferences.files.as_ref() == Some(&files));
+                let last = self.preferences.files.take();
+                let is_again = self.document_mut().is_some()
+                    && last.as_ref().is_some_and(|last| is_same(last, &files));
+                match is_again {
+                    true => self.editor.reopen(),
+                    false => {
+                        self.editor.forget();
+                        self.begin_look(last.as_ref() == Some(&files));
+                    }
+                }
                 self.material = None;
                 self.preferences.files = Some(files);
             }
@@ -414,6 +422,16 @@ impl Viewer {
             self.link.send(Command::View(Some(camera)));
         }
     }
+}
+
+/// Whether scene and look are the same files, however they are named.
+fn is_same(one: &Files, other: &Files) -> bool {
+    let found = |path: &std::path::Path| {
+        let absolute = || std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        path.canonicalize().unwrap_or_else(|_| absolute())
+    };
+    let pair = |files: &Files| (found(&files.scene), files.look.as_deref().map(found));
+    pair(one) == pair(other)
 }
 
 /// A path for people.

@@ -3,6 +3,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use device::{Device, DeviceChoice};
@@ -15,7 +16,7 @@ use engine::scene::view::{View, ViewChoice};
 use engine::session::Edit;
 use patina_viewer::host::{Changes, Finished, Host, OpenDenoiser};
 use patina_viewer::link::{
-    Command, Denoise, DenoiserState, FINE, Files, PickPurpose, PictureOrder, Saving,
+    Command, Denoise, DenoiserState, FINE, Files, PickPurpose, PictureOrder, Saving, Waker,
 };
 use patina_viewer::picture::Picture;
 use patina_viewer::thread::{RenderOptions, RenderThread};
@@ -40,7 +41,23 @@ const LOOK: &str = "# Light from everywhere.\nenvironment = { color = [1, 1, 1],
 /// A host whose files change when the test says so, and that writes names instead of pictures.
 struct TestHost {
     changes: std::sync::mpsc::Receiver<Changes>,
+    waker: Arc<Mutex<Option<Waker>>>,
     textures: PathBuf,
+}
+
+/// Tells a host of changes, and wakes the render, which doesn't ask by itself.
+struct Saves {
+    sender: std::sync::mpsc::Sender<Changes>,
+    waker: Arc<Mutex<Option<Waker>>>,
+}
+
+impl Saves {
+    fn send(&self, changes: Changes) -> Result<(), std::sync::mpsc::SendError<Changes>> {
+        self.sender.send(changes)?;
+        let waker = self.waker.lock().expect("no panic");
+        waker.as_ref().expect("it was handed in").wake();
+        Ok(())
+    }
 }
 
 impl Host for TestHost {
@@ -55,6 +72,14 @@ impl Host for TestHost {
 
     fn changes(&mut self) -> Changes {
         self.changes.try_recv().unwrap_or_default()
+    }
+
+    fn wake_by(&mut self, waker: Waker) {
+        *self.waker.lock().expect("no panic") = Some(waker);
+    }
+
+    fn patience(&self) -> Duration {
+        Duration::from_secs(3600)
     }
 
     fn report(&self, text: &str) {
@@ -104,9 +129,8 @@ impl Host for TestHost {
             }
             None => String::new(),
         };
-        let text = format!(
-            "{width} x {height}, {least} spp, {layers} layers,{clean} {depth:?}, {shown}"
-        );
+        let text =
+            format!("{width} x {height}, {least} spp, {layers} layers,{clean} {depth:?}, {shown}");
         fs::write(path, text).map_err(|error| error.to_string())
     }
 }
@@ -116,7 +140,7 @@ struct Stage {
     folder: TempDir,
     harness: Harness<'static, Viewer>,
     thread: RenderThread,
-    changes: std::sync::mpsc::Sender<Changes>,
+    changes: Saves,
 }
 
 impl Stage {
@@ -167,7 +191,12 @@ impl Stage {
         };
         let (sender, changes) = std::sync::mpsc::channel();
         let textures = folder.path().to_owned();
-        let host = Box::new(TestHost { changes, textures });
+        let waker = Arc::default();
+        let host = Box::new(TestHost {
+            changes,
+            waker: Arc::clone(&waker),
+            textures,
+        });
         let thread =
             RenderThread::start(device.clone(), Some(files), options, host, Box::new(|| {}));
         let thread = thread.expect("a thread");
@@ -188,7 +217,7 @@ impl Stage {
             folder,
             harness,
             thread,
-            changes: sender,
+            changes: Saves { sender, waker },
         })
     }
 
@@ -285,9 +314,14 @@ fn the_picture_is_shown_without_noise_where_that_can_be_done() {
 
 #[test]
 fn noise_is_taken_out_by_itself_and_of_what_is_compared_and_saved() {
-    let Some(mut stage) = Stage::new() else {
+    // With some noise that can be seen.
+    const LAMP: &str = "environment = { color = [0.01, 0.01, 0.01] }\n\n[light.lamp]\ntype = \"area\"\nposition = [1.0, 0.8, 0.5]\nlook_at = [0, 0, 0]\nsize = [1.5, 1.5]\n";
+    let Some(mut stage) = Stage::beginning(LAMP) else {
         return;
     };
+    stage.wait("a picture", |stage| {
+        stage.harness.state().status().spp >= 4.0
+    });
     stage.wait("answer", |stage| {
         stage.harness.state().status().denoiser != DenoiserState::Unknown
     });
@@ -303,10 +337,7 @@ fn noise_is_taken_out_by_itself_and_of_what_is_compared_and_saved() {
     stage.wait("picture of before", |stage| noisy(stage).is_some());
     let kept = noisy(&stage);
     // Done, with an error that can be seen.
-    stage
-        .thread
-        .link
-        .send(Command::Denoise(Denoise::ByItself));
+    stage.thread.link.send(Command::Denoise(Denoise::ByItself));
     let is_clean = |stage: &Stage| stage.harness.state().status().denoised.is_some();
     let error = |stage: &Stage| stage.harness.state().status().error.unwrap_or(1.0);
     stage.wait("picture without noise", |stage| {
@@ -588,6 +619,111 @@ fn a_region_alone_follows_edits_and_the_picture_of_before_is_kept() {
 }
 
 #[test]
+fn a_region_alone_follows_what_others_save() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let whole = |stage: &Stage| {
+        let status = stage.harness.state().status();
+        status.spp >= 4.0 && status.is_whole
+    };
+    stage.wait("whole picture", whole);
+    let size = stage.harness.state().status().size;
+    let beside = |stage: &Stage| {
+        let board = stage.thread.link.board();
+        let shown = board.shown.as_ref();
+        let [_, _, beside] = shown.map(|shown| shown.pictures.clone())?;
+        beside
+    };
+    let answered = |stage: &Stage| stage.harness.state().status().answered;
+    let region = Some([0.0, 0.0, 0.5, 1.0]);
+    stage.thread.link.send(Command::Region(region));
+    let look = Changes {
+        look: true,
+        ..Changes::default()
+    };
+    let assets = Changes {
+        assets: true,
+        ..Changes::default()
+    };
+    let mut kept = None;
+    for (name, text, changes) in [
+        // By writes to buffers, and by another renderer.
+        ("scene.look.toml", LOOK.replace("0.5 ", "0.25 "), look),
+        ("scene.gltf", SCENE.replace("0.7", "0.75"), assets),
+    ] {
+        let before = answered(&stage);
+        fs::write(stage.path(name), text).expect("written");
+        stage.changes.send(changes).expect("heard");
+        stage.wait("region", |stage| {
+            assert_eq!(
+                stage.harness.state().status().size,
+                size,
+                "nothing is coarse"
+            );
+            beside(stage).is_some() && answered(stage) > before
+        });
+        let now = beside(&stage);
+        assert!(kept.is_none() || kept == now, "it stays");
+        kept = now;
+    }
+    stage.thread.link.send(Command::Region(None));
+    stage.wait("all of it", |stage| beside(stage).is_none() && whole(stage));
+    stage.thread.finish();
+}
+
+#[test]
+fn paused_it_shows_edits_and_views_once_and_sleeps_until_it_is_woken() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let is_whole = |stage: &Stage| stage.harness.state().status().is_whole;
+    let answered = |stage: &Stage| stage.harness.state().status().answered;
+    stage.wait("whole picture", is_whole);
+    stage.thread.link.send(Command::Target(1 << 20));
+    stage.harness.get_by_label("Pause").click();
+    stage.wait("pause", |stage| stage.harness.state().status().is_paused);
+    let still = |stage: &mut Stage| {
+        // So long that nothing follows any more of what was done.
+        let end = Instant::now() + Duration::from_millis(1500);
+        while Instant::now() < end {
+            stage.harness.run_steps(1);
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        stage.harness.state().status().spp
+    };
+    let spp = still(&mut stage);
+    assert_eq!(still(&mut stage), spp, "no more samples");
+    let camera = stage.thread.link.board().scene.look_camera.clone();
+    for what in ["edit", "orbit", "save of another program"] {
+        let before = answered(&stage);
+        match what {
+            "edit" => stage.edit(Edit::material("Brass", "roughness", Value::number(0.25))),
+            "orbit" => stage.thread.link.send(Command::View(camera.clone())),
+            _ => {
+                fs::write(stage.path("scene.gltf"), SCENE.replace("0.7", "0.75")).expect("written");
+                let assets = Changes {
+                    assets: true,
+                    ..Changes::default()
+                };
+                stage.changes.send(assets).expect("heard");
+            }
+        }
+        stage.wait(what, |stage| answered(stage) > before && is_whole(stage));
+        let spp = still(&mut stage);
+        assert!(is_whole(&stage) && spp >= 1.0, "{what}: {spp}");
+        assert_eq!(still(&mut stage), spp, "{what}: no more samples");
+    }
+    // Going on, it renders again.
+    stage.harness.get_by_label("Pause").click();
+    let spp = stage.harness.state().status().spp;
+    stage.wait("more samples", |stage| {
+        stage.harness.state().status().spp >= spp + 4.0
+    });
+    stage.thread.finish();
+}
+
+#[test]
 fn a_picture_that_is_kept_in_the_midst_of_a_motion_keeps_nothing_waiting() {
     let Some(stage) = Stage::new() else {
         return;
@@ -638,10 +774,26 @@ fn mistakes_leave_the_picture_as_it_is() {
         let status = stage.harness.state().status();
         (status.size, status.spp)
     };
-    for text in [&LOOK.replace("roughness", "rouhgness"), LOOK] {
-        fs::write(stage.path("scene.look.toml"), text).expect("written");
+    let wrong_look = LOOK.replace("roughness", "rouhgness");
+    // As written by a program that isn't done yet, for example.
+    let wrong_scene = SCENE.get(..SCENE.len() / 2).expect("a place");
+    let bytes = fs::read(stage.path("triangle.bin")).expect("there");
+    let assets = Changes {
+        assets: true,
+        ..Changes::default()
+    };
+    for (name, bytes, change, is_wrong) in [
+        ("scene.look.toml", wrong_look.as_bytes(), &change, true),
+        ("scene.look.toml", LOOK.as_bytes(), &change, false),
+        ("scene.gltf", wrong_scene.as_bytes(), &assets, true),
+        ("scene.gltf", SCENE.as_bytes(), &assets, false),
+        ("triangle.bin", &bytes[..bytes.len() / 2], &assets, true),
+        ("triangle.bin", &bytes[..], &assets, false),
+        // Saved as it was.
+        ("scene.gltf", SCENE.as_bytes(), &assets, false),
+    ] {
+        fs::write(stage.path(name), bytes).expect("written");
         stage.changes.send(change.clone()).expect("heard");
-        let is_wrong = text != LOOK;
         stage.wait("news", |stage| {
             stage.harness.state().status().problems.is_empty() != is_wrong
         });

@@ -90,6 +90,8 @@ pub(super) struct Denoising {
     pub(super) wanted: Denoise,
     /// Of the picture of a generation.
     stage: (u64, Stage),
+    /// The library is looked for.
+    is_opening: bool,
     is_ready: bool,
     /// A picture is under way.
     is_busy: bool,
@@ -126,6 +128,7 @@ impl Denoising {
         Self {
             wanted: Denoise::Never,
             stage: (u64::MAX, Stage::Noisy),
+            is_opening: thread.is_ok(),
             is_ready: false,
             is_busy: false,
             last: [None; 2],
@@ -134,6 +137,11 @@ impl Denoising {
             said,
             thread: thread.ok(),
         }
+    }
+
+    /// Whether it is about to say something.
+    pub(super) fn is_at_work(&self) -> bool {
+        self.is_busy || self.is_opening
     }
 
     /// Whether a picture of this generation is to be shown without its noise.
@@ -261,6 +269,7 @@ impl Render {
     fn hear_denoiser(&mut self, said: Said) -> Result<(), SessionError> {
         match said {
             Said::Opened(opened) => {
+                self.denoising.is_opening = false;
                 self.denoising.is_ready = opened.is_ok();
                 lock(&self.board).status.denoiser = match opened {
                     Ok(title) => DenoiserState::Ready(title),

@@ -115,7 +115,8 @@ impl Render {
         let now = session.settings();
         // What else the window has is left out.
         let has_layers = now.layers == gathered || gathered.is_picture_alone();
-        let is_same = is_whole && !order.denoised && [now.width, now.height] == order.size && has_layers;
+        let is_same =
+            is_whole && !order.denoised && [now.width, now.height] == order.size && has_layers;
         let wanted = u64::from(width) * u64::from(height) * u64::from(order.spp);
         if is_same && self.run.samples_done >= wanted {
             let film = session
@@ -164,13 +165,7 @@ impl Render {
         self.publish_making();
     }
 
-    fn write_picture(
-        &self,
-        order: &PictureOrder,
-        made: &Made,
-        origin: &Origin,
-        layers: &Layers,
-    ) {
+    fn write_picture(&self, order: &PictureOrder, made: &Made, origin: &Origin, layers: &Layers) {
         let PictureOrder { path, view, .. } = order;
         let denoised = made.denoised.as_ref();
         let picture = Finished {
