@@ -89,7 +89,7 @@ pub enum Denoise {
 
 /// Relative error of a picture that is shown without its noise by itself from then on. With more, what the denoiser makes of the next
 /// samples is another picture: it would boil.
-pub const NOISY: f64 = 0.5;
+pub const NOISY: f64 = 0.3;
 /// Relative error of a picture that is shown as it is from then on: its noise isn't seen, and it has what the denoiser takes for noise.
 pub const FINE: f64 = 0.05;
 
