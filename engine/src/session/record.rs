@@ -55,7 +55,8 @@ fn hashed(bytes: &io::Result<Vec<u8>>) -> Option<u64> {
     Some(hash.value())
 }
 
-/// Files that remember what they were asked for. Textures in WGSL are left out: they are followed one by one.
+/// Files that remember what they were asked for. What textures in WGSL say is left out, as they are followed one by one, but not that they
+/// are there.
 #[derive(Debug)]
 pub(super) struct Recorder {
     files: Arc<dyn Assets>,
@@ -79,6 +80,10 @@ impl Recorder {
         self.record.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    fn note_texture(&self, path: &Path, is_there: bool) {
+        self.note(Request::Has(path.to_owned()), is_there.then_some(0));
+    }
+
     fn note(&self, request: Request, answer: Option<u64>) {
         self.locked().answers.insert(request, answer);
     }
@@ -91,25 +96,25 @@ fn is_texture(path: &Path) -> bool {
 impl Files for Recorder {
     fn read_start(&self, path: &Path, length: u64) -> io::Result<Vec<u8>> {
         let bytes = self.files.read_start(path, length);
-        if !is_texture(path) {
-            self.note(Request::Start(path.to_owned(), length), hashed(&bytes));
+        match is_texture(path) {
+            true => self.note_texture(path, bytes.is_ok()),
+            false => self.note(Request::Start(path.to_owned(), length), hashed(&bytes)),
         }
         bytes
     }
 
     fn read(&self, path: &Path, limit: u64) -> io::Result<Vec<u8>> {
         let bytes = self.files.read(path, limit);
-        if !is_texture(path) {
-            self.note(Request::Whole(path.to_owned(), limit), hashed(&bytes));
+        match is_texture(path) {
+            true => self.note_texture(path, bytes.is_ok()),
+            false => self.note(Request::Whole(path.to_owned(), limit), hashed(&bytes)),
         }
         bytes
     }
 
     fn has(&self, path: &Path) -> bool {
         let is_there = self.files.has(path);
-        if !is_texture(path) {
-            self.note(Request::Has(path.to_owned()), is_there.then_some(0));
-        }
+        self.note(Request::Has(path.to_owned()), is_there.then_some(0));
         is_there
     }
 
@@ -164,5 +169,9 @@ mod tests {
         assert!(record.is_of(&Disk));
         std::fs::write(path("b.bin"), "").expect("written");
         assert!(!record.is_of(&Disk), "a file that has come");
+        std::fs::remove_file(path("b.bin")).expect("removed");
+        assert!(record.is_of(&Disk));
+        std::fs::remove_file(path("t.wgsl")).expect("removed");
+        assert!(!record.is_of(&Disk), "a texture that has gone");
     }
 }
