@@ -138,6 +138,21 @@ pub(crate) fn write<'a>(
     save(output, content, &metadata.unwrap_or_default(), view)
 }
 
+/// The same of a picture from which this has taken the noise.
+///
+/// # Errors
+/// As [`write()`].
+pub(crate) fn write_denoised(
+    output: &Output,
+    content: Content<'_>,
+    origin: &Origin,
+    view: &View,
+    denoiser: &str,
+) -> Result<(), OutputError> {
+    let metadata = Metadata::new(content.film, origin).denoised_by(denoiser);
+    save(output, content, &metadata, view)
+}
+
 fn save(
     output: &Output,
     content: Content<'_>,

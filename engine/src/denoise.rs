@@ -106,7 +106,22 @@ impl Denoiser {
     /// # Errors
     /// As [`Self::picture`].
     pub fn film(&self, content: &Content<'_>) -> Result<Vec<[f32; 3]>, DenoiseError> {
-        let film = content.film;
+        self.guided_by(content.film, &content.picture())
+    }
+
+    /// Radiance of a film's pixels without its noise, as of its lights mixed otherwise, with the help of the [`GUIDES`] where the film
+    /// has both.
+    ///
+    /// # Errors
+    /// As [`Self::picture`].
+    ///
+    /// # Panics
+    /// As [`Self::picture`].
+    pub fn guided_by(
+        &self,
+        film: &Film,
+        radiance: &[[f32; 3]],
+    ) -> Result<Vec<[f32; 3]>, DenoiseError> {
         let guides: Vec<_> = (GUIDES.iter())
             .filter_map(|name| film.values(Layer::named(name)?))
             .collect();
@@ -114,7 +129,7 @@ impl Denoiser {
             [albedo, normal] => Some(Guides { albedo, normal }),
             _ => None,
         };
-        self.picture([film.width, film.height], &content.picture(), guides)
+        self.picture([film.width, film.height], radiance, guides)
     }
 
     /// Linear radiance without its noise; row 0 is on top of all of them.

@@ -31,6 +31,7 @@ mod pictures;
 mod preview;
 #[cfg(test)]
 mod random_tests;
+mod relight;
 mod rename;
 mod scene_view;
 mod textures;
@@ -42,6 +43,7 @@ pub use model_image::ModelImage;
 pub use panel::{Form, TexturesPanel};
 pub use pictures::{DraggedMaterial, PictureUse, give_material};
 pub use preview::Previews;
+pub use relight::relight;
 pub use scene_view::{Placing, SceneView};
 pub use textures::Textures;
 pub use widgets::{

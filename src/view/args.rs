@@ -55,6 +55,11 @@ pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) display: DisplayArgs,
 
+    /// Show the picture without its noise, whatever it has, by Open Image Denoise; a screenshot waits for that. Without it a window does
+    /// so by itself where it is found, while the noise is seen and the result is steady, and a screenshot has its noise.
+    #[arg(long)]
+    pub(crate) denoise: bool,
+
     /// When the window is closed, print how quickly it followed: the first picture, frames and pictures while dragging, changes.
     #[arg(long)]
     pub(crate) figures: bool,

@@ -36,6 +36,8 @@ pub(crate) struct ViewJob {
     pub(crate) texture_dirs: Vec<PathBuf>,
     /// How the picture is shown, as far as the command line says it.
     pub(crate) display: ViewChoice,
+    /// The picture is shown without its noise.
+    pub(crate) denoise: bool,
     /// How quickly the window followed is printed when it is closed.
     pub(crate) figures: bool,
     /// Where a picture of the window goes, and the samples per pixel that it waits for.
@@ -77,6 +79,7 @@ impl ViewJob {
                 .transpose()?,
             texture_dirs: args.common.texture_dirs,
             display: parse_display(&args.display)?,
+            denoise: args.denoise,
             figures: args.figures,
             screenshot,
         })

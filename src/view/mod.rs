@@ -7,10 +7,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use device::{Device, DeviceChoice, DeviceError, DeviceOptions};
-use engine::film::{Film, Origin};
-use engine::scene::view::View;
-use patina_viewer::host::{Changes, Host, OpenDenoiser};
-use patina_viewer::link::Files;
+use engine::film::write::{Content, Form};
+use patina_viewer::host::{Changes, Finished, Host, OpenDenoiser};
+use patina_viewer::link::{Denoise, Files, Waker};
 use patina_viewer::shell::{self, Devices, WindowError, WindowOptions};
 use patina_viewer::thread::RenderOptions;
 
@@ -21,6 +20,9 @@ use crate::words::{NATIVE, Output, parse_output};
 use crate::{cache, console, library, recent};
 
 use job::ViewJob;
+
+/// How often files are looked at that have no events, while the window has nothing to do.
+const LOOKED_AT: Duration = Duration::from_secs(1);
 
 /// Pixels of a picture before the window has said how large it is.
 const FIRST_SIZE: [u32; 2] = [640, 360];
@@ -41,9 +43,13 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
         output::check_all(std::slice::from_ref(&output.path), &read)?;
     }
     is_displayed()?;
+    if job.denoise {
+        crate::denoise::open().map_err(|why| Failure::Failed(format!("--denoise: {why}")))?;
+    }
     let host = ProgramHost {
         texture_dirs: job.texture_dirs.clone(),
         watched: None,
+        waker: None,
         read: Vec::new(),
     };
     library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
@@ -68,6 +74,12 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
             _ => job.device.clone(),
         },
         display: job.display,
+        denoise: match (job.denoise, &job.screenshot) {
+            (true, _) => Some(Denoise::Always),
+            // It looks the same whatever is installed, and however long that takes.
+            (false, Some(_)) => Some(Denoise::Never),
+            (false, None) => None,
+        },
         picture_at_spp: job.screenshot.as_ref().map(|(_, spp)| *spp),
         figures_since: job.figures.then_some(start),
     };
@@ -181,6 +193,8 @@ struct ProgramHost {
     /// Folders named on the command line.
     texture_dirs: Vec<PathBuf>,
     watched: Option<Watched>,
+    /// Wakes the window's render.
+    waker: Option<Waker>,
     /// What is shown: no picture is written over it.
     read: Vec<PathBuf>,
 }
@@ -217,7 +231,13 @@ impl Host for ProgramHost {
                 watched.watcher.set_files(files, look);
             }
             watched => {
-                let watcher = Watcher::new(files, look, textures);
+                let waker = self.waker.clone();
+                let wake = move || {
+                    if let Some(waker) = &waker {
+                        waker.wake();
+                    }
+                };
+                let watcher = Watcher::telling(files, look, textures, wake);
                 *watched = Some(Watched {
                     watcher: watcher.map_err(|failure| failure.to_string())?,
                     textures: textures.to_owned(),
@@ -234,6 +254,17 @@ impl Host for ProgramHost {
             textures: changes.textures,
             look: changes.look,
             assets: changes.assets,
+        })
+    }
+
+    fn wake_by(&mut self, waker: Waker) {
+        self.waker = Some(waker);
+    }
+
+    fn patience(&self) -> Duration {
+        let watched = self.watched.as_ref();
+        watched.map_or(LOOKED_AT, |watched| {
+            watched.watcher.patience().min(LOOKED_AT)
         })
     }
 
@@ -261,15 +292,21 @@ impl Host for ProgramHost {
         output::check(&output.path).map_err(|error| error.to_string())
     }
 
-    fn write_picture(
-        &self,
-        path: &Path,
-        film: &Film,
-        origin: &Origin,
-        view: &View,
-    ) -> Result<(), String> {
+    fn write_picture(&self, path: &Path, picture: &Finished<'_>) -> Result<(), String> {
         let output = self.output(path)?;
-        output::write(&output, film, Some(origin), view).map_err(|error| error.to_string())
+        let Finished { origin, view, .. } = *picture;
+        let content = Content {
+            film: picture.film,
+            layers: picture.layers,
+            denoised: picture.denoised.map(|(radiance, _)| radiance),
+            transparent: false,
+            form: &Form::USUAL,
+        };
+        let written = match picture.denoised {
+            Some((_, by)) => output::write_denoised(&output, content, origin, view, by),
+            None => output::write(&output, content, Some(origin), view),
+        };
+        written.map_err(|error| error.to_string())
     }
 }
 

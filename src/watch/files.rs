@@ -109,6 +109,11 @@ fn progress(kind: &EventKind) -> Progress {
     }
 }
 
+/// That a file was read says nothing of it.
+fn says_something(kind: &EventKind) -> bool {
+    !matches!(kind, EventKind::Access(_)) || progress(kind) == Progress::Whole
+}
+
 impl Watcher {
     /// Watches these files and the textures in these folders.
     ///
@@ -119,9 +124,32 @@ impl Watcher {
         look: Option<&Path>,
         textures: &[PathBuf],
     ) -> Result<Self, Failure> {
+        Self::telling(files, look, textures, || {})
+    }
+
+    /// As [`Self::new`], and calls `wake` on a thread of its own when there is something to [wait](Self::wait) for.
+    ///
+    /// # Errors
+    /// As there.
+    pub(crate) fn telling(
+        files: &[PathBuf],
+        look: Option<&Path>,
+        textures: &[PathBuf],
+        wake: impl Fn() + Send + 'static,
+    ) -> Result<Self, Failure> {
         let refused = |error| Failure::Failed(format!("can't watch files: {error}"));
         let (sender, events) = channel();
-        let watcher = notify::recommended_watcher(sender).map_err(refused)?;
+        let hear = move |event: notify::Result<notify::Event>| {
+            let is_news = match &event {
+                Ok(event) => says_something(&event.kind),
+                Err(_) => true,
+            };
+            // Where nobody listens, nobody is to be woken.
+            if is_news && sender.send(event).is_ok() {
+                wake();
+            }
+        };
+        let watcher = notify::recommended_watcher(hear).map_err(refused)?;
         let mut this = Self {
             watcher,
             events,
@@ -188,6 +216,14 @@ impl Watcher {
         }
     }
 
+    /// How long nothing is to be expected of [`Self::wait`], unless an event comes.
+    pub(crate) fn patience(&self) -> Duration {
+        let burst = self.burst.as_ref();
+        burst.map_or(Duration::MAX, |burst| {
+            burst.end().saturating_duration_since(Instant::now())
+        })
+    }
+
     /// What changed, as soon as a burst is over; waits at most so long for that.
     pub(crate) fn wait(&mut self, longest: Duration) -> Option<Changes> {
         let end = Instant::now() + longest;
@@ -217,9 +253,6 @@ impl Watcher {
 
     fn note(&mut self, event: notify::Event) {
         let progress = progress(&event.kind);
-        if matches!(event.kind, EventKind::Access(_)) && progress != Progress::Whole {
-            return;
-        }
         if event.need_rescan() {
             return self.note_all();
         }

@@ -2,12 +2,13 @@
 //! written there, as for every other command.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use engine::denoise::Denoiser;
-use engine::film::{Film, Origin};
+use engine::film::{Film, Layers, Origin};
 use engine::scene::view::View;
 
-use crate::link::Files;
+use crate::link::{Files, Waker};
 
 /// What of the files that are rendered has changed.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -18,6 +19,21 @@ pub struct Changes {
     pub look: bool,
     /// The scene, what it is made of, or an image.
     pub assets: bool,
+}
+
+/// A picture that is to be written.
+#[derive(Debug, Clone, Copy)]
+pub struct Finished<'a> {
+    /// What was gathered.
+    pub film: &'a Film,
+    /// Those of its layers that files hold.
+    pub layers: &'a Layers,
+    /// Its radiance without the noise, and what has taken it out.
+    pub denoised: Option<(&'a [[f32; 3]], &'a str)>,
+    /// Where it comes from.
+    pub origin: &'a Origin,
+    /// How it is shown.
+    pub view: &'a View,
 }
 
 /// Opens what takes noise out of pictures, or says why there is none and what to do; the text is for people. Called on a thread of its own.
@@ -45,6 +61,12 @@ pub trait Host: Send {
     /// What has changed since the last call. Returns at once.
     fn changes(&mut self) -> Changes;
 
+    /// Is handed what is to be called when there may be changes, before anything is watched.
+    fn wake_by(&mut self, waker: Waker);
+
+    /// How long nobody needs to ask for changes, unless he is woken.
+    fn patience(&self) -> Duration;
+
     /// Says on the terminal what is wrong, as what the window shows may be overlooked.
     fn report(&self, text: &str);
 
@@ -66,16 +88,9 @@ pub trait Host: Send {
     /// The text is for people.
     fn check_picture(&self, path: &Path) -> Result<(), String>;
 
-    /// Writes a picture: as the view shows it (.png, .jpg), or as linear radiance with all layers of the film and where it came
-    /// from (.exr).
+    /// Writes a picture: as the view shows it (.png, .jpg), or as linear radiance with its layers and where it came from (.exr).
     ///
     /// # Errors
     /// The text is for people.
-    fn write_picture(
-        &self,
-        path: &Path,
-        film: &Film,
-        origin: &Origin,
-        view: &View,
-    ) -> Result<(), String>;
+    fn write_picture(&self, path: &Path, picture: &Finished<'_>) -> Result<(), String>;
 }

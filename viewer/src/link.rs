@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::Sender;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Instant;
 
 use engine::display::DisplaySettings;
@@ -47,8 +47,8 @@ pub enum Command {
     KeepBefore(bool),
     /// Render, or wait.
     Pause(bool),
-    /// Show the picture without its noise, where there is what takes it out.
-    Denoise(bool),
+    /// When to show the picture without its noise, where there is what takes it out.
+    Denoise(Denoise),
     /// Keep the light of groups apart from now on, and show it mixed; or show the picture as it is.
     MixLights(Option<LightMix>),
     /// Show a scene without any light in that of a studio, or as dark as it is.
@@ -67,11 +67,31 @@ pub enum Command {
     Open(Files),
     /// Search textures in this folder, too.
     TextureFolder(PathBuf),
+    /// Files may have changed.
+    LookForChanges,
     /// The window can't be drawn any more, for this reason: keep what is not saved.
     Abandon(String),
     /// End.
     Quit,
 }
+
+/// When the picture is shown without its noise.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Denoise {
+    /// While it has so much that it is seen, and so little that what is left without it is steady: see [`NOISY`] and [`FINE`].
+    #[default]
+    ByItself,
+    /// However much it has.
+    Always,
+    /// Not at all.
+    Never,
+}
+
+/// Relative error of a picture that is shown without its noise by itself from then on. With more, what the denoiser makes of the next
+/// samples is another picture: it would boil.
+pub const NOISY: f64 = 0.3;
+/// Relative error of a picture that is shown as it is from then on: its noise isn't seen, and it has what the denoiser takes for noise.
+pub const FINE: f64 = 0.05;
 
 /// A picture that is to be written: as a view shows it as .png or .jpg, with its lights mixed as they are shown; radiance as .exr, as it is
 /// rendered.
@@ -85,6 +105,8 @@ pub struct PictureOrder {
     pub spp: u32,
     /// All layers that there are, where the file can hold them.
     pub layers: bool,
+    /// Without its noise. A file that holds layers keeps the noisy picture as one of them.
+    pub denoised: bool,
     /// How it is shown.
     pub view: View,
 }
@@ -339,14 +361,20 @@ pub struct Board {
 /// The window's end.
 #[derive(Debug, Clone)]
 pub struct Link {
-    commands: Sender<Command>,
+    commands: Arc<Sender<Command>>,
     board: Arc<Mutex<Board>>,
 }
 
 impl Link {
     /// From both halves.
     pub fn new(commands: Sender<Command>, board: Arc<Mutex<Board>>) -> Self {
+        let commands = Arc::new(commands);
         Self { commands, board }
+    }
+
+    /// What wakes the render.
+    pub fn waker(&self) -> Waker {
+        Waker(Arc::downgrade(&self.commands))
     }
 
     /// Sends a command. One that nobody hears is lost: then the board says why.
@@ -357,6 +385,20 @@ impl Link {
     /// What there is to read. Held for moments only, by either side.
     pub fn board(&self) -> MutexGuard<'_, Board> {
         lock(&self.board)
+    }
+}
+
+/// Wakes the render, while there is a [`Link`] to it, to look for files that have changed.
+#[derive(Debug, Clone)]
+pub struct Waker(Weak<Sender<Command>>);
+
+impl Waker {
+    /// From any thread.
+    pub fn wake(&self) {
+        if let Some(commands) = self.0.upgrade() {
+            // Where nobody hears it, nobody sleeps.
+            let _ = commands.send(Command::LookForChanges);
+        }
     }
 }
 

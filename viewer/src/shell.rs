@@ -16,7 +16,7 @@ use crate::canvas::Canvas;
 use crate::figures::{Figures, Frame};
 use crate::file_dialogs::SystemDialogs;
 use crate::host::Host;
-use crate::link::{Command, Files, Link};
+use crate::link::{Command, Denoise, DenoiserState, Files, Link};
 use crate::screen::Screen;
 use crate::thread::{RenderOptions, RenderThread};
 use crate::viewer::{Preferences, Viewer};
@@ -62,6 +62,8 @@ pub struct WindowOptions {
     pub preview_device: DeviceChoice,
     /// How the picture is shown; what this doesn't say, the look or the last start does.
     pub display: ViewChoice,
+    /// When the picture is shown without its noise; as at the last start without it.
+    pub denoise: Option<Denoise>,
     /// The window is pictured and closed, once the render has so many samples per pixel.
     pub picture_at_spp: Option<u32>,
     /// Figures are taken, which count from then.
@@ -239,6 +241,8 @@ struct Shell {
     viewer: Viewer,
     screen: Screen,
     picture_at_spp: Option<u32>,
+    /// That picture is to have no noise.
+    waits_for_denoiser: bool,
     /// The picture has been asked for.
     is_taking: bool,
     /// The render has been told that the window can't be drawn any more.
@@ -276,6 +280,9 @@ impl Shell {
             driver.draw_here(move |_| ctx.request_repaint_after(DRAWN_AGAIN));
         }
         let mut viewer = Viewer::new(parts.link.clone(), preferences, options.display);
+        if let Some(denoise) = options.denoise {
+            viewer.set_denoise(denoise);
+        }
         // A device of their own, so that they don't keep the render waiting.
         let choice = options.preview_device;
         let open = move || Device::open(&choice);
@@ -286,6 +293,7 @@ impl Shell {
             viewer,
             screen: Screen::new(context.wgpu_render_state.as_ref()),
             picture_at_spp: options.picture_at_spp,
+            waits_for_denoiser: options.denoise == Some(Denoise::Always),
             is_taking: false,
             is_abandoned: false,
             figures_since: options.figures_since,
@@ -363,7 +371,11 @@ impl Shell {
             return;
         }
         let status = self.viewer.status();
-        let is_finished = status.is_whole && status.spp >= f64::from(spp);
+        let has_samples = |spp_there: f64| spp_there >= f64::from(spp);
+        let is_clean = !self.waits_for_denoiser
+            || status.denoised.is_some_and(has_samples)
+            || matches!(status.denoiser, DenoiserState::Absent(_));
+        let is_finished = status.is_whole && has_samples(status.spp) && is_clean;
         let is_ready = is_finished || status.fatal.is_some() || status.refused.is_some();
         if is_ready && !self.is_taking {
             self.is_taking = true;

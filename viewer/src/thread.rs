@@ -30,8 +30,10 @@ use mix::Mixing;
 
 /// Parsing recurses along a texture's expressions.
 const STACK_BYTES: usize = 8 << 20;
-/// How often a render that has nothing to do looks for commands, files and what is built.
+/// How often a render that has just had something to do looks for what follows from it.
 const IDLE: Duration = Duration::from_millis(50);
+/// So long after the last thing that was done nothing follows any more: it sleeps until it is woken, or files are to be looked at.
+const SETTLED: Duration = Duration::from_secs(1);
 /// The same while something is built.
 const BUILDING: Duration = Duration::from_millis(10);
 
@@ -72,6 +74,8 @@ impl RenderThread {
         let board = Arc::new(Mutex::new(Board::default()));
         lock(&board).status.device = device.description().name.clone();
         let link = Link::new(sender, Arc::clone(&board));
+        let mut host = host;
+        host.wake_by(link.waker());
         let thread = std::thread::Builder::new()
             .name("render".to_owned())
             .stack_size(STACK_BYTES)
@@ -103,6 +107,7 @@ impl RenderThread {
                     picked: None,
                     outlined: None,
                     before: None,
+                    kept: 0,
                     denoising,
                     mixing: Mixing::default(),
                     pace,
@@ -111,6 +116,7 @@ impl RenderThread {
                     making: None,
                     waiting: None,
                     failures: 0,
+                    worked: Instant::now(),
                     outside: 0,
                     end: None,
                     is_stuck: false,
@@ -163,6 +169,8 @@ struct Render {
     /// The material that has a line around it.
     outlined: Option<u32>,
     before: Option<compare::Before>,
+    /// Pictures that have been kept to compare with.
+    kept: u64,
     denoising: Denoising,
     mixing: Mixing,
     pace: Pace,
@@ -175,6 +183,8 @@ struct Render {
     waiting: Option<Files>,
     /// Failures in a row.
     failures: u32,
+    /// When something was done last, or waited for.
+    worked: Instant,
     /// Texts of the look that other programs have written.
     outside: u64,
     /// When the scene's last animation ends, seconds.
@@ -239,12 +249,7 @@ impl Render {
             self.open(files);
         }
         loop {
-            let is_building = (self.session.as_ref()).is_some_and(Session::is_building);
-            let wait = match (self.has_work(), is_building) {
-                (true, _) => Duration::ZERO,
-                (false, true) => BUILDING,
-                (false, false) => IDLE,
-            };
+            let wait = self.patience();
             if !self.take_commands(commands, wait) {
                 return;
             }
@@ -254,6 +259,31 @@ impl Render {
                 Err(error) => self.fail(&error),
             }
         }
+    }
+
+    /// How long it may wait for a command.
+    fn patience(&mut self) -> Duration {
+        let is_building = (self.session.as_ref()).is_some_and(Session::is_building);
+        let now = match (self.has_work(), is_building && !self.is_stuck) {
+            (true, _) => Duration::ZERO,
+            (false, true) => BUILDING,
+            (false, false) if self.is_unsettled() => IDLE,
+            (false, false) => {
+                let rest = self.host.patience();
+                return match self.worked.elapsed() < SETTLED {
+                    true => rest.min(IDLE),
+                    false => rest,
+                };
+            }
+        };
+        self.worked = Instant::now();
+        now
+    }
+
+    /// Something comes by itself: the whole picture after a motion, or what other threads are about to finish.
+    fn is_unsettled(&self) -> bool {
+        let comes = self.is_moving || self.making.is_some() || self.mixing.is_moving();
+        comes || self.denoising.is_at_work() || self.measures_costs()
     }
 
     fn has_work(&self) -> bool {
@@ -305,11 +335,22 @@ impl Render {
             return Ok(());
         };
         let changes = self.host.changes();
-        self.is_stuck &= changes == Changes::default();
+        let is_new = changes != Changes::default();
+        self.is_stuck &= !is_new;
         if self.is_stuck {
             return Ok(());
         }
-        let generation = session.generation();
+        let (generation, layers) = (session.generation(), session.settings().layers.clone());
+        let kept = match is_new || session.has_built() {
+            true => self.copy_beside()?,
+            false => None,
+        };
+        if is_new {
+            self.worked = Instant::now();
+        }
+        let Some(session) = &mut self.session else {
+            return Ok(());
+        };
         if changes.look {
             let saved = session.saved_text().to_owned();
             match session.has_unsaved_edits() || !self.pending.changes.is_empty() {
@@ -324,10 +365,17 @@ impl Render {
         }
         if changes.assets {
             session.assets_changed();
-            self.end = opening::end(session);
+            // Of a file that can't be read nothing is known: what is shown goes on.
+            if let Ok(end) = opening::end(session) {
+                self.end = end;
+            }
         }
         let polled = session.poll();
         if session.generation() != generation {
+            self.beside = match session.settings().layers == layers {
+                true => self.beside.take().or(kept),
+                false => None,
+            };
             self.begin_small();
         }
         polled?;
@@ -422,9 +470,9 @@ impl Render {
             return Ok(());
         };
         let clock = Instant::now();
-        let progress = session.step(self.options.target_spp)?;
+        let progress = session.advance(self.options.target_spp)?;
         if session.generation() != self.run.generation {
-            // Something was swapped in: its samples are counted from the next turn on.
+            // Another device: its samples are counted from the next turn on.
             self.begin_small();
             self.notice_generation();
             return Ok(());
@@ -456,6 +504,12 @@ impl Render {
             (self.wake)();
         }
         Ok(())
+    }
+
+    /// Whether there is to be measured what one more texture costs, as soon as nobody waits for anything else.
+    fn measures_costs(&self) -> bool {
+        let is_at_rest = self.run.is_seen && self.divisor == 1 && !self.is_paused;
+        self.times_passes && is_at_rest && !lock(&self.board).status.textures.is_done
     }
 
     /// Measures what one more texture costs, where that is asked for and nobody waits for anything else.

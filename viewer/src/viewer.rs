@@ -23,7 +23,7 @@ use engine::scene::view::{View, ViewChoice, ViewTransform};
 use patina_panels::{Browser, FileDialogs, show_focus};
 
 use crate::blit::Drawn;
-use crate::link::{Command, Files, Hit, Link, PickPurpose, Reply, SceneFacts, Status};
+use crate::link::{Command, Denoise, Files, Hit, Link, PickPurpose, Reply, SceneFacts, Status};
 
 use dialogs::Dialog;
 use look::{Editor, Outside};
@@ -60,7 +60,7 @@ pub struct Preferences {
     pub view: String,
     /// Pixels of the viewport per pixel of the picture.
     pub coarseness: u32,
-    /// The picture is shown without its noise where that can be done.
+    /// The picture is shown without its noise where that can be done, once it has so little of it that what is left is steady.
     pub denoises: bool,
     /// A scene without any light is seen in that of a studio.
     pub studio_light: bool,
@@ -132,6 +132,8 @@ pub struct Viewer {
     /// What draws it faster than egui does, if there is such a thing.
     pub drawn: Option<Drawn>,
     display: DisplaySettings,
+    /// When the picture is shown without its noise.
+    denoise: Denoise,
     /// What the command line says of the view.
     given_view: ViewChoice,
     viewport: Viewport,
@@ -171,7 +173,11 @@ impl Viewer {
             ..DisplaySettings::default()
         };
         link.send(Command::Display(display));
-        link.send(Command::Denoise(preferences.denoises));
+        let denoise = match preferences.denoises {
+            true => Denoise::ByItself,
+            false => Denoise::Never,
+        };
+        link.send(Command::Denoise(denoise));
         link.send(Command::StudioLight(preferences.studio_light));
         link.send(Command::TimePasses(preferences.shows_times));
         Self {
@@ -180,6 +186,7 @@ impl Viewer {
             picture: None,
             drawn: None,
             display,
+            denoise,
             given_view: view,
             viewport: Viewport::default(),
             editor: Editor::default(),
@@ -198,6 +205,12 @@ impl Viewer {
             material: None,
             figures: [0.0; 2],
         }
+    }
+
+    /// Shows the picture without its noise from now on whenever this says, where that can be done.
+    pub fn set_denoise(&mut self, denoise: Denoise) {
+        self.denoise = denoise;
+        self.link.send(Command::Denoise(denoise));
     }
 
     /// The material that was clicked last.
@@ -409,8 +422,16 @@ impl Viewer {
                 self.viewport = Viewport::default();
                 self.timeline = Timeline::default();
                 self.forget_mix();
-                self.editor.forget();
-                self.begin_look(self.preferences.files.as_ref() == Some(&files));
+                let last = self.preferences.files.take();
+                let is_again = self.document_mut().is_some()
+                    && last.as_ref().is_some_and(|last| is_same(last, &files));
+                match is_again {
+                    true => self.editor.reopen(),
+                    false => {
+                        self.editor.forget();
+                        self.begin_look(last.as_ref() == Some(&files));
+                    }
+                }
                 self.material = None;
                 self.preferences.files = Some(files);
             }
@@ -422,6 +443,16 @@ impl Viewer {
             self.link.send(Command::View(Some(camera)));
         }
     }
+}
+
+/// Whether scene and look are the same files, however they are named.
+fn is_same(one: &Files, other: &Files) -> bool {
+    let found = |path: &std::path::Path| {
+        let absolute = || std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        path.canonicalize().unwrap_or_else(|_| absolute())
+    };
+    let pair = |files: &Files| (found(&files.scene), files.look.as_deref().map(found));
+    pair(one) == pair(other)
 }
 
 /// A path for people.

@@ -10,14 +10,15 @@ use std::time::{Duration, Instant};
 use device::{Device, DeviceChoice};
 use egui::Event;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use engine::denoise::{self, Denoiser};
-use engine::film::{Film, LightMix, Origin};
+use engine::film::{Film, LightMix};
 use engine::scene::view::{View, ViewChoice};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use patina_viewer::host::{Changes, Host, OpenDenoiser};
+use patina_viewer::host::{Changes, Finished, Host, OpenDenoiser};
 use patina_viewer::link::{
-    Board, Command, DenoiserState, Files, Link, LookFacts, PictureOrder, SceneFacts, Shown,
+    Board, Command, Denoise, DenoiserState, Files, Link, LookFacts, PictureOrder, SceneFacts,
+    Shown, Waker,
 };
 use patina_viewer::picture::Picture;
 use patina_viewer::thread::{RenderOptions, RenderThread};
@@ -71,6 +72,12 @@ impl Host for TestHost {
         Changes::default()
     }
 
+    fn wake_by(&mut self, _: Waker) {}
+
+    fn patience(&self) -> Duration {
+        Duration::from_millis(10)
+    }
+
     fn report(&self, text: &str) {
         panic!("{text}");
     }
@@ -95,8 +102,8 @@ impl Host for TestHost {
         Ok(())
     }
 
-    fn write_picture(&self, _: &Path, film: &Film, _: &Origin, _: &View) -> Result<(), String> {
-        *self.0.lock().expect("no panic") = Some(film.clone());
+    fn write_picture(&self, _: &Path, picture: &Finished<'_>) -> Result<(), String> {
+        *self.0.lock().expect("no panic") = Some(picture.film.clone());
         Ok(())
     }
 }
@@ -250,6 +257,7 @@ impl Stage {
             size: self.harness.state().status().size,
             spp: SPP,
             layers: false,
+            denoised: false,
             view: View::default(),
         };
         self.thread.link.send(Command::SavePicture(order));
@@ -259,6 +267,10 @@ impl Stage {
         let film = self.written.lock().expect("no panic").take();
         film.expect("it has come")
     }
+}
+
+fn is_close(a: &[u8], b: &[u8]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 1)
 }
 
 fn assert_close(a: &[u8], b: &[u8]) {
@@ -337,7 +349,7 @@ fn noise_is_taken_out_of_what_is_mixed() {
     let both = stage.now();
     stage.click("day");
     let screen = stage.after(&both);
-    stage.thread.link.send(Command::Denoise(true));
+    stage.thread.link.send(Command::Denoise(Denoise::Always));
     let is_clean = |stage: &Stage| stage.harness.state().status().denoised.is_some();
     stage.wait("picture without noise", is_clean);
     assert_alike(&stage.now(), &screen);
@@ -434,6 +446,49 @@ fn faders_send_what_they_say() {
     assert_eq!(click(&mut harness, "Reset"), [neutral]);
     press_l(&mut harness);
     assert!(harness.query_by_label("Reset").is_none());
+}
+
+#[test]
+fn a_mix_becomes_what_the_lights_give() {
+    let Some(mut stage) = Stage::new(&look(DAY, SCREEN)) else {
+        return;
+    };
+    press_l(&mut stage.harness);
+    stage.wait("groups that are kept apart", |stage| {
+        stage.harness.state().status().keeps_groups && stage.is_done()
+    });
+    let both = stage.now();
+    let is_grey = |stage: &Stage| {
+        let button = stage.harness.get_by_label("To the lights");
+        button.accesskit_node().is_disabled()
+    };
+    assert!(is_grey(&stage), "nothing is mixed");
+    stage.click("day");
+    let screen = stage.after(&both);
+    assert!(!is_grey(&stage));
+    stage.click("To the lights");
+    let text = |stage: &mut Stage| {
+        let document = stage.harness.state_mut().document_mut();
+        document.expect("a look").text().to_owned()
+    };
+    let written = text(&mut stage);
+    assert!(written.contains("intensity = 0.0"), "{written}");
+    assert!(is_grey(&stage), "the faders are as they were");
+    stage.wait("the same picture", |stage| {
+        stage.is_done() && is_close(&stage.now(), &screen)
+    });
+    // One step back, and all is as it was.
+    stage
+        .harness
+        .state_mut()
+        .document_mut()
+        .expect("a look")
+        .undo();
+    assert_eq!(text(&mut stage), look(DAY, SCREEN));
+    stage.wait("the picture of before", |stage| {
+        stage.is_done() && is_close(&stage.now(), &both)
+    });
+    stage.thread.finish();
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use device::{Device, DeviceChoice};
@@ -10,12 +11,13 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use engine::denoise::{self, Denoiser};
-use engine::film::{Film, Origin};
 use engine::scene::look::Value;
 use engine::scene::view::{View, ViewChoice};
 use engine::session::Edit;
-use patina_viewer::host::{Changes, Host, OpenDenoiser};
-use patina_viewer::link::{Command, DenoiserState, Files, PickPurpose, PictureOrder, Saving};
+use patina_viewer::host::{Changes, Finished, Host, OpenDenoiser};
+use patina_viewer::link::{
+    Command, Denoise, DenoiserState, FINE, Files, PickPurpose, PictureOrder, Saving, Waker,
+};
 use patina_viewer::picture::Picture;
 use patina_viewer::thread::{RenderOptions, RenderThread};
 use patina_viewer::viewer::{Preferences, Viewer};
@@ -39,7 +41,23 @@ const LOOK: &str = "# Light from everywhere.\nenvironment = { color = [1, 1, 1],
 /// A host whose files change when the test says so, and that writes names instead of pictures.
 struct TestHost {
     changes: std::sync::mpsc::Receiver<Changes>,
+    waker: Arc<Mutex<Option<Waker>>>,
     textures: PathBuf,
+}
+
+/// Tells a host of changes, and wakes the render, which doesn't ask by itself.
+struct Saves {
+    sender: std::sync::mpsc::Sender<Changes>,
+    waker: Arc<Mutex<Option<Waker>>>,
+}
+
+impl Saves {
+    fn send(&self, changes: Changes) -> Result<(), std::sync::mpsc::SendError<Changes>> {
+        self.sender.send(changes)?;
+        let waker = self.waker.lock().expect("no panic");
+        waker.as_ref().expect("it was handed in").wake();
+        Ok(())
+    }
 }
 
 impl Host for TestHost {
@@ -54,6 +72,14 @@ impl Host for TestHost {
 
     fn changes(&mut self) -> Changes {
         self.changes.try_recv().unwrap_or_default()
+    }
+
+    fn wake_by(&mut self, waker: Waker) {
+        *self.waker.lock().expect("no panic") = Some(waker);
+    }
+
+    fn patience(&self) -> Duration {
+        Duration::from_secs(3600)
     }
 
     fn report(&self, text: &str) {
@@ -83,22 +109,28 @@ impl Host for TestHost {
         has_folder.then_some(()).ok_or("no folder".to_owned())
     }
 
-    fn write_picture(
-        &self,
-        path: &Path,
-        film: &Film,
-        origin: &Origin,
-        view: &View,
-    ) -> Result<(), String> {
+    fn write_picture(&self, path: &Path, picture: &Finished<'_>) -> Result<(), String> {
+        let Finished {
+            film, origin, view, ..
+        } = *picture;
         let (least, most) = film.sample_bounds();
         assert_eq!(least, most, "each pixel has all of its samples");
         // Of few samples some are black, but no part of the picture is.
         let black = film.mean().iter().filter(|rgb| rgb[0] <= 0.0).count();
         assert!(black < film.mean().len() / 8, "{black} pixels are black");
-        let layers = film.layers().iter().count();
+        let layers = picture.layers.iter().count();
         let (width, height) = (film.width, film.height);
         let (depth, shown) = (origin.setting("max-depth"), view.transform.name());
-        let text = format!("{width} x {height}, {least} spp, {layers} layers, {depth:?}, {shown}");
+        let clean = match picture.denoised {
+            Some((radiance, by)) => {
+                assert_eq!(radiance.len(), film.pixels());
+                assert!(Denoiser::has_guides(film));
+                format!(" without noise by {by},")
+            }
+            None => String::new(),
+        };
+        let text =
+            format!("{width} x {height}, {least} spp, {layers} layers,{clean} {depth:?}, {shown}");
         fs::write(path, text).map_err(|error| error.to_string())
     }
 }
@@ -108,7 +140,7 @@ struct Stage {
     folder: TempDir,
     harness: Harness<'static, Viewer>,
     thread: RenderThread,
-    changes: std::sync::mpsc::Sender<Changes>,
+    changes: Saves,
 }
 
 impl Stage {
@@ -159,7 +191,12 @@ impl Stage {
         };
         let (sender, changes) = std::sync::mpsc::channel();
         let textures = folder.path().to_owned();
-        let host = Box::new(TestHost { changes, textures });
+        let waker = Arc::default();
+        let host = Box::new(TestHost {
+            changes,
+            waker: Arc::clone(&waker),
+            textures,
+        });
         let thread =
             RenderThread::start(device.clone(), Some(files), options, host, Box::new(|| {}));
         let thread = thread.expect("a thread");
@@ -180,7 +217,7 @@ impl Stage {
             folder,
             harness,
             thread,
-            changes: sender,
+            changes: Saves { sender, waker },
         })
     }
 
@@ -251,7 +288,7 @@ fn the_picture_is_shown_without_noise_where_that_can_be_done() {
     let Some(mut stage) = Stage::new() else {
         return;
     };
-    stage.thread.link.send(Command::Denoise(true));
+    stage.thread.link.send(Command::Denoise(Denoise::Always));
     stage.wait("answer", |stage| {
         stage.harness.state().status().denoiser != DenoiserState::Unknown
     });
@@ -270,8 +307,70 @@ fn the_picture_is_shown_without_noise_where_that_can_be_done() {
         is_clean(stage)
     });
     assert!(stage.harness.state().status().error.is_some());
-    stage.thread.link.send(Command::Denoise(false));
+    stage.thread.link.send(Command::Denoise(Denoise::Never));
     stage.wait("picture with noise", |stage| !is_clean(stage));
+    stage.thread.finish();
+}
+
+#[test]
+fn noise_is_taken_out_by_itself_and_of_what_is_compared_and_saved() {
+    // With some noise that can be seen.
+    const LAMP: &str = "environment = { color = [0.01, 0.01, 0.01] }\n\n[light.lamp]\ntype = \"area\"\nposition = [1.0, 0.8, 0.5]\nlook_at = [0, 0, 0]\nsize = [1.5, 1.5]\n";
+    let Some(mut stage) = Stage::beginning(LAMP) else {
+        return;
+    };
+    stage.wait("a picture", |stage| {
+        stage.harness.state().status().spp >= 4.0
+    });
+    stage.wait("answer", |stage| {
+        stage.harness.state().status().denoiser != DenoiserState::Unknown
+    });
+    if let DenoiserState::Absent(why) = &stage.harness.state().status().denoiser {
+        eprintln!("skipped: {why}");
+        return stage.thread.finish();
+    }
+    let noisy = |stage: &Stage| {
+        let [_, before, _] = stage.thread.link.board().shown.clone()?.pictures;
+        before
+    };
+    stage.thread.link.send(Command::KeepBefore(true));
+    stage.wait("picture of before", |stage| noisy(stage).is_some());
+    let kept = noisy(&stage);
+    // Done, with an error that can be seen.
+    stage.thread.link.send(Command::Denoise(Denoise::ByItself));
+    let is_clean = |stage: &Stage| stage.harness.state().status().denoised.is_some();
+    let error = |stage: &Stage| stage.harness.state().status().error.unwrap_or(1.0);
+    stage.wait("picture without noise", |stage| {
+        error(stage) < FINE || is_clean(stage)
+    });
+    assert!(error(&stage) > FINE, "{}", error(&stage));
+    stage.wait("picture of before without noise", |stage| {
+        noisy(stage) != kept
+    });
+    // With more samples nobody sees it.
+    stage.thread.link.send(Command::Target(1 << 20));
+    stage.wait("picture with its samples", |stage| {
+        error(stage) < FINE && !is_clean(stage)
+    });
+    // Who asks for it gets it all the same.
+    stage.thread.link.send(Command::Denoise(Denoise::Always));
+    stage.wait("picture without noise", is_clean);
+    let size = [40, 30];
+    for (name, layers) in [("clean.png", 1), ("clean.exr", 1)] {
+        let order = PictureOrder {
+            path: stage.path(name),
+            size,
+            spp: 2,
+            layers: false,
+            denoised: true,
+            view: View::default(),
+        };
+        stage.thread.link.send(Command::SavePicture(order));
+        stage.wait("written picture", |stage| !stage.read(name).is_empty());
+        let text = stage.read(name);
+        let start = format!("40 x 30, 2 spp, {layers} layers, without noise by Open Image Denoise");
+        assert!(text.starts_with(&start), "{text}");
+    }
     stage.thread.finish();
 }
 
@@ -313,6 +412,7 @@ fn pictures_are_finished_before_they_are_written() {
         size,
         spp,
         layers,
+        denoised: false,
         view: View::default(),
     };
     // In motion there is a coarse picture only; what is written is as large and as fine as it was asked for.
@@ -519,6 +619,111 @@ fn a_region_alone_follows_edits_and_the_picture_of_before_is_kept() {
 }
 
 #[test]
+fn a_region_alone_follows_what_others_save() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let whole = |stage: &Stage| {
+        let status = stage.harness.state().status();
+        status.spp >= 4.0 && status.is_whole
+    };
+    stage.wait("whole picture", whole);
+    let size = stage.harness.state().status().size;
+    let beside = |stage: &Stage| {
+        let board = stage.thread.link.board();
+        let shown = board.shown.as_ref();
+        let [_, _, beside] = shown.map(|shown| shown.pictures.clone())?;
+        beside
+    };
+    let answered = |stage: &Stage| stage.harness.state().status().answered;
+    let region = Some([0.0, 0.0, 0.5, 1.0]);
+    stage.thread.link.send(Command::Region(region));
+    let look = Changes {
+        look: true,
+        ..Changes::default()
+    };
+    let assets = Changes {
+        assets: true,
+        ..Changes::default()
+    };
+    let mut kept = None;
+    for (name, text, changes) in [
+        // By writes to buffers, and by another renderer.
+        ("scene.look.toml", LOOK.replace("0.5 ", "0.25 "), look),
+        ("scene.gltf", SCENE.replace("0.7", "0.75"), assets),
+    ] {
+        let before = answered(&stage);
+        fs::write(stage.path(name), text).expect("written");
+        stage.changes.send(changes).expect("heard");
+        stage.wait("region", |stage| {
+            assert_eq!(
+                stage.harness.state().status().size,
+                size,
+                "nothing is coarse"
+            );
+            beside(stage).is_some() && answered(stage) > before
+        });
+        let now = beside(&stage);
+        assert!(kept.is_none() || kept == now, "it stays");
+        kept = now;
+    }
+    stage.thread.link.send(Command::Region(None));
+    stage.wait("all of it", |stage| beside(stage).is_none() && whole(stage));
+    stage.thread.finish();
+}
+
+#[test]
+fn paused_it_shows_edits_and_views_once_and_sleeps_until_it_is_woken() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    let is_whole = |stage: &Stage| stage.harness.state().status().is_whole;
+    let answered = |stage: &Stage| stage.harness.state().status().answered;
+    stage.wait("whole picture", is_whole);
+    stage.thread.link.send(Command::Target(1 << 20));
+    stage.harness.get_by_label("Pause").click();
+    stage.wait("pause", |stage| stage.harness.state().status().is_paused);
+    let still = |stage: &mut Stage| {
+        // So long that nothing follows any more of what was done.
+        let end = Instant::now() + Duration::from_millis(1500);
+        while Instant::now() < end {
+            stage.harness.run_steps(1);
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        stage.harness.state().status().spp
+    };
+    let spp = still(&mut stage);
+    assert_eq!(still(&mut stage), spp, "no more samples");
+    let camera = stage.thread.link.board().scene.look_camera.clone();
+    for what in ["edit", "orbit", "save of another program"] {
+        let before = answered(&stage);
+        match what {
+            "edit" => stage.edit(Edit::material("Brass", "roughness", Value::number(0.25))),
+            "orbit" => stage.thread.link.send(Command::View(camera.clone())),
+            _ => {
+                fs::write(stage.path("scene.gltf"), SCENE.replace("0.7", "0.75")).expect("written");
+                let assets = Changes {
+                    assets: true,
+                    ..Changes::default()
+                };
+                stage.changes.send(assets).expect("heard");
+            }
+        }
+        stage.wait(what, |stage| answered(stage) > before && is_whole(stage));
+        let spp = still(&mut stage);
+        assert!(is_whole(&stage) && spp >= 1.0, "{what}: {spp}");
+        assert_eq!(still(&mut stage), spp, "{what}: no more samples");
+    }
+    // Going on, it renders again.
+    stage.harness.get_by_label("Pause").click();
+    let spp = stage.harness.state().status().spp;
+    stage.wait("more samples", |stage| {
+        stage.harness.state().status().spp >= spp + 4.0
+    });
+    stage.thread.finish();
+}
+
+#[test]
 fn a_picture_that_is_kept_in_the_midst_of_a_motion_keeps_nothing_waiting() {
     let Some(stage) = Stage::new() else {
         return;
@@ -569,10 +774,26 @@ fn mistakes_leave_the_picture_as_it_is() {
         let status = stage.harness.state().status();
         (status.size, status.spp)
     };
-    for text in [&LOOK.replace("roughness", "rouhgness"), LOOK] {
-        fs::write(stage.path("scene.look.toml"), text).expect("written");
+    let wrong_look = LOOK.replace("roughness", "rouhgness");
+    // As written by a program that isn't done yet, for example.
+    let wrong_scene = SCENE.get(..SCENE.len() / 2).expect("a place");
+    let bytes = fs::read(stage.path("triangle.bin")).expect("there");
+    let assets = Changes {
+        assets: true,
+        ..Changes::default()
+    };
+    for (name, bytes, change, is_wrong) in [
+        ("scene.look.toml", wrong_look.as_bytes(), &change, true),
+        ("scene.look.toml", LOOK.as_bytes(), &change, false),
+        ("scene.gltf", wrong_scene.as_bytes(), &assets, true),
+        ("scene.gltf", SCENE.as_bytes(), &assets, false),
+        ("triangle.bin", &bytes[..bytes.len() / 2], &assets, true),
+        ("triangle.bin", &bytes[..], &assets, false),
+        // Saved as it was.
+        ("scene.gltf", SCENE.as_bytes(), &assets, false),
+    ] {
+        fs::write(stage.path(name), bytes).expect("written");
         stage.changes.send(change.clone()).expect("heard");
-        let is_wrong = text != LOOK;
         stage.wait("news", |stage| {
             stage.harness.state().status().problems.is_empty() != is_wrong
         });
@@ -848,6 +1069,7 @@ fn a_lost_device_ends_the_render_and_keeps_the_edits() {
             size: [8, 8],
             spp: 1,
             layers: false,
+            denoised: false,
             view: View::default(),
         }),
     ] {

@@ -12,11 +12,12 @@ use engine::display::Channel;
 use engine::renderer::{TextureCost, TextureCosts};
 use engine::scene::look::Value;
 use engine::scene::view::{ViewChoice, ViewTransform};
-use engine::scene::{Camera, Scene, default_camera};
+use engine::scene::{Camera, Projection, Scene, default_camera};
 use engine::session::Edit;
 use engine::stats::PassStats;
 use patina_viewer::link::{
-    Board, Command, DenoiserState, Files, Hit, Link, LookFacts, PickPurpose, Reply, SceneFacts,
+    Board, Command, Denoise, DenoiserState, Extent, Files, Hit, Link, LookFacts, NOISY,
+    PickPurpose, Reply, SceneFacts,
 };
 use patina_viewer::viewer::{Preferences, Viewer};
 
@@ -225,10 +226,28 @@ fn noise_is_taken_out_where_there_is_something_that_does() {
     state(&mut stage, DenoiserState::Ready("Denoiser 2".to_owned()));
     assert!(!is_disabled(&stage));
     stage.click("Denoise");
-    assert!(matches!(stage.sent()[..], [Command::Denoise(false)]));
+    assert!(matches!(
+        stage.sent()[..],
+        [Command::Denoise(Denoise::Never)]
+    ));
     assert!(!stage.harness.state().preferences.denoises);
     stage.type_text("n");
-    assert!(matches!(stage.sent()[..], [Command::Denoise(true)]));
+    assert!(matches!(
+        stage.sent()[..],
+        [Command::Denoise(Denoise::Always)]
+    ));
+    assert!(stage.harness.state().preferences.denoises);
+    // The levels between which it works by itself are told, and a right click has it do so again.
+    stage.harness.get_by_label("Denoise").hover();
+    stage.harness.run_steps(60);
+    let levels = format!("{:.0} %", 100.0 * NOISY);
+    assert!(stage.harness.query_by_label_contains(&levels).is_some());
+    stage.harness.get_by_label("Denoise").click_secondary();
+    stage.harness.run_steps(3);
+    assert!(matches!(
+        stage.sent()[..],
+        [Command::Denoise(Denoise::ByItself)]
+    ));
 }
 
 #[test]
@@ -652,6 +671,119 @@ fn edits_are_not_lost_by_opening_something_else() {
         matches!(sent[..], [Command::Save(None), Command::Open(_)]),
         "{sent:?}"
     );
+}
+
+#[test]
+fn opening_the_same_files_again_keeps_what_was_done() {
+    const TEXT: &str = "[view]\nexposure = 0.5\n";
+    let mut stage = Stage::new();
+    let files = stage.board.lock().unwrap().scene.files.clone();
+    let open = |stage: &mut Stage, files: &Files| {
+        let text: Arc<str> = TEXT.into();
+        stage.board.lock().unwrap().look = Some(LookFacts {
+            text: Arc::clone(&text),
+            saved: text,
+            ..LookFacts::default()
+        });
+        stage.reply(Reply::Opened(files.clone()));
+    };
+    let text = |stage: &mut Stage| {
+        let document = stage.harness.state_mut().document_mut();
+        document.expect("a look").text().to_owned()
+    };
+    open(&mut stage, &files);
+    stage.click("Snapshot A");
+    let edit = Edit::view("exposure", Value::number(1.0));
+    let document = stage.harness.state_mut().document_mut();
+    let applied = document.expect("a look").apply("view", &[edit], None);
+    applied.expect("an edit");
+    stage.harness.run_steps(2);
+    let edited = text(&mut stage);
+    // Named in another way, they are the same.
+    let again = Files {
+        scene: std::path::absolute(&files.scene).expect("a path"),
+        ..files.clone()
+    };
+    stage.sent();
+    open(&mut stage, &again);
+    assert_eq!(text(&mut stage), TEXT, "it is as the file has it");
+    let is_told = |sent: &[Command]| sent.iter().any(|c| matches!(c, Command::Change(..)));
+    assert!(!is_told(&stage.sent()), "the render has it already");
+    stage.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(text(&mut stage), edited, "what was not saved comes back");
+    assert!(is_told(&stage.sent()));
+    stage.click("Snapshot A");
+    assert_eq!(text(&mut stage), TEXT, "it was kept");
+    // Others begin anew.
+    let others = Files {
+        scene: PathBuf::from("scenes/car.glb"),
+        ..files
+    };
+    open(&mut stage, &others);
+    let document = stage.harness.state_mut().document_mut();
+    assert_eq!(document.expect("a look").done(), 0);
+}
+
+#[test]
+fn what_was_picked_is_framed() {
+    let mut stage = Stage::new();
+    stage.type_text("f");
+    assert!(matches!(
+        stage.sent()[..],
+        [Command::Bounds(Extent::Picked)]
+    ));
+    let (low, high) = (glam::Vec3::splat(4.0), glam::Vec3::new(6.0, 5.0, 8.0));
+    stage.reply(Reply::Bounds([low, high]));
+    let sent = stage.sent();
+    let [Command::View(Some(view))] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    // It is in the midst of the picture, and as a whole within it.
+    let to = view
+        .transform
+        .inverse()
+        .transform_point3(0.5 * (low + high));
+    assert!(to.z < 0.0 && to.truncate().length() < 1e-3, "{to}");
+    let Projection::Perspective { y_fov } = view.projection else {
+        panic!("{:?}", view.projection);
+    };
+    let radius = 0.5 * low.distance(high);
+    let sine = (0.5 * y_fov).sin();
+    assert!(-to.z * sine > 0.99 * radius, "{to}, {radius}");
+    assert!(-to.z * sine < 3.0 * radius, "{to}, {radius}");
+}
+
+#[test]
+fn the_title_marks_edits_that_are_not_saved() {
+    let mut stage = Stage::new();
+    let titles = |stage: &mut Stage| {
+        let mut titles = Vec::new();
+        for _ in 0..3 {
+            stage.harness.run_steps(1);
+            let viewports = stage.harness.output().viewport_output.values();
+            let commands = viewports.flat_map(|viewport| viewport.commands.clone());
+            titles.extend(commands.filter_map(|command| match command {
+                egui::ViewportCommand::Title(title) => Some(title),
+                _ => None,
+            }));
+        }
+        titles
+    };
+    assert!(titles(&mut stage).is_empty(), "it is set once");
+    let edit = Edit::view("exposure", Value::number(1.0));
+    let document = stage.harness.state_mut().document_mut();
+    let applied = document.expect("a look").apply("view", &[edit], None);
+    applied.expect("an edit");
+    let edited = ["lamp.glb with lamp.look.toml * - Patina"];
+    assert_eq!(titles(&mut stage), edited);
+    stage
+        .harness
+        .state_mut()
+        .document_mut()
+        .expect("a look")
+        .undo();
+    let saved = ["lamp.glb with lamp.look.toml - Patina"];
+    assert_eq!(titles(&mut stage), saved);
 }
 
 #[test]

@@ -15,7 +15,7 @@ use crate::system::{Assets, Task};
 
 use super::difference::TableChange;
 use super::moment::timeline;
-use super::{Inputs, Session, SessionError};
+use super::{Inputs, Record, Recorder, Session, SessionError};
 
 /// Something in the making.
 pub(super) enum Job {
@@ -23,13 +23,18 @@ pub(super) enum Job {
     Rebuild {
         /// The look's text that it began with.
         text: String,
-        task: Task<Result<Box<Rebuilt>, SessionError>>,
+        /// It was begun for the sake of the look, which couldn't be followed.
+        is_for_look: bool,
+        /// Nothing where the files are what is shown.
+        task: Task<Result<Option<Box<Rebuilt>>, SessionError>>,
     },
 }
 
 /// A renderer and what it shows.
 pub(super) struct Rebuilt {
     loaded: Loaded,
+    /// What was read for it, if anything was.
+    read: Option<Record>,
     renderer: Renderer,
 }
 
@@ -40,13 +45,14 @@ pub(super) fn load(
     text: &str,
     moment: &Moment,
     stand_in: StandIn,
-) -> Result<Loaded, LoadError> {
-    let mut loaded = timeline(files, inputs, text).once(moment)?;
+) -> Result<(Loaded, Record), LoadError> {
+    let files = Recorder::new(files);
+    let mut loaded = timeline(&files, inputs, text).once(moment)?;
     if let Some(name) = &inputs.camera {
         loaded.camera = loaded.camera_named(name)?;
     }
     loaded.lit_by(stand_in);
-    Ok(loaded)
+    Ok((loaded, files.record()))
 }
 
 impl Session {
@@ -122,13 +128,32 @@ impl Session {
             self.again.rebuild = true;
             return;
         }
+        self.rebuild_unless(None);
+    }
+
+    /// Scene or images may have changed: all is read again in the background, unless they are what is shown.
+    pub fn assets_changed(&mut self) {
+        if self.job.is_some() {
+            self.again.assets = true;
+            return;
+        }
+        let known = self.is_up_to_date().then(|| self.read.clone());
+        self.rebuild_unless(known);
+    }
+
+    /// Builds another renderer unless files are what was read once.
+    fn rebuild_unless(&mut self, known: Option<Record>) {
         let text = self.document.text();
         let (inputs, files) = (self.inputs.clone(), Arc::clone(&self.system.files));
         let (stand_in, moment, look) = (self.stand_in, self.moment.clone(), text.clone());
         // Files may be others by now.
         self.timeline = None;
         self.build(text, move || {
-            load(&files, &inputs, &look, &moment, stand_in)
+            if known.is_some_and(|known| known.is_of(&*files)) {
+                return Ok(None);
+            }
+            let (loaded, read) = load(&files, &inputs, &look, &moment, stand_in)?;
+            Ok(Some((loaded, Some(read))))
         });
     }
 
@@ -152,20 +177,22 @@ impl Session {
             given_lights: self.given_lights.clone(),
             warnings: self.warnings.clone(),
         };
-        self.build(text, move || Ok(loaded));
+        self.build(text, move || Ok(Some((loaded, None))));
     }
 
     /// Builds another renderer in the background, of what was read by a look's text.
     fn build(
         &mut self,
         text: String,
-        read: impl FnOnce() -> Result<Loaded, LoadError> + Send + 'static,
+        read: impl FnOnce() -> Result<Option<(Loaded, Option<Record>)>, LoadError> + Send + 'static,
     ) {
         let (device, system) = (self.renderer.device().clone(), self.system.clone());
         let (make_settings, layers) = (self.make_settings.clone(), self.layers.clone());
         let time = self.moment.seconds as f32;
         let build = move || {
-            let loaded = read()?;
+            let Some((loaded, read)) = read()? else {
+                return Ok(None);
+            };
             let mut settings = make_settings(loaded.camera.clone());
             settings.time = time;
             if let Some(layers) = layers {
@@ -173,32 +200,47 @@ impl Session {
             }
             let renderer = Renderer::new(&device, &loaded.scene, &loaded.procedural, &settings)?;
             let renderer = renderer.in_system(&system);
-            Ok(Box::new(Rebuilt { loaded, renderer }))
+            Ok(Some(Box::new(Rebuilt {
+                loaded,
+                read,
+                renderer,
+            })))
         };
         match Task::start(&*self.system.threads, "another renderer", build) {
-            Ok(task) => self.job = Some(Job::Rebuild { text, task }),
+            Ok(task) => {
+                let is_for_look = self.shown.is_some();
+                self.job = Some(Job::Rebuild {
+                    text,
+                    is_for_look,
+                    task,
+                });
+            }
             Err(error) => self.problems.look = Diagnostic::error(error.to_string()).into(),
         }
     }
 
     /// Swaps in what has become ready, and begins what has been waiting for it.
     pub(super) fn swap(&mut self) {
-        let is_ready = match &self.job {
-            None => !self.again.is_empty(),
-            Some(Job::Kernel(reload)) => reload.is_finished(),
-            Some(Job::Rebuild { task, .. }) => task.is_finished(),
-        };
-        if !is_ready {
+        let is_ready = self.is_job_done();
+        if !is_ready.unwrap_or(!self.again.is_empty()) {
             return;
         }
         match self.job.take() {
             Some(Job::Kernel(reload)) => self.finish_kernel(reload),
-            Some(Job::Rebuild { text, task }) => {
+            Some(Job::Rebuild {
+                text,
+                is_for_look,
+                task,
+            }) => {
                 let built = task.wait().unwrap_or_else(|_| {
                     let message = "the scene could not be prepared in the background";
                     Err(SessionError::Refused(message.to_owned()))
                 });
-                self.finish_rebuild(text, built);
+                // The look has been mended, and what is shown is what is wanted.
+                let is_outdated = is_for_look && self.shown.is_none();
+                if !is_outdated {
+                    self.finish_rebuild(text, built);
+                }
             }
             None => {}
         }
@@ -206,10 +248,23 @@ impl Session {
             let again = std::mem::take(&mut self.again);
             if again.rebuild {
                 self.rebuild();
-            } else if again.sources {
+                return;
+            }
+            if again.assets {
+                self.assets_changed();
+            }
+            if again.sources {
                 self.sources_changed();
             }
         }
+    }
+
+    /// Whether what is built in the background is ready; nothing where nothing is.
+    pub(super) fn is_job_done(&self) -> Option<bool> {
+        Some(match self.job.as_ref()? {
+            Job::Kernel(reload) => reload.is_finished(),
+            Job::Rebuild { task, .. } => task.is_finished(),
+        })
     }
 
     fn finish_kernel(&mut self, reload: Reload) {
@@ -229,11 +284,20 @@ impl Session {
         }
     }
 
-    fn finish_rebuild(&mut self, text: String, built: Result<Box<Rebuilt>, SessionError>) {
+    fn finish_rebuild(&mut self, text: String, built: Result<Option<Box<Rebuilt>>, SessionError>) {
         match built {
-            Ok(built) => {
-                let Rebuilt { loaded, renderer } = *built;
+            // Whatever was wrong with the files has been mended.
+            Ok(None) => self.problems.look = Diagnostics::new(),
+            Ok(Some(built)) => {
+                let Rebuilt {
+                    loaded,
+                    read,
+                    renderer,
+                } = *built;
                 self.renderer = renderer;
+                if let Some(read) = read {
+                    self.read = read;
+                }
                 self.adopt(loaded);
                 if let Some(view) = &self.view {
                     self.renderer.set_camera(view);
@@ -254,6 +318,6 @@ impl Session {
 
 impl super::Again {
     fn is_empty(self) -> bool {
-        !self.sources && !self.rebuild
+        !self.sources && !self.assets && !self.rebuild
     }
 }

@@ -150,9 +150,4 @@ impl Session {
             }
         }
     }
-
-    /// Scene or images may have changed: all is read again in the background.
-    pub fn assets_changed(&mut self) {
-        self.rebuild();
-    }
 }

@@ -43,6 +43,7 @@ mod merge;
 mod moment;
 mod open;
 mod patch;
+mod record;
 mod setting;
 mod view;
 
@@ -64,6 +65,7 @@ use crate::stats::Stats;
 use crate::system::System;
 
 use background::Job;
+use record::{Record, Recorder};
 
 pub use change::{Change, ChangeQueue};
 pub use document::Document;
@@ -119,13 +121,16 @@ pub struct Session {
     /// Of a scene that moves.
     moment: Moment,
     /// The files as they were read for other moments, with the look's text of then.
-    timeline: Option<(String, Timeline)>,
+    timeline: Option<(String, Timeline, Arc<Recorder>)>,
+    /// What was read for what is shown.
+    read: Record,
 }
 
 /// What is to be looked at once the background is free.
 #[derive(Debug, Clone, Copy, Default)]
 struct Again {
     sources: bool,
+    assets: bool,
     rebuild: bool,
 }
 
@@ -154,6 +159,14 @@ impl Session {
     /// The device; a lost one is opened again, and the picture starts anew.
     pub fn step(&mut self, target_spp: u32) -> Result<Progress, SessionError> {
         self.poll()?;
+        self.advance(target_spp)
+    }
+
+    /// Renders one wave as [`Self::step`] does, of what is shown: nothing is swapped in.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn advance(&mut self, target_spp: u32) -> Result<Progress, SessionError> {
         match self.renderer.step(target_spp) {
             Ok(progress) => Ok(progress),
             Err(_) if self.renderer.device().is_lost() => {
@@ -215,6 +228,11 @@ impl Session {
     /// What is odd about what is shown.
     pub fn warnings(&self) -> &Diagnostics {
         &self.warnings
+    }
+
+    /// Whether something has become ready in the background, which the next [`poll`](Self::poll) swaps in.
+    pub fn has_built(&self) -> bool {
+        self.is_job_done().unwrap_or(false)
     }
 
     /// Whether something is being built in the background.

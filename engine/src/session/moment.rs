@@ -1,13 +1,15 @@
 //! A scene that moves, at a moment of one's own: none of it is part of the look.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use crate::load::{Loaded, Timeline};
 use crate::renderer::RenderSettings;
 use crate::scene::look::{Field, Value, placed_fields};
 use crate::scene::{Animation, Moment};
+use crate::system::Assets;
 
-use super::{Inputs, Session, SessionError};
+use super::{Inputs, Recorder, Session, SessionError};
 
 impl Session {
     /// The animations of the scene's own file, which is read for them.
@@ -15,7 +17,8 @@ impl Session {
     /// # Errors
     /// As [`Timeline::animations`].
     pub fn animations(&self) -> Result<Vec<Animation>, SessionError> {
-        let mut timeline = timeline(&self.system.files, &self.inputs, "");
+        let files = Recorder::new(&self.system.files);
+        let mut timeline = timeline(&files, &self.inputs, "");
         Ok(timeline.animations()?)
     }
 
@@ -40,13 +43,17 @@ impl Session {
             return Ok(());
         }
         let text = self.document.text();
-        let former = self.timeline.take().filter(|(of, _)| *of == text);
-        let mut timeline = match former {
-            Some((_, timeline)) => timeline,
-            None => timeline(&self.system.files, &self.inputs, &text),
+        let former = self.timeline.take().filter(|(of, ..)| *of == text);
+        let (mut timeline, files) = match former {
+            Some((_, timeline, files)) => (timeline, files),
+            None => {
+                let files = Recorder::new(&self.system.files);
+                (timeline(&files, &self.inputs, &text), files)
+            }
         };
         let mut loaded = timeline.at(moment)?;
-        self.timeline = Some((text.clone(), timeline));
+        let read = files.record();
+        self.timeline = Some((text.clone(), timeline, files));
         if let Some(name) = &self.inputs.camera {
             loaded.camera = loaded.camera_named(name)?;
         }
@@ -64,6 +71,7 @@ impl Session {
             return Err(error.into());
         }
         self.adopt(loaded);
+        self.read = read;
         self.generation += 1;
         self.shown = Some(placed_fields(&text));
         self.catch_up();
@@ -82,16 +90,13 @@ impl Session {
 }
 
 /// A scene with a look of this text, of which nothing has been read yet.
-pub(super) fn timeline(
-    files: &std::sync::Arc<dyn crate::system::Assets>,
-    inputs: &Inputs,
-    text: &str,
-) -> Timeline {
+pub(super) fn timeline(files: &Arc<Recorder>, inputs: &Inputs, text: &str) -> Timeline {
     // Edits of a look without a file are one, too.
     let has_look = inputs.look.is_some() || !text.is_empty();
     let path: PathBuf = inputs.look.clone().unwrap_or_default();
     let look = has_look.then(|| (path, text.to_owned()));
-    Timeline::new(files, &inputs.scene, look, &inputs.textures)
+    let files: Arc<dyn Assets> = Arc::clone(files) as Arc<dyn Assets>;
+    Timeline::new(&files, &inputs.scene, look, &inputs.textures)
 }
 
 /// Whether a value of these depends on the moment. A table that is read alone is read at its beginning.

@@ -9,9 +9,9 @@ use crate::load::{LoadError, Loaded, StandIn, Timeline};
 use crate::renderer::{RenderError, RenderSettings, Renderer};
 use crate::scene::look::{Look, LookDocument, LookError};
 use crate::scene::{Animation, Camera, Moment};
-use crate::system::System;
+use crate::system::{Assets, System};
 
-use super::{Again, Edit, Problems, Session, SessionError, parse_look, setting};
+use super::{Again, Edit, Problems, Record, Recorder, Session, SessionError, parse_look, setting};
 
 /// What is rendered, by files.
 #[derive(Debug, Clone)]
@@ -40,6 +40,8 @@ pub struct Opening {
     text: String,
     document: LookDocument,
     loaded: Loaded,
+    /// What was read for it.
+    read: Record,
     stand_in: StandIn,
     moment: Moment,
 }
@@ -54,6 +56,7 @@ pub struct Sequence {
     document: LookDocument,
     edits: Vec<Edit>,
     timeline: Timeline,
+    files: Arc<Recorder>,
 }
 
 impl Sequence {
@@ -72,8 +75,11 @@ impl Sequence {
             parse_look(&inputs, &text).map_err(|e| LoadError::from(LookError::from(e)))?;
         // Edits make a look of what has no file.
         let look = (inputs.look.is_some() || !text.is_empty()).then(|| (path, text.clone()));
-        let timeline = Timeline::new(&system.files, &inputs.scene, look, &inputs.textures);
+        let files = Recorder::new(&system.files);
+        let recorded: Arc<dyn Assets> = Arc::clone(&files) as Arc<dyn Assets>;
+        let timeline = Timeline::new(&recorded, &inputs.scene, look, &inputs.textures);
         Ok(Self {
+            files,
             inputs,
             system,
             text,
@@ -105,6 +111,7 @@ impl Sequence {
             text: text.clone(),
             document: self.document.clone(),
             loaded,
+            read: self.files.record(),
             stand_in: StandIn::default(),
             moment: moment.clone(),
         };
@@ -122,6 +129,7 @@ impl Sequence {
             text: self.text,
             document: self.document,
             loaded: self.timeline.once(moment)?,
+            read: self.files.record(),
             stand_in: StandIn::default(),
             moment: moment.clone(),
         };
@@ -236,6 +244,7 @@ impl Opening {
             generation: 0,
             moment: self.moment,
             timeline: None,
+            read: self.read,
         };
         session.was_without_lamp = session.has_no_lamp();
         Ok(session)
@@ -257,10 +266,15 @@ impl Session {
         settings: &RenderSettings,
         goes_on: bool,
     ) -> Result<(), SessionError> {
-        let Opening { loaded, moment, .. } = opening;
+        let Opening {
+            loaded,
+            moment,
+            read,
+            ..
+        } = opening;
         let scenes = [&self.scene, &loaded.scene];
         (self.renderer).show(scenes, &loaded.procedural, settings, goes_on)?;
-        self.moment = moment;
+        (self.moment, self.read) = (moment, read);
         self.adopt(loaded);
         if !goes_on {
             self.generation += 1;

@@ -13,7 +13,8 @@ use super::{Render, lock_size, publish};
 
 impl Render {
     pub(super) fn take(&mut self, command: Command) {
-        self.is_stuck = false;
+        self.worked = Instant::now();
+        self.is_stuck &= matches!(command, Command::LookForChanges);
         match command {
             Command::Change(change, number) => {
                 self.pending.changes.push(change);
@@ -119,8 +120,8 @@ impl Render {
                 self.is_paused = is_paused;
                 self.publish_status(true);
             }
-            Command::Denoise(is_wanted) => {
-                self.denoising.is_wanted = is_wanted;
+            Command::Denoise(wanted) => {
+                self.denoising.wanted = wanted;
                 self.show_again();
             }
             Command::MixLights(mix) => self.mix_lights(mix),
@@ -159,8 +160,8 @@ impl Render {
                     self.watch();
                 }
             }
-            // Heard by the loop.
-            Command::Quit => {}
+            // The loop does so, and hears that.
+            Command::LookForChanges | Command::Quit => {}
         }
     }
 

@@ -6,10 +6,13 @@ use engine::film::GroupFactors;
 use engine::renderer::{RenderSettings, Renderer};
 use engine::session::SessionError;
 
+use super::denoise::{Subject, Version};
 use super::{Render, lock_size};
 
 /// What is compared with.
 pub(super) struct Before {
+    /// Another one with each that is kept.
+    number: u64,
     renderer: Renderer,
     /// Shown until the renderer has a sample of each pixel: the picture that it had in another size.
     coarse: Option<DeviceFilm>,
@@ -44,6 +47,27 @@ impl Before {
     fn size(&self) -> [u32; 2] {
         let settings = self.renderer.settings();
         [settings.width, settings.height]
+    }
+
+    /// Whether it has this size, and a sample of each pixel.
+    pub(super) fn is_whole(&self, size: [u32; 2]) -> bool {
+        self.coarse.is_none() && self.size() == size
+    }
+
+    /// Whether it gets no more samples.
+    pub(super) fn is_done(&self) -> bool {
+        self.is_done
+    }
+
+    /// As far as it is.
+    pub(super) fn version(&self) -> Version {
+        let [width, height] = self.size().map(f64::from);
+        Version {
+            subject: Subject::Before,
+            generation: self.number,
+            mix: 0,
+            spp: self.samples_done as f64 / (width * height),
+        }
     }
 }
 
@@ -83,7 +107,9 @@ impl Render {
                 }
             },
         };
+        self.kept += 1;
         self.before = Some(Before {
+            number: self.kept,
             renderer,
             coarse: None,
             samples_done,

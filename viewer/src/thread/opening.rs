@@ -9,7 +9,7 @@ use engine::load;
 use engine::renderer::{RenderSettings, TextureCosts};
 use engine::scene::Camera;
 use engine::scene::look::Look;
-use engine::session::{Inputs, Opening, Session};
+use engine::session::{Inputs, Opening, Session, SessionError};
 use engine::system::{Disk, System};
 
 use crate::link::{Files, Reply, lock};
@@ -25,7 +25,7 @@ impl Render {
         self.publish_loading(true);
         match self.opened(&files) {
             Ok(session) => {
-                self.end = end(&session);
+                self.end = end(&session).unwrap_or_default();
                 self.session = Some(session);
                 self.run = Run::default();
                 self.run.cause = Some(Instant::now());
@@ -152,8 +152,8 @@ impl Render {
 }
 
 /// When a scene's last animation ends, seconds. What is wrong with animations is told where one is shown.
-pub(super) fn end(session: &Session) -> Option<f64> {
-    let animations = session.animations().unwrap_or_default();
+pub(super) fn end(session: &Session) -> Result<Option<f64>, SessionError> {
+    let animations = session.animations()?;
     let ends = animations.iter().map(|animation| animation.end);
-    ends.filter(|&end| end > 0.0).reduce(f64::max)
+    Ok(ends.filter(|&end| end > 0.0).reduce(f64::max))
 }

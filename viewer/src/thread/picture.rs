@@ -6,10 +6,12 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use engine::denoise::GUIDES;
 use engine::film::layers::LIGHT_GROUPS;
 use engine::film::{Film, GroupFactors, Layers, MAX_SIDE, Origin};
 use engine::renderer::{RenderSettings, Renderer};
 
+use crate::host::{Finished, OpenDenoiser};
 use crate::link::{PictureOrder, Reply, Saving, lock};
 
 use super::{Render, publish};
@@ -21,12 +23,28 @@ const WAVE: Duration = Duration::from_millis(40);
 pub(super) struct Making {
     order: PictureOrder,
     origin: Origin,
-    /// How its lights are mixed.
-    factors: Option<GroupFactors>,
+    /// What of it is written.
+    layers: Layers,
     paths: Arc<AtomicU64>,
     is_cancelled: Arc<AtomicBool>,
-    film: Receiver<Result<Film, String>>,
+    film: Receiver<Result<Made, String>>,
     thread: Option<JoinHandle<()>>,
+}
+
+/// A picture that has been finished.
+struct Made {
+    /// With its lights mixed.
+    film: Film,
+    /// Its radiance without the noise, and what has taken it out.
+    denoised: Option<(Vec<[f32; 3]>, String)>,
+}
+
+/// What becomes of a film once it has its samples.
+struct Finishing {
+    /// How its lights are mixed.
+    factors: Option<GroupFactors>,
+    /// What takes its noise out.
+    denoiser: Option<OpenDenoiser>,
 }
 
 impl Drop for Making {
@@ -82,17 +100,23 @@ impl Render {
             }
             (false, None) => Layers::default(),
         };
+        // As `render --denoise` gathers what tells noise from texture, whatever is written of it.
+        let gathered = match order.denoised {
+            true => layers.with(GUIDES).map_err(|error| error.to_string())?,
+            false => layers.clone(),
+        };
         let settings = RenderSettings {
             width,
             height,
-            layers: layers.clone(),
+            layers: gathered.clone(),
             ..session.settings().clone()
         };
         let origin = session.origin_of(&settings);
         let now = session.settings();
         // What else the window has is left out.
-        let has_layers = now.layers == layers || layers.is_picture_alone();
-        let is_same = is_whole && [now.width, now.height] == order.size && has_layers;
+        let has_layers = now.layers == gathered || gathered.is_picture_alone();
+        let is_same =
+            is_whole && !order.denoised && [now.width, now.height] == order.size && has_layers;
         let wanted = u64::from(width) * u64::from(height) * u64::from(order.spp);
         if is_same && self.run.samples_done >= wanted {
             let film = session
@@ -103,12 +127,21 @@ impl Render {
                 true => film.picture(),
                 false => film,
             };
-            self.write_picture(&order, film, &origin, factors.as_ref());
+            let finishing = Finishing {
+                factors,
+                denoiser: None,
+            };
+            let made = finishing.finish(film)?;
+            self.write_picture(&order, &made, &origin, &layers);
             return Ok(None);
         }
         let renderer = session.renderer_of(&settings);
         let renderer = renderer.map_err(|error| publish::message(&error))?;
-        start(order, origin, factors, renderer).map(Some)
+        let finishing = Finishing {
+            factors,
+            denoiser: order.denoised.then(|| self.host.denoiser()),
+        };
+        start(order, origin, layers, finishing, renderer).map(Some)
     }
 
     /// Takes over a picture that has been finished.
@@ -123,9 +156,8 @@ impl Render {
         };
         if let Some(making) = self.making.take() {
             match finished {
-                Ok(film) => {
-                    let factors = making.factors.as_ref();
-                    self.write_picture(&making.order, film, &making.origin, factors);
+                Ok(made) => {
+                    self.write_picture(&making.order, &made, &making.origin, &making.layers);
                 }
                 Err(why) => self.reply(Reply::Failed(why)),
             }
@@ -133,18 +165,21 @@ impl Render {
         self.publish_making();
     }
 
-    fn write_picture(
-        &self,
-        order: &PictureOrder,
-        mut film: Film,
-        origin: &Origin,
-        factors: Option<&GroupFactors>,
-    ) {
+    fn write_picture(&self, order: &PictureOrder, made: &Made, origin: &Origin, layers: &Layers) {
         let PictureOrder { path, view, .. } = order;
-        if let Some(factors) = factors {
-            film = film.mixed(factors);
-        }
-        self.reply(match self.host.write_picture(path, &film, origin, view) {
+        let denoised = made.denoised.as_ref();
+        let picture = Finished {
+            film: &made.film,
+            // Of lights that are mixed there is the picture alone.
+            layers: match made.film.layers().is_picture_alone() {
+                true => made.film.layers(),
+                false => layers,
+            },
+            denoised: denoised.map(|(radiance, by)| (radiance.as_slice(), by.as_str())),
+            origin,
+            view,
+        };
+        self.reply(match self.host.write_picture(path, &picture) {
             Ok(()) => Reply::Done(format!("wrote {}", path.display())),
             Err(why) => Reply::Failed(why),
         });
@@ -167,10 +202,31 @@ impl Render {
     }
 }
 
+impl Finishing {
+    fn finish(self, film: Film) -> Result<Made, String> {
+        let mixed = self.factors.map(|factors| film.mixed(&factors));
+        let denoised = match self.denoiser {
+            Some(open) => {
+                let denoiser = open()?;
+                let radiance = mixed.as_ref().unwrap_or(&film).mean();
+                let clean = denoiser.guided_by(&film, &radiance);
+                let clean = clean.map_err(|error| error.to_string())?;
+                Some((clean, denoiser.title()))
+            }
+            None => None,
+        };
+        Ok(Made {
+            film: mixed.unwrap_or(film),
+            denoised,
+        })
+    }
+}
+
 fn start(
     order: PictureOrder,
     origin: Origin,
-    factors: Option<GroupFactors>,
+    layers: Layers,
+    finishing: Finishing,
     mut renderer: Renderer,
 ) -> Result<Making, String> {
     let (sender, film) = channel();
@@ -196,8 +252,9 @@ fn start(
                 Err(error) => break Err(error),
             }
         };
+        let finished = finished.map_err(|error| error.to_string());
         // Nobody may want it any more.
-        let _ = sender.send(finished.map_err(|error| error.to_string()));
+        let _ = sender.send(finished.and_then(|film| finishing.finish(film)));
     };
     let thread = std::thread::Builder::new()
         .name("picture".to_owned())
@@ -206,7 +263,7 @@ fn start(
     Ok(Making {
         order,
         origin,
-        factors,
+        layers,
         paths,
         is_cancelled,
         film,

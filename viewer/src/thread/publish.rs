@@ -32,6 +32,8 @@ pub(super) struct Published {
     /// Of the picture, that were told.
     doubts: Vec<Doubt>,
     error: Option<f64>,
+    /// The generation that it is of.
+    error_of: u64,
     /// The picture that the error is of, by generation and camera paths.
     counted: Option<(u64, u64)>,
     textures_there: Option<Arc<Textures>>,
@@ -61,6 +63,11 @@ struct State {
 }
 
 impl Published {
+    /// Relative error of the picture of a generation, if it has been estimated.
+    pub(super) fn error_of(&self, generation: u64) -> Option<f64> {
+        self.error.filter(|_| self.error_of == generation)
+    }
+
     /// Textures have changed, or may be others.
     pub(super) fn forget_textures(&mut self) {
         self.textures_there = None;
@@ -86,6 +93,7 @@ impl Render {
 
     /// Shows the film as it is, or with its lights mixed, or without its noise.
     pub(super) fn show(&mut self) -> Result<(), SessionError> {
+        let version = self.version();
         let Some(session) = &mut self.session else {
             return Ok(());
         };
@@ -121,26 +129,33 @@ impl Render {
         let is_picture = settings.channel == Channel::Radiance;
         let factors = self.mixing.factors(session.scene());
         let factors = factors.as_ref().filter(|_| is_picture);
-        let mut kept = match &mut self.before {
-            Some(before) => Some((before.film(guides)?, before.factors.as_ref())),
-            None => None,
-        };
-        kept = kept.map(|(film, factors)| (film, factors.filter(|_| is_picture)));
         let show = |display: &mut Display, film: &DeviceFilm, settings: &DisplaySettings| {
             let shown = display.show(film, settings).map_err(RenderError::from)?;
             Ok::<_, SessionError>(shown.clone())
         };
-        let (generation, mix) = (self.run.generation, self.mixing.number());
-        let clean = self.denoising.clean(generation, mix, size);
+        let clean = self.denoising.clean(version, size);
         let clean = clean.filter(|_| is_picture);
         let denoised = clean.map(|(_, spp)| spp);
+        // Both alike, as soon as that can be.
+        let kept = match &mut self.before {
+            Some(before) => {
+                let film = before.film(guides)?;
+                let (of, size) = (before.version(), [film.width, film.height]);
+                let clean = clean.and_then(|_| self.denoising.clean(of, size));
+                Some(match clean {
+                    Some((clean, _)) => (clean.with_guides_of(&film), None),
+                    None => (film, before.factors.as_ref().filter(|_| is_picture)),
+                })
+            }
+            None => None,
+        };
         let other = match (clean, factors) {
             (Some((clean, _)), _) => Some(clean.with_guides_of(&film)),
             (None, Some(_)) => Some(self.mixing.mixed(&self.device, &film, factors)?),
             (None, None) => None,
         };
         // Of a picture that is shown otherwise it is the error alone that is wanted of the film: nothing new before the next sample.
-        let counted = Some((generation, self.run.samples_done));
+        let counted = Some((version.generation, self.run.samples_done));
         let now = match &other {
             Some(_) if self.published.counted == counted => None,
             _ => Some(show(&mut displays.now, &film, &with_line)?),
@@ -236,6 +251,7 @@ impl Render {
             && let Some(displays) = &self.display
         {
             self.published.error = displays.now.relative_error().ok().flatten();
+            self.published.error_of = self.run.generation;
         }
         let figures = Figures {
             at: Instant::now(),

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use engine::display::DeviceFilm;
 use engine::session::SessionError;
 
 use crate::link::lock;
@@ -71,15 +72,24 @@ impl Render {
             self.beside = None;
             return Ok(());
         }
-        // A fast device's pictures are whole while something moves, too.
-        let is_whole = self.run.is_seen && self.divisor == 1;
-        if let Some(session) = &mut self.session
-            && self.beside.is_none()
-            && is_whole
-        {
-            self.beside = Some(session.keep_film(self.settings.channel.needs_guides())?);
+        if let Some(film) = self.copy_beside()? {
+            self.beside = Some(film);
         }
         Ok(())
+    }
+
+    /// A copy of the picture, where that is to stay beside the region and isn't kept yet.
+    pub(super) fn copy_beside(&mut self) -> Result<Option<DeviceFilm>, SessionError> {
+        // A fast device's pictures are whole while something moves, too.
+        let is_whole = self.run.is_seen && self.divisor == 1;
+        let is_wanted = is_whole && self.region.is_some() && self.beside.is_none();
+        match &mut self.session {
+            Some(session) if is_wanted => {
+                let film = session.keep_film(self.settings.channel.needs_guides());
+                film.map(Some)
+            }
+            _ => Ok(None),
+        }
     }
 
     /// The user is at work.

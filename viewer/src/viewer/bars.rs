@@ -7,7 +7,7 @@ use engine::display::{Channel, DisplaySettings};
 use engine::scene::view::ViewTransform;
 use patina_panels::asks_for_menu;
 
-use crate::link::{Command, DenoiserState, Status};
+use crate::link::{Command, Denoise, DenoiserState, FINE, NOISY, Status};
 
 use super::dialogs::Dialog;
 use super::{Viewer, call, name};
@@ -137,24 +137,43 @@ impl Viewer {
                 let shown = self.status.denoised.map_or_else(String::new, |spp| {
                     format!("; shown is that of {:.0} spp", spp.floor())
                 });
-                (true, format!("take the noise out, by {title} (N){shown}"))
+                let [noisy, fine] = [NOISY, FINE].map(|error| 100.0 * error);
+                let levels = format!(
+                    "with an error from {noisy:.0} %, below which the result is steady, to {fine:.0} %, which isn't seen"
+                );
+                let when = match self.denoise {
+                    Denoise::ByItself => levels,
+                    Denoise::Always => format!("whatever the error is; right-click: {levels}"),
+                    Denoise::Never => format!("off; right-click: {levels}"),
+                };
+                let hint = format!("take the noise out, by {title} (N)\n{when}{shown}");
+                (true, hint)
             }
             DenoiserState::Unknown => (false, "looking for Open Image Denoise ...".to_owned()),
             DenoiserState::Absent(why) => (false, why.clone()),
         };
-        let is_on = is_ready && self.preferences.denoises;
+        let is_on = is_ready && self.denoise != Denoise::Never;
         // By itself: within a frame of its own it would break the bar's rows.
         let toggle = ui.add_enabled(is_ready, egui::Button::selectable(is_on, "Denoise"));
         let toggle = toggle.on_hover_text(&hint).on_disabled_hover_text(&hint);
         if toggle.clicked() {
             self.toggle_denoise();
         }
+        if toggle.secondary_clicked() {
+            self.preferences.denoises = true;
+            self.set_denoise(Denoise::ByItself);
+        }
     }
 
     pub(super) fn toggle_denoise(&mut self) {
         if matches!(self.status.denoiser, DenoiserState::Ready(_)) {
-            self.preferences.denoises ^= true;
-            self.link.send(Command::Denoise(self.preferences.denoises));
+            // Who turns it on wants to see it, whatever the noise is.
+            let denoise = match self.denoise {
+                Denoise::Never => Denoise::Always,
+                Denoise::ByItself | Denoise::Always => Denoise::Never,
+            };
+            self.preferences.denoises = denoise != Denoise::Never;
+            self.set_denoise(denoise);
         }
     }
 

@@ -10,7 +10,7 @@ use engine::scene::view::{View, ViewTransform};
 
 use patina_panels::{Browser, FileRequest, Purpose};
 
-use crate::link::{Command, Files, PictureOrder, is_radiance};
+use crate::link::{Command, Denoise, DenoiserState, Files, PictureOrder, is_radiance};
 
 use super::{Viewer, call, name};
 
@@ -38,6 +38,9 @@ struct Picture {
     size: [u32; 2],
     spp: u32,
     layers: bool,
+    denoised: bool,
+    /// Why it can't be.
+    no_denoiser: Option<String>,
     view: View,
     /// The lights of what is shown are mixed.
     is_mixed: bool,
@@ -185,6 +188,7 @@ impl Dialog {
                 size: self.picture.size,
                 spp: self.picture.spp,
                 layers: self.picture.layers,
+                denoised: self.picture.denoised,
                 view: self.picture.view,
             }),
             What::Scene => Command::Open(Files {
@@ -241,6 +245,8 @@ fn picture_fields(ui: &mut Ui, dialog: &mut Dialog) {
         size: [width, height],
         spp,
         layers,
+        denoised,
+        no_denoiser,
         view,
         is_mixed,
     } = &mut dialog.picture;
@@ -253,6 +259,13 @@ fn picture_fields(ui: &mut Ui, dialog: &mut Dialog) {
         number(ui, "Width", width, MAX_SIDE);
         number(ui, "Height", height, MAX_SIDE);
         number(ui, "Samples per pixel", spp, MOST_SAMPLES);
+    });
+    ui.add_enabled_ui(no_denoiser.is_none(), |ui| {
+        let clean = ui.checkbox(denoised, "Without noise");
+        let clean = clean.on_hover_text(
+            "as `render --denoise`: .exr keeps the noisy picture as a layer, and other layers as they are",
+        );
+        clean.on_disabled_hover_text(no_denoiser.as_deref().unwrap_or_default());
     });
     ui.add_enabled_ui(is_exr, |ui| ui.checkbox(layers, "All layers (.exr)"));
     ui.add_enabled_ui(!is_exr, |ui| {
@@ -280,10 +293,18 @@ impl Viewer {
     pub(super) fn ask_for_picture(&mut self) {
         let is_whole = self.status.is_whole;
         let there = if is_whole { self.status.spp as u32 } else { 0 };
+        let is_ready = matches!(self.status.denoiser, DenoiserState::Ready(_));
+        let no_denoiser = match &self.status.denoiser {
+            DenoiserState::Ready(_) => None,
+            DenoiserState::Unknown => Some("looking for Open Image Denoise ...".to_owned()),
+            DenoiserState::Absent(why) => Some(why.clone()),
+        };
         let picture = Picture {
             size: self.viewport.size(),
             spp: there.max(SAMPLES).min(self.status.target.max(1)),
             layers: false,
+            denoised: is_ready && self.denoise == Denoise::Always,
+            no_denoiser,
             view: self.display.view,
             is_mixed: self.mixes_lights(),
         };

@@ -30,6 +30,8 @@ pub(super) struct Editor {
     saved: Arc<str>,
     /// How often that came from another program.
     outside: u64,
+    /// The files have been opened once more: what the look is now is a step of its history.
+    is_reopened: bool,
 }
 
 /// What became of a text that another program has written to the look's file.
@@ -57,6 +59,16 @@ impl Editor {
         };
         if document.path() != path {
             document.set_path(path);
+        }
+        if std::mem::take(&mut self.is_reopened) {
+            match document.replace("opened again", &facts.text) {
+                // The render has it already.
+                Ok(()) => drop(document.take_changes()),
+                Err(_) => self.document = Document::new(path, &facts.text).ok(),
+            }
+            self.sent = facts.heard;
+            self.take_saved(facts);
+            return None;
         }
         if facts.outside != self.outside {
             return self.read_outside(facts);
@@ -136,6 +148,11 @@ impl Editor {
     pub(super) fn forget(&mut self) {
         self.document = None;
         self.sent = 0;
+    }
+
+    /// The same files are shown from now on, as they have been read once more. Edits are kept to be undone and done again.
+    pub(super) fn reopen(&mut self) {
+        self.is_reopened = true;
     }
 
     /// Tells the render what has changed.
@@ -265,6 +282,22 @@ impl Viewer {
         let place = [hit.position, hit.normal];
         let edits = patina_panels::place_light(document, scene, &light, placing, place);
         self.edit(&format!("place {light}"), &edits, now);
+    }
+
+    /// Edits by which the lights are what a mix makes of them, by the factors of its groups.
+    pub(super) fn relit(&self, factors: &[(String, [f32; 3])]) -> Result<Vec<Edit>, String> {
+        let Some(document) = &self.editor.document else {
+            return Err("there is no look yet".to_owned());
+        };
+        let scene = SceneView {
+            materials: &self.editor.materials,
+            own: self.editor.own_materials,
+            images: &self.editor.images,
+            lights: &self.editor.lights,
+            camera: None,
+        };
+        let is_lit_by_studio = self.editor.has_stand_in_light();
+        patina_panels::relight(document, scene, factors, is_lit_by_studio)
     }
 
     /// Gives a surface the material that was dropped there.

@@ -64,17 +64,27 @@ impl LightMixer {
 
     /// What the light of each group is multiplied by.
     fn mix(&self, groups: &[String]) -> LightMix {
-        let neutral = Fader::default();
-        let fader = |group| self.faders.get(group).unwrap_or(&neutral);
-        let is_any_alone = names(groups).any(|group| fader(group).is_alone);
         let mut mix = LightMix::default();
-        for group in names(groups) {
+        for (group, factor) in self.factors(groups) {
+            mix.set(&group, factor);
+        }
+        mix
+    }
+
+    /// The same, by the names of the groups.
+    fn factors(&self, groups: &[String]) -> Vec<(String, [f32; 3])> {
+        let neutral = Fader::default();
+        let fader = |group: &str| self.faders.get(group).unwrap_or(&neutral);
+        let is_any_alone = names(groups).any(|group| fader(group).is_alone);
+        let factor = |group: &str| {
             let fader = fader(group);
             let shines = fader.is_on && (fader.is_alone || !is_any_alone);
             let strength = if shines { fader.strength } else { 0.0 };
-            mix.set(group, fader.tint.map(|tint| tint * strength));
-        }
-        mix
+            fader.tint.map(|tint| tint * strength)
+        };
+        names(groups)
+            .map(|group| (group.to_owned(), factor(group)))
+            .collect()
     }
 }
 
@@ -141,6 +151,7 @@ impl Viewer {
             if reset.on_hover_text("all lights as they are").clicked() {
                 self.mixer.faders.clear();
             }
+            self.lights_button(ui, groups);
             if ui.button("Close").on_hover_text("L").clicked() {
                 self.mixer.is_open = false;
             }
@@ -160,6 +171,29 @@ impl Viewer {
             ui.separator();
             ui.weak("Mixed is what is shown, and what is saved as .png or .jpg. The look stays as it is.");
         });
+    }
+}
+
+impl Viewer {
+    /// Makes the mix that of the lights themselves, as one step of the look.
+    fn lights_button(&mut self, ui: &mut Ui, groups: &[String]) {
+        let edits = match self.mixer.is_neutral(groups) {
+            true => Err("no light is mixed".to_owned()),
+            false => self.relit(&self.mixer.factors(groups)),
+        };
+        let button = egui::Button::new("To the lights");
+        let button = ui.add_enabled(edits.is_ok(), button);
+        let hint = "writes the mix into the look, as what its lights, materials and environment give, and resets the faders";
+        let button = button.on_hover_text(hint);
+        match edits {
+            Ok(edits) if button.clicked() => {
+                let now = ui.input(|input| input.time);
+                self.edit("light mix", &edits, now);
+                self.mixer.faders.clear();
+            }
+            Ok(_) => {}
+            Err(why) => drop(button.on_disabled_hover_text(why)),
+        }
     }
 }
 

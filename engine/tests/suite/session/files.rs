@@ -272,6 +272,7 @@ fn files_that_vanish_take_nothing_with_them() {
         "squares.bin",
     ] {
         let aside = stage.path("gone");
+        let generation = session.generation();
         fs::rename(stage.path(name), &aside).expect("it is there");
         session.look_changed();
         session.sources_changed();
@@ -297,6 +298,7 @@ fn files_that_vanish_take_nothing_with_them() {
             session.problems()
         );
         assert!(is_same(&old, &film(&mut session)), "{name} is back");
+        assert_eq!(session.generation(), generation, "{name} is what it was");
     }
 }
 

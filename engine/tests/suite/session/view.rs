@@ -10,7 +10,7 @@ use engine::view::ViewEncoder;
 use glam::{Vec2, Vec3};
 
 use super::look::{LOOK, TEXTURES};
-use super::stage::{SPP, Stage, film, is_same, settle};
+use super::stage::{SPP, Stage, film, is_same, read, settle};
 use crate::support::device;
 
 fn opened() -> Option<(Stage, Session, Film)> {
@@ -27,7 +27,7 @@ fn render(session: &mut Session) {
 
 #[test]
 fn sizes_and_views_come_and_go() {
-    let Some((_stage, mut session, whole)) = opened() else {
+    let Some((stage, mut session, whole)) = opened() else {
         return;
     };
     let device = session.device().clone();
@@ -55,6 +55,9 @@ fn sizes_and_views_come_and_go() {
     // What is built anew keeps the view.
     session.set_view(Some(view));
     let seen = film(&mut session);
+    // Read as another file, it is the same scene.
+    let scene = read(&stage.path("scene.gltf"));
+    stage.write("scene.gltf", &format!("{scene}\n"));
     session.assets_changed();
     settle(&mut session);
     assert!(is_same(&film(&mut session), &seen));
@@ -181,7 +184,7 @@ fn a_window_shows_what_a_file_would() {
 
 #[test]
 fn a_look_says_how_it_is_shown_without_a_new_picture() {
-    let Some((_stage, mut session, whole)) = opened() else {
+    let Some((stage, mut session, whole)) = opened() else {
         return;
     };
     let generation = session.generation();
@@ -204,6 +207,9 @@ fn a_look_says_how_it_is_shown_without_a_new_picture() {
     assert_eq!(session.generation(), generation);
     assert!(is_same(&session.snapshot().expect("read").film, &whole));
     // What is built anew has it from the look.
+    // Read as another file, it is the same scene.
+    let scene = read(&stage.path("scene.gltf"));
+    stage.write("scene.gltf", &format!("{scene}\n"));
     session.assets_changed();
     settle(&mut session);
     assert_eq!(session.look_view().transform, transform);
