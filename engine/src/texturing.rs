@@ -19,6 +19,8 @@ pub struct ProgramTraits {
     pub has_layers: bool,
     /// The surface may emit light at all.
     pub glows: bool,
+    /// It is there to give light: it glows, and not by an image as dim as that of a display.
+    pub is_lamp: bool,
     /// Luminance by which the surface is chosen as a light, W/m²/sr: a guess, since nobody knows what a program gives.
     /// 0 where light samples can't evaluate it: then scattered rays alone find it.
     pub brightness: f32,

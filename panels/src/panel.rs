@@ -24,6 +24,9 @@ use crate::{Textures, lamps, light, list, view};
 /// Of more nodes than this only the names are shown at first.
 const MAX_OPEN: usize = 12;
 
+/// Room that undo, history and snapshots take in a row.
+const HISTORY_WIDTH: f32 = 320.0;
+
 /// How a material is shown.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Form {
@@ -298,7 +301,11 @@ impl TexturesPanel {
                 let choice = ui.selectable_value(&mut self.form, form, text);
                 choice.on_hover_text(hint);
             }
-            ui.separator();
+            // What goes back and forth stays together, in a row of its own where there is no room for all of it.
+            match ui.available_size_before_wrap().x < HISTORY_WIDTH {
+                true => ui.end_row(),
+                false => drop(ui.separator()),
+            }
             let undo = history_button(ui, "Undo", document.undo_label());
             let redo = history_button(ui, "Redo", document.redo_label());
             if undo {

@@ -16,6 +16,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use texgen::{Diagnostic, Diagnostics, SourceFile, did_you_mean};
 
+use crate::procedural::traits::BRIGHTEST_DISPLAY;
 use crate::procedural::{Procedural, SourcesError, TextureSources};
 use crate::scene::import::{self, ImportError, Imported, Importer};
 use crate::scene::look::{EnvironmentLook, Look, LookError, Spanned};
@@ -45,6 +46,8 @@ pub struct Loaded {
     pub look: Option<Look>,
     /// Lights as they are without the look's `[light.NAME]`.
     pub given_lights: Vec<PunctualLight>,
+    /// The scene's file has light from all directions of its own.
+    pub has_given_environment: bool,
     /// What is shown differently from what the files say, and what is odd in the look or its textures.
     pub warnings: Diagnostics,
 }
@@ -159,6 +162,7 @@ fn finish(
     let Applied {
         camera,
         given_lights,
+        has_given_environment,
     } = applied;
     let mut warnings: Diagnostics = warnings.into_iter().map(Diagnostic::warning).collect();
     if let Some(look) = &look {
@@ -166,11 +170,11 @@ fn finish(
     }
     warnings.extend(procedural.warnings().iter().cloned());
     let states_environment = look.as_ref().is_some_and(|look| look.environment.is_some());
-    let emits = |material: u32| procedural.traits(material).glows;
-    if !states_environment && is_dark(&scene, emits) {
+    let is_lamp = |material: u32| procedural.traits(material).is_lamp;
+    if !states_environment && !has_given_environment && has_no_lamp(&scene, is_lamp) {
         scene.environment = Environment::Constant(Vec3::ONE);
         warnings.push(Diagnostic::warning(
-            "the scene has no light: pictures in files are made under an even white sky; a look can set its own `environment`",
+            "the scene has neither lamps nor an environment: pictures in files are made under an even white sky; a look can set its own `environment`",
         ));
     }
     Loaded {
@@ -179,6 +183,7 @@ fn finish(
         camera,
         look,
         given_lights,
+        has_given_environment,
         warnings,
     }
 }
@@ -213,6 +218,7 @@ impl Loaded {
 struct Applied {
     camera: Camera,
     given_lights: Vec<PunctualLight>,
+    has_given_environment: bool,
 }
 
 impl Applied {
@@ -221,6 +227,7 @@ impl Applied {
         Self {
             camera: first_camera(scene, still),
             given_lights: scene.lights.clone(),
+            has_given_environment: !is_black(&scene.environment),
         }
     }
 }
@@ -236,6 +243,7 @@ fn apply(
     still: Option<&Camera>,
 ) -> Result<Applied, LookError> {
     let mut problems = Diagnostics::new();
+    let has_given_environment = !is_black(&scene.environment);
     for table in &look.includes {
         match include::include(look, table, importer, scene) {
             Ok(more) => warnings.extend(more),
@@ -263,6 +271,7 @@ fn apply(
         Ok(camera) if problems.is_empty() => Ok(Applied {
             camera,
             given_lights,
+            has_given_environment,
         }),
         Ok(_) => Err(problems.into()),
         Err(problem) => {
@@ -347,18 +356,23 @@ pub(crate) fn camera_of(look: &Look, scene: &Scene) -> Result<Camera, Diagnostic
     camera::resolve(look, scene, None)
 }
 
-/// Whether nothing in the scene gives light, so that its picture would be black.
-fn is_dark(scene: &Scene, glows: impl Fn(u32) -> bool) -> bool {
-    let is_black = matches!(scene.environment, Environment::Constant(c) if c.max_element() <= 0.0);
-    is_black && has_no_lamp(scene, glows)
+fn is_black(environment: &Environment) -> bool {
+    matches!(environment, Environment::Constant(c) if c.max_element() <= 0.0)
 }
 
-/// Whether all light that there may be comes from the environment.
-pub(crate) fn has_no_lamp(scene: &Scene, glows: impl Fn(u32) -> bool) -> bool {
+/// Whether all light that there may be comes from the environment, but for signs and displays. It is asked of materials with a program
+/// whether they are lamps.
+pub(crate) fn has_no_lamp(scene: &Scene, is_driven_lamp: impl Fn(u32) -> bool) -> bool {
     let emits = |(index, material): (usize, &Material)| {
-        material.unlit || material.emission.max_element() > 0.0 || glows(index as u32)
+        material.unlit || is_lamp(material) || is_driven_lamp(index as u32)
     };
     scene.lights.is_empty() && !scene.materials.iter().enumerate().any(emits)
+}
+
+/// Whether a material is there to give light.
+fn is_lamp(material: &Material) -> bool {
+    let brightest = material.emission.max_element();
+    brightest > BRIGHTEST_DISPLAY || brightest > 0.0 && material.emission_texture.is_none()
 }
 
 /// What is seen without a look: the file's first camera, or `still`, or all of the scene.

@@ -70,8 +70,8 @@ impl Loaded {
     /// Is seen by this where it has no light.
     pub(crate) fn lit_by(&mut self, stand_in: StandIn) {
         let says_so = (self.look.as_ref()).is_some_and(|look| look.environment.is_some());
-        let glows = |material| self.procedural.traits(material).glows;
-        if !says_so && has_no_lamp(&self.scene, glows) {
+        let is_lamp = |material| self.procedural.traits(material).is_lamp;
+        if !says_so && !self.has_given_environment && has_no_lamp(&self.scene, is_lamp) {
             self.scene.environment = stand_in.environment();
         }
     }

@@ -325,3 +325,63 @@ fn everything_that_a_picture_is_made_of_may_lie_in_memory() {
     let missing = load_from(&files, Path::new("elsewhere.glb"), None, &[]);
     assert!(matches!(missing, Err(LoadError::Import(_))));
 }
+
+/// A triangle under a look without an environment, as a file with these materials and extras of its scene has it.
+fn triangle_with(materials: &str, extras: &str) -> Loaded {
+    let corners: Vec<u8> = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+        .iter()
+        .flatten()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    let gltf = format!(
+        r#"{{ "asset": {{ "version": "2.0" }}, "scene": 0, "scenes": [{{ "nodes": [0], "extras": {extras} }}], "nodes": [{{ "mesh": 0 }}],
+            "meshes": [{{ "primitives": [{{ "attributes": {{ "POSITION": 0, "TEXCOORD_0": 1 }}, "material": 0 }}] }}],
+            "materials": [{materials}], "textures": [{{ "source": 0 }}], "images": [{{ "uri": "glow.png" }}],
+            "buffers": [{{ "uri": "corners.bin", "byteLength": 36 }}], "bufferViews": [{{ "buffer": 0, "byteLength": 36 }}, {{ "buffer": 0, "byteLength": 24 }}],
+            "accessors": [{{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] }},
+                {{ "bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC2" }}] }}"#
+    );
+    let folder = tempfile_folder();
+    fs::write(folder.join("corners.bin"), corners).expect("a file");
+    image::RgbImage::from_pixel(2, 2, image::Rgb([9, 200, 90]))
+        .save(folder.join("glow.png"))
+        .expect("a picture");
+    let path = folder.join("triangle.gltf");
+    fs::write(&path, gltf).expect("a file");
+    let loaded = load(&path, None, &[]).unwrap_or_else(|error| panic!("{error}"));
+    fs::remove_dir_all(&folder).expect("the folder is ours");
+    loaded
+}
+
+#[test]
+fn what_has_neither_lamps_nor_surroundings_is_seen_in_another_light() {
+    let display = r#"{ "emissiveFactor": [1, 1, 1], "emissiveTexture": { "index": 0 } }"#;
+    let bright = r#"{ "emissiveFactor": [1, 1, 1], "emissiveTexture": { "index": 0 },
+        "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 5 } } }"#;
+    let lamp = r#"{ "emissiveFactor": [0.5, 0.5, 0.5] }"#;
+    let own = r#"{ "environment": { "constant": [0.25, 0.5, 1] } }"#;
+    for (materials, extras, is_white) in [
+        ("{}", "{}", true),
+        (display, "{}", true),
+        (bright, "{}", false),
+        (lamp, "{}", false),
+        ("{}", own, false),
+    ] {
+        let mut loaded = triangle_with(materials, extras);
+        let sky = |loaded: &Loaded| match loaded.scene.environment {
+            Environment::Constant(color) => color,
+            Environment::Image { .. } => panic!("no picture was named"),
+        };
+        let given = sky(&loaded);
+        assert_eq!(given == glam::Vec3::ONE, is_white, "{materials} {extras}");
+        assert_eq!(
+            loaded.warnings.is_empty(),
+            !is_white,
+            "{materials} {extras}"
+        );
+        // A light that takes its place leaves alone what is the file's.
+        loaded.lit_by(StandIn::Dark);
+        let left = if is_white { glam::Vec3::ZERO } else { given };
+        assert_eq!(sky(&loaded), left, "{materials} {extras}");
+    }
+}

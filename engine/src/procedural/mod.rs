@@ -58,7 +58,7 @@ mod sources;
 mod standard;
 #[cfg(test)]
 mod tests;
-mod traits;
+pub(crate) mod traits;
 mod update;
 mod values;
 mod wiring;

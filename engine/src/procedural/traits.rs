@@ -7,6 +7,10 @@ use crate::texturing::ProgramTraits;
 
 use super::{Output, Outputs, Procedural};
 
+/// An image that glows no brighter than white paper is a sign or a display: most models that have one are to be seen in some light, and
+/// would be black.
+pub(crate) const BRIGHTEST_DISPLAY: f32 = 1.0;
+
 /// Of a surface that is no blend: what its program needs to know about it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface {
@@ -61,7 +65,9 @@ fn of_surface(outputs: Outputs, surface: &Surface) -> ProgramTraits {
     let drives = |output: Output| outputs.contains(output);
     let is_constant = !drives(Output::EMISSION);
     let glows = surface.emission.max_element() > 0.0;
-    let is_sampled = glows && !(is_constant && surface.has_emission_image);
+    let glows_by_image = is_constant && surface.has_emission_image;
+    let is_sampled = glows && !glows_by_image;
+    let is_display = glows_by_image && surface.emission.max_element() <= BRIGHTEST_DISPLAY;
     ProgramTraits {
         runs: !outputs.is_empty(),
         decides_light: drives(Output::EMISSION)
@@ -71,6 +77,7 @@ fn of_surface(outputs: Outputs, surface: &Surface) -> ProgramTraits {
         transmits: outputs.need(Feature::Transmission),
         has_layers: outputs.need(Feature::Layers),
         glows,
+        is_lamp: glows && !is_display,
         brightness: if is_sampled {
             luminance(surface.emission)
         } else {
@@ -93,6 +100,7 @@ fn of_blend(base: ProgramTraits, over: ProgramTraits) -> ProgramTraits {
         transmits: base.transmits || over.transmits,
         has_layers: base.has_layers || over.has_layers,
         glows,
+        is_lamp: base.is_lamp || over.is_lamp,
         brightness: if is_sampled {
             base.brightness.max(over.brightness)
         } else {

@@ -175,6 +175,7 @@ impl Session {
             camera: self.camera.clone(),
             look: Look::parse(&self.look_path(), &text).ok(),
             given_lights: self.given_lights.clone(),
+            has_given_environment: self.has_given_environment,
             warnings: self.warnings.clone(),
         };
         self.build(text, move || Ok(Some((loaded, None))));

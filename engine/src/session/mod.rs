@@ -101,6 +101,8 @@ pub struct Session {
     scene: Scene,
     /// Its lights without the look's `[light.NAME]`.
     given_lights: Vec<PunctualLight>,
+    /// Whether its file has light from all directions of its own.
+    has_given_environment: bool,
     /// That of the look.
     camera: Camera,
     /// How the look has its picture shown.

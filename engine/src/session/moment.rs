@@ -82,6 +82,7 @@ impl Session {
     pub(super) fn adopt(&mut self, loaded: Loaded) {
         self.scene = loaded.scene;
         self.given_lights = loaded.given_lights;
+        self.has_given_environment = loaded.has_given_environment;
         self.camera = loaded.camera;
         self.warnings = loaded.warnings;
         self.look_view = loaded.look.map_or_else(Default::default, |look| look.view);

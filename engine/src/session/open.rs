@@ -216,6 +216,7 @@ impl Opening {
             warnings,
             look,
             given_lights,
+            has_given_environment,
         } = self.loaded;
         let settings = make_settings(camera.clone());
         let renderer =
@@ -233,6 +234,7 @@ impl Opening {
             shown: None,
             scene,
             given_lights,
+            has_given_environment,
             camera,
             view: None,
             look_view: look.map_or_else(Default::default, |look| look.view),

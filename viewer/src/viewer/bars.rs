@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{ComboBox, DragValue, RichText, Slider, ThemePreference, Ui};
+use egui::{Button, ComboBox, DragValue, KeyboardShortcut, RichText, Slider, ThemePreference, Ui};
 use engine::display::{Channel, DisplaySettings};
 use engine::scene::view::ViewTransform;
 use patina_panels::asks_for_menu;
@@ -10,6 +10,7 @@ use patina_panels::asks_for_menu;
 use crate::link::{Command, Denoise, DenoiserState, FINE, NOISY, Status};
 
 use super::dialogs::Dialog;
+use super::shortcuts::{OPEN, SAVE, SAVE_AS, SAVE_PICTURE};
 use super::{Viewer, call, name};
 
 /// Textures that are listed.
@@ -38,17 +39,17 @@ impl Viewer {
 
     fn file_menu(&mut self, ui: &mut Ui) {
         ui.menu_button("File", |ui| {
-            if ui.button("Save look").clicked() {
+            if entry(ui, "Save look", &SAVE) {
                 self.save();
             }
-            if ui.button("Save look as ...").clicked() {
+            if entry(ui, "Save look as ...", &SAVE_AS) {
                 self.dialog = Some(Dialog::save_as(&self.scene.files));
             }
-            if ui.button("Save picture ...").clicked() {
+            if entry(ui, "Save picture ...", &SAVE_PICTURE) {
                 self.ask_for_picture();
             }
             ui.separator();
-            if ui.button("Open ...").clicked() {
+            if entry(ui, "Open ...", &OPEN) {
                 self.dialog = Some(Dialog::open(&self.scene.files));
             }
             self.recent_menu(ui);
@@ -400,6 +401,15 @@ fn textures(ui: &mut Ui, status: &Status) {
     });
     let hint = "each alone, at what the camera sees first; light that is scattered costs the same again, bounce by bounce";
     shown.response.on_hover_text(hint);
+}
+
+/// An entry of a menu that a key chooses as well; whether it was clicked.
+fn entry(ui: &mut Ui, text: &str, key: &KeyboardShortcut) -> bool {
+    let button = Button::new(text).shortcut_text(ui.ctx().format_shortcut(key));
+    let response = ui.add(button);
+    // It is called by its own text alone.
+    call(&response, text);
+    response.clicked()
 }
 
 /// With three digits and a unit of thousands.

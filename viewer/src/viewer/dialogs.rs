@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use egui::text::{CCursor, CCursorRange};
 use egui::{Id, Key, Modal, Ui};
 
 use engine::film::MAX_SIDE;
@@ -210,9 +211,15 @@ fn file_fields(ui: &mut Ui, dialog: &mut Dialog, browser: &mut Browser) {
     let label = ui.label("File");
     ui.horizontal(|ui| {
         let edit = egui::TextEdit::singleline(&mut dialog.path).desired_width(width(ui));
-        let path = ui.add(edit).labelled_by(label.id);
+        let mut shown = edit.show(ui);
+        let path = shown.response.response.clone().labelled_by(label.id);
         if std::mem::take(&mut dialog.is_new) {
             path.request_focus();
+            // What is typed takes its place.
+            let end = CCursor::new(dialog.path.chars().count());
+            let all = CCursorRange::two(CCursor::default(), end);
+            shown.state.cursor.set_char_range(Some(all));
+            shown.state.store(ui.ctx(), path.id);
         }
         let request = || dialog.request();
         if let Some(path) = browser.button(ui, "Browse ...", dialog.what.name(), request) {
