@@ -7,7 +7,7 @@ use crate::{
     filter::{FilterTable, PixelFilter},
     gpu_scene::GpuScene,
     scene::Projection,
-    settings::{Estimator, RenderSettings, Sampler},
+    settings::{Estimator, Method, RenderSettings, Sampler},
     sobol,
 };
 
@@ -76,7 +76,7 @@ pub struct Frame {
     crop_whole: u32,
     crop_blocks_x: u32,
     sky_cell_scale: f32,
-    sky_is_known: u32,
+    caches: u32,
     sobol: [[u32; 4]; sobol::ROWS],
     lot: [[u32; 2]; LOT_BLOCKS],
 }
@@ -141,13 +141,16 @@ impl Frame {
             crop_whole,
             crop_blocks_x,
             sky_cell_scale,
-            sky_is_known,
+            caches,
             sobol,
             lot
         ]
     }
 }
 
+/// Bits of `caches`, as in `frame.wgsl`.
+const CACHE_SKY: u32 = 1;
+const CACHE_IRRADIANCE: u32 = 2;
 /// Vertices that scatter before Russian roulette begins.
 const ROULETTE_START: u32 = 4;
 /// Side of a cell in which the sky is known over its distance to the camera, before it is rounded down to a power of two: in a room,
@@ -169,7 +172,10 @@ pub(crate) fn paths_per_sample(width: u32, height: u32) -> u64 {
 impl Frame {
     /// Whether light samples of the sky go where it is known to be seen.
     pub(crate) fn set_known_sky(&mut self, is_known: bool) {
-        self.sky_is_known = u32::from(is_known);
+        match is_known {
+            true => self.caches |= CACHE_SKY,
+            false => self.caches &= !CACHE_SKY,
+        }
     }
 
     /// Share of the light samples that the environment gets where nothing is known.
@@ -307,7 +313,10 @@ impl Frame {
             crop_whole: columns | rows << 16,
             crop_blocks_x: settings.crop.map_or(0, |_| columns.div_ceil(BLOCK)),
             sky_cell_scale: SKY_CELL_SCALE,
-            sky_is_known: 0,
+            caches: match settings.method {
+                Method::Cache => CACHE_IRRADIANCE,
+                Method::Path | Method::Draft | Method::Photons => 0,
+            },
             sobol: sobol::nibbles(),
             lot: [[0; 2]; LOT_BLOCKS],
         }

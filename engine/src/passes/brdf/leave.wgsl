@@ -9,6 +9,25 @@ fn is_caster(v: Vertex, b: Bsdf) -> bool {
         && mean_alpha(b) <= CASTER_ALPHA;
 }
 
+// Width of the microfacets' distribution from which on a reflection is taken to be spread over all directions, as far as light comes from
+// other surfaces: a roughness of 0.7.
+const ROUGH_ALPHA = 0.5;
+
+// Whether the cache of irradiance stands for the reflection, too. It is weak and broad: followed by rays of its own, one in twenty
+// goes on, and one of hundreds of these meets what the sun shines on, which leaves a white dot. Light from lamps and the sky is
+// reflected as ever.
+fn counts_as_diffuse(b: Bsdf, l: Lobes) -> bool {
+    return (frame.caches & CACHE_IRRADIANCE) != 0u && mean_alpha(b) >= ROUGH_ALPHA && l.coat_p <= 0.0
+        && (!has_layers || b.iridescence <= 0.0);
+}
+
+// Share of light from all sides that the reflection sends towards a viewer at this cosine.
+fn rough_albedo(b: Bsdf, l: Lobes, cosine: f32) -> vec3f {
+    let table = albedo_lookup(cosine, sqrt(mean_alpha(b)));
+    let dielectric = b.specular * (b.dielectric_f0 * table.x + table.y);
+    return l.gloss * mix(dielectric, b.base_color * table.x + table.y, b.metallic);
+}
+
 // Leaves how the vertex scatters: diffusely, if that is the same from wherever the light comes, not below a sheen, nor where it
 // goes to the other side as well.
 fn leave_scattering(p: Path, v: Vertex, m: MaterialSample, l: Lobes, origins: RayOrigins) {
@@ -20,7 +39,10 @@ fn leave_scattering(p: Path, v: Vertex, m: MaterialSample, l: Lobes, origins: Ra
         path_set_words(PATH_LEFT, v.slot, vec4u(0u, 0u, v.depth, LEFT_OTHER));
         return;
     }
-    let scattered = diffuse_above(m.bsdf, l, vec3f(0.0)) * (1.0 - l.cover);
+    var scattered = diffuse_above(m.bsdf, l, vec3f(0.0)) * (1.0 - l.cover);
+    if (counts_as_diffuse(m.bsdf, l)) {
+        scattered += rough_albedo(m.bsdf, l, dot(v.surface.wo, m.frame.normal)) / PI;
+    }
     path_set_words(PATH_PLACE, v.slot, vec4u(bitcast<vec3u>(origins.above), octahedral_encode(v.surface.shading_normal)));
     path_set_words(PATH_DIFFUSE, v.slot, vec4u(bitcast<vec3u>(p.throughput * scattered), octahedral_encode(m.frame.normal)));
     path_set_words(PATH_LEFT, v.slot, vec4u(0u, 0u, v.depth, LEFT_DIFFUSE));
@@ -36,7 +58,8 @@ fn leave_share(v: Vertex, b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f, value: vec3f)
     let kind = path_words(PATH_LEFT, v.slot).w;
     var share = vec2u(0u);
     if (kind == LEFT_DIFFUSE) {
-        share = shares_words(diffuse_share(b, l, wo, wi, value), wi.z > 0.0, 0u);
+        let is_all = wi.z > 0.0 && counts_as_diffuse(b, l);
+        share = shares_words(select(diffuse_share(b, l, wo, wi, value), vec3f(1.0), is_all), wi.z > 0.0, 0u);
     }
     path_set_words(PATH_LEFT, v.slot, vec4u(share, v.depth, kind | LEFT_ON));
 }

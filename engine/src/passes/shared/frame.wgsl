@@ -56,12 +56,16 @@ struct Frame {
     crop_whole: u32, // columns | rows << 16 of the whole
     crop_blocks_x: u32, // blocks in a row of the whole; 0 where the film is the whole
     sky_cell_scale: f32, // side of a cell in which the sky is known over its distance to the camera, see known_sky.wgsl
-    sky_is_known: u32,
+    caches: u32, // what caches of light there are, see CACHE_
     sobol: array<vec4u, 384>, // what four bits of an index add to three groups of four dimensions, see sobol.rs
     lot: array<vec4u, 2048>, // two in each: a block of the picture, and the first of the samples that it gets
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
+
+// Bits of `caches`.
+const CACHE_SKY = 1u; // where the sky is seen, see known_sky.wgsl
+const CACHE_IRRADIANCE = 2u; // what surfaces scatter is looked up, see irradiance/look_up.wgsl
 
 // Samples of one half in a row; `film.rs` has the same number.
 const HALF_RUN_BITS = 4u;

@@ -19,7 +19,7 @@ const SKY_CELLS = 4096u;
 
 // Whether that is so.
 fn sky_is_known() -> bool {
-    return leaves_diffuse && frame.sky_is_known != 0u;
+    return leaves_diffuse && (frame.caches & CACHE_SKY) != 0u;
 }
 
 // The row of a point from which rays start. It is that of the point's cell or of a neighbour's, by the numbers of the path, so that
