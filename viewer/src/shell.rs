@@ -15,6 +15,7 @@ use crate::appearance;
 use crate::canvas::Canvas;
 use crate::figures::{Figures, Frame};
 use crate::file_dialogs::SystemDialogs;
+use crate::glyphs::Glyphs;
 use crate::host::Host;
 use crate::link::{Command, Denoise, DenoiserState, Files, Link};
 use crate::screen::Screen;
@@ -135,6 +136,8 @@ pub fn run(
             wgpu_setup: WgpuSetup::Existing(setup),
             ..WgpuConfiguration::default()
         },
+        // They are looked for when one is missing, and nobody waits for them.
+        system_font_fallback: false,
         // A screenshot looks the same whatever the last window was.
         persist_window: !is_screenshot,
         // Nobody sees it in flat panels, and a software driver pays for each pixel.
@@ -240,6 +243,7 @@ struct Shell {
     parts: Parts,
     viewer: Viewer,
     screen: Screen,
+    glyphs: Glyphs,
     picture_at_spp: Option<u32>,
     /// That picture is to have no noise.
     waits_for_denoiser: bool,
@@ -292,6 +296,7 @@ impl Shell {
             parts,
             viewer,
             screen: Screen::new(context.wgpu_render_state.as_ref()),
+            glyphs: Glyphs::of_system(&context.egui_ctx),
             picture_at_spp: options.picture_at_spp,
             waits_for_denoiser: options.denoise == Some(Denoise::Always),
             is_taking: false,
@@ -403,6 +408,7 @@ impl eframe::App for Shell {
         self.rest(ui);
         self.take_picture(frame);
         self.viewer.ui(ui);
+        self.glyphs.update(ui.ctx());
         self.note_frame(ui);
         self.end_if_lost(ui);
         self.take_screenshot(ui);
