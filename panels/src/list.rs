@@ -445,7 +445,8 @@ pub(crate) fn node_parameter(ui: &mut Ui, cx: &mut Context<'_>, node: &str, para
                 let folder = cx.document.look().resolve("");
                 let written = written_value.as_ref();
                 let (slots, browser) = (&mut *cx.images, &mut *cx.browser);
-                image_slot(ui, slots, browser, &full, &folder, written)
+                let model = cx.scene.images;
+                image_slot(ui, slots, browser, &full, &folder, model, written)
             }
         };
         if let Some(value) = value {
