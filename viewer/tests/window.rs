@@ -725,6 +725,82 @@ fn opening_the_same_files_again_keeps_what_was_done() {
 }
 
 #[test]
+fn what_was_done_counts_for_the_file_that_the_look_is_saved_as() {
+    const TEXT: &str = "[view]\nexposure = 0.5\n";
+    let look = |text: &str| LookFacts {
+        text: text.into(),
+        saved: text.into(),
+        ..LookFacts::default()
+    };
+    let save_as = |stage: &mut Stage| {
+        stage.press(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::S);
+        stage.press(Modifiers::COMMAND, Key::A);
+        stage.type_text("scenes/night.look.toml");
+        stage.press(Modifiers::NONE, Key::Enter);
+        let sent = stage.sent();
+        let path = sent.into_iter().find_map(|command| match command {
+            Command::Save(path) => path,
+            _ => None,
+        });
+        path.expect("it is saved")
+    };
+    // As a render would: the look has another file, or it could not be written.
+    for is_saved in [true, false] {
+        let mut stage = Stage::new();
+        let mut files = stage.board.lock().unwrap().scene.files.clone();
+        stage.board.lock().unwrap().look = Some(look(TEXT));
+        stage.reply(Reply::Opened(files.clone()));
+        stage.click("Snapshot A");
+        let edit = Edit::view("exposure", Value::number(1.0));
+        let document = stage.harness.state_mut().document_mut();
+        let applied = document.expect("a look").apply("view", &[edit], None);
+        applied.expect("an edit");
+        stage.harness.run_steps(2);
+        let path = save_as(&mut stage);
+        assert_eq!(path, PathBuf::from("scenes/night.look.toml"));
+        let document = stage.harness.state_mut().document_mut();
+        let edited = document.expect("a look").text().to_owned();
+        files.look = Some(path.clone());
+        if is_saved {
+            let mut board = stage.board.lock().unwrap();
+            let mut scene = SceneFacts::clone(&board.scene);
+            scene.files = files.clone();
+            board.scene = Arc::new(scene);
+            board.look = Some(LookFacts {
+                heard: 1,
+                ..look(&edited)
+            });
+            drop(board);
+            stage.reply(Reply::Done("saved".to_owned()));
+            let kept = stage.harness.state_mut().kept().files.clone();
+            assert_eq!(kept, Some(files.clone()), "the next start opens it");
+        } else {
+            stage.reply(Reply::Failed("the disk is full".to_owned()));
+        }
+        // It is opened, as if it were another one.
+        let mut board = stage.board.lock().unwrap();
+        let mut scene = SceneFacts::clone(&board.scene);
+        scene.files = files.clone();
+        board.scene = Arc::new(scene);
+        board.look = Some(look(&edited));
+        drop(board);
+        stage.reply(Reply::Opened(files));
+        stage.harness.run_steps(2);
+        let document = stage.harness.state_mut().document_mut();
+        assert_eq!(document.expect("a look").done() > 0, is_saved);
+        if is_saved {
+            stage.press(Modifiers::COMMAND, Key::Z);
+            let document = stage.harness.state_mut().document_mut();
+            assert_eq!(document.expect("a look").text(), TEXT);
+            stage.press(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
+            stage.click("Snapshot A");
+            let document = stage.harness.state_mut().document_mut();
+            assert_eq!(document.expect("a look").text(), TEXT, "A was kept");
+        }
+    }
+}
+
+#[test]
 fn what_was_picked_is_framed() {
     let mut stage = Stage::new();
     stage.type_text("f");

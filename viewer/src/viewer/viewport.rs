@@ -13,6 +13,7 @@ use crate::link::{Command, PickPurpose, SceneFacts};
 use crate::navigate::Navigator;
 
 use super::Viewer;
+use super::borders::{Borders, Way};
 
 /// Of the distance per point of the wheel.
 const WHEEL: f32 = 0.002;
@@ -27,6 +28,15 @@ pub(super) const SLOWEST: f32 = 0.01;
 pub(super) const FASTEST: f32 = 100.0;
 /// Points around the border between both pictures in which it can be taken.
 const GRIP: f32 = 6.0;
+/// Borders of the region, in the order of its corners.
+const REGION: [(&str, Way); 4] = [
+    ("Left border of the region", Way::Across),
+    ("Upper border of the region", Way::Along),
+    ("Right border of the region", Way::Across),
+    ("Lower border of the region", Way::Along),
+];
+/// Of the picture, that a region is wide and high where keys make it small.
+const LEAST_REGION: f32 = 0.02;
 /// Frames per second while flying: more would take time from rendering.
 const FLIGHT_FPS: f32 = 30.0;
 
@@ -138,6 +148,7 @@ impl Viewer {
         response.widget_info(label);
         self.ask_for_size(ui, rect);
         self.paint(ui, rect);
+        self.borders_by_keys(ui, rect);
         if self.split_pointer(ui, rect, &response) {
             return;
         }
@@ -282,8 +293,55 @@ impl Viewer {
         is_taken
     }
 
+    /// Moves what lies between pictures, and what is around the region, as the keys say.
+    fn borders_by_keys(&mut self, ui: &Ui, rect: Rect) {
+        if let Some(split) = self.viewport.split {
+            let line = corners(rect, [split, 0.0, split, 1.0]).expand2(Vec2::new(GRIP, 0.0));
+            let (name, within) = ("Border of Compare", (split, 0.0..=1.0));
+            let moved = self
+                .borders
+                .line(ui, name, Way::Across, (rect, line), within);
+            self.viewport.split = moved.or(self.viewport.split);
+        }
+        let Some(mut region) = self.viewport.region else {
+            return;
+        };
+        // While it is drawn, it is the pointer's.
+        if self.viewport.region_start.is_some() {
+            return;
+        }
+        let mut has_moved = false;
+        for (side, (name, way)) in REGION.into_iter().enumerate() {
+            let mut line = region;
+            line[(side + 2) % 4] = region[side];
+            let line = corners(rect, line).expand(0.5 * GRIP);
+            // A region has an extent.
+            let range = match side {
+                0 | 1 => 0.0..=region[side + 2] - LEAST_REGION,
+                _ => region[side - 2] + LEAST_REGION..=1.0,
+            };
+            let within = (region[side], range);
+            if let Some(to) = self.borders.line(ui, name, way, (rect, line), within) {
+                region[side] = to;
+                has_moved = true;
+            }
+        }
+        if has_moved {
+            self.viewport.region = Some(region);
+            self.link.send(Command::Region(self.viewport.region));
+        }
+    }
+
     fn choose_region(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) {
         ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
+        // By Enter it is in the middle, and its borders are moved from there.
+        if response.clicked() && response.interact_pointer_pos().is_none() {
+            self.viewport.region = Some([0.25, 0.25, 0.75, 0.75]);
+            self.viewport.chooses_region = false;
+            self.link.send(Command::Region(self.viewport.region));
+            Borders::focus(ui, REGION[0].0);
+            return;
+        }
         if response.drag_started() {
             self.viewport.region_start = ui.input(|input| input.pointer.press_origin());
         }
