@@ -26,6 +26,7 @@ mod maps;
 mod material;
 mod model;
 mod model_image;
+mod node;
 mod panel;
 mod pictures;
 mod preview;

@@ -110,6 +110,17 @@ impl Glyphs {
     }
 }
 
+impl Glyphs {
+    /// Whether boxes that are shown may become letters.
+    pub(crate) fn is_looking(&self) -> bool {
+        match self.search {
+            Search::Runs(_) => true,
+            Search::Rests(_) => !lock(&self.known).wanted.is_empty(),
+            Search::Failed => false,
+        }
+    }
+}
+
 /// What egui asks. It doesn't wait: what isn't known yet is noted.
 struct Provider(Arc<Mutex<Known>>);
 
@@ -189,11 +200,13 @@ mod tests {
         let mut glyphs = Glyphs::from(&ctx, hack);
         let text = format!("a{IN_HACK}");
         assert!(!can_read(&ctx, &mut glyphs, &text), "nobody waits for it");
+        assert!(glyphs.is_looking());
         let end = Instant::now() + Duration::from_secs(60);
         while !can_read(&ctx, &mut glyphs, &text) {
             assert!(Instant::now() < end);
             wait();
         }
+        assert!(!glyphs.is_looking());
         // What no font has is looked for once.
         for _ in 0..3 {
             assert!(!can_read(&ctx, &mut glyphs, &NOWHERE.to_string()));

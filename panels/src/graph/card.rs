@@ -11,7 +11,7 @@ use super::{GraphItem, GraphView, Loose, OutputSocket, Sockets};
 use crate::context::Context;
 use crate::pictures::take_material;
 use crate::widgets::{context_menu, describe, menu};
-use crate::{edits, links, list};
+use crate::{edits, links, node};
 
 const SOCKET: f32 = 5.0;
 
@@ -88,7 +88,7 @@ impl GraphView {
             }
             context_menu(body, |ui| {
                 menu(ui, "Rename", |ui| {
-                    if list::rename_field(ui, cx, node) {
+                    if node::rename_field(ui, cx, node) {
                         ui.close();
                     }
                 });

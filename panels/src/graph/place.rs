@@ -4,7 +4,8 @@ use std::collections::{BTreeSet, HashMap};
 
 use egui::{Pos2, Rect, pos2, vec2};
 
-use super::layout::{self, COLUMN, Card, free_place};
+use super::free::free_place;
+use super::layout::{self, COLUMN, Card};
 use super::rows::WIDTH;
 use super::{GraphItem, GraphView};
 use crate::context::Context;
