@@ -15,6 +15,7 @@ mod clipboard;
 mod context;
 mod edits;
 mod environments;
+mod framing;
 mod graph;
 mod history;
 mod lamps;

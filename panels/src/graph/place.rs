@@ -119,20 +119,18 @@ impl GraphView {
     }
 }
 
-/// The cards of each frame, by their places in the list. Those of materials are in none.
+/// The cards of each frame, by their places in the list.
 fn frames(cx: &Context<'_>, subjects: &[GraphItem<'_>]) -> Vec<BTreeSet<usize>> {
-    let nodes = subjects.iter().enumerate();
-    let numbers: HashMap<&str, usize> = nodes
-        .filter_map(|(i, subject)| match subject {
-            GraphItem::Node(node) => Some((*node, i)),
-            GraphItem::Material(_) => None,
-        })
-        .collect();
+    let ids = subjects.iter().enumerate();
+    let numbers: HashMap<String, usize> = ids.map(|(i, subject)| (subject.id(), i)).collect();
     let frames = cx.document.look().frames.iter();
     let members = frames.map(|frame| {
-        let nodes = frame.nodes.iter();
-        nodes
-            .filter_map(|node| numbers.get(node.value.as_str()).copied())
+        let nodes = frame.nodes.iter().map(|node| GraphItem::Node(&node.value));
+        let materials = frame.materials.iter();
+        let materials = materials.map(|material| GraphItem::Material(&material.value));
+        let members = nodes.chain(materials);
+        members
+            .filter_map(|member| numbers.get(&member.id()).copied())
             .collect()
     });
     members.collect()
