@@ -1,11 +1,12 @@
 //! Edits of several keys that belong together: each is one step of the history.
 
 use engine::procedural::Output;
-use engine::scene::look::{FrameLook, Section, Spanned, Value};
+use engine::scene::look::{Section, Value};
 use engine::session::{Document, Edit};
 use texgen::Swizzle;
 
 use crate::Textures;
+use crate::framing::unframe;
 use crate::model::{Model, Target};
 
 /// `node` or `node.xyz`, as a look writes a link.
@@ -74,49 +75,8 @@ pub(crate) fn remove_nodes(document: &Document, model: &Model, nodes: &[String])
         }
     }
     edits.extend(nodes.iter().map(|node| Edit::remove_node(node)));
-    edits.extend(unframe(document, nodes));
+    edits.extend(unframe(document, nodes, &[]));
     edits
-}
-
-/// The frame that a node is in.
-pub(crate) fn frame_of<'d>(document: &'d Document, node: &str) -> Option<&'d FrameLook> {
-    let mut frames = document.look().frames.iter();
-    frames.find(|frame| frame.nodes.iter().any(|member| member.value == node))
-}
-
-/// Puts a frame around nodes, which leave those that they are in. Also gives its title.
-pub(crate) fn frame(document: &Document, nodes: &[String]) -> (String, Vec<Edit>) {
-    let frames = &document.look().frames;
-    let is_taken = |title: &str| frames.iter().any(|frame| frame.name.value == title);
-    let numbered = (2..).map(|number| format!("Frame {number}"));
-    let mut titles = std::iter::once("Frame".to_owned()).chain(numbered);
-    let title = titles.find(|title| !is_taken(title));
-    let title = title.expect("there are more numbers than frames");
-    let mut edits = unframe(document, nodes);
-    let section = Section::Frame(title.clone());
-    edits.push(Edit::set(section, "nodes", names(nodes.iter())));
-    (title, edits)
-}
-
-/// Takes nodes out of the frames that they are in. One around nothing is taken away.
-pub(crate) fn unframe(document: &Document, nodes: &[String]) -> Vec<Edit> {
-    let changed = document.look().frames.iter().filter_map(|frame| {
-        let section = Section::Frame(frame.name.value.clone());
-        let members = || frame.nodes.iter().map(|member| &member.value);
-        let stay = || members().filter(|member| !nodes.contains(member));
-        match (members().count(), stay().count()) {
-            (before, after) if before == after => None,
-            (_, 0) => Some(Edit::Remove { section }),
-            _ => Some(Edit::set(section, "nodes", names(stay()))),
-        }
-    });
-    changed.collect()
-}
-
-/// A list of names.
-pub(crate) fn names<'n>(names: impl Iterator<Item = &'n String>) -> Value {
-    let texts = names.map(|name| Spanned::new(Value::Text(name.clone()), 0..0));
-    Value::List(texts.collect())
 }
 
 /// A new node of a texture that drives something, and its name.
@@ -224,10 +184,11 @@ pub(crate) fn remove_unused(
         let has = |used: &[String]| used.iter().any(|other| other == name);
         !is_own(name) && has(&before) && !has(&after)
     });
-    let gone = gone.map(|name| Edit::Remove {
-        section: Section::Material((*name).to_owned()),
+    let gone: Vec<String> = gone.map(|name| (*name).to_owned()).collect();
+    let removed = gone.iter().map(|name| Edit::Remove {
+        section: Section::Material(name.clone()),
     });
-    gone.collect()
+    removed.chain(unframe(document, &[], &gone)).collect()
 }
 
 /// A name that no node has: `wanted`, or with a number behind it. Other characters than names may have become `_`.

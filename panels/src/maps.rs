@@ -1,6 +1,6 @@
 //! The images that a model brings for a material: seen, and made nodes of, so that they can be changed.
 
-use egui::{TextureHandle, TextureOptions, Ui, vec2};
+use egui::{Ui, vec2};
 use engine::scene::look::{Field, MODEL_IMAGE, Section, Spanned, Value};
 use engine::scene::{Material, TextureRef, Wrap};
 use engine::session::Edit;
@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use crate::context::Context;
 use crate::edits::free_name;
-use crate::model_image::ModelImage;
+use crate::model_image::{DraggedImage, ModelImage};
 use crate::widgets::name;
 
 /// What of a material an image of the model is for.
@@ -80,13 +80,22 @@ pub(crate) fn maps(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
             continue;
         }
         ui.horizontal(|ui| {
-            let handle = small(ui, image, texture.image);
-            let size = handle.size_vec2();
-            let size = size * (20.0 / size.max_elem());
-            ui.add(egui::Image::new((handle.id(), size)).fit_to_exact_size(vec2(20.0, 20.0)));
+            let id = ui.scope_id().with(("drag", material, map.label));
+            let payload = DraggedImage {
+                name: image.name.clone(),
+                is_data: map.is_data,
+            };
+            let handle = image.picture(ui.ctx(), texture.image as usize);
+            let dragged = ui.dnd_drag_source(id, payload, |ui| {
+                let size = handle.size_vec2();
+                let size = size * (20.0 / size.max_elem());
+                ui.add(egui::Image::new((handle.id(), size)).fit_to_exact_size(vec2(20.0, 20.0)));
+                ui.label(map.label);
+            });
             let [width, height] = image.size;
-            let label = ui.label(map.label);
-            label.on_hover_text(format!("{}, {width} x {height}, of the model", image.name));
+            let help = "drag it onto the slot of an image, which reads it then";
+            let help = format!("{}, {width} x {height}, of the model; {help}", image.name);
+            dragged.response.on_hover_text(help);
             let button = ui.button("As a node");
             name(&button, &format!("{} of {material} as a node", map.label));
             let help = "so that it can be graded, mixed, or moved; what it looks like stays";
@@ -96,19 +105,6 @@ pub(crate) fn maps(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
             }
         });
     }
-}
-
-/// The picture as egui has it, made once for each image.
-fn small(ui: &Ui, image: &ModelImage, number: u32) -> TextureHandle {
-    let id = egui::Id::unique(("image of the model", number, &image.name, image.size));
-    let known = ui.data(|data| data.get_temp::<TextureHandle>(id));
-    known.unwrap_or_else(|| {
-        let options = TextureOptions::LINEAR;
-        let small = image.small.clone();
-        let handle = ui.ctx().load_texture(&image.name, small, options);
-        ui.data_mut(|data| data.insert_temp(id, handle.clone()));
-        handle
-    })
 }
 
 /// A node that reads the image as the material did.

@@ -1,6 +1,6 @@
-//! Images of the model, as small as they are shown.
+//! Images of the model, as small as they are shown, and as they are dragged to where they are to be read.
 
-use egui::ColorImage;
+use egui::{ColorImage, Context, Id, TextureHandle, TextureOptions};
 use engine::scene::Image;
 
 /// Pixels of a small picture's longer side.
@@ -13,7 +13,16 @@ pub struct ModelImage {
     pub name: String,
     /// Of the image itself.
     pub size: [u32; 2],
-    pub(crate) small: ColorImage,
+    small: ColorImage,
+}
+
+/// An image of the model that is dragged from a material's maps.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct DraggedImage {
+    /// As [`ModelImage::name`].
+    pub(crate) name: String,
+    /// It holds numbers, not colours.
+    pub(crate) is_data: bool,
 }
 
 impl ModelImage {
@@ -35,5 +44,17 @@ impl ModelImage {
             size: [image.width, image.height],
             small: ColorImage::from_rgb([width as usize, height as usize], &pixels),
         }
+    }
+
+    /// The small picture as egui has it, made once for each image; `number` is its own.
+    pub(crate) fn picture(&self, ctx: &Context, number: usize) -> TextureHandle {
+        let id = Id::unique(("image of the model", number, &self.name, self.size));
+        let known = ctx.data(|data| data.get_temp::<TextureHandle>(id));
+        known.unwrap_or_else(|| {
+            let options = TextureOptions::LINEAR;
+            let handle = ctx.load_texture(&self.name, self.small.clone(), options);
+            ctx.data_mut(|data| data.insert_temp(id, handle.clone()));
+            handle
+        })
     }
 }

@@ -19,7 +19,7 @@ use crate::preview::Previews;
 use crate::rename::{Renaming, rename};
 use crate::scene_view::{Placing, SceneView};
 use crate::widgets::{self, Browser, FileDialogs, ImageSlot};
-use crate::{Textures, lamps, light, list, view};
+use crate::{Textures, lamps, light, list, node, view};
 
 /// Of more nodes than this only the names are shown at first.
 const MAX_OPEN: usize = 12;
@@ -370,13 +370,13 @@ fn list_form(ui: &mut Ui, cx: &mut Context<'_>, material: Option<&str>, search: 
     let nodes = model.nodes_of(&family);
     let is_open = nodes.len() <= MAX_OPEN;
     for node in nodes {
-        list::node(ui, cx, &node, is_open);
+        node::node(ui, cx, &node, is_open);
     }
     let loose = model.loose_nodes(cx.document.look());
     if !loose.is_empty() {
         ui.weak("Nodes that no material needs");
         for node in loose {
-            list::node(ui, cx, &node, is_open);
+            node::node(ui, cx, &node, is_open);
         }
     }
     let add = widgets::menu(ui, "Add a node…", |ui| add_menu(ui, cx, search));
@@ -397,5 +397,5 @@ fn graph_form(ui: &mut Ui, cx: &mut Context<'_>, family: &[&str], graph: &mut Gr
     };
     ScrollArea::vertical()
         .auto_shrink(false)
-        .show(ui, |ui| list::node(ui, cx, &node, true));
+        .show(ui, |ui| node::node(ui, cx, &node, true));
 }

@@ -3,7 +3,8 @@
 use engine::scene::look::{Section, Value, link_text};
 use engine::session::{Document, Edit};
 
-use crate::edits::{link, names};
+use crate::edits::link;
+use crate::framing::renamed;
 use crate::model::{Model, Target};
 
 /// A table that gets another name, and those that refer to it.
@@ -59,17 +60,10 @@ impl Renaming {
             }
         }
         for frame in &document.look().frames {
-            let members = || frame.nodes.iter().map(|member| &member.value);
-            if !members().any(|member| member == node) {
-                continue;
+            if let Some(members) = renamed(&frame.nodes, node, name) {
+                let section = Section::Frame(frame.name.value.clone());
+                followers.push(Edit::set(section, "nodes", members));
             }
-            let called = members().map(|member| match member == node {
-                true => name.to_owned(),
-                false => member.clone(),
-            });
-            let called: Vec<String> = called.collect();
-            let section = Section::Frame(frame.name.value.clone());
-            followers.push(Edit::set(section, "nodes", names(called.iter())));
         }
         Ok(Self {
             section: Section::Node(node.to_owned()),
@@ -127,6 +121,12 @@ impl Renaming {
                     let value = Value::Text(name.to_owned());
                     followers.push(Edit::material(blend, key, value));
                 }
+            }
+        }
+        for frame in &document.look().frames {
+            if let Some(members) = renamed(&frame.materials, material, name) {
+                let section = Section::Frame(frame.name.value.clone());
+                followers.push(Edit::set(section, "materials", members));
             }
         }
         Ok(Self {

@@ -10,7 +10,8 @@
 //!    [`link::Board`], and neither waits for the other. [`pace`] decides how long waves may take, so that the window stays at
 //!    hand.
 //! 4. [`blit`] paints the picture by a pipeline of its own. Where another device than the window's renders, the [`picture`] comes
-//!    as pixels, which are brought to the window's. `file_dialogs` opens the dialogs of the system.
+//!    as pixels, which are brought to the window's. `file_dialogs` opens the dialogs of the system, `glyphs` finds its
+//!    fonts where the window's own lack a character.
 //!
 //! Panels that edit the look are `patina_panels`. Nothing here prints.
 
@@ -19,6 +20,7 @@ pub mod blit;
 mod canvas;
 pub mod figures;
 mod file_dialogs;
+mod glyphs;
 pub mod host;
 pub mod link;
 pub mod navigate;

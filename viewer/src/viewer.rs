@@ -2,13 +2,16 @@
 //! window system, so that tests drive it as a user does.
 
 mod bars;
+mod borders;
 mod dialogs;
 mod dropped;
 mod lens;
 mod look;
 mod mix;
+mod motion;
 mod problems;
 mod questions;
+mod region;
 mod shortcuts;
 mod timeline;
 mod view;
@@ -25,6 +28,7 @@ use patina_panels::{Browser, FileDialogs, show_focus};
 use crate::blit::Drawn;
 use crate::link::{Command, Denoise, Files, Hit, Link, PickPurpose, Reply, SceneFacts, Status};
 
+use borders::{Borders, Way};
 use dialogs::Dialog;
 use look::{Editor, Outside};
 use mix::LightMixer;
@@ -42,6 +46,8 @@ const LEAST_PANEL: f32 = 260.0;
 const LIST: f32 = 340.0;
 /// The same where it shows a graph, whose cards stand beside each other; at most half of the window.
 const GRAPH: f32 = 640.0;
+/// Height of the tables of times, in which a line can be read.
+const LEAST_TIMES: f32 = 60.0;
 /// Heights of a graph below the picture, and of the picture above one, that can be worked with.
 const LEAST_GRAPH: f32 = 140.0;
 const LEAST_PICTURE: f32 = 120.0;
@@ -137,6 +143,7 @@ pub struct Viewer {
     /// What the command line says of the view.
     given_view: ViewChoice,
     viewport: Viewport,
+    borders: Borders,
     editor: Editor,
     status: Status,
     scene: Arc<SceneFacts>,
@@ -149,6 +156,8 @@ pub struct Viewer {
     mixer: LightMixer,
     questions: Questions,
     timeline: Timeline,
+    /// The look is being saved as this file, which is its own from then on.
+    saved_as: Option<std::path::PathBuf>,
     /// Of the window.
     shown_title: String,
     problems: Problems,
@@ -189,6 +198,7 @@ impl Viewer {
             denoise,
             given_view: view,
             viewport: Viewport::default(),
+            borders: Borders::default(),
             editor: Editor::default(),
             status: Status::default(),
             scene: Arc::default(),
@@ -200,6 +210,7 @@ impl Viewer {
             mixer: LightMixer::default(),
             questions: Questions::default(),
             timeline: Timeline::default(),
+            saved_as: None,
             shown_title: String::new(),
             problems: Problems::default(),
             material: None,
@@ -267,6 +278,7 @@ impl Viewer {
         ui.ctx().set_theme(self.preferences.theme);
         self.read_board(now);
         self.show_view();
+        self.borders.take_keys(ui);
         self.take_keys(ui);
         self.take_dropped(ui);
         // The window is cleared with the panels' colour: to fill it twice takes a software driver as long as the rest.
@@ -280,14 +292,19 @@ impl Viewer {
             time.show(ui, |ui| self.timeline(ui, end, now));
         }
         if self.preferences.shows_times {
+            self.borders
+                .before_panel(ui, "times", Way::Along, LEAST_TIMES);
             let times = Panel::bottom("times").frame(bare).resizable(true);
-            times.default_size(190.0).show(ui, |ui| self.times(ui));
+            let times = times.default_size(190.0).min_size(LEAST_TIMES);
+            times.show(ui, |ui| self.times(ui));
+            Borders::name_panel(ui, "times", "Border of the times");
         }
         // A graph that is as narrow as a list can't be read: each has a width of its own.
         let (id, width) = match self.editor.shows_graph() && !self.lists_shortcuts {
             true => ("graph", GRAPH.min(0.5 * ui.available_width()).max(LIST)),
             false => ("look", LIST),
         };
+        self.borders.before_panel(ui, id, Way::Across, LEAST_PANEL);
         Panel::right(id)
             .frame(bare)
             .resizable(true)
@@ -302,9 +319,12 @@ impl Viewer {
                     (false, false) => self.look_panel(ui),
                 }
             });
+        Borders::name_panel(ui, id, "Border of the panel");
         if self.editor.graph_is_below() {
             let most = ui.available_height() - LEAST_PICTURE;
-            Panel::bottom("graph below")
+            let salt = "graph below";
+            self.borders.before_panel(ui, salt, Way::Along, LEAST_GRAPH);
+            Panel::bottom(salt)
                 .frame(bare)
                 .resizable(true)
                 .default_size(0.4 * ui.available_height())
@@ -314,6 +334,7 @@ impl Viewer {
                     ui.set_min_size(ui.available_size());
                     self.graph_panel(ui);
                 });
+            Borders::name_panel(ui, salt, "Border of the graph");
         }
         CentralPanel::default()
             .frame(egui::Frame::NONE)
@@ -369,6 +390,7 @@ impl Viewer {
         if !Arc::ptr_eq(&scene, &self.scene) {
             self.scene = scene;
             self.viewport.scene_changed(&self.scene);
+            self.follow_saved();
         }
         for reply in replies {
             self.hear(reply, now);
@@ -385,6 +407,17 @@ impl Viewer {
                     }
                 }
             }
+        }
+    }
+
+    /// The look has another file from now on, and is the same: what was done counts for that one, now and when it is opened again.
+    fn follow_saved(&mut self) {
+        let files = &self.scene.files;
+        let is_saved = self.saved_as.is_some() && self.saved_as == files.look;
+        if let Some(last) = self.preferences.files.as_mut().filter(|_| is_saved)
+            && last.scene == files.scene
+        {
+            last.look = self.saved_as.take();
         }
     }
 
@@ -407,6 +440,7 @@ impl Viewer {
             },
             Reply::Done(text) => self.tell(text, false, now),
             Reply::Failed(text) => {
+                self.saved_as = None;
                 self.stay_if_unsaved();
                 self.tell(text, true, now);
             }
@@ -422,6 +456,7 @@ impl Viewer {
                 self.viewport = Viewport::default();
                 self.timeline = Timeline::default();
                 self.forget_mix();
+                self.saved_as = None;
                 let last = self.preferences.files.take();
                 let is_again = self.document_mut().is_some()
                     && last.as_ref().is_some_and(|last| is_same(last, &files));
@@ -463,6 +498,9 @@ fn name(path: &std::path::Path) -> String {
 
 /// Gives a list the name by which assistive technology finds it, and so do tests.
 fn call(list: &egui::Response, name: &str) {
-    list.ctx
-        .accesskit_node_builder(list.id, |node| node.set_label(name));
+    call_id(&list.ctx, list.id, name);
+}
+
+fn call_id(ctx: &egui::Context, id: egui::Id, name: &str) {
+    ctx.accesskit_node_builder(id, |node| node.set_label(name));
 }

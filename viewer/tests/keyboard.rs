@@ -319,6 +319,64 @@ fn the_graph_has_a_panel_of_its_own_below_the_picture() {
     assert_eq!(again, before);
 }
 
+#[test]
+fn borders_are_moved_by_keys() {
+    let mut stage = Stage::with("Both");
+    let height = |stage: &Stage| stage.harness.get_by_label("Viewport").rect().height();
+    let before = height(&stage);
+    stage.focus("Border of the graph");
+    stage.press(Modifiers::NONE, Key::ArrowUp);
+    assert_eq!(before - height(&stage), 20.0);
+    stage.press(Modifiers::NONE, Key::Home);
+    assert_eq!(height(&stage), 120.0);
+    stage.press(Modifiers::NONE, Key::End);
+    assert!(height(&stage) > before);
+    assert!(!stage.has_moved(), "Home is not for the camera");
+    // What belongs to another direction does nothing, and keeps the keyboard.
+    let highest = height(&stage);
+    stage.press(Modifiers::NONE, Key::ArrowLeft);
+    assert!(stage.has_keyboard("Border of the graph"));
+    assert_eq!(height(&stage), highest);
+    // That of Compare; the region's, which say each time what is rendered.
+    let mut stage = Stage::new();
+    stage.type_text("c");
+    stage.harness.run_steps(2);
+    let middle = stage.center("Border of Compare").x;
+    stage.focus("Border of Compare");
+    stage.press(Modifiers::SHIFT, Key::ArrowLeft);
+    assert!((middle - stage.center("Border of Compare").x - 2.0).abs() < 0.1);
+    stage.press(Modifiers::NONE, Key::End);
+    let picture = stage.harness.get_by_label("Viewport").rect();
+    assert!((stage.center("Border of Compare").x - picture.right()).abs() < 7.0);
+    stage.type_text("c");
+    stage.focus("Viewport");
+    stage.type_text("r");
+    stage.press(Modifiers::NONE, Key::Enter);
+    stage.sent();
+    let region = |stage: &Stage| {
+        let sent = stage.sent();
+        let [Command::Region(Some(region))] = sent[..] else {
+            panic!("{sent:?}");
+        };
+        region
+    };
+    stage.press(Modifiers::NONE, Key::ArrowLeft);
+    let [left, top, right, bottom] = region(&stage);
+    assert!((left - (0.25 - 20.0 / picture.width())).abs() < 1e-4);
+    assert_eq!([top, right, bottom], [0.25, 0.75, 0.75]);
+    for (name, key, side, expected) in [
+        ("Upper border of the region", Key::Home, 1, 0.0),
+        ("Lower border of the region", Key::Home, 3, 0.02),
+        ("Right border of the region", Key::End, 2, 1.0),
+    ] {
+        stage.press(Modifiers::NONE, Key::Tab);
+        stage.focus(name);
+        stage.press(Modifiers::NONE, key);
+        let now = region(&stage)[side];
+        assert!((now - expected).abs() < 1e-4, "{name}: {now}");
+    }
+}
+
 /// All that is listed is done, and something comes of it.
 #[test]
 fn all_that_the_list_of_keys_says_is_there() {
@@ -515,6 +573,35 @@ fn does_to_the_look(keys: &str, mut stage: Stage) -> Option<bool> {
             let is_next = stage.has_keyboard("Snapshot B");
             stage.press(shift, Key::Tab);
             is_next && stage.has_keyboard("Snapshot A")
+        }
+        "border: arrows, Shift arrows" => {
+            let left = |stage: &Stage| stage.harness.get_by_label("Undo").rect().left();
+            stage.focus("Border of the panel");
+            let before = left(&stage);
+            stage.press(none, Key::ArrowLeft);
+            let far = before - left(&stage);
+            stage.press(shift, Key::ArrowRight);
+            let near = far - (before - left(&stage));
+            (far, near) == (20.0, 2.0)
+        }
+        "border: Home, End" => {
+            let width = |stage: &Stage| stage.harness.get_by_label("Viewport").rect().width();
+            stage.focus("Border of the panel");
+            stage.press(none, Key::Home);
+            let narrow = width(&stage);
+            stage.press(none, Key::End);
+            let wide = width(&stage);
+            // Its widgets are as wide as they are.
+            stage.press(none, Key::ArrowRight);
+            narrow == 120.0 && wide > 900.0 && width(&stage) == wide && !stage.has_moved()
+        }
+        "region: Enter" => {
+            stage.focus("Viewport");
+            stage.type_text("r");
+            stage.press(none, Key::Enter);
+            let sent = stage.sent();
+            matches!(sent[..], [Command::Region(Some([0.25, 0.25, 0.75, 0.75]))])
+                && stage.has_keyboard("Left border of the region")
         }
         "ramp: click, Delete" => {
             let bar = stage.harness.get_by_label("ramp of paint").rect();

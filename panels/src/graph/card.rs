@@ -11,7 +11,7 @@ use super::{GraphItem, GraphView, Loose, OutputSocket, Sockets};
 use crate::context::Context;
 use crate::pictures::take_material;
 use crate::widgets::{context_menu, describe, menu};
-use crate::{edits, links, list};
+use crate::{framing, links, node};
 
 const SOCKET: f32 = 5.0;
 
@@ -88,7 +88,7 @@ impl GraphView {
             }
             context_menu(body, |ui| {
                 menu(ui, "Rename", |ui| {
-                    if list::rename_field(ui, cx, node) {
+                    if node::rename_field(ui, cx, node) {
                         ui.close();
                     }
                 });
@@ -108,14 +108,17 @@ impl GraphView {
                     deed(self, cx);
                     ui.close();
                 }
-                if edits::frame_of(cx.document, node).is_some()
+                if framing::frame_of(cx.document, node).is_some()
                     && ui.button("Take out of the frame").clicked()
                 {
-                    let edits = edits::unframe(cx.document, &[node.to_owned()]);
+                    let edits = framing::unframe(cx.document, &[node.to_owned()], &[]);
                     cx.edit(&format!("take {node} out of its frame"), edits, None);
                     ui.close();
                 }
             });
+        }
+        if let GraphItem::Material(material) = subject {
+            context_menu(body, |ui| super::frames::material_menu(ui, cx, material));
         }
         let by_key = self.card_keys(ui, cx, subject, body);
         if body.dragged() || by_key != Vec2::ZERO {

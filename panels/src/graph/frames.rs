@@ -8,7 +8,7 @@ use engine::session::Edit;
 use super::rows::WIDTH;
 use super::{GraphItem, GraphView};
 use crate::context::Context;
-use crate::edits;
+use crate::framing;
 use crate::widgets::{context_menu, describe, draft, menu, name};
 
 /// Points between the cards and their frame, and of its title above that.
@@ -42,11 +42,16 @@ impl GraphView {
             let nodes: Vec<&str> = (frame.nodes.iter().map(|node| &*node.value))
                 .filter(|node| self.nodes_shown.iter().any(|shown| shown == node))
                 .collect();
-            let cards: Vec<Rect> = nodes
+            let materials = frame.materials.iter().map(|material| &*material.value);
+            let materials = materials.map(GraphItem::Material);
+            let materials = materials.filter(|material| self.shown.contains(&material.id()));
+            let members = nodes.iter().map(|&node| GraphItem::Node(node));
+            let members: Vec<GraphItem<'_>> = members.chain(materials).collect();
+            let cards: Vec<Rect> = members
                 .iter()
-                .filter_map(|&node| {
-                    let height = self.rows(cx, GraphItem::Node(node)).height;
-                    let place = self.places.get(&GraphItem::Node(node).id())?;
+                .filter_map(|&member| {
+                    let height = self.rows(cx, member).height;
+                    let place = self.places.get(&member.id())?;
                     Some(Rect::from_min_size(*place, vec2(WIDTH, height)))
                 })
                 .collect();
@@ -59,9 +64,8 @@ impl GraphView {
                 self.selected = nodes.iter().map(|&node| node.to_owned()).collect();
             }
             if moved.by != egui::Vec2::ZERO {
-                for node in nodes {
-                    let id = GraphItem::Node(node).id();
-                    *self.places.entry(id).or_default() += moved.by;
+                for member in members {
+                    *self.places.entry(member.id()).or_default() += moved.by;
                 }
             }
         }
@@ -71,9 +75,42 @@ impl GraphView {
     pub(super) fn frame_selected(&mut self, cx: &mut Context<'_>) {
         let nodes: Vec<String> = self.selected.iter().cloned().collect();
         if !nodes.is_empty() {
-            let (title, edits) = edits::frame(cx.document, &nodes);
+            let (title, edits) = framing::frame(cx.document, &nodes);
             cx.edit(&format!("frame {title}"), edits, None);
         }
+    }
+}
+
+/// Entries of the menu of a material's card: into a frame, and out of it.
+pub(super) fn material_menu(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
+    let document = cx.document;
+    let own = framing::frame_of_material(document, material);
+    let own = own.map(|frame| frame.name.value.as_str());
+    let frames = document.look().frames.iter();
+    let others = frames.map(|frame| frame.name.value.as_str());
+    let others: Vec<&str> = others.filter(|title| Some(*title) != own).collect();
+    let mut chosen = None;
+    menu(ui, "Put into a frame", |ui| {
+        for title in others {
+            let entry = ui.button(title);
+            name(&entry, &format!("Into frame {title}"));
+            if entry.clicked() {
+                chosen = Some(title.to_owned());
+            }
+        }
+        if ui.button("A new frame").clicked() {
+            chosen = Some(framing::free_title(document));
+        }
+    });
+    if let Some(title) = chosen {
+        let edits = framing::frame_material(document, material, &title);
+        cx.edit(&format!("{material} into frame {title}"), edits, None);
+        ui.close();
+    }
+    if own.is_some() && ui.button("Take out of the frame").clicked() {
+        let edits = framing::unframe(document, &[], &[material.to_owned()]);
+        cx.edit(&format!("take {material} out of its frame"), edits, None);
+        ui.close();
     }
 }
 

@@ -4,7 +4,8 @@ use std::collections::{BTreeSet, HashMap};
 
 use egui::{Pos2, Rect, pos2, vec2};
 
-use super::layout::{self, COLUMN, Card, free_place};
+use super::free::free_place;
+use super::layout::{self, COLUMN, Card};
 use super::rows::WIDTH;
 use super::{GraphItem, GraphView};
 use crate::context::Context;
@@ -23,7 +24,7 @@ impl GraphView {
         let has_any = ids.iter().any(has_place);
         if !new.is_empty() {
             let cards = self.cards(cx, subjects, &ids);
-            let arranged = layout::arrange(&cards);
+            let arranged = layout::arrange(&cards, &frames(cx, subjects));
             if !has_any {
                 let places = ids.iter().cloned().zip(arranged);
                 self.places.extend(places);
@@ -98,36 +99,41 @@ impl GraphView {
                 taken.insert(i, Rect::from_min_size(place, size(i)));
             }
         }
-        let frames: Vec<(Rect, BTreeSet<&str>)> = cx
-            .document
-            .look()
-            .frames
-            .iter()
-            .filter_map(|frame| {
-                let nodes: BTreeSet<&str> = frame.nodes.iter().map(|n| &*n.value).collect();
-                let is_in = |i: &&usize| match subjects[**i] {
-                    GraphItem::Node(node) => nodes.contains(node),
-                    GraphItem::Material(_) => false,
-                };
-                let members = taken.keys().filter(is_in).map(|i| taken[i]);
-                Some((super::frames::around(members)?, nodes))
+        let frames: Vec<(Rect, BTreeSet<usize>)> = frames(cx, subjects)
+            .into_iter()
+            .filter_map(|members| {
+                let placed = members.iter().filter_map(|i| taken.get(i).copied());
+                Some((super::frames::around(placed)?, members))
             })
             .collect();
         for &i in new {
             let wanted = self.places.get(cards[i].id).copied();
             let wanted = wanted.unwrap_or_else(|| beside(cards, &taken, i).unwrap_or(arranged[i]));
             let mut obstacles: Vec<Rect> = taken.values().copied().collect();
-            let is_outside = |nodes: &BTreeSet<&str>| match subjects[i] {
-                GraphItem::Node(node) => !nodes.contains(node),
-                GraphItem::Material(_) => true,
-            };
-            let others = frames.iter().filter(|(_, nodes)| is_outside(nodes));
+            let others = frames.iter().filter(|(_, members)| !members.contains(&i));
             obstacles.extend(others.map(|(rect, _)| *rect));
             let place = free_place(wanted, size(i), &obstacles);
             self.places.insert(cards[i].id.to_owned(), place);
             taken.insert(i, Rect::from_min_size(place, size(i)));
         }
     }
+}
+
+/// The cards of each frame, by their places in the list.
+fn frames(cx: &Context<'_>, subjects: &[GraphItem<'_>]) -> Vec<BTreeSet<usize>> {
+    let ids = subjects.iter().enumerate();
+    let numbers: HashMap<String, usize> = ids.map(|(i, subject)| (subject.id(), i)).collect();
+    let frames = cx.document.look().frames.iter();
+    let members = frames.map(|frame| {
+        let nodes = frame.nodes.iter().map(|node| GraphItem::Node(&node.value));
+        let materials = frame.materials.iter();
+        let materials = materials.map(|material| GraphItem::Material(&material.value));
+        let members = nodes.chain(materials);
+        members
+            .filter_map(|member| numbers.get(&member.id()).copied())
+            .collect()
+    });
+    members.collect()
 }
 
 /// To the left of what reads it, or to the right of what it reads, where that has a place.

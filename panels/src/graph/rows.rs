@@ -9,9 +9,9 @@ use texgen::{Parameter, ParameterType, Swizzle, Value, Widget};
 
 use super::{GraphItem, GraphView, OutputSocket, Sockets};
 use crate::context::Context;
-use crate::list;
 use crate::material::{InLook as _, PARAMETERS, Takes};
 use crate::model::Target;
+use crate::node;
 
 pub(super) const WIDTH: f32 = 190.0;
 pub(super) const TITLE: f32 = 24.0;
@@ -194,7 +194,7 @@ fn inputs(cx: &Context<'_>, subject: GraphItem<'_>) -> Vec<Input> {
                     node: node.to_owned(),
                     parameter: parameter.name.clone(),
                 };
-                let label = list::short_label(parameter).to_owned();
+                let label = node::short_label(parameter).to_owned();
                 let shown = node_value(cx, node, parameter).filter(|_| is_free(cx, &target));
                 Input::new(target, label, components(parameter.ty), shown)
             });

@@ -2,14 +2,20 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::SystemTime;
 
-use egui::{Color32, ColorImage, Rgba, TextureHandle, TextureOptions, Ui, vec2};
+use egui::{
+    Color32, ColorImage, Response, Rgba, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui,
+    vec2,
+};
 use engine::scene::FloatImage;
 use engine::scene::import::load_environment_image;
-use engine::scene::look::{Field, Spanned, Value, find};
+use engine::scene::look::{Field, MODEL_IMAGE, Spanned, Value, find};
 use engine::system::Disk;
+
+use crate::model_image::{DraggedImage, ModelImage};
 
 use super::browse::{Browser, FileRequest, Purpose, named_from};
 use super::{Edited, choice, draft};
@@ -150,13 +156,14 @@ fn panorama(image: &FloatImage) -> ColorImage {
     ColorImage::new(size, pixels.into_iter().map(shown).collect())
 }
 
-/// Shows the slot of an image; `folder` is what paths are relative to.
+/// Shows the slot of an image; `folder` is what paths are relative to, `model` has the images of the model.
 pub(crate) fn image_slot(
     ui: &mut Ui,
     slots: &mut ImageSlot,
     browser: &mut Browser,
     label: &str,
     folder: &Path,
+    model: &[ModelImage],
     written: Option<&Value>,
 ) -> Edited<Value> {
     let fields: &[Field] = match written {
@@ -174,9 +181,13 @@ pub(crate) fn image_slot(
     let area = ui.vertical(|ui| {
         ui.horizontal(|ui| {
             let size = vec2(THUMBNAIL as f32, THUMBNAIL as f32);
-            let thumbnail = match file {
-                "" => None,
-                _ => slots.thumbnail(ui.ctx(), &folder.join(file)),
+            let thumbnail = match (file, file.strip_prefix(MODEL_IMAGE)) {
+                ("", _) => None,
+                (_, Some(name)) => {
+                    let number = model.iter().position(|image| image.name == name);
+                    number.map(|number| model[number].picture(ui.ctx(), number))
+                }
+                _ => slots.thumbnail(ui.ctx(), &folder.join(file)).cloned(),
             };
             let (place, _) = ui.allocate_exact_size(size, egui::Sense::hover());
             match thumbnail {
@@ -184,7 +195,7 @@ pub(crate) fn image_slot(
                     let own = texture.size_vec2();
                     let fitted = own * (size.x / own.max_elem());
                     let place = egui::Rect::from_center_size(place.center(), fitted);
-                    egui::Image::new(texture).paint_at(ui, place);
+                    egui::Image::new(&texture).paint_at(ui, place);
                 }
                 None => {
                     let background = ui.visuals().extreme_bg_color;
@@ -238,10 +249,36 @@ pub(crate) fn image_slot(
             }
         });
     });
+    if let Some(image) = taken_from_model(ui, &area.response) {
+        value = Some(with_image(fields, &image));
+    }
     Edited {
         response: area.response,
         value,
     }
+}
+
+/// An image of the model that was let go over a slot.
+fn taken_from_model(ui: &Ui, slot: &Response) -> Option<Arc<DraggedImage>> {
+    if slot.dnd_hover_payload::<DraggedImage>().is_some() {
+        let stroke = Stroke::new(2.0, ui.visuals().selection.bg_fill);
+        let painter = ui.painter();
+        painter.rect_stroke(slot.rect, 2.0, stroke, StrokeKind::Inside);
+    }
+    slot.dnd_release_payload()
+}
+
+/// The slot with an image of the model, whose numbers aren't taken for colours.
+fn with_image(fields: &[Field], image: &DraggedImage) -> Value {
+    let file = Value::Text(format!("{MODEL_IMAGE}{}", image.name));
+    let mut fields = fields.to_vec();
+    if find(&fields, "file").is_none() {
+        fields.insert(0, field("file", file.clone()));
+    }
+    if image.is_data && find(&fields, "color_space").is_none() {
+        fields.push(field("color_space", Value::Text("linear".to_owned())));
+    }
+    with_key(&fields, "file", file)
 }
 
 /// The path, and what was chosen in a dialog of the system.

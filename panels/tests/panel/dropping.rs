@@ -1,10 +1,14 @@
-//! Materials and textures that are dropped on the panel.
+//! Materials, textures and images of the model that are dropped on the panel.
 
 use egui::accesskit::Role;
 use egui::{Pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use patina_panels::Form;
+use engine::scene::look::Value;
+use engine::scene::{Image, Sampler, TextureRef};
+use engine::session::Edit;
+use glam::Vec3;
+use patina_panels::{Form, ModelImage};
 
 use crate::support::{LOOK, State, assert_kept, center, drag, harness, text};
 
@@ -102,4 +106,54 @@ fn a_material_is_dropped_on_another_one() {
         .click();
     harness.run();
     assert_eq!(harness.state().panel.material(), Some("Paint"));
+}
+
+#[test]
+fn a_map_of_the_model_dropped_on_a_slot_is_read_there() {
+    let mut harness = harness(Form::List);
+    let image = Image {
+        name: "image \"wood.png\"".to_owned(),
+        width: 2,
+        height: 2,
+        rgba8: vec![200; 16].into(),
+        srgb: true,
+    };
+    let map = TextureRef {
+        image: 0,
+        uv_set: 0,
+        sampler: Sampler::default(),
+        transform: [Vec3::X, Vec3::Y],
+    };
+    let state = harness.state_mut();
+    state.images = vec![ModelImage::new(&image)];
+    state.materials[0].normal_texture = Some(map);
+    state.materials[0].emission_texture = Some(map);
+    let slot = [
+        Edit::add_node("plank", "picture"),
+        Edit::material("Iron", "opacity", Value::Text("plank.x".to_owned())),
+    ];
+    let document = &mut state.document;
+    document.apply("slot", &slot, None).expect("it fits");
+    let before = document.text().to_owned();
+    harness.run();
+    let path = center(&harness, Role::TextInput, "image of plank");
+    let onto_slot = |harness: &mut Harness<'_, State>, map: &str| {
+        let start = harness.get_by_label(map).rect().center();
+        let path = center(harness, Role::TextInput, "image of plank");
+        drag(harness, start, path - start);
+        text(harness)
+    };
+    let now = onto_slot(&mut harness, "Emission map");
+    assert!(now.contains("image = \"model:wood.png\""), "{now}");
+    // Numbers are not taken for colours.
+    let now = onto_slot(&mut harness, "Normal map");
+    let written = "image = { file = \"model:wood.png\", color_space = \"linear\" }";
+    assert!(now.contains(written), "{now}");
+    harness.state_mut().document.undo();
+    harness.state_mut().document.undo();
+    assert_eq!(text(&harness), before, "each was one step");
+    // A texture is no image.
+    harness.run();
+    drop_texture(&mut harness, "mask", |_| path);
+    assert_eq!(text(&harness), before);
 }

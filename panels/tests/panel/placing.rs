@@ -172,6 +172,40 @@ fn frames_follow_their_nodes() {
 }
 
 #[test]
+fn a_material_is_put_into_a_frame_and_taken_out() {
+    let mut harness = harness(Form::Graph);
+    frame_all(&mut harness);
+    let framed = text(&harness);
+    let menu = |harness: &mut Harness<'_, State>, entries: &[&str]| {
+        harness
+            .get_by_role_and_label(Role::Button, "material Iron")
+            .click_secondary();
+        harness.run();
+        for entry in entries {
+            harness.get_by_label_contains(entry).click();
+            harness.run();
+        }
+        harness.state().document.text().to_owned()
+    };
+    let put = menu(&mut harness, &["Put into a frame", "Into frame Frame"]);
+    assert!(put.contains("materials = [\"Iron\"]"), "{put}");
+    // It goes with the others.
+    let before = center(&harness, Role::Button, "material Iron");
+    let title = center(&harness, Role::Button, "Frame Frame");
+    drag(&mut harness, title, vec2(-20.0, 30.0));
+    let moved = center(&harness, Role::Button, "material Iron") - before;
+    assert!((moved - vec2(-20.0, 30.0)).length() < 8.0, "{moved}");
+    let taken = menu(&mut harness, &["Take out of the frame"]);
+    assert_eq!(taken, framed);
+    let alone = menu(&mut harness, &["Put into a frame", "A new frame"]);
+    assert!(
+        alone.contains("[graph.\"Frame 2\"]\nmaterials = [\"Iron\"]"),
+        "{alone}"
+    );
+    assert_eq!(harness.state().panel.message(), None);
+}
+
+#[test]
 fn what_comes_new_is_in_no_frame() {
     let mut harness = harness(Form::Graph);
     frame_all(&mut harness);

@@ -10,7 +10,7 @@ use engine::procedural::TextureSources;
 use engine::scene::{LightKind, Material, PunctualLight};
 use engine::session::Document;
 use glam::Vec3;
-use patina_panels::{Form, SceneView, Textures, TexturesPanel};
+use patina_panels::{Form, ModelImage, SceneView, Textures, TexturesPanel};
 
 use crate::picture::Painter;
 
@@ -29,6 +29,8 @@ pub(crate) struct State {
     pub(crate) document: Document,
     pub(crate) textures: Textures,
     pub(crate) materials: Vec<Material>,
+    /// Of the model.
+    pub(crate) images: Vec<ModelImage>,
     pub(crate) lights: Vec<PunctualLight>,
     /// Has the textures that the panel shows.
     pub(crate) painter: Painter,
@@ -70,6 +72,7 @@ pub(crate) fn harness_of(
         document: Document::new(Path::new("a.look.toml"), look).expect("a look"),
         textures,
         materials: materials.iter().map(material).collect(),
+        images: Vec::new(),
         lights: vec![sun()],
         painter: Painter::default(),
     };
@@ -81,7 +84,7 @@ pub(crate) fn harness_of(
                 let scene = SceneView {
                     materials: &state.materials,
                     own: state.materials.len(),
-                    images: &[],
+                    images: &state.images,
                     lights: &state.lights,
                     camera: None,
                 };

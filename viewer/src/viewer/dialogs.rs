@@ -349,7 +349,12 @@ impl Viewer {
         if is_done {
             match dialog.command() {
                 Command::Open(files) => self.open(files),
-                command => self.link.send(command),
+                command => {
+                    if let Command::Save(path) = &command {
+                        self.saved_as.clone_from(path);
+                    }
+                    self.link.send(command);
+                }
             }
         } else if is_cancelled || shown.should_close() {
             self.stay();

@@ -11,7 +11,7 @@ use crate::navigate::Navigator;
 
 use super::Viewer;
 use super::bars::dragged;
-use super::viewport::{FASTEST, SLOWEST};
+use super::motion::{FASTEST, SLOWEST};
 
 impl Viewer {
     pub(super) fn camera_menu(&mut self, ui: &mut Ui) {

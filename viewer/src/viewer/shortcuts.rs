@@ -19,7 +19,7 @@ const REDO_TOO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key
 const STOP: f32 = 0.25;
 
 /// What `?` lists: keys, and what they do.
-pub const SHORTCUTS: [(&str, &str); 49] = [
+pub const SHORTCUTS: [(&str, &str); 52] = [
     ("drag", "turn around the point in focus"),
     ("right drag", "look around"),
     ("middle drag, Shift drag", "pan"),
@@ -64,6 +64,15 @@ pub const SHORTCUTS: [(&str, &str); 49] = [
     (
         "Menu, Shift F10",
         "what a right click offers on the widget that has the keyboard",
+    ),
+    (
+        "border: arrows, Shift arrows",
+        "move the border that has the keyboard (Tab); with Shift by little",
+    ),
+    ("border: Home, End", "as far as it goes"),
+    (
+        "region: Enter",
+        "after R, on the picture: a region in its middle",
     ),
     ("ramp: click, Delete", "add a stop; take one away"),
     (

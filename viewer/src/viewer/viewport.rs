@@ -1,9 +1,6 @@
-//! The picture, and what the pointer and the keys do in it.
+//! The picture: where it is, what is drawn on it, and what a click in it is for.
 
-use egui::{
-    Align2, Color32, Event, EventFilter, Key, Modifiers, PointerButton, Pos2, Rect, Sense, Stroke,
-    StrokeKind, Ui, Vec2, pos2,
-};
+use egui::{Align2, Color32, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, pos2};
 use engine::display::Channel;
 use engine::scene::Camera;
 use glam::Vec3;
@@ -13,22 +10,6 @@ use crate::link::{Command, PickPurpose, SceneFacts};
 use crate::navigate::Navigator;
 
 use super::Viewer;
-
-/// Of the distance per point of the wheel.
-const WHEEL: f32 = 0.002;
-/// Of the height of the picture, that an arrow is as good as the pointer moved by.
-const KEY_MOTION: f32 = 0.04;
-/// On the distance, by `-`.
-const KEY_ZOOM: f32 = 1.1;
-/// Flying while Shift is held is so many times faster.
-const FAST: f32 = 4.0;
-/// How slow and how fast it can be set.
-pub(super) const SLOWEST: f32 = 0.01;
-pub(super) const FASTEST: f32 = 100.0;
-/// Points around the border between both pictures in which it can be taken.
-const GRIP: f32 = 6.0;
-/// Frames per second while flying: more would take time from rendering.
-const FLIGHT_FPS: f32 = 30.0;
 
 /// What is looked at, and how.
 #[derive(Debug, Default)]
@@ -46,12 +27,12 @@ pub(super) struct Viewport {
     /// Corners of the region, 0 to 1.
     pub(super) region: Option<[f32; 4]>,
     /// Where a region that is being chosen begins.
-    region_start: Option<Pos2>,
+    pub(super) region_start: Option<Pos2>,
     /// Where the picture of before ends, 0 to 1, while it is compared with.
     pub(super) split: Option<f32>,
-    is_splitting: bool,
-    is_flying: bool,
-    walk: Option<Walk>,
+    pub(super) is_splitting: bool,
+    pub(super) is_flying: bool,
+    pub(super) walk: Option<Walk>,
     /// A light that the next click places.
     pub(super) placing: Option<(String, Placing)>,
     /// A material that was dropped, until it is known on what.
@@ -60,11 +41,11 @@ pub(super) struct Viewport {
 
 /// On foot: the eye stays so high above the ground.
 #[derive(Debug, Default)]
-struct Walk {
+pub(super) struct Walk {
     /// Metres; not known before the ground has been found.
     height: Option<f32>,
     /// The ground has been asked for.
-    is_asking: bool,
+    pub(super) is_asking: bool,
 }
 
 impl Viewport {
@@ -138,6 +119,7 @@ impl Viewer {
         response.widget_info(label);
         self.ask_for_size(ui, rect);
         self.paint(ui, rect);
+        self.borders_by_keys(ui, rect);
         if self.split_pointer(ui, rect, &response) {
             return;
         }
@@ -256,187 +238,10 @@ impl Viewer {
             legend,
         );
     }
-
-    /// The border between both pictures. True while it has the pointer.
-    fn split_pointer(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) -> bool {
-        let Some(split) = self.viewport.split else {
-            self.viewport.is_splitting = false;
-            return false;
-        };
-        let border = egui::lerp(rect.x_range(), split);
-        let is_near = |at: Pos2| (at.x - border).abs() <= GRIP;
-        if response.drag_started_by(PointerButton::Primary) {
-            let start = ui.input(|input| input.pointer.press_origin());
-            self.viewport.is_splitting = start.is_some_and(is_near);
-        }
-        let is_taken = self.viewport.is_splitting && response.dragged();
-        if response.drag_stopped() {
-            self.viewport.is_splitting = false;
-        }
-        if let Some(at) = response.interact_pointer_pos().filter(|_| is_taken) {
-            self.viewport.split = Some(place(rect, at)[0]);
-        }
-        if is_taken || response.hover_pos().is_some_and(is_near) {
-            ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
-        }
-        is_taken
-    }
-
-    fn choose_region(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) {
-        ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
-        if response.drag_started() {
-            self.viewport.region_start = ui.input(|input| input.pointer.press_origin());
-        }
-        let Some(start) = self.viewport.region_start else {
-            return;
-        };
-        if let Some(at) = response.interact_pointer_pos() {
-            let ([x0, y0], [x1, y1]) = (place(rect, start), place(rect, at));
-            let corners = [x0.min(x1), y0.min(y1), x0.max(x1), y0.max(y1)];
-            self.viewport.region = Some(corners);
-        }
-        if response.drag_stopped() {
-            self.viewport.region_start = None;
-            self.viewport.chooses_region = false;
-            self.link.send(Command::Region(self.viewport.region));
-        }
-    }
-
-    /// Moves the camera as the pointer and the keys say.
-    fn navigate(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) -> Option<Camera> {
-        let mut view = None;
-        let motion = response.drag_delta() / rect.height().max(1.0);
-        let motion = glam::Vec2::new(motion.x, motion.y);
-        let (shift, scroll) = ui.input(|i| (i.modifiers.shift, i.smooth_scroll_delta.y));
-        if motion != glam::Vec2::ZERO {
-            let has = |button| response.dragged_by(button);
-            if has(PointerButton::Middle) || has(PointerButton::Primary) && shift {
-                view = self.viewport.moved(|navigator| navigator.pan(motion));
-            } else if has(PointerButton::Primary) {
-                view = self.viewport.moved(|navigator| navigator.orbit(motion));
-            } else if has(PointerButton::Secondary) {
-                view = self.viewport.moved(|navigator| navigator.look(motion));
-            }
-        }
-        if response.hovered() && scroll != 0.0 {
-            let factor = (-scroll * WHEEL).exp();
-            view = self.viewport.moved(|navigator| navigator.dolly(factor));
-        }
-        self.fly(ui, response).or(view)
-    }
-
-    /// Moves the camera by the arrows and `+`, `-`, while the picture has the keyboard.
-    fn navigate_by_keys(&mut self, ui: &Ui, response: &egui::Response) -> Option<Camera> {
-        if !response.has_focus() {
-            return None;
-        }
-        let filter = EventFilter {
-            horizontal_arrows: true,
-            vertical_arrows: true,
-            ..EventFilter::default()
-        };
-        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
-        let arrows = |modifiers| {
-            ui.input_mut(|input| {
-                let mut count = |key| input.count_and_consume_key(modifiers, key) as f32;
-                glam::Vec2::new(
-                    count(Key::ArrowRight) - count(Key::ArrowLeft),
-                    count(Key::ArrowDown) - count(Key::ArrowUp),
-                )
-            })
-        };
-        // The longer ones first: an arrow with Shift is an arrow, too.
-        let (pan, orbit) = (arrows(Modifiers::SHIFT), arrows(Modifiers::NONE));
-        // By what was typed: where these are depends on the keyboard.
-        let nearer: i32 = ui.input(|input| {
-            let signs = input.events.iter().map(|event| match event {
-                Event::Text(text) if text == "+" => 1,
-                Event::Text(text) if text == "-" => -1,
-                _ => 0,
-            });
-            signs.sum()
-        });
-        if pan == glam::Vec2::ZERO && orbit == glam::Vec2::ZERO && nearer == 0 {
-            return None;
-        }
-        self.viewport.moved(|navigator| {
-            // Even a turn by nothing rounds.
-            if orbit != glam::Vec2::ZERO {
-                navigator.orbit(orbit * KEY_MOTION);
-            }
-            navigator.pan(pan * KEY_MOTION);
-            navigator.dolly(KEY_ZOOM.powi(-nearer));
-        })
-    }
-
-    fn fly(&mut self, ui: &Ui, response: &egui::Response) -> Option<Camera> {
-        let was_flying = std::mem::take(&mut self.viewport.is_flying);
-        let is_here = response.hovered() || response.dragged() || response.has_focus();
-        if !is_here || ui.ctx().text_edit_focused() || self.dialog.is_some() {
-            return None;
-        }
-        let (way, seconds) = ui.input(|input| {
-            let held = |key| f32::from(u8::from(input.key_down(key)));
-            let way = Vec3::new(
-                held(Key::D) - held(Key::A),
-                held(Key::E) - held(Key::Q),
-                held(Key::W) - held(Key::S),
-            );
-            let is_command = input.modifiers.command || input.modifiers.alt;
-            let factor = match (is_command, input.modifiers.shift) {
-                (true, _) => 0.0,
-                (false, true) => FAST,
-                (false, false) => 1.0,
-            };
-            (way * factor, input.stable_dt)
-        });
-        if way == Vec3::ZERO {
-            return None;
-        }
-        self.viewport.is_flying = true;
-        let frame = std::time::Duration::from_secs_f32(1.0 / FLIGHT_FPS);
-        ui.ctx().request_repaint_after(frame);
-        // The first frame of a flight has been waited for, perhaps long.
-        let seconds = match was_flying {
-            true => seconds.min(0.1),
-            false => 1.0 / FLIGHT_FPS,
-        };
-        let pace = seconds * self.preferences.speed.clamp(SLOWEST, FASTEST);
-        let walks = self.viewport.walks();
-        let view = self.viewport.moved(|navigator| {
-            let way = way * (pace * navigator.speed());
-            match walks {
-                true => navigator.walk(glam::Vec2::new(way.x, way.z)),
-                false => navigator.fly(way),
-            }
-        });
-        self.ask_for_ground();
-        view
-    }
-}
-
-impl Viewer {
-    /// Walks from now on in place of flying, or flies again.
-    pub(super) fn toggle_walk(&mut self) {
-        self.viewport.walk = match self.viewport.walk {
-            Some(_) => None,
-            None => Some(Walk::default()),
-        };
-        self.ask_for_ground();
-    }
-
-    fn ask_for_ground(&mut self) {
-        let eye = self.viewport.now().map(|navigator| navigator.eye());
-        if let (Some(walk), Some(eye)) = (&mut self.viewport.walk, eye)
-            && !std::mem::replace(&mut walk.is_asking, true)
-        {
-            self.link.send(Command::Ground(eye));
-        }
-    }
 }
 
 /// A region of the picture in points.
-fn corners(rect: Rect, [left, top, right, bottom]: [f32; 4]) -> Rect {
+pub(super) fn corners(rect: Rect, [left, top, right, bottom]: [f32; 4]) -> Rect {
     let at = |x: f32, y: f32| rect.min + Vec2::new(x, y) * rect.size();
     Rect::from_two_pos(at(left, top), at(right, bottom))
 }
@@ -466,7 +271,7 @@ fn note(painter: &egui::Painter, at: Pos2, align: Align2, text: &str) {
 }
 
 /// A point of the viewport as 0 to 1 from its upper left corner.
-fn place(rect: Rect, at: Pos2) -> [f32; 2] {
+pub(super) fn place(rect: Rect, at: Pos2) -> [f32; 2] {
     let place = (at - rect.min) / rect.size();
     [place.x, place.y].map(|x| x.clamp(0.0, 1.0))
 }

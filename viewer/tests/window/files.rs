@@ -1,0 +1,272 @@
+//! Files that are opened and saved, and edits that would be lost.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::{NodeT, Queryable};
+use engine::scene::look::Value;
+use engine::session::Edit;
+use patina_viewer::link::{Command, Files, LookFacts, Reply, SceneFacts};
+
+use super::Stage;
+
+#[test]
+fn saving_has_keys_and_asks_for_a_file_where_there_is_none() {
+    let mut stage = Stage::new();
+    stage.press(Modifiers::COMMAND, Key::S);
+    assert!(matches!(stage.sent()[..], [Command::Save(None)]));
+    stage.press(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::S);
+    assert!(stage.harness.query_by_label("Save the look as").is_some());
+    stage.press(Modifiers::NONE, Key::Enter);
+    let sent = stage.sent();
+    let [Command::Save(Some(path))] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    assert_eq!(path, &PathBuf::from("scenes/lamp.look.toml"));
+    // A scene without a look.
+    let mut facts = SceneFacts::clone(&stage.board.lock().unwrap().scene);
+    facts.files.look = None;
+    stage.board.lock().unwrap().scene = Arc::new(facts);
+    stage.harness.run_steps(2);
+    stage.press(Modifiers::COMMAND, Key::S);
+    assert!(stage.harness.query_by_label("Save the look as").is_some());
+    stage.click("Cancel");
+    assert!(stage.sent().is_empty());
+    stage.press(Modifiers::COMMAND, Key::E);
+    stage.click("Save");
+    assert!(
+        matches!(&stage.sent()[..], [Command::SavePicture(order)] if order.path.as_os_str() == "lamp.png" && order.spp == 1)
+    );
+}
+
+#[test]
+fn edits_are_not_lost_by_opening_something_else() {
+    let mut stage = Stage::new();
+    let edit = Edit::view("exposure", Value::number(1.0));
+    let document = stage.harness.state_mut().document_mut();
+    let document = document.expect("there is a look");
+    document.apply("view", &[edit], None).expect("an edit");
+    stage.harness.run_steps(2);
+    stage.sent();
+    for answer in ["Stay", "Save and open", "Open without saving"] {
+        stage.drop_files(&["/models/car.glb"]);
+        assert!(stage.sent().is_empty(), "it is asked first");
+        stage.click(answer);
+        let sent = stage.sent();
+        match answer {
+            "Stay" => assert!(sent.is_empty()),
+            // It is opened once that has been done, which the render says, or fails to do.
+            "Save and open" => {
+                assert!(matches!(sent[..], [Command::Save(None)]), "{sent:?}");
+                stage.reply(Reply::Failed("no room".to_owned()));
+                assert!(stage.sent().is_empty());
+            }
+            _ => assert!(matches!(sent[..], [Command::Open(_)]), "{sent:?}"),
+        }
+    }
+    stage.drop_files(&["/models/car.glb"]);
+    stage.click("Save and open");
+    let text = stage.harness.state_mut().document_mut();
+    let text: Arc<str> = text.expect("there is a look").text().into();
+    stage.board.lock().unwrap().look = Some(LookFacts {
+        text: Arc::clone(&text),
+        saved: text,
+        heard: 1,
+        ..LookFacts::default()
+    });
+    stage.harness.run_steps(3);
+    let sent = stage.sent();
+    assert!(
+        matches!(sent[..], [Command::Save(None), Command::Open(_)]),
+        "{sent:?}"
+    );
+}
+
+#[test]
+fn opening_the_same_files_again_keeps_what_was_done() {
+    const TEXT: &str = "[view]\nexposure = 0.5\n";
+    let mut stage = Stage::new();
+    let files = stage.board.lock().unwrap().scene.files.clone();
+    let open = |stage: &mut Stage, files: &Files| {
+        let text: Arc<str> = TEXT.into();
+        stage.board.lock().unwrap().look = Some(LookFacts {
+            text: Arc::clone(&text),
+            saved: text,
+            ..LookFacts::default()
+        });
+        stage.reply(Reply::Opened(files.clone()));
+    };
+    let text = |stage: &mut Stage| {
+        let document = stage.harness.state_mut().document_mut();
+        document.expect("a look").text().to_owned()
+    };
+    open(&mut stage, &files);
+    stage.click("Snapshot A");
+    let edit = Edit::view("exposure", Value::number(1.0));
+    let document = stage.harness.state_mut().document_mut();
+    let applied = document.expect("a look").apply("view", &[edit], None);
+    applied.expect("an edit");
+    stage.harness.run_steps(2);
+    let edited = text(&mut stage);
+    // Named in another way, they are the same.
+    let again = Files {
+        scene: std::path::absolute(&files.scene).expect("a path"),
+        ..files.clone()
+    };
+    stage.sent();
+    open(&mut stage, &again);
+    assert_eq!(text(&mut stage), TEXT, "it is as the file has it");
+    let is_told = |sent: &[Command]| sent.iter().any(|c| matches!(c, Command::Change(..)));
+    assert!(!is_told(&stage.sent()), "the render has it already");
+    stage.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(text(&mut stage), edited, "what was not saved comes back");
+    assert!(is_told(&stage.sent()));
+    stage.click("Snapshot A");
+    assert_eq!(text(&mut stage), TEXT, "it was kept");
+    // Others begin anew.
+    let others = Files {
+        scene: PathBuf::from("scenes/car.glb"),
+        ..files
+    };
+    open(&mut stage, &others);
+    let document = stage.harness.state_mut().document_mut();
+    assert_eq!(document.expect("a look").done(), 0);
+}
+
+#[test]
+fn what_was_done_counts_for_the_file_that_the_look_is_saved_as() {
+    const TEXT: &str = "[view]\nexposure = 0.5\n";
+    let look = |text: &str| LookFacts {
+        text: text.into(),
+        saved: text.into(),
+        ..LookFacts::default()
+    };
+    let save_as = |stage: &mut Stage| {
+        stage.press(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::S);
+        stage.press(Modifiers::COMMAND, Key::A);
+        stage.type_text("scenes/night.look.toml");
+        stage.press(Modifiers::NONE, Key::Enter);
+        let sent = stage.sent();
+        let path = sent.into_iter().find_map(|command| match command {
+            Command::Save(path) => path,
+            _ => None,
+        });
+        path.expect("it is saved")
+    };
+    // As a render would: the look has another file, or it could not be written.
+    for is_saved in [true, false] {
+        let mut stage = Stage::new();
+        let mut files = stage.board.lock().unwrap().scene.files.clone();
+        stage.board.lock().unwrap().look = Some(look(TEXT));
+        stage.reply(Reply::Opened(files.clone()));
+        stage.click("Snapshot A");
+        let edit = Edit::view("exposure", Value::number(1.0));
+        let document = stage.harness.state_mut().document_mut();
+        let applied = document.expect("a look").apply("view", &[edit], None);
+        applied.expect("an edit");
+        stage.harness.run_steps(2);
+        let path = save_as(&mut stage);
+        assert_eq!(path, PathBuf::from("scenes/night.look.toml"));
+        let document = stage.harness.state_mut().document_mut();
+        let edited = document.expect("a look").text().to_owned();
+        files.look = Some(path.clone());
+        if is_saved {
+            let mut board = stage.board.lock().unwrap();
+            let mut scene = SceneFacts::clone(&board.scene);
+            scene.files = files.clone();
+            board.scene = Arc::new(scene);
+            board.look = Some(LookFacts {
+                heard: 1,
+                ..look(&edited)
+            });
+            drop(board);
+            stage.reply(Reply::Done("saved".to_owned()));
+            let kept = stage.harness.state_mut().kept().files.clone();
+            assert_eq!(kept, Some(files.clone()), "the next start opens it");
+        } else {
+            stage.reply(Reply::Failed("the disk is full".to_owned()));
+        }
+        // It is opened, as if it were another one.
+        let mut board = stage.board.lock().unwrap();
+        let mut scene = SceneFacts::clone(&board.scene);
+        scene.files = files.clone();
+        board.scene = Arc::new(scene);
+        board.look = Some(look(&edited));
+        drop(board);
+        stage.reply(Reply::Opened(files));
+        stage.harness.run_steps(2);
+        let document = stage.harness.state_mut().document_mut();
+        assert_eq!(document.expect("a look").done() > 0, is_saved);
+        if is_saved {
+            stage.press(Modifiers::COMMAND, Key::Z);
+            let document = stage.harness.state_mut().document_mut();
+            assert_eq!(document.expect("a look").text(), TEXT);
+            stage.press(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
+            stage.click("Snapshot A");
+            let document = stage.harness.state_mut().document_mut();
+            assert_eq!(document.expect("a look").text(), TEXT, "A was kept");
+        }
+    }
+}
+
+#[test]
+fn what_was_shown_can_be_opened_again() {
+    let mut stage = Stage::new();
+    let folder = tempfile::tempdir().expect("a folder");
+    let there = Files {
+        scene: folder.path().join("vase.glb"),
+        look: None,
+        camera: None,
+    };
+    std::fs::write(&there.scene, "").expect("written");
+    let gone = Files {
+        scene: folder.path().join("gone.glb"),
+        look: Some(folder.path().join("gone.look.toml")),
+        camera: None,
+    };
+    stage.board.lock().unwrap().recent = vec![gone, there.clone()].into();
+    stage.click("File");
+    stage.click("Open recent");
+    let gone = stage.harness.get_by_label("gone.glb with gone.look.toml");
+    assert!(gone.accesskit_node().is_disabled());
+    stage.click("vase.glb");
+    let sent = stage.sent();
+    assert!(
+        matches!(&sent[..], [Command::Open(files)] if *files == there),
+        "{sent:?}"
+    );
+}
+
+#[test]
+fn the_title_marks_edits_that_are_not_saved() {
+    let mut stage = Stage::new();
+    let titles = |stage: &mut Stage| {
+        let mut titles = Vec::new();
+        for _ in 0..3 {
+            stage.harness.run_steps(1);
+            let viewports = stage.harness.output().viewport_output.values();
+            let commands = viewports.flat_map(|viewport| viewport.commands.clone());
+            titles.extend(commands.filter_map(|command| match command {
+                egui::ViewportCommand::Title(title) => Some(title),
+                _ => None,
+            }));
+        }
+        titles
+    };
+    assert!(titles(&mut stage).is_empty(), "it is set once");
+    let edit = Edit::view("exposure", Value::number(1.0));
+    let document = stage.harness.state_mut().document_mut();
+    let applied = document.expect("a look").apply("view", &[edit], None);
+    applied.expect("an edit");
+    let edited = ["lamp.glb with lamp.look.toml * - Patina"];
+    assert_eq!(titles(&mut stage), edited);
+    stage
+        .harness
+        .state_mut()
+        .document_mut()
+        .expect("a look")
+        .undo();
+    let saved = ["lamp.glb with lamp.look.toml - Patina"];
+    assert_eq!(titles(&mut stage), saved);
+}
