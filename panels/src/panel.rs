@@ -26,6 +26,8 @@ const MAX_OPEN: usize = 12;
 
 /// Room that undo, history and snapshots take in a row.
 const HISTORY_WIDTH: f32 = 320.0;
+/// Of these the snapshots with their word.
+const SNAPSHOTS_WIDTH: f32 = 160.0;
 
 /// How a material is shown.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -318,7 +320,10 @@ impl TexturesPanel {
             if undo || redo || went {
                 self.message = None;
             }
-            ui.weak("Snapshots");
+            // What the letters are is told when the pointer rests on them, too.
+            if ui.available_size_before_wrap().x >= SNAPSHOTS_WIDTH {
+                ui.weak("Snapshots");
+            }
             let refused = self.snapshots.show(ui, document);
             self.message = refused.or(self.message.take());
         });

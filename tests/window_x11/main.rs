@@ -16,7 +16,7 @@ use window::Window;
 const LOOK: &str = "environment = { color = [0.5, 0.6, 0.9] }\n\n[view]\nexposure = 0.0\n";
 
 /// Of the button "Add a node…" below the first material, pixels from the window's right and upper edge at [`SIZE`].
-const ADD: [i32; 2] = [290, 363];
+const ADD: [i32; 2] = [272, 363];
 const SIZE: [i32; 2] = [1280, 800];
 
 /// The example scene with a look of its own, in a folder that can be written.
