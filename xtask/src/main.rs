@@ -210,13 +210,13 @@ fn test(full: bool) -> Result<()> {
         tested_patina()?.args(["devices"]).run()?;
         ensure_driver(|| Ok(tested_patina()?.args(["devices"]).output()))
     })?;
-    let tests = |scope: &[&'static str]| {
+    let short_tests = |scope: &[&'static str]| {
         let tests = cargo(["test", "--locked"]).args(scope.iter().copied());
-        let tests = tests.env("PATINA_REQUIRE_DEVICE", "1");
-        match full {
-            true => tests.env("PATINA_FULL", "1"),
-            false => tests,
-        }
+        tests.env("PATINA_REQUIRE_DEVICE", "1")
+    };
+    let tests = |scope: &[&'static str]| match full {
+        true => short_tests(scope).env("PATINA_FULL", "1"),
+        false => short_tests(scope),
     };
     if full {
         steps.run("Screen", || {
@@ -230,11 +230,12 @@ fn test(full: bool) -> Result<()> {
         steps.run(name, || tests(&PICTURES).env("PATINA_DEVICE", device).run())?;
     }
     if full {
+        // It is several times as slow as Mesa's: as a second opinion the short forms will do.
         steps.run("Tests on SwiftShader", || match swiftshader::manifest() {
             // The loader looks for no other driver then; older ones know the other name.
             Some(manifest) => ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"]
                 .into_iter()
-                .fold(tests(&PICTURES), |tests, name| {
+                .fold(short_tests(&PICTURES), |tests, name| {
                     tests.env(name, &manifest.to_string_lossy())
                 })
                 .env("PATINA_DEVICE", swiftshader::DEVICE)

@@ -12,8 +12,9 @@
 // How much wider than a cell a path must have become, as areas: where it is narrower, as behind a mirror or in a corner, one would
 // see the cells. After Müller et al., "Real-time Neural Radiance Caching for Path Tracing", 2021, equations 3 and 4, for one segment.
 const LEAST_SPREAD = 4.0;
-// Surfaces that are smoother scatter other light to other places.
-const LEAST_ROUGHNESS = 0.3;
+// Surfaces that are smoother scatter other light to other places: a floor on which the sun shines lights the wall that it reflects it to,
+// by a quarter in a room whose floor has a roughness of 0.5.
+const LEAST_ROUGHNESS = 0.7;
 
 // Whether all that a surface scatters can stand for what it scatters along one ray.
 fn is_cached(triangle: vec4u) -> bool {
@@ -22,7 +23,7 @@ fn is_cached(triangle: vec4u) -> bool {
     let passes = (triangle.w & (TRIANGLE_PROGRAM_ALPHA | TRIANGLE_ALPHA)) != 0u
         || (flags & (MATERIAL_SOLID | MATERIAL_CLEAR | MATERIAL_UNLIT)) != 0u
         || materials[material].transmission > 0.0 || materials[material].diffuse_transmission > 0.0;
-    return !passes && (materials[material].roughness >= LEAST_ROUGHNESS || materials[material].metallic < 0.5);
+    return !passes && materials[material].roughness >= LEAST_ROUGHNESS;
 }
 
 // Where a path may end in the cache.
