@@ -3,9 +3,9 @@
 use ::device::Device;
 use engine::film::{Film, Layers};
 use engine::renderer::Renderer;
-use engine::scene::{Material, Projection, Scene};
+use engine::scene::{LightKind, Material, Projection, PunctualLight, Scene};
 use engine::settings::{Method, RenderSettings};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use crate::support::device;
 use crate::support::scenes::{
@@ -164,4 +164,52 @@ fn where_paths_cannot_end_in_a_cache_nothing_changes() {
     // Of what comes from the sky, the cache of irradiance knows nothing.
     let (path, cache) = (of(Method::Path), of(Method::Cache));
     assert!((mean(&path) / mean(&cache) - 1.0).abs().max_element() < 1e-3);
+}
+
+/// A board above a floor that the sun shines on, from the side: it gets what the floor reflects, which is more than the floor sends to
+/// other sides.
+#[test]
+fn what_a_floor_reflects_of_the_sun_lights_what_is_above_it() {
+    let Some(device) = device::open() else { return };
+    let of = |method, spp| {
+        let polished = Material {
+            base_color: Vec4::new(0.05, 0.05, 0.05, 1.0),
+            metallic: 0.0,
+            roughness: 0.4,
+            ..Material::default()
+        };
+        let board = quad(Vec3::new(-2.0, 2.0, 1.0), Vec3::X * 4.0, Vec3::Z * 2.0);
+        let mut scene = scene(
+            [(floor(3.0), polished), (board, lambert(Vec3::splat(0.7)))],
+            Vec3::ZERO,
+        );
+        scene.lights.push(PunctualLight {
+            name: "sun".to_owned(),
+            kind: LightKind::Directional,
+            intensity: Vec3::splat(10.0),
+            position: Vec3::ZERO,
+            direction: Vec3::new(0.0, -1.0, 1.0).normalize(),
+            range: f32::INFINITY,
+        });
+        let camera = camera(
+            Vec3::new(0.0, 0.3, -0.5),
+            Vec3::new(0.0, 2.0, 2.0),
+            Vec3::Y,
+            Projection::Perspective { y_fov: 0.6 },
+        );
+        let shot = Shot {
+            size: (48, 36),
+            max_depth: 3,
+            spp: 0,
+        };
+        let mut settings = settings(&camera, shot);
+        (settings.method, settings.seed) = (method, spp);
+        mean(&film(&device, scene, &settings, spp))
+    };
+    let right = of(Method::Path, 1024);
+    for method in [Method::Draft, Method::Cache] {
+        let off = (of(method, 128) / right - 1.0).abs().max_element();
+        println!("{}: off by {off}", method.name());
+        assert!(off < 0.04, "{}: off by {off}", method.name());
+    }
 }
