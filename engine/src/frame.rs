@@ -152,7 +152,7 @@ impl Frame {
 const CACHE_SKY: u32 = 1;
 const CACHE_IRRADIANCE: u32 = 2;
 /// Vertices that scatter before Russian roulette begins.
-const ROULETTE_START: u32 = 4;
+const ROULETTE_START: u32 = 1;
 /// Side of a cell in which the sky is known over its distance to the camera, before it is rounded down to a power of two: in a room,
 /// half a metre.
 const SKY_CELL_SCALE: f32 = 0.25;

@@ -372,3 +372,42 @@ fn a_hierarchy_that_follows_its_triangles_finds_what_a_new_one_finds() {
     assert!(base.refit(&flat[..100], &triangles).is_none());
     assert!(base.refit(&[Vec3::NAN; 3600], &triangles).is_none());
 }
+
+#[test]
+fn a_part_of_a_hierarchy_is_the_hierarchy_of_the_part() {
+    let mut random = Random(11);
+    let mut corners = soup(&mut random, 900, 0.3);
+    // What was left out of the whole is left out of the part.
+    corners[400] = [Vec3::ZERO; 3];
+    let positions: Vec<Vec3> = corners.iter().flatten().copied().collect();
+    let triangles: Vec<[u32; 3]> = (0..900).map(|i| [0, 1, 2].map(|k| 3 * i + k)).collect();
+    let (first, end) = (300, 601);
+    let whole = Mesh::build(&positions, &triangles, third_single_sided, &endless);
+    let whole = whole.expect("nobody cancels");
+    let own = Mesh::build(
+        &positions,
+        &triangles[first..end],
+        |triangle| third_single_sided(first + triangle),
+        &endless,
+    );
+    let scene = |mesh: Mesh| {
+        let instance = Instance::new(Affine3A::IDENTITY, 0);
+        Scene::new(vec![Arc::new(mesh)], vec![instance], Kernel::best())
+    };
+    let part = scene(whole.part(first as u32..end as u32));
+    let own = scene(own.expect("nobody cancels"));
+    let mut hits = 0;
+    for _ in 0..3000 {
+        let ray = Ray {
+            origin: random.point(2.0).to_array(),
+            direction: random.point(1.0).to_array(),
+            t_min: 0.0,
+            t_max: f32::INFINITY,
+        };
+        let found = part.trace(&ray, false, None);
+        assert_eq!(found, own.trace(&ray, false, None));
+        hits += usize::from(found.is_some());
+    }
+    assert!(hits > 1000, "{hits}");
+    assert!(whole.part(5000..u32::MAX).bounds().is_none());
+}

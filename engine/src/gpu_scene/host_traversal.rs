@@ -1,22 +1,26 @@
 //! Traversal on devices that run kernels in this program's memory: `trace_surfaces` of `shared/traversal.wgsl`, done by
 //! SIMD code in a hierarchy of the device's own. All else of the kernels that trace rays is the WGSL's.
 
-use std::{fmt, ops::ControlFlow, sync::Arc};
+mod groups;
+
+use std::{
+    collections::HashMap,
+    fmt,
+    ops::ControlFlow,
+    sync::{Arc, OnceLock},
+};
 
 use device::{
     Activity, HostFunction,
-    native::accel::{BuildError, Flags, Instance, Kernel, Mesh, Ray, Scene as RayScene},
+    native::accel::{BuildError, Flags, Hit, Instance, Kernel, Mesh, Ray, Scene as RayScene},
 };
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::{
-    bvh::SceneBvh,
-    scene::{self, Scene},
-    wave::RayHit,
-};
+use crate::{bvh::SceneBvh, scene::Scene, wave::RayHit};
 
 use super::{RayRules, inverse, rows};
+use groups::{Group, Member};
 
 /// The function of the text that this stands for.
 pub const FUNCTION: &str = "trace_surfaces";
@@ -24,9 +28,15 @@ pub const FUNCTION: &str = "trace_surfaces";
 /// The scene's geometry, ready for rays.
 pub struct HostTraversal {
     scene: RayScene,
+    /// What each instance of `scene` stands for; its mesh has the same number.
+    groups: Vec<Group>,
     meshes: Vec<BuiltMesh>,
     /// Of each instance's mesh, the first triangle among all.
     first_triangles: Vec<u32>,
+    /// The group of each instance.
+    group_of: Vec<u32>,
+    /// Instances that lie in one hierarchy with others, by themselves: made when a ray is to meet one of them alone.
+    apart: Vec<OnceLock<RayScene>>,
 }
 
 impl HostTraversal {
@@ -41,39 +51,46 @@ impl HostTraversal {
         rules: &[[RayRules; 2]],
         activity: &Activity,
     ) -> Result<Self, BuildError> {
-        Self::with(scene, order, rules, activity, &|_| Kept::Nothing)
+        Self::with(scene, order, rules, activity, None)
     }
 
-    /// The hierarchy of a mesh, by its number.
-    pub(super) fn mesh(&self, mesh: usize) -> Option<&BuiltMesh> {
-        self.meshes.get(mesh)
-    }
-
-    /// As [`Self::new`], with hierarchies of meshes that there are already.
+    /// As [`Self::new`], with what is the same as at another moment.
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub(super) fn with<'k>(
+    pub(super) fn with(
         scene: &Scene,
         order: &SceneBvh,
         rules: &[[RayRules; 2]],
         activity: &Activity,
-        keep: &(dyn Fn(usize) -> Kept<'k> + Sync),
+        former: Option<&Former<'_>>,
     ) -> Result<Self, BuildError> {
         let busy = activity.begin(|| "building the hierarchy of the geometry".to_owned());
         let total: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
-        let build = |(number, (mesh, order)): (usize, (&scene::Mesh, &Vec<u32>))| {
-            let kept = keep(number);
-            if let Kept::Whole(mesh) = kept {
-                return Ok(mesh.clone());
-            }
-            let triangles: Vec<[u32; 3]> = (order.iter())
+        let placed = || {
+            let sources = order.instance_order.iter();
+            sources.map(|&source| &scene.instances[source as usize])
+        };
+        let triangles_of = |mesh: u32| -> Vec<[u32; 3]> {
+            let (mesh, order) = (
+                &scene.meshes[mesh as usize],
+                &order.triangle_order[mesh as usize],
+            );
+            (order.iter())
                 .map(|&t| mesh.triangles[t as usize])
-                .collect();
-            let flags_of = |place: usize| {
-                let material = mesh.triangle_materials[order[place] as usize];
-                ray_flags(rules[material as usize][usize::from(!mesh.colors.is_empty())])
-            };
+                .collect()
+        };
+        let flags_of = |mesh: u32, place: u32| {
+            let (mesh, order) = (
+                &scene.meshes[mesh as usize],
+                &order.triangle_order[mesh as usize],
+            );
+            let material = mesh.triangle_materials[order[place as usize] as usize];
+            ray_flags(rules[material as usize][usize::from(!mesh.colors.is_empty())])
+        };
+        let build = |positions: &[Vec3],
+                     triangles: &[[u32; 3]],
+                     flags: &(dyn Fn(u32) -> Flags + Sync)| {
             // Of a mesh that is much of the scene, people want to know.
             let is_large = triangles.len() > total / 2;
             let progress = |share: f32| {
@@ -83,16 +100,45 @@ impl HostTraversal {
                 }
                 ControlFlow::Continue(())
             };
-            let build = |positions: &[Vec3]| {
-                Mesh::build(positions, &triangles, flags_of, &progress).map(Arc::new)
+            Mesh::build(positions, triangles, |place| flags(place as u32), &progress).map(Arc::new)
+        };
+        let groups = groups::of(scene, placed());
+        let build_group = |group: &Group| {
+            let kept = former.map_or(Kept::Nothing, |former| former.kept(group));
+            if let Kept::Whole(built) = kept {
+                return Ok(built.clone());
+            }
+            let number = match group {
+                Group::Alone { mesh, .. } => *mesh,
+                Group::Joined(members) => {
+                    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+                    for member in members {
+                        let first = positions.len() as u32;
+                        positions.extend(&scene.meshes[member.mesh as usize].positions);
+                        let own = triangles_of(member.mesh).into_iter();
+                        triangles.extend(own.map(|corners| corners.map(|corner| corner + first)));
+                    }
+                    let flags = |triangle: u32| {
+                        let after = members.partition_point(|member| member.start <= triangle);
+                        let member = &members[after - 1];
+                        flags_of(member.mesh, triangle - member.start)
+                    };
+                    return Ok(BuiltMesh::alone(build(&positions, &triangles, &flags)?));
+                }
             };
+            let (mesh, triangles) = (&scene.meshes[number as usize], triangles_of(number));
+            let flags = |place: u32| flags_of(number, place);
             let Some(unbent) = &mesh.unbent else {
-                return Ok(BuiltMesh::alone(build(&mesh.positions)?));
+                return Ok(BuiltMesh::alone(build(
+                    &mesh.positions,
+                    &triangles,
+                    &flags,
+                )?));
             };
             // Always from the mesh before it is bent, so that a picture doesn't depend on what was shown before.
             let base = match kept {
                 Kept::Base(former) if former.is_base_of(unbent) => former.base.clone(),
-                _ => Some((Arc::clone(unbent), build(unbent)?)),
+                _ => Some((Arc::clone(unbent), build(unbent, &triangles, &flags)?)),
             };
             let refit = base
                 .as_ref()
@@ -100,36 +146,96 @@ impl HostTraversal {
             Ok(BuiltMesh {
                 mesh: match refit {
                     Some(refit) => Arc::new(refit),
-                    None => build(&mesh.positions)?,
+                    None => build(&mesh.positions, &triangles, &flags)?,
                 },
                 base,
             })
         };
-        let meshes = (scene.meshes.par_iter())
-            .zip(&order.triangle_order)
-            .enumerate()
-            .map(build)
-            .collect::<Result<Vec<_>, BuildError>>()?;
-        let placed = || {
-            let sources = order.instance_order.iter();
-            sources.map(|&source| &scene.instances[source as usize])
+        // A mesh that is placed often is built once.
+        let mut first_with: HashMap<u32, usize> = HashMap::new();
+        let mut is_first = |(at, group): (usize, &Group)| match group {
+            Group::Alone { mesh, .. } => *first_with.entry(*mesh).or_insert(at),
+            Group::Joined(_) => at,
         };
-        let instances = placed().map(|instance| Instance {
-            world_from_object: rows(&instance.transform),
-            object_from_world: rows(&inverse(&instance.transform)),
-            mesh: instance.mesh,
+        let builds: Vec<usize> = groups.iter().enumerate().map(&mut is_first).collect();
+        let built = (groups.par_iter().zip(&builds).enumerate())
+            .map(|(at, (group, &first))| (at == first).then(|| build_group(group)).transpose())
+            .collect::<Result<Vec<_>, BuildError>>()?;
+        let meshes: Vec<BuiltMesh> = (builds.iter())
+            .filter_map(|&first| built[first].clone())
+            .collect();
+
+        let instances: Vec<_> = placed().collect();
+        let placed_groups = (0..).zip(&groups).map(|(mesh, group)| {
+            let transform = &instances[group.place() as usize].transform;
+            Instance {
+                world_from_object: rows(transform),
+                object_from_world: rows(&inverse(transform)),
+                mesh,
+            }
         });
         let hierarchies = meshes.iter().map(|built| Arc::clone(&built.mesh)).collect();
+        let mut group_of = vec![0; instances.len()];
+        for (number, group) in (0..).zip(&groups) {
+            match group {
+                Group::Alone { place, .. } => group_of[*place as usize] = number,
+                Group::Joined(members) => {
+                    for member in members {
+                        group_of[member.place as usize] = number;
+                    }
+                }
+            }
+        }
         let first = |mesh: u32| order.mesh_first_triangle[mesh as usize];
         Ok(Self {
-            scene: RayScene::new(hierarchies, instances.collect(), Kernel::best()),
+            scene: RayScene::new(hierarchies, placed_groups.collect(), Kernel::best()),
             meshes,
-            first_triangles: placed().map(|instance| first(instance.mesh)).collect(),
+            first_triangles: instances.iter().map(|i| first(i.mesh)).collect(),
+            apart: instances.iter().map(|_| OnceLock::new()).collect(),
+            groups,
+            group_of,
+        })
+    }
+
+    /// The closest hit, or any: its triangle in the mesh, its instance; of all instances, or of one.
+    fn trace(&self, ray: &Ray, any: bool, only: Option<u32>) -> Option<Hit> {
+        let Some(only) = only else {
+            let hit = self.scene.trace(ray, any, None)?;
+            let (instance, triangle) = self.groups[hit.instance as usize].find(hit.triangle);
+            return Some(Hit {
+                instance,
+                triangle,
+                ..hit
+            });
+        };
+        let group = *self.group_of.get(only as usize)?;
+        let hit = match &self.groups[group as usize] {
+            Group::Alone { .. } => self.scene.trace(ray, any, Some(group))?,
+            Group::Joined(members) => self.apart(group, members, only).trace(ray, any, None)?,
+        };
+        Some(Hit {
+            instance: only,
+            ..hit
+        })
+    }
+
+    /// An instance of a group, by itself.
+    fn apart(&self, group: u32, members: &[Member], instance: u32) -> &RayScene {
+        self.apart[instance as usize].get_or_init(|| {
+            let at = members.partition_point(|member| member.place < instance);
+            let joined = &self.meshes[group as usize].mesh;
+            let end = (members.get(at + 1)).map_or(u32::MAX, |next| next.start);
+            let mesh = joined.part(members[at].start..end);
+            let placed = Instance {
+                mesh: 0,
+                ..self.scene.instances()[group as usize]
+            };
+            RayScene::new(vec![Arc::new(mesh)], vec![placed], Kernel::best())
         })
     }
 }
 
-/// The hierarchy of a mesh.
+/// A hierarchy of the lower level.
 #[derive(Debug, Clone)]
 pub(super) struct BuiltMesh {
     mesh: Arc<Mesh>,
@@ -148,13 +254,40 @@ impl BuiltMesh {
     }
 }
 
-/// What there is of a mesh from another moment.
-pub(super) enum Kept<'a> {
+/// The hierarchies of another moment.
+pub(super) struct Former<'a> {
+    pub(super) traversal: &'a HostTraversal,
+    /// Whether a mesh, by its number, is the same.
+    pub(super) is_same: &'a (dyn Fn(u32) -> bool + Sync),
+    /// Whether its triangles and materials are; it may be bent otherwise.
+    pub(super) has_same_triangles: &'a (dyn Fn(u32) -> bool + Sync),
+}
+
+/// What there is of a hierarchy from another moment.
+enum Kept<'a> {
     Nothing,
     /// It is the same.
     Whole(&'a BuiltMesh),
     /// It may be bent otherwise; its triangles and materials are the same.
     Base(&'a BuiltMesh),
+}
+
+impl<'a> Former<'a> {
+    fn kept(&self, group: &Group) -> Kept<'a> {
+        let Some(at) =
+            (self.traversal.groups.iter()).position(|former| former.has_meshes_of(group))
+        else {
+            return Kept::Nothing;
+        };
+        let built = &self.traversal.meshes[at];
+        if group.meshes().all(self.is_same) {
+            Kept::Whole(built)
+        } else if group.meshes().all(self.has_same_triangles) {
+            Kept::Base(built)
+        } else {
+            Kept::Nothing
+        }
+    }
 }
 
 /// A material's rules as rays know them. The kernels judge what may be transparent and start again behind it.
@@ -185,7 +318,7 @@ impl HostFunction for HostTraversal {
         };
         let (any, only) = (arguments[8] != 0, arguments[9]);
         let only = (only != RayHit::MISS).then_some(only);
-        let hit = match self.scene.trace(&ray, any, only) {
+        let hit = match self.trace(&ray, any, only) {
             Some(hit) => [
                 hit.t.to_bits(),
                 hit.u.to_bits(),
@@ -202,5 +335,81 @@ impl HostFunction for HostTraversal {
 impl fmt::Debug for HostTraversal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("HostTraversal").finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Affine3A;
+
+    use super::*;
+    use crate::scene::{self, Material};
+
+    /// A triangle that faces the ray, at this height.
+    fn at_height(y: f32) -> scene::Mesh {
+        scene::Mesh {
+            positions: vec![
+                Vec3::new(0.0, y, 0.0),
+                Vec3::new(0.0, y, 1.0),
+                Vec3::new(1.0, y, 0.0),
+            ],
+            triangles: vec![[0, 1, 2]],
+            triangle_materials: vec![0],
+            ..scene::Mesh::default()
+        }
+    }
+
+    #[test]
+    fn hits_name_meshes_that_lie_in_one_hierarchy() {
+        let placed = |mesh: u32, x: f32| scene::Instance {
+            name: String::new(),
+            mesh,
+            transform: Affine3A::from_translation(Vec3::X * x),
+            asset: None,
+        };
+        let scene = Scene {
+            meshes: vec![
+                at_height(1.0),
+                at_height(2.0),
+                at_height(3.0),
+                at_height(4.0),
+            ],
+            instances: vec![
+                placed(0, 0.0),
+                placed(2, 5.0),
+                placed(3, 0.0),
+                placed(1, 0.0),
+            ],
+            materials: vec![Material::default()],
+            ..Scene::default()
+        };
+        let order = SceneBvh::in_scene_order(&scene).expect("there are triangles");
+        let rule = RayRules {
+            is_single_sided: false,
+            may_let_pass: false,
+        };
+        let rules = [[rule; 2]];
+        let busy = Activity::default();
+        let traversal = HostTraversal::new(&scene, &order, &rules, &busy).expect("it is small");
+        assert_eq!(traversal.groups.len(), 2);
+        let ray = |x: f32| Ray {
+            origin: [x + 0.2, 9.0, 0.2],
+            direction: [0.0, -1.0, 0.0],
+            t_min: 0.0,
+            t_max: f32::INFINITY,
+        };
+        let found = |x: f32, only: Option<u32>| {
+            let hit = traversal.trace(&ray(x), false, only)?;
+            let triangle = traversal.first_triangles[hit.instance as usize] + hit.triangle;
+            Some((hit.t, triangle, hit.instance))
+        };
+        assert_eq!(found(0.0, None), Some((5.0, 3, 2)));
+        assert_eq!(found(0.0, Some(0)), Some((8.0, 0, 0)));
+        assert_eq!(found(0.0, Some(3)), Some((7.0, 1, 3)));
+        assert_eq!(found(0.0, Some(1)), None);
+        assert_eq!(found(5.0, None), Some((6.0, 2, 1)));
+        assert_eq!(found(5.0, Some(1)), Some((6.0, 2, 1)));
+        // No instance has this number.
+        assert_eq!(found(0.0, Some(9)), None);
     }
 }

@@ -20,7 +20,7 @@ use super::{
     GpuScene, GpuSceneError, MAX_MATERIALS, SceneFeatures, casters,
     environment::GpuEnvironment,
     geometry::{self, Geometry},
-    host_traversal::{self, HostTraversal, Kept},
+    host_traversal::{self, Former, HostTraversal},
     images::GpuImages,
     instances,
     lights::LightTable,
@@ -177,13 +177,15 @@ impl GpuScene {
         let bvh = SceneBvh::in_scene_order(scene)?;
         let rules = ray_rules(scene, program);
         let former = self.uploaded.traversal.take();
-        let keep = |mesh: usize| match former.as_ref().and_then(|former| former.mesh(mesh)) {
-            Some(built) if same.is(mesh) => Kept::Whole(built),
-            Some(built) if same.has_triangles_of(mesh) => Kept::Base(built),
-            _ => Kept::Nothing,
-        };
+        let is_same = |mesh| same.is(mesh as usize);
+        let has_same_triangles = |mesh| same.has_triangles_of(mesh as usize);
+        let former = former.as_deref().map(|traversal| Former {
+            traversal,
+            is_same: &is_same,
+            has_same_triangles: &has_same_triangles,
+        });
         let traversal: Result<_, BuildError> =
-            HostTraversal::with(scene, &bvh, &rules, device.activity(), &keep);
+            HostTraversal::with(scene, &bvh, &rules, device.activity(), former.as_ref());
         let traversal = Arc::new(traversal?);
         self.uploaded.traversal = Some(traversal.clone());
         resources.set_function(host_traversal::FUNCTION, traversal);

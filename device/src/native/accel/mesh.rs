@@ -1,6 +1,6 @@
 //! The bottom level: the triangles of a mesh.
 
-use std::ops::{BitOr, ControlFlow};
+use std::ops::{BitOr, ControlFlow, Range};
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -113,6 +113,41 @@ impl Mesh {
         };
         let level = refit::around(&self.level, corners)?;
         Some(Self { level })
+    }
+
+    /// Some of its triangles by themselves, numbered from the first of them. Those that were left out stay so.
+    pub fn part(&self, triangles: Range<u32>) -> Self {
+        let mut found = Vec::new();
+        for block in &self.level.leaves {
+            for (lane, &word) in block.words.iter().enumerate() {
+                let corner = |at: usize| [0, 1, 2].map(|axis| block.corners[at][axis][lane]);
+                let corners = [0, 1, 2].map(corner);
+                // Lanes without a triangle are named after the first.
+                let is_there = corners[0] != corners[1];
+                if is_there && triangles.contains(&(word & INDEX)) {
+                    found.push((word, corners));
+                }
+            }
+        }
+        // So that the hierarchy doesn't depend on the other triangles.
+        found.sort_unstable_by_key(|(word, _)| word & INDEX);
+        let references = found.iter().enumerate();
+        let references: Vec<_> = references
+            .filter_map(|(at, (_, corners))| Reference::around(at as u32, corners))
+            .collect();
+        let endless = |_| ControlFlow::Continue(());
+        let progress = Progress::new(references.len(), &endless);
+        let level = Hierarchy::build(references, WIDTH, &progress, |indices| {
+            let mut block = TriangleBlock::EMPTY;
+            for (lane, &index) in indices.iter().enumerate() {
+                let (word, corners) = found[index as usize];
+                let own = (word & INDEX) - triangles.start;
+                block.set(lane, corners, own | (word & !INDEX));
+            }
+            block
+        });
+        let level = level.expect("nobody cancels");
+        Self { level }
     }
 
     /// Corners of the box around its triangles, or `None` if there are none.
