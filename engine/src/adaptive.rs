@@ -195,10 +195,30 @@ fn distribute(blocks: &[Block], shares: &[f64], budget: f64, keep: f64) -> Vec<u
     };
     // Grains are rounded to the nearest; where all would get none, those get one that want most.
     for least in [0.5, 0.25, 0.1, 0.01] {
-        let grains = round_up(least);
-        if grains.iter().any(|&grains| grains > 0) {
-            return grains;
+        let mut grains = round_up(least);
+        if grains.iter().all(|&grains| grains == 0) {
+            continue;
         }
+        // What rounding has given beyond the budget is taken back from those that were rounded up most.
+        let rounded_up: Vec<f64> = (blocks.iter().zip(shares).map(missing))
+            .zip(&grains)
+            .map(|(missing, &grains)| f64::from(grains) - missing)
+            .collect();
+        let mut order: Vec<usize> = (0..blocks.len()).filter(|&at| grains[at] > 0).collect();
+        order.sort_by(|&a, &b| rounded_up[b].total_cmp(&rounded_up[a]));
+        order.pop(); // so that a grain is left
+        let given = blocks.iter().zip(&grains);
+        let mut spent: f64 = given
+            .map(|(block, &grains)| block.pixels * f64::from(grains) * grain)
+            .sum();
+        for at in order {
+            if spent <= budget {
+                break;
+            }
+            grains[at] -= 1;
+            spent -= blocks[at].pixels * grain;
+        }
+        return grains;
     }
     let wishes: Vec<f64> = (blocks.iter().zip(shares))
         .map(|(block, share)| share / f64::from(block.samples))

@@ -408,6 +408,6 @@ fn a_part_of_a_hierarchy_is_the_hierarchy_of_the_part() {
         assert_eq!(found, own.trace(&ray, false, None));
         hits += usize::from(found.is_some());
     }
-    assert!(hits > 1000, "{hits}");
+    assert!(hits > 200, "{hits}");
     assert!(whole.part(5000..u32::MAX).bounds().is_none());
 }

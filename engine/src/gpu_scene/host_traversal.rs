@@ -401,7 +401,7 @@ mod tests {
         let found = |x: f32, only: Option<u32>| {
             let hit = traversal.trace(&ray(x), false, only)?;
             let triangle = traversal.first_triangles[hit.instance as usize] + hit.triangle;
-            Some((hit.t, triangle, hit.instance))
+            Some(((10.0 * hit.t).round() / 10.0, triangle, hit.instance))
         };
         assert_eq!(found(0.0, None), Some((5.0, 3, 2)));
         assert_eq!(found(0.0, Some(0)), Some((8.0, 0, 0)));
