@@ -18,6 +18,7 @@ use std::path::Path;
 use flate2::{Compression, read::ZlibDecoder, write::ZlibEncoder};
 use serde::{Deserialize, Serialize};
 
+use super::hash::{Hashed, Run};
 use super::{Film, Hash, Layers, MAX_SAMPLES, MAX_SIDE, PICTURE_PLANES};
 
 /// What a file begins with; another layout gets another one.
@@ -286,21 +287,21 @@ impl Part {
             origin: self.origin.clone(),
         };
         let header = serde_json::to_vec(&header)?;
+        let mut hash = Hash::new();
+        hash.bytes(&header);
+        file.write_all(MAGIC)?;
+        file.write_all(&(header.len() as u32).to_le_bytes())?;
+        file.write_all(&header)?;
         // Fast, for a render may wait for it: the best is a seventh smaller in ten times the time.
-        let mut packed = ZlibEncoder::new(Vec::new(), Compression::fast());
+        let run = Run::after(hash);
+        let hashed = Hashed { file, run };
+        let mut packed = ZlibEncoder::new(hashed, Compression::fast());
         for plane in self.film.planes() {
             let plane = little_endian(bytemuck::cast_slice(plane));
             packed.write_all(bytemuck::cast_slice(&plane))?;
         }
-        let packed = packed.finish()?;
-        let mut hash = Hash::new();
-        hash.bytes(&header);
-        hash.bytes(&packed);
-        file.write_all(MAGIC)?;
-        file.write_all(&(header.len() as u32).to_le_bytes())?;
-        file.write_all(&header)?;
-        file.write_all(&packed)?;
-        file.write_all(&hash.value().to_le_bytes())
+        let Hashed { file, run } = packed.finish()?;
+        file.write_all(&run.finish().value().to_le_bytes())
     }
 
     /// Reads a file of `length` bytes. The length is compared with what the header promises before memory is taken.

@@ -1,18 +1,23 @@
 //! OpenEXR: floats of 16 or 32 bits as the [`Form`](super::Form) says. A film of the picture alone has the channels R, G and B; one with
 //! layers is one part whose channels have the names that Blender 5 gives them.
 
-use std::io::{self, Seek, SeekFrom, Write};
+mod rows;
 
-use exr::error::Error;
-use exr::image::write::WritableImage;
-use exr::image::write::layers::WritableLayers;
-use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
+use std::borrow::Cow;
+use std::io::{self, Seek, Write};
+
+use exr::compression::Compression as Packing;
+use exr::image::FlatSamples;
 use exr::math::Vec2;
-use exr::meta::attribute::{self, AttributeValue, Chromaticities, IntegerBounds, Text};
+use exr::meta::BlockDescription;
+use exr::meta::attribute::{
+    AttributeValue, ChannelDescription, Chromaticities, IntegerBounds, LineOrder, SampleType, Text,
+};
 use exr::meta::header::{Header, LayerAttributes};
 
-use super::{Content, Fact, Metadata};
-use crate::film::{self, Layers, layers::Rule};
+use super::form::largest;
+use super::{Banded, Content, Fact, Metadata};
+use crate::film::{self, Film, Layers, layers::Rule};
 
 /// What red, green, blue and white are.
 const REC709: Chromaticities = Chromaticities {
@@ -35,71 +40,122 @@ pub(super) fn write(
     content: &Content<'_>,
     metadata: &Metadata,
 ) -> io::Result<()> {
-    content
-        .form
-        .check(content.layers)
-        .map_err(io::Error::other)?;
-    let film = content.film;
-    let mut attributes = attributes(content, metadata);
-    let channels = match content.layers.is_picture_alone() && content.denoised.is_none() {
-        true => picture_alone(content),
-        false => {
-            let with_alpha = content.layers.with(["alpha"]);
-            let layers = match (content.transparent, &with_alpha) {
-                (true, Ok(layers)) => layers,
-                _ => content.layers,
-            };
-            let matte = layers.iter().flat_map(|layer| cryptomatte(layer, metadata));
-            attributes.other.extend(matte);
-            layered(content, layers, metadata)
-        }
+    (content.form.check(content.layers)).map_err(io::Error::other)?;
+    let channels = channels(content, metadata, |_, values| largest(values));
+    let size = [content.film.width, content.film.height];
+    let attributes = attributes(content, metadata);
+    let encoding = content.form.compression.packing();
+    let header = header(size, &channels, attributes, encoding, metadata);
+    rows::write(file, header, std::iter::once(Ok(channels)))
+}
+
+/// As [`write()`] of a picture in bands.
+pub(super) fn write_bands(
+    file: impl Write + Seek,
+    banded: &Banded<'_>,
+    bands: impl Iterator<Item = io::Result<Film>>,
+    metadata: &Metadata,
+) -> io::Result<()> {
+    (banded.form.check(banded.layers)).map_err(io::Error::other)?;
+    let channels = |film: &Film| {
+        let content = banded.content(film);
+        channels(&content, metadata, |layer, _| banded.extents.of(layer))
     };
-    let channels = channels.into_iter();
-    let channels = channels.map(|(name, samples)| AnyChannel::new(latin1(&name), samples));
-    let encoding = Encoding {
-        compression: content.form.compression.packing(),
-        ..Encoding::SMALL_LOSSLESS
+    let mut bands = bands.peekable();
+    let Some(Ok(first)) = bands.peek() else {
+        let nothing = || io::Error::other("a picture without rows");
+        return Err(bands.next().and_then(Result::err).unwrap_or_else(nothing));
     };
-    let size = (film.width as usize, film.height as usize);
-    // The format wants them sorted.
-    let channels = AnyChannels::sort(channels.collect());
-    let mut image = Image::from_layer(Layer::new(size, attributes, encoding, channels));
-    image.attributes.chromaticities = Some(REC709);
+    // What there is, and with how many bits, an empty film says as well.
+    let empty = Film::with_layers(1, 1, first.layers().clone());
+    let attributes = attributes(&banded.content(&empty), metadata);
+    let encoding = banded.form.compression.packing();
+    let header = header(
+        banded.size,
+        &channels(&empty),
+        attributes,
+        encoding,
+        metadata,
+    );
+    let bands = bands.map(|film| film.map(|film| channels(&film)));
+    rows::write(file, header, bands)
+}
+
+/// The largest numbers of a film's layers, as files would hold them.
+pub(super) fn largest_numbers(content: &Content<'_>) -> Vec<(&'static str, f32)> {
+    let mut found = Vec::new();
+    described(content, &Metadata::default(), |layer, _, values| {
+        found.push((layer.name, largest(&values)));
+    });
+    found
+}
+
+/// The header of a file of these channels.
+fn header(
+    [width, height]: [u32; 2],
+    channels: &Channels,
+    attributes: LayerAttributes,
+    packing: Packing,
+    metadata: &Metadata,
+) -> Header {
+    let list = channels.iter().map(|(name, samples)| {
+        let kind = match samples {
+            FlatSamples::F16(_) => SampleType::F16,
+            FlatSamples::F32(_) => SampleType::F32,
+            FlatSamples::U32(_) => SampleType::U32,
+        };
+        ChannelDescription::named(name.clone(), kind)
+    });
+    let size = Vec2(width as usize, height as usize);
+    let mut header = Header::new(Text::default(), size, list.collect()).with_encoding(
+        packing,
+        BlockDescription::ScanLines,
+        LineOrder::Increasing,
+    );
+    header.own_attributes = attributes;
+    header.shared_attributes.chromaticities = Some(REC709);
     if let Some(crop) = metadata.crop {
         let at = |place: u32| i32::try_from(place).unwrap_or_default();
         let [columns, rows] = crop.whole;
         // Sides are bounded, as the film's are.
-        image.layer_data.attributes.layer_position = Vec2(at(crop.left), at(crop.top));
-        image.attributes.display_window =
+        header.own_attributes.layer_position = Vec2(at(crop.left), at(crop.top));
+        header.shared_attributes.display_window =
             IntegerBounds::from_dimensions(Vec2(columns as usize, rows as usize));
     }
-    write_image(file, &image)
+    header
 }
 
-/// Channels by name.
-type Named = Vec<(String, FlatSamples)>;
+/// Channels in the order of their names, as the format wants them.
+type Channels = Vec<(Text, FlatSamples)>;
 
-/// The picture, and its coverage where that is wanted.
-fn picture_alone(content: &Content<'_>) -> Named {
-    let of = |layer: &film::Layer, names: &[&str], channels| {
-        let samples = content.form.samples(layer, channels);
-        let names = names.iter().map(|&name| name.to_owned());
-        names.zip(samples).collect::<Named>()
-    };
-    let mut channels = of(
-        &film::LAYERS[0],
-        &["R", "G", "B"],
-        split(&content.picture()),
-    );
-    if let (Some(alpha), Some(layer)) = (content.alpha(), film::Layer::named("alpha")) {
-        channels.extend(of(layer, &["A"], vec![alpha]));
-    }
+/// The channels of a film with as many bits as they are to have, where `largest` says the largest number of a layer, of which these are
+/// the numbers.
+fn channels(
+    content: &Content<'_>,
+    metadata: &Metadata,
+    largest: impl Fn(&film::Layer, &[Vec<f32>]) -> f32,
+) -> Channels {
+    let mut channels = Channels::new();
+    described(content, metadata, |layer, names, values| {
+        let most = largest(layer, &values);
+        let samples = content.form.samples(layer, values, most);
+        let names = names.iter().map(|name| latin1(name));
+        channels.extend(names.zip(samples));
+    });
+    channels.sort_unstable_by(|(a, _), (b, _)| a.cmp(b));
     channels
 }
 
-/// All layers by the names that Blender gives them.
-fn layered(content: &Content<'_>, layers: &Layers, metadata: &Metadata) -> Named {
-    let mut named = Named::new();
+/// Tells of each layer that a file holds: the names of its channels, and their numbers.
+fn described(
+    content: &Content<'_>,
+    metadata: &Metadata,
+    mut tell: impl FnMut(&'static film::Layer, Vec<String>, Vec<Vec<f32>>),
+) {
+    if is_alone(content) {
+        return picture_alone(content, tell);
+    }
+    let layers = &*layers(content);
     for layer in layers.iter().filter(|layer| !layer.is_kept_back()) {
         let mut channels = content.film.channels(layer).unwrap_or_default();
         let is_picture = *layer == film::LAYERS[0];
@@ -111,18 +167,41 @@ fn layered(content: &Content<'_>, layers: &Layers, metadata: &Metadata) -> Named
         }
         if let (Some(denoised), true) = (content.denoised, is_picture) {
             let noisy = std::mem::replace(&mut channels, split(denoised));
-            let noisy = content.form.samples(layer, noisy);
-            named.extend(NOISY.map(str::to_owned).into_iter().zip(noisy));
+            tell(layer, NOISY.map(str::to_owned).into(), noisy);
         }
-        let samples = content.form.samples(layer, channels);
         let names = layer.channel_names();
         let names = names.map(|name| {
             let name = with_group(name, layer, metadata);
             name.replacen(layer.pass, &layers.pass_of(layer), 1)
         });
-        named.extend(names.zip(samples));
+        tell(layer, names.collect(), channels);
     }
-    named
+}
+
+/// Whether a file holds the picture alone.
+fn is_alone(content: &Content<'_>) -> bool {
+    content.layers.is_picture_alone() && content.denoised.is_none()
+}
+
+/// What a file with layers holds.
+fn layers<'a>(content: &Content<'a>) -> Cow<'a, Layers> {
+    let with_alpha = content.layers.with(["alpha"]);
+    match (content.transparent, with_alpha) {
+        (true, Ok(layers)) => Cow::Owned(layers),
+        _ => Cow::Borrowed(content.layers),
+    }
+}
+
+/// The picture, and its coverage where that is wanted.
+fn picture_alone(
+    content: &Content<'_>,
+    mut tell: impl FnMut(&'static film::Layer, Vec<String>, Vec<Vec<f32>>),
+) {
+    let names = ["R", "G", "B"].map(str::to_owned).into();
+    tell(&film::LAYERS[0], names, split(&content.picture()));
+    if let (Some(alpha), Some(layer)) = (content.alpha(), film::Layer::named("alpha")) {
+        tell(layer, vec!["A".to_owned()], vec![alpha]);
+    }
 }
 
 /// A channel's name with that of the group of lights that its layer is of.
@@ -205,35 +284,12 @@ fn attributes(content: &Content<'_>, metadata: &Metadata) -> LayerAttributes {
             }
         }
     }
-    attributes
-}
-
-fn write_image<'l, L: WritableLayers<'l>>(
-    mut file: impl Write + Seek,
-    image: &'l Image<L>,
-) -> io::Result<()> {
-    let refused = |error| match error {
-        Error::Io(error) => error,
-        other => io::Error::other(other.to_string()),
-    };
-    image.write().to_buffered(&mut file).map_err(refused)?;
-    let headers = image.write().infer_meta_data();
-    let attributes = sorted_attributes(&headers[0]).map_err(refused)?;
-    // They begin behind the magic number and the version. Their order doesn't change how long they are.
-    file.seek(SeekFrom::Start(8))?;
-    file.write_all(&attributes)
-}
-
-/// The attributes of a header as they lie in a file, by name: the crate keeps ours in a hash map and writes them in another
-/// order each time, but the same picture is to be the same file.
-fn sorted_attributes(header: &Header) -> exr::error::Result<Vec<u8>> {
-    let mut attributes: Vec<_> = header.all_named_attributes().collect();
-    attributes.sort_by_key(|(name, _)| *name);
-    let mut bytes = Vec::new();
-    for (name, value) in &attributes {
-        attribute::write(name, value, &mut bytes)?;
+    if !is_alone(content) {
+        let layers = layers(content);
+        let matte = layers.iter().flat_map(|layer| cryptomatte(layer, metadata));
+        attributes.other.extend(matte);
     }
-    Ok(bytes)
+    attributes
 }
 
 fn latin1(text: &str) -> Text {
@@ -249,7 +305,7 @@ mod tests {
 
     use super::*;
     use crate::film::write::{Compression, Form, TRANSPARENCY};
-    use crate::film::{Film, Layers, Origin};
+    use crate::film::Origin;
 
     fn film(layers: Layers) -> Film {
         let mut film = Film::with_layers(3, 2, layers);
