@@ -247,6 +247,10 @@ pub(super) fn render(
         }
     }
     interrupt::writes_results();
+    if let (Some(session), false) = (&mut session, job.stats || job.stats_json.is_some()) {
+        // The film of the last piece is on the disk, and files take as much.
+        session.resize(1, 1).map_err(failure)?;
+    }
     if resumed > 0 {
         let count = division.count();
         bar.suspend(|| {

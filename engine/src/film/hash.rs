@@ -1,6 +1,6 @@
 //! The checksum of a film's file, and of what a film was rendered from.
 
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 
 /// FNV-1a over words of 64 bits: eight times as fast as over bytes, and as good at telling accidents apart.
 #[derive(Debug)]
@@ -84,12 +84,12 @@ impl Run {
 }
 
 /// A file whose bytes go into a checksum on their way.
-pub(crate) struct Hashed<'a, W> {
-    pub(crate) file: &'a mut W,
+pub(crate) struct Hashed<F> {
+    pub(crate) file: F,
     pub(crate) run: Run,
 }
 
-impl<W: Write> Write for Hashed<'_, W> {
+impl<F: Write> Write for Hashed<F> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let count = self.file.write(bytes)?;
         self.run.bytes(&bytes[..count]);
@@ -98,6 +98,14 @@ impl<W: Write> Write for Hashed<'_, W> {
 
     fn flush(&mut self) -> io::Result<()> {
         self.file.flush()
+    }
+}
+
+impl<F: Read> Read for Hashed<F> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(bytes)?;
+        self.run.bytes(&bytes[..count]);
+        Ok(count)
     }
 }
 
