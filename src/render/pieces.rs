@@ -23,7 +23,7 @@ use crate::memory::Need;
 use crate::motion::Sight;
 use crate::output::OutputError;
 use crate::progress::Bar;
-use crate::words::Output;
+use crate::words::{MAX_PIXELS, Output};
 use crate::{console, interrupt, memory};
 
 pub(super) use self::division::Division;
@@ -62,7 +62,8 @@ pub(super) fn plan(
         false => None,
     };
     let whole = need(job);
-    let refused = match (fits(&whole), begun) {
+    let at_once = is_one_film(job).and_then(|()| fits(&whole));
+    let refused = match (at_once, begun) {
         (Ok(()), None) => {
             memory::tell(&whole.text(), bar);
             return Ok(None);
@@ -72,7 +73,7 @@ pub(super) fn plan(
     if let Some(because) = indivisible(job) {
         let refused = refused.map_or_else(String::new, |failure| format!("{failure}; "));
         return Err(Failure::Failed(format!(
-            "{refused}pieces of the picture would take less, but {because}"
+            "{refused}it can't be rendered in pieces instead: {because}"
         )));
     }
     let first = |division: &Division| need(&job.piece(&division.piece(0)));
@@ -85,6 +86,20 @@ pub(super) fn plan(
     fits(&needed).map_err(|failure| Failure::Failed(format!("{failure}, in {division}")))?;
     memory::tell(&format!("{}, in {division}", needed.text()), bar);
     Ok(Some(division))
+}
+
+/// Whether a picture may be one film, wherever that fits.
+///
+/// # Errors
+/// It has more pixels than films may have.
+pub(super) fn is_one_film(job: &RenderJob) -> Result<(), Failure> {
+    let pixels = u64::from(job.width) * u64::from(job.height);
+    match pixels > MAX_PIXELS {
+        true => Err(Failure::Failed(format!(
+            "{pixels} pixels are more than the {MAX_PIXELS} that are rendered at once"
+        ))),
+        false => Ok(()),
+    }
 }
 
 /// Why a picture can't be rendered in pieces, if it can't.

@@ -19,6 +19,7 @@ use crate::progress::Bar;
 use crate::{cache, console, interrupt, memory};
 
 use super::limits::Watch;
+use super::pieces;
 use super::{Ended, Gathered, FAREWELL, Rendered, Rest, mark};
 
 /// How often a signal is looked for where nothing else happens.
@@ -49,7 +50,8 @@ pub(super) fn render(
         system: System::default(),
     };
     let need = Need::of(job, &plan.settings, &plan.scene, &plan.procedural, devices);
-    memory::state(job, &need, bar).map_err(|failure| {
+    let stated = pieces::is_one_film(job).and_then(|()| memory::state(job, &need, bar));
+    stated.map_err(|failure| {
         Failure::Failed(format!(
             "{failure}; a single device could render it in pieces"
         ))
