@@ -41,8 +41,8 @@ use crate::usage::UsageError;
 use crate::{console, crash, denoise, devices, interrupt, library};
 
 use self::alone::{Scene as Shown, Take};
-use self::pieces::{Division, Pieces};
 use self::limits::{Limit, Watch};
+use self::pieces::{Division, Pieces};
 use self::reel::{Reel, View as Seen};
 
 /// The word for each camera in turn.

@@ -38,9 +38,9 @@ pub use layers::{LAYERS, Layer, Layers};
 pub(crate) use mix::Multiple;
 pub use mix::{GroupFactors, LightMix};
 pub use part::{MAGIC_BYTES, Origin, Part, PartError, is_film};
-pub use tally::Tally;
 #[doc(hidden)]
 pub use part::{sealed, unpacked};
+pub use tally::Tally;
 
 use ids::{Counts, Coverage, IDS};
 use layers::{MAX_CHANNELS, Rule};

@@ -197,7 +197,9 @@ pub(super) fn render(
     let mut resumed = 0;
     for piece in division.pieces() {
         if pieces.store.is_resumed()
-            && let Some(film) = pieces.store.read(&piece, &origin_of(&origin, job, &piece))?
+            && let Some(film) = pieces
+                .store
+                .read(&piece, &origin_of(&origin, job, &piece))?
         {
             check_film(&film, job, &piece)?;
             pieces.add(job, &film);
@@ -444,7 +446,8 @@ impl Pieces {
     /// Counts in a piece that won't be there.
     fn misses(&mut self, piece: &Piece) {
         self.missing += 1;
-        self.tally.add(&Tally::of(&Film::new(piece.width, piece.rows)));
+        self.tally
+            .add(&Tally::of(&Film::new(piece.width, piece.rows)));
     }
 
     /// Puts a piece on the disk.
@@ -473,7 +476,10 @@ impl Pieces {
     ) -> Result<(), Failure> {
         let count = self.division.count();
         if self.missing > 0 {
-            let text = format!("{} of {count} pieces are missing: they are black", self.missing);
+            let text = format!(
+                "{} of {count} pieces are missing: they are black",
+                self.missing
+            );
             console::warning(&text);
         }
         let size = [job.width, job.height];

@@ -20,7 +20,7 @@ use crate::{cache, console, interrupt, memory};
 
 use super::limits::Watch;
 use super::pieces;
-use super::{Ended, Gathered, FAREWELL, Rendered, Rest, mark};
+use super::{Ended, FAREWELL, Gathered, Rendered, Rest, mark};
 
 /// How often a signal is looked for where nothing else happens.
 const TICK: Duration = Duration::from_millis(100);

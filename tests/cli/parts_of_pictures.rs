@@ -116,7 +116,10 @@ fn memory_is_stated_before_a_render_and_refused_where_it_is_too_much() {
     let film = format!("{render} -o a.patina-film --size 4096x4096 --memory 200M");
     let refused = bench.run(&film).expect_error(1, "--memory 200 MiB");
     let said = refused.stderr;
-    assert!(said.contains("a .patina-film is written as a whole"), "{said}");
+    assert!(
+        said.contains("a .patina-film is written as a whole"),
+        "{said}"
+    );
     // Not even a row of blocks has room there.
     let refused = bench.run(&format!("{render} --size 4096x4096 --memory 2M"));
     refused.expect_error(1, "pieces of 4096x8");

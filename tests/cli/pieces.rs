@@ -19,11 +19,11 @@ fn sky() -> Bench {
 fn memory(bench: &Bench, line: &str) -> String {
     let refused = bench
         .run(&format!("{line} --memory 1K"))
-        .expect_error(1, " of memory");
+        .expect_error(1, "more than --memory 1 MiB");
     let said = refused.stderr;
     let word = said.split_once("the render takes ").map(|(_, rest)| rest);
     let least = word.and_then(|rest| rest.split_once(" MiB")?.0.parse::<u32>().ok());
-    let least = least.unwrap_or_else(|| panic!("no number: {said}"));
+    let least = least.unwrap_or_else(|| panic!("no number of MiB: {said}"));
     format!("--memory {}M", least + 1)
 }
 
@@ -78,7 +78,7 @@ fn finished_pieces_are_taken_up() {
     }
     let bench = sky();
     let bytes = |name: &str| fs::read(bench.path(name)).expect("it was written");
-    let line = "render triangle.gltf --look sky.look.toml --size 100x800 --spp 128 -o a.exr";
+    let line = "render triangle.gltf --look sky.look.toml --size 100x800 --spp 48 -o a.exr";
     bench.run(line).expect_code(0);
     let whole = bytes("a.exr");
     let memory = memory(&bench, line);
@@ -97,8 +97,8 @@ fn finished_pieces_are_taken_up() {
         .run(&format!("{line} --resume --seed 1"))
         .expect_error(1, "seed");
     bench
-        .run(&format!("{line} --resume").replace("--spp 128", "--spp 64"))
-        .expect_error(1, "after 128 samples");
+        .run(&format!("{line} --resume").replace("--spp 48", "--spp 64"))
+        .expect_error(1, "after 48 samples");
     fs::remove_file(bench.path("a.exr")).expect("it was there");
     let said = bench.run(&format!("{line} --resume")).expect_code(0).stdout;
     assert!(said.contains("pieces were there already"), "{said}");
@@ -135,7 +135,10 @@ fn limits_end_each_piece() {
             .find_map(|line| line.strip_prefix("relative error "));
         let summary = summary.unwrap_or_else(|| panic!("no error of the whole: {said}"));
         assert!(summary.contains(ended), "{said}");
-        let error = summary.split(' ').next().and_then(|n| n.parse::<f64>().ok());
+        let error = summary
+            .split(' ')
+            .next()
+            .and_then(|n| n.parse::<f64>().ok());
         if let Some((_, limit)) = ended.split_once("--noise ") {
             // How bright the picture is, a few samples have told.
             let most = 1.1 * limit.parse::<f64>().expect("a number");

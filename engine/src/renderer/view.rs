@@ -92,9 +92,8 @@ impl Renderer {
             ..self.settings.clone()
         };
         super::check_size(&settings)?;
-        let pixels = |settings: &RenderSettings| {
-            u64::from(settings.width) * u64::from(settings.height)
-        };
+        let pixels =
+            |settings: &RenderSettings| u64::from(settings.width) * u64::from(settings.height);
         self.film_pixels = self.film_pixels.max(pixels(&self.settings));
         if pixels(&settings) > self.film_pixels {
             let layers = &settings.layers;

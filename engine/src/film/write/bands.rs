@@ -219,14 +219,8 @@ mod tests {
         for format in [Format::Exr, Format::Png] {
             for rest in [None, Some(Err(io::Error::other("gone")))] {
                 let bands = [Some(Ok(first.clone())), rest].into_iter().flatten();
-                let written = save_bands(
-                    &path,
-                    format,
-                    &banded,
-                    bands,
-                    &Metadata::default(),
-                    &view,
-                );
+                let written =
+                    save_bands(&path, format, &banded, bands, &Metadata::default(), &view);
                 assert!(written.is_err(), "{format:?}");
             }
         }

@@ -304,8 +304,8 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::film::write::{Compression, Form, TRANSPARENCY};
     use crate::film::Origin;
+    use crate::film::write::{Compression, Form, TRANSPARENCY};
 
     fn film(layers: Layers) -> Film {
         let mut film = Film::with_layers(3, 2, layers);
