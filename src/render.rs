@@ -24,8 +24,8 @@ use engine::film::{Film, Origin, Part, Tally};
 use engine::fleet::{DeviceShare, Fleet};
 use engine::procedural::Procedural;
 use engine::renderer::{RenderSettings, TextureCosts};
+use engine::scene::Camera;
 use engine::scene::view::{View, ViewChoice};
-use engine::scene::{Camera, Scene};
 use engine::session::{Inputs, Session, SessionError};
 use engine::settings::{Beside, Method};
 use engine::stats::{DeviceFacts, Stats};
@@ -469,73 +469,5 @@ fn settings(
         time: sight.moment.seconds as f32,
         frame_index: sight.frame_index,
         ..RenderSettings::new(job.width, job.height, camera)
-    }
-}
-
-/// The camera of that name, or the one of that number where no name fits.
-fn find_camera(scene: &Scene, wanted: &str) -> Result<Camera, Failure> {
-    let by_name = scene.cameras.iter().find(|camera| camera.name == wanted);
-    let by_number = || scene.cameras.get(wanted.parse::<usize>().ok()?);
-    by_name.or_else(by_number).cloned().ok_or_else(|| {
-        let names: Vec<_> = scene
-            .cameras
-            .iter()
-            .map(|camera| format!("'{}'", camera.name))
-            .collect();
-        Failure::Failed(if names.is_empty() {
-            format!("--camera {wanted}: the scene has no cameras; leave the flag out for a view of everything")
-        } else {
-            format!(
-                "--camera {wanted}: the scene has no camera of this name; it has {}",
-                names.join(", ")
-            )
-        })
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use engine::scene::Projection;
-
-    fn scene(names: &[&str]) -> Scene {
-        let cameras = names
-            .iter()
-            .map(|&name| Camera {
-                name: name.to_owned(),
-                transform: glam::Affine3A::IDENTITY,
-                projection: Projection::Perspective { y_fov: 1.0 },
-                aperture_radius: 0.0,
-                aperture_blades: 0,
-                aperture_rotation: 0.0,
-                focus_distance: 1.0,
-            })
-            .collect();
-        Scene {
-            cameras,
-            ..Scene::default()
-        }
-    }
-
-    fn found(names: &[&str], wanted: &str) -> Result<String, String> {
-        match find_camera(&scene(names), wanted) {
-            Ok(camera) => Ok(camera.name),
-            Err(Failure::Failed(text)) => Err(text),
-            Err(other) => panic!("a camera is not a usage error: {other:?}"),
-        }
-    }
-
-    #[test]
-    fn a_camera_is_found_by_name_then_by_number() {
-        assert_eq!(found(&["1", "Door"], "1").as_deref(), Ok("1"));
-        assert_eq!(found(&["Door", "Bed"], "1").as_deref(), Ok("Bed"));
-    }
-
-    #[test]
-    fn an_unknown_camera_is_answered_with_the_names() {
-        let error = found(&["Door", "Bed"], "Roof").unwrap_err();
-        assert!(error.contains("'Door', 'Bed'"), "{error}");
-        let error = found(&[], "Roof").unwrap_err();
-        assert!(error.contains("no cameras"), "{error}");
     }
 }

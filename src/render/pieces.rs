@@ -2,6 +2,7 @@
 //! it lies on the disk. A piece is a band of whole rows, whose pixels have the random numbers that they have in the whole.
 
 mod division;
+mod gathered;
 mod store;
 
 use std::collections::BTreeMap;
@@ -9,8 +10,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use device::Device;
-use engine::film::write::{self, Banded, Extents, Format, Metadata};
-use engine::film::{Crop, Film, Origin, Part, Tally};
+use engine::film::write::Format;
+use engine::film::{Crop, Film, Origin, Tally};
 use engine::scene::view::View;
 use engine::session::Session;
 use engine::settings::{Beside, Method};
@@ -21,13 +22,13 @@ use crate::failure::Failure;
 use crate::job::{Limits, RenderJob};
 use crate::memory::Need;
 use crate::motion::Sight;
-use crate::output::OutputError;
 use crate::progress::Bar;
 use crate::words::{MAX_PIXELS, Output};
 use crate::{console, interrupt, memory};
 
 pub(super) use self::division::Division;
 use self::division::Piece;
+pub(super) use self::gathered::Pieces;
 use self::store::Store;
 
 use super::alone::{self, Scene, Take};
@@ -71,10 +72,14 @@ pub(super) fn plan(
         (refused, _) => refused.err(),
     };
     if let Some(because) = indivisible(job) {
-        let refused = refused.map_or_else(String::new, |failure| format!("{failure}; "));
-        return Err(Failure::Failed(format!(
-            "{refused}it can't be rendered in pieces instead: {because}"
-        )));
+        return Err(Failure::Failed(match refused {
+            Some(failure) => {
+                format!("{failure}; it can't be rendered in pieces instead: {because}")
+            }
+            None => format!(
+                "pieces of the picture are there, which can't be gone on with: {because}, or render without --resume to begin anew"
+            ),
+        }));
     }
     let first = |division: &Division| need(&job.piece(&division.piece(0)));
     let division = begun.unwrap_or_else(|| {
@@ -185,22 +190,13 @@ pub(super) fn render(
     let device = gpu.description().name.clone();
     let mut origin = Origin::new(&device, &job.scene, job.look.as_deref(), written.clone());
     origin.names.clone_from(&names);
-    let mut pieces = Pieces {
-        division,
-        tally: Tally::default(),
-        extents: Extents::default(),
-        missing: 0,
-        store: Store::open(job)?,
-    };
+    let mut pieces = Pieces::new(division, Store::open(job)?);
     let mut found = Found::default();
     let mut brightness = None;
     let mut resumed = 0;
     for piece in division.pieces() {
-        if pieces.store.is_resumed()
-            && let Some(film) = pieces
-                .store
-                .read(&piece, &origin_of(&origin, job, &piece))?
-        {
+        let origin = origin_of(&origin, job, &piece);
+        if let Some(film) = pieces.store().former(&piece, &origin)? {
             check_film(&film, job, &piece)?;
             pieces.add(job, &film);
             resumed += 1;
@@ -246,15 +242,14 @@ pub(super) fn render(
         };
         let watch = Watch::of_piece(limits, clock, known);
         let rendered = alone::render(&own, take, gpu, view, bar, watch)?;
-        let Gathered::Whole(film) = &rendered.gathered else {
+        let Gathered::Whole(film) = rendered.gathered else {
             continue; // there are no pieces of pieces
         };
         if let Some(Ended::Interrupted) = rendered.ended {
             pieces.misses(&piece);
         } else {
-            pieces.add(job, film);
-            let origin = origin_of(&origin, job, &piece);
-            pieces.keep(&piece, rendered.gathered, rendered.samples, origin)?;
+            pieces.add(job, &film);
+            pieces.keep(&piece, film, rendered.samples, origin)?;
         }
         found.add(job, rendered.ended, rendered.stats);
         found.prepare_seconds += rendered.prepare_seconds;
@@ -276,10 +271,10 @@ pub(super) fn render(
     }
     let mut stats = found.stats;
     stats.samples_per_second = match stats.seconds > 0.0 {
-        true => pieces.tally.samples() as f64 / stats.seconds,
+        true => pieces.tally().samples() as f64 / stats.seconds,
         false => 0.0,
     };
-    let (_, most) = pieces.tally.sample_bounds();
+    let (_, most) = pieces.tally().sample_bounds();
     Ok(Rendered {
         gathered: Gathered::Pieces(pieces),
         samples: job.first_sample..job.first_sample + most,
@@ -414,107 +409,5 @@ impl Found {
         if !is_of_time || matches!(ended, Some(Ended::Interrupted)) {
             self.ended = ended.or(self.ended.take());
         }
-    }
-}
-
-/// A picture in pieces.
-pub(super) struct Pieces {
-    division: Division,
-    tally: Tally,
-    extents: Extents,
-    /// Pieces that aren't there.
-    missing: u32,
-    store: Store,
-}
-
-impl Pieces {
-    /// What the samples of all pieces say.
-    pub(super) fn tally(&self) -> &Tally {
-        &self.tally
-    }
-
-    /// Counts a piece in.
-    fn add(&mut self, job: &RenderJob, film: &Film) {
-        self.tally.add(&Tally::of(film));
-        let is_exr = |output: &Output| output.format == Format::Exr;
-        if job.outputs.pictures.iter().any(is_exr) {
-            let (layers, form) = (&job.shown_layers, &job.form);
-            self.extents.add(film, layers, job.transparent, form);
-        }
-    }
-
-    /// Counts in a piece that won't be there.
-    fn misses(&mut self, piece: &Piece) {
-        self.missing += 1;
-        self.tally
-            .add(&Tally::of(&Film::new(piece.width, piece.rows)));
-    }
-
-    /// Puts a piece on the disk.
-    fn keep(
-        &self,
-        piece: &Piece,
-        gathered: Gathered,
-        samples: std::ops::Range<u32>,
-        origin: Origin,
-    ) -> Result<(), Failure> {
-        match gathered {
-            Gathered::Whole(film) => self.store.write(piece, &Part::new(film, samples, origin)),
-            Gathered::Pieces(_) => Ok(()),
-        }
-    }
-
-    /// Writes the files. Pieces that aren't there are black.
-    ///
-    /// # Errors
-    /// What could not be written; the pieces stay then.
-    pub(super) fn write(
-        mut self,
-        job: &RenderJob,
-        origin: &Origin,
-        view: &View,
-    ) -> Result<(), Failure> {
-        let count = self.division.count();
-        if self.missing > 0 {
-            let text = format!(
-                "{} of {count} pieces are missing: they are black",
-                self.missing
-            );
-            console::warning(&text);
-        }
-        let size = [job.width, job.height];
-        let (fewest, _) = self.tally.sample_bounds();
-        let metadata = Metadata::of(size, fewest, origin);
-        let banded = Banded {
-            size,
-            layers: &job.shown_layers,
-            transparent: job.transparent,
-            form: &job.form,
-            extents: &self.extents,
-        };
-        let mut failed = Vec::new();
-        for output in &job.outputs.pictures {
-            let bands = self.division.pieces().map(|piece| {
-                let film = self.store.film(&piece)?;
-                let black = || Film::with_layers(piece.width, piece.rows, job.layers.clone());
-                Ok(film.unwrap_or_else(black))
-            });
-            let (path, format) = (&output.path, output.format);
-            match write::save_bands(path, format, &banded, bands, &metadata, view) {
-                Ok(()) => console::note(&format!("wrote {}", path.display())),
-                Err(error) => failed.push(OutputError::new(path, error).to_string()),
-            }
-        }
-        if failed.is_empty() {
-            if self.missing == 0 {
-                self.store.remove();
-            }
-            return Ok(());
-        }
-        self.store.keep();
-        Err(Failure::Failed(format!(
-            "{}\nthe {count} pieces are kept; the same command with --resume writes what is missing",
-            failed.join("\n")
-        )))
     }
 }

@@ -77,18 +77,13 @@ impl Store {
         })
     }
 
-    /// Whether pieces of a former run are taken up.
-    pub(super) fn is_resumed(&self) -> bool {
-        self.resumes
-    }
-
-    /// A piece of a former run, where it is there.
+    /// A piece of a former run that is gone on with, where it is there.
     ///
     /// # Errors
     /// It can't be read, or is one of something else.
-    pub(super) fn read(&self, piece: &Piece, origin: &Origin) -> Result<Option<Film>, Failure> {
+    pub(super) fn former(&self, piece: &Piece, origin: &Origin) -> Result<Option<Film>, Failure> {
         let path = file(&self.folder, piece.number);
-        if !path.exists() {
+        if !self.resumes || !path.exists() {
             return Ok(None);
         }
         let part = picture::film(&path).map_err(|error| refused(&path, &error))?;
