@@ -361,8 +361,8 @@ pub(crate) struct RenderArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) threads: Option<String>,
 
-    /// Most memory that the render may take, of the machine and of each device, as in 8G or 500M; more is refused before it begins.
-    /// Without it what the system has left.
+    /// Most memory that the render may take, of the machine and of each device, as in 8G or 500M: a picture that needs more is rendered
+    /// in pieces, one after the other, or refused before it begins where it can't be. Without it what the system has left.
     #[arg(long, value_name = "SIZE")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) memory: Option<String>,

@@ -109,7 +109,7 @@ impl Need {
     ///
     /// # Errors
     /// It isn't; the text says what to do.
-    fn check(&self, most: Option<u64>, left: Option<u64>) -> Result<(), Failure> {
+    pub(crate) fn check(&self, most: Option<u64>, left: Option<u64>) -> Result<(), Failure> {
         let remedy = "render a part (--crop), a smaller picture (--scale), or fewer layers";
         let alone = |device: &&OnDevice| {
             !device.is_shared && most.is_some_and(|most| device.bytes.total() > most)
@@ -153,8 +153,13 @@ impl Need {
 /// It is more than there is.
 pub(crate) fn state(job: &RenderJob, need: &Need, bar: &Bar) -> Result<(), Failure> {
     need.check(job.memory, left())?;
-    bar.suspend(|| console::note(&format!("memory: at most {}", need.text())));
+    tell(&need.text(), bar);
     Ok(())
+}
+
+/// Tells what a render will take, in words.
+pub(crate) fn tell(text: &str, bar: &Bar) {
+    bar.suspend(|| console::note(&format!("memory: at most {text}")));
 }
 
 /// Bytes in the unit that suits them.
@@ -167,7 +172,7 @@ fn shown(bytes: u64) -> String {
 }
 
 /// Bytes that programs can still have: of the machine, and of the group of processes that this one is in.
-fn left() -> Option<u64> {
+pub(crate) fn left() -> Option<u64> {
     let machine = fs::read_to_string("/proc/meminfo").ok()?;
     let machine = available(&machine)?;
     let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();

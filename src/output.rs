@@ -80,7 +80,7 @@ pub(crate) enum OutputError {
 }
 
 impl OutputError {
-    fn new(path: &Path, reason: io::Error) -> Self {
+    pub(crate) fn new(path: &Path, reason: io::Error) -> Self {
         let path = path.to_owned();
         let dir = aside::folder_of(&path);
         match reason.kind() == io::ErrorKind::NotFound && !dir.exists() {

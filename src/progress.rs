@@ -73,6 +73,8 @@ struct State {
     activity: Option<Activity>,
     /// How much is done, and what that is of.
     done: Option<(f64, f64, Unit)>,
+    /// The piece of the picture that is rendered, from 0 on, and how many there are.
+    piece: Option<(u32, u32)>,
     /// Of the last line, where there is no terminal.
     said: Instant,
     /// The activity has been named in a line of its own.
@@ -132,6 +134,7 @@ impl Bar {
                 activity: None,
                 goes_on: false,
                 done: None,
+                piece: None,
                 said: now,
                 is_named: false,
                 is_finished: false,
@@ -179,9 +182,18 @@ impl Bar {
         self.shared.bar.suspend(print);
     }
 
+    /// Says from now on how far a piece of the picture is: this one, from 0 on, of so many that are alike.
+    pub(crate) fn piece(&self, number: u32, count: u32) {
+        self.shared.lock().piece = Some((number, count));
+    }
+
     /// Shows how far a render of so many samples per pixel is.
     pub(crate) fn update(&self, progress: &Progress, spp: u32) {
         let share = progress.samples_done as f64 / progress.samples_total.max(1) as f64;
+        let piece = self.shared.lock().piece;
+        let share = piece.map_or(share, |(number, count)| {
+            (f64::from(number) + share) / f64::from(count)
+        });
         let spp = f64::from(spp);
         self.advance(share * spp, spp, Unit::SamplesPerPixel);
     }
@@ -327,6 +339,9 @@ impl State {
             Unit::SamplesPerPixel => format!("{done:.1} of {total} samples per pixel"),
             Unit::Steps => format!("{stage}: {done} of {total} steps"),
         };
+        if let Some((number, count)) = self.piece {
+            text += &format!(", piece {} of {count}", number + 1);
+        }
         text += &format!(", {}", clock(elapsed));
         if let Some(left) = remaining(elapsed, done, total) {
             text += &format!(", {} left", clock(left));
@@ -387,6 +402,7 @@ mod tests {
                 f64::from(crate::words::MAX_SPP),
                 Unit::SamplesPerPixel,
             )),
+            piece: None,
             said: since,
             is_named: false,
             is_finished: false,

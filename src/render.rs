@@ -6,6 +6,7 @@ mod cameras;
 mod checkpoint;
 mod frames;
 mod limits;
+mod pieces;
 mod reel;
 mod together;
 
@@ -19,12 +20,12 @@ use device::Device;
 use engine::audit::Audit;
 use engine::denoise::Denoiser;
 use engine::film::layers::VECTOR;
-use engine::film::{Film, Origin, Part};
+use engine::film::{Film, Origin, Part, Tally};
 use engine::fleet::{DeviceShare, Fleet};
 use engine::procedural::Procedural;
 use engine::renderer::{RenderSettings, TextureCosts};
+use engine::scene::Camera;
 use engine::scene::view::{View, ViewChoice};
-use engine::scene::{Camera, Scene};
 use engine::session::{Inputs, Session, SessionError};
 use engine::settings::{Beside, Method};
 use engine::stats::{DeviceFacts, Stats};
@@ -39,8 +40,9 @@ use crate::report::{Report, Seconds};
 use crate::usage::UsageError;
 use crate::{console, crash, denoise, devices, interrupt, library};
 
-use self::alone::Take;
+use self::alone::{Scene as Shown, Take};
 use self::limits::{Limit, Watch};
+use self::pieces::{Division, Pieces};
 use self::reel::{Reel, View as Seen};
 
 /// The word for each camera in turn.
@@ -105,17 +107,17 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
     let load_seconds = clock.elapsed().as_secs_f64();
 
     bar.stage("preparing the device");
-    let watch = Watch::new(job.limits, clock);
     let devices = devices::open(&job.devices, &bar)?;
     let rendered = match <[Device; 1]>::try_from(devices) {
         Ok([device]) => {
-            let take = Take {
-                first,
+            let division = pieces::plan(job, &first, &device, &bar)?;
+            let start = Start {
+                scene: Shown::New(first),
                 others,
                 reel: reel.as_mut(),
-                session: None,
+                clock,
             };
-            alone::render(job, take, &device, &view, &bar, watch)?
+            start.render(job, division, &device, &view, &bar)?
         }
         Err(_) if job.checkpoints.is_some() || job.adaptive || job.method != Method::Path => {
             let flag = match (job.adaptive, job.method) {
@@ -133,6 +135,7 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
             } = first;
             let loaded = opening.into_loaded();
             let settings = settings(job, &loaded.camera, &sight, beside);
+            let watch = Watch::new(job.limits, clock);
             together::render(job, loaded, settings, &devices, &bar, watch)?
         }
     };
@@ -180,9 +183,60 @@ fn view_of(job: &RenderJob, seen: &Seen) -> View {
     job.display.or(look_view).view()
 }
 
+/// What one device begins a picture with.
+struct Start<'a> {
+    scene: Shown,
+    /// The further moments at which its shutter is open.
+    others: &'a [Sight],
+    /// Where they come from; `None` where there are none.
+    reel: Option<&'a mut Reel>,
+    /// When it began.
+    clock: Instant,
+}
+
+impl Start<'_> {
+    /// Renders the picture, as a whole or piece by piece.
+    fn render(
+        self,
+        job: &RenderJob,
+        division: Option<Division>,
+        gpu: &Device,
+        view: &View,
+        bar: &Bar,
+    ) -> Result<Rendered, Failure> {
+        if let Some(division) = division {
+            return pieces::render(job, division, self, gpu, view, bar);
+        }
+        let take = Take {
+            ready: alone::prepare(job, self.scene, gpu, bar)?,
+            others: self.others,
+            reel: self.reel,
+            written: None,
+        };
+        let watch = Watch::new(job.limits, self.clock);
+        alone::render(job, take, gpu, view, bar, watch)
+    }
+}
+
+/// The samples of a picture.
+enum Gathered {
+    Whole(Film),
+    /// On the disk.
+    Pieces(Pieces),
+}
+
+impl Gathered {
+    fn tally(&self) -> Tally {
+        match self {
+            Self::Whole(film) => Tally::of(film),
+            Self::Pieces(pieces) => *pieces.tally(),
+        }
+    }
+}
+
 /// A picture, complete or not, and what is known of how it came about.
 struct Rendered {
-    film: Film,
+    gathered: Gathered,
     /// The numbers of the samples that pixels may have.
     samples: Range<u32>,
     /// Of what layers of ids show.
@@ -222,6 +276,8 @@ enum Rest {
     /// Costs of textures can be measured.
     Alone(Box<Session>),
     Together(Fleet),
+    /// All was there already.
+    Nothing,
 }
 
 /// Writes the pictures, and tells what is to be told. What has rendered is given back.
@@ -232,7 +288,8 @@ fn write(
     denoiser: Option<&Denoiser>,
     load_seconds: f64,
 ) -> (Result<(), Failure>, Rest) {
-    let (lowest, _) = rendered.film.sample_bounds();
+    let tally = rendered.gathered.tally();
+    let (lowest, _) = tally.sample_bounds();
     if let Some(Ended::Interrupted) = &rendered.ended {
         console::warning(&format!(
             "interrupted: every pixel has at least {lowest} of {} samples",
@@ -243,43 +300,29 @@ fn write(
     for doubt in stats.doubts() {
         console::warning(&doubt.to_string());
     }
-    let look = job.look.as_deref();
-    let mut origin = Origin::new(&rendered.device, &job.scene, look, rendered.settings);
-    origin.names = rendered.names;
-    let mut part = Part::new(rendered.film, rendered.samples, origin);
-    if let Some(paths) = rendered.paths {
-        part = part.under_way(paths);
-    }
     let limit = rendered.ended.as_ref().and_then(|ended| match ended {
         Ended::Enough(limit) => Some(limit),
         Ended::Interrupted | Ended::Failed(_) => None,
     });
-    if let Some(summary) = limits::summary(job, limit, &part.film) {
+    if let Some(summary) = limits::summary(job, limit, &tally) {
         console::note(&summary);
     }
     if let Some(audit) = &rendered.audit {
         console::note(&limits::bias(audit));
     }
-    let mut results = Results {
-        part: &part,
-        layers: &job.shown_layers,
-        denoised: None,
-        transparent: job.transparent,
-        form: &job.form,
-        view,
+    let look = job.look.as_deref();
+    let mut origin = Origin::new(&rendered.device, &job.scene, look, rendered.settings);
+    origin.names = rendered.names;
+    let mut outcome = match rendered.gathered {
+        Gathered::Pieces(pieces) => pieces.write(job, &origin, view),
+        Gathered::Whole(film) => {
+            let mut part = Part::new(film, rendered.samples, origin);
+            if let Some(paths) = rendered.paths {
+                part = part.under_way(paths);
+            }
+            write_part(job, &part, view, denoiser)
+        }
     };
-    let denoised = denoiser.map(|denoiser| denoise::film(denoiser, &results.content()));
-    let (denoised, given_up) = match denoised.transpose() {
-        Ok(denoised) => (denoised, None),
-        // With its noise a picture is better than none.
-        Err(error) => (None, Some(error)),
-    };
-    results.denoised = denoised.as_ref();
-    let mut outcome = output::write_or_keep(&job.outputs, &results);
-    if let Some(error) = given_up {
-        let text = format!("{error}; the picture was written with its noise");
-        outcome = outcome.and(Err(Failure::Failed(text)));
-    }
 
     let mut rest = rendered.rest;
     if job.stats || job.stats_json.is_some() {
@@ -290,14 +333,14 @@ fn write(
         };
         let textures = match &mut rest {
             Rest::Alone(session) => texture_costs(session),
-            Rest::Together(_) => Ok(TextureCosts::default()),
+            Rest::Together(_) | Rest::Nothing => Ok(TextureCosts::default()),
         };
         let textures = match textures {
             Ok(textures) => textures,
             Err(failure) => return (Err(failure), rest),
         };
         let (facts, shares) = (rendered.facts, rendered.shares);
-        let report = Report::new(job, facts, shares, &part.film, seconds, stats, textures);
+        let report = Report::new(job, facts, shares, &tally, seconds, stats, textures);
         if job.stats {
             console::print(&report.table());
         }
@@ -311,6 +354,38 @@ fn write(
         Some(Ended::Failed(reason)) => outcome.and(Err(Failure::Failed(reason))),
     };
     (outcome, rest)
+}
+
+/// Writes the files of a picture that is in memory.
+fn write_part(
+    job: &RenderJob,
+    part: &Part,
+    view: &View,
+    denoiser: Option<&Denoiser>,
+) -> Result<(), Failure> {
+    let mut results = Results {
+        part,
+        layers: &job.shown_layers,
+        denoised: None,
+        transparent: job.transparent,
+        form: &job.form,
+        view,
+    };
+    let denoised = denoiser.map(|denoiser| denoise::film(denoiser, &results.content()));
+    let (denoised, given_up) = match denoised.transpose() {
+        Ok(denoised) => (denoised, None),
+        // With its noise a picture is better than none.
+        Err(error) => (None, Some(error)),
+    };
+    results.denoised = denoised.as_ref();
+    let outcome = output::write_or_keep(&job.outputs, &results);
+    match given_up {
+        None => outcome,
+        Some(error) => {
+            let text = format!("{error}; the picture was written with its noise");
+            outcome.and(Err(Failure::Failed(text)))
+        }
+    }
 }
 
 /// Waits for threads that are still in a driver: the program's end would pull that away from under them. Whoever has interrupted
@@ -394,73 +469,5 @@ fn settings(
         time: sight.moment.seconds as f32,
         frame_index: sight.frame_index,
         ..RenderSettings::new(job.width, job.height, camera)
-    }
-}
-
-/// The camera of that name, or the one of that number where no name fits.
-fn find_camera(scene: &Scene, wanted: &str) -> Result<Camera, Failure> {
-    let by_name = scene.cameras.iter().find(|camera| camera.name == wanted);
-    let by_number = || scene.cameras.get(wanted.parse::<usize>().ok()?);
-    by_name.or_else(by_number).cloned().ok_or_else(|| {
-        let names: Vec<_> = scene
-            .cameras
-            .iter()
-            .map(|camera| format!("'{}'", camera.name))
-            .collect();
-        Failure::Failed(if names.is_empty() {
-            format!("--camera {wanted}: the scene has no cameras; leave the flag out for a view of everything")
-        } else {
-            format!(
-                "--camera {wanted}: the scene has no camera of this name; it has {}",
-                names.join(", ")
-            )
-        })
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use engine::scene::Projection;
-
-    fn scene(names: &[&str]) -> Scene {
-        let cameras = names
-            .iter()
-            .map(|&name| Camera {
-                name: name.to_owned(),
-                transform: glam::Affine3A::IDENTITY,
-                projection: Projection::Perspective { y_fov: 1.0 },
-                aperture_radius: 0.0,
-                aperture_blades: 0,
-                aperture_rotation: 0.0,
-                focus_distance: 1.0,
-            })
-            .collect();
-        Scene {
-            cameras,
-            ..Scene::default()
-        }
-    }
-
-    fn found(names: &[&str], wanted: &str) -> Result<String, String> {
-        match find_camera(&scene(names), wanted) {
-            Ok(camera) => Ok(camera.name),
-            Err(Failure::Failed(text)) => Err(text),
-            Err(other) => panic!("a camera is not a usage error: {other:?}"),
-        }
-    }
-
-    #[test]
-    fn a_camera_is_found_by_name_then_by_number() {
-        assert_eq!(found(&["1", "Door"], "1").as_deref(), Ok("1"));
-        assert_eq!(found(&["Door", "Bed"], "1").as_deref(), Ok("Bed"));
-    }
-
-    #[test]
-    fn an_unknown_camera_is_answered_with_the_names() {
-        let error = found(&["Door", "Bed"], "Roof").unwrap_err();
-        assert!(error.contains("'Door', 'Bed'"), "{error}");
-        let error = found(&[], "Roof").unwrap_err();
-        assert!(error.contains("no cameras"), "{error}");
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
-use engine::film::Film;
+use engine::film::Tally;
 use engine::fleet::DeviceShare;
 use engine::renderer::TextureCosts;
 use engine::stats::{DeviceFacts, Stats};
@@ -63,7 +63,7 @@ impl Report {
         job: &RenderJob,
         device: DeviceFacts,
         devices: Vec<DeviceShare>,
-        film: &Film,
+        tally: &Tally,
         seconds: Seconds,
         stats: Stats,
         textures: TextureCosts,
@@ -74,10 +74,10 @@ impl Report {
             look: job.look.as_ref().map(|look| look.display().to_string()),
             device,
             devices,
-            width: film.width,
-            height: film.height,
+            width: job.width,
+            height: job.height,
             samples_per_pixel: job.spp.get(),
-            samples_per_pixel_done: film.sample_bounds().0,
+            samples_per_pixel_done: tally.sample_bounds().0,
             max_depth: job.max_depth,
             seed: job.seed,
             seconds,

@@ -22,7 +22,7 @@ pub(crate) use crate::usage::MAX_SPP;
 
 /// Longest side of a picture, pixels.
 pub(crate) const MAX_SIDE: u32 = engine::film::MAX_SIDE;
-/// Most pixels of a picture. The film keeps 80 bytes for each.
+/// Most pixels of a film, which keeps 80 bytes for each. Larger pictures are rendered in pieces.
 pub(crate) const MAX_PIXELS: u64 = 1 << 26;
 /// What the name of a film's file ends in.
 pub(crate) const FILM_EXTENSION: &str = "patina-film";
@@ -254,7 +254,21 @@ pub(crate) fn parse_scale(given: &str) -> Result<f64, UsageError> {
         })
 }
 
+/// The size of a picture that is one film.
 pub(crate) fn parse_size(given: &str) -> Result<(u32, u32), UsageError> {
+    let (width, height) = parse_sides(given)?;
+    let pixels = u64::from(width) * u64::from(height);
+    match pixels > MAX_PIXELS {
+        true => Err(UsageError::Size {
+            given: given.to_owned(),
+            problem: format!("{pixels} pixels are more than the {MAX_PIXELS} supported"),
+        }),
+        false => Ok((width, height)),
+    }
+}
+
+/// The size of a picture, of as many pixels as its sides allow.
+pub(crate) fn parse_sides(given: &str) -> Result<(u32, u32), UsageError> {
     let refuse = |problem: String| UsageError::Size {
         given: given.to_owned(),
         problem,
@@ -273,14 +287,7 @@ pub(crate) fn parse_size(given: &str) -> Result<(u32, u32), UsageError> {
     let Some((width, height)) = given.split_once(['x', 'X']) else {
         return Err(refuse("there is no 'x' between two numbers".to_owned()));
     };
-    let (width, height) = (side(width, "width")?, side(height, "height")?);
-    let pixels = u64::from(width) * u64::from(height);
-    if pixels > MAX_PIXELS {
-        return Err(refuse(format!(
-            "{pixels} pixels are more than the {MAX_PIXELS} supported"
-        )));
-    }
-    Ok((width, height))
+    Ok((side(width, "width")?, side(height, "height")?))
 }
 
 pub(crate) fn parse_number(

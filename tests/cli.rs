@@ -36,6 +36,8 @@ mod limits;
 mod lost_work;
 #[path = "cli/parts_of_pictures.rs"]
 mod parts_of_pictures;
+#[path = "cli/pieces.rs"]
+mod pieces;
 
 /// One triangle that glows, facing +Z; no other file is needed.
 const TRIANGLE: &str = r#"{
@@ -220,7 +222,7 @@ fn wrong_usage_is_code_2_and_says_what_is_right() {
         ("render triangle.gltf --size 99999999x2", "exceeds"),
         ("render triangle.gltf --size -1", "--size -1"),
         (
-            "render triangle.gltf --size 16384x16384",
+            "watch triangle.gltf --size 16384x16384",
             "more than the 67108864",
         ),
         ("render triangle.gltf --spp 0", "--spp 0"),

@@ -296,7 +296,11 @@ impl Runner {
         self.renderer.restart();
         let start = Instant::now();
         if self.how == How::Adaptive {
-            let goal = Goal { error: None, spp };
+            let goal = Goal {
+                error: None,
+                brightness: None,
+                spp,
+            };
             loop {
                 let round = next_round(&self.renderer.film()?, &goal);
                 if round.lots.is_empty() {

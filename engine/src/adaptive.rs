@@ -15,7 +15,7 @@
 //! below what can be measured: a block's spread is averaged with its neighbours', the first samples are many, and a share of all
 //! further ones goes everywhere.
 
-use crate::film::{Film, HALF_RUN, MAX_SAMPLES};
+use crate::film::{Film, HALF_RUN, MAX_SAMPLES, Tally};
 use crate::frame::BLOCK;
 use crate::renderer::Lot;
 
@@ -33,6 +33,8 @@ const EVEN: f64 = 0.1;
 pub struct Goal {
     /// [`Film::relative_error`] that is small enough; `None` if only the samples end it.
     pub error: Option<f64>,
+    /// Mean radiance of the picture that this film is a part of, to which its error is relative; `None` where it is all of it.
+    pub brightness: Option<f64>,
     /// Samples per pixel at most, on average over the picture.
     pub spp: u32,
 }
@@ -51,7 +53,7 @@ pub struct Round {
     pub lots: Vec<Lot>,
     /// Samples per pixel so far, on average.
     pub spp: f64,
-    /// [`Film::relative_error`] so far.
+    /// [`Film::relative_error`] so far, or that of a part.
     pub error: f64,
     /// Whether it is the error that ends the picture, where nothing comes any more.
     pub is_clean: bool,
@@ -78,10 +80,15 @@ pub fn next_round(film: &Film, goal: &Goal) -> Round {
     let samples = |block: &Block| block.pixels * f64::from(block.samples);
     let pixels = film.pixels() as f64;
     let total: f64 = blocks.iter().map(samples).sum();
+    let tally = Tally::of(film);
+    let error = (goal.brightness).map_or_else(
+        || tally.relative_error(),
+        |brightness| tally.error_relative_to(brightness),
+    );
     let mut round = Round {
         lots: Vec::new(),
         spp: total / pixels,
-        error: film.relative_error(),
+        error,
         is_clean: false,
     };
     let first = goal.first();
@@ -298,6 +305,7 @@ mod tests {
         let empty = Film::new(20, 9);
         let goal = Goal {
             error: None,
+            brightness: None,
             spp: 1024,
         };
         let round = next_round(&empty, &goal);
@@ -320,6 +328,7 @@ mod tests {
         let film = film(&spreads, FIRST);
         let goal = Goal {
             error: None,
+            brightness: None,
             spp: 1024,
         };
         let round = next_round(&film, &goal);
@@ -344,6 +353,7 @@ mod tests {
         assert!((error - 1.0 / 8.0).abs() < 1e-3, "{error}");
         let goal = Goal {
             error: Some(0.13),
+            brightness: None,
             spp: 4096,
         };
         let round = next_round(&film, &goal);
@@ -358,6 +368,7 @@ mod tests {
         // And the samples end it, too.
         let goal = Goal {
             error: None,
+            brightness: None,
             spp: 64,
         };
         assert!(next_round(&film, &goal).lots.is_empty());
@@ -395,6 +406,7 @@ mod tests {
         let film = film(&[0.0; 4], 64);
         let goal = Goal {
             error: Some(0.01),
+            brightness: None,
             spp: 4096,
         };
         let round = next_round(&film, &goal);

@@ -29,6 +29,7 @@ pub mod layers;
 pub(crate) mod layers_wgsl;
 mod mix;
 mod part;
+mod tally;
 pub mod write;
 
 pub use crop::Crop;
@@ -39,6 +40,7 @@ pub use mix::{GroupFactors, LightMix};
 pub use part::{MAGIC_BYTES, Origin, Part, PartError, is_film};
 #[doc(hidden)]
 pub use part::{sealed, unpacked};
+pub use tally::Tally;
 
 use ids::{Counts, Coverage, IDS};
 use layers::{MAX_CHANNELS, Rule};
@@ -249,21 +251,7 @@ impl Film {
     /// are black. As [`Self::standard_error`] it is rather too large than too small without halves, but for light that no sample has met
     /// yet.
     pub fn relative_error(&self) -> f64 {
-        let (mut variance, mut sum) = (0.0, 0.0);
-        for pixel in 0..self.pixels() {
-            let error = self.pixel_error(pixel);
-            variance += error.iter().map(|&e| f64::from(e).powi(2)).sum::<f64>();
-            sum += self
-                .pixel_mean(pixel)
-                .iter()
-                .map(|&x| f64::from(x))
-                .sum::<f64>();
-        }
-        let numbers = 3.0 * self.pixels() as f64;
-        match sum > 0.0 {
-            true => (variance / numbers).sqrt() / (sum / numbers),
-            false => f64::INFINITY,
-        }
+        Tally::of(self).relative_error()
     }
 
     fn pixel_error(&self, pixel: usize) -> [f32; 3] {

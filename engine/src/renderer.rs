@@ -136,20 +136,27 @@ fn next_wave(wave_size: u32, capacity: u32, took: Duration, longest: Duration) -
     paths.next_multiple_of(64).max(SMALLEST_WAVE).min(capacity)
 }
 
+/// Whether a picture of this size can be rendered.
+fn check_size(settings: &RenderSettings) -> Result<(), RenderError> {
+    let (width, height) = (settings.width, settings.height);
+    let [columns, rows] = settings.whole();
+    if width == 0 || height == 0 || columns > MAX_SIDE || rows > MAX_SIDE {
+        return Err(RenderError::Size { width, height });
+    }
+    match settings.crop.is_some_and(|crop| !crop.holds(width, height)) {
+        true => Err(RenderError::Crop { columns, rows }),
+        false => Ok(()),
+    }
+}
+
 /// Creates the film, the table of the pixel filter and the frame's uniform.
 fn allocate_picture(
     device: &Device,
     settings: &RenderSettings,
     resources: &mut Resources,
 ) -> Result<(), RenderError> {
+    check_size(settings)?;
     let (width, height) = (settings.width, settings.height);
-    let [columns, rows] = settings.whole();
-    if width == 0 || height == 0 || columns > MAX_SIDE || rows > MAX_SIDE {
-        return Err(RenderError::Size { width, height });
-    }
-    if settings.crop.is_some_and(|crop| !crop.holds(width, height)) {
-        return Err(RenderError::Crop { columns, rows });
-    }
     view::allocate_film(device, width, height, &settings.layers, resources)?;
     let filter = &FilterTable::of(settings.filter).distances;
     resources.set_buffer(
@@ -268,6 +275,8 @@ pub struct Renderer {
     seconds: f64,
     longest_wave: Duration,
     smallest_wave: u32,
+    /// Pixels that the film's buffers have room for, where these are more than the picture has.
+    film_pixels: u64,
     /// Pixels that get samples, where not all do.
     region: Option<[u32; 4]>,
     guides: Option<view::Guides>,
@@ -421,6 +430,7 @@ impl Renderer {
             seconds: 0.0,
             longest_wave: LONGEST_WAVE,
             smallest_wave: SMALLEST_WAVE,
+            film_pixels: 0,
             region: None,
             guides: None,
             survey: None,

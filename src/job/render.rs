@@ -23,7 +23,7 @@ use crate::usage::UsageError;
 use crate::words::{
     Devices, MAX_DEPTH, MAX_SPP, MOST_THREADS, Outputs, parse_crop, parse_decimal, parse_devices,
     parse_display, parse_duration, parse_layers, parse_memory, parse_number, parse_part,
-    parse_sample_range, parse_scale, parse_size, parse_word, refuse_overwriting,
+    parse_sample_range, parse_scale, parse_sides, parse_word, refuse_overwriting,
 };
 
 /// Samples per pixel where nothing else ends a render.
@@ -282,14 +282,14 @@ impl RenderJob {
 
 /// The size of the picture.
 fn scaled(args: &RenderArgs) -> Result<(u32, u32), UsageError> {
-    let (width, height) = parse_size(&args.size)?;
+    let (width, height) = parse_sides(&args.size)?;
     let Some(scale) = &args.scale else {
         return Ok((width, height));
     };
     let factor = parse_scale(scale)?;
     let side = |pixels: u32| (f64::from(pixels) * factor).round().max(1.0);
     // The same limits as for a size that is typed.
-    parse_size(&format!("{}x{}", side(width), side(height)))
+    parse_sides(&format!("{}x{}", side(width), side(height)))
 }
 
 /// When the scene is seen, and whether all else can be done so.

@@ -25,6 +25,7 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
         let job = self.job;
         let goal = Goal {
             error: job.limits.noise,
+            brightness: self.watch.brightness(),
             spp: job.spp.get(),
         };
         let pixels = f64::from(job.width) * f64::from(job.height);
@@ -50,10 +51,11 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
                     if interrupt::requested() {
                         return Ok(Some(Ended::Interrupted));
                     }
-                    if let Some(limit) = self.watch.time_is_over() {
+                    done += lot.paths() as f64 * blocks as f64 / lot.blocks.len() as f64;
+                    // The first round goes over all pixels, block by block: there are none everywhere until it is done.
+                    if let Some(limit) = self.watch.time_is_over(round.spp) {
                         return Ok(Some(Ended::Enough(limit)));
                     }
-                    done += lot.paths() as f64 * blocks as f64 / lot.blocks.len() as f64;
                     let progress = Progress {
                         samples_done: done as u64,
                         samples_total: (pixels * f64::from(goal.spp)) as u64,

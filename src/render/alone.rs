@@ -7,38 +7,130 @@ use device::Device;
 use engine::audit::{self, Audit};
 use engine::film::{Film, Origin};
 use engine::fingerprint::fingerprint;
+use engine::procedural::Procedural;
 use engine::renderer::{Progress, RenderSettings};
 use engine::scene::view::View;
 use engine::session::Session;
-use engine::settings::Method;
+use engine::settings::{Beside, Method};
 use engine::stats::DeviceFacts;
 
 use crate::accuracy::Accuracy;
 use crate::failure::Failure;
 use crate::job::RenderJob;
-use crate::memory::Need;
 use crate::motion::{self, Sight};
 use crate::progress::Bar;
-use crate::{cache, interrupt, memory};
+use crate::{cache, crash, interrupt};
 
 use super::limits::Watch;
 use super::reel::{Reel, View as Seen};
-use super::{Ended, FAREWELL, Rendered, Rest, adaptive, checkpoint, failure, mark, settings};
+use super::{
+    Ended, FAREWELL, Gathered, Rendered, Rest, adaptive, checkpoint, failure, mark, settings,
+};
+
+/// What is seen first, and what has rendered it before.
+pub(super) enum Scene {
+    /// Nothing has.
+    New(Seen),
+    /// This has rendered another picture of the same size and layers.
+    Next(Seen, Box<Session>),
+    /// This has rendered another piece of the same picture.
+    Same(Box<Session>),
+}
 
 /// What a picture is taken of.
 pub(super) struct Take<'a> {
-    /// The first moment.
-    pub(super) first: Seen,
+    /// Ready for the first moment.
+    pub(super) ready: Ready,
     /// The further ones at which its shutter is open.
     pub(super) others: &'a [Sight],
     /// Where they come from; `None` where there are none.
     pub(super) reel: Option<&'a mut Reel>,
-    /// What has rendered the picture before.
-    pub(super) session: Option<Box<Session>>,
+    /// What the picture is rendered from, where that is known.
+    pub(super) written: Option<Vec<(String, String)>>,
+}
+
+/// What renders a picture, with all that it needs.
+pub(super) struct Ready {
+    pub(super) session: Box<Session>,
+    /// Of kernels that have not run yet.
+    marker: Option<crash::Marker>,
+    is_new: bool,
+    beside: Option<Arc<Beside>>,
+    seconds: f64,
 }
 
 /// Most times that a picture is rendered again with finer records.
 const REFINEMENTS: u32 = 2;
+
+/// Brings a scene to the device.
+///
+/// # Errors
+/// What the device refuses.
+pub(super) fn prepare(
+    job: &RenderJob,
+    scene: Scene,
+    gpu: &Device,
+    bar: &Bar,
+) -> Result<Ready, Failure> {
+    let clock = Instant::now();
+    bar.follow(gpu);
+    let is_new = matches!(scene, Scene::New(_));
+    let mut marker = None;
+    let mut found = None;
+    let session = match scene {
+        Scene::New(seen) => {
+            let folder = cache::folder();
+            marker = mark(
+                &seen.opening.loaded().procedural,
+                gpu,
+                folder.as_deref(),
+                bar,
+            )?;
+            found.clone_from(&seen.beside);
+            let settings = settings(job, &seen.opening.loaded().camera, &seen.sight, seen.beside);
+            // Nobody waits for a render that would begin anew on another device.
+            let own = gpu.clone();
+            let session = seen.opening.start(
+                Arc::new(move || own.check().map(|()| own.clone())),
+                Arc::new(move |camera| RenderSettings {
+                    camera,
+                    ..settings.clone()
+                }),
+            );
+            Box::new(session.map_err(failure)?)
+        }
+        Scene::Next(seen, mut session) => {
+            show_part(job, &mut session)?;
+            found.clone_from(&seen.beside);
+            let settings = settings(job, &seen.opening.loaded().camera, &seen.sight, seen.beside);
+            session
+                .show(seen.opening, &settings, false)
+                .map_err(failure)?;
+            session
+        }
+        Scene::Same(mut session) => {
+            show_part(job, &mut session)?;
+            session
+        }
+    };
+    Ok(Ready {
+        session,
+        marker,
+        is_new,
+        beside: found,
+        seconds: clock.elapsed().as_secs_f64(),
+    })
+}
+
+/// Goes to the part of the picture that is to be rendered.
+fn show_part(job: &RenderJob, session: &mut Session) -> Result<(), Failure> {
+    let size = [job.width, job.height];
+    let now = session.settings();
+    if ([now.width, now.height], now.crop) == (size, job.crop) {
+        return Ok(());
+    }
+    session.set_part(size, job.crop).map_err(failure)
+}
 
 /// Renders until all samples are there, or a signal comes.
 ///
@@ -53,41 +145,22 @@ pub(super) fn render(
     mut watch: Watch,
 ) -> Result<Rendered, Failure> {
     let clock = Instant::now();
-    bar.follow(gpu);
-    let Seen {
-        opening,
-        sight,
+    let Ready {
+        mut session,
+        mut marker,
+        is_new,
         beside,
-    } = take.first;
-    let mut marker = None;
-    let settings = settings(job, &opening.loaded().camera, &sight, beside.clone());
-    let mut session = match take.session {
-        Some(mut session) => {
-            session.show(opening, &settings, false).map_err(failure)?;
-            session
-        }
-        None => {
-            let loaded = opening.loaded();
-            let devices = std::slice::from_ref(gpu);
-            let need = Need::of(job, &settings, &loaded.scene, &loaded.procedural, devices);
-            memory::state(job, &need, bar)?;
-            let folder = cache::folder();
-            marker = mark(&opening.loaded().procedural, gpu, folder.as_deref(), bar)?;
-            // Nobody waits for a render that would begin anew on another device.
-            let own = gpu.clone();
-            let session = opening.start(
-                Arc::new(move || own.check().map(|()| own.clone())),
-                Arc::new(move |camera| RenderSettings {
-                    camera,
-                    ..settings.clone()
-                }),
-            );
-            Box::new(session.map_err(failure)?)
-        }
+        seconds,
+    } = take.ready;
+    let settings_written = match take.written {
+        Some(written) => written,
+        None => written(
+            job,
+            session.scene(),
+            session.procedural(),
+            session.settings(),
+        ),
     };
-    let mut settings_written =
-        fingerprint(session.scene(), session.procedural(), session.settings());
-    settings_written.extend(job.motion.written(job.whole_spp));
     if (job.stats || job.stats_json.is_some()) && !session.is_timing() {
         session.time_passes().map_err(failure)?;
     }
@@ -114,15 +187,17 @@ pub(super) fn render(
         }
         writer = Some(checkpoint::Writer::new(checkpoints, job, *view, origin));
     }
-    let prepare_seconds = clock.elapsed().as_secs_f64();
+    let prepare_seconds = seconds + clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
     let first = || {
         // Some drivers compile a kernel when it runs for the first time.
         drop(marker.take());
         interrupt::has_results();
-        // A cache that can't be written costs time at the next start, nothing else.
-        let _ = gpu.save_cache();
+        if is_new {
+            // A cache that can't be written costs time at the next start, nothing else.
+            let _ = gpu.save_cache();
+        }
     };
     let samples = job.first_sample..job.first_sample + job.spp.get();
     let ends = motion::shares(take.others.len() as u32 + 1, job.whole_spp, &samples);
@@ -188,7 +263,7 @@ pub(super) fn render(
     let (_, most) = film.sample_bounds();
     let paths = paths_of(job, &film, &session);
     Ok(Rendered {
-        film,
+        gathered: Gathered::Whole(film),
         samples: job.first_sample..job.first_sample + most,
         names,
         paths: Some(paths),
@@ -203,6 +278,18 @@ pub(super) fn render(
         render_seconds,
         rest: Rest::Alone(session),
     })
+}
+
+/// What the samples of a picture are made from, as its files tell it.
+pub(super) fn written(
+    job: &RenderJob,
+    scene: &engine::scene::Scene,
+    procedural: &Procedural,
+    settings: &RenderSettings,
+) -> Vec<(String, String)> {
+    let mut written = fingerprint(scene, procedural, settings);
+    written.extend(job.motion.written(job.whole_spp));
+    written
 }
 
 /// What a few paths say of a biased picture, which is gone from the device after that.
@@ -257,10 +344,10 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
                 return Ok(Some(Ended::Interrupted));
             }
             let samples = progress.samples_done as f64 / pixels;
+            let brightness = self.watch.brightness();
             let error = || {
-                Ok(Some(
-                    session.snapshot().map_err(failure)?.film.relative_error(),
-                ))
+                let film = session.snapshot().map_err(failure)?.film;
+                Ok(Some(Watch::error_of(&film, brightness)))
             };
             if let Some(limit) = self.watch.reached::<Failure>(samples, error)? {
                 return Ok(Some(Ended::Enough(limit)));

@@ -15,10 +15,10 @@ use crate::progress::Bar;
 use crate::usage::UsageError;
 use crate::{console, denoise, devices, interrupt, output};
 
-use super::alone::{self, Take};
-use super::limits::Watch;
+use super::alone::Scene;
+use super::pieces::{self, Division};
 use super::reel::Reel;
-use super::{Ended, Rest, beside, check, end, inputs, view_of, write, written};
+use super::{Ended, Rest, Start, beside, check, end, inputs, view_of, write, written};
 
 /// Renders all frames.
 ///
@@ -30,6 +30,8 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
     let resumes = (job.checkpoints.as_ref()).is_some_and(|checkpoints| checkpoints.resumes);
     let mut studio: Option<(Device, Reel)> = None;
     let mut session: Option<Box<Session>> = None;
+    // What suffices for a frame suffices for the next one.
+    let mut division: Option<Option<Division>> = None;
     let mut told = HashSet::new();
     let mut skipped = 0;
     for &frame in &frames {
@@ -70,14 +72,20 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
         let view = view_of(job, &first);
         let load_seconds = clock.elapsed().as_secs_f64();
         bar.stage(&format!("preparing frame {number}"));
-        let take = Take {
-            first,
+        let division = match division {
+            Some(division) => division,
+            None => *division.insert(pieces::plan(&own, &first, device, &bar)?),
+        };
+        let start = Start {
+            scene: match session.take() {
+                Some(session) => Scene::Next(first, session),
+                None => Scene::New(first),
+            },
             others: sights.get(1..).unwrap_or_default(),
             reel: Some(reel),
-            session: session.take(),
+            clock,
         };
-        let watch = Watch::new(job.limits, clock);
-        let rendered = alone::render(&own, take, device, &view, &bar, watch)?;
+        let rendered = start.render(&own, division, device, &view, &bar)?;
         bar.finish();
         if let Some(Ended::Interrupted) = rendered.ended {
             // Whoever looks for a frame's file takes it for whole; what there is of it is in its checkpoint.

@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::{Duration, Instant};
 
 use engine::audit::Audit;
-use engine::film::Film;
+use engine::film::{Film, Tally};
 use engine::renderer::Progress;
 
 use crate::console;
@@ -41,6 +41,10 @@ pub(super) struct Watch {
     next: f64,
     /// Samples per pixel when it was looked at last, and what it was.
     error: Option<(f64, f64)>,
+    /// Mean radiance of the picture of which this is a piece.
+    brightness: Option<f64>,
+    /// Samples per pixel before the time may end it.
+    least: f64,
 }
 
 impl Watch {
@@ -51,7 +55,32 @@ impl Watch {
             start,
             next: FEWEST,
             error: None,
+            brightness: None,
+            least: 0.0,
         }
+    }
+
+    /// Of a piece of a picture of this brightness, to which its error is relative. The time may end it once each pixel has a sample.
+    pub(super) fn of_piece(limits: Limits, start: Instant, brightness: Option<f64>) -> Self {
+        Self {
+            brightness,
+            least: 1.0,
+            ..Self::new(limits, start)
+        }
+    }
+
+    /// The brightness of the picture of which this is a piece.
+    pub(super) fn brightness(&self) -> Option<f64> {
+        self.brightness
+    }
+
+    /// The error that is compared with the limit.
+    pub(super) fn error_of(film: &Film, brightness: Option<f64>) -> f64 {
+        let tally = Tally::of(film);
+        brightness.map_or_else(
+            || tally.relative_error(),
+            |brightness| tally.error_relative_to(brightness),
+        )
     }
 
     /// How far a render is that may end before all samples are taken: of the samples that the limit next to be reached will have
@@ -85,9 +114,9 @@ impl Watch {
         self.error = Some((spp, error));
     }
 
-    /// Whether the time is over.
-    pub(super) fn time_is_over(&self) -> Option<Limit> {
-        let time = self.limits.time?;
+    /// Whether the time is over, and so many samples per pixel are enough to end.
+    pub(super) fn time_is_over(&self, spp: f64) -> Option<Limit> {
+        let time = self.limits.time.filter(|_| spp >= self.least)?;
         (self.start.elapsed() >= time).then_some(Limit::Time(time))
     }
 
@@ -101,7 +130,7 @@ impl Watch {
         spp: f64,
         error: impl FnOnce() -> Result<Option<f64>, E>,
     ) -> Result<Option<Limit>, E> {
-        if let Some(limit) = self.time_is_over() {
+        if let Some(limit) = self.time_is_over(spp) {
             return Ok(Some(limit));
         }
         let Some(limit) = self.limits.noise.filter(|_| spp >= self.next) else {
@@ -122,12 +151,12 @@ impl Watch {
 }
 
 /// What is said of a render that had limits, when it has ended.
-pub(super) fn summary(job: &RenderJob, reached: Option<&Limit>, film: &Film) -> Option<String> {
+pub(super) fn summary(job: &RenderJob, reached: Option<&Limit>, tally: &Tally) -> Option<String> {
     if job.limits == Limits::default() && !job.adaptive {
         return None;
     }
-    let (fewest, most) = film.sample_bounds();
-    let error = film.relative_error();
+    let (fewest, most) = tally.sample_bounds();
+    let error = tally.relative_error();
     let error = match error.is_finite() {
         true => format!("relative error {}", console::significant(error)),
         false => "relative error unknown".to_owned(),
@@ -136,7 +165,7 @@ pub(super) fn summary(job: &RenderJob, reached: Option<&Limit>, film: &Film) -> 
     let samples = match job.adaptive {
         true => format!(
             "{error} after {:.1} samples per pixel on average, {} to {}",
-            film.mean_samples(),
+            tally.mean_samples(),
             whole(fewest),
             whole(most)
         ),

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::job::RenderJob;
 use crate::motion::Sight;
 
-use super::find_camera;
+use super::cameras::find_camera;
 
 /// What is rendered, to be opened at one moment after the other.
 pub(super) struct Reel {

@@ -19,7 +19,8 @@ use crate::progress::Bar;
 use crate::{cache, console, interrupt, memory};
 
 use super::limits::Watch;
-use super::{Ended, FAREWELL, Rendered, Rest, mark};
+use super::pieces;
+use super::{Ended, FAREWELL, Gathered, Rendered, Rest, mark};
 
 /// How often a signal is looked for where nothing else happens.
 const TICK: Duration = Duration::from_millis(100);
@@ -49,7 +50,12 @@ pub(super) fn render(
         system: System::default(),
     };
     let need = Need::of(job, &plan.settings, &plan.scene, &plan.procedural, devices);
-    memory::state(job, &need, bar)?;
+    let stated = pieces::is_one_film(job).and_then(|()| memory::state(job, &need, bar));
+    stated.map_err(|failure| {
+        Failure::Failed(format!(
+            "{failure}; a single device could render it in pieces"
+        ))
+    })?;
     let fleet = Fleet::start(&plan, recruits(&plan, devices, bar)?);
     let settings_written = fingerprint(&plan.scene, &plan.procedural, &plan.settings);
     while !fleet.is_ready() {
@@ -114,7 +120,7 @@ pub(super) fn render(
     };
     Ok(Rendered {
         device: outcome.device_names(),
-        film: outcome.film,
+        gathered: Gathered::Whole(outcome.film),
         samples: outcome.samples,
         names: job.layers.names(&plan.scene),
         paths: None,

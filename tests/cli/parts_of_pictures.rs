@@ -113,6 +113,14 @@ fn memory_is_stated_before_a_render_and_refused_where_it_is_too_much() {
     let run = bench.run(&format!("{render} --size 32x32 --memory 8G"));
     let said = run.expect_code(0).stdout;
     assert!(said.contains("memory: at most"), "{said}");
-    let refused = bench.run(&format!("{render} --size 4096x4096 --memory 200M"));
-    refused.expect_error(1, "--memory 200 MiB");
+    let film = format!("{render} -o a.patina-film --size 4096x4096 --memory 200M");
+    let refused = bench.run(&film).expect_error(1, "--memory 200 MiB");
+    let said = refused.stderr;
+    assert!(
+        said.contains("a .patina-film is written as a whole"),
+        "{said}"
+    );
+    // Not even a row of blocks has room there.
+    let refused = bench.run(&format!("{render} --size 4096x4096 --memory 2M"));
+    refused.expect_error(1, "pieces of 4096x8");
 }

@@ -21,7 +21,7 @@ impl Crop {
     }
 
     /// As settings have it: first column and row, columns and rows.
-    pub(crate) fn written(&self, width: u32, height: u32) -> String {
+    pub fn written(&self, width: u32, height: u32) -> String {
         format!("{},{},{width},{height}", self.left, self.top)
     }
 

@@ -18,6 +18,7 @@ use std::path::Path;
 use flate2::{Compression, read::ZlibDecoder, write::ZlibEncoder};
 use serde::{Deserialize, Serialize};
 
+use super::hash::{Hashed, Run};
 use super::{Film, Hash, Layers, MAX_SAMPLES, MAX_SIDE, PICTURE_PLANES};
 
 /// What a file begins with; another layout gets another one.
@@ -286,21 +287,24 @@ impl Part {
             origin: self.origin.clone(),
         };
         let header = serde_json::to_vec(&header)?;
+        let mut hash = Hash::new();
+        hash.bytes(&header);
+        file.write_all(MAGIC)?;
+        file.write_all(&(header.len() as u32).to_le_bytes())?;
+        file.write_all(&header)?;
         // Fast, for a render may wait for it: the best is a seventh smaller in ten times the time.
-        let mut packed = ZlibEncoder::new(Vec::new(), Compression::fast());
+        let run = Run::after(hash);
+        let hashed = Hashed {
+            file: &mut *file,
+            run,
+        };
+        let mut packed = ZlibEncoder::new(hashed, Compression::fast());
         for plane in self.film.planes() {
             let plane = little_endian(bytemuck::cast_slice(plane));
             packed.write_all(bytemuck::cast_slice(&plane))?;
         }
-        let packed = packed.finish()?;
-        let mut hash = Hash::new();
-        hash.bytes(&header);
-        hash.bytes(&packed);
-        file.write_all(MAGIC)?;
-        file.write_all(&(header.len() as u32).to_le_bytes())?;
-        file.write_all(&header)?;
-        file.write_all(&packed)?;
-        file.write_all(&hash.value().to_le_bytes())
+        let Hashed { run, .. } = packed.finish()?;
+        file.write_all(&run.finish().value().to_le_bytes())
     }
 
     /// Reads a file of `length` bytes. The length is compared with what the header promises before memory is taken.
@@ -352,17 +356,17 @@ impl Part {
         }
         let mut film = Film::with_layers(width, height, layers);
         if is_packed {
-            let mut packed = Vec::new();
-            file.take(stream).read_to_end(&mut packed)?;
-            hash.bytes(&packed);
-            check(file, &hash)?;
-            let mut planes = ZlibDecoder::new(&packed[..]);
-            film.read_planes(&mut planes, |_| {})
-                .map_err(not_unpacked)?;
-            let is_at_its_end = planes.read(&mut [0]).map_err(not_unpacked)? == 0;
-            if !is_at_its_end || planes.total_in() != stream {
-                return Err(PartError::Damaged("its planes are longer than its size"));
-            }
+            let run = Run::after(hash);
+            let mut packed = Hashed {
+                file: file.take(stream),
+                run,
+            };
+            let unpacked = film.unpack(&mut packed, stream);
+            // Of a changed file the checksum tells more than what became of it.
+            io::copy(&mut packed, &mut io::sink())?;
+            let Hashed { run, .. } = packed;
+            check(file, &run.finish())?;
+            unpacked?;
         } else {
             film.read_planes(file, |plane| hash.bytes(plane))?;
             check(file, &hash)?;
@@ -389,6 +393,18 @@ impl Part {
 }
 
 impl Film {
+    /// Fills the planes with what is unpacked from a stream of so many bytes.
+    fn unpack(&mut self, packed: &mut impl Read, length: u64) -> Result<(), PartError> {
+        let mut planes = ZlibDecoder::new(packed);
+        self.read_planes(&mut planes, |_| {})
+            .map_err(not_unpacked)?;
+        let is_at_its_end = planes.read(&mut [0]).map_err(not_unpacked)? == 0;
+        match is_at_its_end && planes.total_in() == length {
+            true => Ok(()),
+            false => Err(PartError::Damaged("its planes are longer than its size")),
+        }
+    }
+
     /// Fills the planes, and tells of each as it lies in the file.
     fn read_planes(&mut self, from: &mut impl Read, mut tell: impl FnMut(&[u8])) -> io::Result<()> {
         for plane in &mut self.planes {

@@ -1,6 +1,7 @@
 //! Films as files: PNG and JPEG to look at (8-bit sRGB, as a view shows them), EXR to work with (linear floats, as rendered, every
 //! layer). Every picture of a film is written here, whoever asks for it.
 
+mod bands;
 mod exr;
 mod form;
 
@@ -18,6 +19,7 @@ use super::{Crop, Film, Layers, Origin};
 use crate::aside;
 use crate::view::ViewEncoder;
 
+pub use bands::{Banded, Extents, save_bands};
 pub use form::{ALL_LAYERS, Compression, Form, FormError};
 
 /// Of 100: artefacts are below the noise of a render.
@@ -149,10 +151,15 @@ enum Fact {
 impl Metadata {
     /// Of a film and where it came from.
     pub fn new(film: &Film, origin: &Origin) -> Self {
-        let setting = |name| origin.setting(name).unwrap_or_default();
         let (lowest, _) = film.sample_bounds();
+        Self::of([film.width, film.height], lowest, origin)
+    }
+
+    /// Of a picture of so many columns and rows, the fewest samples of its pixels, and where it came from.
+    pub fn of([width, height]: [u32; 2], samples: u32, origin: &Origin) -> Self {
+        let setting = |name| origin.setting(name).unwrap_or_default();
         let mut facts = vec![
-            ("samplesPerPixel", Fact::Count(u64::from(lowest))),
+            ("samplesPerPixel", Fact::Count(u64::from(samples))),
             (
                 "maxDepth",
                 Fact::Count(setting("max-depth").parse().unwrap_or_default()),
@@ -170,7 +177,7 @@ impl Metadata {
         facts.extend(told);
         let crop = origin
             .setting("crop")
-            .and_then(|crop| Crop::read(crop, setting("size"), film.width, film.height));
+            .and_then(|crop| Crop::read(crop, setting("size"), width, height));
         Self {
             facts,
             names: origin.names.clone(),
@@ -202,25 +209,35 @@ pub fn write<'a>(
     match format {
         Format::Exr => exr::write(file, &content, metadata),
         Format::Png | Format::Jpeg => {
+            let with_alpha = content.transparent && format == Format::Png;
+            let shown = shown(&content, &ViewEncoder::new(view), with_alpha);
             let size = [content.film.width, content.film.height];
-            let encoder = ViewEncoder::new(view);
-            let picture = content.picture();
-            match (content.alpha(), format) {
-                (Some(alpha), Format::Png) => {
-                    let shown = encoder.encode8(&unassociated(&picture, &alpha));
-                    let covered = |alpha: &f32| (alpha * 255.0 + 0.5) as u8;
-                    let pixels = shown.chunks_exact(3).zip(alpha.iter().map(covered));
-                    let rgba: Vec<u8> = pixels
-                        .flat_map(|(rgb, alpha)| [rgb[0], rgb[1], rgb[2], alpha])
-                        .collect();
-                    let ([width, height], color) = (size, ExtendedColorType::Rgba8);
-                    let encoder = PngEncoder::new(file);
-                    let written = encoder.write_image(&rgba, width, height, color);
-                    written.map_err(io::Error::other)
-                }
-                _ => encode(file, format, size, &encoder.encode8(&picture)),
-            }
+            encode(file, format, size, &shown)
         }
+    }
+}
+
+/// Bytes of the picture as it is shown: red, green and blue, and how much of a pixel is covered where that is wanted and known.
+struct Shown {
+    bytes: Vec<u8>,
+    has_alpha: bool,
+}
+
+fn shown(content: &Content<'_>, encoder: &ViewEncoder, with_alpha: bool) -> Shown {
+    let picture = content.picture();
+    let Some(alpha) = content.alpha().filter(|_| with_alpha) else {
+        return Shown {
+            bytes: encoder.encode8(&picture),
+            has_alpha: false,
+        };
+    };
+    let shown = encoder.encode8(&unassociated(&picture, &alpha));
+    let covered = |alpha: &f32| (alpha * 255.0 + 0.5) as u8;
+    let pixels = shown.chunks_exact(3).zip(alpha.iter().map(covered));
+    let bytes = pixels.flat_map(|(rgb, alpha)| [rgb[0], rgb[1], rgb[2], alpha]);
+    Shown {
+        bytes: bytes.collect(),
+        has_alpha: true,
     }
 }
 
@@ -245,7 +262,10 @@ pub fn save<'a>(
 /// As [`save`].
 pub fn save_shown(path: &Path, format: Format, size: [u32; 2], rgba: &[u8]) -> io::Result<()> {
     let pixels = rgba.chunks_exact(4);
-    let rgb: Vec<u8> = pixels.flat_map(|pixel| &pixel[..3]).copied().collect();
+    let rgb = Shown {
+        bytes: pixels.flat_map(|pixel| &pixel[..3]).copied().collect(),
+        has_alpha: false,
+    };
     aside::replace(path, |file| encode(file, format, size, &rgb))
 }
 
@@ -255,7 +275,10 @@ pub fn save_shown(path: &Path, format: Format, size: [u32; 2], rgba: &[u8]) -> i
 /// It is too large for the format.
 pub fn jpeg(size: [u32; 2], rgb: &[[f32; 3]], view: &View) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let shown = ViewEncoder::new(view).encode8(rgb);
+    let shown = Shown {
+        bytes: ViewEncoder::new(view).encode8(rgb),
+        has_alpha: false,
+    };
     encode(&mut bytes, Format::Jpeg, size, &shown)?;
     Ok(bytes)
 }
@@ -264,14 +287,17 @@ fn encode(
     file: impl Write,
     format: Format,
     [width, height]: [u32; 2],
-    rgb: &[u8],
+    shown: &Shown,
 ) -> io::Result<()> {
-    let color = ExtendedColorType::Rgb8;
+    let color = match shown.has_alpha {
+        true => ExtendedColorType::Rgba8,
+        false => ExtendedColorType::Rgb8,
+    };
+    let bytes = &shown.bytes;
     let encoded = match format {
-        Format::Png => PngEncoder::new(file).write_image(rgb, width, height, color),
-        Format::Jpeg => {
-            JpegEncoder::new_with_quality(file, JPEG_QUALITY).write_image(rgb, width, height, color)
-        }
+        Format::Png => PngEncoder::new(file).write_image(bytes, width, height, color),
+        Format::Jpeg => JpegEncoder::new_with_quality(file, JPEG_QUALITY)
+            .write_image(bytes, width, height, color),
         Format::Exr => {
             let what = "what is shown on a screen is no radiance";
             return Err(io::Error::other(what));

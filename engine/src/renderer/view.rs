@@ -7,7 +7,7 @@ use device::{Buffer, Device, DeviceError, Kernel, Resources, Usage};
 
 use crate::{
     display::{DeviceFilm, GroupPlanes},
-    film::{Layers, MAX_SIDE, PICTURE_PLANES},
+    film::{Crop, Layers, MAX_SIDE, PICTURE_PLANES},
     frame::Frame,
     gpu_scene::SceneFeatures,
     passes::guide,
@@ -15,7 +15,7 @@ use crate::{
 };
 
 use super::lanes::begin_wave;
-use super::{Burst, RenderError, Renderer};
+use super::{Burst, RenderError, RenderSettings, Renderer};
 
 /// The guides of a picture: see `guide.wgsl`.
 #[derive(Debug)]
@@ -60,6 +60,7 @@ impl Renderer {
         allocate_film(&self.device, width, height, layers, &mut self.resources)?;
         (self.settings.width, self.settings.height) = (width, height);
         self.settings.crop = None;
+        self.film_pixels = 0;
         self.bind();
         self.region = None;
         self.forget_guides();
@@ -71,6 +72,39 @@ impl Renderer {
         if let Some(irradiance) = &mut self.irradiance {
             irradiance.restart();
         }
+        Ok(())
+    }
+
+    /// Renders another part of the picture, or another picture, from now on, from the first sample. Nothing is compiled, and no memory
+    /// is taken where the film is no larger than one before.
+    ///
+    /// # Errors
+    /// A size that can't be rendered or does not fit, a part beyond the picture; nothing has changed then.
+    pub fn set_part(
+        &mut self,
+        [width, height]: [u32; 2],
+        crop: Option<Crop>,
+    ) -> Result<(), RenderError> {
+        let settings = RenderSettings {
+            width,
+            height,
+            crop,
+            ..self.settings.clone()
+        };
+        super::check_size(&settings)?;
+        let pixels =
+            |settings: &RenderSettings| u64::from(settings.width) * u64::from(settings.height);
+        self.film_pixels = self.film_pixels.max(pixels(&self.settings));
+        if pixels(&settings) > self.film_pixels {
+            let layers = &settings.layers;
+            allocate_film(&self.device, width, height, layers, &mut self.resources)?;
+            self.bind();
+            self.film_pixels = pixels(&settings);
+        }
+        self.settings = settings;
+        self.region = None;
+        self.frame = self.fresh_frame();
+        self.restart();
         Ok(())
     }
 

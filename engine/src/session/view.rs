@@ -6,7 +6,7 @@ use std::time::Duration;
 use glam::Vec2;
 
 use crate::display::DeviceFilm;
-use crate::film::Film;
+use crate::film::{Crop, Film};
 use crate::pick::{self, Pick};
 use crate::renderer::{Lot, RenderError, RenderSettings, Renderer, TextureCosts};
 use crate::scene::Camera;
@@ -49,6 +49,16 @@ impl Session {
             self.renderer.resize(width, height)?;
             self.generation += 1;
         }
+        Ok(())
+    }
+
+    /// See [`crate::renderer::Renderer::set_part`]. What is built anew has the size that its settings say.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn set_part(&mut self, size: [u32; 2], crop: Option<Crop>) -> Result<(), SessionError> {
+        self.renderer.set_part(size, crop)?;
+        self.generation += 1;
         Ok(())
     }
 

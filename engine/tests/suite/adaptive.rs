@@ -120,6 +120,7 @@ fn the_picture_does_not_depend_on_how_waves_are_cut() {
     let Some(device) = device::open() else { return };
     let ball = ball((83, 45));
     let goal = Goal {
+        brightness: None,
         error: Some(0.02),
         spp: 160,
     };
@@ -181,6 +182,7 @@ fn the_error_is_what_it_is_said_to_be() {
     let reference = reference.mean();
     ball.settings.halves = true;
     let goal = Goal {
+        brightness: None,
         error: Some(0.01),
         spp: 4096,
     };
@@ -224,6 +226,7 @@ fn uneven_pictures_have_less_noise_for_as_many_samples() {
     let Some(device) = device::open() else { return };
     let mut ball = ball((112, 80));
     let goal = Goal {
+        brightness: None,
         error: None,
         spp: 128,
     };

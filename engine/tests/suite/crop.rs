@@ -110,6 +110,41 @@ fn a_part_has_the_samples_of_the_whole() {
 }
 
 #[test]
+fn one_renderer_goes_from_part_to_part() {
+    let Some(device) = device::open() else {
+        return;
+    };
+    let (mut scene, settings) = view(Projection::Perspective { y_fov: 0.9 });
+    let procedural = no_textures(&mut scene);
+    let windows = [
+        [0, 0, 45, 16],
+        [0, 16, 45, 16],
+        [0, 32, 45, 5],
+        [0, 0, 45, 37],
+    ];
+    let first = part_of(&settings, windows[0]);
+    let mut renderer = Renderer::new(&device, &scene, &procedural, &first)
+        .unwrap_or_else(|error| panic!("{error}"));
+    // Back to a smaller one that has been there, too.
+    for window in windows.into_iter().chain([windows[1]]) {
+        let part = part_of(&settings, window);
+        let [_, _, width, height] = window;
+        let beyond = Some(Crop {
+            left: 1,
+            ..part.crop.expect("a part")
+        });
+        assert!(renderer.set_part([width, height], beyond).is_err());
+        let went = renderer.set_part([width, height], part.crop);
+        went.and_then(|()| renderer.render(SPP))
+            .unwrap_or_else(|error| panic!("{error}"));
+        let film = renderer.film().unwrap_or_else(|error| panic!("{error}"));
+        let fresh = render(&device, scene.clone(), &part);
+        let fresh = fresh.unwrap_or_else(|error| panic!("{error}"));
+        assert!(film == fresh, "{window:?}");
+    }
+}
+
+#[test]
 fn what_lies_outside_is_refused() {
     let Some(device) = device::open() else {
         return;

@@ -1,18 +1,23 @@
 //! OpenEXR: floats of 16 or 32 bits as the [`Form`](super::Form) says. A film of the picture alone has the channels R, G and B; one with
 //! layers is one part whose channels have the names that Blender 5 gives them.
 
-use std::io::{self, Seek, SeekFrom, Write};
+mod rows;
 
-use exr::error::Error;
-use exr::image::write::WritableImage;
-use exr::image::write::layers::WritableLayers;
-use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
+use std::borrow::Cow;
+use std::io::{self, Seek, Write};
+
+use exr::compression::Compression as Packing;
+use exr::image::FlatSamples;
 use exr::math::Vec2;
-use exr::meta::attribute::{self, AttributeValue, Chromaticities, IntegerBounds, Text};
+use exr::meta::BlockDescription;
+use exr::meta::attribute::{
+    AttributeValue, ChannelDescription, Chromaticities, IntegerBounds, LineOrder, SampleType, Text,
+};
 use exr::meta::header::{Header, LayerAttributes};
 
-use super::{Content, Fact, Metadata};
-use crate::film::{self, Layers, layers::Rule};
+use super::form::largest;
+use super::{Banded, Content, Fact, Metadata};
+use crate::film::{self, Film, Layers, layers::Rule};
 
 /// What red, green, blue and white are.
 const REC709: Chromaticities = Chromaticities {
@@ -35,71 +40,122 @@ pub(super) fn write(
     content: &Content<'_>,
     metadata: &Metadata,
 ) -> io::Result<()> {
-    content
-        .form
-        .check(content.layers)
-        .map_err(io::Error::other)?;
-    let film = content.film;
-    let mut attributes = attributes(content, metadata);
-    let channels = match content.layers.is_picture_alone() && content.denoised.is_none() {
-        true => picture_alone(content),
-        false => {
-            let with_alpha = content.layers.with(["alpha"]);
-            let layers = match (content.transparent, &with_alpha) {
-                (true, Ok(layers)) => layers,
-                _ => content.layers,
-            };
-            let matte = layers.iter().flat_map(|layer| cryptomatte(layer, metadata));
-            attributes.other.extend(matte);
-            layered(content, layers, metadata)
-        }
+    (content.form.check(content.layers)).map_err(io::Error::other)?;
+    let channels = channels(content, metadata, |_, values| largest(values));
+    let size = [content.film.width, content.film.height];
+    let attributes = attributes(content, metadata);
+    let encoding = content.form.compression.packing();
+    let header = header(size, &channels, attributes, encoding, metadata);
+    rows::write(file, header, std::iter::once(Ok(channels)))
+}
+
+/// As [`write()`] of a picture in bands.
+pub(super) fn write_bands(
+    file: impl Write + Seek,
+    banded: &Banded<'_>,
+    bands: impl Iterator<Item = io::Result<Film>>,
+    metadata: &Metadata,
+) -> io::Result<()> {
+    (banded.form.check(banded.layers)).map_err(io::Error::other)?;
+    let channels = |film: &Film| {
+        let content = banded.content(film);
+        channels(&content, metadata, |layer, _| banded.extents.of(layer))
     };
-    let channels = channels.into_iter();
-    let channels = channels.map(|(name, samples)| AnyChannel::new(latin1(&name), samples));
-    let encoding = Encoding {
-        compression: content.form.compression.packing(),
-        ..Encoding::SMALL_LOSSLESS
+    let mut bands = bands.peekable();
+    let Some(Ok(first)) = bands.peek() else {
+        let nothing = || io::Error::other("a picture without rows");
+        return Err(bands.next().and_then(Result::err).unwrap_or_else(nothing));
     };
-    let size = (film.width as usize, film.height as usize);
-    // The format wants them sorted.
-    let channels = AnyChannels::sort(channels.collect());
-    let mut image = Image::from_layer(Layer::new(size, attributes, encoding, channels));
-    image.attributes.chromaticities = Some(REC709);
+    // What there is, and with how many bits, an empty film says as well.
+    let empty = Film::with_layers(1, 1, first.layers().clone());
+    let attributes = attributes(&banded.content(&empty), metadata);
+    let encoding = banded.form.compression.packing();
+    let header = header(
+        banded.size,
+        &channels(&empty),
+        attributes,
+        encoding,
+        metadata,
+    );
+    let bands = bands.map(|film| film.map(|film| channels(&film)));
+    rows::write(file, header, bands)
+}
+
+/// The largest numbers of a film's layers, as files would hold them.
+pub(super) fn largest_numbers(content: &Content<'_>) -> Vec<(&'static str, f32)> {
+    let mut found = Vec::new();
+    described(content, &Metadata::default(), |layer, _, values| {
+        found.push((layer.name, largest(&values)));
+    });
+    found
+}
+
+/// The header of a file of these channels.
+fn header(
+    [width, height]: [u32; 2],
+    channels: &Channels,
+    attributes: LayerAttributes,
+    packing: Packing,
+    metadata: &Metadata,
+) -> Header {
+    let list = channels.iter().map(|(name, samples)| {
+        let kind = match samples {
+            FlatSamples::F16(_) => SampleType::F16,
+            FlatSamples::F32(_) => SampleType::F32,
+            FlatSamples::U32(_) => SampleType::U32,
+        };
+        ChannelDescription::named(name.clone(), kind)
+    });
+    let size = Vec2(width as usize, height as usize);
+    let mut header = Header::new(Text::default(), size, list.collect()).with_encoding(
+        packing,
+        BlockDescription::ScanLines,
+        LineOrder::Increasing,
+    );
+    header.own_attributes = attributes;
+    header.shared_attributes.chromaticities = Some(REC709);
     if let Some(crop) = metadata.crop {
         let at = |place: u32| i32::try_from(place).unwrap_or_default();
         let [columns, rows] = crop.whole;
         // Sides are bounded, as the film's are.
-        image.layer_data.attributes.layer_position = Vec2(at(crop.left), at(crop.top));
-        image.attributes.display_window =
+        header.own_attributes.layer_position = Vec2(at(crop.left), at(crop.top));
+        header.shared_attributes.display_window =
             IntegerBounds::from_dimensions(Vec2(columns as usize, rows as usize));
     }
-    write_image(file, &image)
+    header
 }
 
-/// Channels by name.
-type Named = Vec<(String, FlatSamples)>;
+/// Channels in the order of their names, as the format wants them.
+type Channels = Vec<(Text, FlatSamples)>;
 
-/// The picture, and its coverage where that is wanted.
-fn picture_alone(content: &Content<'_>) -> Named {
-    let of = |layer: &film::Layer, names: &[&str], channels| {
-        let samples = content.form.samples(layer, channels);
-        let names = names.iter().map(|&name| name.to_owned());
-        names.zip(samples).collect::<Named>()
-    };
-    let mut channels = of(
-        &film::LAYERS[0],
-        &["R", "G", "B"],
-        split(&content.picture()),
-    );
-    if let (Some(alpha), Some(layer)) = (content.alpha(), film::Layer::named("alpha")) {
-        channels.extend(of(layer, &["A"], vec![alpha]));
-    }
+/// The channels of a film with as many bits as they are to have, where `largest` says the largest number of a layer, of which these are
+/// the numbers.
+fn channels(
+    content: &Content<'_>,
+    metadata: &Metadata,
+    largest: impl Fn(&film::Layer, &[Vec<f32>]) -> f32,
+) -> Channels {
+    let mut channels = Channels::new();
+    described(content, metadata, |layer, names, values| {
+        let most = largest(layer, &values);
+        let samples = content.form.samples(layer, values, most);
+        let names = names.iter().map(|name| latin1(name));
+        channels.extend(names.zip(samples));
+    });
+    channels.sort_unstable_by(|(a, _), (b, _)| a.cmp(b));
     channels
 }
 
-/// All layers by the names that Blender gives them.
-fn layered(content: &Content<'_>, layers: &Layers, metadata: &Metadata) -> Named {
-    let mut named = Named::new();
+/// Tells of each layer that a file holds: the names of its channels, and their numbers.
+fn described(
+    content: &Content<'_>,
+    metadata: &Metadata,
+    mut tell: impl FnMut(&'static film::Layer, Vec<String>, Vec<Vec<f32>>),
+) {
+    if is_alone(content) {
+        return picture_alone(content, tell);
+    }
+    let layers = &*layers(content);
     for layer in layers.iter().filter(|layer| !layer.is_kept_back()) {
         let mut channels = content.film.channels(layer).unwrap_or_default();
         let is_picture = *layer == film::LAYERS[0];
@@ -111,18 +167,41 @@ fn layered(content: &Content<'_>, layers: &Layers, metadata: &Metadata) -> Named
         }
         if let (Some(denoised), true) = (content.denoised, is_picture) {
             let noisy = std::mem::replace(&mut channels, split(denoised));
-            let noisy = content.form.samples(layer, noisy);
-            named.extend(NOISY.map(str::to_owned).into_iter().zip(noisy));
+            tell(layer, NOISY.map(str::to_owned).into(), noisy);
         }
-        let samples = content.form.samples(layer, channels);
         let names = layer.channel_names();
         let names = names.map(|name| {
             let name = with_group(name, layer, metadata);
             name.replacen(layer.pass, &layers.pass_of(layer), 1)
         });
-        named.extend(names.zip(samples));
+        tell(layer, names.collect(), channels);
     }
-    named
+}
+
+/// Whether a file holds the picture alone.
+fn is_alone(content: &Content<'_>) -> bool {
+    content.layers.is_picture_alone() && content.denoised.is_none()
+}
+
+/// What a file with layers holds.
+fn layers<'a>(content: &Content<'a>) -> Cow<'a, Layers> {
+    let with_alpha = content.layers.with(["alpha"]);
+    match (content.transparent, with_alpha) {
+        (true, Ok(layers)) => Cow::Owned(layers),
+        _ => Cow::Borrowed(content.layers),
+    }
+}
+
+/// The picture, and its coverage where that is wanted.
+fn picture_alone(
+    content: &Content<'_>,
+    mut tell: impl FnMut(&'static film::Layer, Vec<String>, Vec<Vec<f32>>),
+) {
+    let names = ["R", "G", "B"].map(str::to_owned).into();
+    tell(&film::LAYERS[0], names, split(&content.picture()));
+    if let (Some(alpha), Some(layer)) = (content.alpha(), film::Layer::named("alpha")) {
+        tell(layer, vec!["A".to_owned()], vec![alpha]);
+    }
 }
 
 /// A channel's name with that of the group of lights that its layer is of.
@@ -205,35 +284,12 @@ fn attributes(content: &Content<'_>, metadata: &Metadata) -> LayerAttributes {
             }
         }
     }
-    attributes
-}
-
-fn write_image<'l, L: WritableLayers<'l>>(
-    mut file: impl Write + Seek,
-    image: &'l Image<L>,
-) -> io::Result<()> {
-    let refused = |error| match error {
-        Error::Io(error) => error,
-        other => io::Error::other(other.to_string()),
-    };
-    image.write().to_buffered(&mut file).map_err(refused)?;
-    let headers = image.write().infer_meta_data();
-    let attributes = sorted_attributes(&headers[0]).map_err(refused)?;
-    // They begin behind the magic number and the version. Their order doesn't change how long they are.
-    file.seek(SeekFrom::Start(8))?;
-    file.write_all(&attributes)
-}
-
-/// The attributes of a header as they lie in a file, by name: the crate keeps ours in a hash map and writes them in another
-/// order each time, but the same picture is to be the same file.
-fn sorted_attributes(header: &Header) -> exr::error::Result<Vec<u8>> {
-    let mut attributes: Vec<_> = header.all_named_attributes().collect();
-    attributes.sort_by_key(|(name, _)| *name);
-    let mut bytes = Vec::new();
-    for (name, value) in &attributes {
-        attribute::write(name, value, &mut bytes)?;
+    if !is_alone(content) {
+        let layers = layers(content);
+        let matte = layers.iter().flat_map(|layer| cryptomatte(layer, metadata));
+        attributes.other.extend(matte);
     }
-    Ok(bytes)
+    attributes
 }
 
 fn latin1(text: &str) -> Text {
@@ -243,302 +299,4 @@ fn latin1(text: &str) -> Text {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::collections::BTreeMap;
-    use std::path::Path;
-
-    use super::*;
-    use crate::film::write::{Compression, Form, TRANSPARENCY};
-    use crate::film::{Film, Layers, Origin};
-
-    fn film(layers: Layers) -> Film {
-        let mut film = Film::with_layers(3, 2, layers);
-        for pixel in 0..6 {
-            let value = 0.1 + pixel as f32;
-            film.add_sample(pixel, [value, -1.0, 1e-3 * value]);
-            if pixel != 2 {
-                film.add_surface(pixel, 0, |_| [2.0 * value, 0.5, -value]);
-            }
-        }
-        film
-    }
-
-    fn metadata() -> Metadata {
-        let names = ["maxDepth", "seed", "scene", "look", "a", "b", "c", "d"];
-        let text = |name: &str| Fact::Text(name.to_owned());
-        let mut facts: Vec<_> = names.into_iter().map(|name| (name, text(name))).collect();
-        facts.push(("samplesPerPixel", Fact::Count(64)));
-        facts.push(("device", text("Gerät 世")));
-        let names = ["crypto_object".to_owned()]
-            .map(|layer| (layer, vec!["Tür".to_owned(), "世".to_owned()]));
-        let names = names.into();
-        Metadata {
-            facts,
-            names,
-            crop: None,
-        }
-    }
-
-    fn written<'a>(content: impl Into<Content<'a>>) -> Vec<u8> {
-        let mut file = io::Cursor::new(Vec::new());
-        write(&mut file, &content.into(), &metadata()).expect("memory takes everything");
-        file.into_inner()
-    }
-
-    /// Every bit.
-    fn float() -> Form {
-        Form::new(Compression::Zip, &[""; 0], &["all"]).expect("a form")
-    }
-
-    fn in_floats(film: &Film) -> Vec<u8> {
-        let content = Content {
-            form: &float(),
-            ..Content::from(film)
-        };
-        written(content)
-    }
-
-    /// The channels of a file by name, and its facts.
-    fn read(bytes: &[u8]) -> (BTreeMap<String, Vec<f32>>, LayerAttributes) {
-        use exr::prelude::{ReadChannels, ReadLayers};
-        let read = exr::prelude::read();
-        let read = read.no_deep_data().largest_resolution_level();
-        let read = read.all_channels().first_valid_layer().all_attributes();
-        let image = read.from_buffered(io::Cursor::new(bytes)).expect("read");
-        let layer = image.layer_data;
-        let channels = layer.channel_data.list.into_iter().map(|channel| {
-            let values = channel.sample_data.values_as_f32().collect();
-            (channel.name.to_string(), values)
-        });
-        (channels.collect(), layer.attributes)
-    }
-
-    #[test]
-    fn a_picture_keeps_every_bit_and_says_how_it_was_made() {
-        let film = film(Layers::default());
-        let (channels, attributes) = read(&in_floats(&film));
-        let names: Vec<_> = channels.keys().map(String::as_str).collect();
-        assert_eq!(names, ["B", "G", "R"]);
-        for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
-            let expected: Vec<_> = film.mean().iter().map(|rgb| rgb[channel]).collect();
-            assert_eq!(channels[name], expected, "{name}");
-        }
-        let facts = attributes.other;
-        assert_eq!(facts.len(), metadata().facts.len());
-        let fact = |name| facts.get(&Text::from(name));
-        assert_eq!(fact("samplesPerPixel"), Some(&AttributeValue::I32(64)));
-        let device = AttributeValue::Text(latin1("Gerät ?"));
-        assert_eq!(fact("device"), Some(&device));
-    }
-
-    #[test]
-    fn layers_have_the_names_of_blender() {
-        let film = film(Layers::all());
-        let (channels, attributes) = read(&in_floats(&film));
-        let layers_of_ids = 3;
-        // One of them has a manifest.
-        let facts = metadata().facts.len() + 3 * layers_of_ids + 1;
-        assert_eq!(attributes.other.len(), facts);
-        let count: usize = film
-            .layers()
-            .iter()
-            .filter(|layer| !layer.is_kept_back())
-            .map(|layer| layer.channel_count())
-            .sum();
-        assert_eq!(channels.len(), count);
-        for (layer, names) in [
-            ("combined", &["Combined.R", "Combined.G", "Combined.B"][..]),
-            ("depth", &["Depth.Z"]),
-            ("position", &["Position.X", "Position.Y", "Position.Z"]),
-            ("normal", &["Normal.X", "Normal.Y", "Normal.Z"]),
-            ("uv", &["UV.U", "UV.V", "UV.A"]),
-            ("samples", &["Debug Sample Count.X"]),
-        ] {
-            let layer = crate::film::Layer::named(layer).expect("known");
-            let values = film.values(layer).expect("gathered");
-            for (channel, name) in names.iter().enumerate() {
-                let expected: Vec<_> = values.iter().map(|v| v[channel]).collect();
-                assert_eq!(channels[&format!("ViewLayer.{name}")], expected, "{name}");
-            }
-        }
-        let mut texts = attributes
-            .other
-            .iter()
-            .filter_map(|(name, value)| match value {
-                AttributeValue::Text(text) if name.to_string().ends_with("/manifest") => Some(text),
-                _ => None,
-            });
-        let manifest = texts.next().expect("a manifest").to_string();
-        assert!(manifest.contains("T\\u00fcr"), "{manifest}");
-        let read: BTreeMap<String, String> = serde_json::from_str(&manifest).expect("JSON");
-        assert_eq!(read["世"], format!("{:08x}", scene::name_id("世")));
-        assert_eq!(channels["ViewLayer.Depth.Z"][2], 1e10, "nothing was hit");
-    }
-
-    #[test]
-    fn ids_have_the_names_of_cryptomatte() {
-        let mut film = film(Layers::named(["crypto_object"]).expect("known"));
-        let [often, seldom] = ["often", "seldom"].map(scene::name_id);
-        for (sample, id) in [seldom, often, often].into_iter().enumerate() {
-            film.add_sample(2, [0.0; 3]);
-            film.add_surface(2, sample as u32, |_| [f32::from_bits(id), 0.0, 0.0]);
-        }
-        let (channels, attributes) = read(&written(&film));
-        let at = |channel: &str| channels[&format!("ViewLayer.CryptoObject{channel}")][2];
-        assert_eq!((at("00.r").to_bits(), at("00.g")), (often, 0.5));
-        assert_eq!((at("00.b").to_bits(), at("00.a")), (seldom, 0.25));
-        assert_eq!((at("03.b"), at("03.a")), (0.0, 0.0));
-        let key = format!("{:08x}", scene::murmur3(b"ViewLayer.CryptoObject"));
-        let name = Text::from(&*format!("cryptomatte/{}/name", &key[..7]));
-        let expected = AttributeValue::Text(Text::from("ViewLayer.CryptoObject"));
-        assert_eq!(attributes.other.get(&name), Some(&expected));
-    }
-
-    #[test]
-    fn a_denoised_picture_keeps_the_noisy_one_and_leaves_other_layers_alone() {
-        let film = film(Layers::named(["depth", "normal"]).expect("known"));
-        let denoised = [[0.5, 0.25, 0.125]; 6];
-        let depth = Layers::named(["depth"]).expect("known");
-        for layers in [&Layers::default(), &depth] {
-            let content = Content {
-                film: &film,
-                layers,
-                denoised: Some(&denoised),
-                transparent: false,
-                form: &float(),
-            };
-            let (channels, _) = read(&written(content));
-            for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
-                let noisy: Vec<_> = film.mean().iter().map(|rgb| rgb[channel]).collect();
-                assert_eq!(channels[&format!("ViewLayer.Noisy Image.{letter}")], noisy);
-                let combined = &channels[&format!("ViewLayer.Combined.{letter}")];
-                assert_eq!(*combined, [denoised[0][channel]; 6]);
-            }
-            let others = usize::from(!layers.is_picture_alone());
-            assert_eq!(channels.len(), 6 + others, "what was gathered to denoise");
-            let (noisy, _) = read(&written(&film));
-            if let Some(depth) = channels.get("ViewLayer.Depth.Z") {
-                assert_eq!(*depth, noisy["ViewLayer.Depth.Z"]);
-            }
-        }
-    }
-
-    #[test]
-    fn what_nothing_covers_is_transparent() {
-        let layers = Layers::named(TRANSPARENCY).expect("known");
-        let mut film = Film::with_layers(2, 1, layers);
-        // The sky alone, and half a surface of 0.5 in front of it.
-        for pixel in 0..2 {
-            film.add_sample(pixel, [0.25, 0.5, 0.1]);
-            film.add_surface(pixel, 0, |layer| match layer.name {
-                "environment" => [0.25, 0.5, 0.1],
-                _ => [0.0; 3],
-            });
-            film.add_sample(pixel, [0.5 * pixel as f32; 3]);
-            film.add_surface(pixel, 1, |layer| match layer.name {
-                "alpha" => [pixel as f32, 0.0, 0.0],
-                _ => [0.0; 3],
-            });
-        }
-        let alone = Layers::default();
-        let depth = Layers::named(["depth"]).expect("known");
-        for (layers, prefix) in [(&alone, ""), (&depth, "ViewLayer.Combined.")] {
-            let content = Content {
-                layers,
-                transparent: true,
-                ..Content::from(&film)
-            };
-            let (channels, _) = read(&written(content));
-            for letter in ["R", "G", "B"] {
-                assert_eq!(channels[&format!("{prefix}{letter}")], [0.0, 0.25]);
-            }
-            assert_eq!(channels[&format!("{prefix}A")], [0.0, 0.5]);
-        }
-    }
-
-    #[test]
-    fn a_part_lies_in_its_place_in_the_whole() {
-        let film = film(Layers::default());
-        let setting = |name: &str, value: &str| (name.to_owned(), value.to_owned());
-        let settings = vec![setting("size", "40x20"), setting("crop", "10,4,3,2")];
-        let origin = Origin::new("", Path::new(""), None, settings);
-        let mut file = io::Cursor::new(Vec::new());
-        let metadata = Metadata::new(&film, &origin);
-        write(&mut file, &Content::from(&film), &metadata).expect("written");
-        let meta = exr::meta::MetaData::read_from_buffered(&file.into_inner()[..], true);
-        let header = meta.expect("read").headers.remove(0);
-        let window = header.shared_attributes.display_window;
-        assert_eq!((window.position, window.size), (Vec2(0, 0), Vec2(40, 20)));
-        assert_eq!(header.own_attributes.layer_position, Vec2(10, 4));
-        assert_eq!(header.layer_size, Vec2(3, 2));
-    }
-
-    #[test]
-    fn files_are_packed_in_every_way() {
-        let layers = Layers::named(["depth", "normal", "variance"]).expect("known");
-        // No multiple of the blocks of any of them.
-        let (width, height) = (37, 41);
-        let mut film = Film::with_layers(width, height, layers);
-        for pixel in 0..film.pixels() {
-            let value = 0.5 + 0.4 * (0.1 * pixel as f32).sin();
-            film.add_sample(pixel, [value, 0.5 * value, 0.25]);
-            film.add_surface(pixel, 0, |_| [value, 0.0, 1.0]);
-            film.add_sample(pixel, [value, 0.25, 0.25]);
-        }
-        for compression in Compression::ALL {
-            let form = Form::new(compression, &[""; 0], &[""; 0]).expect("a form");
-            let form = form.with_fact("owner", "Studio").expect("free");
-            let form = form.with_fact("shot", "0420").expect("free");
-            let content = Content {
-                form: &form,
-                ..Content::from(&film)
-            };
-            let (channels, attributes) = read(&written(content));
-            assert_eq!(attributes.owner, Some(Text::from("Studio")));
-            let shot = attributes.other.get(&Text::from("shot"));
-            assert_eq!(shot, Some(&AttributeValue::Text(Text::from("0420"))));
-            // Halves are as near as they can be; what loses more is near enough to be looked at.
-            let is_lossy = ["b44", "b44a", "dwaa", "dwab"].contains(&compression.name());
-            let tolerance = if is_lossy { 0.05 } else { 1e-3 };
-            for name in ["combined", "depth", "normal", "variance"] {
-                let layer = crate::film::Layer::named(name).expect("known");
-                let expected = film.channels(layer).expect("gathered");
-                for (channel, expected) in layer.channel_names().zip(expected) {
-                    let is_near = |(a, b): (&f32, &f32)| a == b || (a - b).abs() <= tolerance;
-                    let mut pairs = channels[&channel].iter().zip(&expected);
-                    assert!(pairs.all(is_near), "{compression:?} {channel}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn groups_of_lights_have_their_names() {
-        let film = Film::with_layers(2, 1, Layers::named(["light_groups"]).expect("known"));
-        let mut origin = Origin::new("", Path::new(""), None, Vec::new());
-        let groups = [("light_group_0", "rest"), ("light_group_1", "key")];
-        for (layer, name) in groups {
-            origin.names.insert(layer.to_owned(), vec![name.to_owned()]);
-        }
-        let mut file = io::Cursor::new(Vec::new());
-        write(
-            &mut file,
-            &Content::from(&film),
-            &Metadata::new(&film, &origin),
-        )
-        .expect("written");
-        let (channels, _) = read(&file.into_inner());
-        assert!(channels.contains_key("ViewLayer.Combined_rest.G"));
-        assert!(channels.contains_key("ViewLayer.Combined_key.B"));
-        assert!(!channels.contains_key("ViewLayer.Combined_1.B"));
-    }
-
-    #[test]
-    fn the_same_picture_is_the_same_file() {
-        for layers in [Layers::default(), Layers::all()] {
-            let film = film(layers);
-            let first = written(&film);
-            assert!((0..4).all(|_| written(&film) == first));
-        }
-    }
-}
+mod tests;

@@ -245,12 +245,18 @@ impl Form {
         }
     }
 
-    /// The channels of a layer with as many bits as they are to have. Numbers beyond the range of 16 bits become its largest ones.
-    pub(super) fn samples(&self, layer: &Layer, channels: Vec<Vec<f32>>) -> Vec<FlatSamples> {
+    /// The channels of a layer with as many bits as they are to have, where this is the largest of the layer's numbers anywhere in the
+    /// picture ([`largest`]). Numbers beyond the range of 16 bits become its largest ones.
+    pub(super) fn samples(
+        &self,
+        layer: &Layer,
+        channels: Vec<Vec<f32>>,
+        largest: f32,
+    ) -> Vec<FlatSamples> {
         let said = self.bits.iter().find(|(other, _)| *other == layer);
         let is_half = match said {
             Some((_, bits)) => *bits == Bits::Half,
-            None => layer.is_color() && suffices(&channels),
+            None => layer.is_color() && suffices(largest),
         };
         let short = |value: &f32| match value.is_finite() {
             true => f16::from_f32(value.clamp(-LARGEST_HALF, LARGEST_HALF)),
@@ -277,10 +283,14 @@ fn is_reserved(name: &str) -> bool {
     standard_names::ALL.contains(&name.as_bytes()) && !TEXTS.contains(&name)
 }
 
-/// Whether 16 bits are enough for colours: none is too bright, nor all of them so dark that digits are missing.
-fn suffices(channels: &[Vec<f32>]) -> bool {
+/// The largest number of a layer, but for its sign.
+pub(super) fn largest(channels: &[Vec<f32>]) -> f32 {
     let sizes = channels.iter().flatten().map(|value| value.abs());
-    let largest = sizes.fold(0.0, f32::max);
+    sizes.fold(0.0, f32::max)
+}
+
+/// Whether 16 bits are enough for colours: none is too bright, nor all of them so dark that digits are missing.
+fn suffices(largest: f32) -> bool {
     largest == 0.0 || (DARKEST..=LARGEST_HALF).contains(&largest)
 }
 
@@ -292,7 +302,9 @@ mod tests {
 
     fn is_half(form: &Form, layer: &str, values: &[f32]) -> bool {
         let layer = Layer::named(layer).expect("known");
-        let samples = form.samples(layer, vec![values.to_vec()]);
+        let channels = vec![values.to_vec()];
+        let most = largest(&channels);
+        let samples = form.samples(layer, channels, most);
         matches!(samples[0], FlatSamples::F16(_))
     }
 
@@ -330,7 +342,7 @@ mod tests {
         let form = Form::new(Compression::Zip, &["depth"], &["combined"]).expect("fine");
         assert!(is_half(&form, "depth", &[1e10]) && !is_half(&form, "combined", &[0.5]));
         let depth = Layer::named("depth").expect("known");
-        let samples = form.samples(depth, vec![vec![1e10, f32::INFINITY, -0.1]]);
+        let samples = form.samples(depth, vec![vec![1e10, f32::INFINITY, -0.1]], 1e10);
         let values: Vec<f32> = samples[0].values_as_f32().collect();
         assert_eq!(values[..2], [65504.0, f32::INFINITY]);
         assert!((values[2] + 0.1).abs() < 1e-4);

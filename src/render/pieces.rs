@@ -1,0 +1,413 @@
+//! A picture whose film doesn't fit the memory: rendered in pieces, one after the other, each to its end, by one renderer. What is done of
+//! it lies on the disk. A piece is a band of whole rows, whose pixels have the random numbers that they have in the whole.
+
+mod division;
+mod gathered;
+mod store;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use device::Device;
+use engine::film::write::Format;
+use engine::film::{Crop, Film, Origin, Tally};
+use engine::scene::view::View;
+use engine::session::Session;
+use engine::settings::{Beside, Method};
+use engine::stats::{DeviceFacts, Stats};
+
+use crate::accuracy::method_flag;
+use crate::failure::Failure;
+use crate::job::{Limits, RenderJob};
+use crate::memory::Need;
+use crate::motion::Sight;
+use crate::progress::Bar;
+use crate::words::{MAX_PIXELS, Output};
+use crate::{console, interrupt, memory};
+
+pub(super) use self::division::Division;
+use self::division::Piece;
+pub(super) use self::gathered::Pieces;
+use self::store::Store;
+
+use super::alone::{self, Scene, Take};
+use super::limits::{Limit, Watch};
+use super::reel::View as Seen;
+use super::{Ended, Gathered, Rendered, Rest, Start, failure, settings};
+
+/// Samples per pixel of the small picture that tells how bright the whole is.
+const PREVIEW: u32 = 16;
+
+/// Finds out whether a picture fits the memory as a whole, or else in which pieces, and tells what it will take.
+///
+/// # Errors
+/// It doesn't fit, or can't be rendered in pieces; the text says what to do. What a former run has left can't be read.
+pub(super) fn plan(
+    job: &RenderJob,
+    seen: &Seen,
+    gpu: &Device,
+    bar: &Bar,
+) -> Result<Option<Division>, Failure> {
+    let loaded = seen.opening.loaded();
+    let need = |job: &RenderJob| {
+        let settings = settings(job, &loaded.camera, &seen.sight, seen.beside.clone());
+        let devices = std::slice::from_ref(gpu);
+        Need::of(job, &settings, &loaded.scene, &loaded.procedural, devices)
+    };
+    let left = memory::left();
+    let fits = |need: &Need| need.check(job.memory, left);
+    // What was begun in pieces goes on in them.
+    let begun = match job.checkpoints.as_ref().is_some_and(|c| c.resumes) {
+        true => Store::division(job)?,
+        false => None,
+    };
+    let whole = need(job);
+    let at_once = is_one_film(job).and_then(|()| fits(&whole));
+    let refused = match (at_once, begun) {
+        (Ok(()), None) => {
+            memory::tell(&whole.text(), bar);
+            return Ok(None);
+        }
+        (refused, _) => refused.err(),
+    };
+    if let Some(because) = indivisible(job) {
+        return Err(Failure::Failed(match refused {
+            Some(failure) => {
+                format!("{failure}; it can't be rendered in pieces instead: {because}")
+            }
+            None => format!(
+                "pieces of the picture are there, which can't be gone on with: {because}, or render without --resume to begin anew"
+            ),
+        }));
+    }
+    let first = |division: &Division| need(&job.piece(&division.piece(0)));
+    let division = begun.unwrap_or_else(|| {
+        Division::fitting([job.width, job.height], |division| {
+            fits(&first(division)).is_ok()
+        })
+    });
+    let needed = first(&division);
+    fits(&needed).map_err(|failure| Failure::Failed(format!("{failure}, in {division}")))?;
+    memory::tell(&format!("{}, in {division}", needed.text()), bar);
+    Ok(Some(division))
+}
+
+/// Whether a picture may be one film, wherever that fits.
+///
+/// # Errors
+/// It has more pixels than films may have.
+pub(super) fn is_one_film(job: &RenderJob) -> Result<(), Failure> {
+    let pixels = u64::from(job.width) * u64::from(job.height);
+    match pixels > MAX_PIXELS {
+        true => Err(Failure::Failed(format!(
+            "{pixels} pixels are more than the {MAX_PIXELS} that are rendered at once"
+        ))),
+        false => Ok(()),
+    }
+}
+
+/// Why a picture can't be rendered in pieces, if it can't.
+fn indivisible(job: &RenderJob) -> Option<String> {
+    let outputs = &job.outputs;
+    let is_jpeg = |output: &Output| output.format == Format::Jpeg;
+    if job.denoise {
+        return Some("--denoise looks at the whole picture at once; leave it out".to_owned());
+    }
+    if !outputs.films.is_empty() {
+        return Some("a .patina-film is written as a whole; write EXR or PNG".to_owned());
+    }
+    if outputs.pictures.iter().any(is_jpeg) {
+        return Some("a JPEG file is written as a whole; write PNG or EXR".to_owned());
+    }
+    if job.checkpoints.as_ref().is_some_and(|c| c.with_pictures) {
+        return Some("--refresh writes the whole picture again and again; leave it out".to_owned());
+    }
+    let because = match job.method {
+        Method::Path => return None,
+        Method::Draft | Method::Cache => {
+            "what is learned in one isn't what is learned in the next, and there would be seams"
+        }
+        Method::Photons => "all photons would be sent out again for each",
+    };
+    let flag = job.accuracy.map_or(method_flag(job.method), |a| a.flag());
+    Some(format!("with {flag} {because}; render with --method path"))
+}
+
+impl RenderJob {
+    /// The same of a piece. What is kept of it while it is under way is the business of whoever renders all.
+    fn piece(&self, piece: &Piece) -> Self {
+        let here = self.crop.unwrap_or(Crop {
+            left: 0,
+            top: 0,
+            whole: [self.width, self.height],
+        });
+        Self {
+            height: piece.rows,
+            crop: Some(Crop {
+                top: here.top + piece.top,
+                ..here
+            }),
+            checkpoints: None,
+            ..self.clone()
+        }
+    }
+}
+
+/// Renders all pieces.
+///
+/// # Errors
+/// What the device refuses; a piece that can't be kept, or a former one that can't be gone on with.
+pub(super) fn render(
+    job: &RenderJob,
+    division: Division,
+    start: Start<'_>,
+    gpu: &Device,
+    view: &View,
+    bar: &Bar,
+) -> Result<Rendered, Failure> {
+    let Start {
+        scene,
+        others,
+        mut reel,
+        clock,
+    } = start;
+    let (seen, mut session) = match scene {
+        Scene::New(seen) => (seen, None),
+        Scene::Next(seen, session) => (seen, Some(session)),
+        Scene::Same(_) => {
+            let what = "a picture in pieces begins with its scene";
+            return Err(Failure::Failed(what.to_owned()));
+        }
+    };
+    let Described {
+        written,
+        names,
+        sight,
+        beside,
+    } = Described::new(job, &seen);
+    let mut seen = Some(seen);
+    let device = gpu.description().name.clone();
+    let mut origin = Origin::new(&device, &job.scene, job.look.as_deref(), written.clone());
+    origin.names.clone_from(&names);
+    let mut pieces = Pieces::new(division, Store::open(job)?);
+    let mut found = Found::default();
+    let mut brightness = None;
+    let mut resumed = 0;
+    for piece in division.pieces() {
+        let origin = origin_of(&origin, job, &piece);
+        if let Some(film) = pieces.store().former(&piece, &origin)? {
+            check_film(&film, job, &piece)?;
+            pieces.add(job, &film);
+            resumed += 1;
+            continue;
+        }
+        if found.ended_early() || interrupt::requested() {
+            found.ended = Some(Ended::Interrupted);
+            pieces.misses(&piece);
+            continue;
+        }
+        let own = job.piece(&piece);
+        let scene = match (seen.take(), session.take(), reel.as_deref_mut()) {
+            (Some(seen), None, _) => Scene::New(seen),
+            (Some(seen), Some(session), _) => Scene::Next(seen, session),
+            // Back to the moment at which the shutter opens.
+            (None, Some(session), Some(reel)) if !others.is_empty() => {
+                let mut seen = reel.at(&sight)?;
+                seen.beside.clone_from(&beside);
+                Scene::Next(seen, session)
+            }
+            (None, Some(session), _) => Scene::Same(session),
+            (None, None, _) => {
+                let what = "the renderer of the piece before is gone";
+                return Err(Failure::Failed(what.to_owned()));
+            }
+        };
+        let mut ready = alone::prepare(&own, scene, gpu, bar)?;
+        if job.limits.noise.is_some() && brightness.is_none() {
+            bar.stage("finding out how bright the picture is");
+            brightness = Some(preview(job, &own, &mut ready.session)?);
+        }
+        bar.piece(piece.number, division.count());
+        let limits = Limits {
+            time: time_of_piece(job.limits.time, &clock, division.count() - piece.number),
+            ..job.limits
+        };
+        let known = brightness.filter(|&brightness| brightness > 0.0);
+        let take = Take {
+            ready,
+            others,
+            reel: reel.as_deref_mut(),
+            written: Some(written.clone()),
+        };
+        let watch = Watch::of_piece(limits, clock, known);
+        let rendered = alone::render(&own, take, gpu, view, bar, watch)?;
+        let Gathered::Whole(film) = rendered.gathered else {
+            continue; // there are no pieces of pieces
+        };
+        if let Some(Ended::Interrupted) = rendered.ended {
+            pieces.misses(&piece);
+        } else {
+            pieces.add(job, &film);
+            pieces.keep(&piece, film, rendered.samples, origin)?;
+        }
+        found.add(job, rendered.ended, rendered.stats);
+        found.prepare_seconds += rendered.prepare_seconds;
+        found.render_seconds += rendered.render_seconds;
+        if let Rest::Alone(used) = rendered.rest {
+            session = Some(used);
+        }
+    }
+    interrupt::writes_results();
+    if let (Some(session), false) = (&mut session, job.stats || job.stats_json.is_some()) {
+        // The film of the last piece is on the disk, and files take as much.
+        session.resize(1, 1).map_err(failure)?;
+    }
+    if resumed > 0 {
+        let count = division.count();
+        bar.suspend(|| {
+            console::note(&format!("{resumed} of {count} pieces were there already"));
+        });
+    }
+    let mut stats = found.stats;
+    stats.samples_per_second = match stats.seconds > 0.0 {
+        true => pieces.tally().samples() as f64 / stats.seconds,
+        false => 0.0,
+    };
+    let (_, most) = pieces.tally().sample_bounds();
+    Ok(Rendered {
+        gathered: Gathered::Pieces(pieces),
+        samples: job.first_sample..job.first_sample + most,
+        names,
+        paths: None,
+        ended: found.ended,
+        facts: DeviceFacts::new(gpu.description()),
+        device,
+        shares: Vec::new(),
+        settings: written,
+        audit: None,
+        stats,
+        prepare_seconds: found.prepare_seconds,
+        render_seconds: found.render_seconds,
+        rest: session.map_or(Rest::Nothing, Rest::Alone),
+    })
+}
+
+/// What is told of the picture.
+struct Described {
+    written: Vec<(String, String)>,
+    /// Of what layers of ids show.
+    names: BTreeMap<String, Vec<String>>,
+    sight: Sight,
+    beside: Option<Arc<Beside>>,
+}
+
+impl Described {
+    fn new(job: &RenderJob, seen: &Seen) -> Self {
+        let loaded = seen.opening.loaded();
+        let settings = settings(job, &loaded.camera, &seen.sight, seen.beside.clone());
+        Self {
+            written: alone::written(job, &loaded.scene, &loaded.procedural, &settings),
+            names: job.layers.names(&loaded.scene),
+            sight: seen.sight.clone(),
+            beside: seen.beside.clone(),
+        }
+    }
+}
+
+/// Where a piece comes from: another division of the picture, or other limits, make other pieces.
+fn origin_of(origin: &Origin, job: &RenderJob, piece: &Piece) -> Origin {
+    let Piece {
+        top, width, rows, ..
+    } = piece;
+    let place = format!("{width}x{rows} from row {top} on");
+    let mut end = format!("after {} samples from {} on", job.spp, job.first_sample);
+    if job.adaptive {
+        end += " on average, adaptively";
+    }
+    if let Some(noise) = job.limits.noise {
+        end += &format!(", or at an error of {noise}");
+    }
+    let mut origin = origin.clone();
+    let own = [("piece", place), ("end", end)];
+    let own = own.map(|(name, value)| (name.to_owned(), value));
+    origin.settings.extend(own);
+    origin
+}
+
+/// Refuses a film that isn't what its header says.
+fn check_film(film: &Film, job: &RenderJob, piece: &Piece) -> Result<(), Failure> {
+    let is_its = (film.width, film.height) == (piece.width, piece.rows);
+    match is_its && *film.layers() == job.layers {
+        true => Ok(()),
+        false => Err(Failure::Failed(format!(
+            "piece {} has another size, or other layers; render without --resume to begin anew",
+            piece.number
+        ))),
+    }
+}
+
+/// When the time is over for a piece: it has its share of what is left of the picture's.
+fn time_of_piece(time: Option<Duration>, clock: &Instant, left: u32) -> Option<Duration> {
+    let elapsed = clock.elapsed();
+    time.map(|time| elapsed + time.saturating_sub(elapsed) / left.max(1))
+}
+
+/// How bright the whole picture is, by a small one that takes no more memory than a piece.
+fn preview(job: &RenderJob, piece: &RenderJob, session: &mut Session) -> Result<f64, Failure> {
+    let pixels = |job: &RenderJob| f64::from(job.width) * f64::from(job.height);
+    let scale = (pixels(piece) / pixels(job)).sqrt();
+    let scaled = |side: u32| ((f64::from(side) * scale) as u32).max(1);
+    let size = [scaled(job.width), scaled(job.height)];
+    let crop = job.crop.map(|crop| {
+        let (left, top) = (scaled(crop.left), scaled(crop.top));
+        let [columns, rows] = crop.whole.map(scaled);
+        Crop {
+            left,
+            top,
+            whole: [columns.max(left + size[0]), rows.max(top + size[1])],
+        }
+    });
+    session.set_part(size, crop).map_err(failure)?;
+    while !session.step(PREVIEW).map_err(failure)?.is_done() && !interrupt::requested() {}
+    let film = session.snapshot().map_err(failure)?.film;
+    let here = [piece.width, piece.height];
+    session.set_part(here, piece.crop).map_err(failure)?;
+    Ok(Tally::of(&film).brightness())
+}
+
+/// What is found out on the way.
+#[derive(Default)]
+struct Found {
+    ended: Option<Ended>,
+    stats: Stats,
+    prepare_seconds: f64,
+    render_seconds: f64,
+}
+
+impl Found {
+    fn ended_early(&self) -> bool {
+        matches!(self.ended, Some(Ended::Interrupted | Ended::Failed(_)))
+    }
+
+    /// Adds what a piece has found out, whose renderer goes on counting but for what is wrong with the samples.
+    fn add(&mut self, job: &RenderJob, ended: Option<Ended>, mut stats: Stats) {
+        stats.invalid_samples += self.stats.invalid_samples;
+        stats.clamped_samples += self.stats.clamped_samples;
+        stats.non_finite_hits += self.stats.non_finite_hits;
+        stats.endless_texture = stats.endless_texture.or(self.stats.endless_texture.take());
+        stats.non_finite_node = stats.non_finite_node.or(self.stats.non_finite_node.take());
+        self.stats = stats;
+        // The time is that of all, and what it has ended counts more than what was good enough.
+        let ended = match (ended, job.limits.time) {
+            (Some(Ended::Enough(Limit::Time(_))), Some(time)) => {
+                Some(Ended::Enough(Limit::Time(time)))
+            }
+            (ended, _) => ended,
+        };
+        let is_of_time = matches!(self.ended, Some(Ended::Enough(Limit::Time(_))));
+        if !is_of_time || matches!(ended, Some(Ended::Interrupted)) {
+            self.ended = ended.or(self.ended.take());
+        }
+    }
+}
