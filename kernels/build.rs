@@ -17,7 +17,9 @@ const KERNELS: &[(&str, &str)] = &[
     ("accumulate_ids", "film_layers/accumulate_ids.wgsl"),
     ("accumulate_mean", "film_layers/accumulate.wgsl"),
     ("accumulate_means", "film_layers/accumulate.wgsl"),
+    ("ao", "ao/ao.wgsl"),
     ("brdf", "brdf/entry.wgsl"),
+    ("classify", "classify/entry.wgsl"),
     ("gather_first_hit", "irradiance/first_hit.wgsl"),
     ("look_up_irradiance", "irradiance/look_up.wgsl"),
     ("look_up_light", "light_cache/look_up.wgsl"),
@@ -31,6 +33,47 @@ const KERNELS: &[(&str, &str)] = &[
 
 /// The file of those kernels that there are only where the film keeps parts of the light apart.
 const LIGHT: &str = "film_layers/light.wgsl";
+
+/// Where the standard functions of the texture language are, seen from this crate: they know nothing of one another's files.
+const STANDARD: &str = "../texgen/src/standard";
+
+/// Those of their files that have something worth compiling, and what that calls.
+const STANDARD_FILES: &[&str] = &["hash", "noise", "fractal", "cells", "shape"];
+
+/// Standard functions that take long enough for a call to cost nothing beside them.
+const FUNCTIONS: &[&str] = &[
+    "perlin2D",
+    "perlin3D",
+    "perlin3DGrad",
+    "simplex3DGrad",
+    "valueNoise2D",
+    "valueNoise3DGrad",
+    "gabor3D",
+    "fbm2D",
+    "fbm3D",
+    "fractalSeen",
+    "turbulence2D",
+    "turbulence3D",
+    "ridged3D",
+    "voronoi2D",
+    "voronoi3D",
+    "voronoiEdge2D",
+    "voronoiEdge3D",
+    "voronoiSmooth3D",
+];
+
+/// Small functions of theirs that they call several times with different arguments: that is done in the lanes of vectors.
+const CORNERS: &[&str] = &[
+    "hashU1",
+    "noiseGradient2",
+    "noiseGradient3",
+    "perlinSlope3D",
+    "simplexCorner3",
+    "valueCorner",
+];
+
+/// How often a device lets the loops of users' texts run; without such a limit, loops are other code.
+const LOOP_LIMIT: u32 = u32::MAX;
 
 /// The function that the engine has in Rust.
 const HOST: &[&str] = &["trace_surfaces"];
@@ -53,6 +96,9 @@ const SPLIT: &str = "splits_light";
 
 /// The constant by which a cache of irradiance knows of surfaces that scatter light diffusely.
 const LEAVES: &str = "leaves_diffuse";
+
+/// The constant by which one thread traces all rays of ambient occlusion of a hit, as suits processors.
+const PER_HIT: (&str, f64) = ("ao_thread_per_hit", 1.0);
 
 /// What is set, for each set of features that is compiled: those of common scenes, and those with all that may be left out,
 /// which stand for the rest.
@@ -139,6 +185,18 @@ fn main() -> Result<()> {
             let _ = writeln!(list, "unsafe {{ Ahead::new({key:#034x}, {name}::entry) }},");
         }
     }
+    let mut functions = Vec::new();
+    if architecture != "wasm32" {
+        let in_lanes = architecture == "x86_64";
+        standard_functions(attributes, in_lanes, &mut modules, &mut functions)?;
+    }
+    let _ = writeln!(modules, "pub const NAMES: &[&str] = &{FUNCTIONS:?};");
+    let _ = writeln!(
+        modules,
+        "pub static FUNCTIONS: [AheadFunction; {}] = [\n{}];",
+        functions.len(),
+        functions.concat()
+    );
     let _ = writeln!(modules, "pub const OMISSIONS: &[&str] = &{OMISSIONS:?};");
     let _ = writeln!(
         modules,
@@ -152,6 +210,90 @@ fn main() -> Result<()> {
     Ok(())
 }
 
+/// Writes the standard functions of textures, as kernels with users' texts contain them.
+fn standard_functions(
+    attributes: &str,
+    in_lanes: bool,
+    modules: &mut String,
+    list: &mut Vec<String>,
+) -> Result<()> {
+    let mut text = String::new();
+    for file in STANDARD_FILES {
+        let path = Path::new(STANDARD).join(format!("{file}.wgsl"));
+        println!("cargo::rerun-if-changed={}", path.display());
+        text += &fs::read_to_string(&path)
+            .with_context(|| format!("cannot read {}", path.display()))?;
+    }
+    // What isn't called is not in a program.
+    let bare = naga::front::wgsl::parse_str(&text)
+        .map_err(|error| anyhow::anyhow!("{}", error.emit_to_string(&text)))?;
+    text.push_str("\n@compute @workgroup_size(1) fn call_all() {\n");
+    for name in FUNCTIONS {
+        let mut functions = bare.functions.iter();
+        let found = functions.find(|(_, function)| function.name.as_deref() == Some(name));
+        let (_, function) = found.with_context(|| format!("there is no {name}"))?;
+        let arguments: Result<Vec<&str>> = (function.arguments.iter())
+            .map(|argument| zero(&bare.types[argument.ty].inner))
+            .collect();
+        let _ = writeln!(text, "_ = {name}({});", arguments?.join(", "));
+    }
+    text.push('}');
+    let text = Text::of("the standard functions", &text)?;
+    for (number, limit) in [None, Some(LOOP_LIMIT)].into_iter().enumerate() {
+        let program = |separate: &dyn Fn(&str) -> bool| -> Result<kernel_ir::ir::Program> {
+            let options = kernel_ir::Options {
+                separate,
+                loop_limit: limit,
+                ..kernel_ir::Options::default()
+            };
+            let (module, info) =
+                kernel_ir::with_constants(&text.module, &text.info, "call_all", &[])?;
+            Ok(kernel_ir::lower(&module, &info, "call_all", &options)?)
+        };
+        // As they are lowered at run time, and as they are written: both do the same.
+        let plain = program(&|name| FUNCTIONS.contains(&name))?;
+        let written =
+            program(&|name| FUNCTIONS.contains(&name) || (in_lanes && CORNERS.contains(&name)))?;
+        let Some(rust) = kernel_ir::rust::functions(&written, attributes, in_lanes) else {
+            bail!("the standard functions can't be written as Rust");
+        };
+        let imports = match in_lanes {
+            true => "use super::*; use core::arch::x86_64::*;",
+            false => "use super::*;",
+        };
+        let _ = writeln!(modules, "mod standard_{number} {{\n{imports}\n{rust}}}");
+        for (index, function) in plain.functions.iter().enumerate().skip(1) {
+            let mut functions = written.functions.iter();
+            let place = functions.position(|written| written.name == function.name);
+            let place = place.context("both programs have the same functions")?;
+            let key = plain.function_key(index);
+            // As `AheadFunction::new` wants it: `eN` was made of the function with this key.
+            list.push(format!(
+                "unsafe {{ AheadFunction::new({key:#034x}, [{}, {}, {}], core::mem::transmute(standard_{number}::e{place} as *const ())) }},\n",
+                function.parameters.len(),
+                function.instructions.len(),
+                function.value_types.len(),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// A value of a type, as WGSL.
+fn zero(ty: &naga::TypeInner) -> Result<&'static str> {
+    use naga::{ScalarKind, TypeInner, VectorSize};
+    Ok(match ty {
+        TypeInner::Scalar(scalar) if scalar.kind == ScalarKind::Float => "0.0",
+        TypeInner::Scalar(scalar) if scalar.kind == ScalarKind::Uint => "0u",
+        TypeInner::Vector { size, scalar } if scalar.kind == ScalarKind::Float => match size {
+            VectorSize::Bi => "vec2f()",
+            VectorSize::Tri => "vec3f()",
+            VectorSize::Quad => "vec4f()",
+        },
+        other => bail!("no function takes {other:?}"),
+    })
+}
+
 /// A valid text with all that it includes.
 struct Text {
     module: naga::Module,
@@ -162,20 +304,25 @@ impl Text {
     fn read(file: &str) -> Result<Self> {
         let mut text = String::new();
         include(file, &mut HashSet::new(), &mut text)?;
-        let module = naga::front::wgsl::parse_str(&text)
-            .map_err(|error| anyhow::anyhow!("{file}: {}", error.emit_to_string(&text)))?;
+        Self::of(file, &text)
+    }
+
+    fn of(file: &str, text: &str) -> Result<Self> {
+        let module = naga::front::wgsl::parse_str(text)
+            .map_err(|error| anyhow::anyhow!("{file}: {}", error.emit_to_string(text)))?;
         let capabilities = naga::valid::Capabilities::all();
         let flags = naga::valid::ValidationFlags::all();
         let info = naga::valid::Validator::new(flags, capabilities)
             .validate(&module)
-            .map_err(|error| anyhow::anyhow!("{file}: {}", error.emit_to_string(&text)))?;
+            .map_err(|error| anyhow::anyhow!("{file}: {}", error.emit_to_string(text)))?;
         Ok(Self { module, info })
     }
 
     fn program(&self, entry: &str, set: &[&str]) -> Result<kernel_ir::ir::Program> {
         let value = |name: &str| f64::from(u8::from(set.contains(&name)));
         let names = OMISSIONS.iter().chain(OTHERS).chain([&SPLIT, &LEAVES]);
-        let constants: Vec<(&str, f64)> = names.map(|&name| (name, value(name))).collect();
+        let mut constants: Vec<(&str, f64)> = names.map(|&name| (name, value(name))).collect();
+        constants.push(PER_HIT);
         let (module, info) =
             kernel_ir::with_constants(&self.module, &self.info, entry, &constants)?;
         let options = kernel_ir::Options {

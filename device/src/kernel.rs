@@ -6,7 +6,12 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::{Device, DeviceError, Resources, device::Kind, gpu, native, native::compile::Ahead};
+use crate::{
+    Device, DeviceError, Resources,
+    device::Kind,
+    gpu, native,
+    native::compile::{Ahead, AheadFunction},
+};
 
 /// Whether a kernel's indices and loops are to be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,6 +46,12 @@ pub trait Text: Debug + Sync {
     /// Kernels that were compiled with the program, for processors: one that computes the same as an entry point of this
     /// text stands for it.
     fn ahead(&self) -> &'static [Ahead] {
+        &[]
+    }
+
+    /// Functions that were compiled with the program, for processors: one that computes the same as a function of this text
+    /// that [is separate](Self::is_separate) stands for it.
+    fn ahead_functions(&self) -> &'static [AheadFunction] {
         &[]
     }
 

@@ -2,9 +2,36 @@
 
 use std::hash::{Hash, Hasher};
 
-use crate::ir::Program;
+use crate::ir::{Function, Program};
 
 impl Program {
+    /// A hash of all that one of its functions does, with those that it calls, whatever they are called and numbered: as
+    /// [`Self::key`], but for that function alone.
+    pub fn function_key(&self, index: usize) -> u128 {
+        let function = &self.functions[index];
+        let mut hash = Fnv::new();
+        let Function {
+            name: _,
+            parameters,
+            instructions,
+            value_types,
+            variable_types,
+            labels,
+            stack_bytes,
+            callees,
+        } = function;
+        parameters.hash(&mut hash);
+        instructions.hash(&mut hash);
+        value_types.hash(&mut hash);
+        variable_types.hash(&mut hash);
+        (labels, stack_bytes).hash(&mut hash);
+        for &callee in callees {
+            // No function of WGSL calls itself, so this ends.
+            hash.write(&self.function_key(callee).to_le_bytes());
+        }
+        hash.state
+    }
+
     /// A hash of all that the program is (FNV-1a, 128 bits): the same on every platform, and of two programs that do
     /// different things the same only by a chance that is none.
     pub fn key(&self) -> u128 {

@@ -6,12 +6,12 @@
 //! step: a text that was changed at run time, or a set of features that isn't here, is compiled when it is needed, and gives
 //! the same bits, only slower.
 
-use device::native::compile::Ahead;
+use device::native::compile::{Ahead, AheadFunction};
 
 mod compiled {
     use core::sync::atomic::{AtomicI32, AtomicU32, Ordering::Relaxed};
 
-    use device::native::compile::{Ahead, runtime};
+    use device::native::compile::{Ahead, AheadFunction, runtime};
 
     include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
 }
@@ -24,6 +24,28 @@ pub const OMISSIONS: &[&str] = compiled::OMISSIONS;
 pub fn all() -> &'static [Ahead] {
     match is_supported() {
         true => &compiled::ALL,
+        false => &[],
+    }
+}
+
+/// Standard functions of the texture language that this processor can run, for kernels that call them. What stands for one is
+/// known by what the function comes down to, not by its name.
+pub fn functions() -> &'static [AheadFunction] {
+    match is_supported() {
+        true => &compiled::FUNCTIONS,
+        false => &[],
+    }
+}
+
+/// Whether a standard function of this name is among [`functions`], and is to be called rather than inlined.
+pub fn is_function(name: &str) -> bool {
+    function_names().contains(&name)
+}
+
+/// The names of those that are to be called; what they call themselves may be among [`functions`], too.
+pub fn function_names() -> &'static [&'static str] {
+    match is_supported() {
+        true => compiled::NAMES,
         false => &[],
     }
 }

@@ -102,6 +102,7 @@ pub use prelude::PRELUDE;
 pub use private_memory::kernel_private_bytes;
 pub use program::{Instruction, Program, link_word};
 pub use source_map::SourceMap;
+pub use standard::standard_function;
 pub use suggest::did_you_mean;
 pub use swizzle::{Swizzle, SwizzleError};
 pub use texture::TextureType;

@@ -19,6 +19,11 @@ pub(crate) const STANDARD: &str = concat!(
 /// What their names begin with in a kernel, where the host has names of its own.
 pub(crate) const PREFIX: &str = "patina_";
 
+/// The published name of what may be a standard function, by the name that it has in a kernel.
+pub fn standard_function(name: &str) -> Option<&str> {
+    name.strip_prefix(PREFIX)
+}
+
 /// One function, structure or constant.
 struct Declaration {
     /// As it is published.

@@ -187,6 +187,7 @@ impl Processor {
             loop_limit: (source.trust == Trust::Nothing).then_some(LOOP_LIMIT),
             cache: Some(&self.shared.functions),
             ahead: source.text.ahead(),
+            ahead_functions: source.text.ahead_functions(),
             omissions: source.text.omissions(),
             ..Options::default()
         };

@@ -7,7 +7,7 @@
 
 use std::{collections::HashSet, ops::Range};
 
-use device::native::compile::Ahead;
+use device::native::compile::{Ahead, AheadFunction};
 use device::{Device, DeviceError, Kernel, KernelSource, Text, Trust};
 use texgen::{GeneratedKernel, SourceMap};
 
@@ -117,6 +117,10 @@ impl Text for ComposedWgsl {
         kernels::all()
     }
 
+    fn ahead_functions(&self) -> &'static [AheadFunction] {
+        kernels::functions()
+    }
+
     fn omissions(&self) -> &'static [&'static str] {
         kernels::OMISSIONS
     }
@@ -124,6 +128,7 @@ impl Text for ComposedWgsl {
     fn is_separate(&self, function: &str) -> bool {
         // What a texture is, with what calls it: a change of one texture is a change of one of these.
         texgen::is_call(function)
+            || texgen::standard_function(function).is_some_and(kernels::is_function)
     }
 
     fn adapt(&self, module: &mut naga::Module) {

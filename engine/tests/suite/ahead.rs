@@ -8,13 +8,15 @@ use device::native::{
 use engine::{gpu_scene::SceneFeatures, passes::wgsl::ComposedWgsl};
 
 /// Entry points and what their texts begin with.
-const KERNELS: [(&str, &str); 9] = [
+const KERNELS: [(&str, &str); 11] = [
     ("accumulate", "accumulate/entry.wgsl"),
     ("accumulate_first", "film_layers/accumulate.wgsl"),
     ("accumulate_ids", "film_layers/accumulate_ids.wgsl"),
     ("accumulate_mean", "film_layers/accumulate.wgsl"),
     ("accumulate_means", "film_layers/accumulate.wgsl"),
+    ("ao", "ao/ao.wgsl"),
     ("brdf", "brdf/entry.wgsl"),
+    ("classify", "classify/entry.wgsl"),
     ("raygen", "raygen/entry.wgsl"),
     ("traverse_closest", "traverse/entry.wgsl"),
     ("traverse_occlusion", "traverse/entry.wgsl"),
@@ -26,7 +28,8 @@ fn kernel(entry: &str, file: &str, features: &SceneFeatures, options: &Options<'
     let flags = naga::valid::ValidationFlags::all();
     let mut validator = naga::valid::Validator::new(flags, texgen::CAPABILITIES);
     let info = validator.validate(&module).expect("it is valid");
-    let constants = features.constants();
+    // A processor traces all rays of a hit in one thread.
+    let constants = [&features.constants()[..], &[("ao_thread_per_hit", 1.0)]].concat();
     Kernel::new(&module, &info, entry, &constants, options).expect("it can be compiled")
 }
 
@@ -146,4 +149,159 @@ fn run(kernel: &Kernel) -> Vec<Vec<u32>> {
         .iter()
         .map(|buffer| buffer.read::<u32>(0, WORDS))
         .collect()
+}
+
+/// A kernel that calls a function of `text` for each of some inputs and writes what it returns.
+fn caller(text: &str, function: &str, options: &Options<'_>) -> Kernel {
+    let module = naga::front::wgsl::parse_str(text).expect("it is valid");
+    let mut functions = module.functions.iter().map(|(_, function)| function);
+    let found = functions.find(|found| found.name.as_deref() == Some(function));
+    let found = found.unwrap_or_else(|| panic!("there is no {function}"));
+    let mut words = 0;
+    let mut arguments = Vec::new();
+    for argument in &found.arguments {
+        let size = components(&module, argument.ty);
+        let words: Vec<String> = (words..words + size)
+            .inspect(|_| words += 1)
+            .map(|word| format!("input[16u * id.x + {word}u]"))
+            .collect();
+        arguments.push(match size {
+            1 => words.concat(),
+            size => format!("vec{size}f({})", words.join(", ")),
+        });
+    }
+    let result = found.result.as_ref().expect("it returns something").ty;
+    let members: Vec<(String, u32)> = match &module.types[result].inner {
+        naga::TypeInner::Struct { members, .. } => members
+            .iter()
+            .map(|member| {
+                let name = member.name.clone().unwrap_or_default();
+                (format!("result.{name}"), components(&module, member.ty))
+            })
+            .collect(),
+        _ => vec![("result".to_owned(), components(&module, result))],
+    };
+    let mut stores = String::new();
+    let mut word = 0;
+    for (name, size) in members {
+        for component in 0..size {
+            let component = match size {
+                1 => String::new(),
+                _ => format!("[{component}]"),
+            };
+            stores += &format!("output[16u * id.x + {word}u] = bitcast<u32>({name}{component});\n");
+            word += 1;
+        }
+    }
+    let text = format!(
+        "{text}
+        @group(0) @binding(0) var<storage, read> input: array<f32>;
+        @group(0) @binding(1) var<storage, read_write> output: array<u32>;
+        @compute @workgroup_size(64) fn call(@builtin(global_invocation_id) id: vec3u) {{
+            let result = {function}({});
+            {stores}
+        }}",
+        arguments.join(", ")
+    );
+    let module = naga::front::wgsl::parse_str(&text).expect("it is valid");
+    let flags = naga::valid::ValidationFlags::all();
+    let mut validator = naga::valid::Validator::new(flags, texgen::CAPABILITIES);
+    let info = validator.validate(&module).expect("it is valid");
+    Kernel::new(&module, &info, "call", &[], options).expect("it can be compiled")
+}
+
+fn components(module: &naga::Module, ty: naga::Handle<naga::Type>) -> u32 {
+    match module.types[ty].inner {
+        naga::TypeInner::Vector { size, .. } => size as u32,
+        _ => 1,
+    }
+}
+
+/// What a caller writes for inputs of all kinds: near zero and far, whole numbers, and what is no number. One that isn't a
+/// number has many bits; it counts as one.
+fn called(kernel: &Kernel) -> Vec<u32> {
+    const CALLS: usize = 4096;
+    let input: Vec<f32> = (0..16 * CALLS as u32)
+        .map(|word| {
+            let bits = (word + 1).wrapping_mul(2_654_435_761);
+            let unit = (bits >> 8) as f32 / 16_777_216.0 - 0.5;
+            match word / 16 % 8 {
+                0 => f32::from_bits(bits ^ bits >> 13),
+                1 => (16.0 * unit).round(),
+                2 => 1e6 * unit,
+                3 => 2.0 * unit.abs(),
+                _ => 24.0 * unit,
+            }
+        })
+        .collect();
+    let buffer = |words: &[u32]| {
+        let buffer = Buffer::new(4 * words.len() as u64).expect("there is memory");
+        buffer.write(0, words);
+        buffer
+    };
+    let input = buffer(&input.iter().map(|x| x.to_bits()).collect::<Vec<u32>>());
+    let output = buffer(&vec![0; 16 * CALLS]);
+    let bound = kernel.bind(|binding| {
+        Some(Resource::from(match binding.name.as_str() {
+            "input" => input.clone(),
+            _ => output.clone(),
+        }))
+    });
+    bound
+        .expect("both are bound")
+        .dispatch([CALLS as u32 / 64, 1, 1]);
+    let canonical = |word: u32| match f32::from_bits(word).is_nan() {
+        true => f32::NAN.to_bits(),
+        false => word,
+    };
+    let words = output.read::<u32>(0, 16 * CALLS);
+    words.into_iter().map(canonical).collect()
+}
+
+/// Functions of textures, called by kernels that are compiled at run time.
+#[test]
+fn standard_functions_ahead_give_the_same_bits() {
+    if !are_any() {
+        return;
+    }
+    for &function in kernels::function_names() {
+        for loop_limit in [None, Some(u32::MAX)] {
+            let [ahead, not] = [kernels::functions(), &[]].map(|ahead_functions| {
+                let options = Options {
+                    separate: &kernels::is_function,
+                    ahead_functions,
+                    loop_limit,
+                    ..Options::default()
+                };
+                caller(texgen::PRELUDE, function, &options)
+            });
+            assert_eq!(ahead.statistics().ahead, 1, "{function} is called");
+            assert_eq!(
+                ahead.statistics().functions,
+                1,
+                "{function}: nothing else is compiled"
+            );
+            assert_eq!(not.statistics().ahead, 0);
+            let outcomes = [ahead, not].map(|kernel| called(&kernel));
+            assert!(outcomes[0].iter().any(|&word| word != 0), "{function}");
+            let different = (0..outcomes[0].len()).find(|&i| outcomes[0][i] != outcomes[1][i]);
+            assert_eq!(different, None, "{function} differs");
+        }
+    }
+}
+
+/// What counts is what a function does, not what it is called.
+#[test]
+fn a_function_of_a_standard_name_is_its_own() {
+    let text = "fn hashU1(v: u32) -> u32 { return v; }
+        fn perlin3D(p: vec3f) -> f32 { return p.x + f32(hashU1(u32(p.y))); }";
+    let options = Options {
+        separate: &|name| name == "perlin3D",
+        ahead_functions: kernels::functions(),
+        ..Options::default()
+    };
+    let kernel = caller(text, "perlin3D", &options);
+    assert_eq!(kernel.statistics().ahead, 0);
+    let expected = Options::default();
+    assert!(called(&kernel) == called(&caller(text, "perlin3D", &expected)));
 }

@@ -215,7 +215,6 @@ fn what_a_floor_reflects_of_the_sun_lights_what_is_above_it() {
     let right = of(Method::Path, 1024);
     for method in [Method::Draft, Method::Cache] {
         let off = of(method, 128) / right - 1.0;
-        println!("{}: off by {off}", method.name());
         assert!(off.abs() < 0.04, "{}: off by {off}", method.name());
     }
 }

@@ -5,14 +5,16 @@
 //! in lower case, `AtomicU32`, `AtomicI32` and `Relaxed`. It is code for compilers, not for readers.
 
 mod expression;
+mod lanes;
 mod scopes;
 
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use crate::ir::{Function, Instruction, Label, Program, Value};
+use crate::ir::{Function, Instruction, Label, Program, Type, Value};
 
 use expression::{at, expression, literal, store, type_name, zero};
+use lanes::Grouped;
 use scopes::{Home, Scope, homes, positions, scopes};
 
 /// A module of Rust with `pub unsafe extern "C" fn entry`, which has the parameters of the program's entry point: the
@@ -26,6 +28,62 @@ pub fn module(program: &Program, attributes: &str) -> Option<String> {
     for (index, function) in program.functions.iter().enumerate() {
         text.push_str(&Writer::new(function, &mut words)?.function(index, attributes));
     }
+    tables(&mut text, &words);
+    let _ = writeln!(
+        text,
+        "{attributes}\npub unsafe extern \"C\" fn entry(p0: *const u64, p1: *mut u64, p2: u32, p3: u32, p4: u32) {{\n\
+         unsafe {{ f0(p0.cast_mut().cast(), p1.cast(), p2, p3, p4) }}\n}}"
+    );
+    Some(text)
+}
+
+/// A module of Rust with `pub unsafe extern "C" fn eN` for each function N of the program but its entry point, which has that
+/// function's parameters: floats, words, and addresses as `*mut u8`. `attributes` stand before each function. With
+/// `in_lanes`, calls of small functions that don't wait for one another are done at once, by AVX2: then the intrinsics of
+/// x86-64 must be in scope, and the attributes ask for it.
+///
+/// None for what isn't written this way.
+pub fn functions(program: &Program, attributes: &str, in_lanes: bool) -> Option<String> {
+    let mut text = String::new();
+    let mut words = Vec::new();
+    for (index, function) in program.functions.iter().enumerate().skip(1) {
+        // How a byte that is a condition is passed, platforms see differently.
+        if function.parameters.contains(&Type::Bool) {
+            return None;
+        }
+        let grouped = in_lanes.then(|| Grouped::new(program, function));
+        let ordered = grouped.as_ref().map(|grouped| Function {
+            instructions: grouped.instructions.clone(),
+            ..function.clone()
+        });
+        let mut writer = Writer::new(ordered.as_ref().unwrap_or(function), &mut words)?;
+        writer.grouped = grouped.as_ref().map(|grouped| (grouped, program));
+        text.push_str(&writer.function(index, attributes));
+        if in_lanes {
+            text.push_str(&lanes::functions(program, index, attributes));
+        }
+        let parameters = parameters(function);
+        let names: Vec<String> = (0..function.parameters.len())
+            .map(|index| format!("p{index}"))
+            .collect();
+        let _ = writeln!(
+            text,
+            "{attributes}\npub unsafe extern \"C\" fn e{index}({parameters}) {{ unsafe {{ f{index}({}) }} }}",
+            names.join(", ")
+        );
+    }
+    tables(&mut text, &words);
+    Some(text)
+}
+
+fn parameters(function: &Function) -> String {
+    let parameters: Vec<String> = (function.parameters.iter().enumerate())
+        .map(|(index, &ty)| format!("p{index}: {}", type_name(ty)))
+        .collect();
+    parameters.join(", ")
+}
+
+fn tables(text: &mut String, words: &[Arc<[u32]>]) {
     for (index, words) in words.iter().enumerate() {
         let _ = writeln!(
             text,
@@ -34,12 +92,6 @@ pub fn module(program: &Program, attributes: &str) -> Option<String> {
             words
         );
     }
-    let _ = writeln!(
-        text,
-        "{attributes}\npub unsafe extern \"C\" fn entry(p0: *const u64, p1: *mut u64, p2: u32, p3: u32, p4: u32) {{\n\
-         unsafe {{ f0(p0.cast_mut().cast(), p1.cast(), p2, p3, p4) }}\n}}"
-    );
-    Some(text)
 }
 
 struct Writer<'a> {
@@ -49,6 +101,8 @@ struct Writer<'a> {
     homes: Vec<Home>,
     /// Values that are written where they are used.
     constants: Vec<Option<String>>,
+    /// What is done in lanes, of which program.
+    grouped: Option<(&'a Grouped, &'a Program)>,
     text: String,
 }
 
@@ -79,16 +133,14 @@ impl<'a> Writer<'a> {
             scopes,
             homes,
             constants,
+            grouped: None,
             text: String::new(),
         })
     }
 
     fn function(mut self, index: usize, attributes: &str) -> String {
         let function = self.function;
-        let parameters: Vec<String> = (function.parameters.iter().enumerate())
-            .map(|(index, &ty)| format!("p{index}: {}", type_name(ty)))
-            .collect();
-        let parameters = parameters.join(", ");
+        let parameters = parameters(function);
         self.line(&format!(
             "{attributes}\nunsafe fn f{index}({parameters}) {{ unsafe {{"
         ));
@@ -165,6 +217,15 @@ impl<'a> Writer<'a> {
 
     fn instruction(&mut self, position: usize, instruction: &Instruction) {
         let name = |value: Value| self.name(value);
+        let grouped = self.grouped.and_then(|(grouped, program)| {
+            (grouped.others.contains(&position))
+                .then(String::new)
+                .or_else(|| grouped.call(position, program, &name))
+        });
+        if let Some(line) = grouped {
+            self.line(&line);
+            return;
+        }
         let line = match *instruction {
             Instruction::Constant { .. }
             | Instruction::Words { .. }
@@ -216,7 +277,11 @@ impl<'a> Writer<'a> {
             }
             Instruction::Return => "return;".to_owned(),
             _ => {
-                let Some(made) = expression(instruction, &name) else {
+                let read = instruction.result().and_then(|value| {
+                    let ty = self.function.value_types[value.0 as usize];
+                    self.grouped?.0.read(value, ty)
+                });
+                let Some(made) = read.or_else(|| expression(instruction, &name)) else {
                     return;
                 };
                 match instruction.result() {

@@ -22,6 +22,8 @@ fn metricLength(d: vec3f, metric: u32) -> f32 {
     return dot(d, d);
 }
 
+// The cells around a point share the hashes of their z, then of their y: `hashU3` and `hashU2` of each, taken apart.
+
 // Where a cube's centre is, in [0, 1] for randomness 1.
 fn cellJitter(hash: u32) -> vec3f {
     return vec3f(vec3u(hash, hash >> 10u, hash >> 20u) & vec3u(1023u)) / 1023.0;
@@ -35,10 +37,12 @@ fn voronoiMetric3D(p: vec3f, randomness: f32, metric: u32) -> VoronoiCell {
     let f = q - floor(q);
     var found = VoronoiCell(1e9, 1e9, 0u, vec3f(), vec3f());
     for (var z = -1; z <= 1; z++) {
+        let layer = hashU1(u32(cell.z + z));
         for (var y = -1; y <= 1; y++) {
+            let row = hashU1(u32(cell.y + y) + layer);
             for (var x = -1; x <= 1; x++) {
                 let step = vec3i(x, y, z);
-                let h = hashU3(vec3u(cell + step));
+                let h = hashU1(u32(cell.x + x) + row);
                 let d = vec3f(step) + 0.5 + randomness * (cellJitter(h) - 0.5) - f;
                 let length = metricLength(d, metric);
                 if length < found.nearest {
@@ -66,9 +70,10 @@ fn voronoiMetric2D(p: vec2f, randomness: f32, metric: u32) -> VoronoiCell {
     let f = q - floor(q);
     var found = VoronoiCell(1e9, 1e9, 0u, vec3f(), vec3f());
     for (var y = -1; y <= 1; y++) {
+        let row = hashU1(u32(cell.y + y));
         for (var x = -1; x <= 1; x++) {
             let step = vec2i(x, y);
-            let h = hashU2(vec2u(cell + step));
+            let h = hashU1(u32(cell.x + x) + row);
             let jitter = vec2f(vec2u(h, h >> 16u) & vec2u(65535u)) / 65535.0 - 0.5;
             let d = vec3f(vec2f(step) + 0.5 + randomness * jitter - f, 0.0);
             let length = metricLength(d, metric);
@@ -95,10 +100,12 @@ fn voronoiEdge3D(p: vec3f, randomness: f32) -> f32 {
     let own = voronoi3D(q, randomness).toNearest;
     var edge = 1e9;
     for (var z = -1; z <= 1; z++) {
+        let layer = hashU1(u32(cell.z + z));
         for (var y = -1; y <= 1; y++) {
+            let row = hashU1(u32(cell.y + y) + layer);
             for (var x = -1; x <= 1; x++) {
                 let step = vec3i(x, y, z);
-                let d = vec3f(step) + 0.5 + randomness * (cellJitter(hashU3(vec3u(cell + step))) - 0.5) - f;
+                let d = vec3f(step) + 0.5 + randomness * (cellJitter(hashU1(u32(cell.x + x) + row)) - 0.5) - f;
                 let across = d - own;
                 let length = length(across);
                 if length > 1e-4 {
@@ -117,9 +124,10 @@ fn voronoiEdge2D(p: vec2f, randomness: f32) -> f32 {
     let own = voronoi2D(q, randomness).toNearest.xy;
     var edge = 1e9;
     for (var y = -2; y <= 2; y++) {
+        let row = hashU1(u32(cell.y + y));
         for (var x = -2; x <= 2; x++) {
             let step = vec2i(x, y);
-            let h = hashU2(vec2u(cell + step));
+            let h = hashU1(u32(cell.x + x) + row);
             let jitter = vec2f(vec2u(h, h >> 16u) & vec2u(65535u)) / 65535.0 - 0.5;
             let d = vec2f(step) + 0.5 + randomness * jitter - f;
             let across = d - own;
@@ -140,10 +148,12 @@ fn voronoiSmooth3D(p: vec3f, randomness: f32, smoothness: f32) -> f32 {
     let width = max(smoothness, 1e-3);
     var smallest = 8.0;
     for (var z = -1; z <= 1; z++) {
+        let layer = hashU1(u32(cell.z + z));
         for (var y = -1; y <= 1; y++) {
+            let row = hashU1(u32(cell.y + y) + layer);
             for (var x = -1; x <= 1; x++) {
                 let step = vec3i(x, y, z);
-                let d = vec3f(step) + 0.5 + randomness * (cellJitter(hashU3(vec3u(cell + step))) - 0.5) - f;
+                let d = vec3f(step) + 0.5 + randomness * (cellJitter(hashU1(u32(cell.x + x) + row)) - 0.5) - f;
                 let distance = length(d);
                 let h = smoothstep(0.0, 1.0, 0.5 + 0.5 * (smallest - distance) / width);
                 smallest = mix(smallest, distance, h) - 0.25 * width * h * (1.0 - h);

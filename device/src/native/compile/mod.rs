@@ -19,7 +19,7 @@ mod dispatch;
 mod generate;
 pub mod runtime;
 
-pub use ahead::Ahead;
+pub use ahead::{Ahead, AheadFunction};
 pub use bind::{BindError, Resource};
 pub use cache::Cache;
 pub use dispatch::{BoundKernel, EntryPoint};
@@ -48,6 +48,9 @@ pub struct Options<'a> {
     pub cache: Option<&'a Cache>,
     /// Kernels that were compiled before: one that computes the same is taken instead of compiling.
     pub ahead: &'static [Ahead],
+    /// Functions that were compiled before: called in place of functions of the text that compute the same. Only what
+    /// [`Self::separate`] names is called at all.
+    pub ahead_functions: &'static [AheadFunction],
     /// Override constants that only leave out what isn't needed: what was compiled before with all of them set will do.
     pub omissions: &'static [&'static str],
 }
@@ -62,6 +65,7 @@ impl Default for Options<'_> {
             stack_limit: 512 << 10,
             cache: None,
             ahead: &[],
+            ahead_functions: &[],
             omissions: &[],
         }
     }
@@ -74,6 +78,8 @@ pub struct Statistics {
     pub functions: usize,
     /// How many of them had to be compiled; the others were in the cache.
     pub compiled: usize,
+    /// Functions that were compiled with the program and are called instead.
+    pub ahead: usize,
     /// Bytes of machine code.
     pub code_bytes: usize,
     /// Bytes of stack that an invocation takes at most.

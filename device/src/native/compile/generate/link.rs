@@ -1,14 +1,12 @@
 //! Puts machine code where it can run.
 
-use std::sync::Arc;
-
 use cranelift_codegen::{ir, isa::OwnedTargetIsa};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{
     FuncId, Linkage, Module, ModuleReloc, ModuleRelocTarget, default_libcall_names,
 };
 
-use super::{MachineCode, Target, refused};
+use super::{Part, Target, refused};
 use crate::native::compile::{CompileError, dispatch::EntryPoint, ir::Program, runtime};
 
 /// A kernel in executable memory, which is freed with it.
@@ -17,7 +15,7 @@ pub(in super::super) struct Code {
     /// None only while it is dropped.
     module: Option<JITModule>,
     /// Constants that the code points to.
-    _parts: Vec<Arc<MachineCode>>,
+    _parts: Vec<Part>,
 }
 
 // SAFETY: once linked, a module is only kept, and then dropped: its code and what that points to never change.
@@ -50,24 +48,36 @@ impl Drop for Code {
 /// Links functions that fit the program's, one by one.
 pub(super) fn link(
     program: &Program,
-    codes: Vec<Arc<MachineCode>>,
+    parts: Vec<Part>,
     isa: OwnedTargetIsa,
 ) -> Result<Code, CompileError> {
     let failed = |error: cranelift_module::ModuleError| refused("the kernel", error);
     let convention = isa.default_call_conv();
     let mut builder = JITBuilder::with_isa(isa, default_libcall_names());
     builder.symbols(runtime::library());
+    for (index, part) in parts.iter().enumerate() {
+        if let Part::Ahead(function) = part {
+            builder.symbol(format!("f{index}"), function.address());
+        }
+    }
     let mut module = JITModule::new(builder);
     // Its signature matters to nobody: addresses are all that is put in place.
     let signature = ir::Signature::new(convention);
-    let ids = (0..codes.len())
-        .map(|index| {
+    let ids = (parts.iter().enumerate())
+        .map(|(index, part)| {
+            let linkage = match part {
+                Part::Compiled(_) => Linkage::Local,
+                Part::Ahead(_) | Part::Unused => Linkage::Import,
+            };
             module
-                .declare_function(&format!("f{index}"), Linkage::Local, &signature)
+                .declare_function(&format!("f{index}"), linkage, &signature)
                 .map_err(failed)
         })
         .collect::<Result<Vec<FuncId>, CompileError>>()?;
-    for ((code, function), &id) in codes.iter().zip(&program.functions).zip(&ids) {
+    for ((part, function), &id) in parts.iter().zip(&program.functions).zip(&ids) {
+        let Part::Compiled(code) = part else {
+            continue;
+        };
         let places: Vec<ModuleReloc> = code
             .places
             .iter()
@@ -92,6 +102,6 @@ pub(super) fn link(
         // SAFETY: the first function is the entry point, written with these parameters.
         entry: unsafe { std::mem::transmute::<*const u8, EntryPoint>(entry) },
         module: Some(module),
-        _parts: codes,
+        _parts: parts,
     })
 }

@@ -20,10 +20,13 @@ use cranelift_codegen::{
 use rayon::prelude::*;
 
 use super::{
-    CompileError, ErrorKind, Options, Statistics,
+    AheadFunction, CompileError, ErrorKind, Options, Statistics, ahead,
     ir::{Function, Program},
 };
 pub(super) use link::Code;
+
+/// Bytes of stack that a function which was compiled before is taken to need beside its own memory.
+const AHEAD_STACK: u32 = 4096;
 
 /// Machine code of one function, wherever it will lie.
 #[derive(Debug)]
@@ -57,6 +60,31 @@ enum Target {
     Own(u32),
 }
 
+/// A function of a program.
+#[derive(Debug, Clone)]
+pub(super) enum Part {
+    Compiled(Arc<MachineCode>),
+    Ahead(&'static AheadFunction),
+    /// Only what was compiled before calls it.
+    Unused,
+}
+
+/// What is done about each function: those that were compiled before aren't again, nor is what they alone call.
+fn parts(program: &Program, ahead: &'static [AheadFunction]) -> Vec<Option<Part>> {
+    let mut parts = vec![Some(Part::Unused); program.functions.len()];
+    let mut open = vec![0];
+    while let Some(index) = open.pop() {
+        if !matches!(parts[index], Some(Part::Unused)) {
+            continue;
+        }
+        parts[index] = ahead::find_function(program, index, ahead).map(Part::Ahead);
+        if parts[index].is_none() {
+            open.extend(&program.functions[index].callees);
+        }
+    }
+    parts
+}
+
 /// Compiles a program, as far as the cache doesn't have it.
 pub(super) fn compile(
     program: &Program,
@@ -66,40 +94,48 @@ pub(super) fn compile(
         check_stack(u64::from(function.stack_bytes), options)?;
     }
     let isa = target().map_err(|message| refused("the kernel", message))?;
-    let found: Vec<Option<Arc<MachineCode>>> = program
-        .functions
-        .iter()
-        .map(|function| options.cache.and_then(|cache| cache.find(function)))
-        .collect();
-    let compiled = found.iter().filter(|code| code.is_none()).count();
-    let codes = program
+    let mut found = parts(program, options.ahead_functions);
+    if let Some(cache) = options.cache {
+        for (function, part) in program.functions.iter().zip(&mut found) {
+            if part.is_none() {
+                *part = cache.find(function).map(Part::Compiled);
+            }
+        }
+    }
+    let compiled = found.iter().filter(|part| part.is_none()).count();
+    let parts = program
         .functions
         .par_iter()
         .zip(found)
         .map(|(function, found)| match found {
-            Some(code) => Ok(code),
+            Some(part) => Ok(part),
             None => {
                 let code = Arc::new(machine_code(program, function, &isa)?);
                 if let Some(cache) = options.cache {
                     cache.keep(function, &code);
                 }
-                Ok(code)
+                Ok(Part::Compiled(code))
             }
         })
         .collect::<Result<Vec<_>, CompileError>>()?;
     if let Some(cache) = options.cache {
         cache.age();
     }
-    let stack_bytes = deepest(program, &codes);
+    let stack_bytes = deepest(program, &parts);
     check_stack(stack_bytes, options)?;
+    let codes = parts.iter().filter_map(|part| match part {
+        Part::Compiled(code) => Some(code),
+        Part::Ahead(_) | Part::Unused => None,
+    });
     let statistics = Statistics {
-        functions: codes.len(),
+        functions: codes.clone().count(),
         compiled,
-        code_bytes: codes.iter().map(|code| code.bytes.len()).sum(),
+        ahead: (parts.iter().filter(|part| matches!(part, Part::Ahead(_)))).count(),
+        code_bytes: codes.map(|code| code.bytes.len()).sum(),
         stack_bytes: u32::try_from(stack_bytes).unwrap_or(u32::MAX),
         ..Statistics::default()
     };
-    let code = link::link(program, codes, isa)?;
+    let code = link::link(program, parts, isa)?;
     Ok((code, statistics))
 }
 
@@ -193,23 +229,23 @@ fn machine_code(
 }
 
 /// Bytes of stack that the deepest chain of calls takes, from the kernel on.
-fn deepest(program: &Program, codes: &[Arc<MachineCode>]) -> u64 {
-    fn below(
-        index: usize,
-        program: &Program,
-        codes: &[Arc<MachineCode>],
-        known: &mut [Option<u64>],
-    ) -> u64 {
+fn deepest(program: &Program, parts: &[Part]) -> u64 {
+    fn below(index: usize, program: &Program, parts: &[Part], known: &mut [Option<u64>]) -> u64 {
         if let Some(known) = known[index] {
             return known;
         }
         // No function of WGSL calls itself, so this ends.
         let callees = program.functions[index].callees.iter();
-        let deepest = callees.map(|&callee| below(callee, program, codes, known));
-        let sum = u64::from(codes[index].stack_bytes) + deepest.max().unwrap_or(0);
+        let deepest = callees.map(|&callee| below(callee, program, parts, known));
+        let own = match &parts[index] {
+            Part::Compiled(code) => code.stack_bytes,
+            // Nobody tells; those functions are small.
+            Part::Ahead(_) | Part::Unused => program.functions[index].stack_bytes + AHEAD_STACK,
+        };
+        let sum = u64::from(own) + deepest.max().unwrap_or(0);
         known[index] = Some(sum);
         sum
     }
-    let mut known = vec![None; codes.len()];
-    below(0, program, codes, &mut known)
+    let mut known = vec![None; parts.len()];
+    below(0, program, parts, &mut known)
 }

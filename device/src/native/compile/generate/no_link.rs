@@ -1,11 +1,9 @@
 //! Stands in for `link` where machine code can't be put into memory and run: WebAssembly has no such memory. There, kernels
 //! are for other devices.
 
-use std::sync::Arc;
-
 use cranelift_codegen::isa::OwnedTargetIsa;
 
-use super::{MachineCode, refused};
+use super::{Part, refused};
 use crate::native::compile::{CompileError, dispatch::EntryPoint, ir::Program};
 
 /// There is none.
@@ -18,11 +16,7 @@ impl Code {
     }
 }
 
-pub(super) fn link(
-    _: &Program,
-    _: Vec<Arc<MachineCode>>,
-    _: OwnedTargetIsa,
-) -> Result<Code, CompileError> {
+pub(super) fn link(_: &Program, _: Vec<Part>, _: OwnedTargetIsa) -> Result<Code, CompileError> {
     let why = "this program runs where no other code can be made to run";
     Err(refused("the kernel", why))
 }
