@@ -106,6 +106,11 @@ fn finished_pieces_are_taken_up() {
     assert!(!folder.exists(), "the picture is written");
     // Without --resume it begins anew, and what isn't a piece stays where it is.
     fs::create_dir(&folder).expect("a folder");
+    // As another run does that is under way: the pieces of both would mix.
+    let lock = fs::File::create(folder.join("lock")).expect("written");
+    lock.lock().expect("nobody else has it");
+    bench.run(&line).expect_error(1, "another render");
+    drop(lock);
     fs::write(folder.join("00000.patina-film"), "old").expect("written");
     fs::write(folder.join("mine.txt"), "mine").expect("written");
     bench.run(&line).expect_code(0);

@@ -1,7 +1,7 @@
 //! The pieces of a picture that are done, as films in a folder beside it. The folder is gone once the picture is written; where a render
 //! ends before, it stays if the render is to be gone on with.
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -19,6 +19,9 @@ use super::division::{Division, Piece};
 /// What the folder of `room.exr` is called: `room.patina-pieces`.
 const EXTENSION: &str = "patina-pieces";
 
+/// The file in it that a run holds locked, and that is gone with it.
+const LOCK: &str = "lock";
+
 /// The pieces of one picture.
 #[derive(Debug)]
 pub(super) struct Store {
@@ -29,6 +32,8 @@ pub(super) struct Store {
     stays: bool,
     /// Gone with a program that is ended from outside.
     leftover: Option<Leftover>,
+    /// Open, and so locked, as long as this is there: the pieces of two runs would mix.
+    _lock: File,
 }
 
 impl Store {
@@ -62,18 +67,30 @@ impl Store {
         match fs::create_dir(&folder) {
             Ok(()) if !stays => leftover = Some(Leftover::new(folder.clone())),
             Ok(()) => {}
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => {
-                if !resumes {
-                    clear(&folder).map_err(refused)?;
-                }
-            }
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => {}
             Err(error) => return Err(refused(error)),
+        }
+        let lock = File::create(folder.join(LOCK)).map_err(refused)?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(Failure::Failed(format!(
+                    "another render keeps its pieces in {}; wait for its end, or write to a file of another name",
+                    folder.display()
+                )));
+            }
+            // Some file systems know no locks.
+            Err(TryLockError::Error(_)) => {}
+        }
+        if !resumes {
+            clear(&folder).map_err(refused)?;
         }
         Ok(Self {
             folder,
             resumes,
             stays,
             leftover,
+            _lock: lock,
         })
     }
 
@@ -130,8 +147,9 @@ impl Store {
 
 impl Drop for Store {
     fn drop(&mut self) {
+        // What can't be removed is in nobody's way.
+        let _ = fs::remove_file(self.folder.join(LOCK));
         if !self.stays {
-            // What can't be removed is in nobody's way.
             let _ = clear(&self.folder);
             let _ = fs::remove_dir(&self.folder);
         }
