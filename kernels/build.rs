@@ -105,6 +105,10 @@ const PER_HIT: (&str, f64) = ("ao_thread_per_hit", 1.0);
 const SETS: &[(&[&str], &[&str])] = &[
     // Plain surfaces under lamps, such as a Cornell box.
     (&[], &["energy_compensation"]),
+    // The same with textures.
+    (&["has_textures"], &["energy_compensation"]),
+    // Plain surfaces under a sky.
+    (&["has_environment"], &["energy_compensation"]),
     // Textures under a sky, cut-outs among them.
     (
         &["has_textures", "has_environment"],
@@ -121,6 +125,7 @@ const SETS: &[(&[&str], &[&str])] = &[
     ),
     // Single scattering between microfacets alone, as glTF's formula has it.
     (&[], &[]),
+    (&["has_textures"], &[]),
     (&["has_textures", "has_environment"], &[]),
     (OMISSIONS, &[]),
     (OMISSIONS, &["energy_compensation"]),

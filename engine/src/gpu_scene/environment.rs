@@ -147,11 +147,12 @@ impl GpuEnvironment {
     ) -> Result<Self, DeviceError> {
         let texels: Vec<[f32; 4]> = image.rgb.iter().map(|c| [c[0], c[1], c[2], 1.0]).collect();
         let (in_parts, parts) = part_tables(weights, table_size);
-        let cells = alias_table(weights).into_iter().chain(in_parts);
-        let cells: Vec<[u32; 4]> = cells
-            .map(|c| {
+        let whole = (alias_table(weights).into_iter()).map(|cell| (cell, table_size[0]));
+        let cells: Vec<[u32; 4]> = whole
+            .chain(in_parts)
+            .map(|(c, width)| {
                 [
-                    c.alias,
+                    c.alias % width | (c.alias / width) << 16,
                     c.threshold.to_bits(),
                     (c.probability * weights.len() as f32).to_bits(),
                     0,
@@ -184,10 +185,13 @@ impl GpuEnvironment {
     }
 }
 
-/// Of each cell its entry in the alias table of its part of the sky, and the probability of each part.
-fn part_tables(weights: &[f64], table: [u32; 2]) -> (Vec<AliasCell>, Vec<f64>) {
+/// Of each cell its entry in the alias table of its part of the sky, whose cells are numbered row by row, with the number of columns there;
+/// and the probability of each part.
+fn part_tables(weights: &[f64], table: [u32; 2]) -> (Vec<(AliasCell, u32)>, Vec<f64>) {
     let total = weights.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-    let mut entries = alias_table(weights);
+    let mut entries: Vec<_> = (alias_table(weights).into_iter())
+        .map(|cell| (cell, 1))
+        .collect();
     let mut probabilities = Vec::new();
     let [columns, rows] = SKY_PARTS;
     for part in 0..columns * rows {
@@ -198,8 +202,9 @@ fn part_tables(weights: &[f64], table: [u32; 2]) -> (Vec<AliasCell>, Vec<f64>) {
             .map(|cell| cell as usize)
             .collect();
         let own: Vec<f64> = cells.iter().map(|&cell| weights[cell]).collect();
+        let width = across.len() as u32;
         for (&cell, entry) in cells.iter().zip(alias_table(&own)) {
-            entries[cell] = entry;
+            entries[cell] = (entry, width);
         }
         probabilities.push(own.iter().sum::<f64>() / total);
     }
@@ -287,7 +292,7 @@ mod tests {
             for cell in 0..count {
                 let [x, y] = [cell % table[0], cell / table[0]];
                 let part = y * SKY_PARTS[1] / table[1] * SKY_PARTS[0] + x * SKY_PARTS[0] / table[0];
-                let by_part = parts[part as usize] as f32 * entries[cell as usize].probability;
+                let by_part = parts[part as usize] as f32 * entries[cell as usize].0.probability;
                 let at_once = whole[cell as usize].probability;
                 assert!(
                     (by_part - at_once).abs() < 1e-6 || count == 1,

@@ -31,7 +31,7 @@ pub struct GpuLightNode {
     cos_spread: f32,
     cos_reach: f32,
     two_sided: u32,
-    spare: u32,
+    sin_spread: f32,
 }
 
 impl GpuLightNode {
@@ -41,7 +41,7 @@ impl GpuLightNode {
             ($($member:ident),* $(,)?) => { vec![$((stringify!($member), std::mem::offset_of!(GpuLightNode, $member))),*] };
         }
         offsets![
-            low, child, high, parent, axis, intensity, cos_spread, cos_reach, two_sided, spare
+            low, child, high, parent, axis, intensity, cos_spread, cos_reach, two_sided, sin_spread
         ]
     }
 
@@ -104,7 +104,8 @@ impl Emitter {
         0.5 * (self.low + self.high)
     }
 
-    fn union(&self, other: &Self) -> Self {
+    /// Both as one.
+    pub fn union(&self, other: &Self) -> Self {
         let (axis, cos_spread) =
             cone_union((self.axis, self.cos_spread), (other.axis, other.cos_spread));
         Self {
@@ -129,7 +130,7 @@ impl Emitter {
             cos_spread: self.cos_spread,
             cos_reach: self.cos_reach,
             two_sided: u32::from(self.two_sided),
-            spare: 0,
+            sin_spread: (1.0 - self.cos_spread * self.cos_spread).max(0.0).sqrt(),
         }
     }
 }
@@ -155,7 +156,7 @@ fn cone_union((a, cos_a): (Vec3, f32), (b, cos_b): (Vec3, f32)) -> (Vec3, f32) {
     (axis.normalize(), spread.cos())
 }
 
-/// The tree over lights, none of which is without intensity, each with its number. Empty if there are none, or else two
+/// The tree over lamps, none of which is without intensity, each with the number of its first light. Empty if there are none, or else two
 /// records a light. Takes n log n steps for n lights, wherever they are.
 pub fn build(emitters: &[(u32, Emitter)]) -> Vec<GpuLightNode> {
     if emitters.is_empty() {

@@ -23,7 +23,8 @@ const POINT: u32 = 1;
 const SPOT: u32 = 2;
 const DIRECTIONAL: u32 = 3;
 
-/// `Light` in `lights.wgsl`. Of lights that aren't triangles `triangle` is their group.
+/// `Light` in `lights.wgsl`. Of lights that aren't triangles `triangle` is their group; of triangles `range` is their share of the area of
+/// their lamp, and the bits of `spot_scale` are the number of its other triangle.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct GpuLight {
@@ -59,6 +60,63 @@ struct Placed {
     /// Its number in the table.
     light: u32,
     emitter: Emitter,
+    /// Its material and its corners, metres; of a triangle.
+    surface: Option<(u32, [Vec3; 3])>,
+}
+
+/// Cosine of the angle between the normals of two triangles up to which they are one lamp: two and a half degrees.
+const SAME_PLANE: f32 = 0.999;
+
+/// Joins triangles that have an edge in common, two at a time, to lamps of which a point is sampled at once. A panel of two triangles is the
+/// usual lamp, and to choose one of both, for each point that it lights, takes as long as to sample it.
+fn join_pairs(lights: &mut [GpuLight], emitters: Vec<Placed>) -> Vec<(u32, Emitter)> {
+    // Of each edge of an instance and a material, who lies there and waits for another one.
+    let mut waiting = HashMap::<_, usize>::new();
+    let mut lamps: Vec<(u32, Emitter)> = Vec::with_capacity(emitters.len());
+    for placed in emitters {
+        let Placed {
+            source: (instance, _),
+            light,
+            emitter,
+            surface,
+        } = placed;
+        let Some((material, corners)) = surface else {
+            lamps.push((light, emitter));
+            continue;
+        };
+        let bits = corners.map(|corner| corner.to_array().map(f32::to_bits));
+        let edges = [[0, 1], [1, 2], [2, 0]].map(|[a, b]| {
+            let ends = [bits[a].min(bits[b]), bits[a].max(bits[b])];
+            (instance, material, ends)
+        });
+        let partner = edges.iter().find_map(|edge| {
+            let &lamp = waiting.get(edge)?;
+            let (first, other) = &lamps[lamp];
+            let is_alone = lights[*first as usize].range >= 1.0;
+            (is_alone && other.axis.dot(emitter.axis) >= SAME_PLANE).then_some(lamp)
+        });
+        let Some(lamp) = partner else {
+            for edge in edges {
+                waiting.insert(edge, lamps.len());
+            }
+            lamps.push((light, emitter));
+            continue;
+        };
+        let (first, other) = &mut lamps[lamp];
+        // Both have one radiance, so that this is a share of the area.
+        let share = other.intensity / (other.intensity + emitter.intensity);
+        // One of them must not vanish beside the other.
+        if !(0.01..=0.99).contains(&share) {
+            lamps.push((light, emitter));
+            continue;
+        }
+        for (own, share, partner) in [(*first, share, light), (light, 1.0 - share, *first)] {
+            let own = &mut lights[own as usize];
+            (own.range, own.spot_scale) = (share, f32::from_bits(partner));
+        }
+        *other = other.union(&emitter);
+    }
+    lamps
 }
 
 /// The lights of a scene but for its environment.
@@ -107,14 +165,19 @@ impl LightTable {
         table.add_punctual(scene, &mut emitters);
         // In the scene's order, not the hierarchy's: which light a random number chooses is the same on every device.
         emitters.sort_by_key(|emitter| emitter.source);
-        let numbered: Vec<_> = emitters.iter().map(|e| (e.light, e.emitter)).collect();
-        table.tree = light_tree::build(&numbered);
+        let lamps = join_pairs(&mut table.placed, emitters);
+        table.tree = light_tree::build(&lamps);
         for (place, node) in (0..).zip(&table.tree) {
             // The second record is no node.
             if place != 1
                 && let Some(light) = node.light()
             {
-                table.placed[light as usize].leaf = place;
+                let first = &mut table.placed[light as usize];
+                first.leaf = place;
+                if first.kind == TRIANGLE && first.range < 1.0 {
+                    let partner = first.spot_scale.to_bits();
+                    table.placed[partner as usize].leaf = place;
+                }
             }
         }
         table
@@ -163,11 +226,13 @@ impl LightTable {
                         intensity,
                         scene.materials[material as usize].double_sided,
                     ),
+                    surface: Some((material, corners)),
                 });
                 self.placed.push(GpuLight {
                     position: a,
                     kind: TRIANGLE,
                     direction: b - a,
+                    range: 1.0,
                     intensity: c - a,
                     triangle,
                     instance: place,
@@ -216,6 +281,7 @@ impl LightTable {
                 source: (u32::MAX, number),
                 light: self.placed.len() as u32,
                 emitter: Emitter::point(light.position, light.direction, angle, strength),
+                surface: None,
             });
             self.placed.push(entry);
         }

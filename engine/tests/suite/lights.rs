@@ -53,7 +53,13 @@ fn side() -> u32 {
 @compute @workgroup_size(64)
 fn probabilities(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= arrayLength(&data)) { return; }
-    data[id.x].x = light_probability(light_at(id.x).leaf, params.position, receiver_normal(side()));
+    let light = light_at(id.x);
+    data[id.x].x = light_probability(light.leaf, params.position, receiver_normal(side())) * share_of_lamp(light);
+}
+
+// A lamp may be two triangles.
+fn share_of_lamp(light: Light) -> f32 {
+    return select(1.0, light.range, light.kind == LIGHT_TRIANGLE);
 }
 
 // One of them, and the probability that goes with it.
@@ -61,7 +67,11 @@ fn probabilities(@builtin(global_invocation_id) id: vec3u) {
 fn choices(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= arrayLength(&data)) { return; }
     let choice = choose_light(params.position, receiver_normal(side()), uniform_number(id.x, 0u), hash(id.x));
-    data[id.x] = vec4f(f32(choice.index), choice.probability, 0.0, 0.0);
+    var index = choice.index;
+    if (uniform_number(id.x, 1u) >= share_of_lamp(light_at(index))) {
+        index = bitcast<u32>(light_at(index).spot_scale);
+    }
+    data[id.x] = vec4f(f32(index), choice.probability * share_of_lamp(light_at(index)), 0.0, 0.0);
 }
 
 @compute @workgroup_size(64)
@@ -78,7 +88,8 @@ fn corners(@builtin(global_invocation_id) id: vec3u) {
 fn points(@builtin(global_invocation_id) id: vec3u) {
     if (2u * id.x + 1u >= arrayLength(&data)) { return; }
     let light = light_at(params.light);
-    let probability = light_probability(light.leaf, params.position, receiver_normal(side())) / f32(light_groups());
+    let probability = light_probability(light.leaf, params.position, receiver_normal(side())) * share_of_lamp(light)
+        / f32(light_groups());
     let s = triangle_sample(light, probability, params.position, vec2f(uniform_number(id.x, 0u), uniform_number(id.x, 1u)));
     let normal = normalize(cross(light.direction, light.intensity));
     let hit = RayHit(params.position, 0.0, s.wi, s.distance, vec2f(0.0), light.triangle, light.instance);

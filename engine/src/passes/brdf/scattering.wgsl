@@ -3,25 +3,6 @@
 //!include shared/estimator.wgsl
 //!include brdf/leave.wgsl
 
-// How far above its triangle a point lies on the curved surface that the vertices' normals suggest: rays that leave from
-// there aren't stopped by the coarseness of the mesh (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021,
-// chapter 4). Zero where the surface is flat or hollow.
-fn curved_lift(s: Surface, instance: u32) -> vec3f {
-    if (s.is_flat) {
-        return vec3f(0.0);
-    }
-    let object_from_world = instances[instance].object_from_world;
-    let p = transform_point(object_from_world, s.position);
-    let side = select(-1.0, 1.0, s.front);
-    var lift = vec3f(0.0);
-    for (var i = 0u; i < 3u; i++) {
-        let vertex = vertices[s.triangle[i]];
-        let normal = octahedral_decode(vertex.w) * side;
-        lift -= normal * (s.weights[i] * min(dot(p - bitcast<vec3f>(vertex.xyz), normal), 0.0));
-    }
-    return transform_vector(instances[instance].world_from_object, lift);
-}
-
 // Where rays leave a vertex. Rays that are reflected leave a curved surface; where others go through, all leave the triangle
 // itself, so that lights are weighed from one point.
 struct RayOrigins {
@@ -35,7 +16,7 @@ struct RayOrigins {
 fn ray_origins(v: Vertex, b: Bsdf) -> RayOrigins {
     let s = v.surface;
     let is_opaque = !has_transmission || (b.transmission <= 0.0 && b.diffuse_transmission <= 0.0);
-    let lift = select(vec3f(0.0), curved_lift(s, v.instance), is_opaque);
+    let lift = select(vec3f(0.0), s.lift, is_opaque);
     let is_lifted = dot(lift, lift) > 1e-12 * dot(s.position, s.position);
     let below = offset_origin(s.position, -s.geometric_normal);
     let above = offset_origin(s.position + lift, s.geometric_normal);

@@ -1,8 +1,8 @@
 // Light from infinitely far away: an equirectangular picture and its sampling table.
 
 @group(0) @binding(19) var environment_image: texture_2d<f32>;
-// Alias cell, its threshold, pdf over the unit square. Then as many rows once more: the same among the cells of each part of the sky,
-// see known_sky.wgsl, numbered row by row inside of it.
+// Alias cell (column | row << 16), its threshold, pdf over the unit square. Then as many rows once more: the same among the cells of each part of the sky,
+// see known_sky.wgsl, with columns and rows inside of it.
 @group(0) @binding(20) var environment_table: texture_2d<u32>;
 
 // Whether light comes from it.
@@ -18,13 +18,16 @@ fn environment_texel(picture: vec2f) -> vec3f {
     if (!has_environment) {
         return vec3f(0.0);
     }
+    if (all(frame.environment_size == vec2u(1u))) {
+        return textureLoad(environment_image, vec2u(0u), 0).xyz * frame.environment_scale;
+    }
     let uv = picture * vec2f(frame.environment_size) - 0.5;
     let base = floor(uv);
     let f = uv - base;
     let size = vec2i(frame.environment_size);
     let i = vec2i(base);
-    let x0 = (i.x + size.x) % size.x;
-    let x1 = (i.x + 1) % size.x;
+    let x0 = select(i.x, size.x - 1, i.x < 0);
+    let x1 = select(i.x + 1, 0, i.x + 1 >= size.x);
     let y0 = clamp(i.y, 0, size.y - 1);
     let y1 = clamp(i.y + 1, 0, size.y - 1);
     let top = mix(textureLoad(environment_image, vec2i(x0, y0), 0), textureLoad(environment_image, vec2i(x1, y0), 0), f.x);
@@ -63,21 +66,32 @@ struct EnvironmentSample {
     pdf: f32, // per solid angle
 }
 
+// A cell of a table, and a place inside it along one side.
+struct TableCell {
+    at: vec2u, // column and row
+    place: f32, // in [0, 1)
+}
+
+// A cell by its number, row by row. Tables have at most 2^19 cells: a quotient of floats is exact enough, and integers are slow to divide.
+fn table_cell(cell: Cell, width: u32) -> TableCell {
+    let row = u32((f32(cell.index) + 0.5) / f32(width));
+    return TableCell(vec2u(cell.index - row * width, row), cell.place);
+}
+
 // What an alias table makes of one of its cells.
-fn alias_choice(chosen: Cell, entry: vec4u) -> Cell {
+fn alias_choice(chosen: TableCell, entry: vec4u) -> TableCell {
     let threshold = bitcast<f32>(entry.y);
     if (chosen.place >= threshold) {
-        return Cell(entry.x, (chosen.place - threshold) / (1.0 - threshold));
+        return TableCell(vec2u(entry.x & 0xffffu, entry.x >> 16u), (chosen.place - threshold) / (1.0 - threshold));
     }
-    return Cell(chosen.index, chosen.place / threshold);
+    return TableCell(chosen.at, chosen.place / threshold);
 }
 
 fn environment_sample(u: vec2f) -> EnvironmentSample {
-    let width = frame.distribution_size.x;
-    let first = cell_of(u.x, width * frame.distribution_size.y, bitcast<u32>(u.x) ^ hash(bitcast<u32>(u.y)));
-    let chosen = alias_choice(first, textureLoad(environment_table, vec2u(first.index % width, first.index / width), 0));
-    let cell = vec2u(chosen.index % width, chosen.index / width);
-    return sample_in_cell(cell, vec2f(chosen.place, u.y), cell);
+    let size = frame.distribution_size;
+    let first = table_cell(cell_of(u.x, size.x * size.y, bitcast<u32>(u.x) ^ hash(bitcast<u32>(u.y))), size.x);
+    let chosen = alias_choice(first, textureLoad(environment_table, first.at, 0));
+    return sample_in_cell(chosen.at, vec2f(chosen.place, u.y), chosen.at);
 }
 
 // The sample at a place inside a cell, whose pdf a row of the table tells. Radiance and pdf are those of the cell that was chosen. Found

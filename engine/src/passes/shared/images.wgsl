@@ -34,16 +34,22 @@ fn image_rect(image: u32) -> ImageRect {
     );
 }
 
+// A coordinate in the picture, [0, 1]. Done before it is counted in texels: integers are slow to divide.
+fn wrap_coordinate(u: f32, mode: u32) -> f32 {
+    var wrapped = u;
+    if (mode == WRAP_REPEAT) {
+        wrapped = fract(u);
+    } else if (mode == WRAP_MIRROR) {
+        let there = 2.0 * fract(0.5 * u);
+        wrapped = min(there, 2.0 - there);
+    }
+    return clamp(wrapped, 0.0, 1.0);
+}
+
+// A texel beside the picture at most: the one on the other side, or the border's, which is its own mirror image too.
 fn wrap_texel(i: i32, size: i32, mode: u32) -> i32 {
     if (mode == WRAP_REPEAT) {
-        let r = i % size;
-        return select(r, r + size, r < 0);
-    }
-    if (mode == WRAP_MIRROR) {
-        let period = 2 * size;
-        var r = i % period;
-        r = select(r, r + period, r < 0);
-        return select(r, period - 1 - r, r >= size);
+        return select(select(i, i - size, i >= size), i + size, i < 0);
     }
     return clamp(i, 0, size - 1);
 }
@@ -61,11 +67,10 @@ fn sample_image(image: u32, sampler: u32, uv: vec2f) -> vec4f {
     let rect = image_rect(image);
     let wrap_u = sampler & 3u;
     let wrap_v = (sampler >> 2u) & 3u;
-    // Far coordinates lose their fraction anyway; the clamp keeps the conversion to integers defined.
-    let texel = clamp(uv * vec2f(rect.size), vec2f(-1e9), vec2f(1e9));
+    let texel = vec2f(wrap_coordinate(uv.x, wrap_u), wrap_coordinate(uv.y, wrap_v)) * vec2f(rect.size);
     if ((sampler & SAMPLER_NEAREST) != 0u) {
-        let i = vec2i(floor(texel));
-        return load_texel(rect, wrap_texel(i.x, rect.size.x, wrap_u), wrap_texel(i.y, rect.size.y, wrap_v));
+        let i = min(vec2i(texel), rect.size - 1);
+        return load_texel(rect, i.x, i.y);
     }
     let shifted = texel - 0.5;
     let base = floor(shifted);

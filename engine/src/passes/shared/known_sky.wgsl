@@ -98,11 +98,10 @@ fn known_environment_sample(u: vec2f, row: u32) -> EnvironmentSample {
     // Few bits of the number that has chosen the part are left; a hash refills them.
     let salt = bitcast<u32>(u.x) ^ hash(bitcast<u32>(u.y));
     let rest = (u.x - part.low + unit_number(hash(~salt)) * (1.0 / 16777216.0)) / part.probability;
-    let first = cell_of(clamp(rest, 0.0, 0.99999994), size.x * size.y, salt);
+    let first = table_cell(cell_of(clamp(rest, 0.0, 0.99999994), size.x * size.y, salt), size.x);
     let below = vec2u(0u, frame.distribution_size.y);
-    let entry = textureLoad(environment_table, corner + vec2u(first.index % size.x, first.index / size.x) + below, 0);
-    let chosen = alias_choice(first, entry);
-    let cell = corner + vec2u(chosen.index % size.x, chosen.index / size.x);
+    let chosen = alias_choice(first, textureLoad(environment_table, corner + first.at + below, 0));
+    let cell = corner + chosen.at;
     var sampled = sample_in_cell(cell, vec2f(chosen.place, u.y), cell + below);
     sampled.pdf *= part.probability;
     return sampled;

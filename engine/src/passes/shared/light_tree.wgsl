@@ -11,7 +11,7 @@ struct LightNode {
     cos_spread: f32, // of the angle around the axis in which they face
     cos_reach: f32, // of the angle beside these directions up to which they shine
     two_sided: u32, // also to the other side
-    spare: u32,
+    sin_spread: f32,
 }
 
 const LIGHT_LEAF = 0x80000000u;
@@ -35,7 +35,7 @@ fn light_node(index: u32) -> LightNode {
     let w = lights[frame.light_count + frame.directional_count + index];
     let d = bitcast<vec4f>(w[3]);
     return LightNode(bitcast<vec3f>(w[0].xyz), w[0].w, bitcast<vec3f>(w[1].xyz), w[1].w, bitcast<vec3f>(w[2].xyz),
-        bitcast<f32>(w[2].w), d.x, d.y, w[3].z, w[3].w);
+        bitcast<f32>(w[2].w), d.x, d.y, w[3].z, d.w);
 }
 
 // Cosine and sine of the difference of two angles, or of zero where the second is larger.
@@ -73,7 +73,7 @@ fn light_importance(node: LightNode, p: vec3f, normal: vec3f) -> f32 {
     if (node.two_sided != 0u) {
         leaving = abs(leaving);
     }
-    let outside = less_angle(less_angle(with_sine(clamp(leaving, -1.0, 1.0)), with_sine(node.cos_spread)), extent);
+    let outside = less_angle(less_angle(with_sine(clamp(leaving, -1.0, 1.0)), vec2f(node.cos_spread, node.sin_spread)), extent);
     if (outside.x < node.cos_reach) {
         return 0.0;
     }

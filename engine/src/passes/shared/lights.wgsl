@@ -5,12 +5,12 @@ struct Light {
     position: vec3f, // of a triangle: its first vertex in the world; of a directional light: see DISTANT_ below
     kind: u32,
     direction: vec3f, // where a spot or directional light shines; of a triangle: first edge
-    range: f32,
+    range: f32, // of a triangle: its share of the area of its lamp
     intensity: vec3f, // of a triangle: second edge
-    leaf: u32, // its node in the light tree; of a directional light: what the alias table has instead
+    leaf: u32, // its lamp's node in the light tree; of a directional light: what the alias table has instead
     triangle: u32, // of others the group of lights
     instance: u32,
-    spot_scale: f32, // 1 / (cos inner - cos outer)
+    spot_scale: f32, // 1 / (cos inner - cos outer); of a triangle: the bits are the number of the lamp's other one
     spot_outer: f32, // cos outer
 }
 
@@ -111,9 +111,25 @@ fn light_sample(p: vec3f, origin: vec3f, receiver: u32, id: PathId, choice: f32,
     let light = light_at(chosen.index);
     let probability = chosen.probability * shares.other;
     if (light.kind == LIGHT_TRIANGLE) {
-        return triangle_sample(light, probability, p, u);
+        return lamp_sample(light, probability, p, u);
     }
     return punctual_sample(light, probability, p);
+}
+
+// A point of a lamp of one or two triangles, uniform over both; `light` is the first of them.
+fn lamp_sample(light: Light, probability: f32, p: vec3f, u: vec2f) -> LightSample {
+    var chosen = light;
+    var place = u.x;
+    if (light.range < 1.0) {
+        if (u.x < light.range) {
+            place = u.x / light.range;
+        } else {
+            place = (u.x - light.range) / (1.0 - light.range);
+            chosen = light_at(bitcast<u32>(light.spot_scale));
+        }
+        place = min(place, 0.99999994);
+    }
+    return triangle_sample(chosen, probability * chosen.range, p, vec2f(place, u.y));
 }
 
 fn no_light() -> LightSample {
@@ -262,7 +278,7 @@ fn light_hit_pdf(hit: RayHit, receiver: u32, cosine: f32, share: f32) -> f32 {
     }
     let light = light_at(index);
     let area = 0.5 * length(cross(light.direction, light.intensity));
-    let probability = light_probability(light.leaf, hit.origin, receiver_normal(receiver)) * share;
+    let probability = light_probability(light.leaf, hit.origin, receiver_normal(receiver)) * share * light.range;
     return probability / area * hit.t_max * hit.t_max / cosine;
 }
 

@@ -73,9 +73,11 @@ fn sobol4(index: u32, order: u32, group: u32, stream: u32) -> vec4f {
     if (frame.sampler == SAMPLER_INDEPENDENT) {
         return vec4f(independent2(index, stream), independent2(index, hash(stream ^ 0x02e5be93u)));
     }
-    var rest = reverseBits(owen_reversed(reverseBits(index), order));
+    // Without what shuffling makes of index 0. That is the same word for all indices, and as points are linear in their index, one more
+    // constant that scrambles them; but without it small indices stay small, and have few bits to look up.
+    var rest = reverseBits(owen_reversed(reverseBits(index), order) ^ owen_reversed(0u, order));
     var point = vec4u(0u);
-    for (var row = 128u * group; row < 128u * group + 128u; row += 16u) {
+    for (var row = 128u * group; rest != 0u; row += 16u) {
         point ^= frame.sobol[row + (rest & 15u)];
         rest >>= 4u;
     }

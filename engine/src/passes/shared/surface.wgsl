@@ -10,7 +10,15 @@ struct Surface {
     triangle: vec4u,
     front: bool, // the viewer is on the side that glTF calls front
     area_scale: f32, // twice the triangle's area in the world
-    is_flat: bool, // the vertices have one normal
+    // How far above its triangle the point lies on the curved surface that the vertices' normals suggest: rays that leave from there aren't
+    // stopped by the coarseness of the mesh (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021, chapter 4). Zero where the
+    // surface is flat or hollow.
+    lift: vec3f,
+}
+
+// A vertex's share of the lift of a point; `normal` is on the viewer's side.
+fn lift_by(to: vec3f, normal: vec3f, weight: f32) -> vec3f {
+    return normal * (-weight * min(dot(to, normal), 0.0));
 }
 
 fn surface_at(hit: RayHit) -> Surface {
@@ -24,28 +32,35 @@ fn surface_at(hit: RayHit) -> Surface {
     let a = bitcast<vec3f>(va.xyz);
     let edge1 = bitcast<vec3f>(vb.xyz) - a;
     let edge2 = bitcast<vec3f>(vc.xyz) - a;
-    let position = transform_point(world_from_object, a + edge1 * weights.y + edge2 * weights.z);
+    let inside = edge1 * weights.y + edge2 * weights.z; // from the first vertex
+    let position = transform_point(world_from_object, a + inside);
     // The transform's determinant defines the winding (glTF 2.0, section 3.7.4): a normal moved by the inverse
     // transpose stays on the side that it was on.
     let world_cross = cross(transform_vector(world_from_object, edge1), transform_vector(world_from_object, edge2))
         * instances[hit.instance].handedness;
     let area_scale = length(world_cross);
     var geometric = world_cross / max(area_scale, 1e-30);
-    let is_flat = va.w == vb.w && vb.w == vc.w;
+    let wo = -hit.direction;
+    let front = dot(geometric, wo) >= 0.0;
+    var lift = vec3f(0.0);
     var object_normal = octahedral_decode(va.w);
-    if (!is_flat) {
-        object_normal = object_normal * weights.x + octahedral_decode(vb.w) * weights.y + octahedral_decode(vc.w) * weights.z;
+    if (va.w != vb.w || vb.w != vc.w) {
+        let na = object_normal;
+        let nb = octahedral_decode(vb.w);
+        let nc = octahedral_decode(vc.w);
+        object_normal = na * weights.x + nb * weights.y + nc * weights.z;
+        let side = select(-1.0, 1.0, front);
+        lift = transform_vector(world_from_object, lift_by(inside, na * side, weights.x)
+            + lift_by(inside - edge1, nb * side, weights.y) + lift_by(inside - edge2, nc * side, weights.z));
     }
     var shading = transform_transposed(object_from_world, object_normal);
     let shading_length = length(shading);
     shading = select(geometric, shading / shading_length, shading_length > 1e-20);
-    let wo = -hit.direction;
-    let front = dot(geometric, wo) >= 0.0;
     if (!front) {
         geometric = -geometric;
         shading = -shading;
     }
-    return Surface(position, wo, geometric, shading, weights, triangle, front, area_scale, is_flat);
+    return Surface(position, wo, geometric, shading, weights, triangle, front, area_scale, lift);
 }
 
 // Unit tangent in the world and handedness of the bitangent, perpendicular to `normal`. For meshes without tangents
