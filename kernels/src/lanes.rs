@@ -7,7 +7,7 @@ use core::arch::x86_64::*;
 use core::mem::transmute;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-use device::native::compile::runtime;
+use device::native::compile::{Format, ImageHeader, runtime};
 
 /// Lanes.
 pub(crate) const W: usize = 8;
@@ -18,9 +18,12 @@ pub(crate) type I = __m256i;
 /// A mask.
 pub(crate) type M = __m256i;
 
+/// 2^52: a double that it was added to has a whole number in its low bits.
+const DOUBLE: f64 = 4_503_599_627_370_496.0;
+
 /// Memory of the invocations' own: word by word, of each the lanes.
 #[repr(C, align(32))]
-pub(crate) struct Own<const WORDS: usize>([[u32; W]; WORDS]);
+pub(crate) struct Own<const WORDS: usize>(pub(crate) [[u32; W]; WORDS]);
 
 /// Functions that are only called, and inlined, where the processor was asked.
 macro_rules! vectors {
@@ -122,10 +125,30 @@ vectors! {
     fn add(a: I, b: I) -> I { _mm256_add_epi32(a, b) }
     fn subtract(a: I, b: I) -> I { _mm256_sub_epi32(a, b) }
     fn multiply(a: I, b: I) -> I { _mm256_mullo_epi32(a, b) }
-    fn unsigned_divide(a: I, b: I) -> I { each(a, b, |a, b| a.checked_div(b).unwrap_or(0)) }
-    fn unsigned_remainder(a: I, b: I) -> I { each(a, b, |a, b| a.checked_rem(b).unwrap_or(0)) }
-    fn signed_divide(a: I, b: I) -> I { each(a, b, |a, b| (a as i32).checked_div(b as i32).unwrap_or(0) as u32) }
-    fn signed_remainder(a: I, b: I) -> I { each(a, b, |a, b| (a as i32).checked_rem(b as i32).unwrap_or(0) as u32) }
+    fn unsigned_divide(a: I, b: I) -> I {
+        let half = |a: __m128i, b: __m128i| {
+            let quotient = _mm256_floor_pd(_mm256_div_pd(unsigned_to_double(a), unsigned_to_double(b)));
+            // Its low bits are the number.
+            let bits = _mm256_castpd_ps(_mm256_add_pd(quotient, _mm256_set1_pd(DOUBLE)));
+            _mm_castps_si128(_mm_shuffle_ps::<0b10_00_10_00>(_mm256_castps256_ps128(bits), _mm256_extractf128_ps::<1>(bits)))
+        };
+        halves(a, b, half)
+    }
+    fn unsigned_remainder(a: I, b: I) -> I { subtract(a, multiply(unsigned_divide(a, b), b)) }
+    fn signed_divide(a: I, b: I) -> I {
+        halves(a, b, |a, b| _mm256_cvttpd_epi32(_mm256_div_pd(_mm256_cvtepi32_pd(a), _mm256_cvtepi32_pd(b))))
+    }
+    fn signed_remainder(a: I, b: I) -> I { subtract(a, multiply(signed_divide(a, b), b)) }
+    fn unsigned_to_double(a: __m128i) -> __m256d {
+        let bits = or(_mm256_cvtepu32_epi64(a), _mm256_castpd_si256(_mm256_set1_pd(DOUBLE)));
+        _mm256_sub_pd(_mm256_castsi256_pd(bits), _mm256_set1_pd(DOUBLE))
+    }
+    /// Quotients as doubles: no whole number of 32 bits is so near to another that they would round to it.
+    fn halves(a: I, b: I, does: impl Fn(__m128i, __m128i) -> __m128i) -> I {
+        let low = does(_mm256_castsi256_si128(a), _mm256_castsi256_si128(b));
+        let high = does(_mm256_extracti128_si256::<1>(a), _mm256_extracti128_si256::<1>(b));
+        _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(low), high)
+    }
     fn xor(a: I, b: I) -> I { _mm256_xor_si256(a, b) }
     fn shift_left(a: I, b: I) -> I { _mm256_sllv_epi32(a, and(b, words(31))) }
     fn unsigned_shift_right(a: I, b: I) -> I { _mm256_srlv_epi32(a, and(b, words(31))) }
@@ -153,13 +176,6 @@ vectors! {
     fn signed_less_equal(a: I, b: I) -> M { bool_not(_mm256_cmpgt_epi32(a, b)) }
     fn signed_greater(a: I, b: I) -> M { _mm256_cmpgt_epi32(a, b) }
     fn signed_greater_equal(a: I, b: I) -> M { bool_not(_mm256_cmpgt_epi32(b, a)) }
-    fn each(a: I, b: I, does: impl Fn(u32, u32) -> u32) -> I {
-        let (mut a, b) = (array(a), array(b));
-        for lane in 0..W {
-            a[lane] = does(a[lane], b[lane]);
-        }
-        of_array(a)
-    }
 }
 
 // Functions of numbers, of one lane after the other.
@@ -244,7 +260,9 @@ vectors! {
         lanes(m, |lane| p.add(o[lane] as usize).cast::<[u32; 4]>().write_unaligned(all[2 * (lane & 3) + (lane >> 2)]));
     }
     fn own_load(p: *const u8) -> I { _mm256_load_si256(p.cast()) }
-    fn own_store(p: *mut u8, x: I, m: M) { _mm256_maskstore_epi32(p.cast(), m, x) }
+    /// Nobody else looks, and a store under a mask takes longer than all of it once more: it is what the compiler would make
+    /// of any other load.
+    fn own_store(p: *mut u8, x: I, m: M) { _mm256_store_si256(p.cast(), select_i(m, x, p.cast::<I>().read_volatile())) }
     /// Of the words at these bytes of each lane's own memory, the bytes in all of it.
     fn own_offsets(o: I) -> I { _mm256_add_epi32(_mm256_slli_epi32::<3>(o), _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28)) }
 }
@@ -261,15 +279,34 @@ vectors! {
             own_store(target.add(4 * W * word), words(source.cast::<u32>().add(word).read()), m);
         }
     }
+    /// As `runtime::load_texel`, whose four words of each lane come into its own memory.
     fn load_texel(header: *const u8, texel: I, target: *mut u8, m: M) {
-        let texel = array(texel);
-        lanes(m, |lane| {
-            let mut words = [0; 4];
-            runtime::load_texel(header.cast(), texel[lane], &mut words);
-            for (word, value) in words.into_iter().enumerate() {
-                target.cast::<u32>().add(W * word + lane).write(value);
-            }
-        });
+        let header = header.cast::<ImageHeader>().read();
+        let mut store = |word: usize, x: I| own_store(target.add(4 * W * word), x, m);
+        if !matches!(header.format, Format::Rgba8Unorm | Format::Rgba8UnormSrgb) {
+            let texels = array(texel);
+            let mut words = [[0; W]; 4];
+            lanes(m, |lane| {
+                let mut four = [0; 4];
+                runtime::load_texel(&header, texels[lane], &mut four);
+                four.into_iter().zip(&mut words).for_each(|(word, words)| words[lane] = word);
+            });
+            words.into_iter().enumerate().for_each(|(word, words)| store(word, of_array(words)));
+            return;
+        }
+        // An image has no more texels than 32 bits count, but more bytes.
+        let texels = array(and(texel, m)).map(|texel| header.texels.add(texel as usize).read());
+        let bytes = of_array(texels);
+        let byte = |number: i32| and(_mm256_srl_epi32(bytes, _mm_cvtsi32_si128(8 * number)), words(255));
+        let unit = |byte: I| float_bits(_mm256_mul_ps(_mm256_cvtepi32_ps(byte), floats(1.0 / 255.0)));
+        if header.format == Format::Rgba8Unorm {
+            (0..3).for_each(|number| store(number as usize, unit(byte(number))));
+        } else {
+            let table = runtime::srgb();
+            let light = |byte: I| of_array(array(byte).map(|byte| table[byte as usize & 255].to_bits()));
+            (0..3).for_each(|number| store(number as usize, light(byte(number))));
+        }
+        store(3, unit(byte(3)));
     }
 }
 

@@ -165,7 +165,12 @@ impl Flow {
         self.solve(&self.next, &order, &ends)
     }
 
-    fn solve(&self, from: &[Vec<usize>], order: &[usize], is_start: &dyn Fn(usize) -> bool) -> Sets {
+    fn solve(
+        &self,
+        from: &[Vec<usize>],
+        order: &[usize],
+        is_start: &dyn Fn(usize) -> bool,
+    ) -> Sets {
         let mut sets = Sets::new(self.count(), self.count(), true);
         loop {
             let mut changed = false;

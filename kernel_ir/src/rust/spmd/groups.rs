@@ -3,7 +3,10 @@
 
 use std::collections::HashMap;
 
-use super::{flow::Flow, kinds::{Kind, pointer}};
+use super::{
+    flow::Flow,
+    kinds::{Kind, pointer},
+};
 use crate::ir::{Function, Instruction, Memory, Runtime, Type, Value};
 
 /// Loads that are done at once.
@@ -122,7 +125,9 @@ impl Groups {
                 }
                 let position = group.iter().map(|load| load.position).min().unwrap_or(0);
                 self.done.extend(group.iter().map(|load| load.position));
-                let loads = group.iter().map(|load| (load.to, load.ty, (load.offset - start) / 4));
+                let loads = group
+                    .iter()
+                    .map(|load| (load.to, load.ty, (load.offset - start) / 4));
                 let loads = loads.collect();
                 let group = LoadGroup {
                     base,
@@ -152,7 +157,8 @@ impl Groups {
                     value,
                     ty,
                     memory: Memory::Plain,
-                } if *first.get_or_insert((base, offset)) == (base, offset - 4 * values.len() as i32)
+                } if *first.get_or_insert((base, offset))
+                    == (base, offset - 4 * values.len() as i32)
                     && pointer(kinds, base).is_some_and(|p| p.varies && !p.is_own) =>
                 {
                     values.push((value, ty));
@@ -160,7 +166,8 @@ impl Groups {
                 }
                 _ => return,
             }
-            if let (Ok(values), Some((base, offset))) = (<[_; 4]>::try_from(values.as_slice()), first)
+            if let (Ok(values), Some((base, offset))) =
+                (<[_; 4]>::try_from(values.as_slice()), first)
             {
                 self.stores.insert(place, (base, offset, values));
                 self.done.extend(places);

@@ -115,7 +115,9 @@ fn cost(function: &Function, flow: &Flow, blocks: std::ops::Range<usize>) -> u32
                 | Binary::SignedRemainder,
             ..
         }
-        | Instruction::Unary { op: Unary::Sqrt, .. } => 5,
+        | Instruction::Unary {
+            op: Unary::Sqrt, ..
+        } => 5,
         Instruction::Branch { .. } | Instruction::Switch { .. } => 3,
         Instruction::Store { .. }
         | Instruction::Atomic { .. }

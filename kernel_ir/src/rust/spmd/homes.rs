@@ -52,7 +52,9 @@ pub(super) fn homes(
     let mut touched: Vec<Option<Path>> = vec![None; function.variable_types.len()];
     let mut masked: Vec<Option<Path>> = vec![None; flow.count()];
     for block in 0..flow.count() {
-        let path: Path = (0..guards.len()).filter(|&g| guards[g].holds(block)).collect();
+        let path: Path = (0..guards.len())
+            .filter(|&g| guards[g].holds(block))
+            .collect();
         // A loop's head is waited at from outside of the loop, and of the guard that takes its mask.
         let own = |&&g: &&usize| guards[g].start == block;
         let outside = path.len() - path.iter().rev().take_while(own).count();

@@ -1,5 +1,6 @@
 //! What is the same in all lanes, and what each has of its own.
 
+use super::flow::{Flow, Sets};
 use crate::ir::{Function, Instruction, Type, Value, Variable};
 
 /// What a value is in the text.
@@ -25,9 +26,43 @@ pub(super) struct Pointer {
     pub(super) element: Option<(u32, i32)>,
 }
 
-/// The kind of each value; `index` is the variable that says which invocation runs. None where addresses come from what
-/// lanes know, or from variables.
-pub(super) fn kinds(function: &Function, index: Variable) -> Option<Vec<Kind>> {
+/// The kind of each value, and whether each variable is a scalar; `index` is the variable that says which invocation runs.
+/// None where addresses come from what lanes know, or from variables.
+///
+/// A variable is the same in all lanes that read it if only such values are set, and never while a lane waits elsewhere for
+/// what it was.
+pub(super) fn kinds(
+    function: &Function,
+    index: Variable,
+    flow: &Flow,
+    free: &Sets,
+) -> Option<(Vec<Kind>, Vec<bool>)> {
+    let mut uniform = vec![true; function.variable_types.len()];
+    uniform[index.0 as usize] = false;
+    let mut sets = Vec::new();
+    for block in 0..flow.count() {
+        for instruction in &function.instructions[flow.range(block)] {
+            if let Instruction::Set { variable, value } = *instruction {
+                uniform[variable.0 as usize] &= free.has(block, variable.0 as usize);
+                sets.push((variable, value));
+            }
+        }
+    }
+    loop {
+        let kinds = of_values(function, index, &uniform)?;
+        let mut changed = false;
+        for &(variable, value) in &sets {
+            let uniform = &mut uniform[variable.0 as usize];
+            changed |= *uniform && kinds[value.0 as usize] != Kind::Uniform;
+            *uniform &= kinds[value.0 as usize] == Kind::Uniform;
+        }
+        if !changed {
+            return Some((kinds, uniform));
+        }
+    }
+}
+
+fn of_values(function: &Function, index: Variable, uniform: &[bool]) -> Option<Vec<Kind>> {
     let mut kinds = vec![Kind::Lanes; function.value_types.len()];
     for instruction in &function.instructions {
         let Some(to) = instruction.result() else {
@@ -87,7 +122,11 @@ pub(super) fn kinds(function: &Function, index: Variable) -> Option<Vec<Kind>> {
             }
             Instruction::Get { variable, .. } => {
                 let is_pointer = function.variable_types[variable.0 as usize] == Type::Pointer;
-                (!is_pointer || variable == index).then_some(Kind::Lanes)?
+                match uniform[variable.0 as usize] {
+                    _ if is_pointer && variable != index => return None,
+                    true => Kind::Uniform,
+                    false => Kind::Lanes,
+                }
             }
             Instruction::Select { .. } if ty == Type::Pointer => return None,
             Instruction::Unary { .. }

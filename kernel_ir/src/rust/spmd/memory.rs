@@ -15,7 +15,10 @@ impl Writer<'_> {
         let name = self.name(base);
         match (offset, is_own) {
             (0, _) => name,
-            (offset, true) => format!("{name}.offset({})", i64::from(offset) * i64::from(super::LANES)),
+            (offset, true) => format!(
+                "{name}.offset({})",
+                i64::from(offset) * i64::from(super::LANES)
+            ),
             (offset, false) => format!("{name}.offset({offset})"),
         }
     }
@@ -44,7 +47,10 @@ impl Writer<'_> {
         if let Some((base, offset, values)) = self.groups.stores.get(&position).copied() {
             let (place, offsets) = self.parts(base, offset)?;
             let values = values.map(|(value, ty)| to_words(ty, &self.lanes(value)));
-            self.line(&format!("scatter_4({place}, {offsets}, {}, m);", values.join(", ")));
+            self.line(&format!(
+                "scatter_4({place}, {offsets}, {}, m);",
+                values.join(", ")
+            ));
             return Some(());
         }
         if self.groups.done.contains(&position) {
@@ -119,7 +125,7 @@ impl Writer<'_> {
             }
             Instruction::StackAddress { to, offset } => {
                 let bytes = u64::from(offset) * u64::from(super::LANES);
-                self.make(to, &format!("own.as_mut_ptr().cast::<u8>().add({bytes})"));
+                self.make(to, &format!("(&raw mut own).cast::<u8>().add({bytes})"));
             }
             Instruction::Offset { to, base, bytes } => {
                 let from = pointer(&self.kinds, base)?;
@@ -138,8 +144,16 @@ impl Writer<'_> {
                 let from = pointer(&self.kinds, base)?;
                 let made = match (from.varies, self.is_uniform(index)) {
                     (false, true) => {
-                        let bytes = if from.is_own { super::LANES * stride } else { stride };
-                        format!("{}.add({} as usize * {bytes})", self.name(base), self.name(index))
+                        let bytes = if from.is_own {
+                            super::LANES * stride
+                        } else {
+                            stride
+                        };
+                        format!(
+                            "{}.add({} as usize * {bytes})",
+                            self.name(base),
+                            self.name(index)
+                        )
                     }
                     (false, false) => format!("multiply({}, words({stride}))", self.lanes(index)),
                     (true, _) => format!(

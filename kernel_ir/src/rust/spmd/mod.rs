@@ -68,9 +68,7 @@ fn one_invocation(function: &Function, invocations: &Invocations) -> Option<Func
     };
     let (head, next) = (label(invocations.head)?, label(invocations.next)?);
     let (before, rest) = function.instructions.split_at(head);
-    let sets_index = |instruction: &&Instruction| {
-        !matches!(instruction, Instruction::Set { variable, .. } if *variable == invocations.index)
-    };
+    let sets_index = |instruction: &&Instruction| !matches!(instruction, Instruction::Set { variable, .. } if *variable == invocations.index);
     let mut instructions: Vec<Instruction> = before.iter().filter(sets_index).cloned().collect();
     instructions.extend_from_slice(&rest[..=next - head]);
     instructions.push(Instruction::Return);
@@ -92,6 +90,8 @@ struct Writer<'a> {
     groups: Groups,
     /// Of each block, the variables that may be set for all lanes.
     free: Sets,
+    /// Of each variable, whether it is a scalar.
+    uniform: Vec<bool>,
     /// Values that are written where they are used.
     constants: Vec<Option<String>>,
     text: String,
@@ -106,11 +106,11 @@ impl<'a> Writer<'a> {
     ) -> Option<String> {
         let flow = Flow::new(function)?;
         let (guards, roots) = guards::guards(function, &flow);
-        let kinds = kinds(function, index)?;
         let live = flow.live(function);
+        let free = flow.free(function, &live);
+        let (kinds, uniform) = kinds(function, index, &flow, &free)?;
         let homes = homes::homes(function, &flow, &guards, &kinds, &live);
         let groups = groups::groups(function, &flow, &kinds);
-        let free = flow.free(function, &live);
         let mut constants = vec![None; function.value_types.len()];
         for instruction in &function.instructions {
             match instruction {
@@ -135,18 +135,23 @@ impl<'a> Writer<'a> {
             homes,
             groups,
             free,
+            uniform,
             constants,
             text: String::new(),
         };
+        for (value, home) in writer.homes.values.iter().enumerate() {
+            // A scalar can't be one thing for the lanes that have left a loop, and another for those in it.
+            if home.outlives && writer.kinds[value] != Kind::Lanes && home.is_used {
+                return None;
+            }
+        }
         writer.body()?;
         Some(writer.text)
     }
 
     fn body(&mut self) -> Option<()> {
         let own = self.function.stack_bytes.div_ceil(4).max(1);
-        self.line(&format!(
-            "let mut own = core::mem::MaybeUninit::<Own<{own}>>::uninit();"
-        ));
+        self.line(&format!("let mut own = Own::<{own}>([[0; W]; {own}]);"));
         self.declare(None);
         self.line("let m = all();");
         let mut open: Vec<usize> = Vec::new();
@@ -222,7 +227,11 @@ impl<'a> Writer<'a> {
         for (variable, home) in self.homes.variables.iter().enumerate() {
             let ty = self.function.variable_types[variable];
             if *home == Some(guard) && variable != self.index.0 as usize {
-                let _ = writeln!(text, "let mut x{variable}: {} = {};", vector(ty), zero(ty));
+                let (ty, zero) = match self.uniform[variable] {
+                    true => (type_name(ty), super::expression::zero(ty)),
+                    false => (vector(ty), zero(ty)),
+                };
+                let _ = writeln!(text, "let mut x{variable}: {ty} = {zero};");
             }
         }
         for (block, home) in self.homes.masks.iter().enumerate() {
@@ -242,7 +251,10 @@ impl<'a> Writer<'a> {
     /// A value as a vector.
     fn lanes(&self, value: Value) -> String {
         let name = self.name(value);
-        match (self.is_uniform(value), self.function.value_types[value.0 as usize]) {
+        match (
+            self.is_uniform(value),
+            self.function.value_types[value.0 as usize],
+        ) {
             (true, Type::F32) => format!("floats({name})"),
             (true, Type::Bool) => format!("mask({name})"),
             (true, Type::I32) => format!("words({name})"),
@@ -275,7 +287,11 @@ impl<'a> Writer<'a> {
             }
             Instruction::Barrier | Instruction::Call { .. } => return None,
             Instruction::Set { variable, value } => {
-                let (x, value) = (variable.0, self.lanes(value));
+                let x = variable.0;
+                let value = match self.uniform[variable.0 as usize] {
+                    true => self.name(value),
+                    false => self.lanes(value),
+                };
                 let ty = self.function.variable_types[variable.0 as usize];
                 match self.free.has(block, variable.0 as usize) {
                     true => format!("x{x} = {value};"),
