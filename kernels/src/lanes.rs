@@ -25,6 +25,13 @@ const DOUBLE: f64 = 4_503_599_627_370_496.0;
 #[repr(C, align(32))]
 pub(crate) struct Own<const WORDS: usize>(pub(crate) [[u32; W]; WORDS]);
 
+/// What is set more than once. It is a union because rustc compares such locals with one another, and of thousands that takes
+/// longer than all the rest.
+#[derive(Clone, Copy)]
+pub(crate) union Changing<T: Copy> {
+    pub(crate) now: T,
+}
+
 /// Functions that are only called, and inlined, where the processor was asked.
 macro_rules! vectors {
     ($($(#[$attribute:meta])* fn $name:ident($($parameter:ident: $ty:ty),* $(,)?) $(-> $result:ty)? $body:block)+) => {

@@ -19,7 +19,7 @@ use super::{
     expression::{expression, literal, type_name},
     tables,
 };
-use crate::ir::{Function, Instruction, Invocations, Program, Type, Unary, Value, Variable};
+use crate::ir::{Function, Instruction, Invocations, Program, Type, Value, Variable};
 use flow::{Flow, Sets};
 use groups::Groups;
 use guards::Guard;
@@ -160,7 +160,7 @@ impl<'a> Writer<'a> {
             while let Some(&inner) = open.last().filter(|&&g| self.guards[g].end <= block) {
                 let guard = self.guards[inner];
                 if guard.is_loop {
-                    self.line(&format!("if !any(m{}) {{ break; }}", guard.start));
+                    self.line(&format!("if !any(m{}.now) {{ break; }}", guard.start));
                 }
                 self.line("}");
                 open.pop();
@@ -174,13 +174,13 @@ impl<'a> Writer<'a> {
                     self.line("loop {");
                 } else {
                     let test = match guard.is_tested {
-                        true => format!("if any(m{block}) {{"),
+                        true => format!("if any(m{block}.now) {{"),
                         false => "{".to_owned(),
                     };
                     self.line(&test);
-                    self.line(&format!("let m = m{block};"));
+                    self.line(&format!("let m = m{block}.now;"));
                     if self.flow.loops.iter().any(|l| l.head == block) {
-                        self.line(&format!("m{block} = none();"));
+                        self.line(&format!("m{block}.now = none();"));
                     }
                 }
                 self.declare(Some(next));
@@ -215,14 +215,17 @@ impl<'a> Writer<'a> {
                 continue;
             }
             let ty = self.function.value_types[value];
-            let line = match self.kinds[value] {
+            let (ty, zero) = match self.kinds[value] {
                 _ if home.is_local => continue,
-                Kind::Uniform => format!("{} = {}", type_name(ty), super::expression::zero(ty)),
-                Kind::Lanes => format!("{} = {}", vector(ty), zero(ty)),
-                Kind::Pointer(pointer) if pointer.varies => "I = none()".to_owned(),
-                Kind::Pointer(_) => "*mut u8 = core::ptr::null_mut()".to_owned(),
+                Kind::Uniform => (type_name(ty), super::expression::zero(ty)),
+                Kind::Lanes => (vector(ty), zero(ty)),
+                Kind::Pointer(pointer) if pointer.varies => ("I", "none()"),
+                Kind::Pointer(_) => ("*mut u8", "core::ptr::null_mut()"),
             };
-            let _ = writeln!(text, "let mut v{value}: {line};");
+            let _ = writeln!(
+                text,
+                "let mut v{value} = Changing::<{ty}> {{ now: {zero} }};"
+            );
         }
         for (variable, home) in self.homes.variables.iter().enumerate() {
             let ty = self.function.variable_types[variable];
@@ -231,12 +234,15 @@ impl<'a> Writer<'a> {
                     true => (type_name(ty), super::expression::zero(ty)),
                     false => (vector(ty), zero(ty)),
                 };
-                let _ = writeln!(text, "let mut x{variable}: {ty} = {zero};");
+                let _ = writeln!(
+                    text,
+                    "let mut x{variable} = Changing::<{ty}> {{ now: {zero} }};"
+                );
             }
         }
         for (block, home) in self.homes.masks.iter().enumerate() {
             if *home == guard && self.roots[block] == block && block > 0 {
-                let _ = writeln!(text, "let mut m{block} = none();");
+                let _ = writeln!(text, "let mut m{block} = Changing::<M> {{ now: none() }};");
             }
         }
         self.text.push_str(&text);
@@ -245,7 +251,10 @@ impl<'a> Writer<'a> {
     /// A value as it is: a scalar, a vector, an address, or bytes behind one.
     fn name(&self, value: Value) -> String {
         let constant = self.constants[value.0 as usize].clone();
-        constant.unwrap_or_else(|| format!("v{}", value.0))
+        constant.unwrap_or_else(|| match self.homes.values[value.0 as usize].is_local {
+            true => format!("v{}", value.0),
+            false => format!("v{}.now", value.0),
+        })
     }
 
     /// A value as a vector.
@@ -265,7 +274,7 @@ impl<'a> Writer<'a> {
     /// Lets lanes wait for a block: nothing where all of the guard's lanes go there.
     fn go(&self, block: usize, mask: &str) -> String {
         match self.roots[block] == block {
-            true => format!("m{block} = or(m{block}, {mask});"),
+            true => format!("m{block}.now = or(m{block}.now, {mask});"),
             false => String::new(),
         }
     }
@@ -294,8 +303,8 @@ impl<'a> Writer<'a> {
                 };
                 let ty = self.function.variable_types[variable.0 as usize];
                 match self.free.has(block, variable.0 as usize) {
-                    true => format!("x{x} = {value};"),
-                    false => format!("x{x} = {}(m, {value}, x{x});", select(ty)),
+                    true => format!("x{x}.now = {value};"),
+                    false => format!("x{x}.now = {}(m, {value}, x{x}.now);", select(ty)),
                 }
             }
             Instruction::Jump(label) => self.go(self.block_of(label), "m"),
@@ -361,19 +370,16 @@ impl<'a> Writer<'a> {
     /// What makes a value of others.
     fn operation(&self, instruction: &Instruction) -> Option<String> {
         let to = instruction.result()?;
+        if let Instruction::Get { variable, .. } = *instruction
+            && variable != self.index
+        {
+            return Some(format!("x{}.now", variable.0));
+        }
         if self.is_uniform(to) || matches!(instruction, Instruction::Parameter { .. }) {
             return expression(instruction, &|value| self.name(value));
         }
         Some(match *instruction {
-            Instruction::Get { variable, .. } if variable == self.index => {
-                "count_from(first)".to_owned()
-            }
-            Instruction::Get { variable, .. } => format!("x{}", variable.0),
-            Instruction::Unary {
-                op: op @ Unary::BoolToInt,
-                a,
-                ..
-            } => format!("{}({})", snake(op), self.lanes(a)),
+            Instruction::Get { .. } => "count_from(first)".to_owned(),
             Instruction::Unary { op, a, .. } => format!("{}({})", snake(op), self.lanes(a)),
             Instruction::Binary { op, a, b, .. } => {
                 format!("{}({}, {})", snake(op), self.lanes(a), self.lanes(b))
@@ -415,9 +421,9 @@ impl<'a> Writer<'a> {
             (false, _) => format!("{made};"),
             (true, true) => format!("let v{v} = {made};"),
             (true, false) if home.outlives && self.kinds[to.0 as usize] == Kind::Lanes => {
-                format!("v{v} = {}(m, {made}, v{v});", select(ty))
+                format!("v{v}.now = {}(m, {made}, v{v}.now);", select(ty))
             }
-            (true, false) => format!("v{v} = {made};"),
+            (true, false) => format!("v{v}.now = {made};"),
         };
         self.line(&line);
     }
