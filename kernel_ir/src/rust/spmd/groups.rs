@@ -19,12 +19,20 @@ pub(super) struct LoadGroup {
     pub(super) loads: Vec<(Value, Type, i32)>,
 }
 
+/// Four stores that are done at once.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct StoreGroup {
+    pub(super) base: Value,
+    pub(super) offset: i32,
+    pub(super) values: [(Value, Type); 4],
+}
+
 #[derive(Debug, Default)]
 pub(super) struct Groups {
     /// By the place of the first load.
     pub(super) loads: HashMap<usize, LoadGroup>,
-    /// By the place of the last store: four values, the address of the first.
-    pub(super) stores: HashMap<usize, (Value, i32, [(Value, Type); 4])>,
+    /// By the place of the last store.
+    pub(super) stores: HashMap<usize, StoreGroup>,
     /// Places of what has been done with another.
     pub(super) done: std::collections::HashSet<usize>,
 }
@@ -169,7 +177,12 @@ impl Groups {
             if let (Ok(values), Some((base, offset))) =
                 (<[_; 4]>::try_from(values.as_slice()), first)
             {
-                self.stores.insert(place, (base, offset, values));
+                let group = StoreGroup {
+                    base,
+                    offset,
+                    values,
+                };
+                self.stores.insert(place, group);
                 self.done.extend(places);
                 return;
             }

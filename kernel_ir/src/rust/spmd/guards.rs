@@ -52,19 +52,17 @@ pub(super) fn guards(function: &Function, flow: &Flow) -> (Vec<Guard>, Vec<usize
             let innermost = flow.innermost(first);
             let behind = &postdominators[innermost.unwrap_or(flow.loops.len())];
             let mut last = first;
-            for block in first + 1..count {
-                if flow.before[block].is_empty() {
-                    continue;
-                }
-                // A block that others reach mustn't be skipped with this one.
-                if !dominators.has(block, first) {
-                    break;
-                }
-                if block < limits[first]
-                    && roots[block].is_none()
-                    && behind.has(first, block)
-                    && flow.innermost(block) == innermost
-                {
+            // A block that others reach mustn't be skipped with this one.
+            let alike = (first + 1..count)
+                .filter(|&block| !flow.before[block].is_empty())
+                .take_while(|&block| dominators.has(block, first))
+                .filter(|&block| {
+                    block < limits[first]
+                        && behind.has(first, block)
+                        && flow.innermost(block) == innermost
+                });
+            for block in alike {
+                if roots[block].is_none() {
                     roots[block] = Some(first);
                     last = block;
                 }

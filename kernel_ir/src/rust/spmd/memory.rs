@@ -44,9 +44,11 @@ impl Writer<'_> {
         if let Some(group) = self.groups.loads.get(&position).cloned() {
             return self.load_group(position, &group);
         }
-        if let Some((base, offset, values)) = self.groups.stores.get(&position).copied() {
-            let (place, offsets) = self.parts(base, offset)?;
-            let values = values.map(|(value, ty)| to_words(ty, &self.lanes(value)));
+        if let Some(group) = self.groups.stores.get(&position).copied() {
+            let (place, offsets) = self.parts(group.base, group.offset)?;
+            let values = group
+                .values
+                .map(|(value, ty)| to_words(ty, &self.lanes(value)));
             self.line(&format!(
                 "scatter_4({place}, {offsets}, {}, m);",
                 values.join(", ")
