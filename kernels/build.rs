@@ -148,6 +148,13 @@ const SETS: &[(&[&str], &[&str])] = &[
     (OMISSIONS, &["energy_compensation", "has_programs", LEAVES]),
 ];
 
+/// Kernels that run eight invocations at a time where the processor has vectors for it. With `accumulate` nothing is gained: it
+/// waits for memory. The traversal calls a function of Rust for each invocation.
+const IN_LANES: &[&str] = &["brdf", "raygen"];
+
+/// Constants of sets for which that isn't worth the time that it takes to compile.
+const NOT_IN_LANES: &[&str] = &[SPLIT, LEAVES];
+
 /// What the functions may use of a processor; `src/lib.rs` asks whether it is there.
 const X86_64: &str = r#"#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]"#;
 
@@ -181,7 +188,14 @@ fn main() -> Result<()> {
             if !keys.insert(key) {
                 continue;
             }
-            let Some(rust) = kernel_ir::rust::module(&program, attributes) else {
+            let in_lanes = architecture == "x86_64"
+                && IN_LANES.contains(&entry)
+                && !NOT_IN_LANES.iter().any(|name| does.contains(name));
+            let rust = match in_lanes {
+                true => kernel_ir::rust::lanes_module(&program, attributes),
+                false => kernel_ir::rust::module(&program, attributes),
+            };
+            let Some(rust) = rust else {
                 bail!("{entry} can't be written as Rust");
             };
             let name = format!("{entry}_{}", keys.len());
@@ -212,7 +226,33 @@ fn main() -> Result<()> {
         .map(PathBuf::from)
         .context("Cargo names no OUT_DIR")?;
     fs::write(out.join("kernels.rs"), modules)?;
+    fs::write(out.join("tests.rs"), tests()?)?;
     Ok(())
+}
+
+/// The kernels of `tests/lanes.wgsl` in lanes, for the test beside it.
+fn tests() -> Result<String> {
+    let file = "tests/lanes.wgsl";
+    println!("cargo::rerun-if-changed={file}");
+    let text = Text::of(file, &fs::read_to_string(file)?)?;
+    let (mut modules, mut list, mut names) = (String::new(), String::new(), Vec::new());
+    for entry in &text.module.entry_points {
+        let name = &entry.name;
+        let options = kernel_ir::Options::default();
+        let (module, info) = kernel_ir::with_constants(&text.module, &text.info, name, &[])?;
+        let program = kernel_ir::lower(&module, &info, name, &options)?;
+        let Some(rust) = kernel_ir::rust::lanes_module(&program, X86_64) else {
+            bail!("{name} can't be written in lanes");
+        };
+        let _ = writeln!(modules, "mod {name} {{\nuse super::*;\n{rust}}}");
+        let key = program.key();
+        let _ = writeln!(list, "unsafe {{ Ahead::new({key:#034x}, {name}::entry) }},");
+        names.push(name);
+    }
+    let count = names.len();
+    Ok(format!(
+        "{modules}const TESTS: [&str; {count}] = {names:?};\nstatic IN_LANES: [Ahead; {count}] = [\n{list}];\n"
+    ))
 }
 
 /// Writes the standard functions of textures, as kernels with users' texts contain them.

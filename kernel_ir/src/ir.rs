@@ -473,6 +473,19 @@ pub struct Program {
     pub workgroup_size: [u32; 3],
     /// Bytes of scratch memory that a workgroup needs.
     pub scratch_bytes: u32,
+    /// How the entry point goes over its workgroup, if that is a loop over invocations that don't wait for one another.
+    pub invocations: Option<Invocations>,
+}
+
+/// The loop of an entry point over the invocations of a workgroup. They may run in any order, and at the same time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Invocations {
+    /// Which one runs: from zero, one by one.
+    pub index: Variable,
+    /// Where each begins. Before it, only `index` is set.
+    pub head: Label,
+    /// Where each ends; what stands behind is only the loop's.
+    pub next: Label,
 }
 
 /// Where in a dispatch's context what lies, in bytes.

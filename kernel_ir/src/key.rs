@@ -32,7 +32,7 @@ impl Program {
         hash.state
     }
 
-    /// A hash of all that the program is (FNV-1a, 128 bits): the same on every platform, and of two programs that do
+    /// A hash of all that the program does (FNV-1a, 128 bits): the same on every platform, and of two programs that do
     /// different things the same only by a chance that is none.
     pub fn key(&self) -> u128 {
         let mut hash = Fnv::new();

@@ -8,10 +8,16 @@
 
 use device::native::compile::{Ahead, AheadFunction};
 
+#[cfg(target_arch = "x86_64")]
+mod lanes;
+
 mod compiled {
     use core::sync::atomic::{AtomicI32, AtomicU32, Ordering::Relaxed};
 
     use device::native::compile::{Ahead, AheadFunction, runtime};
+
+    #[cfg(target_arch = "x86_64")]
+    use super::lanes;
 
     include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
 }

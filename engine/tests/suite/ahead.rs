@@ -115,6 +115,157 @@ fn what_is_compiled_ahead_gives_the_same_bits() {
     }
 }
 
+/// Path slots of the wave that [`vertices`] shades.
+const CAPACITY: u32 = 256;
+
+/// A kernel of the most ways that invocations may part, over vertices of all kinds: the paths' state and rays are the same to the
+/// bit, and the queues hold the same.
+#[test]
+fn vertices_are_shaded_to_the_same_bits_ahead() {
+    if !are_any() {
+        return;
+    }
+    let plain = SceneFeatures::default();
+    let pictures = SceneFeatures {
+        textures: true,
+        environment: true,
+        ..plain
+    };
+    let all = SceneFeatures {
+        alpha: true,
+        transmission: true,
+        clear: true,
+        layers: true,
+        ..pictures
+    };
+    for features in [plain, pictures, all] {
+        for energy_compensation in [false, true] {
+            let features = SceneFeatures {
+                energy_compensation,
+                ..features
+            };
+            let [found, expected] = [kernels::all(), &[]].map(|ahead_kernels| {
+                let options = Options {
+                    ahead: ahead_kernels,
+                    ..ahead()
+                };
+                let kernel = kernel("brdf", "brdf/entry.wgsl", &features, &options);
+                assert_eq!(kernel.is_ahead(), !ahead_kernels.is_empty());
+                vertices(&kernel)
+            });
+            for ((name, found), (_, expected)) in found.iter().zip(&expected) {
+                let different = (0..found.len()).find(|&word| found[word] != expected[word]);
+                assert_eq!(different, None, "{name} with {features:?}");
+            }
+            let (_, queues) = (found.iter())
+                .find(|(name, _)| name == "queues")
+                .expect("there are queues");
+            // Paths that go on, and shadow rays.
+            assert!(queues[0] > 16 && queues[2] > 16, "{:?}", &queues[..4]);
+        }
+    }
+}
+
+/// What is in a kernel's buffers after it has shaded a wave of made-up vertices. What isn't a number counts as one, and the
+/// lists of queues have no order.
+fn vertices(kernel: &Kernel) -> Vec<(String, Vec<u32>)> {
+    const WORDS: u32 = 1 << 16;
+    const QUEUE_HEADER: u32 = 32;
+    let frame = frame_offsets();
+    let mut buffers = Vec::new();
+    let bound = kernel
+        .bind(|binding| match binding.kind {
+            BindingKind::Buffer { .. } => {
+                let buffer = Buffer::new(4 * u64::from(WORDS)).expect("there is memory");
+                let words: Vec<u32> = (0..WORDS)
+                    .map(|word| {
+                        let bits = (word + 1).wrapping_mul(2_654_435_761);
+                        let bits = bits ^ bits >> 15;
+                        let unit = ((bits >> 8) as f32 / 16_777_216.0).to_bits();
+                        match binding.name.as_str() {
+                            "queues" => match word {
+                                0..8 => CAPACITY * (word % 2),
+                                8..QUEUE_HEADER => 0,
+                                _ => (word - QUEUE_HEADER) % CAPACITY,
+                            },
+                            // Few have scattered often.
+                            "paths" if word / 4 / CAPACITY == 3 => bits >> 8 & 3,
+                            "rays" if word % 12 == 10 && bits >> 8 & 7 == 0 => u32::MAX,
+                            "rays" | "triangles" if word % 12 >= 10 => bits >> 8 & 15,
+                            // Two lights, and behind them a tree that is one leaf.
+                            "lights" if word == 35 => 0x8000_0000,
+                            "materials" if bits >> 8 & 15 == 0 => bits >> 12 & 3,
+                            _ => unit,
+                        }
+                    })
+                    .collect();
+                buffer.write(0, &words);
+                if binding.name == "frame" {
+                    let numbers = [
+                        ("capacity", CAPACITY),
+                        ("wave_size", CAPACITY),
+                        ("padded_pixels", CAPACITY),
+                        ("blocks_x", 2),
+                        ("width", 16),
+                        ("height", 16),
+                        ("max_depth", 3),
+                        ("roulette_start", 2),
+                        ("light_count", 2),
+                        ("directional_count", 0),
+                        ("sampler", 0),
+                        ("caches", 0),
+                        ("has_lot", 0),
+                        ("has_halves", 0),
+                        ("crop_blocks_x", 0),
+                        ("estimator", 0),
+                    ];
+                    for (name, number) in numbers {
+                        buffer.write(u64::from(frame[name]), &[number]);
+                    }
+                }
+                buffers.push((binding.name.clone(), buffer.clone()));
+                Some(Resource::from(buffer))
+            }
+            BindingKind::Image { .. } => {
+                let image = Image::new(Format::Rgba32Float, 4, 4, 1).expect("there is memory");
+                let texels: Vec<f32> = (0..64u8).map(|word| f32::from(word) / 64.0).collect();
+                image.texels().write(0, &texels);
+                Some(Resource::from(image))
+            }
+            BindingKind::Function { .. } => None,
+        })
+        .expect("all of it is bound");
+    bound.dispatch_alone([CAPACITY / 64, 1, 1]);
+    let canonical = |word: u32| match f32::from_bits(word).is_nan() {
+        true => f32::NAN.to_bits(),
+        false => word,
+    };
+    let read = |(name, buffer): (String, Buffer)| {
+        let words = buffer.read::<u32>(0, WORDS as usize);
+        let mut words: Vec<u32> = words.into_iter().map(canonical).collect();
+        if name == "queues" {
+            let lists = words[QUEUE_HEADER as usize..].chunks_mut(CAPACITY as usize);
+            lists.for_each(|list| list.sort_unstable());
+        }
+        (name, words)
+    };
+    buffers.into_iter().map(read).collect()
+}
+
+/// Where the members of a frame lie, in bytes.
+fn frame_offsets() -> std::collections::HashMap<String, u32> {
+    let text = ComposedWgsl::of("brdf/entry.wgsl").text;
+    let module = naga::front::wgsl::parse_str(&text).expect("it is valid");
+    let mut types = module.types.iter();
+    let found = types.find(|(_, ty)| ty.name.as_deref() == Some("Frame"));
+    match &found.expect("there is a frame").1.inner {
+        naga::TypeInner::Struct { members, .. } => (members.iter())
+            .filter_map(|member| Some((member.name.clone()?, member.offset)))
+            .collect(),
+        _ => panic!("a frame is a struct"),
+    }
+}
+
 /// What is in its buffers after one dispatch over numbers that look like those of a small picture.
 fn run(kernel: &Kernel) -> Vec<Vec<u32>> {
     const WORDS: usize = 1 << 16;

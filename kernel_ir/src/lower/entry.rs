@@ -11,19 +11,19 @@ use super::{
 };
 use crate::{
     CompileError, ErrorKind,
-    ir::{Binary, Comparison, Instruction, Type, Value, context},
+    ir::{Binary, Comparison, Instruction, Invocations, Type, Value, context},
 };
 
 /// The most bytes of workgroup variables; of all workgroups that run at once, each has its own.
 const MOST_WORKGROUP_BYTES: u64 = 4 << 20;
 
 impl<'m> Lowering<'m> {
-    /// Writes the entry point; bytes of scratch memory that it needs.
+    /// Writes the entry point; bytes of scratch memory that it needs, and the loop over invocations if it is one.
     pub(super) fn entry(
         &mut self,
         entry: &'m EntryPoint,
         info: &'m FunctionInfo,
-    ) -> Result<u32, CompileError> {
+    ) -> Result<(u32, Option<Invocations>), CompileError> {
         let parameters = [
             Type::Pointer,
             Type::Pointer,
@@ -87,7 +87,8 @@ impl<'m> Lowering<'m> {
             .iter()
             .any(|i| matches!(i, Instruction::Barrier));
         if !waits {
-            return Ok(scratch_bytes as u32);
+            let invocations = Invocations { index, head, next };
+            return Ok((scratch_bytes as u32, Some(invocations)));
         }
         let points = barrier::Points {
             scratch: values[1],
@@ -98,7 +99,7 @@ impl<'m> Lowering<'m> {
             next,
             done,
         };
-        barrier::split(function, &points)
+        Ok((barrier::split(function, &points)?, None))
     }
 
     /// Private variables start anew in each invocation.

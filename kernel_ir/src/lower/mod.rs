@@ -113,7 +113,7 @@ impl<'m> Lowering<'m> {
         info: &'m FunctionInfo,
     ) -> Result<Program, CompileError> {
         self.place_globals(info)?;
-        let scratch_bytes = self.entry(entry, info)?;
+        let (scratch_bytes, invocations) = self.entry(entry, info)?;
         let mut functions = vec![std::mem::take(&mut self.code.function)];
         let mut numbered = Vec::new();
         while let Some(handle) = self.waiting.pop() {
@@ -128,6 +128,7 @@ impl<'m> Lowering<'m> {
             bindings: std::mem::take(&mut self.bindings),
             workgroup_size: entry.workgroup_size,
             scratch_bytes,
+            invocations,
         })
     }
 

@@ -7,6 +7,7 @@
 mod expression;
 mod lanes;
 mod scopes;
+mod spmd;
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -16,6 +17,8 @@ use crate::ir::{Function, Instruction, Label, Program, Type, Value};
 use expression::{at, expression, literal, store, type_name, zero};
 use lanes::Grouped;
 use scopes::{Home, Scope, homes, positions, scopes};
+
+pub use spmd::lanes_module;
 
 /// A module of Rust with `pub unsafe extern "C" fn entry`, which has the parameters of the program's entry point: the
 /// dispatch's context (`*const u64`) and scratch memory (`*mut u64`), and the workgroup's place (three `u32`). `attributes` stand before

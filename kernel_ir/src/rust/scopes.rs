@@ -14,7 +14,7 @@ pub(super) struct Scope {
 }
 
 /// Where control may go from an instruction.
-fn targets(instruction: &Instruction, mut see: impl FnMut(Label)) {
+pub(super) fn targets(instruction: &Instruction, mut see: impl FnMut(Label)) {
     match instruction {
         Instruction::Jump(label) => see(*label),
         Instruction::Branch { accept, reject, .. } => {

@@ -23,8 +23,8 @@ pub use ahead::{Ahead, AheadFunction};
 pub use bind::{BindError, Resource};
 pub use cache::Cache;
 pub use dispatch::{BoundKernel, EntryPoint};
-pub use kernel_ir::{Access, Binding, BindingKind, CompileError, ErrorKind};
-use kernel_ir::{ImageHeader, ir};
+use kernel_ir::ir;
+pub use kernel_ir::{Access, Binding, BindingKind, CompileError, ErrorKind, Format, ImageHeader};
 
 use std::{sync::Arc, time::Duration};
 

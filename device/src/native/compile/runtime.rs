@@ -129,6 +129,11 @@ pub unsafe extern "C" fn load_texel(header: *const ImageHeader, texel: u32, targ
     unsafe { target.write(words) };
 }
 
+/// Light of each byte that is encoded as sRGB, as [`load_texel`] gives it.
+pub fn srgb() -> &'static [f32; 256] {
+    &SRGB
+}
+
 /// Stores four words as a texel. What lies outside of the image is lost.
 ///
 /// # Safety

@@ -1,0 +1,441 @@
+//! Whole kernels with eight invocations at once, in the lanes of vectors.
+//!
+//! Blocks run in the order of the text, each under the mask of the lanes that wait for it, and a loop runs until no lane
+//! waits at its head. What all lanes have in common stays a scalar. Every lane computes what the scalar code does, operation
+//! by operation, so the bits are the same; only the order in which invocations meet in atomic operations is another.
+
+mod flow;
+mod groups;
+mod guards;
+mod homes;
+mod kinds;
+mod memory;
+mod operations;
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+use super::{
+    expression::{expression, literal, type_name},
+    tables,
+};
+use crate::ir::{Function, Instruction, Invocations, Program, Type, Value, Variable};
+use flow::{Flow, Sets};
+use groups::Groups;
+use guards::Guard;
+use homes::Homes;
+use kinds::{Kind, kinds};
+use operations::{call, select, snake, vector, zero};
+
+/// Lanes of a vector.
+const LANES: u32 = 8;
+
+/// As [`super::module`], with eight invocations at a time. What is written expects, beside what that does, a module `lanes` in
+/// scope with a function for each operation on vectors of eight numbers, as the crate `kernels` has it.
+///
+/// None for what isn't written this way: programs with barriers or functions apart, and workgroups that aren't a
+/// multiple of eight.
+pub fn lanes_module(program: &Program, attributes: &str) -> Option<String> {
+    let [function] = program.functions.as_slice() else {
+        return None;
+    };
+    let invocations = program.invocations?;
+    let threads: u32 = program.workgroup_size.iter().product();
+    if !threads.is_multiple_of(LANES) {
+        return None;
+    }
+    let function = one_invocation(function, &invocations)?;
+    let mut words = Vec::new();
+    let body = Writer::write(&function, invocations.index, &mut words)?;
+    let mut text = format!(
+        "use super::lanes::*;\n{attributes}\nunsafe fn f0(p0: *mut u8, p1: *mut u8, p2: u32, p3: u32, p4: u32, first: u32) {{ unsafe {{\n{body}}} }}\n"
+    );
+    tables(&mut text, &words);
+    let _ = writeln!(
+        text,
+        "{attributes}\npub unsafe extern \"C\" fn entry(p0: *const u64, p1: *mut u64, p2: u32, p3: u32, p4: u32) {{\n\
+         for group in 0..{} {{ unsafe {{ f0(p0.cast_mut().cast(), p1.cast(), p2, p3, p4, {LANES} * group) }} }}\n}}",
+        threads / LANES
+    );
+    Some(text)
+}
+
+/// The entry point without its loop: what one invocation does.
+fn one_invocation(function: &Function, invocations: &Invocations) -> Option<Function> {
+    let label = |label| {
+        let mut instructions = function.instructions.iter();
+        instructions.position(|instruction| *instruction == Instruction::Label(label))
+    };
+    let (head, next) = (label(invocations.head)?, label(invocations.next)?);
+    let (before, rest) = function.instructions.split_at(head);
+    let sets_index = |instruction: &&Instruction| !matches!(instruction, Instruction::Set { variable, .. } if *variable == invocations.index);
+    let mut instructions: Vec<Instruction> = before.iter().filter(sets_index).cloned().collect();
+    instructions.extend_from_slice(&rest[..=next - head]);
+    instructions.push(Instruction::Return);
+    Some(Function {
+        instructions,
+        ..function.clone()
+    })
+}
+
+struct Writer<'a> {
+    function: &'a Function,
+    index: Variable,
+    flow: Flow,
+    guards: Vec<Guard>,
+    /// Of each block, the first of those under the same mask.
+    roots: Vec<usize>,
+    kinds: Vec<Kind>,
+    homes: Homes,
+    groups: Groups,
+    /// Of each block, the variables that may be set for all lanes.
+    free: Sets,
+    /// Of each variable, whether it is a scalar.
+    uniform: Vec<bool>,
+    /// Values that are written where they are used.
+    constants: Vec<Option<String>>,
+    text: String,
+}
+
+impl<'a> Writer<'a> {
+    /// What stands in the braces of the function.
+    fn write(
+        function: &'a Function,
+        index: Variable,
+        words: &mut Vec<Arc<[u32]>>,
+    ) -> Option<String> {
+        let flow = Flow::new(function)?;
+        let (guards, roots) = guards::guards(function, &flow);
+        let live = flow.live(function);
+        let free = flow.free(function, &live);
+        let (kinds, uniform) = kinds(function, index, &flow, &free)?;
+        let homes = homes::homes(function, &flow, &guards, &kinds, &live);
+        let groups = groups::groups(function, &flow, &kinds);
+        let mut constants = vec![None; function.value_types.len()];
+        for instruction in &function.instructions {
+            match instruction {
+                Instruction::Constant { to, ty, bits } => {
+                    constants[to.0 as usize] = Some(literal(*ty, *bits));
+                }
+                Instruction::Words { to, words: table } => {
+                    words.push(Arc::clone(table));
+                    let name = format!("((&raw const T{}) as *mut u8)", words.len() - 1);
+                    constants[to.0 as usize] = Some(name);
+                }
+                _ => {}
+            }
+        }
+        let mut writer = Self {
+            function,
+            index,
+            flow,
+            guards,
+            roots,
+            kinds,
+            homes,
+            groups,
+            free,
+            uniform,
+            constants,
+            text: String::new(),
+        };
+        for (value, home) in writer.homes.values.iter().enumerate() {
+            // A scalar can't be one thing for the lanes that have left a loop, and another for those in it.
+            if home.outlives && writer.kinds[value] != Kind::Lanes && home.is_used {
+                return None;
+            }
+        }
+        writer.body()?;
+        Some(writer.text)
+    }
+
+    fn body(&mut self) -> Option<()> {
+        let own = self.function.stack_bytes.div_ceil(4).max(1);
+        self.line(&format!("let mut own = Own::<{own}>([[0; W]; {own}]);"));
+        self.declare(None);
+        self.line("let m = all();");
+        let mut open: Vec<usize> = Vec::new();
+        let mut next = 0;
+        for block in 0..=self.flow.count() {
+            while let Some(&inner) = open.last().filter(|&&g| self.guards[g].end <= block) {
+                let guard = self.guards[inner];
+                if guard.is_loop {
+                    self.line(&format!("if !any(m{}.now) {{ break; }}", guard.start));
+                }
+                self.line("}");
+                open.pop();
+            }
+            if block == self.flow.count() {
+                break;
+            }
+            while next < self.guards.len() && self.guards[next].start == block {
+                let guard = self.guards[next];
+                if guard.is_loop {
+                    self.line("loop {");
+                } else {
+                    let test = match guard.is_tested {
+                        true => format!("if any(m{block}.now) {{"),
+                        false => "{".to_owned(),
+                    };
+                    self.line(&test);
+                    self.line(&format!("let m = m{block}.now;"));
+                    if self.flow.loops.iter().any(|l| l.head == block) {
+                        self.line(&format!("m{block}.now = none();"));
+                    }
+                }
+                self.declare(Some(next));
+                open.push(next);
+                next += 1;
+            }
+            for position in self.flow.range(block) {
+                let instruction = &self.function.instructions[position];
+                self.instruction(block, position, instruction)?;
+                if ends(instruction) {
+                    break;
+                }
+            }
+        }
+        Some(())
+    }
+
+    fn line(&mut self, line: &str) {
+        self.text.push_str(line);
+        self.text.push('\n');
+    }
+
+    fn is_uniform(&self, value: Value) -> bool {
+        self.kinds[value.0 as usize] == Kind::Uniform
+    }
+
+    /// What is declared at the beginning of a guard.
+    fn declare(&mut self, guard: Option<usize>) {
+        let mut text = String::new();
+        for (value, home) in self.homes.values.iter().enumerate() {
+            if home.at != guard || !home.is_used || self.constants[value].is_some() {
+                continue;
+            }
+            let ty = self.function.value_types[value];
+            let (ty, zero) = match self.kinds[value] {
+                _ if home.is_local => continue,
+                Kind::Uniform => (type_name(ty), super::expression::zero(ty)),
+                Kind::Lanes => (vector(ty), zero(ty)),
+                Kind::Pointer(pointer) if pointer.varies => ("I", "none()"),
+                Kind::Pointer(_) => ("*mut u8", "core::ptr::null_mut()"),
+            };
+            let _ = writeln!(
+                text,
+                "let mut v{value} = Changing::<{ty}> {{ now: {zero} }};"
+            );
+        }
+        for (variable, home) in self.homes.variables.iter().enumerate() {
+            let ty = self.function.variable_types[variable];
+            if *home == Some(guard) && variable != self.index.0 as usize {
+                let (ty, zero) = match self.uniform[variable] {
+                    true => (type_name(ty), super::expression::zero(ty)),
+                    false => (vector(ty), zero(ty)),
+                };
+                let _ = writeln!(
+                    text,
+                    "let mut x{variable} = Changing::<{ty}> {{ now: {zero} }};"
+                );
+            }
+        }
+        for (block, home) in self.homes.masks.iter().enumerate() {
+            if *home == guard && self.roots[block] == block && block > 0 {
+                let _ = writeln!(text, "let mut m{block} = Changing::<M> {{ now: none() }};");
+            }
+        }
+        self.text.push_str(&text);
+    }
+
+    /// A value as it is: a scalar, a vector, an address, or bytes behind one.
+    fn name(&self, value: Value) -> String {
+        let constant = self.constants[value.0 as usize].clone();
+        constant.unwrap_or_else(|| match self.homes.values[value.0 as usize].is_local {
+            true => format!("v{}", value.0),
+            false => format!("v{}.now", value.0),
+        })
+    }
+
+    /// A value as a vector.
+    fn lanes(&self, value: Value) -> String {
+        let name = self.name(value);
+        match (
+            self.is_uniform(value),
+            self.function.value_types[value.0 as usize],
+        ) {
+            (true, Type::F32) => format!("floats({name})"),
+            (true, Type::Bool) => format!("mask({name})"),
+            (true, Type::I32) => format!("words({name})"),
+            _ => name,
+        }
+    }
+
+    /// Lets lanes wait for a block: nothing where all of the guard's lanes go there.
+    fn go(&self, block: usize, mask: &str) -> String {
+        match self.roots[block] == block {
+            true => format!("m{block}.now = or(m{block}.now, {mask});"),
+            false => String::new(),
+        }
+    }
+
+    fn block_of(&self, label: crate::ir::Label) -> usize {
+        let mut labels = self.flow.labels.iter();
+        labels.position(|&known| known == Some(label)).unwrap_or(0)
+    }
+
+    fn instruction(
+        &mut self,
+        block: usize,
+        position: usize,
+        instruction: &Instruction,
+    ) -> Option<()> {
+        let line = match *instruction {
+            Instruction::Constant { .. } | Instruction::Words { .. } | Instruction::Label(_) => {
+                return Some(());
+            }
+            Instruction::Barrier | Instruction::Call { .. } => return None,
+            Instruction::Set { variable, value } => {
+                let x = variable.0;
+                let value = match self.uniform[variable.0 as usize] {
+                    true => self.name(value),
+                    false => self.lanes(value),
+                };
+                let ty = self.function.variable_types[variable.0 as usize];
+                match self.free.has(block, variable.0 as usize) {
+                    true => format!("x{x}.now = {value};"),
+                    false => format!("x{x}.now = {}(m, {value}, x{x}.now);", select(ty)),
+                }
+            }
+            Instruction::Jump(label) => self.go(self.block_of(label), "m"),
+            Instruction::Branch {
+                condition,
+                accept,
+                reject,
+            } => {
+                let [accept, reject] = [accept, reject].map(|label| self.block_of(label));
+                let name = self.name(condition);
+                match self.is_uniform(condition) {
+                    true => format!(
+                        "if {name} {{ {} }} else {{ {} }}",
+                        self.go(accept, "m"),
+                        self.go(reject, "m")
+                    ),
+                    false => format!(
+                        "{} {}",
+                        self.go(accept, &format!("and(m, {name})")),
+                        self.go(reject, &format!("without(m, {name})"))
+                    ),
+                }
+            }
+            Instruction::Switch {
+                selector,
+                ref cases,
+                default,
+            } => {
+                let selector = self.lanes(selector);
+                let mut text = "let rest = m;".to_owned();
+                for &(value, label) in cases {
+                    let go = self.go(self.block_of(label), "case");
+                    let _ = write!(
+                        text,
+                        "let case = and(rest, equal({selector}, words({value}))); let rest = without(rest, case); {go}"
+                    );
+                }
+                text + &self.go(self.block_of(default), "rest")
+            }
+            Instruction::Return => return Some(()),
+            Instruction::Load { .. }
+            | Instruction::Store { .. }
+            | Instruction::Atomic { .. }
+            | Instruction::CompareExchange { .. }
+            | Instruction::Element { .. }
+            | Instruction::Offset { .. }
+            | Instruction::StackAddress { .. } => return self.memory(position, instruction),
+            Instruction::CallRuntime { to: None, .. } => return self.runtime_memory(instruction),
+            _ => {
+                let to = instruction.result()?;
+                if !self.homes.values[to.0 as usize].is_used {
+                    return Some(());
+                }
+                let made = self.operation(instruction)?;
+                self.make(to, &made);
+                return Some(());
+            }
+        };
+        self.line(&line);
+        Some(())
+    }
+
+    /// What makes a value of others.
+    fn operation(&self, instruction: &Instruction) -> Option<String> {
+        let to = instruction.result()?;
+        if let Instruction::Get { variable, .. } = *instruction
+            && variable != self.index
+        {
+            return Some(format!("x{}.now", variable.0));
+        }
+        if self.is_uniform(to) || matches!(instruction, Instruction::Parameter { .. }) {
+            return expression(instruction, &|value| self.name(value));
+        }
+        Some(match *instruction {
+            Instruction::Get { .. } => "count_from(first)".to_owned(),
+            Instruction::Unary { op, a, .. } => format!("{}({})", snake(op), self.lanes(a)),
+            Instruction::Binary { op, a, b, .. } => {
+                format!("{}({}, {})", snake(op), self.lanes(a), self.lanes(b))
+            }
+            Instruction::Compare { op, a, b, .. } => {
+                format!("{}({}, {})", snake(op), self.lanes(a), self.lanes(b))
+            }
+            Instruction::Select {
+                condition,
+                accept,
+                reject,
+                ..
+            } => {
+                let (accept, reject) = (self.lanes(accept), self.lanes(reject));
+                let name = self.name(condition);
+                let ty = self.function.value_types[to.0 as usize];
+                match self.is_uniform(condition) {
+                    true => format!("if {name} {{ {accept} }} else {{ {reject} }}"),
+                    false => format!("{}({name}, {accept}, {reject})", select(ty)),
+                }
+            }
+            Instruction::CallRuntime {
+                function,
+                ref arguments,
+                ..
+            } => {
+                let arguments: Vec<String> = arguments.iter().map(|&a| self.lanes(a)).collect();
+                call(function, &arguments)?
+            }
+            _ => return None,
+        })
+    }
+
+    /// Gives a value what makes it.
+    fn make(&mut self, to: Value, made: &str) {
+        let home = self.homes.values[to.0 as usize];
+        let (v, ty) = (to.0, self.function.value_types[to.0 as usize]);
+        let line = match (home.is_used, home.is_local) {
+            (false, _) => format!("{made};"),
+            (true, true) => format!("let v{v} = {made};"),
+            (true, false) if home.outlives && self.kinds[to.0 as usize] == Kind::Lanes => {
+                format!("v{v}.now = {}(m, {made}, v{v}.now);", select(ty))
+            }
+            (true, false) => format!("v{v}.now = {made};"),
+        };
+        self.line(&line);
+    }
+}
+
+/// Whether nothing runs behind an instruction.
+fn ends(instruction: &Instruction) -> bool {
+    matches!(
+        instruction,
+        Instruction::Jump(_)
+            | Instruction::Branch { .. }
+            | Instruction::Switch { .. }
+            | Instruction::Return
+    )
+}
