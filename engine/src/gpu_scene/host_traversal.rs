@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use crate::{bvh::SceneBvh, scene::Scene, wave::RayHit};
 
 use super::{RayRules, inverse, rows};
-use groups::{Group, Member};
+use groups::{Directory, Group, Member};
 
 /// The function of the text that this stands for.
 pub const FUNCTION: &str = "trace_surfaces";
@@ -30,6 +30,7 @@ pub struct HostTraversal {
     scene: RayScene,
     /// What each instance of `scene` stands for; its mesh has the same number.
     groups: Vec<Group>,
+    directories: Vec<Directory>,
     meshes: Vec<BuiltMesh>,
     /// Of each instance's mesh, the first triangle among all.
     first_triangles: Vec<u32>,
@@ -192,6 +193,7 @@ impl HostTraversal {
             meshes,
             first_triangles: instances.iter().map(|i| first(i.mesh)).collect(),
             apart: instances.iter().map(|_| OnceLock::new()).collect(),
+            directories: groups.iter().map(Group::directory).collect(),
             groups,
             group_of,
         })
@@ -201,7 +203,10 @@ impl HostTraversal {
     fn trace(&self, ray: &Ray, any: bool, only: Option<u32>) -> Option<Hit> {
         let Some(only) = only else {
             let hit = self.scene.trace(ray, any, None)?;
-            let (instance, triangle) = self.groups[hit.instance as usize].find(hit.triangle);
+            let (instance, triangle) = {
+                let group = hit.instance as usize;
+                self.groups[group].find(&self.directories[group], hit.triangle)
+            };
             return Some(Hit {
                 instance,
                 triangle,
