@@ -152,9 +152,6 @@ const SETS: &[(&[&str], &[&str])] = &[
 /// waits for memory. The traversal calls a function of Rust for each invocation.
 const IN_LANES: &[&str] = &["brdf", "raygen"];
 
-/// Constants of sets for which that isn't worth the time that it takes to compile.
-const NOT_IN_LANES: &[&str] = &[SPLIT, LEAVES];
-
 /// What the functions may use of a processor; `src/lib.rs` asks whether it is there.
 const X86_64: &str = r#"#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]"#;
 
@@ -188,9 +185,7 @@ fn main() -> Result<()> {
             if !keys.insert(key) {
                 continue;
             }
-            let in_lanes = architecture == "x86_64"
-                && IN_LANES.contains(&entry)
-                && !NOT_IN_LANES.iter().any(|name| does.contains(name));
+            let in_lanes = architecture == "x86_64" && IN_LANES.contains(&entry);
             let rust = match in_lanes {
                 true => kernel_ir::rust::lanes_module(&program, attributes),
                 false => kernel_ir::rust::module(&program, attributes),
