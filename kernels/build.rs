@@ -186,10 +186,8 @@ fn main() -> Result<()> {
                 continue;
             }
             let in_lanes = architecture == "x86_64" && IN_LANES.contains(&entry);
-            let rust = match in_lanes {
-                true => kernel_ir::rust::lanes_module(&program, attributes),
-                false => kernel_ir::rust::module(&program, attributes),
-            };
+            let lanes = in_lanes.then(|| kernel_ir::rust::lanes_module(&program, attributes));
+            let rust = (lanes.flatten()).or_else(|| kernel_ir::rust::module(&program, attributes));
             let Some(rust) = rust else {
                 bail!("{entry} can't be written as Rust");
             };
