@@ -152,6 +152,9 @@ const SETS: &[(&[&str], &[&str])] = &[
 /// waits for memory. The traversal calls a function of Rust for each invocation.
 const IN_LANES: &[&str] = &["brdf", "raygen"];
 
+/// Constants of sets for which that isn't worth the time that it takes to compile.
+const NOT_IN_LANES: &[&str] = &["has_program_shadows", SPLIT, LEAVES];
+
 /// What the functions may use of a processor; `src/lib.rs` asks whether it is there.
 const X86_64: &str = r#"#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]"#;
 
@@ -185,7 +188,11 @@ fn main() -> Result<()> {
             if !keys.insert(key) {
                 continue;
             }
-            let in_lanes = architecture == "x86_64" && IN_LANES.contains(&entry);
+            let in_lanes = architecture == "x86_64"
+                && IN_LANES.contains(&entry)
+                && !NOT_IN_LANES.iter().any(|name| does.contains(name))
+                // With all that may be left out a kernel is large, and without compensation it is for comparisons.
+                && (has.len() < OMISSIONS.len() || does.contains(&"energy_compensation"));
             let lanes = in_lanes.then(|| kernel_ir::rust::lanes_module(&program, attributes));
             let rust = (lanes.flatten()).or_else(|| kernel_ir::rust::module(&program, attributes));
             let Some(rust) = rust else {
