@@ -152,9 +152,6 @@ const SETS: &[(&[&str], &[&str])] = &[
 /// waits for memory. The traversal calls a function of Rust for each invocation.
 const IN_LANES: &[&str] = &["brdf", "raygen"];
 
-/// Constants of sets for which that isn't worth the time that it takes to compile.
-const NOT_IN_LANES: &[&str] = &["has_program_shadows", SPLIT, LEAVES];
-
 /// What the functions may use of a processor; `src/lib.rs` asks whether it is there.
 const X86_64: &str = r#"#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]"#;
 
@@ -165,6 +162,9 @@ fn main() -> Result<()> {
         "x86_64" => X86_64,
         _ => "",
     };
+    let out = env::var_os("OUT_DIR")
+        .map(PathBuf::from)
+        .context("Cargo names no OUT_DIR")?;
     let mut modules = String::new();
     let mut list = String::new();
     let mut keys = HashSet::new();
@@ -188,18 +188,19 @@ fn main() -> Result<()> {
             if !keys.insert(key) {
                 continue;
             }
-            let in_lanes = architecture == "x86_64"
-                && IN_LANES.contains(&entry)
-                && !NOT_IN_LANES.iter().any(|name| does.contains(name))
-                // With all that may be left out a kernel is large, and without compensation it is for comparisons.
-                && (has.len() < OMISSIONS.len() || does.contains(&"energy_compensation"));
+            let in_lanes = architecture == "x86_64" && IN_LANES.contains(&entry);
             let lanes = in_lanes.then(|| kernel_ir::rust::lanes_module(&program, attributes));
             let rust = (lanes.flatten()).or_else(|| kernel_ir::rust::module(&program, attributes));
             let Some(rust) = rust else {
                 bail!("{entry} can't be written as Rust");
             };
             let name = format!("{entry}_{}", keys.len());
-            let _ = writeln!(modules, "mod {name} {{\nuse super::*;\n{rust}}}");
+            // In files of their own, since some of rustc's lints take time in proportion to all that stands before them.
+            fs::write(out.join(format!("{name}.rs")), rust)?;
+            let _ = writeln!(
+                modules,
+                "mod {name} {{ use super::*; include!(\"{name}.rs\"); }}"
+            );
             // As `Ahead::new` wants it: the module was made of the program with this key.
             let _ = writeln!(list, "unsafe {{ Ahead::new({key:#034x}, {name}::entry) }},");
         }
@@ -222,9 +223,6 @@ fn main() -> Result<()> {
         "pub static ALL: [Ahead; {}] = [\n{list}];",
         keys.len()
     );
-    let out = env::var_os("OUT_DIR")
-        .map(PathBuf::from)
-        .context("Cargo names no OUT_DIR")?;
     fs::write(out.join("kernels.rs"), modules)?;
     fs::write(out.join("tests.rs"), tests()?)?;
     Ok(())

@@ -26,8 +26,9 @@ pub(super) fn literal(ty: Type, bits: u32) -> String {
     match ty {
         Type::F32 => {
             let x = f32::from_bits(bits);
-            match x.is_finite() {
-                true => format!("({x:e}f32)"),
+            // Without parentheses: for each that it takes for superfluous, rustc copies all of the text before it.
+            match x.is_finite() && x.is_sign_positive() {
+                true => format!("{x:e}f32"),
                 false => format!("f32::from_bits({bits}u32)"),
             }
         }
