@@ -121,7 +121,7 @@ fn the_picture_does_not_depend_on_how_waves_are_cut() {
     let ball = ball((83, 45));
     let goal = Goal {
         brightness: None,
-        error: Some(0.02),
+        error: Some(0.003),
         spp: 160,
     };
     let films = [512, 1 << 14].map(|capacity| ball.adaptive(&device, &goal, capacity));

@@ -245,7 +245,7 @@ fn a_floor_is_lit_diffusely_and_a_mirror_glossily() {
 #[test]
 fn a_group_is_the_picture_of_its_lights_alone() {
     let Some(device) = device::open() else { return };
-    let shot = Shot { spp: 64, ..SHOT };
+    let shot = Shot { spp: 1024, ..SHOT };
     let (mut whole, camera) = everything();
     let film = |scene: &mut Scene| film(&device, scene, &camera, shot);
     let grouped = film(&mut whole);
