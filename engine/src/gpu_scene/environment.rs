@@ -152,7 +152,7 @@ impl GpuEnvironment {
             .chain(in_parts)
             .map(|(c, width)| {
                 [
-                    c.alias % width | (c.alias / width) << 16,
+                    (c.alias % width) | ((c.alias / width) << 16),
                     c.threshold.to_bits(),
                     (c.probability * weights.len() as f32).to_bits(),
                     0,

@@ -260,7 +260,7 @@ fn vertices(kernel: &Kernel) -> Vec<(String, Vec<u32>)> {
                         // As the table has them: where a picture lies, its size, its layer or whether it is sRGB, its sampler.
                         (Format::Rgba32Uint, 0) => 0,
                         (Format::Rgba32Uint, 1) => 4 | 4 << 16,
-                        (Format::Rgba32Uint, 2) => word / 4 % 2 << 31,
+                        (Format::Rgba32Uint, 2) => ((word / 4) % 2) << 31,
                         (Format::Rgba32Uint, _) => word / 4,
                         _ => word.wrapping_mul(2_654_435_761),
                     })
