@@ -15,6 +15,7 @@ mod error;
 mod image;
 pub mod ir;
 mod key;
+pub mod lanes;
 mod lower;
 pub mod rust;
 

@@ -317,6 +317,37 @@ vectors! {
     }
 }
 
+/// As `runtime::host`, for each lane of a mask: `TAKEN` and `GIVEN` words are in its own memory.
+#[inline]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+pub(crate) unsafe fn host<const TAKEN: usize, const GIVEN: usize>(
+    bound: *const u8,
+    taken: *const u8,
+    given: *mut u8,
+    m: M,
+) {
+    let (taken, given) = (taken.cast::<u32>(), given.cast::<u32>());
+    let (mut arguments, mut result) = ([0; TAKEN], [0; GIVEN]);
+    // SAFETY: the caller's: `bound` is a function that was bound, and lanes have so many words of their own.
+    unsafe {
+        lanes(m, |lane| {
+            for (word, argument) in arguments.iter_mut().enumerate() {
+                *argument = taken.add(W * word + lane).read();
+            }
+            runtime::host(
+                bound.cast(),
+                arguments.as_ptr(),
+                TAKEN as u32,
+                result.as_mut_ptr(),
+                GIVEN as u32,
+            );
+            for (word, result) in result.iter().enumerate() {
+                given.add(W * word + lane).write(*result);
+            }
+        });
+    }
+}
+
 // Atomic operations: those of the lanes happen one after the other, from the first.
 vectors! {
     fn add_same(p: *mut u8, x: u32, m: M) -> I {

@@ -6,7 +6,7 @@
 
 mod expression;
 mod lanes;
-mod scopes;
+pub(crate) mod scopes;
 mod spmd;
 
 use std::fmt::Write as _;

@@ -14,7 +14,7 @@ pub(super) struct Scope {
 }
 
 /// Where control may go from an instruction.
-pub(super) fn targets(instruction: &Instruction, mut see: impl FnMut(Label)) {
+pub(crate) fn targets(instruction: &Instruction, mut see: impl FnMut(Label)) {
     match instruction {
         Instruction::Jump(label) => see(*label),
         Instruction::Branch { accept, reject, .. } => {
@@ -30,7 +30,7 @@ pub(super) fn targets(instruction: &Instruction, mut see: impl FnMut(Label)) {
 }
 
 /// The instruction at which each label stands.
-pub(super) fn positions(function: &Function) -> Vec<usize> {
+pub(crate) fn positions(function: &Function) -> Vec<usize> {
     let mut positions = vec![usize::MAX; function.labels as usize];
     for (position, instruction) in function.instructions.iter().enumerate() {
         if let Instruction::Label(label) = instruction {

@@ -3,11 +3,10 @@
 
 use std::collections::HashMap;
 
-use super::{
-    flow::Flow,
-    kinds::{Kind, pointer},
+use crate::{
+    ir::{Function, Instruction, Memory, Runtime, Type, Value},
+    lanes::{Flow, Kind, pointer},
 };
-use crate::ir::{Function, Instruction, Memory, Runtime, Type, Value};
 
 /// Loads that are done at once.
 #[derive(Debug, Clone)]

@@ -3,11 +3,13 @@
 use super::{
     Writer,
     groups::LoadGroup,
-    kinds::{Pointer, pointer},
     operations::{atomic, of_words, to_words},
 };
-use crate::ir::{AtomicOperation, Instruction, Memory, Runtime, Value};
-use crate::rust::expression::expression;
+use crate::{
+    ir::{AtomicOperation, Instruction, Memory, Runtime, Value},
+    lanes::{Pointer, pointer},
+    rust::expression::expression,
+};
 
 impl Writer<'_> {
     /// An address that is the same in all lanes, so many bytes on.
@@ -30,7 +32,7 @@ impl Writer<'_> {
             is_own,
             varies,
             ..
-        } = pointer(&self.kinds, base)?;
+        } = pointer(&self.known.kinds, base)?;
         let place = self.place(from, offset, is_own);
         Some(match (varies, is_own) {
             (true, false) => (place, self.name(base)),
@@ -59,7 +61,7 @@ impl Writer<'_> {
             return Some(());
         }
         if let Some(to) = instruction.result()
-            && !self.homes.values[to.0 as usize].is_used
+            && !self.known.homes.values[to.0 as usize].is_used
             && !matches!(
                 instruction,
                 Instruction::Atomic { .. } | Instruction::CompareExchange { .. }
@@ -80,7 +82,7 @@ impl Writer<'_> {
                 memory,
             } => {
                 let words = to_words(ty, &self.lanes(value));
-                let from = pointer(&self.kinds, base)?;
+                let from = pointer(&self.known.kinds, base)?;
                 let line = if from.is_own && !from.varies {
                     format!("own_store({}, {words}, m);", self.place(base, offset, true))
                 } else {
@@ -100,7 +102,7 @@ impl Writer<'_> {
                 offset,
                 value,
             } => {
-                let varies = pointer(&self.kinds, base)?.varies;
+                let varies = pointer(&self.known.kinds, base)?.varies;
                 let (place, offsets) = self.parts(base, offset)?;
                 let made = match op {
                     AtomicOperation::Add if !varies && self.is_uniform(value) => {
@@ -130,7 +132,7 @@ impl Writer<'_> {
                 self.make(to, &format!("(&raw mut own).cast::<u8>().add({bytes})"));
             }
             Instruction::Offset { to, base, bytes } => {
-                let from = pointer(&self.kinds, base)?;
+                let from = pointer(&self.known.kinds, base)?;
                 let made = match from.varies {
                     true => format!("add({}, words({bytes}i32 as u32))", self.name(base)),
                     false => self.place(base, bytes, from.is_own),
@@ -143,7 +145,7 @@ impl Writer<'_> {
                 index,
                 stride,
             } => {
-                let from = pointer(&self.kinds, base)?;
+                let from = pointer(&self.known.kinds, base)?;
                 let made = match (from.varies, self.is_uniform(index)) {
                     (false, true) => {
                         let bytes = if from.is_own {
@@ -182,7 +184,7 @@ impl Writer<'_> {
         else {
             return None;
         };
-        let from = pointer(&self.kinds, base)?;
+        let from = pointer(&self.known.kinds, base)?;
         let words = match (from.is_own, from.varies, memory) {
             (false, false, _) => return expression(instruction, &|value| self.name(value)),
             (true, false, _) => format!("own_load({})", self.place(base, offset, true)),
@@ -205,7 +207,7 @@ impl Writer<'_> {
             "let g{position} = gather_{words}({place}, {offsets}, m);"
         ));
         for &(to, ty, word) in &group.loads {
-            if self.homes.values[to.0 as usize].is_used {
+            if self.known.homes.values[to.0 as usize].is_used {
                 let made = of_words(ty, &format!("g{position}.{word}"));
                 self.make(to, &made);
             }
@@ -224,12 +226,12 @@ impl Writer<'_> {
             return None;
         };
         let own = |value: Value| {
-            let from = pointer(&self.kinds, value)?;
+            let from = pointer(&self.known.kinds, value)?;
             (from.is_own && !from.varies).then(|| self.name(value))
         };
         let line = match (function, arguments.as_slice()) {
             (Runtime::LoadTexel, &[header, texel, target]) => {
-                let header_from = pointer(&self.kinds, header)?;
+                let header_from = pointer(&self.known.kinds, header)?;
                 if header_from.is_own || header_from.varies {
                     return None;
                 }
@@ -244,12 +246,29 @@ impl Writer<'_> {
                 format!("own_zero({}, {}, m);", own(target)?, self.name(bytes))
             }
             (Runtime::Copy, &[target, source, bytes]) if self.is_uniform(bytes) => {
-                let from = pointer(&self.kinds, source)?;
+                let from = pointer(&self.known.kinds, source)?;
                 if from.is_own || from.varies {
                     return None;
                 }
                 let (source, bytes) = (self.name(source), self.name(bytes));
                 format!("own_copy({}, {source}, {bytes}, m);", own(target)?)
+            }
+            (Runtime::Host, &[bound, taken, taken_words, given, given_words]) => {
+                let bound_from = pointer(&self.known.kinds, bound)?;
+                if bound_from.is_own || bound_from.varies {
+                    return None;
+                }
+                // Their numbers are part of the text.
+                let [taken_words, given_words] = [taken_words, given_words]
+                    .map(|words| self.constants[words.0 as usize].clone());
+                format!(
+                    "host::<{{ {} as usize }}, {{ {} as usize }}>({}, {}, {}, m);",
+                    taken_words?,
+                    given_words?,
+                    self.name(bound),
+                    own(taken)?,
+                    own(given)?,
+                )
             }
             _ => return None,
         };

@@ -1,14 +1,9 @@
 //! Whole kernels with eight invocations at once, in the lanes of vectors.
 //!
-//! Blocks run in the order of the text, each under the mask of the lanes that wait for it, and a loop runs until no lane
-//! waits at its head. What all lanes have in common stays a scalar. Every lane computes what the scalar code does, operation
+//! How blocks run, [`crate::lanes`] decides. Every lane computes what the scalar code does, operation
 //! by operation, so the bits are the same; only the order in which invocations meet in atomic operations is another.
 
-mod flow;
 mod groups;
-mod guards;
-mod homes;
-mod kinds;
 mod memory;
 mod operations;
 
@@ -19,12 +14,11 @@ use super::{
     expression::{expression, literal, type_name},
     tables,
 };
-use crate::ir::{Function, Instruction, Invocations, Program, Type, Value, Variable};
-use flow::{Flow, Sets};
+use crate::{
+    ir::{Function, Instruction, Program, Type, Value, Variable},
+    lanes::{Analysis, ENTRY, Kind, one_invocation},
+};
 use groups::Groups;
-use guards::Guard;
-use homes::Homes;
-use kinds::{Kind, kinds};
 use operations::{call, select, snake, vector, zero};
 
 /// Lanes of a vector.
@@ -60,38 +54,11 @@ pub fn lanes_module(program: &Program, attributes: &str) -> Option<String> {
     Some(text)
 }
 
-/// The entry point without its loop: what one invocation does.
-fn one_invocation(function: &Function, invocations: &Invocations) -> Option<Function> {
-    let label = |label| {
-        let mut instructions = function.instructions.iter();
-        instructions.position(|instruction| *instruction == Instruction::Label(label))
-    };
-    let (head, next) = (label(invocations.head)?, label(invocations.next)?);
-    let (before, rest) = function.instructions.split_at(head);
-    let sets_index = |instruction: &&Instruction| !matches!(instruction, Instruction::Set { variable, .. } if *variable == invocations.index);
-    let mut instructions: Vec<Instruction> = before.iter().filter(sets_index).cloned().collect();
-    instructions.extend_from_slice(&rest[..=next - head]);
-    instructions.push(Instruction::Return);
-    Some(Function {
-        instructions,
-        ..function.clone()
-    })
-}
-
 struct Writer<'a> {
     function: &'a Function,
     index: Variable,
-    flow: Flow,
-    guards: Vec<Guard>,
-    /// Of each block, the first of those under the same mask.
-    roots: Vec<usize>,
-    kinds: Vec<Kind>,
-    homes: Homes,
+    known: Analysis,
     groups: Groups,
-    /// Of each block, the variables that may be set for all lanes.
-    free: Sets,
-    /// Of each variable, whether it is a scalar.
-    uniform: Vec<bool>,
     /// Values that are written where they are used.
     constants: Vec<Option<String>>,
     text: String,
@@ -104,13 +71,8 @@ impl<'a> Writer<'a> {
         index: Variable,
         words: &mut Vec<Arc<[u32]>>,
     ) -> Option<String> {
-        let flow = Flow::new(function)?;
-        let (guards, roots) = guards::guards(function, &flow);
-        let live = flow.live(function);
-        let free = flow.free(function, &live);
-        let (kinds, uniform) = kinds(function, index, &flow, &free)?;
-        let homes = homes::homes(function, &flow, &guards, &kinds, &live);
-        let groups = groups::groups(function, &flow, &kinds);
+        let known = Analysis::new(function, Some(index), &ENTRY)?;
+        let groups = groups::groups(function, &known.flow, &known.kinds);
         let mut constants = vec![None; function.value_types.len()];
         for instruction in &function.instructions {
             match instruction {
@@ -128,23 +90,11 @@ impl<'a> Writer<'a> {
         let mut writer = Self {
             function,
             index,
-            flow,
-            guards,
-            roots,
-            kinds,
-            homes,
+            known,
             groups,
-            free,
-            uniform,
             constants,
             text: String::new(),
         };
-        for (value, home) in writer.homes.values.iter().enumerate() {
-            // A scalar can't be one thing for the lanes that have left a loop, and another for those in it.
-            if home.outlives && writer.kinds[value] != Kind::Lanes && home.is_used {
-                return None;
-            }
-        }
         writer.body()?;
         Some(writer.text)
     }
@@ -156,20 +106,20 @@ impl<'a> Writer<'a> {
         self.line("let m = all();");
         let mut open: Vec<usize> = Vec::new();
         let mut next = 0;
-        for block in 0..=self.flow.count() {
-            while let Some(&inner) = open.last().filter(|&&g| self.guards[g].end <= block) {
-                let guard = self.guards[inner];
+        for block in 0..=self.known.flow.count() {
+            while let Some(&inner) = open.last().filter(|&&g| self.known.guards[g].end <= block) {
+                let guard = self.known.guards[inner];
                 if guard.is_loop {
                     self.line(&format!("if !any(m{}.now) {{ break; }}", guard.start));
                 }
                 self.line("}");
                 open.pop();
             }
-            if block == self.flow.count() {
+            if block == self.known.flow.count() {
                 break;
             }
-            while next < self.guards.len() && self.guards[next].start == block {
-                let guard = self.guards[next];
+            while next < self.known.guards.len() && self.known.guards[next].start == block {
+                let guard = self.known.guards[next];
                 if guard.is_loop {
                     self.line("loop {");
                 } else {
@@ -179,7 +129,7 @@ impl<'a> Writer<'a> {
                     };
                     self.line(&test);
                     self.line(&format!("let m = m{block}.now;"));
-                    if self.flow.loops.iter().any(|l| l.head == block) {
+                    if self.known.flow.loops.iter().any(|l| l.head == block) {
                         self.line(&format!("m{block}.now = none();"));
                     }
                 }
@@ -187,7 +137,7 @@ impl<'a> Writer<'a> {
                 open.push(next);
                 next += 1;
             }
-            for position in self.flow.range(block) {
+            for position in self.known.flow.range(block) {
                 let instruction = &self.function.instructions[position];
                 self.instruction(block, position, instruction)?;
                 if ends(instruction) {
@@ -204,18 +154,18 @@ impl<'a> Writer<'a> {
     }
 
     fn is_uniform(&self, value: Value) -> bool {
-        self.kinds[value.0 as usize] == Kind::Uniform
+        self.known.kinds[value.0 as usize] == Kind::Uniform
     }
 
     /// What is declared at the beginning of a guard.
     fn declare(&mut self, guard: Option<usize>) {
         let mut text = String::new();
-        for (value, home) in self.homes.values.iter().enumerate() {
+        for (value, home) in self.known.homes.values.iter().enumerate() {
             if home.at != guard || !home.is_used || self.constants[value].is_some() {
                 continue;
             }
             let ty = self.function.value_types[value];
-            let (ty, zero) = match self.kinds[value] {
+            let (ty, zero) = match self.known.kinds[value] {
                 _ if home.is_local => continue,
                 Kind::Uniform => (type_name(ty), super::expression::zero(ty)),
                 Kind::Lanes => (vector(ty), zero(ty)),
@@ -227,10 +177,10 @@ impl<'a> Writer<'a> {
                 "let mut v{value} = Changing::<{ty}> {{ now: {zero} }};"
             );
         }
-        for (variable, home) in self.homes.variables.iter().enumerate() {
+        for (variable, home) in self.known.homes.variables.iter().enumerate() {
             let ty = self.function.variable_types[variable];
             if *home == Some(guard) && variable != self.index.0 as usize {
-                let (ty, zero) = match self.uniform[variable] {
+                let (ty, zero) = match self.known.uniform[variable] {
                     true => (type_name(ty), super::expression::zero(ty)),
                     false => (vector(ty), zero(ty)),
                 };
@@ -240,8 +190,8 @@ impl<'a> Writer<'a> {
                 );
             }
         }
-        for (block, home) in self.homes.masks.iter().enumerate() {
-            if *home == guard && self.roots[block] == block && block > 0 {
+        for (block, home) in self.known.homes.masks.iter().enumerate() {
+            if *home == guard && self.known.roots[block] == block && block > 0 {
                 let _ = writeln!(text, "let mut m{block} = Changing::<M> {{ now: none() }};");
             }
         }
@@ -251,7 +201,7 @@ impl<'a> Writer<'a> {
     /// A value as it is: a scalar, a vector, an address, or bytes behind one.
     fn name(&self, value: Value) -> String {
         let constant = self.constants[value.0 as usize].clone();
-        constant.unwrap_or_else(|| match self.homes.values[value.0 as usize].is_local {
+        constant.unwrap_or_else(|| match self.known.homes.values[value.0 as usize].is_local {
             true => format!("v{}", value.0),
             false => format!("v{}.now", value.0),
         })
@@ -273,15 +223,10 @@ impl<'a> Writer<'a> {
 
     /// Lets lanes wait for a block: nothing where all of the guard's lanes go there.
     fn go(&self, block: usize, mask: &str) -> String {
-        match self.roots[block] == block {
+        match self.known.roots[block] == block {
             true => format!("m{block}.now = or(m{block}.now, {mask});"),
             false => String::new(),
         }
-    }
-
-    fn block_of(&self, label: crate::ir::Label) -> usize {
-        let mut labels = self.flow.labels.iter();
-        labels.position(|&known| known == Some(label)).unwrap_or(0)
     }
 
     fn instruction(
@@ -297,23 +242,23 @@ impl<'a> Writer<'a> {
             Instruction::Barrier | Instruction::Call { .. } => return None,
             Instruction::Set { variable, value } => {
                 let x = variable.0;
-                let value = match self.uniform[variable.0 as usize] {
+                let value = match self.known.uniform[variable.0 as usize] {
                     true => self.name(value),
                     false => self.lanes(value),
                 };
                 let ty = self.function.variable_types[variable.0 as usize];
-                match self.free.has(block, variable.0 as usize) {
+                match self.known.is_free(block, variable) {
                     true => format!("x{x}.now = {value};"),
                     false => format!("x{x}.now = {}(m, {value}, x{x}.now);", select(ty)),
                 }
             }
-            Instruction::Jump(label) => self.go(self.block_of(label), "m"),
+            Instruction::Jump(label) => self.go(self.known.flow.block(label), "m"),
             Instruction::Branch {
                 condition,
                 accept,
                 reject,
             } => {
-                let [accept, reject] = [accept, reject].map(|label| self.block_of(label));
+                let [accept, reject] = [accept, reject].map(|label| self.known.flow.block(label));
                 let name = self.name(condition);
                 match self.is_uniform(condition) {
                     true => format!(
@@ -336,13 +281,13 @@ impl<'a> Writer<'a> {
                 let selector = self.lanes(selector);
                 let mut text = "let rest = m;".to_owned();
                 for &(value, label) in cases {
-                    let go = self.go(self.block_of(label), "case");
+                    let go = self.go(self.known.flow.block(label), "case");
                     let _ = write!(
                         text,
                         "let case = and(rest, equal({selector}, words({value}))); let rest = without(rest, case); {go}"
                     );
                 }
-                text + &self.go(self.block_of(default), "rest")
+                text + &self.go(self.known.flow.block(default), "rest")
             }
             Instruction::Return => return Some(()),
             Instruction::Load { .. }
@@ -355,7 +300,7 @@ impl<'a> Writer<'a> {
             Instruction::CallRuntime { to: None, .. } => return self.runtime_memory(instruction),
             _ => {
                 let to = instruction.result()?;
-                if !self.homes.values[to.0 as usize].is_used {
+                if !self.known.homes.values[to.0 as usize].is_used {
                     return Some(());
                 }
                 let made = self.operation(instruction)?;
@@ -415,12 +360,12 @@ impl<'a> Writer<'a> {
 
     /// Gives a value what makes it.
     fn make(&mut self, to: Value, made: &str) {
-        let home = self.homes.values[to.0 as usize];
+        let home = self.known.homes.values[to.0 as usize];
         let (v, ty) = (to.0, self.function.value_types[to.0 as usize]);
         let line = match (home.is_used, home.is_local) {
             (false, _) => format!("{made};"),
             (true, true) => format!("let v{v} = {made};"),
-            (true, false) if home.outlives && self.kinds[to.0 as usize] == Kind::Lanes => {
+            (true, false) if home.outlives && self.known.kinds[to.0 as usize] == Kind::Lanes => {
                 format!("v{v}.now = {}(m, {made}, v{v}.now);", select(ty))
             }
             (true, false) => format!("v{v}.now = {made};"),

@@ -10,23 +10,28 @@ use crate::ir::{Function, Instruction, Variable};
 /// Guards from the outermost in.
 type Path = Vec<usize>;
 
-pub(super) struct Homes {
-    pub(super) values: Vec<ValueHome>,
-    /// None for what is never touched.
-    pub(super) variables: Vec<Option<Option<usize>>>,
+/// Where what is declared: guards by their numbers, or none for all of the function.
+#[derive(Debug)]
+pub struct Homes {
+    /// Of each value.
+    pub values: Vec<ValueHome>,
+    /// Of each variable; none for what is never touched.
+    pub variables: Vec<Option<Option<usize>>>,
     /// Of the masks of blocks.
-    pub(super) masks: Vec<Option<usize>>,
+    pub masks: Vec<Option<usize>>,
 }
 
 /// Where a value is declared.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct ValueHome {
-    pub(super) at: Option<usize>,
-    pub(super) is_used: bool,
+pub struct ValueHome {
+    /// In which guard.
+    pub at: Option<usize>,
+    /// Whether anything takes it.
+    pub is_used: bool,
     /// Where it is made, too.
-    pub(super) is_local: bool,
+    pub is_local: bool,
     /// Made in a loop and used behind it: lanes that have left keep what they had.
-    pub(super) outlives: bool,
+    pub outlives: bool,
 }
 
 fn meet(home: &mut Option<Path>, path: &[usize]) {
@@ -45,6 +50,7 @@ pub(super) fn homes(
     guards: &[Guard],
     kinds: &[Kind],
     live: &Sets,
+    converged: &[bool],
 ) -> Homes {
     let values = function.value_types.len();
     let mut made: Vec<Path> = vec![Vec::new(); values];
@@ -89,7 +95,9 @@ pub(super) fn homes(
                 at: home.last().copied(),
                 is_used,
                 is_local: home.len() == made.len(),
-                outlives: made[home.len()..].iter().any(|&g| guards[g].is_loop),
+                // From a loop that all leave together, nobody has gone before.
+                outlives: (made[home.len()..].iter())
+                    .any(|&g| guards[g].is_loop && !converged[guards[g].start]),
             }
         })
         .collect();

@@ -3,9 +3,9 @@
 use super::flow::{Flow, Sets};
 use crate::ir::{Function, Instruction, Type, Value, Variable};
 
-/// What a value is in the text.
+/// What a value is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub enum Kind {
     /// A scalar.
     Uniform,
     /// A vector.
@@ -14,55 +14,80 @@ pub(super) enum Kind {
     Pointer(Pointer),
 }
 
+/// What is known of an address.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Pointer {
+pub struct Pointer {
     /// The address that is the same in all lanes from which this one counts: itself, if it doesn't vary.
-    pub(super) base: Value,
+    pub base: Value,
     /// Whether it leads to memory that each lane has of its own.
-    pub(super) is_own: bool,
+    pub is_own: bool,
     /// Whether it is an address and a vector of bytes, which is what is written for it.
-    pub(super) varies: bool,
+    pub varies: bool,
     /// Bytes of the element that it leads into, and where in it, if that is known.
-    pub(super) element: Option<(u32, i32)>,
+    pub element: Option<(u32, i32)>,
 }
 
-/// The kind of each value, and whether each variable is a scalar; `index` is the variable that says which invocation runs.
-/// None where addresses come from what lanes know, or from variables.
+/// How a function gets a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Passed {
+    /// A scalar for all lanes.
+    Uniform,
+    /// A scalar for each.
+    Lanes,
+    /// The address of memory that all share.
+    Shared,
+    /// The address of memory of which each lane has its own.
+    Own,
+}
+
+/// The kind of each value, whether each variable is a scalar, and which blocks all lanes run together; `index` is the variable that
+/// says which invocation runs, if it is an entry point. None where addresses come from what lanes know, or from variables.
 ///
 /// A variable is the same in all lanes that read it if only such values are set, and never while a lane waits elsewhere for
 /// what it was.
 pub(super) fn kinds(
     function: &Function,
-    index: Variable,
+    index: Option<Variable>,
+    passed: &[Passed],
     flow: &Flow,
     free: &Sets,
-) -> Option<(Vec<Kind>, Vec<bool>)> {
+) -> Option<(Vec<Kind>, Vec<bool>, Vec<bool>)> {
     let mut uniform = vec![true; function.variable_types.len()];
-    uniform[index.0 as usize] = false;
+    if let Some(index) = index {
+        uniform[index.0 as usize] = false;
+    }
     let mut sets = Vec::new();
     for block in 0..flow.count() {
         for instruction in &function.instructions[flow.range(block)] {
             if let Instruction::Set { variable, value } = *instruction {
-                uniform[variable.0 as usize] &= free.has(block, variable.0 as usize);
-                sets.push((variable, value));
+                sets.push((block, variable, value));
             }
         }
     }
     loop {
-        let kinds = of_values(function, index, &uniform)?;
+        let kinds = of_values(function, index, passed, &uniform)?;
+        let is_uniform = |value: Value| kinds[value.0 as usize] == Kind::Uniform;
+        let converged = flow.converged(function, &is_uniform);
         let mut changed = false;
-        for &(variable, value) in &sets {
+        for &(block, variable, value) in &sets {
+            let is_for_all = converged[block] || free.has(block, variable.0 as usize);
+            let stays = is_for_all && is_uniform(value);
             let uniform = &mut uniform[variable.0 as usize];
-            changed |= *uniform && kinds[value.0 as usize] != Kind::Uniform;
-            *uniform &= kinds[value.0 as usize] == Kind::Uniform;
+            changed |= *uniform && !stays;
+            *uniform &= stays;
         }
         if !changed {
-            return Some((kinds, uniform));
+            return Some((kinds, uniform, converged));
         }
     }
 }
 
-fn of_values(function: &Function, index: Variable, uniform: &[bool]) -> Option<Vec<Kind>> {
+fn of_values(
+    function: &Function,
+    index: Option<Variable>,
+    passed: &[Passed],
+    uniform: &[bool],
+) -> Option<Vec<Kind>> {
     let mut kinds = vec![Kind::Lanes; function.value_types.len()];
     for instruction in &function.instructions {
         let Some(to) = instruction.result() else {
@@ -85,8 +110,12 @@ fn of_values(function: &Function, index: Variable, uniform: &[bool]) -> Option<V
         kinds[to.0 as usize] = match *instruction {
             Instruction::Constant { .. } => Kind::Uniform,
             Instruction::Words { .. } => start(false),
-            Instruction::Parameter { .. } if ty == Type::Pointer => start(false),
-            Instruction::Parameter { .. } => Kind::Uniform,
+            Instruction::Parameter { index, .. } => match passed[index as usize] {
+                Passed::Uniform => Kind::Uniform,
+                Passed::Lanes => Kind::Lanes,
+                Passed::Shared => start(false),
+                Passed::Own => start(true),
+            },
             Instruction::StackAddress { .. } => start(true),
             Instruction::Offset { base, bytes, .. } => {
                 let from = pointer(base)?;
@@ -123,7 +152,7 @@ fn of_values(function: &Function, index: Variable, uniform: &[bool]) -> Option<V
             Instruction::Get { variable, .. } => {
                 let is_pointer = function.variable_types[variable.0 as usize] == Type::Pointer;
                 match uniform[variable.0 as usize] {
-                    _ if is_pointer && variable != index => return None,
+                    _ if is_pointer && Some(variable) != index => return None,
                     true => Kind::Uniform,
                     false => Kind::Lanes,
                 }
@@ -152,7 +181,7 @@ fn of_values(function: &Function, index: Variable, uniform: &[bool]) -> Option<V
 }
 
 /// What is known of an address.
-pub(super) fn pointer(kinds: &[Kind], value: Value) -> Option<Pointer> {
+pub fn pointer(kinds: &[Kind], value: Value) -> Option<Pointer> {
     match kinds[value.0 as usize] {
         Kind::Pointer(pointer) => Some(pointer),
         _ => None,

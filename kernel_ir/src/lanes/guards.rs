@@ -9,13 +9,15 @@ const CHEAP: u32 = 8;
 
 /// Blocks that are nested in braces: a loop, or blocks under one mask.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Guard {
+pub struct Guard {
     /// Blocks: the first, and the one behind the last.
-    pub(super) start: usize,
-    pub(super) end: usize,
-    pub(super) is_loop: bool,
+    pub start: usize,
+    #[expect(missing_docs, reason = "with the one before")]
+    pub end: usize,
+    /// Whether it runs again until no lane waits at its head.
+    pub is_loop: bool,
     /// Whether it is worth looking if there are lanes.
-    pub(super) is_tested: bool,
+    pub is_tested: bool,
 }
 
 impl Guard {

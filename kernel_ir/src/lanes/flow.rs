@@ -1,11 +1,12 @@
 //! Blocks of a function, and what is known of the ways between them.
 
-use crate::ir::{Function, Instruction, Label, Variable};
+use crate::ir::{Function, Instruction, Label, Value, Variable};
 
-use super::super::scopes::{positions, targets};
+use crate::rust::scopes::{positions, targets};
 
 /// Sets of small numbers, one for each block.
-pub(super) struct Sets {
+#[derive(Debug)]
+pub struct Sets {
     words: usize,
     bits: Vec<u64>,
 }
@@ -19,7 +20,8 @@ impl Sets {
         }
     }
 
-    pub(super) fn has(&self, set: usize, number: usize) -> bool {
+    /// Whether a set has a number.
+    pub fn has(&self, set: usize, number: usize) -> bool {
         self.bits[set * self.words + number / 64] >> (number % 64) & 1 == 1
     }
 
@@ -42,29 +44,34 @@ impl Sets {
 
 /// A loop, as blocks.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Loop {
-    pub(super) head: usize,
+pub struct Loop {
+    /// The first.
+    pub head: usize,
     /// The first block behind it.
-    pub(super) end: usize,
+    pub end: usize,
 }
 
 impl Loop {
-    pub(super) fn holds(&self, block: usize) -> bool {
+    /// Whether a block is in it.
+    pub fn holds(&self, block: usize) -> bool {
         (self.head..self.end).contains(&block)
     }
 }
 
 /// The blocks of a function in their order: from one label to the next.
-pub(super) struct Flow {
+#[derive(Debug)]
+pub struct Flow {
     /// The first instruction of each.
-    pub(super) starts: Vec<usize>,
-    pub(super) instructions: usize,
-    /// Where each leads, and where from.
-    pub(super) next: Vec<Vec<usize>>,
-    pub(super) before: Vec<Vec<usize>>,
+    pub starts: Vec<usize>,
+    instructions: usize,
+    /// Where each leads.
+    pub next: Vec<Vec<usize>>,
+    /// Where each is come to from.
+    pub before: Vec<Vec<usize>>,
     /// Outer ones first.
-    pub(super) loops: Vec<Loop>,
-    pub(super) labels: Vec<Option<Label>>,
+    pub loops: Vec<Loop>,
+    /// What each begins with.
+    pub labels: Vec<Option<Label>>,
 }
 
 impl Flow {
@@ -126,12 +133,19 @@ impl Flow {
         Some(flow)
     }
 
-    pub(super) fn count(&self) -> usize {
+    /// How many blocks there are.
+    pub fn count(&self) -> usize {
         self.starts.len()
     }
 
+    /// The block that begins with a label.
+    pub fn block(&self, label: Label) -> usize {
+        let mut labels = self.labels.iter();
+        labels.position(|&known| known == Some(label)).unwrap_or(0)
+    }
+
     /// The instructions of a block.
-    pub(super) fn range(&self, block: usize) -> std::ops::Range<usize> {
+    pub fn range(&self, block: usize) -> std::ops::Range<usize> {
         let end = self.starts.get(block + 1).copied();
         self.starts[block]..end.unwrap_or(self.instructions)
     }
@@ -260,6 +274,41 @@ impl Flow {
             free.replace(block, &all);
         }
         free
+    }
+}
+
+impl Flow {
+    /// Blocks that all lanes come to together, or none: where no condition on the way is one that lanes see differently, as
+    /// far as that isn't over.
+    pub(super) fn converged(
+        &self,
+        function: &Function,
+        is_uniform: &dyn Fn(Value) -> bool,
+    ) -> Vec<bool> {
+        let behind = self.postdominators(None);
+        let mut converged = vec![true; self.count()];
+        for block in 0..self.count() {
+            let parts = function.instructions[self.range(block)].iter();
+            let mut conditions = parts.filter_map(|instruction| match *instruction {
+                Instruction::Branch { condition, .. } => Some(condition),
+                Instruction::Switch { selector, .. } => Some(selector),
+                _ => None,
+            });
+            if conditions.next().is_none_or(is_uniform) {
+                continue;
+            }
+            let mut open = self.next[block].clone();
+            let mut seen = vec![false; self.count()];
+            while let Some(at) = open.pop() {
+                if (at != block && behind.has(block, at)) || seen[at] {
+                    continue;
+                }
+                seen[at] = true;
+                converged[at] = false;
+                open.extend(&self.next[at]);
+            }
+        }
+        converged
     }
 }
 
