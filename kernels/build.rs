@@ -205,18 +205,24 @@ fn main() -> Result<()> {
             let _ = writeln!(list, "unsafe {{ Ahead::new({key:#034x}, {name}::entry) }},");
         }
     }
-    let mut functions = Vec::new();
+    let (mut functions, mut functions_in_lanes) = (Vec::new(), Vec::new());
     if architecture != "wasm32" {
         let in_lanes = architecture == "x86_64";
-        standard_functions(attributes, in_lanes, &mut modules, &mut functions)?;
+        let mut lists = [&mut functions, &mut functions_in_lanes];
+        standard_functions(attributes, in_lanes, &mut modules, &mut lists)?;
     }
     let _ = writeln!(modules, "pub const NAMES: &[&str] = &{FUNCTIONS:?};");
-    let _ = writeln!(
-        modules,
-        "pub static FUNCTIONS: [AheadFunction; {}] = [\n{}];",
-        functions.len(),
-        functions.concat()
-    );
+    for (name, list) in [
+        ("FUNCTIONS", functions),
+        ("FUNCTIONS_IN_LANES", functions_in_lanes),
+    ] {
+        let _ = writeln!(
+            modules,
+            "pub static {name}: [AheadFunction; {}] = [\n{}];",
+            list.len(),
+            list.concat()
+        );
+    }
     let _ = writeln!(modules, "pub const OMISSIONS: &[&str] = &{OMISSIONS:?};");
     let _ = writeln!(
         modules,
@@ -253,12 +259,13 @@ fn tests() -> Result<String> {
     ))
 }
 
-/// Writes the standard functions of textures, as kernels with users' texts contain them.
+/// Writes the standard functions of textures, as kernels with users' texts contain them, and lists them: for one invocation, and for
+/// several at once.
 fn standard_functions(
     attributes: &str,
     in_lanes: bool,
     modules: &mut String,
-    list: &mut Vec<String>,
+    [list, list_in_lanes]: &mut [&mut Vec<String>; 2],
 ) -> Result<()> {
     let mut text = String::new();
     for file in STANDARD_FILES {
@@ -305,18 +312,33 @@ fn standard_functions(
             false => "use super::*;",
         };
         let _ = writeln!(modules, "mod standard_{number} {{\n{imports}\n{rust}}}");
+        if in_lanes {
+            let Some(rust) = kernel_ir::rust::lanes_functions(&plain, attributes) else {
+                bail!("the standard functions can't be written in lanes");
+            };
+            let _ = writeln!(
+                modules,
+                "mod standard_in_lanes_{number} {{\nuse super::*;\n{rust}}}"
+            );
+        }
         for (index, function) in plain.functions.iter().enumerate().skip(1) {
             let mut functions = written.functions.iter();
             let place = functions.position(|written| written.name == function.name);
             let place = place.context("both programs have the same functions")?;
             let key = plain.function_key(index);
-            // As `AheadFunction::new` wants it: `eN` was made of the function with this key.
-            list.push(format!(
-                "unsafe {{ AheadFunction::new({key:#034x}, [{}, {}, {}], core::mem::transmute(standard_{number}::e{place} as *const ())) }},\n",
-                function.parameters.len(),
-                function.instructions.len(),
-                function.value_types.len(),
-            ));
+            // As `AheadFunction::new` wants it: what is named was made of the function with this key.
+            let entry = |function: String| {
+                format!(
+                    "unsafe {{ AheadFunction::new({key:#034x}, [{}, {}, {}], core::mem::transmute({function} as *const ())) }},\n",
+                    plain.functions[index].parameters.len(),
+                    plain.functions[index].instructions.len(),
+                    plain.functions[index].value_types.len(),
+                )
+            };
+            list.push(entry(format!("standard_{number}::e{place}")));
+            if in_lanes {
+                list_in_lanes.push(entry(format!("standard_in_lanes_{number}::l{index}")));
+            }
         }
     }
     Ok(())

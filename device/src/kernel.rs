@@ -55,6 +55,22 @@ pub trait Text: Debug + Sync {
         &[]
     }
 
+    /// Whether processors are to run several invocations of its kernels at once, as soon as there is code for that.
+    fn runs_in_lanes(&self) -> bool {
+        false
+    }
+
+    /// Of a text that [runs in lanes](Self::runs_in_lanes): whether a function is called once for each set of different
+    /// arguments that invocations have. That is worth it where they decide what it does, and are mostly the same.
+    fn runs_once(&self, _function: &str) -> bool {
+        false
+    }
+
+    /// As [`Self::ahead_functions`], for kernels that run in lanes.
+    fn ahead_lanes(&self) -> &'static [AheadFunction] {
+        &[]
+    }
+
     /// Override constants by which a kernel leaves out what isn't needed, and does the same as with them set: so a kernel
     /// that was compiled with all of them may stand for one without some.
     fn omissions(&self) -> &'static [&'static str] {
@@ -190,7 +206,7 @@ impl Kernel {
         let bindings = parsed.bindings();
         let program = match &device.kind {
             Kind::Gpu(gpu) => Program::Gpu(gpu::Pipeline::new(gpu, source, parsed)?),
-            Kind::Native(processor) => Program::Native(processor.compile(source, &parsed)?),
+            Kind::Native(processor) => Program::Native(processor.compile(source, parsed)?),
         };
         let (functions, compiled) = match &program {
             Program::Gpu(_) => (0, 0),

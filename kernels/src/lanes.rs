@@ -266,6 +266,8 @@ vectors! {
         // Lane 4 stands behind lane 0, and so on.
         lanes(m, |lane| p.add(o[lane] as usize).cast::<[u32; 4]>().write_unaligned(all[2 * (lane & 3) + (lane >> 2)]));
     }
+    /// A row of what was handed over.
+    fn row(rows: *const u8, number: usize) -> I { _mm256_loadu_si256(rows.cast::<I>().add(number)) }
     fn own_load(p: *const u8) -> I { _mm256_load_si256(p.cast()) }
     /// Nobody else looks, and a store under a mask takes longer than all of it once more: it is what the compiler would make
     /// of any other load.

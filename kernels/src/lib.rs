@@ -43,6 +43,14 @@ pub fn functions() -> &'static [AheadFunction] {
     }
 }
 
+/// The same for kernels in lanes: none on processors without AVX2.
+pub fn functions_in_lanes() -> &'static [AheadFunction] {
+    match is_supported() {
+        true => &compiled::FUNCTIONS_IN_LANES,
+        false => &[],
+    }
+}
+
 /// Whether a standard function of this name is among [`functions`], and is to be called rather than inlined.
 pub fn is_function(name: &str) -> bool {
     function_names().contains(&name)

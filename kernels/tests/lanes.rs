@@ -18,6 +18,20 @@ const WORKGROUPS: u32 = 4;
 const WORDS: usize = 1 << 13;
 
 fn kernel(entry: &str, ahead: &'static [Ahead]) -> Kernel {
+    compiled(entry, ahead, false, |_| false)
+}
+
+/// Compiled by the device, to run in lanes.
+fn kernel_in_lanes(entry: &str, is_separate: fn(&str) -> bool) -> Kernel {
+    compiled(entry, &[], true, is_separate)
+}
+
+fn compiled(
+    entry: &str,
+    ahead: &'static [Ahead],
+    in_lanes: bool,
+    is_separate: fn(&str) -> bool,
+) -> Kernel {
     let text = include_str!("lanes.wgsl");
     let module = naga::front::wgsl::parse_str(text).expect("it is valid");
     let flags = naga::valid::ValidationFlags::all();
@@ -25,9 +39,15 @@ fn kernel(entry: &str, ahead: &'static [Ahead]) -> Kernel {
     let info = validator.validate(&module).expect("it is valid");
     let options = Options {
         ahead,
+        separate: &is_separate,
         ..Options::default()
     };
-    Kernel::new(&module, &info, entry, &[], &options).expect("it can be compiled")
+    let kernel = Kernel::new(&module, &info, entry, &[], &options).expect("it can be compiled");
+    if in_lanes {
+        let is_added = kernel.add_lanes(&module, &info, entry, &[], &options, &|_| false);
+        assert!(is_added && kernel.is_in_lanes(), "{entry}");
+    }
+    kernel
 }
 
 /// What is in its buffers afterwards.
@@ -78,10 +98,15 @@ fn lanes_compute_what_one_invocation_after_the_other_does() {
     for entry in TESTS {
         let (in_lanes, alone) = (kernel(entry, &IN_LANES), kernel(entry, &[]));
         assert!(in_lanes.is_ahead(), "{entry}");
-        let (found, expected) = (run(&in_lanes), run(&alone));
-        for (buffer, (found, expected)) in found.iter().zip(&expected).enumerate() {
-            let different = (0..WORDS).find(|&word| found[word] != expected[word]);
-            assert_eq!(different, None, "{entry}: buffer {buffer}");
+        let expected = run(&alone);
+        let made_now = [|_: &str| false, |_: &str| true]
+            .map(|is_separate| kernel_in_lanes(entry, is_separate));
+        for (number, kernel) in [in_lanes].into_iter().chain(made_now).enumerate() {
+            let found = run(&kernel);
+            for (buffer, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                let different = (0..WORDS).find(|&word| found[word] != expected[word]);
+                assert_eq!(different, None, "{entry}: kernel {number}, buffer {buffer}");
+            }
         }
     }
 }

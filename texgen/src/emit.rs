@@ -37,6 +37,9 @@ pub const LOOP_LIMIT: u32 = 16_384;
 /// What the functions are called that load a node's arguments and call its texture, before the section's name.
 const CALL: &str = "patina_call_";
 
+/// The function of a generated kernel that runs a program: `fn(offset: u32)`.
+pub const RUN: &str = "patina_run_program";
+
 /// Whether a function of a generated kernel is that of a texture: it loads a node's arguments and calls the user's
 /// function. One for each texture, and nothing else in the kernel depends on what a texture computes.
 pub fn is_call(function: &str) -> bool {
@@ -304,8 +307,9 @@ impl Emitter {
             .filter(|&i| texture.parameters()[i].ty.is_linkable())
             .collect();
         self.line(&format!(
-            "fn {CALL}{name}(args: u32, at: ptr<function, u32>) -> vec4f {{"
+            "fn {CALL}{name}(args: u32, first: u32) -> vec4f {{"
         ));
+        self.line("    var at = first;");
         for (i, (parameter, offset)) in texture.parameters().iter().zip(&offsets).enumerate() {
             let word = format!("args + {offset}u");
             if let Some(attribute) = &parameter.attribute {
@@ -333,22 +337,22 @@ impl Emitter {
             ));
         }
         for word in 0..linkable.len().div_ceil(32) {
-            self.line(&format!("    let links{word} = patina_program_word(*at);"));
-            self.line("    *at += 1u;");
+            self.line(&format!("    let links{word} = patina_program_word(at);"));
+            self.line("    at += 1u;");
         }
         for (word, group) in linkable.chunks(32).enumerate() {
             self.line(&format!("    if links{word} != 0u {{"));
             for (bit, &i) in group.iter().enumerate() {
                 let parameter = &texture.parameters()[i];
-                let value = linked("patina_next_link(at)", parameter.ty);
+                let value = linked("patina_next_link(&at)", parameter.ty);
                 let mask = format!("(links{word} & {}u) != 0u", 1u32 << bit);
                 if parameter.attribute.is_none() {
                     self.line(&format!("        if {mask} {{ p{i} = {value}; }}"));
                     continue;
                 }
                 self.line(&format!("        if {mask} {{"));
-                self.line("            let word = patina_program_word(*at);");
-                self.line("            *at += 1u;");
+                self.line("            let word = patina_program_word(at);");
+                self.line("            at += 1u;");
                 self.line("            if word == patina_constant {");
                 let (ty, offset) = (parameter.ty, offsets[i]);
                 let constant = match parameter.is_coordinate() {
@@ -365,16 +369,16 @@ impl Emitter {
             self.line("    }");
         }
         if texture.reads_occlusion() {
-            self.line("    let occlusion = patina_program_word(*at);");
-            self.line("    *at += 1u;");
+            self.line("    let occlusion = patina_program_word(at);");
+            self.line("    at += 1u;");
             self.line(
                 "    patina_occlusion = vec2u(occlusion & 0xffu, (occlusion >> 8u) & 0xffu);",
             );
         }
         let outputs = texture.outputs();
         for word in 0..outputs.len().saturating_sub(1).div_ceil(2) {
-            self.line(&format!("    let kept{word} = patina_program_word(*at);"));
-            self.line("    *at += 1u;");
+            self.line(&format!("    let kept{word} = patina_program_word(at);"));
+            self.line("    at += 1u;");
         }
         // Behind the AO slots, which an attribute may need.
         for (place, &i) in linkable.iter().enumerate() {
@@ -416,7 +420,7 @@ impl Emitter {
     }
 
     fn run(&mut self, library: &Library, names: &[String]) {
-        self.line("fn patina_run_program(offset: u32) {");
+        self.line(&format!("fn {RUN}(offset: u32) {{"));
         self.line("    var at = offset + 1u;");
         self.line(
             "    for (var remaining = patina_program_word(offset); remaining > 0u; remaining--) {",
@@ -428,9 +432,8 @@ impl Emitter {
         self.line("        switch head & 0xffffu {");
         for (number, (texture, name)) in library.textures().iter().zip(names).enumerate() {
             self.line(&format!("            case {number}u: {{"));
-            self.line(&format!(
-                "                result = {CALL}{name}(args, &at);"
-            ));
+            self.line(&format!("                result = {CALL}{name}(args, at);"));
+            self.line(&format!("                at += {};", words_behind(texture)));
             self.report_overrun(texture, number);
             self.line("            }");
         }
@@ -450,6 +453,20 @@ impl Emitter {
             ));
         }
     }
+}
+
+/// How many words an instruction has behind its first two, as WGSL: at the third, `at`.
+fn words_behind(texture: &TextureType) -> String {
+    let parameters = texture.parameters().iter();
+    let linkable = parameters.filter(|parameter| parameter.ty.is_linkable());
+    let masks = linkable.count().div_ceil(32);
+    let occlusion = usize::from(texture.reads_occlusion());
+    let further = texture.outputs().len().saturating_sub(1).div_ceil(2);
+    let mut words = format!("{}u", masks + occlusion + further);
+    for mask in 0..masks {
+        words += &format!(" + countOneBits(patina_program_word(at + {mask}u))");
+    }
+    words
 }
 
 /// Width of the hit's own pixel in the units of a place.

@@ -88,7 +88,7 @@ mod wording;
 
 pub use attribute::{Attribute, BUILTIN_ATTRIBUTES, BuiltinAttribute, GLOBALS, Global, HOST_STUB};
 pub use diagnostic::{Diagnostic, Diagnostics, Label, Location, Severity, SourceFile};
-pub use emit::{GeneratedKernel, LOOP_LIMIT, is_call};
+pub use emit::{GeneratedKernel, LOOP_LIMIT, RUN, is_call};
 pub use graph::{DroppedValue, Edit, Graph, Link, NodeId};
 pub use graph_error::GraphError;
 pub use guard::guarded;

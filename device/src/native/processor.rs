@@ -1,6 +1,7 @@
 //! The processor behind the interface of all devices.
 
 use std::{
+    collections::HashSet,
     sync::{
         Arc, OnceLock,
         atomic::{AtomicU64, Ordering},
@@ -177,7 +178,7 @@ impl Processor {
     pub(crate) fn compile(
         &self,
         source: &KernelSource<'_>,
-        parsed: &Parsed,
+        parsed: Parsed,
     ) -> Result<compile::Kernel, DeviceError> {
         let _busy = (self.activity()).begin(|| format!("compiling the kernel {}", source.entry));
         let constants: Vec<(&str, f64)> = source.constants.to_vec();
@@ -195,6 +196,11 @@ impl Processor {
         let (module, info) = (&parsed.module, &parsed.info);
         let kernel = compile::Kernel::new(module, info, source.entry, &constants, &options);
         self.shared.pipelines.fetch_add(1, Ordering::Relaxed);
+        if let Ok(kernel) = &kernel
+            && source.text.runs_in_lanes()
+        {
+            self.add_lanes(source, kernel, parsed);
+        }
         kernel.map_err(|error| {
             let message = error.to_string();
             let place = error.span.to_range();
@@ -208,6 +214,43 @@ impl Processor {
                 _ => source.failed(located.unwrap_or(message)),
             }
         })
+    }
+
+    /// Sees to it that a kernel has code that runs in lanes before long. It may run before it has: what it computes is the same.
+    fn add_lanes(&self, source: &KernelSource<'_>, kernel: &compile::Kernel, parsed: Parsed) {
+        let named = |is: &dyn Fn(&str) -> bool| -> HashSet<String> {
+            let functions = parsed.module.functions.iter();
+            let names = functions.filter_map(|(_, function)| function.name.clone());
+            names.filter(|name| is(name)).collect()
+        };
+        let separate = named(&|name| source.text.is_separate(name));
+        let once = named(&|name| source.text.runs_once(name));
+        let (entry, constants) = (source.entry.to_owned(), source.constants.to_vec());
+        let (host, ahead_lanes) = (
+            source.text.host_functions().to_vec(),
+            source.text.ahead_lanes(),
+        );
+        let loop_limit = (source.trust == Trust::Nothing).then_some(LOOP_LIMIT);
+        let (kernel, shared) = (kernel.clone(), Arc::clone(&self.shared));
+        let add = move || {
+            let options = Options {
+                separate: &|name| separate.contains(name),
+                host: &host,
+                loop_limit,
+                cache: Some(&shared.functions),
+                ahead_lanes,
+                ..Options::default()
+            };
+            let (module, info) = (&parsed.module, &parsed.info);
+            let constants: Vec<(&str, f64)> = constants;
+            kernel.add_lanes(module, info, &entry, &constants, &options, &|name| {
+                once.contains(name)
+            });
+        };
+        match &self.shared.threads {
+            Some(own) => own.spawn(add),
+            None => rayon::spawn(add),
+        }
     }
 
     /// Does what is recorded, one after the other, and returns when it is done.

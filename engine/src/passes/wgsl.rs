@@ -131,6 +131,19 @@ impl Text for ComposedWgsl {
             || texgen::standard_function(function).is_some_and(kernels::is_function)
     }
 
+    fn ahead_lanes(&self) -> &'static [AheadFunction] {
+        kernels::functions_in_lanes()
+    }
+
+    fn runs_in_lanes(&self) -> bool {
+        self.generated.is_some()
+    }
+
+    fn runs_once(&self, function: &str) -> bool {
+        // Neighbouring hits mostly have the same program: it is walked once for all of them.
+        function == texgen::RUN
+    }
+
     fn adapt(&self, module: &mut naga::Module) {
         texgen::copy_pointer_arguments(module);
     }

@@ -49,8 +49,9 @@ impl Analysis {
         let homes = homes::homes(function, &flow, &guards, &kinds, &live, &converged);
         // A scalar can't be one thing for the lanes that have left a loop, and another for those in it.
         let mut values = homes.values.iter().zip(&kinds);
-        let is_two =
-            |(home, kind): (&ValueHome, &Kind)| home.outlives && home.is_used && *kind != Kind::Lanes;
+        let is_two = |(home, kind): (&ValueHome, &Kind)| {
+            home.outlives && home.is_used && *kind != Kind::Lanes
+        };
         if values.any(is_two) {
             return None;
         }

@@ -18,7 +18,7 @@ use expression::{at, expression, literal, store, type_name, zero};
 use lanes::Grouped;
 use scopes::{Home, Scope, homes, positions, scopes};
 
-pub use spmd::lanes_module;
+pub use spmd::{lanes_functions, lanes_module};
 
 /// A module of Rust with `pub unsafe extern "C" fn entry`, which has the parameters of the program's entry point: the
 /// dispatch's context (`*const u64`) and scratch memory (`*mut u64`), and the workgroup's place (three `u32`). `attributes` stand before

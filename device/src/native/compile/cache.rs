@@ -6,7 +6,12 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
+use kernel_ir::lanes::Passed;
+
 use super::{generate::MachineCode, ir::Function};
+
+/// How a function in lanes gets its parameters, and then those that it calls.
+type InLanes = Vec<Vec<Passed>>;
 
 /// Machine code of functions that were compiled, found by what they contain. A kernel that is compiled again with one
 /// of its separate functions changed takes the others from here.
@@ -17,7 +22,7 @@ pub struct Cache {
 
 #[derive(Default)]
 struct Kept {
-    by_content: HashMap<Function, (Arc<MachineCode>, u64)>,
+    by_content: HashMap<(Function, Option<InLanes>), (Arc<MachineCode>, u64)>,
     /// Counts kernels.
     time: u64,
 }
@@ -41,19 +46,30 @@ impl Cache {
         self.len() == 0
     }
 
-    /// Code of a function with the same content, whatever the functions that it calls are numbered.
-    pub(super) fn find(&self, function: &Function) -> Option<Arc<MachineCode>> {
+    /// Code of a function with the same content, whatever the functions that it calls are numbered: for one invocation, or for
+    /// several.
+    pub(super) fn find(
+        &self,
+        function: &Function,
+        lanes: Option<&InLanes>,
+    ) -> Option<Arc<MachineCode>> {
         let mut kept = self.lock();
         let time = kept.time;
-        let (code, used) = kept.by_content.get_mut(&key(function))?;
+        let (code, used) = kept.by_content.get_mut(&key(function, lanes))?;
         *used = time;
         Some(code.clone())
     }
 
-    pub(super) fn keep(&self, function: &Function, code: &Arc<MachineCode>) {
+    pub(super) fn keep(
+        &self,
+        function: &Function,
+        lanes: Option<&InLanes>,
+        code: &Arc<MachineCode>,
+    ) {
         let mut kept = self.lock();
         let time = kept.time;
-        kept.by_content.insert(key(function), (code.clone(), time));
+        kept.by_content
+            .insert(key(function, lanes), (code.clone(), time));
     }
 
     /// A kernel is done.
@@ -72,12 +88,13 @@ impl Cache {
 }
 
 /// The content without what doesn't matter: its name, and which functions it calls. Calls name them by position.
-fn key(function: &Function) -> Function {
-    Function {
+fn key(function: &Function, lanes: Option<&InLanes>) -> (Function, Option<InLanes>) {
+    let function = Function {
         name: String::new(),
         callees: Vec::new(),
         ..function.clone()
-    }
+    };
+    (function, lanes.cloned())
 }
 
 impl fmt::Debug for Cache {

@@ -164,7 +164,7 @@ impl<'a> Run<'a> {
     }
 
     fn range(&self, scratch: &mut Scratch, workgroups: Range<u64>) {
-        let entry = self.kernel.code.entry();
+        let entry = self.kernel.entry();
         for index in workgroups {
             let (x, rest) = (index % self.columns, index / self.columns);
             let (y, z) = (rest % self.rows, rest / self.rows);

@@ -26,7 +26,10 @@ pub use dispatch::{BoundKernel, EntryPoint};
 use kernel_ir::ir;
 pub use kernel_ir::{Access, Binding, BindingKind, CompileError, ErrorKind, Format, ImageHeader};
 
-use std::{sync::Arc, time::Duration};
+use std::{
+    sync::{Arc, OnceLock},
+    time::Duration,
+};
 
 use generate::Code;
 
@@ -51,6 +54,8 @@ pub struct Options<'a> {
     /// Functions that were compiled before: called in place of functions of the text that compute the same. Only what
     /// [`Self::separate`] names is called at all.
     pub ahead_functions: &'static [AheadFunction],
+    /// Functions that were compiled before for eight invocations at once, see [`Kernel::add_lanes`].
+    pub ahead_lanes: &'static [AheadFunction],
     /// Override constants that only leave out what isn't needed: what was compiled before with all of them set will do.
     pub omissions: &'static [&'static str],
 }
@@ -66,6 +71,7 @@ impl Default for Options<'_> {
             cache: None,
             ahead: &[],
             ahead_functions: &[],
+            ahead_lanes: &[],
             omissions: &[],
         }
     }
@@ -117,6 +123,8 @@ impl Machine {
 #[derive(Debug, Clone)]
 pub struct Kernel {
     code: Machine,
+    /// Code for eight invocations at once, once there is some.
+    lanes: Arc<OnceLock<Code>>,
     bindings: Arc<[Binding]>,
     workgroup_size: [u32; 3],
     /// Bytes of scratch memory that a workgroup needs: workgroup variables, and what waits at barriers.
@@ -170,11 +178,65 @@ impl Kernel {
         statistics.generation = start.elapsed();
         Ok(Self {
             code,
+            lanes: Arc::default(),
             bindings: program.bindings.into(),
             workgroup_size: program.workgroup_size,
             scratch_bytes: program.scratch_bytes,
             statistics,
         })
+    }
+
+    /// Compiles it once more, so that eight invocations run at once: from then on it is that code that runs, with the same
+    /// results. Arguments and options are those of [`Self::new`]; functions that `once` names are called once for each set of
+    /// different scalars that invocations have for them. False where it can't be done, and nothing changes.
+    ///
+    /// It takes longer to compile than the other code; so a kernel may begin without it.
+    pub fn add_lanes(
+        &self,
+        module: &naga::Module,
+        info: &naga::valid::ModuleInfo,
+        entry: &str,
+        constants: &[(&str, f64)],
+        options: &Options<'_>,
+        once: &(dyn Fn(&str) -> bool + Sync),
+    ) -> bool {
+        let is_possible = cfg!(target_arch = "x86_64") && !self.is_ahead();
+        if !is_possible || self.lanes.get().is_some() {
+            return is_possible;
+        }
+        let lowered = || {
+            let (module, info) = kernel_ir::with_constants(module, info, entry, constants)?;
+            let separate = |name: &str| once(name) || (options.separate)(name);
+            let options = kernel_ir::Options {
+                separate: &separate,
+                host: options.host,
+                loop_limit: options.loop_limit,
+            };
+            kernel_ir::lower(&module, &info, entry, &options)
+        };
+        let code = lowered().and_then(|program| {
+            let code = generate::compile_lanes(&program, options, once)?;
+            // It is bound as the other code is.
+            let is_same =
+                *program.bindings == *self.bindings && program.scratch_bytes == self.scratch_bytes;
+            Ok(is_same.then_some(code))
+        });
+        match code {
+            Ok(Some(code)) => {
+                let _ = self.lanes.set(code);
+                true
+            }
+            Ok(None) | Err(_) => false,
+        }
+    }
+
+    /// Whether it runs eight invocations at once, see [`Self::add_lanes`].
+    pub fn is_in_lanes(&self) -> bool {
+        self.lanes.get().is_some()
+    }
+
+    fn entry(&self) -> EntryPoint {
+        (self.lanes.get()).map_or_else(|| self.code.entry(), Code::entry)
     }
 
     /// What has to be bound: the globals that the entry point uses and the functions that it calls, and no others.

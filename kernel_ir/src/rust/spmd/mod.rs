@@ -16,10 +16,10 @@ use super::{
 };
 use crate::{
     ir::{Function, Instruction, Program, Type, Value, Variable},
-    lanes::{Analysis, ENTRY, Kind, one_invocation},
+    lanes::{Analysis, ENTRY, Kind, Passed, one_invocation, pointer},
 };
 use groups::Groups;
-use operations::{call, select, snake, vector, zero};
+use operations::{call, of_words, select, snake, to_words, vector, zero};
 
 /// Lanes of a vector.
 const LANES: u32 = 8;
@@ -40,7 +40,13 @@ pub fn lanes_module(program: &Program, attributes: &str) -> Option<String> {
     }
     let function = one_invocation(function, &invocations)?;
     let mut words = Vec::new();
-    let body = Writer::write(&function, invocations.index, &mut words)?;
+    let known = Analysis::new(&function, Some(invocations.index), &ENTRY)?;
+    let entry = Called {
+        program,
+        passed: &ENTRY,
+        index: Some(invocations.index),
+    };
+    let body = Writer::write(&function, known, entry, &mut words)?;
     let mut text = format!(
         "use super::lanes::*;\n{attributes}\nunsafe fn f0(p0: *mut u8, p1: *mut u8, p2: u32, p3: u32, p4: u32, first: u32) {{ unsafe {{\n{body}}} }}\n"
     );
@@ -54,9 +60,63 @@ pub fn lanes_module(program: &Program, attributes: &str) -> Option<String> {
     Some(text)
 }
 
+/// A module of Rust with `pub unsafe extern "C" fn lN` for each function N of the program but its entry point, for eight calls at
+/// once: it has that function's addresses as parameters, each lane's own but for the first, and last the address of rows of eight words, one for
+/// each other parameter, and the mask of the lanes that call. It expects what [`lanes_module`] does.
+///
+/// None for what isn't written this way.
+pub fn lanes_functions(program: &Program, attributes: &str) -> Option<String> {
+    let mut text = "use super::lanes::*;\n".to_owned();
+    let mut words = Vec::new();
+    for (index, function) in program.functions.iter().enumerate().skip(1) {
+        let passed = passed(function);
+        let known = Analysis::new(function, None, &passed)?;
+        let called = Called {
+            program,
+            passed: &passed,
+            index: None,
+        };
+        let body = Writer::write(function, known, called, &mut words)?;
+        let direct = addresses(function).map(|place| format!("p{place}: *mut u8, "));
+        let direct: String = direct.collect();
+        let _ = writeln!(
+            text,
+            "{attributes}\npub unsafe extern \"C\" fn l{index}({direct}rows: *const u8) {{ unsafe {{\n{body}}} }}"
+        );
+    }
+    tables(&mut text, &words);
+    Some(text)
+}
+
+/// How a function that is called in lanes gets its parameters: the dispatch's context, and what lanes have of their own.
+fn passed(function: &Function) -> Vec<Passed> {
+    let parameters = function.parameters.iter().enumerate();
+    let passed = parameters.map(|(place, ty)| match ty {
+        Type::Pointer if place == 0 => Passed::Shared,
+        Type::Pointer => Passed::Own,
+        _ => Passed::Lanes,
+    });
+    passed.collect()
+}
+
+/// The places of those of its parameters that are addresses.
+fn addresses(function: &Function) -> impl Iterator<Item = usize> {
+    let parameters = function.parameters.iter().enumerate();
+    parameters.filter_map(|(place, ty)| (*ty == Type::Pointer).then_some(place))
+}
+
+/// What a function has to do with others.
+#[derive(Clone, Copy)]
+struct Called<'a> {
+    program: &'a Program,
+    passed: &'a [Passed],
+    /// Which invocation runs, if it is an entry point.
+    index: Option<Variable>,
+}
+
 struct Writer<'a> {
     function: &'a Function,
-    index: Variable,
+    called: Called<'a>,
     known: Analysis,
     groups: Groups,
     /// Values that are written where they are used.
@@ -68,10 +128,10 @@ impl<'a> Writer<'a> {
     /// What stands in the braces of the function.
     fn write(
         function: &'a Function,
-        index: Variable,
+        known: Analysis,
+        called: Called<'a>,
         words: &mut Vec<Arc<[u32]>>,
     ) -> Option<String> {
-        let known = Analysis::new(function, Some(index), &ENTRY)?;
         let groups = groups::groups(function, &known.flow, &known.kinds);
         let mut constants = vec![None; function.value_types.len()];
         for instruction in &function.instructions {
@@ -89,7 +149,7 @@ impl<'a> Writer<'a> {
         }
         let mut writer = Self {
             function,
-            index,
+            called,
             known,
             groups,
             constants,
@@ -103,7 +163,13 @@ impl<'a> Writer<'a> {
         let own = self.function.stack_bytes.div_ceil(4).max(1);
         self.line(&format!("let mut own = Own::<{own}>([[0; W]; {own}]);"));
         self.declare(None);
-        self.line("let m = all();");
+        match self.called.index {
+            Some(_) => self.line("let m = all();"),
+            None => self.line(&format!(
+                "let m = row(rows, {});",
+                self.rows_before(usize::MAX)
+            )),
+        }
         let mut open: Vec<usize> = Vec::new();
         let mut next = 0;
         for block in 0..=self.known.flow.count() {
@@ -179,7 +245,8 @@ impl<'a> Writer<'a> {
         }
         for (variable, home) in self.known.homes.variables.iter().enumerate() {
             let ty = self.function.variable_types[variable];
-            if *home == Some(guard) && variable != self.index.0 as usize {
+            let is_index = self.called.index == Some(Variable(variable as u32));
+            if *home == Some(guard) && !is_index {
                 let (ty, zero) = match self.known.uniform[variable] {
                     true => (type_name(ty), super::expression::zero(ty)),
                     false => (vector(ty), zero(ty)),
@@ -201,10 +268,12 @@ impl<'a> Writer<'a> {
     /// A value as it is: a scalar, a vector, an address, or bytes behind one.
     fn name(&self, value: Value) -> String {
         let constant = self.constants[value.0 as usize].clone();
-        constant.unwrap_or_else(|| match self.known.homes.values[value.0 as usize].is_local {
-            true => format!("v{}", value.0),
-            false => format!("v{}.now", value.0),
-        })
+        constant.unwrap_or_else(
+            || match self.known.homes.values[value.0 as usize].is_local {
+                true => format!("v{}", value.0),
+                false => format!("v{}.now", value.0),
+            },
+        )
     }
 
     /// A value as a vector.
@@ -239,7 +308,11 @@ impl<'a> Writer<'a> {
             Instruction::Constant { .. } | Instruction::Words { .. } | Instruction::Label(_) => {
                 return Some(());
             }
-            Instruction::Barrier | Instruction::Call { .. } => return None,
+            Instruction::Barrier => return None,
+            Instruction::Call {
+                callee,
+                ref arguments,
+            } => self.call(callee, arguments)?,
             Instruction::Set { variable, value } => {
                 let x = variable.0;
                 let value = match self.known.uniform[variable.0 as usize] {
@@ -316,9 +389,18 @@ impl<'a> Writer<'a> {
     fn operation(&self, instruction: &Instruction) -> Option<String> {
         let to = instruction.result()?;
         if let Instruction::Get { variable, .. } = *instruction
-            && variable != self.index
+            && Some(variable) != self.called.index
         {
             return Some(format!("x{}.now", variable.0));
+        }
+        if let Instruction::Parameter { index, .. } = *instruction
+            && self.called.passed[index as usize] == Passed::Lanes
+        {
+            let row = format!("row(rows, {})", self.rows_before(index as usize));
+            return Some(match self.function.value_types[to.0 as usize] {
+                Type::Bool => row,
+                ty => of_words(ty, &row),
+            });
         }
         if self.is_uniform(to) || matches!(instruction, Instruction::Parameter { .. }) {
             return expression(instruction, &|value| self.name(value));
@@ -356,6 +438,36 @@ impl<'a> Writer<'a> {
             }
             _ => return None,
         })
+    }
+
+    /// How many parameters before this one have rows.
+    fn rows_before(&self, parameter: usize) -> usize {
+        let passed = self.called.passed.iter().take(parameter);
+        passed.filter(|&&passed| passed == Passed::Lanes).count()
+    }
+
+    /// A call of another function, by the lanes that run.
+    fn call(&self, callee: u32, arguments: &[Value]) -> Option<String> {
+        let index = self.function.callees[callee as usize];
+        let called = &self.called.program.functions[index];
+        let (mut direct, mut rows) = (String::new(), Vec::new());
+        for (&argument, &ty) in arguments.iter().zip(&called.parameters) {
+            match ty {
+                Type::Pointer => {
+                    if pointer(&self.known.kinds, argument)?.varies {
+                        return None;
+                    }
+                    direct += &format!("{}, ", self.name(argument));
+                }
+                Type::Bool => rows.push(self.lanes(argument)),
+                ty => rows.push(to_words(ty, &self.lanes(argument))),
+            }
+        }
+        rows.push("m".to_owned());
+        let rows = rows.join(", ");
+        Some(format!(
+            "{{ let rows = [{rows}]; l{index}({direct}rows.as_ptr().cast()); }}"
+        ))
     }
 
     /// Gives a value what makes it.

@@ -22,7 +22,7 @@ use crate::native::compile::{
     runtime::{self, Kind},
 };
 
-fn type_of(ty: Type) -> ir::Type {
+pub(super) fn type_of(ty: Type) -> ir::Type {
     match ty {
         Type::F32 => F32,
         Type::I32 => I32,
@@ -51,59 +51,76 @@ pub(super) fn write(
     target.signature = signature(function, convention);
     target.name = UserFuncName::user(0, 0);
     let mut context = FunctionBuilderContext::new();
-    let mut builder = FunctionBuilder::new(target, &mut context);
-    let first = builder.create_block();
-    builder.append_block_params_for_function_params(first);
-    builder.switch_to_block(first);
-    let variables = function.variable_types.iter();
-    let variables = variables
-        .map(|&ty| builder.declare_var(type_of(ty)))
-        .collect();
-    let blocks = (0..function.labels)
-        .map(|_| builder.create_block())
-        .collect();
-    let slot = StackSlotData::new(StackSlotKind::ExplicitSlot, function.stack_bytes.max(4), 4);
-    let mut writer = Writer {
-        stack: builder.create_sized_stack_slot(slot),
-        callees: vec![None; function.callees.len()],
-        runtime: Vec::new(),
-        values: vec![None; function.value_types.len()],
-        words: Vec::new(),
-        first,
-        variables,
-        blocks,
-        program,
-        function,
-        convention,
-        builder,
-    };
+    let builder = FunctionBuilder::new(target, &mut context);
+    let bytes = function.stack_bytes.max(4);
+    let mut writer = Writer::new(builder, program, function, convention, bytes);
     for instruction in &function.instructions {
         writer.instruction(instruction);
     }
-    let Writer {
-        mut builder, words, ..
-    } = writer;
-    builder.seal_all_blocks();
-    builder.finalize(isa.frontend_config());
-    words
+    writer.finish(isa)
 }
 
-struct Writer<'a> {
-    builder: FunctionBuilder<'a>,
+pub(super) struct Writer<'a> {
+    pub(super) builder: FunctionBuilder<'a>,
     program: &'a Program,
     function: &'a Function,
-    convention: CallConv,
-    first: ir::Block,
-    variables: Vec<cranelift_frontend::Variable>,
+    pub(super) convention: CallConv,
+    pub(super) first: ir::Block,
+    pub(super) variables: Vec<cranelift_frontend::Variable>,
     blocks: Vec<ir::Block>,
-    stack: StackSlot,
-    values: Vec<Option<ir::Value>>,
+    pub(super) stack: StackSlot,
+    pub(super) values: Vec<Option<ir::Value>>,
     callees: Vec<Option<FuncRef>>,
     runtime: Vec<(Runtime, SigRef)>,
     words: Vec<Arc<[u32]>>,
 }
 
-impl Writer<'_> {
+impl<'a> Writer<'a> {
+    /// Begins a function whose signature is there, with so much memory of its own.
+    pub(super) fn new(
+        mut builder: FunctionBuilder<'a>,
+        program: &'a Program,
+        function: &'a Function,
+        convention: CallConv,
+        stack_bytes: u32,
+    ) -> Self {
+        let first = builder.create_block();
+        builder.append_block_params_for_function_params(first);
+        builder.switch_to_block(first);
+        let variables = function.variable_types.iter();
+        let variables = variables
+            .map(|&ty| builder.declare_var(type_of(ty)))
+            .collect();
+        let blocks = (0..function.labels)
+            .map(|_| builder.create_block())
+            .collect();
+        let slot = StackSlotData::new(StackSlotKind::ExplicitSlot, stack_bytes, 4);
+        Self {
+            stack: builder.create_sized_stack_slot(slot),
+            callees: vec![None; function.callees.len()],
+            runtime: Vec::new(),
+            values: vec![None; function.value_types.len()],
+            words: Vec::new(),
+            first,
+            variables,
+            blocks,
+            program,
+            function,
+            convention,
+            builder,
+        }
+    }
+
+    /// Ends the function; the words that its code points to.
+    pub(super) fn finish(self, isa: &dyn TargetIsa) -> Vec<Arc<[u32]>> {
+        let Self {
+            mut builder, words, ..
+        } = self;
+        builder.seal_all_blocks();
+        builder.finalize(isa.frontend_config());
+        words
+    }
+
     fn value(&self, value: Value) -> ir::Value {
         self.values[value.0 as usize].expect("values are made before they are used")
     }
@@ -112,7 +129,7 @@ impl Writer<'_> {
         self.values[value.0 as usize] = Some(made);
     }
 
-    fn instruction(&mut self, instruction: &Instruction) {
+    pub(super) fn instruction(&mut self, instruction: &Instruction) {
         match *instruction {
             Instruction::Constant { to, ty, bits } => {
                 let made = match ty {
@@ -321,13 +338,17 @@ impl Writer<'_> {
     }
 
     fn callee(&mut self, index: u32) -> FuncRef {
+        let callee = &self.program.functions[self.function.callees[index as usize]];
+        let signature = signature(callee, self.convention);
+        self.imported(index, signature)
+    }
+
+    /// The function in this place among the callees.
+    pub(super) fn imported(&mut self, index: u32, signature: Signature) -> FuncRef {
         if let Some(known) = self.callees[index as usize] {
             return known;
         }
-        let callee = &self.program.functions[self.function.callees[index as usize]];
-        let signature = self
-            .builder
-            .import_signature(signature(callee, self.convention));
+        let signature = self.builder.import_signature(signature);
         let name = UserExternalName {
             namespace: 0,
             index,
@@ -472,12 +493,12 @@ fn atomic(op: AtomicOperation) -> AtomicRmwOp {
     }
 }
 
-enum Condition {
+pub(super) enum Condition {
     Float(FloatCC),
     Int(IntCC),
 }
 
-fn comparison(op: Comparison) -> Condition {
+pub(super) fn comparison(op: Comparison) -> Condition {
     match op {
         Comparison::FloatEqual => Condition::Float(FloatCC::Equal),
         Comparison::FloatNotEqual => Condition::Float(FloatCC::NotEqual),

@@ -1,6 +1,7 @@
 //! Code over scalars to machine code, by Cranelift: each function on a thread of its own, then linked.
 
 mod function;
+mod lanes;
 #[cfg(not(target_family = "wasm"))]
 mod link;
 #[cfg(target_family = "wasm")]
@@ -18,6 +19,8 @@ use cranelift_codegen::{
     settings::{self, Configurable, SetError},
 };
 use rayon::prelude::*;
+
+use kernel_ir::lanes::{Passed, Plan, Planned};
 
 use super::{
     AheadFunction, CompileError, ErrorKind, Options, Statistics, ahead,
@@ -98,7 +101,7 @@ pub(super) fn compile(
     if let Some(cache) = options.cache {
         for (function, part) in program.functions.iter().zip(&mut found) {
             if part.is_none() {
-                *part = cache.find(function).map(Part::Compiled);
+                *part = cache.find(function, None).map(Part::Compiled);
             }
         }
     }
@@ -110,9 +113,10 @@ pub(super) fn compile(
         .map(|(function, found)| match found {
             Some(part) => Ok(part),
             None => {
-                let code = Arc::new(machine_code(program, function, &isa)?);
+                let writes = |target: &mut _| Ok(function::write(target, program, function, &*isa));
+                let code = Arc::new(machine_code(function, &isa, writes)?);
                 if let Some(cache) = options.cache {
-                    cache.keep(function, &code);
+                    cache.keep(function, None, &code);
                 }
                 Ok(Part::Compiled(code))
             }
@@ -137,6 +141,73 @@ pub(super) fn compile(
     };
     let code = link::link(program, parts, isa)?;
     Ok((code, statistics))
+}
+
+/// Compiles a program for eight invocations at once. Functions that `once` names are called once for each set of different
+/// scalars that lanes have.
+///
+/// # Errors
+/// Where it can't be done; then there is the other code.
+pub(super) fn compile_lanes(
+    program: &Program,
+    options: &Options<'_>,
+    once: &dyn Fn(&str) -> bool,
+) -> Result<Code, CompileError> {
+    let cannot = || refused("the kernel", "not in lanes");
+    let isa = target().map_err(|message| refused("the kernel", message))?;
+    let found = parts(program, options.ahead_lanes);
+    let is_there = |index: usize| matches!(found[index], Some(Part::Ahead(_)));
+    let plan = Plan::new(program, &is_there, once).ok_or_else(cannot)?;
+    let parts = (found.into_par_iter().zip(&plan.functions).enumerate())
+        .map(|(index, (found, planned))| match (found, planned) {
+            (Some(part), _) => Ok(part),
+            (None, None) => Err(cannot()),
+            (None, Some(planned)) => {
+                code_in_lanes(program, &plan, index, planned, options, &isa).map(Part::Compiled)
+            }
+        })
+        .collect::<Result<Vec<_>, CompileError>>()?;
+    if let Some(cache) = options.cache {
+        cache.age();
+    }
+    check_stack(deepest(program, &parts), options)?;
+    link::link(program, parts, isa)
+}
+
+fn code_in_lanes(
+    program: &Program,
+    plan: &Plan,
+    index: usize,
+    planned: &Planned,
+    options: &Options<'_>,
+    isa: &OwnedTargetIsa,
+) -> Result<Arc<MachineCode>, CompileError> {
+    let function = &planned.function;
+    // What it calls gets its parameters as the plan has it, and so does it.
+    let callees = function.callees.iter();
+    let passed: Vec<Vec<Passed>> = (std::iter::once(&index).chain(callees))
+        .map(|&function| plan.passed[function].clone())
+        .collect();
+    if let Some(cache) = options.cache
+        && let Some(code) = cache.find(function, Some(&passed))
+    {
+        return Ok(code);
+    }
+    let from = lanes::InLanes {
+        program,
+        passed: &plan.passed,
+        planned,
+        index,
+    };
+    let code = machine_code(function, isa, |target| {
+        lanes::write(target, &from, &**isa)
+            .map_err(|lanes::Refused| refused(&function.name, "not in lanes"))
+    })?;
+    let code = Arc::new(code);
+    if let Some(cache) = options.cache {
+        cache.keep(function, Some(&passed), &code);
+    }
+    Ok(code)
 }
 
 fn check_stack(bytes: u64, options: &Options<'_>) -> Result<(), CompileError> {
@@ -182,13 +253,14 @@ fn target() -> Result<OwnedTargetIsa, String> {
         .map_err(|error| error.to_string())
 }
 
+/// Code of a function that `writes` has written.
 fn machine_code(
-    program: &Program,
     function: &Function,
     isa: &OwnedTargetIsa,
+    writes: impl FnOnce(&mut cranelift_codegen::ir::Function) -> Result<Vec<Arc<[u32]>>, CompileError>,
 ) -> Result<MachineCode, CompileError> {
     let mut context = Context::new();
-    let words = function::write(&mut context.func, program, function, &**isa);
+    let words = writes(&mut context.func)?;
     context
         .compile(&**isa, &mut ControlPlane::default())
         .map_err(|error| refused(&function.name, format!("{:?}", error.inner)))?;

@@ -2,6 +2,8 @@
 //!
 //! Public for code that is compiled ahead of time ([`Ahead`](super::Ahead)); whoever writes it keeps their contracts.
 
+pub(super) mod lanes;
+
 use std::sync::Arc;
 
 use super::{ImageHeader, ir::Runtime};
