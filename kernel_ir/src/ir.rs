@@ -417,6 +417,22 @@ impl Instruction {
         }
     }
 
+    /// Shows where control may go from it.
+    pub fn targets(&self, mut see: impl FnMut(Label)) {
+        match self {
+            Self::Jump(label) => see(*label),
+            Self::Branch { accept, reject, .. } => {
+                see(*accept);
+                see(*reject);
+            }
+            Self::Switch { cases, default, .. } => {
+                cases.iter().for_each(|(_, label)| see(*label));
+                see(*default);
+            }
+            _ => {}
+        }
+    }
+
     /// Jumps elsewhere.
     pub fn retarget(&mut self, from: Label, to: Label) {
         let change = |label: &mut Label| {
@@ -459,6 +475,19 @@ pub struct Function {
     /// Indices of [`Program::functions`] that its calls mean. Calls name them by their place here, so that a function
     /// doesn't change with the rest of its program.
     pub callees: Vec<usize>,
+}
+
+impl Function {
+    /// The instruction at which each label stands.
+    pub fn positions(&self) -> Vec<usize> {
+        let mut positions = vec![usize::MAX; self.labels as usize];
+        for (position, instruction) in self.instructions.iter().enumerate() {
+            if let Instruction::Label(label) = instruction {
+                positions[label.0 as usize] = position;
+            }
+        }
+        positions
+    }
 }
 
 /// A kernel, ready for the code generator.

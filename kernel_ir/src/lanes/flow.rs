@@ -2,8 +2,6 @@
 
 use crate::ir::{Function, Instruction, Label, Value, Variable};
 
-use crate::rust::scopes::{positions, targets};
-
 /// Sets of small numbers, one for each block.
 #[derive(Debug)]
 pub struct Sets {
@@ -85,7 +83,7 @@ impl Flow {
         let mut starts = vec![0];
         starts.extend((1..instructions.len()).filter(|&at| label(&instructions[at]).is_some()));
         let labels: Vec<_> = starts.iter().map(|&at| label(&instructions[at])).collect();
-        let positions = positions(function);
+        let positions = function.positions();
         let count = starts.len();
         let block = |position: usize| starts.partition_point(|&start| start <= position) - 1;
         let mut flow = Self {
@@ -99,7 +97,7 @@ impl Flow {
         for from in 0..count {
             let end = starts.get(from + 1).copied().unwrap_or(instructions.len());
             for instruction in &instructions[starts[from]..end] {
-                targets(instruction, |label| {
+                instruction.targets(|label| {
                     let to = block(positions[label.0 as usize]);
                     if !flow.next[from].contains(&to) {
                         flow.next[from].push(to);
@@ -286,7 +284,8 @@ impl Flow {
         is_uniform: &dyn Fn(Value) -> bool,
     ) -> Vec<bool> {
         let behind = self.postdominators(None);
-        let mut converged = vec![true; self.count()];
+        // What nothing leads to stands among what others run.
+        let mut converged = self.reachable();
         for block in 0..self.count() {
             let parts = function.instructions[self.range(block)].iter();
             let mut conditions = parts.filter_map(|instruction| match *instruction {
@@ -308,7 +307,25 @@ impl Flow {
                 open.extend(&self.next[at]);
             }
         }
+        // Who leaves a loop may wait in the midst of its text, until all others have left.
+        for l in &self.loops {
+            if !converged[l.head] {
+                converged[l.head..l.end].fill(false);
+            }
+        }
         converged
+    }
+
+    /// Blocks that something leads to from the first.
+    fn reachable(&self) -> Vec<bool> {
+        let mut reachable = vec![false; self.count()];
+        let mut open = vec![0];
+        while let Some(block) = open.pop() {
+            if !std::mem::replace(&mut reachable[block], true) {
+                open.extend(&self.next[block]);
+            }
+        }
+        reachable
     }
 }
 

@@ -6,7 +6,7 @@
 
 mod expression;
 mod lanes;
-pub(crate) mod scopes;
+mod scopes;
 mod spmd;
 
 use std::fmt::Write as _;
@@ -16,7 +16,7 @@ use crate::ir::{Function, Instruction, Label, Program, Type, Value};
 
 use expression::{at, expression, literal, store, type_name, zero};
 use lanes::Grouped;
-use scopes::{Home, Scope, homes, positions, scopes};
+use scopes::{Home, Scope, homes, scopes};
 
 pub use spmd::{lanes_functions, lanes_module};
 
@@ -112,7 +112,7 @@ struct Writer<'a> {
 impl<'a> Writer<'a> {
     /// `words` are the tables of all functions, by number.
     fn new(function: &'a Function, words: &mut Vec<Arc<[u32]>>) -> Option<Self> {
-        let positions = positions(function);
+        let positions = function.positions();
         let scopes = scopes(function, &positions)?;
         let homes = homes(function, &scopes);
         let mut constants = vec![None; function.value_types.len()];

@@ -1,7 +1,7 @@
 //! Jumps as nested blocks: those forward leave a labelled block, those back continue a loop. Programs come from structured
 //! text in its order, so both nest once blocks begin early enough, as they do for WebAssembly.
 
-use crate::ir::{Function, Instruction, Label};
+use crate::ir::{Function, Label};
 
 /// A labelled block or loop, as a range of instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,33 +13,6 @@ pub(super) struct Scope {
     pub(super) is_loop: bool,
 }
 
-/// Where control may go from an instruction.
-pub(crate) fn targets(instruction: &Instruction, mut see: impl FnMut(Label)) {
-    match instruction {
-        Instruction::Jump(label) => see(*label),
-        Instruction::Branch { accept, reject, .. } => {
-            see(*accept);
-            see(*reject);
-        }
-        Instruction::Switch { cases, default, .. } => {
-            cases.iter().for_each(|(_, label)| see(*label));
-            see(*default);
-        }
-        _ => {}
-    }
-}
-
-/// The instruction at which each label stands.
-pub(crate) fn positions(function: &Function) -> Vec<usize> {
-    let mut positions = vec![usize::MAX; function.labels as usize];
-    for (position, instruction) in function.instructions.iter().enumerate() {
-        if let Instruction::Label(label) = instruction {
-            positions[label.0 as usize] = position;
-        }
-    }
-    positions
-}
-
 /// All scopes, outer ones first. None if a loop is entered other than by its head.
 pub(super) fn scopes(function: &Function, positions: &[usize]) -> Option<Vec<Scope>> {
     let labels = function.labels as usize;
@@ -47,7 +20,7 @@ pub(super) fn scopes(function: &Function, positions: &[usize]) -> Option<Vec<Sco
     let mut first = vec![usize::MAX; labels];
     let mut last = vec![0; labels];
     for (position, instruction) in function.instructions.iter().enumerate() {
-        targets(instruction, |label| {
+        instruction.targets(|label| {
             let label = label.0 as usize;
             let target = positions[label];
             if target > position + 1 {

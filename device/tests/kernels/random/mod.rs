@@ -6,7 +6,7 @@
 
 use device::native::compile::Options;
 
-use crate::support::{Gpu, HEAD, compile, gpu, run, try_parse};
+use crate::support::{Gpu, HEAD, compile, gpu, parse, run, try_parse};
 
 /// Numbers that look random (PCG, O'Neill 2014).
 struct Random(u64);
@@ -542,8 +542,8 @@ fn agrees(a: u32, b: u32, (relative, absolute): (f32, f32)) -> bool {
                 || x.is_nan() && y.is_nan())
 }
 
-/// Compares so many functions in one kernel; the first that differs.
-fn compare(gpu: &Gpu, seed: u64, functions: u32) -> Result<(), String> {
+/// A kernel that calls so many functions, what it reads, and how far each of its results may be off elsewhere.
+fn kernel(seed: u64, functions: u32) -> (String, Vec<u32>, Vec<(f32, f32)>) {
     let mut writer = Writer {
         random: Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) + 1),
         variables: Vec::new(),
@@ -576,6 +576,12 @@ fn compare(gpu: &Gpu, seed: u64, functions: u32) -> Result<(), String> {
          let floats = bitcast<vec4f>(vec4u(input[at], input[at + 1u], input[at + 2u], input[at + 3u]));\n{calls}}}\n"
     ));
     let input = inputs(&mut writer.random);
+    (text, input, tolerances)
+}
+
+/// Compares so many functions in one kernel; the first that differs.
+fn compare(gpu: &Gpu, seed: u64, functions: u32) -> Result<(), String> {
+    let (text, input, tolerances) = kernel(seed, functions);
     let outputs = (INVOCATIONS * functions * RESULTS) as usize;
     let separate = seed % 2 == 1;
     let options = Options {
@@ -606,6 +612,59 @@ fn compare(gpu: &Gpu, seed: u64, functions: u32) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// Compares so many functions with themselves in lanes, apart and inlined.
+#[cfg(target_arch = "x86_64")]
+fn compare_in_lanes(seed: u64, functions: u32) -> Result<(), String> {
+    let (text, input, _) = kernel(seed, functions);
+    let outputs = (INVOCATIONS * functions * RESULTS) as usize;
+    let separate = seed % 2 == 1;
+    let options = Options {
+        separate: &|_| separate,
+        ..Options::default()
+    };
+    let alone = compile(&text, &options).map_err(|error| format!("{text}\n{error}"))?;
+    let in_lanes = alone.clone();
+    let expected = run(&alone, &input, outputs, 1);
+    let (module, info) = parse(&text);
+    if !in_lanes.add_lanes(&module, &info, "main", &[], &options, &|_| false) {
+        return Err(format!("seed {seed}: not in lanes\n{text}"));
+    }
+    let found = run(&in_lanes, &input, outputs, 1);
+    // What isn't a number has many bits.
+    let is_same =
+        |a: u32, b: u32| a == b || f32::from_bits(a).is_nan() && f32::from_bits(b).is_nan();
+    let mut both = found.iter().zip(&expected);
+    let columns = (functions * RESULTS) as usize;
+    match both.position(|(&a, &b)| !is_same(a, b)) {
+        None => Ok(()),
+        Some(at) => Err(format!(
+            "seed {seed}, f{}, invocation {}: {:?} in lanes, else {:?}\n{text}",
+            at % columns / RESULTS as usize,
+            at / columns,
+            found[at],
+            expected[at]
+        )),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn random_functions_are_the_same_in_lanes() {
+    let functions = match std::env::var_os("PATINA_FULL") {
+        Some(_) => 10_000,
+        None => 320,
+    };
+    const AT_ONCE: u32 = 8;
+    let mut failures = Vec::new();
+    for seed in 0..u64::from(functions / AT_ONCE) {
+        failures.extend(compare_in_lanes(seed, AT_ONCE).err());
+        if !failures.is_empty() {
+            break;
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n\n"));
 }
 
 #[test]

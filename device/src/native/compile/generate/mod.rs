@@ -125,7 +125,7 @@ pub(super) fn compile(
     if let Some(cache) = options.cache {
         cache.age();
     }
-    let stack_bytes = deepest(program, &parts);
+    let stack_bytes = deepest(program, &parts, 1);
     check_stack(stack_bytes, options)?;
     let codes = parts.iter().filter_map(|part| match part {
         Part::Compiled(code) => Some(code),
@@ -154,6 +154,10 @@ pub(super) fn compile_lanes(
     once: &dyn Fn(&str) -> bool,
 ) -> Result<Code, CompileError> {
     let cannot = || refused("the kernel", "not in lanes");
+    for function in &program.functions {
+        let bytes = u64::from(function.stack_bytes) * u64::from(lanes::LANES);
+        check_stack(bytes, options)?;
+    }
     let isa = target().map_err(|message| refused("the kernel", message))?;
     let found = parts(program, options.ahead_lanes);
     let is_there = |index: usize| matches!(found[index], Some(Part::Ahead(_)));
@@ -170,7 +174,7 @@ pub(super) fn compile_lanes(
     if let Some(cache) = options.cache {
         cache.age();
     }
-    check_stack(deepest(program, &parts), options)?;
+    check_stack(deepest(program, &parts, lanes::LANES), options)?;
     link::link(program, parts, isa)
 }
 
@@ -300,24 +304,32 @@ fn machine_code(
     })
 }
 
-/// Bytes of stack that the deepest chain of calls takes, from the kernel on.
-fn deepest(program: &Program, parts: &[Part]) -> u64 {
-    fn below(index: usize, program: &Program, parts: &[Part], known: &mut [Option<u64>]) -> u64 {
+/// Bytes of stack that the deepest chain of calls takes, from the kernel on, with so many invocations at once.
+fn deepest(program: &Program, parts: &[Part], invocations: u32) -> u64 {
+    fn below(
+        index: usize,
+        program: &Program,
+        parts: &[Part],
+        invocations: u32,
+        known: &mut [Option<u64>],
+    ) -> u64 {
         if let Some(known) = known[index] {
             return known;
         }
         // No function of WGSL calls itself, so this ends.
         let callees = program.functions[index].callees.iter();
-        let deepest = callees.map(|&callee| below(callee, program, parts, known));
+        let deepest = callees.map(|&callee| below(callee, program, parts, invocations, known));
         let own = match &parts[index] {
             Part::Compiled(code) => code.stack_bytes,
             // Nobody tells; those functions are small.
-            Part::Ahead(_) | Part::Unused => program.functions[index].stack_bytes + AHEAD_STACK,
+            Part::Ahead(_) | Part::Unused => {
+                invocations * (program.functions[index].stack_bytes + AHEAD_STACK)
+            }
         };
         let sum = u64::from(own) + deepest.max().unwrap_or(0);
         known[index] = Some(sum);
         sum
     }
     let mut known = vec![None; parts.len()];
-    below(0, program, parts, &mut known)
+    below(0, program, parts, invocations, &mut known)
 }

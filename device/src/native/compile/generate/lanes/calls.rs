@@ -23,9 +23,6 @@ pub(super) enum Helper {
     Atomic(AtomicOperation),
 }
 
-/// The helper for an atomic operation.
-pub(super) const ATOMIC: fn(AtomicOperation) -> Helper = Helper::Atomic;
-
 impl Helper {
     fn address(self) -> helpers::Helper {
         match self {
@@ -103,7 +100,7 @@ impl Lanes<'_> {
         for row in 0..2 {
             let value = arguments[(row as usize).min(arguments.len() - 1)];
             let (ty, words) = (self.ty(value), self.pair(value));
-            let words = self.to_words(ty, words);
+            let words = self.words_of(ty, words);
             self.store_row(frame, 32 * row, words);
         }
         let mask = self.mask;

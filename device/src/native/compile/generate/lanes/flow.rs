@@ -35,7 +35,9 @@ pub(super) fn runs(
         let end = end.unwrap_or(count);
         let mut meets = None;
         for block in first..end {
-            for &next in &analysis.flow.next[block] {
+            // Nothing leads to some of them, so they lead nowhere.
+            let is_dead = block > 0 && analysis.flow.before[block].is_empty();
+            for &next in analysis.flow.next[block].iter().filter(|_| !is_dead) {
                 if (first..end).contains(&next) {
                     continue;
                 }

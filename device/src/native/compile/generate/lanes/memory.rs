@@ -6,10 +6,7 @@ use cranelift_codegen::ir::{
 };
 use kernel_ir::lanes::{Pointer, pointer};
 
-use super::{
-    LANES, Lanes, Pair, Refused,
-    calls::{ATOMIC, Helper},
-};
+use super::{LANES, Lanes, Pair, Refused, calls::Helper};
 use crate::native::compile::ir::{Instruction, Memory, Type, Value};
 
 impl Lanes<'_> {
@@ -82,7 +79,7 @@ impl Lanes<'_> {
                 memory,
             } => {
                 let value = self.pair(value);
-                let words = self.to_words(ty, value);
+                let words = self.words_of(ty, value);
                 let known = self.known(base)?;
                 if known.is_own && !known.varies {
                     let place = self.place(base, offset, true);
@@ -105,7 +102,7 @@ impl Lanes<'_> {
             } => {
                 let value = self.pair(value);
                 let (place, bytes) = self.parts(base, offset)?;
-                self.help(ATOMIC(op), place, &[bytes, value]);
+                self.help(Helper::Atomic(op), place, &[bytes, value]);
                 let made = self.handed_row(0);
                 self.make(to, made);
             }

@@ -315,7 +315,7 @@ impl<'a> Lanes<'a> {
     }
 
     /// The words of a vector of a type.
-    fn to_words(&mut self, ty: Type, vector: Pair) -> Pair {
+    fn words_of(&mut self, ty: Type, vector: Pair) -> Pair {
         match ty {
             Type::F32 => self.bits(vector),
             Type::Bool => self.each(|builder, i| builder.ins().ushr_imm_u(vector[i], 31)),

@@ -5,13 +5,14 @@ use cranelift_codegen::ir::{
     condcodes::{FloatCC, IntCC},
     types::{F32X4, I32, I32X4},
 };
+use cranelift_frontend::{FunctionBuilder, Variable as Held};
 use kernel_ir::lanes::Kind;
 
 use super::{
     super::function::{Condition, comparison},
     Lanes, Pair, Refused,
 };
-use crate::native::compile::ir::{Binary, Comparison, Instruction, Memory, Type, Unary, Value};
+use crate::native::compile::ir::{Binary, Comparison, Instruction, Type, Unary, Value, Variable};
 
 impl Lanes<'_> {
     pub(super) fn instruction(
@@ -87,11 +88,8 @@ impl Lanes<'_> {
                 Some(to) => self.call_numbers(to, function, arguments),
                 None => self.call_memory(function, arguments),
             },
-            Instruction::Load { to, memory, .. } if self.is_uniform(to) => {
-                // A word that all lanes read.
-                let _: Memory = memory;
-                self.as_scalar(instruction, to)
-            }
+            // A word that all lanes read.
+            Instruction::Load { to, .. } if self.is_uniform(to) => self.as_scalar(instruction, to),
             Instruction::Load { .. }
             | Instruction::Store { .. }
             | Instruction::Atomic { .. }
@@ -143,13 +141,13 @@ impl Lanes<'_> {
         }
     }
 
-    fn is_index(&self, variable: crate::native::compile::ir::Variable) -> bool {
+    fn is_index(&self, variable: Variable) -> bool {
         let invocations = self.from.program.invocations;
         invocations.is_some_and(|invocations| invocations.index == variable)
     }
 
     /// The numbers of the invocations that run.
-    fn count_from(&mut self, first: cranelift_frontend::Variable) -> Pair {
+    fn count_from(&mut self, first: Held) -> Pair {
         let first = self.scalar.builder.use_var(first);
         let first = self.splat(Type::I32, first);
         self.each(|builder, i| {
@@ -182,7 +180,7 @@ impl Lanes<'_> {
         match op {
             Unary::FloatBits => self.bits(a),
             Unary::BitsToFloat => self.of_words(Type::F32, a),
-            Unary::BoolToInt => self.to_words(Type::Bool, a),
+            Unary::BoolToInt => self.words_of(Type::Bool, a),
             Unary::LeadingZeros | Unary::TrailingZeros | Unary::CountOnes | Unary::ReverseBits => {
                 self.lane_by_lane(a, a, |builder, a, _| match op {
                     Unary::LeadingZeros => builder.ins().clz(a),
@@ -294,7 +292,7 @@ impl Lanes<'_> {
         &mut self,
         a: Pair,
         b: Pair,
-        does: impl Fn(&mut cranelift_frontend::FunctionBuilder<'_>, ir::Value, ir::Value) -> ir::Value,
+        does: impl Fn(&mut FunctionBuilder<'_>, ir::Value, ir::Value) -> ir::Value,
     ) -> Pair {
         self.each(|builder, i| {
             let mut made = a[i];
