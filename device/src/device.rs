@@ -58,6 +58,8 @@ pub struct Counts {
     pub shader_modules: u64,
     /// Kernels compiled.
     pub pipelines: u64,
+    /// Those of them that were compiled once more, to run several invocations at once.
+    pub in_lanes: u64,
 }
 
 /// An open device. Clones share it.
@@ -186,6 +188,13 @@ impl Device {
         match &self.kind {
             Kind::Gpu(gpu) => gpu.counts(),
             Kind::Native(processor) => processor.counts(),
+        }
+    }
+
+    /// Waits for faster code that is being made of kernels while they run already. Only whoever measures needs to.
+    pub fn finish_compiling(&self) {
+        if let Kind::Native(processor) = &self.kind {
+            processor.finish_compiling();
         }
     }
 

@@ -224,6 +224,7 @@ impl Gpu {
         Counts {
             shader_modules: self.shared.shader_modules.load(Ordering::Relaxed),
             pipelines: self.shared.pipelines.load(Ordering::Relaxed),
+            in_lanes: 0,
         }
     }
 

@@ -32,6 +32,7 @@ pub mod accel;
 pub mod buffer;
 pub mod compile;
 pub mod image;
+mod later;
 mod processor;
 
 pub(crate) use self::processor::{MAX_BUFFER, NAME, Processor, describe, resource};

@@ -22,6 +22,7 @@ use super::{
     buffer::{Buffer, OutOfMemory},
     compile::{self, BoundKernel, Cache, ErrorKind, Options},
     image::{self, Image},
+    later::Later,
 };
 
 /// What `--device` calls it.
@@ -48,6 +49,8 @@ struct Shared {
     description: OnceLock<DeviceDescription>,
     shader_modules: AtomicU64,
     pipelines: AtomicU64,
+    in_lanes: AtomicU64,
+    later: Later,
     activity: Activity,
     /// Machine code by content, so that a changed texture compiles one function.
     functions: Cache,
@@ -100,6 +103,8 @@ impl Processor {
                 description: OnceLock::new(),
                 shader_modules: AtomicU64::new(0),
                 pipelines: AtomicU64::new(0),
+                in_lanes: AtomicU64::new(0),
+                later: Later::default(),
                 activity: Activity::default(),
                 functions: Cache::new(),
             }),
@@ -152,6 +157,7 @@ impl Processor {
         Counts {
             shader_modules: self.shared.shader_modules.load(Ordering::Relaxed),
             pipelines: self.shared.pipelines.load(Ordering::Relaxed),
+            in_lanes: self.shared.in_lanes.load(Ordering::Relaxed),
         }
     }
 
@@ -231,8 +237,13 @@ impl Processor {
             source.text.ahead_lanes(),
         );
         let loop_limit = (source.trust == Trust::Nothing).then_some(LOOP_LIMIT);
-        let (kernel, shared) = (kernel.clone(), Arc::clone(&self.shared));
-        let add = move || {
+        let (kernel, shared) = (kernel.clone(), Arc::downgrade(&self.shared));
+        let constants: Vec<(&str, f64)> = constants;
+        self.shared.later.run(move || {
+            // Nobody has it any more, or the device.
+            let (true, Some(shared)) = (kernel.is_shared(), shared.upgrade()) else {
+                return;
+            };
             let options = Options {
                 separate: &|name| separate.contains(name),
                 host: &host,
@@ -242,15 +253,18 @@ impl Processor {
                 ..Options::default()
             };
             let (module, info) = (&parsed.module, &parsed.info);
-            let constants: Vec<(&str, f64)> = constants;
-            kernel.add_lanes(module, info, &entry, &constants, &options, &|name| {
-                once.contains(name)
-            });
-        };
-        match &self.shared.threads {
-            Some(own) => own.spawn(add),
-            None => rayon::spawn(add),
-        }
+            let once = |name: &str| once.contains(name);
+            let added = kernel.add_lanes(module, info, &entry, &constants, &options, &once);
+            // Else the other code goes on: it does the same.
+            if added.is_ok() {
+                shared.in_lanes.fetch_add(1, Ordering::Relaxed);
+            }
+        });
+    }
+
+    /// Waits for all code that is being made of kernels beside their use.
+    pub(crate) fn finish_compiling(&self) {
+        self.shared.later.finish();
     }
 
     /// Does what is recorded, one after the other, and returns when it is done.

@@ -14,6 +14,7 @@ mod fleet;
 mod footprint;
 mod gallery;
 mod image_arguments;
+mod in_lanes;
 mod irradiance;
 mod khronos;
 mod layouts;

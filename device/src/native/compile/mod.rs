@@ -188,9 +188,12 @@ impl Kernel {
 
     /// Compiles it once more, so that eight invocations run at once: from then on it is that code that runs, with the same
     /// results. Arguments and options are those of [`Self::new`]; functions that `once` names are called once for each set of
-    /// different scalars that invocations have for them. False where it can't be done, and nothing changes.
+    /// different scalars that invocations have for them.
     ///
     /// It takes longer to compile than the other code; so a kernel may begin without it.
+    ///
+    /// # Errors
+    /// Where it can't be done; then nothing changes.
     pub fn add_lanes(
         &self,
         module: &naga::Module,
@@ -199,10 +202,12 @@ impl Kernel {
         constants: &[(&str, f64)],
         options: &Options<'_>,
         once: &(dyn Fn(&str) -> bool + Sync),
-    ) -> bool {
-        let is_possible = cfg!(target_arch = "x86_64") && !self.is_ahead();
-        if !is_possible || self.lanes.get().is_some() {
-            return is_possible;
+    ) -> Result<(), CompileError> {
+        if !cfg!(target_arch = "x86_64") || self.is_ahead() {
+            return Err(ErrorKind::unsupported("more code for this kernel"));
+        }
+        if self.is_in_lanes() {
+            return Ok(());
         }
         let lowered = || {
             let (module, info) = kernel_ir::with_constants(module, info, entry, constants)?;
@@ -214,20 +219,19 @@ impl Kernel {
             };
             kernel_ir::lower(&module, &info, entry, &options)
         };
-        let code = lowered().and_then(|program| {
-            let code = generate::compile_lanes(&program, options, once)?;
-            // It is bound as the other code is.
-            let is_same =
-                *program.bindings == *self.bindings && program.scratch_bytes == self.scratch_bytes;
-            Ok(is_same.then_some(code))
-        });
-        match code {
-            Ok(Some(code)) => {
-                let _ = self.lanes.set(code);
-                true
-            }
-            Ok(None) | Err(_) => false,
+        let program = lowered()?;
+        let code = generate::compile_lanes(&program, options, once)?;
+        // It is to be bound as the other code is.
+        if *program.bindings != *self.bindings || program.scratch_bytes != self.scratch_bytes {
+            return Err(ErrorKind::unsupported("other bindings in lanes"));
         }
+        let _ = self.lanes.set(code);
+        Ok(())
+    }
+
+    /// Whether somebody else has a share of it.
+    pub(in crate::native) fn is_shared(&self) -> bool {
+        Arc::strong_count(&self.lanes) > 1
     }
 
     /// Whether it runs eight invocations at once, see [`Self::add_lanes`].

@@ -628,9 +628,8 @@ fn compare_in_lanes(seed: u64, functions: u32) -> Result<(), String> {
     let in_lanes = alone.clone();
     let expected = run(&alone, &input, outputs, 1);
     let (module, info) = parse(&text);
-    if !in_lanes.add_lanes(&module, &info, "main", &[], &options, &|_| false) {
-        return Err(format!("seed {seed}: not in lanes\n{text}"));
-    }
+    let added = in_lanes.add_lanes(&module, &info, "main", &[], &options, &|_| false);
+    added.map_err(|error| format!("seed {seed}: {error}\n{text}"))?;
     let found = run(&in_lanes, &input, outputs, 1);
     // What isn't a number has many bits.
     let is_same =

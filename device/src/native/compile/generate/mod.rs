@@ -162,7 +162,7 @@ pub(super) fn compile_lanes(
     let found = parts(program, options.ahead_lanes);
     let is_there = |index: usize| matches!(found[index], Some(Part::Ahead(_)));
     let plan = Plan::new(program, &is_there, once).ok_or_else(cannot)?;
-    let parts = (found.into_par_iter().zip(&plan.functions).enumerate())
+    let parts = (found.into_iter().zip(&plan.functions).enumerate())
         .map(|(index, (found, planned))| match (found, planned) {
             (Some(part), _) => Ok(part),
             (None, None) => Err(cannot()),

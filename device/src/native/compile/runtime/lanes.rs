@@ -1,11 +1,17 @@
 //! What compiled kernels call that run eight invocations at once: each function takes an address and rows of eight words, of
 //! which the last is the mask of the lanes that it is for. The lanes follow one another, from the first.
 
-use std::sync::atomic::{AtomicI32, AtomicU32, Ordering::Relaxed};
+use std::sync::{
+    Arc,
+    atomic::{AtomicI32, AtomicU32, Ordering::Relaxed},
+};
 
-use crate::native::compile::{
-    ImageHeader,
-    ir::{AtomicOperation, Runtime},
+use crate::{
+    HostFunction,
+    native::compile::{
+        ImageHeader,
+        ir::{AtomicOperation, Runtime},
+    },
 };
 
 /// Of each lane a word.
@@ -138,6 +144,41 @@ pub(in super::super) unsafe extern "C" fn own_copy(
             let copied = source.add(word).read();
             lanes(&*mask, |lane| (*target.add(word))[lane] = copied);
         }
+    }
+}
+
+/// The most words that [`host`] hands over, and back.
+pub(in super::super) const MOST_HOST_WORDS: u32 = 32;
+
+/// Calls a function that was bound for each lane; what it takes and gives is in lanes' own memory.
+///
+/// # Safety
+/// The function is bound, and takes and gives so many words, which are [`MOST_HOST_WORDS`] at most and there for each lane.
+pub(in super::super) unsafe extern "C" fn host(
+    function: *const Arc<dyn HostFunction>,
+    taken: *const Row,
+    taken_words: u32,
+    given: *mut Row,
+    given_words: u32,
+    mask: *const Row,
+) {
+    let mut arguments = [0; MOST_HOST_WORDS as usize];
+    let mut result = [0; MOST_HOST_WORDS as usize];
+    let (arguments, result) = (
+        &mut arguments[..taken_words as usize],
+        &mut result[..given_words as usize],
+    );
+    // SAFETY: the caller's.
+    unsafe {
+        lanes(&*mask, |lane| {
+            for (word, argument) in arguments.iter_mut().enumerate() {
+                *argument = (*taken.add(word))[lane];
+            }
+            (*function).call(arguments, result);
+            for (word, result) in result.iter().enumerate() {
+                (*given.add(word))[lane] = *result;
+            }
+        });
     }
 }
 

@@ -151,8 +151,37 @@ impl Lanes<'_> {
                 self.own_call(helpers::own_copy as *const u8, target, Some(source), bytes);
                 Ok(())
             }
+            (Runtime::Host, &[bound, taken, taken_words, given, given_words])
+                if is_one(bound, false) && is_one(taken, true) && is_one(given, true) =>
+            {
+                let words = [taken_words, given_words].map(|words| self.constant(words));
+                if !words
+                    .iter()
+                    .all(|words| words.is_some_and(|words| words <= helpers::MOST_HOST_WORDS))
+                {
+                    return Err(Refused);
+                }
+                let frame = self.handed_address();
+                let mask = self.mask;
+                self.store_row(frame, 0, mask);
+                let mut arguments: Vec<ir::Value> =
+                    arguments.iter().map(|&a| self.one(a)).collect();
+                arguments.push(frame);
+                let parameters = [I64, I64, I32, I64, I32, I64];
+                self.call_address(helpers::host as *const u8, &parameters, &arguments);
+                Ok(())
+            }
             _ => Err(Refused),
         }
+    }
+
+    /// What a constant is.
+    fn constant(&self, value: Value) -> Option<u32> {
+        let mut instructions = self.function.instructions.iter();
+        instructions.find_map(|instruction| match *instruction {
+            Instruction::Constant { to, bits, .. } if to == value => Some(bits),
+            _ => None,
+        })
     }
 
     fn own_call(
