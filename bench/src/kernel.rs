@@ -287,6 +287,7 @@ fn node(look: &mut String, number: usize, texture: &str, material: usize) {
 fn time_hits(renderer: &mut Renderer) -> Result<f64, KernelBenchError> {
     renderer.restart();
     renderer.time_passes()?;
+    renderer.device().finish_compiling();
     let start = Instant::now();
     renderer.render(SAMPLES)?;
     let seconds = start.elapsed().as_secs_f64();

@@ -22,18 +22,28 @@ struct State {
     waiting: u32,
 }
 
+/// Something that is not done yet.
+struct UnderWay(Later);
+
+impl Drop for UnderWay {
+    fn drop(&mut self) {
+        self.0.state().under_way -= 1;
+        self.0.shared.1.notify_all();
+    }
+}
+
 impl Later {
     /// Does something in a while, on a thread of its own. Not at all where there is none to be had.
     pub(super) fn run(&self, work: impl FnOnce() + Send + 'static) {
         let own = self.clone();
         own.state().under_way += 1;
         let after = move || {
-            let changed = &own.shared.1;
+            // Whatever becomes of it, nobody waits for it any more.
+            let under_way = UnderWay(own);
+            let changed = &under_way.0.shared.1;
             let calm = |state: &mut State| state.waiting == 0;
-            drop(changed.wait_timeout_while(own.state(), AFTER, calm));
+            drop(changed.wait_timeout_while(under_way.0.state(), AFTER, calm));
             work();
-            own.state().under_way -= 1;
-            changed.notify_all();
         };
         let named = std::thread::Builder::new().name("better code".to_owned());
         if named.spawn(after).is_err() {

@@ -103,6 +103,14 @@ fn with_all<'a>(constants: &[(&'a str, f64)], set: &[&'static str]) -> Vec<(&'a 
         .collect()
 }
 
+/// Whether code in lanes is worth it, and may use what it wants.
+fn has_vectors() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return is_x86_feature_detected!("avx2");
+    #[cfg(not(target_arch = "x86_64"))]
+    return false;
+}
+
 /// Where machine code came from.
 #[derive(Debug, Clone)]
 enum Machine {
@@ -203,8 +211,11 @@ impl Kernel {
         options: &Options<'_>,
         once: &(dyn Fn(&str) -> bool + Sync),
     ) -> Result<(), CompileError> {
-        if !cfg!(target_arch = "x86_64") || self.is_ahead() {
-            return Err(ErrorKind::unsupported("more code for this kernel"));
+        if self.is_ahead() {
+            return Err(ErrorKind::unsupported("more code than what came compiled"));
+        }
+        if !has_vectors() {
+            return Err(ErrorKind::unsupported("vectors of this processor"));
         }
         if self.is_in_lanes() {
             return Ok(());
