@@ -5,7 +5,7 @@
 //! in lower case, `AtomicU32`, `AtomicI32` and `Relaxed`. It is code for compilers, not for readers.
 
 mod expression;
-mod lanes;
+mod grouped;
 mod scopes;
 mod spmd;
 
@@ -15,7 +15,7 @@ use std::sync::Arc;
 use crate::ir::{Function, Instruction, Label, Program, Type, Value};
 
 use expression::{at, expression, literal, store, type_name, zero};
-use lanes::Grouped;
+use grouped::Grouped;
 use scopes::{Home, Scope, homes, scopes};
 
 pub use spmd::{lanes_functions, lanes_module};
@@ -63,7 +63,7 @@ pub fn functions(program: &Program, attributes: &str, in_lanes: bool) -> Option<
         writer.grouped = grouped.as_ref().map(|grouped| (grouped, program));
         text.push_str(&writer.function(index, attributes));
         if in_lanes {
-            text.push_str(&lanes::functions(program, index, attributes));
+            text.push_str(&grouped::functions(program, index, attributes));
         }
         let parameters = parameters(function);
         let names: Vec<String> = (0..function.parameters.len())
@@ -84,6 +84,25 @@ fn parameters(function: &Function) -> String {
         .map(|(index, &ty)| format!("p{index}: {}", type_name(ty)))
         .collect();
     parameters.join(", ")
+}
+
+/// Of each value that is written where it is used, how; `words` are the tables of all functions, by number.
+fn constants(function: &Function, words: &mut Vec<Arc<[u32]>>) -> Vec<Option<String>> {
+    let mut constants = vec![None; function.value_types.len()];
+    for instruction in &function.instructions {
+        match instruction {
+            Instruction::Constant { to, ty, bits } => {
+                constants[to.0 as usize] = Some(literal(*ty, *bits));
+            }
+            Instruction::Words { to, words: table } => {
+                words.push(Arc::clone(table));
+                let name = format!("((&raw const T{}) as *mut u8)", words.len() - 1);
+                constants[to.0 as usize] = Some(name);
+            }
+            _ => {}
+        }
+    }
+    constants
 }
 
 fn tables(text: &mut String, words: &[Arc<[u32]>]) {
@@ -115,21 +134,10 @@ impl<'a> Writer<'a> {
         let positions = function.positions();
         let scopes = scopes(function, &positions)?;
         let homes = homes(function, &scopes);
-        let mut constants = vec![None; function.value_types.len()];
-        for instruction in &function.instructions {
-            match instruction {
-                Instruction::Constant { to, ty, bits } => {
-                    constants[to.0 as usize] = Some(literal(*ty, *bits));
-                }
-                Instruction::Words { to, words: table } => {
-                    words.push(Arc::clone(table));
-                    let name = format!("((&raw const T{}) as *mut u8)", words.len() - 1);
-                    constants[to.0 as usize] = Some(name);
-                }
-                Instruction::Barrier => return None,
-                _ => {}
-            }
+        if function.instructions.contains(&Instruction::Barrier) {
+            return None;
         }
+        let constants = constants(function, words);
         Some(Self {
             function,
             positions,

@@ -11,7 +11,8 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use super::{
-    expression::{expression, literal, type_name},
+    constants,
+    expression::{expression, type_name},
     tables,
 };
 use crate::{
@@ -133,20 +134,7 @@ impl<'a> Writer<'a> {
         words: &mut Vec<Arc<[u32]>>,
     ) -> Option<String> {
         let groups = groups::groups(function, &known.flow, &known.kinds);
-        let mut constants = vec![None; function.value_types.len()];
-        for instruction in &function.instructions {
-            match instruction {
-                Instruction::Constant { to, ty, bits } => {
-                    constants[to.0 as usize] = Some(literal(*ty, *bits));
-                }
-                Instruction::Words { to, words: table } => {
-                    words.push(Arc::clone(table));
-                    let name = format!("((&raw const T{}) as *mut u8)", words.len() - 1);
-                    constants[to.0 as usize] = Some(name);
-                }
-                _ => {}
-            }
-        }
+        let constants = constants(function, words);
         let mut writer = Self {
             function,
             called,
