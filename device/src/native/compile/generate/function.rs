@@ -398,7 +398,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn unary(&mut self, op: Unary, a: ir::Value) -> ir::Value {
+    pub(super) fn unary(&mut self, op: Unary, a: ir::Value) -> ir::Value {
         let ins = self.builder.ins();
         match op {
             Unary::FloatNegate => ins.fneg(a),
@@ -432,7 +432,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn binary(&mut self, op: Binary, a: ir::Value, b: ir::Value) -> ir::Value {
+    pub(super) fn binary(&mut self, op: Binary, a: ir::Value, b: ir::Value) -> ir::Value {
         let ins = self.builder.ins();
         match op {
             Binary::FloatAdd => ins.fadd(a, b),

@@ -189,24 +189,21 @@ impl Lanes<'_> {
                     _ => builder.ins().bitrev(a),
                 })
             }
-            _ => self.each(|builder, i| {
-                let (ins, a) = (builder.ins(), a[i]);
-                match op {
-                    Unary::FloatNegate => ins.fneg(a),
-                    Unary::FloatAbs => ins.fabs(a),
-                    Unary::Sqrt => ins.sqrt(a),
-                    Unary::Floor => ins.floor(a),
-                    Unary::Ceil => ins.ceil(a),
-                    Unary::Truncate => ins.trunc(a),
-                    Unary::Nearest => ins.nearest(a),
-                    Unary::FloatToSigned => ins.fcvt_to_sint_sat(I32X4, a),
-                    Unary::FloatToUnsigned => ins.fcvt_to_uint_sat(I32X4, a),
-                    Unary::SignedToFloat => ins.fcvt_from_sint(F32X4, a),
-                    Unary::UnsignedToFloat => ins.fcvt_from_uint(F32X4, a),
-                    Unary::IntNegate => ins.ineg(a),
-                    _ => ins.bnot(a),
-                }
-            }),
+            Unary::FloatToSigned => {
+                self.each(|builder, i| builder.ins().fcvt_to_sint_sat(I32X4, a[i]))
+            }
+            Unary::FloatToUnsigned => {
+                self.each(|builder, i| builder.ins().fcvt_to_uint_sat(I32X4, a[i]))
+            }
+            Unary::SignedToFloat => {
+                self.each(|builder, i| builder.ins().fcvt_from_sint(F32X4, a[i]))
+            }
+            Unary::UnsignedToFloat => {
+                self.each(|builder, i| builder.ins().fcvt_from_uint(F32X4, a[i]))
+            }
+            Unary::BoolNot => self.each(|builder, i| builder.ins().bnot(a[i])),
+            // The same instructions do it to vectors.
+            _ => a.map(|half| self.scalar.unary(op, half)),
         }
     }
 
@@ -250,25 +247,8 @@ impl Lanes<'_> {
                 });
                 self.select(less, a, b)
             }
-            _ => self.each(|builder, i| {
-                let (ins, a, b) = (builder.ins(), a[i], b[i]);
-                match op {
-                    Binary::FloatAdd => ins.fadd(a, b),
-                    Binary::FloatSubtract => ins.fsub(a, b),
-                    Binary::FloatMultiply => ins.fmul(a, b),
-                    Binary::FloatDivide => ins.fdiv(a, b),
-                    Binary::Add => ins.iadd(a, b),
-                    Binary::Subtract => ins.isub(a, b),
-                    Binary::Multiply => ins.imul(a, b),
-                    Binary::And | Binary::BoolAnd => ins.band(a, b),
-                    Binary::Or | Binary::BoolOr => ins.bor(a, b),
-                    Binary::UnsignedMin => ins.umin(a, b),
-                    Binary::UnsignedMax => ins.umax(a, b),
-                    Binary::SignedMin => ins.smin(a, b),
-                    Binary::SignedMax => ins.smax(a, b),
-                    _ => ins.bxor(a, b),
-                }
-            }),
+            // The same instructions do it to vectors.
+            _ => [0, 1].map(|i| self.scalar.binary(op, a[i], b[i])),
         }
     }
 
