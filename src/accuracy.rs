@@ -52,5 +52,6 @@ pub(crate) fn method_flag(method: Method) -> &'static str {
         Method::Draft => "--method draft",
         Method::Cache => "--method cache",
         Method::Photons => "--method photons",
+        Method::CachePhotons => "--method cache+photons",
     }
 }

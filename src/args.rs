@@ -299,7 +299,7 @@ pub(crate) struct RenderArgs {
 
     /// How light that is scattered more than once is found: path, which is right on average; draft, by a cache of what surfaces scatter;
     /// cache, by records of irradiance between which it is interpolated; photons, by photons from the lamps for what glass and mirrors
-    /// throw on other surfaces. All but the first are biased, and faster where they fit.
+    /// throw on other surfaces; cache+photons, by both. All but the first are biased, and faster where they fit.
     #[arg(long, value_name = "NAME", default_value = "path")]
     #[arg(value_parser = words(Method::ALL.map(Method::name)))]
     pub(crate) method: String,

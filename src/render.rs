@@ -30,7 +30,7 @@ use engine::session::{Inputs, Session, SessionError};
 use engine::settings::{Beside, Method};
 use engine::stats::{DeviceFacts, Stats};
 
-use crate::accuracy::method_flag;
+use crate::accuracy::{Accuracy, method_flag};
 use crate::failure::Failure;
 use crate::job::RenderJob;
 use crate::motion::{Frame, Sight};
@@ -119,11 +119,18 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
             };
             start.render(job, division, &device, &view, &bar)?
         }
-        Err(_) if job.checkpoints.is_some() || job.adaptive || job.method != Method::Path => {
-            let flag = match (job.adaptive, job.method) {
+        Err(_)
+            if job.checkpoints.is_some()
+                || job.adaptive
+                || job.method == Method::Draft
+                || job.accuracy == Some(Accuracy::Final) =>
+        {
+            let flag = match (job.adaptive, job.accuracy) {
                 (true, _) => "--adaptive",
-                (false, Method::Path) => "--checkpoint",
-                (false, method) => method_flag(method),
+                // That may begin anew.
+                (false, Some(accuracy)) => accuracy.flag(),
+                (false, None) if job.method == Method::Draft => method_flag(job.method),
+                (false, None) => "--checkpoint",
             };
             return Err(UsageError::OneDevice { flag }.into());
         }
@@ -459,9 +466,9 @@ fn settings(
         estimator: job.estimator,
         roulette: job.roulette,
         sampler: job.sampler,
-        // Both are of use where the error has to be known well; the second half begins late.
+        // Both are of use where the error has to be known well; the second half begins late. All parts of a picture have to agree.
         halves: job.adaptive
-            || job.method != Method::Path && job.spp.get() >= engine::adaptive::GRAIN,
+            || job.method != Method::Path && job.whole_spp >= engine::adaptive::GRAIN,
         method: job.method,
         layers: job.layers.clone(),
         crop: job.crop,

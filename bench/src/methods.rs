@@ -41,16 +41,20 @@ pub enum How {
     Cache,
     /// Paths, and photons for caustics.
     Photons,
+    /// Records of irradiance, and photons for caustics.
+    #[serde(rename = "cache+photons")]
+    CachePhotons,
 }
 
 impl How {
     /// All of them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Path,
         Self::Adaptive,
         Self::Draft,
         Self::Cache,
         Self::Photons,
+        Self::CachePhotons,
     ];
 
     /// What it is called.
@@ -61,6 +65,7 @@ impl How {
             Self::Draft => "draft",
             Self::Cache => "cache",
             Self::Photons => "photons",
+            Self::CachePhotons => "cache+photons",
         }
     }
 
@@ -70,6 +75,7 @@ impl How {
             Self::Draft => Method::Draft,
             Self::Cache => Method::Cache,
             Self::Photons => Method::Photons,
+            Self::CachePhotons => Method::CachePhotons,
         }
     }
 }

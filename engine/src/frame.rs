@@ -7,7 +7,7 @@ use crate::{
     filter::{FilterTable, PixelFilter},
     gpu_scene::GpuScene,
     scene::Projection,
-    settings::{Estimator, Method, RenderSettings, Sampler},
+    settings::{Estimator, RenderSettings, Sampler},
     sobol,
 };
 
@@ -313,9 +313,9 @@ impl Frame {
             crop_whole: columns | rows << 16,
             crop_blocks_x: settings.crop.map_or(0, |_| columns.div_ceil(BLOCK)),
             sky_cell_scale: SKY_CELL_SCALE,
-            caches: match settings.method {
-                Method::Cache => CACHE_IRRADIANCE,
-                Method::Path | Method::Draft | Method::Photons => 0,
+            caches: match settings.method.has_records() {
+                true => CACHE_IRRADIANCE,
+                false => 0,
             },
             sobol: sobol::nibbles(),
             lot: [[0; 2]; LOT_BLOCKS],

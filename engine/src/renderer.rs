@@ -374,8 +374,8 @@ impl Renderer {
         gpu_scene.features.catches_shadows = layers.catch_shadows();
         gpu_scene.features.node_layers = layers.nodes().len() as u32;
         gpu_scene.features.light_cache = settings.method.has_light_cache();
-        gpu_scene.features.irradiance_cache = settings.method == Method::Cache;
-        gpu_scene.features.photons = settings.method == Method::Photons;
+        gpu_scene.features.irradiance_cache = settings.method.has_records();
+        gpu_scene.features.photons = settings.method.has_photons();
         if settings.method != Method::Path {
             if !schedule::has_light_cache(&*schedule) {
                 let reason = "this schedule has no cache of light";
@@ -476,8 +476,7 @@ impl Renderer {
         let target_spp = target_spp.min(film::MAX_SAMPLES).min(u32::MAX - first);
         let padded = u64::from(self.frame.padded_pixels);
         let total = padded * u64::from(target_spp);
-        let is_preparing =
-            self.position < total && (self.prepare_irradiance()? || self.prepare_photons()?);
+        let is_preparing = self.position < total && self.prepare_light()?;
         if self.position < total && !is_preparing && !self.step_burst(target_spp)? {
             let wave = u64::from(self.next_wave_size()).min(total - self.position);
             let wave = self.until_learned(wave, target_spp);
@@ -581,6 +580,10 @@ impl Renderer {
             Purpose::Photons => Some(Errand::Emit),
             Purpose::Look => Some(Errand::Look),
             Purpose::Find(_) => Some(Errand::Unseen),
+            // A picture that goes on has its samples.
+            Purpose::Learn if self.records_awaited().is_some() && self.position > 0 => {
+                Some(Errand::Unseen)
+            }
             Purpose::Picture | Purpose::Learn | Purpose::Apart => None,
         };
         let schedule = Arc::clone(&self.schedule);

@@ -33,9 +33,9 @@ pub static WAVE: [&Pass; 32] = [
     &film_layers::RECORD,
     &film_layers::LIGHT,
     &brdf::PASS,
-    &light_cache::NOTE,
     &irradiance::LOOK_UP,
     &photons::GATHER,
+    &light_cache::NOTE,
     &advance::AFTER_BRDF,
     &traverse::OCCLUSION,
     &irradiance::LOOK,
@@ -89,9 +89,9 @@ pub fn round(wave: &mut dyn Run) {
     wave.run(&film_layers::RECORD);
     wave.run(&film_layers::LIGHT);
     wave.run(&brdf::PASS);
-    wave.run(&light_cache::NOTE);
     wave.run(&irradiance::LOOK_UP);
     wave.run(&photons::GATHER);
+    wave.run(&light_cache::NOTE);
     wave.run(&advance::AFTER_BRDF);
     wave.run(&traverse::OCCLUSION);
 }
@@ -289,6 +289,7 @@ impl Schedule for Aside {
                 shade_hits(wave);
                 wave.run(&brdf::PASS);
                 wave.run(&irradiance::NOTE);
+                wave.run(&photons::GATHER);
                 wave.run(&advance::AFTER_BRDF);
                 wave.run(&traverse::OCCLUSION);
             }
@@ -309,8 +310,10 @@ impl Schedule for Aside {
     }
 
     fn end(&self, wave: &mut dyn Run) {
-        if self.errand == Errand::Gather {
-            wave.run(&irradiance::END);
+        match self.errand {
+            Errand::Gather => wave.run(&irradiance::END),
+            Errand::Unseen => wave.run(&light_cache::LEARN),
+            Errand::Emit | Errand::Look => {}
         }
     }
 }

@@ -109,15 +109,34 @@ pub enum Method {
     /// Where mirrors and bodies of glass throw it on surfaces that scatter it diffusely, by photons from the lamps, with radii that shrink
     /// from sample to sample: *biased*, but less and less. Else by paths.
     Photons,
+    /// Both: what is scattered diffusely from the cache, to which photons bring caustics, seen by way of other surfaces; those on the first
+    /// ones are brought by photons of each sample.
+    CachePhotons,
 }
 
 impl Method {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Path, Self::Draft, Self::Cache, Self::Photons];
+    pub const ALL: [Self; 5] = [
+        Self::Path,
+        Self::Draft,
+        Self::Cache,
+        Self::Photons,
+        Self::CachePhotons,
+    ];
 
     /// Whether paths end in a cache of the light that surfaces scatter.
     pub fn has_light_cache(self) -> bool {
-        matches!(self, Self::Draft | Self::Cache)
+        self == Self::Draft || self.has_records()
+    }
+
+    /// Whether there are records of irradiance.
+    pub fn has_records(self) -> bool {
+        matches!(self, Self::Cache | Self::CachePhotons)
+    }
+
+    /// Whether photons bring caustics.
+    pub fn has_photons(self) -> bool {
+        matches!(self, Self::Photons | Self::CachePhotons)
     }
 
     /// Its name on the command line.
@@ -127,6 +146,7 @@ impl Method {
             Self::Draft => "draft",
             Self::Cache => "cache",
             Self::Photons => "photons",
+            Self::CachePhotons => "cache+photons",
         }
     }
 }

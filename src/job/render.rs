@@ -60,7 +60,7 @@ pub(crate) struct RenderJob {
     pub(crate) camera: Option<String>,
     /// When the scene is seen.
     pub(crate) motion: MotionJob,
-    /// Samples of the whole picture, of which this may be a part.
+    /// Samples of the whole picture, of which this may be a part, as far as that is known.
     pub(crate) whole_spp: u32,
     /// What is to be otherwise than in the look.
     pub(crate) edits: Vec<Edit>,
@@ -176,7 +176,11 @@ impl RenderJob {
                 None => 0..MAX_SPP,
             },
         };
-        let whole_spp = samples.end;
+        // Of what a range is a part, nobody says.
+        let whole_spp = match args.sample_range {
+            Some(_) => u32::MAX,
+            None => samples.end,
+        };
         let motion = motion(&args, &limits, whole_spp)?;
         let samples = match &args.part {
             Some(part) => parse_part(part, samples.end)?,
@@ -362,46 +366,48 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
         Some(accuracy) => accuracy.method(),
         None => parse_word("--method", &args.method, Method::ALL, Method::name)?,
     };
-    // What photons bring follows from the number of a sample alone.
-    let is_taught = method.has_light_cache();
-    let is_asked_for = [
-        ("--part", is_taught && args.part.is_some()),
-        ("--sample-range", is_taught && args.sample_range.is_some()),
-        ("--adaptive", args.adaptive),
-        ("--checkpoint", is_taught && args.checkpoint.is_some()),
-        ("--resume", is_taught && args.resume),
-        ("--shutter", args.motion.shutter.is_some()),
-    ];
-    let flag = accuracy.map_or(method_flag(method), Accuracy::flag);
-    if method != Method::Path && args.clamp.is_some() {
-        let because = match is_taught {
-            true => {
-                "a path that ends in a cache doesn't tell light that was scattered once from other light"
-            }
-            false => "what photons bring isn't the light of single paths",
-        };
-        return Err(UsageError::Apart {
-            flag,
-            other: "--clamp",
-            because,
-        });
-    }
-    match is_asked_for.iter().find(|(_, is_asked_for)| *is_asked_for) {
-        Some(&(other, _)) if method != Method::Path => {
-            let because = match is_taught {
-                true => {
-                    "what the first samples of a picture have taught the cache isn't kept with its film"
-                }
-                false => {
-                    "photons are sent out for one sample of all pixels of a scene that stands still"
-                }
-            };
-            Err(UsageError::Apart {
-                flag,
-                other,
-                because,
-            })
+    // What photons bring follows from the number of a sample alone, and records are made anew, as they were, wherever a picture goes on.
+    let is_taught = method == Method::Draft;
+    let taught =
+        "what the first samples of a picture have taught the cache isn't kept with its film";
+    let by_parts = match accuracy {
+        Some(Accuracy::Final) => Some(
+            "such a picture may be rendered again as a whole, with finer records; --method cache isn't",
+        ),
+        _ => is_taught.then_some(taught),
+    };
+    let by_blocks = match method.has_photons() {
+        true => Some("photons are sent out for one sample of all pixels"),
+        false => is_taught.then_some("the cache learns from as many samples of all pixels"),
+    };
+    let by_moments = "what is known of the light is that of one moment";
+    let of_paths = match method.has_light_cache() {
+        true => {
+            "a path that ends in a cache doesn't tell light that was scattered once from other light"
         }
+        false => "what photons bring isn't the light of single paths",
+    };
+    let refused = [
+        ("--clamp", args.clamp.is_some(), Some(of_paths)),
+        ("--part", args.part.is_some(), by_parts),
+        ("--sample-range", args.sample_range.is_some(), by_parts),
+        ("--checkpoint", args.checkpoint.is_some(), by_parts),
+        ("--resume", args.resume, by_parts),
+        ("--adaptive", args.adaptive, by_blocks),
+        ("--shutter", args.motion.shutter.is_some(), Some(by_moments)),
+    ];
+    let refused = refused
+        .into_iter()
+        .filter(|(_, is_asked_for, _)| *is_asked_for);
+    let first = refused
+        .filter_map(|(other, _, because)| Some((other, because?)))
+        .next();
+    match first {
+        Some((other, because)) if method != Method::Path => Err(UsageError::Apart {
+            flag: accuracy.map_or(method_flag(method), Accuracy::flag),
+            other,
+            because,
+        }),
         _ => Ok(method),
     }
 }

@@ -232,11 +232,9 @@ pub(super) fn render(
         }
         let film = session.snapshot().map_err(failure)?.film;
         let stats = session.stats().map_err(failure)?;
-        let audit = match job.method {
-            Method::Draft | Method::Cache | Method::Photons if ended.is_none() => {
-                audit(&mut session, &film)?
-            }
-            _ => None,
+        let audit = match job.method != Method::Path && ended.is_none() {
+            true => audit(&mut session, &film)?,
+            false => None,
         };
         let is_wrong = audit.as_ref().is_some_and(Audit::is_wrong);
         if !is_wrong || job.accuracy != Some(Accuracy::Final) || refined == REFINEMENTS {

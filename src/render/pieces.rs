@@ -125,7 +125,7 @@ fn indivisible(job: &RenderJob) -> Option<String> {
     }
     let because = match job.method {
         Method::Path => return None,
-        Method::Draft | Method::Cache => {
+        Method::Draft | Method::Cache | Method::CachePhotons => {
             "what is learned in one isn't what is learned in the next, and there would be seams"
         }
         Method::Photons => "all photons would be sent out again for each",

@@ -5,10 +5,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use device::Device;
+use engine::audit::{self, Audit};
+use engine::film::Film;
 use engine::fingerprint::fingerprint;
 use engine::fleet::{Fleet, Plan, Recruit};
 use engine::load::Loaded;
-use engine::renderer::RenderSettings;
+use engine::renderer::{RenderSettings, Renderer};
+use engine::settings::Method;
 use engine::stats::DeviceFacts;
 use engine::system::System;
 
@@ -105,6 +108,13 @@ pub(super) fn render(
             Some(Ended::Failed(had))
         }
     };
+    let audit = match plan.settings.method != Method::Path && ended.is_none() {
+        true => {
+            bar.stage("looking how right the picture is");
+            audit(&plan, devices, &outcome.film)
+        }
+        false => None,
+    };
     let title = |list: Vec<&str>| list.join("\n");
     let used = outcome.devices.iter().filter(|share| share.is_used());
     let joined = |of: fn(&DeviceFacts) -> &str| {
@@ -128,11 +138,25 @@ pub(super) fn render(
         facts,
         shares: outcome.devices,
         settings: settings_written,
-        audit: None,
+        audit,
         stats: outcome.stats,
         prepare_seconds,
         render_seconds,
         rest: Rest::Together(fleet),
+    })
+}
+
+/// What is wrong with a picture of cached light, by the first device that can tell.
+fn audit(plan: &Plan, devices: &[Device], film: &Film) -> Option<Audit> {
+    let settings = RenderSettings {
+        method: Method::Path,
+        ..plan.settings.clone()
+    };
+    devices.iter().find_map(|device| {
+        let renderer = Renderer::new(device, &plan.scene, &plan.procedural, &settings);
+        let mut renderer = renderer.ok()?;
+        let mut paths = |seed| renderer.trace_apart(seed, audit::SAMPLES).ok();
+        Audit::new(film, [&paths(1)?, &paths(2)?])
     })
 }
 

@@ -105,6 +105,38 @@ fn a_draft_says_how_wrong_it_is() {
     bench
         .run(&several)
         .expect_error(2, "--method draft needs a single device");
+    // Where devices and parts each make what they need, all of that goes.
+    for (method, refused) in [
+        ("cache", "--shutter 0.5 --spp 32"),
+        ("photons", "--adaptive"),
+        ("cache+photons", "--adaptive"),
+    ] {
+        let scene = scene.replace("draft", method);
+        let flag = format!("--method {method}");
+        bench
+            .run(&format!("{scene} {refused}"))
+            .expect_error(2, &flag);
+        let ended = bench
+            .run(&format!(
+                "{scene} --spp 32 --device native:1,native:1 -o d.exr"
+            ))
+            .expect_code(0);
+        let said = &ended.stdout;
+        assert!(said.contains("biased: brightness off by"), "{said}");
+        let part = format!("{scene} --device native --spp 32 --part");
+        for number in ["1/2", "2/2"] {
+            let name = number.replace('/', "-");
+            bench
+                .run(&format!("{part} {number} -o {name}.patina-film"))
+                .expect_code(0);
+        }
+        bench
+            .run("merge 1-2.patina-film 2-2.patina-film -o e.exr")
+            .expect_code(0);
+        bench.run("compare d.exr e.exr --max-mse 0").expect_code(0);
+    }
+    let refused = bench.run("render triangle.gltf --accuracy final --part 1/2 -o c.patina-film");
+    refused.expect_error(2, "rendered again as a whole");
     let light = format!("{scene} --layers diffuse_direct -o c.exr");
     bench.run(&light).expect_error(1, "parts of the light");
 }
@@ -124,8 +156,13 @@ fn accuracy_chooses_how_light_is_found() {
         assert_eq!(said.contains("biased:"), is_biased, "{accuracy}: {said}");
     }
     bench
-        .run(&format!("{scene} --accuracy final --adaptive"))
-        .expect_error(2, "--accuracy final");
+        .run(&format!("{scene} --accuracy final --adaptive -o e.png"))
+        .expect_code(0);
+    for other in ["--checkpoint", "--device native:1,native:1"] {
+        bench
+            .run(&format!("{scene} --accuracy final {other}"))
+            .expect_error(2, "--accuracy final");
+    }
     bench
         .run(&format!("{scene} --accuracy final --method path"))
         .expect_error(2, "cannot be used with");
@@ -141,7 +178,14 @@ fn methods_are_compared_by_their_time_to_a_good_picture() {
     let ended = bench
         .run(&format!("{measure} -o m.html -o m.json -o m.svg"))
         .expect_code(0);
-    for method in ["path", "adaptive", "draft", "cache", "photons"] {
+    for method in [
+        "path",
+        "adaptive",
+        "draft",
+        "cache",
+        "photons",
+        "cache+photons",
+    ] {
         assert!(ended.stdout.contains(method), "{}", ended.stdout);
     }
     let page = std::fs::read_to_string(bench.path("m.html")).expect("it was written");

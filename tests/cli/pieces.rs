@@ -167,6 +167,7 @@ fn what_needs_the_whole_picture_is_refused() {
         ("-o a.png --method draft", "--method draft"),
         ("-o a.png --method photons", "--method photons"),
         ("-o a.png --accuracy final", "--accuracy final"),
+        ("-o a.png --method cache+photons", "--method cache+photons"),
         ("-o a.png --device native:1,native:1", "a single device"),
     ] {
         bench

@@ -27,6 +27,7 @@ fn color(how: How) -> RGBColor {
         How::Draft => RGBColor(230, 159, 0),
         How::Cache => RGBColor(0, 114, 178),
         How::Photons => RGBColor(204, 121, 167),
+        How::CachePhotons => RGBColor(0, 158, 115),
     }
 }
 

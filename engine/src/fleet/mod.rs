@@ -5,7 +5,7 @@
 //! numbers from a common queue, as many as suits their speed, and fewer towards the end. What a device gathers
 //! lies in its own film and is added to the common one now and then, and at the end. The film's sums are exact in any order, so
 //! the picture is that of one device, whoever rendered which range; with devices of several kinds each path is as its
-//! device rounds it.
+//! device rounds it. What is to be known of the light before the picture begins, each device finds out by itself: the same on devices of one kind.
 //!
 //! A device that fails is left out from then on: what it had rendered and nobody had collected goes back to the queue. One that is
 //! ready late, because its driver compiles for long, joins late.
@@ -57,6 +57,7 @@ use crate::settings::RenderSettings;
 use crate::stats::DeviceFacts;
 use crate::system::System;
 
+use self::queue::Queue;
 use self::state::{Member, Phase, Shared, State};
 use self::worker::Make;
 
@@ -97,6 +98,7 @@ impl Plan {
         let renderer = Renderer::new(device, scene, procedural, &self.settings)?;
         let mut renderer = renderer.in_system(&self.system);
         renderer.warm_up()?;
+        renderer.prepare()?;
         if self.times_passes {
             renderer.time_passes()?;
         }
@@ -165,10 +167,16 @@ impl Fleet {
             ..
         } = plan.settings;
         let spp = plan.spp.min(film::MAX_SAMPLES).min(u32::MAX - first_sample);
-        let paths = frame::paths_per_sample(width, height) * u64::from(spp);
+        let of_sample = frame::paths_per_sample(width, height);
+        let paths = of_sample * u64::from(spp);
+        // Photons are sent out by each device that renders some of a sample.
+        let grain = match plan.settings.method.has_photons() {
+            true => of_sample,
+            false => queue::BLOCK,
+        };
         let recruits: Vec<Recruit> = recruits.into_iter().collect();
         let members = recruits.iter().map(|recruit| Member::new(recruit.first));
-        let shared = Arc::new(Shared::new(paths, members.collect()));
+        let shared = Arc::new(Shared::new(Queue::new(paths, grain), members.collect()));
         let mut facts = Vec::new();
         for (number, recruit) in recruits.into_iter().enumerate() {
             facts.push(recruit.facts);

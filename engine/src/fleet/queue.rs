@@ -13,7 +13,7 @@ const SHORTEST: f64 = 0.02;
 /// Paths of a range at least.
 const FEWEST: u64 = 256;
 /// Paths come in blocks of 8 x 8 pixels, which ranges don't cut.
-const BLOCK: u64 = 64;
+pub(super) const BLOCK: u64 = 64;
 
 /// Ranges of paths that are free: ascending and apart from each other.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,11 +23,13 @@ pub(super) struct Queue {
     end: u64,
     /// Behind the last path that has been taken so far.
     reached: u64,
+    /// Ranges end at multiples of this.
+    grain: u64,
 }
 
 impl Queue {
-    /// Of the paths from 0 to `end`, a multiple of 64.
-    pub(super) fn new(end: u64) -> Self {
+    /// Of the paths from 0 to `end`, in ranges that end at multiples of `grain`, itself one of [`BLOCK`], as `end` is.
+    pub(super) fn new(end: u64, grain: u64) -> Self {
         Self {
             free: match end {
                 0 => Vec::new(),
@@ -35,6 +37,7 @@ impl Queue {
             },
             end,
             reached: 0,
+            grain: grain.max(BLOCK),
         }
     }
 
@@ -56,8 +59,9 @@ impl Queue {
     /// Takes up to `most` of them, the first ones, all next to each other. `None` where there are none.
     pub(super) fn take(&mut self, most: u64) -> Option<Range<u64>> {
         let first = self.free.first_mut()?;
-        let most = most.next_multiple_of(BLOCK).max(BLOCK);
-        let taken = first.start..first.end.min(first.start.saturating_add(most));
+        let end = first.start.saturating_add(most.max(BLOCK));
+        let end = end.checked_next_multiple_of(self.grain).unwrap_or(u64::MAX);
+        let taken = first.start..first.end.min(end);
         match taken.end == first.end {
             true => drop(self.free.remove(0)),
             false => first.start = taken.end,
@@ -135,7 +139,7 @@ mod tests {
 
     #[test]
     fn every_path_is_taken_once() {
-        let mut queue = Queue::new(64 * 100);
+        let mut queue = Queue::new(64 * 100, BLOCK);
         let mut taken = Vec::new();
         let mut lost = Vec::new();
         let mut turn = 0;
@@ -167,8 +171,20 @@ mod tests {
     }
 
     #[test]
+    fn ranges_end_with_whole_samples_where_they_should() {
+        let mut queue = Queue::new(640 * 5, 640);
+        assert_eq!(queue.take(100), Some(0..640));
+        let second = queue.take(700).expect("there are some");
+        assert_eq!(second, 640..1920);
+        // Of which a part was done.
+        queue.give_back(704..1920);
+        assert_eq!(queue.take(1), Some(704..1280));
+        assert_eq!(queue.take(6400), Some(1280..3200));
+    }
+
+    #[test]
     fn what_is_not_wanted_is_not_handed_out() {
-        let mut queue = Queue::new(6400);
+        let mut queue = Queue::new(6400, BLOCK);
         let first = queue.take(640).expect("there are some");
         let second = queue.take(640).expect("there are some");
         queue.cut(960);
@@ -182,7 +198,7 @@ mod tests {
 
     /// The devices' times, and how many ranges each took, where they render so many paths per second.
     fn simulated(total: u64, rates: &[f64]) -> (Vec<f64>, Vec<u32>) {
-        let mut queue = Queue::new(total);
+        let mut queue = Queue::new(total, BLOCK);
         let mut paces: Vec<Pace> = (rates.iter())
             .map(|_| Pace {
                 rate: None,

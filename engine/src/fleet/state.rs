@@ -150,10 +150,10 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    pub(super) fn new(paths: u64, members: Vec<Member>) -> Self {
+    pub(super) fn new(queue: Queue, members: Vec<Member>) -> Self {
         Self {
             state: Mutex::new(State {
-                queue: Queue::new(paths),
+                queue,
                 members,
                 is_stopped: false,
                 news: Vec::new(),

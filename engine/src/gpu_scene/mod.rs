@@ -130,7 +130,7 @@ pub struct SceneFeatures {
     pub light_cache: bool,
     /// A cache knows the irradiance of surfaces: asked for, too, with the other cache and without parts of the light.
     pub irradiance_cache: bool,
-    /// Photons bring caustics: asked for, too, without the caches.
+    /// Photons bring caustics: asked for, too, alone or with the cache of irradiance.
     pub photons: bool,
     /// Some material has a texture program.
     pub programs: bool,

@@ -72,6 +72,8 @@ struct Settings {
     gather: u32,
     radius_share: f32,
     most_change: f32,
+    photons: u32,
+    unused: [u32; 3],
 }
 
 /// What paths do with the cache: as in `settings.wgsl`.
@@ -116,9 +118,9 @@ const BUFFERS: [(&str, u64); 5] = [
 
 /// Bytes of its buffers.
 pub(super) fn bytes(method: Method) -> u64 {
-    match method {
-        Method::Path | Method::Draft | Method::Photons => 0,
-        Method::Cache => BUFFERS.iter().map(|(_, bytes)| bytes).sum::<u64>() + sky::BYTES,
+    match method.has_records() {
+        false => 0,
+        true => BUFFERS.iter().map(|(_, bytes)| bytes).sum::<u64>() + sky::BYTES,
     }
 }
 
@@ -130,7 +132,7 @@ impl Irradiance {
         features: &SceneFeatures,
         resources: &mut Resources,
     ) -> Result<Option<Self>, DeviceError> {
-        if method != Method::Cache {
+        if !method.has_records() {
             return Ok(None);
         }
         for (name, bytes) in BUFFERS {
@@ -215,7 +217,8 @@ impl Renderer {
             }
             Phase::Gathering(pass, from, done) => self.gather(pass, from, done)?,
         };
-        if next == Phase::Ready {
+        // Else it is a picture that goes on.
+        if next == Phase::Ready && self.position == 0 {
             clear_picture(&self.device, &self.settings, &self.resources)?;
             self.rendered = 0;
         }
@@ -404,6 +407,8 @@ impl Renderer {
             gather: self.light_record(),
             radius_share: RADIUS_SHARE * finer,
             most_change: MOST_CHANGE * finer,
+            photons: self.photon_field(purpose),
+            unused: [0; 3],
         };
         let uniform = self.resources.buffer("irradiance_settings");
         self.device.write(uniform, 0, bytemuck::bytes_of(&words));

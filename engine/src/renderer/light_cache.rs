@@ -50,7 +50,8 @@ struct Settings {
     least_count: u32,
     scale: f32,
     least_side: f32,
-    unused: [u32; 2],
+    photons: u32,
+    unused: u32,
 }
 
 /// Bytes of its table.
@@ -82,7 +83,7 @@ pub(super) fn allocate(
 pub(super) fn learned(method: Method, spp: u32) -> u32 {
     match method {
         // That of irradiance has samples of its own for it.
-        Method::Path | Method::Cache | Method::Photons => 0,
+        Method::Path | Method::Cache | Method::Photons | Method::CachePhotons => 0,
         Method::Draft => (spp / LEARNED_SHARE).clamp(1, LEARNED_MOST),
     }
 }
@@ -168,7 +169,8 @@ impl Renderer {
             least_count: LEAST_COUNT,
             scale: (SIDE * self.frame.pixel_side()).clamp(*SIDES.start(), *SIDES.end()),
             least_side: (1e-4 * self.scene.radius).max(1e-6),
-            unused: [0; 2],
+            photons: self.photon_field(purpose),
+            unused: 0,
         };
         let uniform = self.resources.buffer("light_cache_settings");
         self.device.write(uniform, 0, bytemuck::bytes_of(&words));

@@ -22,7 +22,8 @@ impl Lot {
 }
 
 impl Renderer {
-    /// Renders the first wave of a lot, or of what is left of it from a block on; how many blocks that were. The picture depends on
+    /// Renders the first wave of a lot, or of what is left of it from a block on; how many blocks that were, none while it is still found
+    /// out what is to be known of the light before. The picture depends on
     /// which samples blocks get, not on how they are cut into lots and waves. Samples are counted as if the picture began with
     /// sample 0.
     ///
@@ -32,6 +33,9 @@ impl Renderer {
         let left = lot.blocks.get(from..).unwrap_or_default();
         if left.is_empty() || lot.samples == 0 {
             return Ok(left.len());
+        }
+        if self.prepare_irradiance()? {
+            return Ok(0);
         }
         // As many samples as there are slots for, of one block at the least.
         let at_once = lot.samples.min(self.capacity / BLOCK_PIXELS);

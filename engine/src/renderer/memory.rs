@@ -8,7 +8,7 @@ use crate::{
     procedural::{Procedural, node_words},
     scene::Scene,
     schedule::Wavefront,
-    settings::{Method, RenderSettings},
+    settings::RenderSettings,
     wave::{
         CATCH_WORDS, LEFT_WORDS, LIGHT_RECORD_WORDS, PHOTON_WORDS, PathBytes, QUEUE_HEADER,
         SPLIT_WORDS,
@@ -97,12 +97,15 @@ fn paths(device: &Device, procedural: &Procedural, settings: &RenderSettings) ->
         true => CATCH_WORDS,
         false => 0,
     };
-    let record = match settings.method {
-        Method::Path => 0,
-        Method::Draft => LIGHT_RECORD_WORDS,
-        Method::Cache => LIGHT_RECORD_WORDS + LEFT_WORDS,
-        Method::Photons => LEFT_WORDS + PHOTON_WORDS,
-    };
+    let method = settings.method;
+    let left = method.has_records() || method.has_photons();
+    let caches = [
+        (method.has_light_cache(), LIGHT_RECORD_WORDS),
+        (left, LEFT_WORDS),
+        (method.has_photons(), PHOTON_WORDS),
+    ];
+    let caches = caches.into_iter().filter(|(is_needed, _)| *is_needed);
+    let record: u32 = caches.map(|(_, words)| words).sum();
     let results = procedural
         .result_words()
         .max(node_words(layers.nodes().len()));

@@ -62,9 +62,28 @@ impl Renderer {
         let most = u64::from(self.next_wave_size());
         let wave = left.div_ceil(left.div_ceil(most)).next_multiple_of(64);
         let wave = wave.min(left);
+        self.position = paths.start;
+        while self.prepare_light()? {}
+        let wave = self.until_next_photons(wave);
         let spp = paths.end.div_ceil(self.paths_per_sample());
         self.wave_at(paths.start, wave as u32, spp as u32)?;
         Ok(wave)
+    }
+
+    /// Makes what is to be known of the light before the picture begins: nothing where paths find all of it by themselves.
+    ///
+    /// # Errors
+    /// What the driver reports.
+    pub fn prepare(&mut self) -> Result<(), RenderError> {
+        while self.records_awaited().is_some() {
+            self.prepare_light()?;
+        }
+        Ok(())
+    }
+
+    /// Takes a step towards what the next path has to know of the light; false where that is there.
+    pub(super) fn prepare_light(&mut self) -> Result<bool, RenderError> {
+        Ok(self.prepare_photons()? || self.prepare_irradiance()?)
     }
 
     /// Runs all kernels once, of which nothing stays but a picture that begins anew: what a driver compiles when it is first

@@ -10,6 +10,9 @@
 //! sample to sample, so that noise and bias vanish together (Hachisuka and Jensen, "Stochastic Progressive Photon Mapping", 2009; Knaus
 //! and Zwicker, "Progressive Photon Mapping: A Probabilistic Approach", 2011, whose radii need no statistics).
 //!
+//! Beside a cache of irradiance there is a map ahead of all samples, of which the cache learns what caustics light: what glass throws on a wall
+//! that lights another one.
+//!
 //! A sample's photons follow from its number and the seed. Their flux is added up in whole numbers, so that the picture depends
 //! neither on the order in which they come nor on how work is cut.
 
@@ -23,7 +26,7 @@ use crate::{
         pass::Pass,
         photons::{self as passes, Each, GRID, OCTREE, PhotonSettings},
     },
-    settings::{Method, RenderSettings},
+    settings::RenderSettings,
     wave,
 };
 
@@ -56,10 +59,19 @@ const USED: u32 = 1;
 enum Phase {
     /// Nothing is known of the lamps.
     Begun,
-    /// Photons of a sample fly; so many have.
-    Flying(u32, u64),
-    /// The map of a sample is there.
-    Ready(u32),
+    /// Photons of a map fly; so many have.
+    Flying(Map, u64),
+    /// A map is there.
+    Ready(Map),
+}
+
+/// What a map is for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Map {
+    /// For a cache that is made before the picture.
+    Ahead,
+    /// For a sample of the picture.
+    Sample(u32),
 }
 
 /// The photons of a renderer.
@@ -112,12 +124,12 @@ impl Sizes {
 
 /// Bytes of the buffers.
 pub(super) fn bytes(device: &Device, settings: &RenderSettings) -> u64 {
-    match settings.method {
-        Method::Photons => {
+    match settings.method.has_photons() {
+        true => {
             let buffers = Sizes::of(device, settings).buffers();
             buffers.iter().map(|(_, bytes)| bytes).sum()
         }
-        Method::Path | Method::Draft | Method::Cache => 0,
+        false => 0,
     }
 }
 
@@ -140,7 +152,7 @@ impl Photons {
         features: &SceneFeatures,
         resources: &mut Resources,
     ) -> Result<Option<Self>, DeviceError> {
-        if settings.method != Method::Photons {
+        if !settings.method.has_photons() {
             return Ok(None);
         }
         let sizes = Sizes::of(device, settings);
@@ -176,11 +188,11 @@ impl Renderer {
         if self.is_apart || !self.casts_caustics() {
             return Ok(false);
         }
-        let sample = self.next_sample();
+        let map = self.next_map();
         let total = photons.sizes.photons;
         let done = match photons.phase {
-            Phase::Ready(of) if of == sample => return Ok(false),
-            Phase::Flying(of, done) if of == sample => done,
+            Phase::Ready(of) if of == map => return Ok(false),
+            Phase::Flying(of, done) if of == map => done,
             phase => {
                 if phase == Phase::Begun {
                     self.weigh_lights()?;
@@ -193,7 +205,7 @@ impl Renderer {
         };
         let paths = u64::from(self.next_wave_size()).min(total - done);
         let mut frame = self.frame.without_lights();
-        frame.set_seed(self.photon_seed(sample));
+        frame.set_seed(self.photon_seed(map));
         frame.set_wave(done, paths as u32, 0, u32::MAX);
         let work = Work::Range {
             position: done,
@@ -201,10 +213,10 @@ impl Renderer {
             spp: u32::MAX,
         };
         self.play_wave(&frame, work, Purpose::Photons)?;
-        let mut phase = Phase::Flying(sample, done + paths);
+        let mut phase = Phase::Flying(map, done + paths);
         if done + paths == total {
             self.build_map()?;
-            phase = Phase::Ready(sample);
+            phase = Phase::Ready(map);
         }
         if let Some(photons) = &mut self.photons {
             photons.phase = phase;
@@ -233,16 +245,51 @@ impl Renderer {
         self.scene.environment.emits && !self.scene.environment.is_even
     }
 
-    /// The sample of the next path.
-    fn next_sample(&self) -> u32 {
+    /// The map that the next path needs.
+    fn next_map(&self) -> Map {
+        if self.records_awaited().is_some() {
+            return Map::Ahead;
+        }
         let done = self.position / u64::from(self.frame.padded_pixels);
-        self.settings.first_sample + done as u32
+        Map::Sample(self.settings.first_sample + done as u32)
     }
 
-    fn photon_seed(&self, sample: u32) -> u32 {
+    /// Whether the next wave asks for photons.
+    fn uses_photons(&self, purpose: Purpose) -> bool {
+        let photons = self.photons.as_ref();
+        let is_there =
+            photons.is_some_and(|photons| photons.phase == Phase::Ready(self.next_map()));
+        let asks = matches!(
+            purpose,
+            Purpose::Picture | Purpose::Learn | Purpose::Gather(..)
+        );
+        is_there && asks
+    }
+
+    /// The field of a path's state that is the photons' own, 0 where the next wave asks for none.
+    pub(super) fn photon_field(&self, purpose: Purpose) -> u32 {
+        match self.uses_photons(purpose) {
+            true => self.photon_record(),
+            false => 0,
+        }
+    }
+
+    fn photon_record(&self) -> u32 {
+        let record = match self.settings.method.has_light_cache() {
+            true => wave::LIGHT_RECORD_WORDS,
+            false => 0,
+        };
+        self.fields_from_last(wave::PHOTON_WORDS + record)
+    }
+
+    fn photon_seed(&self, map: Map) -> u32 {
         let seed = self.frame.seed().wrapping_add(SEED);
+        let number = match map {
+            Map::Ahead => u32::MAX,
+            Map::Sample(sample) => sample,
+        };
         // Neighbouring numbers must not give neighbouring seeds.
-        seed.wrapping_add(sample.wrapping_mul(0x9e37_79b9))
+        seed.wrapping_add(number.wrapping_mul(0x9e37_79b9))
     }
 
     /// Finds out how many photons are to start at each lamp.
@@ -285,11 +332,14 @@ impl Renderer {
         if !sizes.has_octree() {
             return Ok(());
         }
-        let sample = self.next_sample();
         // Roots of another size: those of before are of no use.
-        let is_as_before =
-            sample > 0 && radius(sample).log2().floor() == radius(sample - 1).log2().floor();
-        if !is_as_before || self.position == 0 {
+        let is_as_before = match self.next_map() {
+            Map::Sample(sample) if sample > 0 && self.position > 0 => {
+                radius(sample).log2().floor() == radius(sample - 1).log2().floor()
+            }
+            _ => false,
+        };
+        if !is_as_before {
             let mut recording = Recording::new("no octree");
             recording.clear(self.resources.buffer("photon_cells"));
             self.device.start(&recording)?;
@@ -325,24 +375,27 @@ impl Renderer {
         let Some(photons) = &self.photons else {
             return;
         };
-        let sample = self.next_sample();
-        let is_there = photons.phase == Phase::Ready(sample);
+        let map = self.next_map();
         let pixel = match self.frame.pixel_side() {
             // Of parallel rays.
             0.0 => self.frame.pixel_height(),
             side => side,
         };
-        let radius = radius(sample) as f32 * pixel;
+        let radius = match map {
+            Map::Ahead => radius(0),
+            Map::Sample(sample) => radius(sample),
+        };
+        let radius = radius as f32 * pixel;
         let mut targets = [Vec4::ZERO; MOST_TARGETS];
         targets[..self.scene.casters.len()].copy_from_slice(&self.scene.casters);
         let words = PhotonSettings {
-            mode: match purpose {
-                Purpose::Picture if is_there => USED,
-                _ => IDLE,
+            mode: match self.uses_photons(purpose) {
+                true => USED,
+                false => IDLE,
             },
             photons: photons.sizes.photons as u32,
-            field: self.fields_from_last(wave::PHOTON_WORDS),
-            seed: self.photon_seed(sample),
+            field: self.photon_record(),
+            seed: self.photon_seed(map),
             radius: match self.frame.pixel_side() {
                 0.0 => radius,
                 _ => radius.min(WIDEST),

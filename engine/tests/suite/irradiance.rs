@@ -1,9 +1,14 @@
 //! Records of irradiance: what is interpolated between them is what paths find, nearly, and without their noise.
 
+use std::sync::Arc;
+
+use ::device::{Device, DeviceChoice};
 use engine::film::Layers;
-use engine::renderer::Renderer;
+use engine::fleet::{Fleet, Plan};
+use engine::renderer::{Lot, Renderer};
 use engine::scene::{Environment, FloatImage, Material, Projection};
 use engine::settings::{Method, RenderSettings};
+use engine::system::System;
 use glam::Vec3;
 
 use crate::light_cache::{film, mean, room, seen};
@@ -86,6 +91,81 @@ fn beside_a_wall_gradients_follow_the_light() {
             "row {row}: {found} is not {right}"
         );
     }
+}
+
+/// Of parts, of a render that goes on, and of several devices each makes the cache for itself: the same one.
+#[test]
+fn a_picture_that_is_divided_is_the_same() {
+    let Some(device) = device::open() else { return };
+    for method in [Method::Cache, Method::Photons, Method::CachePhotons] {
+        let mut scene = room();
+        let procedural = no_textures(&mut scene);
+        let settings = seen((40, 24), 3, method);
+        let renderer = |settings: &RenderSettings| {
+            let renderer = Renderer::new(&device, &scene, &procedural, settings);
+            renderer.expect("the scene renders")
+        };
+        let whole = film(&device, room(), &settings, 6);
+        let mut sum = film(&device, room(), &settings, 2);
+        let rest = RenderSettings {
+            first_sample: 2,
+            ..settings.clone()
+        };
+        sum.add(&film(&device, room(), &rest, 4));
+        assert!(sum == whole, "{}: parts", method.name());
+        let mut first = renderer(&settings);
+        first.render(2).expect("the device renders");
+        let (begun, paths) = (first.film().expect("it reads"), first.paths_done());
+        let mut second = renderer(&settings);
+        second.resume(&begun, paths).expect("it goes on");
+        second.render(6).expect("the device renders");
+        let same = second.film().expect("the device reads") == whole;
+        assert!(same, "{}: goes on", method.name());
+        let plan = Plan {
+            scene: Arc::new(scene.clone()),
+            procedural: Arc::new(procedural.clone()),
+            settings: settings.clone(),
+            spp: 6,
+            times_passes: false,
+            system: System::default(),
+        };
+        let native = || Device::open(&DeviceChoice::Native(1)).expect("processors are there");
+        let devices = [native(), native()];
+        let fleet = Fleet::start(&plan, devices.iter().map(|device| plan.recruit(device)));
+        let together = fleet.outcome().film;
+        fleet.join();
+        let mut alone =
+            Renderer::new(&devices[0], &scene, &procedural, &settings).expect("renders");
+        alone.render(6).expect("the device renders");
+        let same = alone.film().expect("the device reads") == together;
+        assert!(same, "{}: two devices", method.name());
+    }
+}
+
+/// Samples may go where they are needed, with a cache as without.
+#[test]
+fn blocks_get_their_samples_with_a_cache_too() {
+    let Some(device) = device::open() else { return };
+    let mut scene = room();
+    let procedural = no_textures(&mut scene);
+    let settings = RenderSettings {
+        halves: true,
+        ..seen((40, 24), 3, Method::Cache)
+    };
+    let even = film(&device, room(), &settings, 32);
+    let renderer = Renderer::new(&device, &scene, &procedural, &settings);
+    let mut renderer = renderer.expect("the scene renders");
+    for samples in [0..16, 16..32] {
+        let lot = Lot {
+            blocks: (0..15).map(|at| [at, samples.start]).collect(),
+            samples: samples.len() as u32,
+        };
+        let mut from = 0;
+        while from < lot.blocks.len() {
+            from += renderer.render_lot(&lot, from).expect("it renders");
+        }
+    }
+    assert!(renderer.film().expect("the device reads") == even);
 }
 
 /// A render may be ended before the cache is there.

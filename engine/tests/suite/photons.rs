@@ -126,14 +126,19 @@ fn blocks(film: &Film, width: usize) -> Vec<Vec3> {
 /// Compares photons with paths, block by block, relative to the mean of the picture.
 fn agree(name: &str, of: impl Fn(Method) -> Film, most: f32) {
     let [path, photons] = [Method::Path, Method::Photons].map(of);
-    let whole = mean(&path);
-    let off = (mean(&photons) / whole - 1.0).abs().max_element();
-    let apart = blocks(&path, 48).into_iter().zip(blocks(&photons, 48));
+    compare(name, &path, &photons, [0.01, most]);
+}
+
+/// How far the mean of a picture may be off, and a block of it.
+fn compare(name: &str, path: &Film, photons: &Film, [most_off, most]: [f32; 2]) {
+    let whole = mean(path);
+    let off = (mean(photons) / whole - 1.0).abs().max_element();
+    let apart = blocks(path, 48).into_iter().zip(blocks(photons, 48));
     let worst = apart
         .map(|(a, b)| ((a - b).abs() / whole).max_element())
         .fold(0.0, f32::max);
     println!("{name}: mean off by {off:.4}, blocks by {worst:.4} at most");
-    assert!(off < 0.01, "{name}: the mean is off by {off}");
+    assert!(off < most_off, "{name}: the mean is off by {off}");
     assert!(worst < most, "{name}: a block is off by {worst}");
 }
 
@@ -238,6 +243,80 @@ fn where_nothing_throws_caustics_nothing_changes() {
         film(&device, scene.clone(), &settings, 8)
     };
     assert!(of(Method::Path) == of(Method::Photons));
+    assert!(of(Method::Cache) == of(Method::CachePhotons));
+}
+
+/// A spot shines on a mirror, which throws its light on the floor; all that the camera sees, a wall and the ceiling, is lit by that.
+fn lit_by_a_caustic(roughness: f32) -> Scene {
+    let mut scene = beside_a_mirror(roughness);
+    let white = Material {
+        double_sided: true,
+        ..lambert(Vec3::splat(0.8))
+    };
+    let (x, y, z) = (Vec3::X * 4.0, Vec3::Y * 3.0, Vec3::Z * 4.0);
+    let corner = Vec3::new(-2.0, 0.0, -2.0);
+    add(&mut scene, quad(corner + x, z, y), white.clone());
+    add(&mut scene, quad(corner + y, x, z), white.clone());
+    add(&mut scene, quad(corner, x, y), white);
+    scene.lights.push(PunctualLight {
+        name: "spot".to_owned(),
+        kind: LightKind::Spot {
+            inner_angle: 0.15,
+            outer_angle: 0.25,
+        },
+        intensity: Vec3::splat(60.0),
+        position: Vec3::new(0.6, 2.2, 0.0),
+        direction: Vec3::new(-2.1, -1.0, 0.0).normalize(),
+        range: f32::INFINITY,
+    });
+    scene
+}
+
+#[test]
+fn a_cache_learns_what_caustics_light() {
+    let Some(device) = device::open() else { return };
+    let of = |roughness, method, seed, spp| {
+        let mut settings = seen((48, 48), seed, method);
+        settings.camera = camera(
+            Vec3::new(-1.2, 1.0, 1.2),
+            Vec3::new(2.0, 2.4, -0.8),
+            Vec3::Y,
+            Projection::Perspective { y_fov: 1.0 },
+        );
+        film(&device, lit_by_a_caustic(roughness), &settings, spp)
+    };
+    // Light samples find the spot by way of a mirror that is rough enough, so paths have all of its light, with much noise.
+    let path = mean(&of(0.3, Method::Path, 5, 2048));
+    let photons = of(0.3, Method::Photons, 1, 256);
+    let both = of(0.3, Method::CachePhotons, 1, 16);
+    let off = (mean(&both) / path - 1.0).abs().max_element();
+    println!("off from paths by {off}");
+    assert!(off < 0.04, "{off}");
+    compare("by a rough mirror", &photons, &both, [0.025, 0.1]);
+    // Of a smooth one they have none.
+    let [path, photons, both] = [Method::Path, Method::Photons, Method::CachePhotons]
+        .map(|method| mean(&of(0.0, method, 1, 32)));
+    println!("by a smooth mirror: {path}, {photons}, {both}");
+    assert!(path.max_element() == 0.0);
+    assert!((both / photons - 1.0).abs().max_element() < 0.04);
+}
+
+#[test]
+fn caustics_on_the_first_surface_stay_sharp_with_a_cache() {
+    let Some(device) = device::open() else { return };
+    let path = film(&device, below_glass(), &seen_below(5, Method::Path), 4096);
+    let settings = seen_below(1, Method::CachePhotons);
+    let both = film(&device, below_glass(), &settings, 64);
+    compare("glass", &path, &both, [0.015, 0.05]);
+    let path = film(
+        &device,
+        room(),
+        &crate::light_cache::seen((48, 48), 5, Method::Path),
+        2048,
+    );
+    let settings = crate::light_cache::seen((48, 48), 1, Method::CachePhotons);
+    let both = film(&device, room(), &settings, 32);
+    compare("a ball of metal in a room", &path, &both, [0.03, 0.1]);
 }
 
 #[test]
@@ -259,6 +338,14 @@ fn the_picture_depends_neither_on_waves_nor_on_parts() {
     let mut sum = part(0, 2);
     sum.add(&part(2, 4));
     assert!(sum == whole);
+    // Nor with a cache beside.
+    let mut settings = settings;
+    settings.method = Method::CachePhotons;
+    let whole = film(&device, scene.clone(), &settings, 3);
+    let renderer = Renderer::with_capacity(&device, &scene, &procedural, &settings, 640);
+    let mut renderer = renderer.expect("the scene renders");
+    renderer.render(3).expect("the device renders");
+    assert!(renderer.film().expect("the device reads") == whole);
 }
 
 /// A lamp of stripes, and a floor of which a program lets a part of the rays through: what photons meet is what paths meet.

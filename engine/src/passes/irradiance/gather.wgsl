@@ -5,6 +5,8 @@
 //!include shared/random.wgsl
 //!include shared/geometry.wgsl
 //!include shared/left.wgsl
+//!include shared/found_light.wgsl
+//!include photons/states.wgsl
 //!include irradiance/records.wgsl
 
 @group(0) @binding(51) var<storage, read> irradiance_records: array<vec4u>;
@@ -33,6 +35,12 @@ fn gather_start(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
     let record = irradiance_settings.first_record + ray / GATHER_RAYS;
     path_set_words(irradiance_settings.gather, slot, vec4u(0u));
     path_set_words(irradiance_settings.gather + 1u, slot, vec4u(0u));
+    if (irradiance_settings.photons != 0u) {
+        // Photons have brought what casters throw on the record's place.
+        path_set_words(irradiance_settings.photons, slot, vec4u(0u, 0u, 0u, PATH_IS_DIFFUSE));
+        let all = shares_words(vec3f(1.0), true, 0u);
+        path_set_words(irradiance_settings.photons + 1u, slot, vec4u(all, 0u, 0u));
+    }
     path_write(PATH_LIGHT, slot, vec4f(0.0));
     path_set_words(PATH_STATE, slot, vec4u(0u, 0u, 1u, 0u));
     path_set_words(PATH_MEDIA, slot, vec4u(0u));
@@ -69,7 +77,9 @@ fn gather_note(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups)
         return;
     }
     let slot = queue_read(QUEUE_ACTIVE, index);
-    path_set_words(PATH_LEFT, slot, vec4u(0u));
+    if (irradiance_settings.photons == 0u) {
+        path_set_words(PATH_LEFT, slot, vec4u(0u)); // else their pass needs it
+    }
     let field = irradiance_settings.gather;
     if (path_words(field + 1u, slot).w == GATHER_FLIES && path_depth(slot) >= 2u) {
         // What the surface emits by itself is no business of the cache.

@@ -141,7 +141,10 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     if (left.w == LEFT_NONE) {
         return;
     }
-    path_set_words(PATH_LEFT, slot, vec4u(0u));
+    let has_photons = irradiance_settings.photons != 0u; // whose pass comes next
+    if (!has_photons) {
+        path_set_words(PATH_LEFT, slot, vec4u(0u));
+    }
     if ((left.w & LEFT_KIND) != LEFT_DIFFUSE) {
         return;
     }
@@ -186,5 +189,9 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     } else {
         let rest = (vec3f(1.0) - share) / max(1.0 - probability, 1e-6);
         path_write(PATH_THROUGHPUT, slot, vec4f(throughput.xyz * rest, throughput.w));
+    }
+    if (has_photons) {
+        let stands_for = select(vec3f(0.0), vec3f(1.0), is_diffuse);
+        path_set_words(PATH_LEFT, slot, vec4u(shares_words(stands_for, true, 0u), left.zw));
     }
 }

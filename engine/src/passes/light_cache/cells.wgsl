@@ -13,8 +13,8 @@ struct LightCacheSettings {
     least_count: u32, // paths that must have gone on from a cell before it is believed
     scale: f32, // side of a cell over its distance to the camera
     least_side: f32, // metres
-    unused_a: u32,
-    unused_b: u32,
+    photons: u32, // field of a path's state that is the photons' own, 0 where there are none
+    unused: u32,
 }
 
 // Paths go on, and are learned from.

@@ -15,7 +15,12 @@ fn note_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
     let field = light_cache_settings.record + 1u;
     let state = path_words(field, slot).w;
     if ((state & RECORD_STATE) == RECORD_BEGUN) {
-        path_set_words(field, slot, vec4u(path_words(PATH_RADIANCE, slot).xyz, (state & ~RECORD_STATE) | RECORD_KNOWN));
+        var before = path_read(PATH_RADIANCE, slot).xyz;
+        if (light_cache_settings.photons != 0u) {
+            // What photons bring to the cell's own surface, it scatters.
+            before -= path_read(PATH_DIFFUSE, slot).xyz;
+        }
+        path_set_words(field, slot, vec4u(bitcast<vec3u>(before), (state & ~RECORD_STATE) | RECORD_KNOWN));
     }
 }
 

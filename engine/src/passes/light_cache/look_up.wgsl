@@ -40,6 +40,11 @@ fn look_up_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
     let gathered = path_read(PATH_RADIANCE, slot);
     let found = limited(throughput.xyz * mean.xyz, f32(state.z + 1u));
     path_write(PATH_RADIANCE, slot, vec4f(gathered.xyz + found, gathered.w));
+    if (light_cache_settings.photons != 0u) {
+        // What a surface scatters is no light that photons may have brought, as what it emits may be.
+        let kept = path_words(light_cache_settings.photons, slot);
+        path_set_words(light_cache_settings.photons, slot, vec4u(bitcast<vec3u>(bitcast<vec3f>(kept.xyz) + found), kept.w));
+    }
     // As if it had scattered as often as it may: what the surface emits is all that is left to be found.
     path_set_words(PATH_STATE, slot, vec4u(state.xy, frame.max_depth, state.w));
 }

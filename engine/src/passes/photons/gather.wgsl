@@ -51,12 +51,14 @@ fn gather_photons(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
             }
         }
     }
+    var brought = vec3f(0.0);
     if (kind == LEFT_DIFFUSE) {
         let place = path_words(PATH_PLACE, slot);
         let diffuse = path_words(PATH_DIFFUSE, slot);
         if (left.z + 2u <= frame.max_depth) {
             let found = photon_irradiance(bitcast<vec3f>(place.xyz), octahedral_decode(place.w), frame.max_depth - left.z - 1u);
-            radiance += bitcast<vec3f>(diffuse.xyz) * found;
+            brought = bitcast<vec3f>(diffuse.xyz) * found;
+            radiance += brought;
         }
         is = PATH_IS_DIFFUSE;
         path_set_words(field + 1u, slot, vec4u(left.xy, 0u, 0u));
@@ -73,6 +75,7 @@ fn gather_photons(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
         is = PATH_IS_FREE;
     }
     path_write(PATH_RADIANCE, slot, vec4f(radiance, gathered.w));
+    path_write(PATH_DIFFUSE, slot, vec4f(brought, 0.0)); // for a cache that learns from it
     path_set_words(field, slot, vec4u(bitcast<vec3u>(radiance), is));
 }
 
