@@ -118,6 +118,8 @@ pub struct Point {
     pub area: f64,
     /// Mean squared error over the squares of the reference, median.
     pub relative_mse: f64,
+    /// Mean squared error, which is what adaptive sampling makes small, median.
+    pub mse: f64,
 }
 
 impl Point {
@@ -138,6 +140,8 @@ pub struct Curve {
     pub final_seconds: Option<f64>,
     /// Of paths, over its own; `None` where one of them isn't known.
     pub speedup: Option<f64>,
+    /// The seconds in which paths reach the least mean squared error that both have reached, over its own.
+    pub error_speedup: Option<f64>,
     /// Its last picture.
     #[serde(skip)]
     pub picture: Vec<[f32; 3]>,
@@ -252,14 +256,18 @@ pub fn measure(
                 flip: median(&|d| d.flip.unwrap_or(1.0)),
                 area: median(&|d| largest_area(&d.map, size[0])),
                 relative_mse: median(&|d| d.relative_mse),
+                mse: median(&|d| d.mse),
             });
         }
     }
     report.curves = runners.into_iter().map(Runner::finish).collect();
     let of_paths = report.curves.iter().find(|curve| curve.how == How::Path);
-    let of_paths = of_paths.and_then(|curve| curve.final_seconds);
+    let (of_paths, points_of_paths) = of_paths
+        .map(|curve| (curve.final_seconds, curve.points.clone()))
+        .unwrap_or_default();
     for curve in &mut report.curves {
         curve.speedup = of_paths.zip(curve.final_seconds).map(|(a, b)| a / b);
+        curve.error_speedup = error_speedup(&points_of_paths, &curve.points);
         if curve.final_seconds.is_none() {
             let last = curve.points.last();
             let far = last.map_or("nothing".to_owned(), |point| {
@@ -332,6 +340,7 @@ impl Runner {
             final_seconds: final_seconds(&self.points),
             points: self.points,
             speedup: None,
+            error_speedup: None,
             picture: self.picture,
         }
     }
@@ -346,13 +355,34 @@ fn final_seconds(points: &[Point]) -> Option<f64> {
     let Some(before) = before.filter(|before| before.flip > FINAL_FLIP) else {
         return Some(last.seconds.median);
     };
-    let (from, to) = (before.flip.ln(), last.flip.ln());
-    let place = ((from - FINAL_FLIP.ln()) / (from - to)).clamp(0.0, 1.0);
-    let (from, to) = (
-        before.seconds.median.max(1e-9).ln(),
-        last.seconds.median.max(1e-9).ln(),
-    );
-    Some((from + place * (to - from)).exp())
+    Some(seconds_between(
+        [before, last],
+        |point| point.flip,
+        FINAL_FLIP,
+    ))
+}
+
+/// When something that falls reached a value, on the line between the logarithms of two points.
+fn seconds_between(points: [&Point; 2], of: impl Fn(&Point) -> f64, value: f64) -> f64 {
+    let [from, to] = points.map(|point| of(point).max(1e-30).ln());
+    let place = ((from - value.max(1e-30).ln()) / (from - to)).clamp(0.0, 1.0);
+    let [from, to] = points.map(|point| point.seconds.median.max(1e-9).ln());
+    (from + place * (to - from)).exp()
+}
+
+/// The seconds of some points over those of others until the least error that both have reached.
+fn error_speedup(paths: &[Point], own: &[Point]) -> Option<f64> {
+    let least = |points: &[Point]| points.iter().map(|point| point.mse).reduce(f64::min);
+    let level = least(paths)?.max(least(own)?);
+    let seconds = |points: &[Point]| {
+        let at = points.iter().position(|point| point.mse <= level)?;
+        let last = &points[at];
+        let before = at.checked_sub(1).map(|at| &points[at]);
+        Some(before.map_or(last.seconds.median, |before| {
+            seconds_between([before, last], |point| point.mse, level)
+        }))
+    };
+    Some(seconds(paths)? / seconds(own)?)
 }
 
 /// The largest area of pixels above [`NOTICED`] that hang together by their sides, of all pixels.
@@ -397,6 +427,7 @@ mod tests {
             flip,
             area,
             relative_mse: 0.0,
+            mse: flip * flip,
         }
     }
 
@@ -419,6 +450,12 @@ mod tests {
         let spotted = [point(4, 1.0, 0.02, 0.1), point(16, 4.0, 0.015, 0.0)];
         assert_eq!(final_seconds(&spotted), Some(4.0));
         assert_eq!(final_seconds(&points[..1]), None);
+        // The others come to 0.02 when these do in three seconds, on the line between 1 and 4.
+        let others = [point(4, 0.5, 0.04, 0.0), point(16, 1.0, 0.02, 0.0)];
+        let of_points = seconds_between([&points[0], &points[1]], |point| point.mse, 0.0004);
+        let speedup = error_speedup(&points, &others).expect("both reach it");
+        assert!((speedup - of_points / 1.0).abs() < 1e-9, "{speedup}");
+        assert_eq!(error_speedup(&points, &[]), None);
     }
 
     #[test]

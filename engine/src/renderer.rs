@@ -239,8 +239,8 @@ enum Purpose {
     Look,
     /// Candidates for records of irradiance, of this pass.
     Find(usize),
-    /// Rays of these records.
-    Gather(u32, u32),
+    /// Rays of these records, from the first to before the second, for so many times before.
+    Gather(u32, u32, u32),
     /// Photons.
     Photons,
 }

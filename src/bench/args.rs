@@ -351,17 +351,18 @@ pub(crate) struct RenderArgs {
 /// Flags of all measurements of whole renders.
 #[derive(Debug, Args)]
 pub(crate) struct EffortArgs {
-    /// Samples (camera paths) per pixel of each run. Usually 16; for textures 4 on a software driver, 32 on a GPU.
+    /// Samples (camera paths) per pixel of each run. Usually 16; for textures 16 without a GPU, 4 on a software
+    /// driver, 32 on a GPU.
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub(crate) spp: Option<String>,
 
-    /// Width and height of the picture in pixels. Usually 512x512; for textures 256x256 on a software driver, 1280x720 on
-    /// a GPU.
+    /// Width and height of the picture in pixels. Usually 512x512; for textures 256x256 without a GPU, 1280x720 on
+    /// one.
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub(crate) size: Option<String>,
 
-    /// Timed runs of each case, in turn: A B C A B C. One more comes first and isn't counted. Usually 3; for textures 5 on
-    /// a software driver, 9 on a GPU.
+    /// Timed runs of each case, in turn: A B C A B C. One more comes first and isn't counted. Usually 3; for textures 5
+    /// without a GPU, 9 on one.
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub(crate) runs: Option<String>,
 

@@ -23,12 +23,17 @@ use crate::{console, library};
 use super::job::{Amount, Model, ReportFormat, TexturesJob};
 use super::report;
 
-/// What is rendered if the user says nothing: some minutes on two cores of a server.
+/// What is rendered if the user says nothing: some minutes on two cores of a server, by a driver in software.
 const USUAL_ON_CPU: Amount = Amount {
     width: 256,
     height: 256,
     spp: 4,
     runs: 5,
+};
+/// The same by the native device, which is faster.
+const USUAL_NATIVE: Amount = Amount {
+    spp: 16,
+    ..USUAL_ON_CPU
 };
 /// Enough to keep a GPU busy.
 const USUAL_ON_GPU: Amount = Amount {
@@ -66,9 +71,10 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     let prepared = prepare(job, &folders, &bar)?;
     let (device, forms, left_out) = open(job)?;
     bar.follow(&device);
-    let usual = match device.traits().compiles_slowly {
-        true => USUAL_ON_CPU,
-        false => USUAL_ON_GPU,
+    let usual = match device.traits() {
+        traits if traits.compiles_slowly => USUAL_ON_CPU,
+        traits if traits.runs_threads_in_turn => USUAL_NATIVE,
+        _ => USUAL_ON_GPU,
     };
     let amount = job.effort.amount(usual);
     let setup = Setup {

@@ -73,7 +73,7 @@ impl MethodsFigures {
     }
 
     /// A line for each method: when it is final, and by how much sooner than paths.
-    fn rows(&self) -> Vec<[String; 6]> {
+    fn rows(&self) -> Vec<[String; 7]> {
         let row = |curve: &Curve| {
             let last = curve.points.last();
             let of_last =
@@ -86,6 +86,9 @@ impl MethodsFigures {
                 curve
                     .speedup
                     .map_or("-".to_owned(), |speedup| format!("{speedup:.1}")),
+                curve
+                    .error_speedup
+                    .map_or("-".to_owned(), |speedup| format!("{speedup:.2}")),
                 of_last(&|point| point.spp.to_string()),
                 of_last(&|point| format!("{:.4}", point.flip)),
                 of_last(&|point| format!("{:.5}", point.relative_mse)),
@@ -94,10 +97,11 @@ impl MethodsFigures {
         self.report.curves.iter().map(row).collect()
     }
 
-    const HEAD: [&str; 6] = [
+    const HEAD: [&str; 7] = [
         "method",
         "s to final",
         "times paths",
+        "by error",
         "samples",
         "FLIP",
         "relative MSE",
@@ -113,7 +117,9 @@ impl MethodsFigures {
         let rows = self.rows();
         let lines = || std::iter::once(Self::HEAD.map(str::to_owned)).chain(rows.iter().cloned());
         let width = |column: usize| lines().map(|line| line[column].chars().count()).max();
-        let widths: Vec<usize> = (0..6).map(|column| width(column).unwrap_or(0)).collect();
+        let widths: Vec<usize> = (0..Self::HEAD.len())
+            .map(|column| width(column).unwrap_or(0))
+            .collect();
         for line in lines() {
             let cells = line.iter().zip(&widths);
             let cells: Vec<String> = cells.map(|(cell, &w)| format!("{cell:>w$}")).collect();
@@ -264,7 +270,8 @@ impl MethodsFigures {
 /// What is meant by it.
 fn final_means() -> String {
     format!(
-        "final: mean FLIP below {FINAL_FLIP}, and no connected area of more than {} % of the picture above {NOTICED}",
+        "final: mean FLIP below {FINAL_FLIP}, and no connected area of more than {} % of the picture above {NOTICED}; \
+         by error: seconds of paths over its own, until the least mean squared error that both have reached",
         100.0 * FINAL_AREA
     )
 }

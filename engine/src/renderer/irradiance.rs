@@ -32,8 +32,13 @@ const CANDIDATES: u32 = 1 << 17;
 /// Slots of the grid, a power of two, and its references.
 const SLOTS: u32 = 1 << 19;
 const REFERENCES: u32 = 1 << 20;
-/// Rays of a record: `GATHER_RAYS` of `settings.wgsl`.
+/// Rays of a record at a time: `GATHER_RAYS` of `settings.wgsl`.
 const RAYS: u32 = 480;
+/// How often they are gathered for each record, at most, and rays of all records for each pixel until which it is more than once.
+const MOST_TURNS: u64 = 4;
+const RAYS_OF_PIXEL: u64 = 64;
+/// A smaller picture has rays as if it had so many pixels.
+const LEAST_PIXELS: u64 = 1 << 15;
 /// Records whose rays are gathered at once.
 const AT_ONCE: u32 = 2048;
 /// Samples of each pixel that look where the sky is seen before anything else.
@@ -41,7 +46,7 @@ const LOOKED: u32 = 4;
 /// Samples of each pixel from which the other cache learns before.
 const LEARNED: u32 = 8;
 /// Paths of each of these, at least: few light samples arrive through a small window, and of what cells are wrong about all records are.
-const LEAST_PATHS: u64 = 1 << 18;
+const LEAST_PATHS: u64 = 1 << 20;
 /// Pixels between new records, pass by pass.
 const DISTANCES: [f32; 7] = [40.0, 20.0, 10.0, 5.0, 3.0, 3.0, 3.0];
 /// Candidates within the distance of each other, about.
@@ -73,7 +78,9 @@ struct Settings {
     radius_share: f32,
     most_change: f32,
     photons: u32,
-    unused: [u32; 3],
+    turn: u32,
+    turns: u32,
+    unused: u32,
 }
 
 /// What paths do with the cache: as in `settings.wgsl`.
@@ -104,6 +111,9 @@ pub(super) struct Irradiance {
     first_level: i32,
     levels: u32,
     falloff: f32,
+    /// How often rays are gathered for the records at hand, and rays of all records so far.
+    turns: u32,
+    rays: u64,
     sky: Sky,
     solve: Kernel,
 }
@@ -147,6 +157,8 @@ impl Irradiance {
             first_level: 0,
             levels: 0,
             falloff: 1.0,
+            turns: 1,
+            rays: 0,
             sky: Sky::new(device, resources)?,
             solve: irradiance::SOLVE.kernel(device, features)?,
         }))
@@ -157,6 +169,7 @@ impl Irradiance {
         self.phase = Phase::Looking(0);
         self.records.clear();
         self.levels = 0;
+        self.rays = 0;
     }
 
     /// Has the device find records by where they are; `falloff` says how far they reach.
@@ -307,6 +320,11 @@ impl Renderer {
         if cache.records.len() as u32 == first {
             return Ok(self.next_pass(pass));
         }
+        let once = u64::from(RAYS) * (cache.records.len() as u64 - u64::from(first));
+        let pixels = u64::from(self.frame.padded_pixels).max(LEAST_PIXELS);
+        let left = (RAYS_OF_PIXEL * pixels).saturating_sub(cache.rays);
+        cache.turns = (left / once).clamp(1, MOST_TURNS) as u32;
+        cache.rays += once * u64::from(cache.turns);
         let records = self.resources.buffer("irradiance_records");
         self.device
             .write(records, 0, bytemuck::cast_slice(&cache.records));
@@ -338,19 +356,22 @@ impl Renderer {
         };
         let count = cache.records.len() as u32;
         let records = from..count.min(from + AT_ONCE);
-        let total = u64::from(RAYS) * u64::from(records.end - records.start);
-        let rays = u64::from(self.next_wave_size()).min(total - done);
+        let turns = u64::from(cache.turns);
+        let of_turn = u64::from(RAYS) * u64::from(records.end - records.start);
+        let (turn, position) = ((done / of_turn) as u32, done % of_turn);
+        let rays = u64::from(self.next_wave_size()).min(of_turn - position);
         let mut frame = self.frame;
-        frame.set_seed(frame.seed().wrapping_add(SEED ^ (1 + from)));
-        frame.set_wave(done, rays as u32, 0, u32::MAX);
+        let number = turn.wrapping_mul(0x9e37_79b9).wrapping_add(1 + from);
+        frame.set_seed(frame.seed().wrapping_add(SEED ^ number));
+        frame.set_wave(position, rays as u32, 0, u32::MAX);
         let work = Work::Range {
-            position: done,
+            position,
             first_sample: 0,
             spp: u32::MAX,
         };
         let end = records.end;
-        self.play_wave(&frame, work, Purpose::Gather(records.start, end))?;
-        if done + rays < total {
+        self.play_wave(&frame, work, Purpose::Gather(records.start, end, turn))?;
+        if done + rays < of_turn * turns {
             return Ok(Phase::Gathering(pass, from, done + rays));
         }
         self.solve(records.start, end)?;
@@ -362,7 +383,7 @@ impl Renderer {
 
     /// Makes records of what has been gathered for them.
     fn solve(&mut self, first: u32, end: u32) -> Result<(), RenderError> {
-        self.set_irradiance(Purpose::Gather(first, end));
+        self.set_irradiance(Purpose::Gather(first, end, 0));
         let Some(cache) = &mut self.irradiance else {
             return Ok(());
         };
@@ -384,10 +405,14 @@ impl Renderer {
         let Some(cache) = &self.irradiance else {
             return;
         };
+        let turn = match purpose {
+            Purpose::Gather(_, _, turn) => turn,
+            _ => 0,
+        };
         let (mode, share, records) = match purpose {
             Purpose::Picture => (USE, 0.0, [0; 2]),
             Purpose::Find(pass) => (FIND, self.share_of(DISTANCES[pass]), [0; 2]),
-            Purpose::Gather(first, end) => (IDLE, 0.0, [first, end]),
+            Purpose::Gather(first, end, _) => (IDLE, 0.0, [first, end]),
             Purpose::Look | Purpose::Learn | Purpose::Apart | Purpose::Photons => {
                 (IDLE, 0.0, [0; 2])
             }
@@ -408,7 +433,9 @@ impl Renderer {
             radius_share: RADIUS_SHARE * finer,
             most_change: MOST_CHANGE * finer,
             photons: self.photon_field(purpose),
-            unused: [0; 3],
+            turn,
+            turns: cache.turns,
+            unused: 0,
         };
         let uniform = self.resources.buffer("irradiance_settings");
         self.device.write(uniform, 0, bytemuck::bytes_of(&words));

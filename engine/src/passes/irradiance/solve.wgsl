@@ -11,6 +11,13 @@
 const LEAST_WIDTHS = 1.5;
 const MOST_WIDTHS = 48.0;
 
+// What the rays of a stratum have found on average: radiance, and the distance as harmonic mean.
+fn gathered(ray: u32) -> vec4f {
+    let sum = irradiance_gathered[ray];
+    let turns = f32(irradiance_settings.turns);
+    return vec4f(sum.xyz / turns, turns / sum.w);
+}
+
 // Where a ring begins, as the square of the sine.
 fn ring_start(ring: u32) -> f32 {
     return f32(ring) / f32(RINGS);
@@ -43,17 +50,17 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
         var outward = vec3f(0.0);
         var across = vec3f(0.0);
         for (var ring = 0u; ring < RINGS; ring++) {
-            let here = irradiance_gathered[first + ring * SECTORS + sector];
+            let here = gathered(first + ring * SECTORS + sector);
             sum += here.xyz;
             inverse += 1.0 / max(here.w, 1e-6);
             let begin = ring_start(ring);
             let end = ring_start(ring + 1u);
             // Steps of radiance move where the place moves, the nearer side of them most.
             if (ring > 0u) {
-                let inner = irradiance_gathered[first + (ring - 1u) * SECTORS + sector];
+                let inner = gathered(first + (ring - 1u) * SECTORS + sector);
                 outward += (here.xyz - inner.xyz) * (sqrt(begin) * (1.0 - begin) / max(min(here.w, inner.w), 1e-6));
             }
-            let side = irradiance_gathered[first + ring * SECTORS + before];
+            let side = gathered(first + ring * SECTORS + before);
             across += (here.xyz - side.xyz) * ((sqrt(end) - sqrt(begin)) / max(min(here.w, side.w), 1e-6));
 
             let angle = (sqrt(1.0 - begin) - sqrt(1.0 - end)) * (2.0 * PI / f32(SECTORS));
