@@ -239,8 +239,8 @@ enum Purpose {
     Look,
     /// Candidates for records of irradiance, of this pass.
     Find(usize),
-    /// Rays of these records, from the first to before the second, for so many times before.
-    Gather(u32, u32, u32),
+    /// Rays of the records from the first to before the end, which have been gathered for so many turns before.
+    Gather { first: u32, end: u32, turn: u32 },
     /// Photons.
     Photons,
 }
@@ -576,7 +576,7 @@ impl Renderer {
     /// How waves go.
     fn plan(&self, purpose: Purpose) -> Plan {
         let errand = match purpose {
-            Purpose::Gather(..) => Some(Errand::Gather),
+            Purpose::Gather { .. } => Some(Errand::Gather),
             Purpose::Photons => Some(Errand::Emit),
             Purpose::Look => Some(Errand::Look),
             Purpose::Find(_) => Some(Errand::Unseen),

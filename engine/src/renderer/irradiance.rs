@@ -349,15 +349,15 @@ impl Renderer {
         }
     }
 
-    /// Gathers rays of the records from `from` on, of which so many are done.
+    /// Gathers rays of the records from `from` on, turn after turn, of which so many are done.
     fn gather(&mut self, pass: usize, from: u32, done: u64) -> Result<Phase, RenderError> {
         let Some(cache) = &self.irradiance else {
             return Ok(Phase::Ready);
         };
         let count = cache.records.len() as u32;
-        let records = from..count.min(from + AT_ONCE);
+        let end = count.min(from + AT_ONCE);
         let turns = u64::from(cache.turns);
-        let of_turn = u64::from(RAYS) * u64::from(records.end - records.start);
+        let of_turn = u64::from(RAYS) * u64::from(end - from);
         let (turn, position) = ((done / of_turn) as u32, done % of_turn);
         let rays = u64::from(self.next_wave_size()).min(of_turn - position);
         let mut frame = self.frame;
@@ -369,12 +369,16 @@ impl Renderer {
             first_sample: 0,
             spp: u32::MAX,
         };
-        let end = records.end;
-        self.play_wave(&frame, work, Purpose::Gather(records.start, end, turn))?;
+        let purpose = Purpose::Gather {
+            first: from,
+            end,
+            turn,
+        };
+        self.play_wave(&frame, work, purpose)?;
         if done + rays < of_turn * turns {
             return Ok(Phase::Gathering(pass, from, done + rays));
         }
-        self.solve(records.start, end)?;
+        self.solve(from, end)?;
         match end == count {
             true => Ok(self.next_pass(pass)),
             false => Ok(Phase::Gathering(pass, end, 0)),
@@ -383,7 +387,11 @@ impl Renderer {
 
     /// Makes records of what has been gathered for them.
     fn solve(&mut self, first: u32, end: u32) -> Result<(), RenderError> {
-        self.set_irradiance(Purpose::Gather(first, end, 0));
+        self.set_irradiance(Purpose::Gather {
+            first,
+            end,
+            turn: 0,
+        });
         let Some(cache) = &mut self.irradiance else {
             return Ok(());
         };
@@ -405,24 +413,21 @@ impl Renderer {
         let Some(cache) = &self.irradiance else {
             return;
         };
-        let turn = match purpose {
-            Purpose::Gather(_, _, turn) => turn,
-            _ => 0,
+        let (mode, share) = match purpose {
+            Purpose::Picture => (USE, 0.0),
+            Purpose::Find(pass) => (FIND, self.share_of(DISTANCES[pass])),
+            _ => (IDLE, 0.0),
         };
-        let (mode, share, records) = match purpose {
-            Purpose::Picture => (USE, 0.0, [0; 2]),
-            Purpose::Find(pass) => (FIND, self.share_of(DISTANCES[pass]), [0; 2]),
-            Purpose::Gather(first, end, _) => (IDLE, 0.0, [first, end]),
-            Purpose::Look | Purpose::Learn | Purpose::Apart | Purpose::Photons => {
-                (IDLE, 0.0, [0; 2])
-            }
+        let [first_record, end_record, turn] = match purpose {
+            Purpose::Gather { first, end, turn } => [first, end, turn],
+            _ => [0; 3],
         };
         // What is wrong between records grows with the square of their radii.
         let finer = 0.5_f32.sqrt().powi(self.settings.refinement.min(20) as i32);
         let words = Settings {
             mode,
-            first_record: records[0],
-            end_record: records[1],
+            first_record,
+            end_record,
             candidates: CANDIDATES,
             mask: SLOTS - 1,
             first_level: cache.first_level,

@@ -159,7 +159,7 @@ impl Renderer {
         }
         let mode = match (purpose, self.settings.method) {
             (Purpose::Learn, _) => LEARNS,
-            (Purpose::Gather(..), _) | (Purpose::Picture, Method::Draft) => ENDS,
+            (Purpose::Gather { .. }, _) | (Purpose::Picture, Method::Draft) => ENDS,
             _ => IDLE,
         };
         let words = Settings {
