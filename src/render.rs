@@ -125,12 +125,12 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
                 || job.method == Method::Draft
                 || job.accuracy == Some(Accuracy::Final) =>
         {
-            let flag = match (job.adaptive, job.accuracy) {
-                (true, _) => "--adaptive",
+            let flag = match job.accuracy {
+                _ if job.adaptive => "--adaptive",
+                _ if job.checkpoints.is_some() => "--checkpoint",
                 // That may begin anew.
-                (false, Some(accuracy)) => accuracy.flag(),
-                (false, None) if job.method == Method::Draft => method_flag(job.method),
-                (false, None) => "--checkpoint",
+                Some(accuracy) => accuracy.flag(),
+                None => method_flag(job.method),
             };
             return Err(UsageError::OneDevice { flag }.into());
         }

@@ -396,12 +396,12 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
         ("--adaptive", args.adaptive, by_blocks),
         ("--shutter", args.motion.shutter.is_some(), Some(by_moments)),
     ];
-    let refused = refused
-        .into_iter()
-        .filter(|(_, is_asked_for, _)| *is_asked_for);
     let first = refused
-        .filter_map(|(other, _, because)| Some((other, because?)))
-        .next();
+        .into_iter()
+        .find_map(|(other, is_asked_for, because)| {
+            let because = because.filter(|_| is_asked_for)?;
+            Some((other, because))
+        });
     match first {
         Some((other, because)) if method != Method::Path => Err(UsageError::Apart {
             flag: accuracy.map_or(method_flag(method), Accuracy::flag),
