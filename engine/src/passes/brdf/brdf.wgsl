@@ -20,7 +20,7 @@ fn shade_vertex(slot: u32) {
 
     let cone_width = p.cone_width + frame.pixel_spread * min(hit.t_max, 1e10);
     if (hit.triangle == MISS) {
-        p.radiance = handle_escaped_ray(p, hit);
+        p.radiance = handle_escaped_ray(p, hit, receiver_before);
         path_write(PATH_RADIANCE, slot, vec4f(p.radiance, cone_width));
         return;
     }

@@ -26,15 +26,16 @@ fn with_light_sample(p: Path) -> vec3f {
     return p.radiance;
 }
 
-// The radiance with that of the environment and of lamps infinitely far away, which the ray has escaped to.
-fn handle_escaped_ray(p: Path, hit: RayHit) -> vec3f {
+// The radiance with that of the environment and of lamps infinitely far away, which the ray has escaped to. `receiver_before` is what
+// light samples know of the vertex before.
+fn handle_escaped_ray(p: Path, hit: RayHit, receiver_before: u32) -> vec3f {
     if (has_program_shadows && hit.t_max < 0.0) {
         return p.radiance; // it only waited for its shadow ray
     }
     var weight = 1.0;
     let shares = light_shares(hit.origin, p.id);
     if (has_environment && p.bsdf_pdf > 0.0) {
-        weight = met_light_weight(p.bsdf_pdf, sky_pdf(hit.direction, shares));
+        weight = met_light_weight(p.bsdf_pdf, sky_pdf(hit.direction, receiver_before, shares));
     }
     let radiance = environment_radiance(hit.direction);
     if (leaves_diffuse) {
@@ -52,7 +53,7 @@ fn handle_escaped_ray(p: Path, hit: RayHit) -> vec3f {
     return p.radiance + limited(p.throughput * (sky + disks.radiance), f32(p.depth));
 }
 
-// The radiance with what the surface emits. `receiver_before` is what light samples know of the vertex before.
+// The radiance with what the surface emits.
 fn handle_emissive_intersection(p: Path, v: Vertex, hit: RayHit, receiver_before: u32, texel: vec4f) -> vec3f {
     if (!v.surface.front && (v.flags & MATERIAL_DOUBLE_SIDED) == 0u) {
         return p.radiance;

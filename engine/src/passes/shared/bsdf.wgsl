@@ -120,10 +120,9 @@ fn lobes(b: Bsdf, wo: vec3f) -> Lobes {
     l.through = 1.0;
     l.body = vec3f(1.0);
     let roughness = sqrt(mean_alpha(b));
-    let dielectric = dielectric_fresnel(b, wo.z);
-    let metal = metal_fresnel(b, wo.z);
+    var table = vec2f(0.0);
     if (energy_compensation) {
-        let table = albedo_lookup(wo.z, roughness);
+        table = albedo_lookup(wo.z, roughness).xy;
         let single = max(table.x + table.y, 1e-3);
         let lost = (1.0 - single) / single;
         var f0 = b.specular * b.dielectric_f0;
@@ -143,10 +142,19 @@ fn lobes(b: Bsdf, wo: vec3f) -> Lobes {
         let film = with_film(b, f);
         l.body = vec3f(1.0) - min(film * (vec3f(1.0) + with_film(b, b.specular * b.dielectric_f0) * lost), vec3f(1.0));
     }
+    if (!energy_compensation) {
+        table = rough_albedo_estimate(wo.z, roughness);
+    }
     if (has_layers && max_component(b.sheen_color) > 0.0) {
         l.sheen = albedo_lookup(wo.z, b.sheen_roughness).z;
     }
 
+    // Of the reflection as a whole. Where light goes through, smooth surfaces are what matters, and the angle alone counts.
+    var dielectric = with_film(b, b.specular * (b.dielectric_f0 * table.x + table.y));
+    if (has_transmission && b.transmission > 0.0) {
+        dielectric = dielectric_fresnel(b, wo.z);
+    }
+    let metal = with_film(b, b.base_color * table.x + table.y);
     let below = below_layers(b, l);
     let inside = below * (1.0 - b.metallic) * (1.0 - max_component(dielectric));
     l.coat_p = l.cover;
@@ -316,6 +324,11 @@ fn eval_below(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
     return vec4f(f, pdf);
 }
 
+// A direction that microfacets reflect to.
+fn sample_reflection(wo: vec3f, alpha: vec2f, u: vec2f) -> vec3f {
+    return reflect(-wo, sample_visible_normal(wo, alpha, reflection_bound(wo, alpha), u));
+}
+
 // A direction. `l` is `lobes(b, wo)`.
 fn bsdf_sample(b: Bsdf, l: Lobes, wo: vec3f, u: vec2f, choice: f32) -> BsdfSample {
     let none = BsdfSample(vec3f(0.0), vec3f(0.0), 0.0);
@@ -326,16 +339,15 @@ fn bsdf_sample(b: Bsdf, l: Lobes, wo: vec3f, u: vec2f, choice: f32) -> BsdfSampl
     var wi: vec3f;
     var side = 1.0; // where the lobe lies: a direction that misses its side isn't one of another lobe
     if (rest < 0.0) {
-        wi = reflect(-wo, sample_visible_normal(wo, b.alpha, u));
+        wi = sample_reflection(wo, b.alpha, u);
     } else if (rest < l.diffuse_p) {
         wi = sample_cosine(u);
     } else if (has_transmission && rest < l.diffuse_p + l.through_p) {
-        let h = sample_visible_normal(wo, b.alpha, u);
         if (b.eta == 1.0) {
-            wi = reflect(-wo, h);
+            wi = sample_reflection(wo, b.alpha, u);
             wi.z = -wi.z;
         } else {
-            wi = refract(-wo, h, 1.0 / b.eta);
+            wi = refract(-wo, sample_visible_normal(wo, b.alpha, 1.0, u), 1.0 / b.eta);
         }
         side = -1.0;
     } else if (has_layers && rest < l.diffuse_p + l.through_p + l.coat_p) {
@@ -343,7 +355,7 @@ fn bsdf_sample(b: Bsdf, l: Lobes, wo: vec3f, u: vec2f, choice: f32) -> BsdfSampl
         if (o.z <= 0.0) {
             return none;
         }
-        wi = from_coat(b, reflect(-o, sample_visible_normal(o, vec2f(b.coat_alpha), u)));
+        wi = from_coat(b, sample_reflection(o, vec2f(b.coat_alpha), u));
     } else if (has_transmission && rest < l.diffuse_p + l.through_p + l.coat_p + l.back_p) {
         wi = sample_cosine(u);
         wi.z = -wi.z;

@@ -10,7 +10,19 @@ override has_environment: bool = true;
 
 // Radiance from a direction.
 fn environment_radiance(direction: vec3f) -> vec3f {
+    if (has_environment && sky_is_even()) {
+        return even_sky_radiance();
+    }
     return environment_texel(environment_uv(direction));
+}
+
+// Whether it is the same in all directions.
+fn sky_is_even() -> bool {
+    return all(frame.environment_size == vec2u(1u));
+}
+
+fn even_sky_radiance() -> vec3f {
+    return textureLoad(environment_image, vec2u(0u), 0).xyz * frame.environment_scale;
 }
 
 // Radiance at a point of the picture, both in [0, 1]: bilinear, wrapping in u, clamped in v.
@@ -18,8 +30,8 @@ fn environment_texel(picture: vec2f) -> vec3f {
     if (!has_environment) {
         return vec3f(0.0);
     }
-    if (all(frame.environment_size == vec2u(1u))) {
-        return textureLoad(environment_image, vec2u(0u), 0).xyz * frame.environment_scale;
+    if (sky_is_even()) {
+        return even_sky_radiance();
     }
     let uv = picture * vec2f(frame.environment_size) - 0.5;
     let base = floor(uv);
@@ -103,4 +115,27 @@ fn sample_in_cell(cell: vec2u, place: vec2f, entry: vec2u) -> EnvironmentSample 
     let azimuth = unit_circle(uv.x - frame.environment_turn);
     let wi = vec3f(polar.y * azimuth.y, polar.x, -polar.y * azimuth.x);
     return EnvironmentSample(wi, environment_texel(uv), cell_pdf(entry, polar.y));
+}
+
+// A direction to a sky that is the same everywhere, for a surface that receives light on the side of `normal`, by the cosine there; from
+// anywhere where that is zero.
+fn even_sky_sample(u: vec2f, normal: vec3f) -> EnvironmentSample {
+    let turned = unit_circle(u.y);
+    if (all(normal == vec3f(0.0))) {
+        let z = 1.0 - 2.0 * u.x;
+        let wi = vec3f(sqrt(saturate(1.0 - z * z)) * turned, z);
+        return EnvironmentSample(wi, even_sky_radiance(), even_sky_pdf(wi, normal));
+    }
+    let tangent = any_perpendicular(normal);
+    let around = sqrt(u.x) * turned;
+    let wi = tangent * around.x + cross(normal, tangent) * around.y + normal * sqrt(1.0 - u.x);
+    return EnvironmentSample(wi, even_sky_radiance(), even_sky_pdf(wi, normal));
+}
+
+// pdf per solid angle of that.
+fn even_sky_pdf(direction: vec3f, normal: vec3f) -> f32 {
+    if (all(normal == vec3f(0.0))) {
+        return 1.0 / (4.0 * PI);
+    }
+    return max(dot(direction, normal), 0.0) / PI;
 }

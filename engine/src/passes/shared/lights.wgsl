@@ -69,17 +69,24 @@ fn light_shares(origin: vec3f, id: PathId) -> LightShares {
     return shares;
 }
 
-// pdf per solid angle of light samples of the environment in a direction, its choice included.
-fn sky_pdf(direction: vec3f, shares: LightShares) -> f32 {
+// pdf per solid angle of light samples of the environment in a direction, its choice included. `receiver` is the side that they were
+// for.
+fn sky_pdf(direction: vec3f, receiver: u32, shares: LightShares) -> f32 {
     if (sky_is_known()) {
         return shares.environment * known_environment_pdf(direction, shares.sky_row);
+    }
+    if (sky_is_even()) {
+        return shares.environment * even_sky_pdf(direction, receiver_normal(receiver));
     }
     return shares.environment * environment_pdf(direction);
 }
 
-fn sky_sample(u: vec2f, shares: LightShares) -> EnvironmentSample {
+fn sky_sample(u: vec2f, receiver: u32, shares: LightShares) -> EnvironmentSample {
     if (sky_is_known()) {
         return known_environment_sample(u, shares.sky_row);
+    }
+    if (sky_is_even()) {
+        return even_sky_sample(u, receiver_normal(receiver));
     }
     return environment_sample(u);
 }
@@ -90,7 +97,7 @@ fn light_sample(p: vec3f, origin: vec3f, receiver: u32, id: PathId, choice: f32,
     let shares = light_shares(origin, id);
     var pick = choice;
     if (has_environment && pick < shares.environment) {
-        let e = sky_sample(u, shares);
+        let e = sky_sample(u, receiver, shares);
         return LightSample(e.wi, FAR, e.radiance, shares.environment * e.pdf, false, vec4u(MISS), frame.environment_group);
     }
     pick -= shares.environment;

@@ -32,6 +32,13 @@ fn albedo_lookup(cosine: f32, roughness: f32) -> vec3f {
     return albedo_block(0u, cosine, roughness).xyz;
 }
 
+// The first two numbers of that table, roughly: a factor on f0 and what is added (Karis, "Physically Based Shading on Mobile", 2014).
+fn rough_albedo_estimate(cosine: f32, roughness: f32) -> vec2f {
+    let r = roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
+    let grazing = min(r.x * r.x, exp2(-9.28 * cosine)) * r.x + r.y;
+    return vec2f(-1.04, 1.04) * grazing + r.zw;
+}
+
 // Share of light that single scattering at the surface of a clear body reflects or refracts. `eta` is the index below over
 // that above.
 fn glass_albedo(cosine: f32, roughness: f32, eta: f32) -> f32 {
@@ -67,14 +74,24 @@ fn ggx_root(v: vec3f, alpha: vec2f) -> f32 {
     return sqrt(1.0 + dot(a, a) / (v.z * v.z));
 }
 
-// G1 D / (4 cos): the pdf of a direction that is reflected at a visible normal.
+// The pdf of a direction that is reflected at a visible normal, of those that leave the surface: G1 D / (4 cos), over the share of the
+// spherical cap that is left.
 fn ggx_reflection_pdf(wo: vec3f, h: vec3f, alpha: vec2f) -> f32 {
-    return ggx_d(h, alpha) / (2.0 * (1.0 + ggx_root(wo, alpha)) * abs(wo.z));
+    let a = alpha * wo.xy;
+    return ggx_d(h, alpha) / (2.0 * (reflection_bound(wo, alpha) * wo.z + sqrt(dot(a, a) + wo.z * wo.z)));
 }
 
-// The pdf of a visible normal.
+// The pdf of any visible normal, G1 D |wo h| / cos.
 fn ggx_normal_pdf(wo: vec3f, h: vec3f, alpha: vec2f) -> f32 {
-    return 4.0 * abs(dot(wo, h)) * ggx_reflection_pdf(wo, h, alpha);
+    return abs(dot(wo, h)) * ggx_d(h, alpha) / (0.5 * (1.0 + ggx_root(wo, alpha)) * abs(wo.z));
+}
+
+// How far down the spherical cap of visible normals has to reach for all reflections above the surface, 1 being all of it (Eto and
+// Tokuyoshi, "Bounded VNDF Sampling for Smith-GGX Reflections", SIGGRAPH Asia 2023, eq. 5).
+fn reflection_bound(wo: vec3f, alpha: vec2f) -> f32 {
+    let a = min(alpha.x, alpha.y);
+    let s = 1.0 + length(wo.xy);
+    return (1.0 - a * a) * s * s / (s * s + a * a * wo.z * wo.z);
 }
 
 // G2 D / (4 cos cos), height-correlated.
@@ -83,10 +100,12 @@ fn ggx_reflection(wo: vec3f, wi: vec3f, h: vec3f, alpha: vec2f) -> f32 {
     return ggx_d(h, alpha) / (2.0 * abs(wo.z * wi.z) * roots);
 }
 
-// A visible normal (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023).
-fn sample_visible_normal(wo: vec3f, alpha: vec2f, u: vec2f) -> vec3f {
+// A visible normal (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023). `bound` is 1, or where light is
+// reflected `reflection_bound`.
+fn sample_visible_normal(wo: vec3f, alpha: vec2f, bound: f32, u: vec2f) -> vec3f {
     let v = normalize(vec3f(wo.xy * alpha, wo.z));
-    let z = (1.0 - u.y) * (1.0 + v.z) - v.z;
+    let lowest = bound * v.z;
+    let z = (1.0 - u.y) * (1.0 + lowest) - lowest;
     let h = vec3f(sqrt(saturate(1.0 - z * z)) * unit_circle(u.x), z) + v;
     return normalize(vec3f(h.xy * alpha, max(h.z, 1e-7)));
 }
