@@ -84,7 +84,7 @@ fn evaluate(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) g
 fn sample(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = id.y * groups.x * 64u + id.x;
     if (2u * i + 1u >= arrayLength(&data)) { return; }
-    let s = bsdf_sample(material(), lobes(material(), params.wo), params.wo, vec2f(random(i, 0u), random(i, 1u)), random(i, 2u));
+    let s = bsdf_sample(material(), lobes(material(), params.wo), params.wo, vec2f(random(i, 0u), random(i, 1u)));
     data[2u * i] = vec4f(s.wi, s.pdf);
     data[2u * i + 1u] = vec4f(s.weight, 0.0);
 }

@@ -101,7 +101,7 @@ fn russian_roulette(throughput: vec3f, depth: u32, density: f32, u: f32) -> vec3
 // Samples the BSDF, and sends the path on. Whether it goes on.
 fn sample_indirect(p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3f, origins: RayOrigins) -> bool {
     let numbers = random4(v.id, vertex_dimension(v.depth, DIMENSION_BSDF), GROUP_BSDF);
-    let sampled = bsdf_sample(m.bsdf, l, wo, numbers.xy, numbers.z);
+    let sampled = bsdf_sample(m.bsdf, l, wo, numbers.xy);
     let direction = to_world(m.frame, sampled.wi);
     let side = dot(direction, v.surface.geometric_normal);
     if (sampled.pdf <= 0.0 || !leaves(sampled.wi.z, side, origins.is_lifted)) {

@@ -329,39 +329,51 @@ fn sample_reflection(wo: vec3f, alpha: vec2f, u: vec2f) -> vec3f {
     return reflect(-wo, sample_visible_normal(wo, alpha, reflection_bound(wo, alpha), u));
 }
 
-// A direction. `l` is `lobes(b, wo)`.
-fn bsdf_sample(b: Bsdf, l: Lobes, wo: vec3f, u: vec2f, choice: f32) -> BsdfSample {
+// A number in a lobe's share of [0, 1), over all of it.
+fn within_share(place: f32, share: f32) -> f32 {
+    return min(place / share, 0.99999994);
+}
+
+// A direction. `l` is `lobes(b, wo)`. The first number chooses the lobe, too: points in each are as well spread as all together.
+fn bsdf_sample(b: Bsdf, l: Lobes, wo: vec3f, u: vec2f) -> BsdfSample {
     let none = BsdfSample(vec3f(0.0), vec3f(0.0), 0.0);
     if (wo.z <= 0.0) {
         return none;
     }
-    var rest = choice - l.specular_p;
+    let after_specular = u.x - l.specular_p;
+    let after_diffuse = after_specular - l.diffuse_p;
+    let after_through = after_diffuse - l.through_p;
+    let after_coat = after_through - l.coat_p;
+    let after_back = after_coat - l.back_p;
     var wi: vec3f;
     var side = 1.0; // where the lobe lies: a direction that misses its side isn't one of another lobe
-    if (rest < 0.0) {
-        wi = sample_reflection(wo, b.alpha, u);
-    } else if (rest < l.diffuse_p) {
-        wi = sample_cosine(u);
-    } else if (has_transmission && rest < l.diffuse_p + l.through_p) {
+    if (after_specular < 0.0) {
+        wi = sample_reflection(wo, b.alpha, vec2f(within_share(u.x, l.specular_p), u.y));
+    } else if (after_diffuse < 0.0) {
+        wi = sample_cosine(vec2f(within_share(after_specular, l.diffuse_p), u.y));
+    } else if (has_transmission && after_through < 0.0) {
+        let v = vec2f(within_share(after_diffuse, l.through_p), u.y);
         if (b.eta == 1.0) {
-            wi = sample_reflection(wo, b.alpha, u);
+            wi = sample_reflection(wo, b.alpha, v);
             wi.z = -wi.z;
         } else {
-            wi = refract(-wo, sample_visible_normal(wo, b.alpha, 1.0, u), 1.0 / b.eta);
+            wi = refract(-wo, sample_visible_normal(wo, b.alpha, 1.0, v), 1.0 / b.eta);
         }
         side = -1.0;
-    } else if (has_layers && rest < l.diffuse_p + l.through_p + l.coat_p) {
+    } else if (has_layers && after_coat < 0.0) {
         let o = to_coat(b, wo);
         if (o.z <= 0.0) {
             return none;
         }
-        wi = from_coat(b, sample_reflection(o, vec2f(b.coat_alpha), u));
-    } else if (has_transmission && rest < l.diffuse_p + l.through_p + l.coat_p + l.back_p) {
-        wi = sample_cosine(u);
+        wi = from_coat(b, sample_reflection(o, vec2f(b.coat_alpha), vec2f(within_share(after_through, l.coat_p), u.y)));
+    } else if (has_transmission && after_back < 0.0) {
+        wi = sample_cosine(vec2f(within_share(after_coat, l.back_p), u.y));
         wi.z = -wi.z;
         side = -1.0;
+    } else if (has_layers && l.sheen_p > 0.0) {
+        wi = sample_hemisphere(vec2f(within_share(after_back, l.sheen_p), u.y));
     } else {
-        wi = sample_hemisphere(u);
+        return none; // what rounding has left
     }
     if (wi.z * side <= 0.0) {
         return none;
