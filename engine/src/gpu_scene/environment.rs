@@ -7,16 +7,16 @@ use crate::{
     scene::{Environment, FloatImage},
 };
 
-use super::images::filled_image;
+use super::{
+    images::filled_image,
+    sky_parts::{PARTS, SKY_PARTS, facing_rows},
+};
 
 /// Largest sampling table; larger pictures are summed up into its cells.
 const MAX_TABLE: (u32, u32) = (1024, 512);
 /// Columns and rows of the table of a constant environment: each part of the sky has a column, and rows enough to follow the sine of the
 /// polar angle.
 const CONSTANT_TABLE: [u32; 2] = [SKY_PARTS[0], 256];
-
-/// Columns and rows of parts of the sky: as in `shared/known_sky.wgsl`.
-pub(crate) const SKY_PARTS: [u32; 2] = [16, 8];
 
 /// The environment as kernels see it.
 #[derive(Debug)]
@@ -25,6 +25,8 @@ pub struct GpuEnvironment {
     pub image: Image,
     /// `environment_table`.
     pub table: Image,
+    /// `facing_sky`.
+    facing: Image,
     /// Texels of the picture.
     pub size: [u32; 2],
     /// Cells of the table.
@@ -103,6 +105,7 @@ impl GpuEnvironment {
     pub(super) fn name(&self, resources: &mut Resources) {
         resources.set_image("environment_image", self.image.clone());
         resources.set_image("environment_table", self.table.clone());
+        resources.set_image("facing_sky", self.facing.clone());
     }
 
     /// Stands for what is known of where the sky is seen, until something is.
@@ -117,7 +120,7 @@ impl GpuEnvironment {
     }
 
     /// Takes over intensity and rotation; false where that is not all that has changed, and nothing is done.
-    pub fn update(&mut self, environment: &Environment) -> bool {
+    pub fn update(&mut self, device: &Device, environment: &Environment) -> bool {
         let (scale, turn) = match environment {
             Environment::Constant(radiance) => (radiance.to_array(), 0.0),
             Environment::Image {
@@ -132,7 +135,14 @@ impl GpuEnvironment {
         if emitted != emits {
             return false;
         }
-        (self.scale, self.turn) = (scale, turn.rem_euclid(1.0));
+        let turn = turn.rem_euclid(1.0);
+        if turn != self.turn {
+            let rows = facing_rows(&self.parts, turn);
+            let [width, height, _] = self.facing.size();
+            self.facing
+                .write(device, [0; 3], [width, height], bytemuck::cast_slice(&rows));
+        }
+        (self.scale, self.turn) = (scale, turn);
         true
     }
 
@@ -159,7 +169,15 @@ impl GpuEnvironment {
                 ]
             })
             .collect();
+        let rows = facing_rows(&parts, turn);
         Ok(Self {
+            facing: filled_image(
+                device,
+                "sky by facing",
+                [PARTS as u32 / 4, (rows.len() / PARTS) as u32],
+                Format::Rgba32Float,
+                bytemuck::cast_slice(&rows),
+            )?,
             image: filled_image(
                 device,
                 "environment image",

@@ -14,6 +14,7 @@ pub mod lights;
 pub mod materials;
 mod motion;
 mod moved;
+pub(crate) mod sky_parts;
 mod update;
 
 use std::sync::Arc;

@@ -89,7 +89,7 @@ impl GpuScene {
             self.image_bytes = images.bytes;
         }
         let is_adapted = is_same_picture(&before.environment, &scene.environment)
-            && self.environment.update(&scene.environment);
+            && self.environment.update(device, &scene.environment);
         if !is_adapted {
             self.environment = GpuEnvironment::new(device, &scene.environment)?;
             self.environment.name(resources);

@@ -265,11 +265,11 @@ impl Renderer {
             return Ok(Phase::Looking(done));
         }
         if let Some(cache) = &self.irradiance {
-            let parts = &self.scene.environment.parts;
+            let environment = &self.scene.environment;
             let share = f64::from(self.frame.environment_probability());
             cache
                 .sky
-                .learn(&self.device, &self.resources, parts, share)?;
+                .learn(&self.device, &self.resources, environment, share)?;
         }
         self.frame.set_known_sky(true);
         Ok(Phase::Learning(0))

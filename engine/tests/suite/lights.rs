@@ -111,7 +111,8 @@ fn samples(@builtin(global_invocation_id) id: vec3u) {
 @compute @workgroup_size(64)
 fn distant(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= arrayLength(&data)) { return; }
-    data[id.x].w = environment_pdf(data[id.x].xyz);
+    let shares = light_shares(params.position, side(), path_id(0u));
+    data[id.x].w = sky_pdf(data[id.x].xyz, side(), shares) / shares.environment;
 }
 ";
 

@@ -33,7 +33,7 @@ fn handle_escaped_ray(p: Path, hit: RayHit, receiver_before: u32) -> vec3f {
         return p.radiance; // it only waited for its shadow ray
     }
     var weight = 1.0;
-    let shares = light_shares(hit.origin, p.id);
+    let shares = light_shares(hit.origin, receiver_before, p.id);
     if (has_environment && p.bsdf_pdf > 0.0) {
         weight = met_light_weight(p.bsdf_pdf, sky_pdf(hit.direction, receiver_before, shares));
     }
@@ -62,7 +62,7 @@ fn handle_emissive_intersection(p: Path, v: Vertex, hit: RayHit, receiver_before
     var weight = 1.0;
     if (p.bsdf_pdf > 0.0 && materials[v.own_material].light_radiance > 0.0 && max_component(emission) > 0.0) {
         let cosine = max(dot(v.surface.geometric_normal, v.surface.wo), 1e-7);
-        let share = light_shares(hit.origin, p.id).other;
+        let share = light_shares(hit.origin, receiver_before, p.id).other;
         weight = met_light_weight(p.bsdf_pdf, light_hit_pdf(hit, receiver_before, cosine, share));
     }
     let found = limited(p.throughput * emission * weight, f32(p.depth));

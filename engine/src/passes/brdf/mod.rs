@@ -13,6 +13,7 @@ pub const PASS: Pass = Pass {
         "albedo_table",
         "environment_image",
         "environment_table",
+        "facing_sky",
         "frame",
         "image_layers",
         "image_layers_srgb",

@@ -10,7 +10,7 @@
 //!include shared/estimator.wgsl
 
 // Two words for each part of the sky in each cell, and for all lamps together: samples, and those that arrived. Then the row of the wider
-// cell around it, plus one.
+// cell around it, and the facing, plus one each.
 @group(0) @binding(64) var<storage, read_write> sky_seen: array<atomic<u32>>;
 
 const SKY_COUNTS = SKY_PARTS + 2u;
@@ -48,9 +48,11 @@ fn look_for_sky(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
     if (ray.t_max >= FAR && !is_of_distant_lamp(ray.direction)) {
         part = part_towards(ray.direction);
     }
-    let cell = sky_row(ray.origin, path_id(slot)) * SKY_COUNTS;
-    let wider = sky_row_of(ray.origin, path_id(slot), WIDER_SKY);
+    let receiver = path_words(PATH_LIGHT, slot).w;
+    let cell = sky_row(ray.origin, receiver, path_id(slot)) * SKY_COUNTS;
+    let wider = wider_sky_row(ray.origin, path_id(slot), WIDER_SKY);
     atomicMax(&sky_seen[2u * (cell + SKY_PARTS + 1u)], wider + 1u);
+    atomicMax(&sky_seen[2u * (cell + SKY_PARTS + 1u) + 1u], receiver_facing(receiver, CELL_FACING_STEPS) + 1u);
     count(2u * (cell + part), ray.triangle == MISS);
     count(2u * (wider * SKY_COUNTS + part), ray.triangle == MISS);
 }

@@ -10,18 +10,18 @@ override has_environment: bool = true;
 
 // Radiance from a direction.
 fn environment_radiance(direction: vec3f) -> vec3f {
-    if (has_environment && sky_is_even()) {
-        return even_sky_radiance();
+    if (has_environment && sky_is_constant()) {
+        return constant_sky_radiance();
     }
     return environment_texel(environment_uv(direction));
 }
 
 // Whether it is the same in all directions.
-fn sky_is_even() -> bool {
+fn sky_is_constant() -> bool {
     return all(frame.environment_size == vec2u(1u));
 }
 
-fn even_sky_radiance() -> vec3f {
+fn constant_sky_radiance() -> vec3f {
     return textureLoad(environment_image, vec2u(0u), 0).xyz * frame.environment_scale;
 }
 
@@ -30,8 +30,8 @@ fn environment_texel(picture: vec2f) -> vec3f {
     if (!has_environment) {
         return vec3f(0.0);
     }
-    if (sky_is_even()) {
-        return even_sky_radiance();
+    if (sky_is_constant()) {
+        return constant_sky_radiance();
     }
     let uv = picture * vec2f(frame.environment_size) - 0.5;
     let base = floor(uv);
@@ -58,13 +58,6 @@ fn environment_uv(direction: vec3f) -> vec2f {
 // Sine of the angle to the vertical.
 fn polar_sine(direction: vec3f) -> f32 {
     return length(direction.xz);
-}
-
-// pdf per solid angle of sampling this direction, given that the environment was chosen.
-fn environment_pdf(direction: vec3f) -> f32 {
-    let uv = environment_uv(direction);
-    let cell = min(vec2u(uv * vec2f(frame.distribution_size)), frame.distribution_size - 1u);
-    return cell_pdf(cell, polar_sine(direction));
 }
 
 // pdf per solid angle inside a cell, where the polar angle has this sine.
@@ -119,21 +112,21 @@ fn sample_in_cell(cell: vec2u, place: vec2f, entry: vec2u) -> EnvironmentSample 
 
 // A direction to a sky that is the same everywhere, for a surface that receives light on the side of `normal`, by the cosine there; from
 // anywhere where that is zero.
-fn even_sky_sample(u: vec2f, normal: vec3f) -> EnvironmentSample {
+fn constant_sky_sample(u: vec2f, normal: vec3f) -> EnvironmentSample {
     let turned = unit_circle(u.y);
     if (all(normal == vec3f(0.0))) {
         let z = 1.0 - 2.0 * u.x;
         let wi = vec3f(sqrt(saturate(1.0 - z * z)) * turned, z);
-        return EnvironmentSample(wi, even_sky_radiance(), even_sky_pdf(wi, normal));
+        return EnvironmentSample(wi, constant_sky_radiance(), constant_sky_pdf(wi, normal));
     }
     let tangent = any_perpendicular(normal);
     let around = sqrt(u.x) * turned;
     let wi = tangent * around.x + cross(normal, tangent) * around.y + normal * sqrt(1.0 - u.x);
-    return EnvironmentSample(wi, even_sky_radiance(), even_sky_pdf(wi, normal));
+    return EnvironmentSample(wi, constant_sky_radiance(), constant_sky_pdf(wi, normal));
 }
 
 // pdf per solid angle of that.
-fn even_sky_pdf(direction: vec3f, normal: vec3f) -> f32 {
+fn constant_sky_pdf(direction: vec3f, normal: vec3f) -> f32 {
     if (all(normal == vec3f(0.0))) {
         return 1.0 / (4.0 * PI);
     }

@@ -1,20 +1,27 @@
-// From where which parts of the sky are seen, as far as that is known: in a room, through its windows alone. Light samples of the sky
-// then go where they may arrive, and as many to lamps as may. Space is cut into cells that a hash finds, each with a probability for each
-// part of the sky; `renderer/irradiance/sky.rs` says where these come from.
+// How light samples of the sky are spread over its parts. Where nothing else is known, by what each sends and how much of that a surface
+// of that facing receives (in the spirit of Clarberg et al., "Wavelet Importance Sampling", 2005). Where it is known from where which
+// parts are seen, in a room through its windows alone, by that too: samples then go where they may arrive, and as many to lamps as may.
+// Space is cut into cells that a hash finds, each with a probability for each part; `renderer/irradiance/sky.rs` says where these come
+// from.
 //!include shared/frame.wgsl
 //!include shared/random.wgsl
 //!include shared/abilities.wgsl
 //!include shared/environment.wgsl
+//!include shared/receiver.wgsl
 
-// Parts of the sky: as many columns and rows of its picture. The Rust twins are in `gpu_scene::environment`.
+// Parts of the sky: as many columns and rows of its picture. The Rust twins are in `gpu_scene::sky_parts`.
 const SKY_COLUMNS = 16u;
 const SKY_ROWS = 8u;
 const SKY_PARTS = 128u;
 // Cells; where two places share one, both are served worse, but not wrongly.
-const SKY_CELLS = 4096u;
+const SKY_CELLS = 8192u;
+// Steps of the grids of normals, see `receiver_facing`: without and with cells.
+const FACING_STEPS = 16u;
+const CELL_FACING_STEPS = 4u;
 
-// A row for each cell: in each texel, for four parts, the probability that a sample goes there or to a part before. In the last texel
-// the share of the light samples that the sky gets.
+// A row for each facing: in each texel, for four parts, the probability that a sample goes there or to a part before.
+@group(0) @binding(65) var facing_sky: texture_2d<f32>;
+// The same for each cell, and in one more texel the share of the light samples that the sky gets.
 @group(0) @binding(63) var known_sky: texture_2d<f32>;
 
 // Whether that is so.
@@ -22,14 +29,30 @@ fn sky_is_known() -> bool {
     return leaves_diffuse && (frame.caches & CACHE_SKY) != 0u;
 }
 
-// The row of a point from which rays start. It is that of the point's cell or of a neighbour's, by the numbers of the path, so that
-// no border shows.
-fn sky_row(origin: vec3f, id: PathId) -> u32 {
-    return sky_row_of(origin, id, 1.0);
+fn sky_share(row: u32) -> f32 {
+    return textureLoad(known_sky, vec2u(SKY_PARTS / 4u, row), 0).x;
 }
 
-// The row of a cell so many times as wide: a power of two.
-fn sky_row_of(origin: vec3f, id: PathId, wider: f32) -> u32 {
+// Four parts of a row of the one or the other.
+fn sky_texel(texel: u32, row: u32) -> vec4f {
+    if (sky_is_known()) {
+        return textureLoad(known_sky, vec2u(texel, row), 0);
+    }
+    return textureLoad(facing_sky, vec2u(texel, row), 0);
+}
+
+// The row of a point from which rays start, for a side that receives light. It is that of the point's cell or of a neighbour's, by the
+// numbers of the path, so that no border shows.
+fn sky_row(origin: vec3f, receiver: u32, id: PathId) -> u32 {
+    return hash2(sky_cell(origin, id, 1.0), receiver_facing(receiver, CELL_FACING_STEPS)) % SKY_CELLS;
+}
+
+// The row of a cell so many times as wide, a power of two, for all sides.
+fn wider_sky_row(origin: vec3f, id: PathId, wider: f32) -> u32 {
+    return sky_cell(origin, id, wider) % SKY_CELLS;
+}
+
+fn sky_cell(origin: vec3f, id: PathId, wider: f32) -> u32 {
     let wanted = max(distance(origin, frame.camera_position) * frame.sky_cell_scale, frame.bounds_radius * 0.015625);
     let side = exp2(floor(log2(wanted))) * wider;
     let stream = hash2(id.key, id.sample ^ 0x3c6ef372u);
@@ -38,8 +61,7 @@ fn sky_row_of(origin: vec3f, id: PathId, wider: f32) -> u32 {
         f32((stream >> 10u) & 1023u),
         f32((stream >> 20u) & 1023u)) * (1.0 / 1024.0);
     let place = vec3i(floor(origin / side + moved));
-    return hash2(hash2(hash2(hash(bitcast<u32>(side)), bitcast<u32>(place.x)), bitcast<u32>(place.y)), bitcast<u32>(place.z))
-        % SKY_CELLS;
+    return hash2(hash2(hash2(hash(bitcast<u32>(side)), bitcast<u32>(place.x)), bitcast<u32>(place.y)), bitcast<u32>(place.z));
 }
 
 // The part of the sky that a cell of the environment's table lies in.
@@ -60,13 +82,13 @@ fn chosen_sky_part(row: u32, u: f32) -> SkyPart {
     var texel = 0u;
     var low = 0.0;
     for (var step = SKY_PARTS / 8u; step > 0u; step /= 2u) {
-        let before = textureLoad(known_sky, vec2u(texel + step - 1u, row), 0).w;
+        let before = sky_texel(texel + step - 1u, row).w;
         if (u >= before) {
             texel += step;
             low = before;
         }
     }
-    let four = textureLoad(known_sky, vec2u(texel, row), 0);
+    let four = sky_texel(texel, row);
     var i = 0u;
     while (i < 3u && u >= four[i]) {
         low = four[i];
@@ -78,18 +100,18 @@ fn chosen_sky_part(row: u32, u: f32) -> SkyPart {
 // The probability of a part.
 fn sky_part_probability(row: u32, part: u32) -> f32 {
     let texel = part / 4u;
-    let four = textureLoad(known_sky, vec2u(texel, row), 0);
+    let four = sky_texel(texel, row);
     if (part % 4u != 0u) {
         return four[part % 4u] - four[part % 4u - 1u];
     }
     if (texel == 0u) {
         return four.x;
     }
-    return four.x - textureLoad(known_sky, vec2u(texel - 1u, row), 0).w;
+    return four.x - sky_texel(texel - 1u, row).w;
 }
 
-// `environment_sample` where the sky is known.
-fn known_environment_sample(u: vec2f, row: u32) -> EnvironmentSample {
+// A sample of the environment by a row.
+fn parts_sample(u: vec2f, row: u32) -> EnvironmentSample {
     let part = chosen_sky_part(row, u.x);
     let grid = vec2u(SKY_COLUMNS, SKY_ROWS);
     let at = vec2u(part.index % SKY_COLUMNS, part.index / SKY_COLUMNS);
@@ -107,8 +129,8 @@ fn known_environment_sample(u: vec2f, row: u32) -> EnvironmentSample {
     return sampled;
 }
 
-// `environment_pdf` where the sky is known.
-fn known_environment_pdf(direction: vec3f, row: u32) -> f32 {
+// pdf per solid angle of that.
+fn parts_pdf(direction: vec3f, row: u32) -> f32 {
     let uv = environment_uv(direction);
     let cell = min(vec2u(uv * vec2f(frame.distribution_size)), frame.distribution_size - 1u);
     let in_part = cell_pdf(cell + vec2u(0u, frame.distribution_size.y), polar_sine(direction));

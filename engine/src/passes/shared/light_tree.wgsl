@@ -16,20 +16,8 @@ struct LightNode {
 
 const LIGHT_LEAF = 0x80000000u;
 
-// What light samples know of a surface is one word, kept until the scattered ray has found its end: the packed normal of
-// the side that reflects, or this where both sides do, which no unit vector is packed as.
-const RECEIVER_ALL_AROUND = 0x80008000u;
-
 // At most this much less is expected of a light that is low above the surface, because bent normals may see it higher.
 const LEAST_RECEIVER_COSINE = 0.05;
-
-// The normal of the side that receives light; zero where both do.
-fn receiver_normal(receiver: u32) -> vec3f {
-    if (receiver == RECEIVER_ALL_AROUND) {
-        return vec3f(0.0);
-    }
-    return octahedral_decode(receiver);
-}
 
 fn light_node(index: u32) -> LightNode {
     let w = lights[frame.light_count + frame.directional_count + index];

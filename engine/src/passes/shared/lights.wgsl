@@ -27,6 +27,7 @@ const DISTANT_EXTENT = 2u; // 1 - cos of the angular radius; 0: all light comes 
 // 64 bytes a record: `frame.light_count` lights with a place, of them the triangles first, by instance and triangle; then
 // `frame.directional_count` directional ones; then the nodes of the light tree.
 @group(0) @binding(15) var<storage, read> lights: array<array<vec4u, 4>>;
+//!include shared/receiver.wgsl
 //!include shared/light_tree.wgsl
 //!include shared/known_sky.wgsl
 
@@ -52,49 +53,50 @@ fn light_groups() -> u32 {
     return u32(frame.environment_probability > 0.0) + min(frame.directional_count, 1u) + min(frame.light_count, 1u);
 }
 
-// How often each group is chosen at a place from which rays start.
+// How light samples are spread at a place from which rays start.
 struct LightShares {
     environment: f32,
-    other: f32, // each of the others
-    sky_row: u32, // of what is known of the sky there, if that is so
+    other: f32, // of each of the other groups
+    sky_row: u32, // of the parts of the sky, see known_sky.wgsl
 }
 
-fn light_shares(origin: vec3f, id: PathId) -> LightShares {
+// `receiver` is the side that receives light, `id` the path.
+fn light_shares(origin: vec3f, receiver: u32, id: PathId) -> LightShares {
     var shares = LightShares(frame.environment_probability, 1.0 / f32(max(light_groups(), 1u)), 0u);
     if (sky_is_known()) {
-        shares.sky_row = sky_row(origin, id);
-        shares.environment = textureLoad(known_sky, vec2u(SKY_PARTS / 4u, shares.sky_row), 0).x;
+        shares.sky_row = sky_row(origin, receiver, id);
+        shares.environment = sky_share(shares.sky_row);
         shares.other = (1.0 - shares.environment) / f32(max(light_groups(), 2u) - 1u);
+    } else {
+        shares.sky_row = receiver_facing(receiver, FACING_STEPS);
     }
     return shares;
 }
 
-// pdf per solid angle of light samples of the environment in a direction, its choice included. `receiver` is the side that they were
-// for.
+// Whether a sky that is the same in all directions is sampled as such.
+fn sky_is_plain() -> bool {
+    return !sky_is_known() && sky_is_constant();
+}
+
+// pdf per solid angle of light samples of the environment in a direction, its choice included.
 fn sky_pdf(direction: vec3f, receiver: u32, shares: LightShares) -> f32 {
-    if (sky_is_known()) {
-        return shares.environment * known_environment_pdf(direction, shares.sky_row);
+    if (sky_is_plain()) {
+        return shares.environment * constant_sky_pdf(direction, receiver_normal(receiver));
     }
-    if (sky_is_even()) {
-        return shares.environment * even_sky_pdf(direction, receiver_normal(receiver));
-    }
-    return shares.environment * environment_pdf(direction);
+    return shares.environment * parts_pdf(direction, shares.sky_row);
 }
 
 fn sky_sample(u: vec2f, receiver: u32, shares: LightShares) -> EnvironmentSample {
-    if (sky_is_known()) {
-        return known_environment_sample(u, shares.sky_row);
+    if (sky_is_plain()) {
+        return constant_sky_sample(u, receiver_normal(receiver));
     }
-    if (sky_is_even()) {
-        return even_sky_sample(u, receiver_normal(receiver));
-    }
-    return environment_sample(u);
+    return parts_sample(u, shares.sky_row);
 }
 
 // A light for the surface point `p`. `origin` is where scattered rays start: the density of what they hit is found from
 // there, so that this does so too. `receiver` is the side that receives light, `id` the path.
 fn light_sample(p: vec3f, origin: vec3f, receiver: u32, id: PathId, choice: f32, u: vec2f) -> LightSample {
-    let shares = light_shares(origin, id);
+    let shares = light_shares(origin, receiver, id);
     var pick = choice;
     if (has_environment && pick < shares.environment) {
         let e = sky_sample(u, receiver, shares);

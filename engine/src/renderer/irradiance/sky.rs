@@ -7,15 +7,20 @@
 
 use device::{Device, DeviceError, Format, Image, ImageUse, Recording, Resources, Usage};
 
-use crate::gpu_scene::environment::SKY_PARTS;
+use crate::gpu_scene::{
+    environment::GpuEnvironment,
+    sky_parts::{PARTS, push_row, received},
+};
 
 /// Cells: as in `shared/known_sky.wgsl`.
-const CELLS: usize = 4096;
-/// Parts of the sky.
-const PARTS: usize = (SKY_PARTS[0] * SKY_PARTS[1]) as usize;
+const CELLS: usize = 8192;
+/// Steps of the grid of normals by which cells are told apart: as there.
+const FACING_STEPS: u32 = 4;
+/// What normals between those receive beyond them, at most.
+const BETWEEN: f64 = 0.1;
 /// What is counted for a cell: each part, and all lamps.
 const COUNTS: usize = PARTS + 1;
-/// Words of that for a cell, in pairs, with the wider cell around it.
+/// Words of that for a cell, in pairs, with the wider cell around it and the facing.
 const PAIRS: usize = COUNTS + 1;
 /// Bytes of that in all cells.
 const COUNTED: u64 = (CELLS * PAIRS * 8) as u64;
@@ -61,18 +66,18 @@ impl Sky {
         device.start(&recording)
     }
 
-    /// Has light samples go by what has been counted; `parts` has the probability of each part by what it sends alone, `share` is that of
-    /// the sky where it arrives as often as lamps do.
+    /// Has light samples go by what has been counted; `share` is that of the sky where it arrives as often as lamps do.
     pub(super) fn learn(
         &self,
         device: &Device,
         resources: &Resources,
-        parts: &[f64],
+        environment: &GpuEnvironment,
         share: f64,
     ) -> Result<(), DeviceError> {
         let bytes = device.read(resources.buffer("sky_seen"), 0, COUNTED)?;
         let seen: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&bytes);
-        let rows = rows(&seen, parts, share);
+        let received = received(FACING_STEPS, environment.turn, BETWEEN);
+        let rows = rows(&seen, &environment.parts, &received, share);
         let size = [TEXELS, CELLS as u32];
         self.known
             .write(device, [0; 3], size, bytemuck::cast_slice(&rows));
@@ -81,8 +86,8 @@ impl Sky {
 }
 
 /// What is known of each cell: the probability of each part and those before it, of samples that were sent and arrived; then the share of
-/// the sky.
-fn rows(seen: &[[u32; 2]], parts: &[f64], share: f64) -> Vec<f32> {
+/// the sky. `received` says for each facing how much of what a part sends is received.
+fn rows(seen: &[[u32; 2]], parts: &[f64], received: &[[f64; PARTS]], share: f64) -> Vec<f32> {
     let mut anywhere = [[0; 2]; COUNTS];
     for cell in seen.chunks_exact(PAIRS) {
         for (sum, counts) in anywhere.iter_mut().zip(cell) {
@@ -100,14 +105,13 @@ fn rows(seen: &[[u32; 2]], parts: &[f64], share: f64) -> Vec<f32> {
         let around = wider.map_or(anywhere, |wider| arrives(wider, &anywhere));
         let arrives = arrives(cell, &around);
         let arriving: f64 = arrives.iter().zip(parts).map(|(a, part)| a * part).sum();
-        let last = parts.iter().rposition(|&part| part > 0.0).unwrap_or(0);
-        let mut sum = 0.0;
-        for (i, (arrives, part)) in arrives.iter().zip(parts).enumerate() {
-            let known = arrives * part / arriving.max(f64::MIN_POSITIVE);
-            sum += BLIND * part + (1.0 - BLIND) * known;
-            // From the last one that emits on, whatever rounding has left is its own.
-            rows.push(if i >= last { 1.0 } else { sum as f32 });
-        }
+        let facing = (cell[COUNTS][1] as usize)
+            .checked_sub(1)
+            .and_then(|facing| received.get(facing));
+        let weights: Vec<f64> = (0..PARTS)
+            .map(|i| arrives[i] * facing.map_or(1.0, |received| received[i]))
+            .collect();
+        push_row(&mut rows, parts, &weights, BLIND);
         rows.extend([share_of_sky(share, arriving, arrives[PARTS]) as f32; 4]);
     }
     rows
@@ -152,7 +156,7 @@ mod tests {
         seen[COUNTS] = [0, 0];
         seen.extend(vec![[0, 0]; 2 * PAIRS]);
         seen[2 * PAIRS + COUNTS] = [1, 0];
-        let rows = rows(&seen, &parts, 0.5);
+        let rows = rows(&seen, &parts, &[], 0.5);
         let probability = |cell: usize, part: usize| {
             let before = match part {
                 0 => 0.0,
