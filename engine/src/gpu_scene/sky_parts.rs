@@ -10,8 +10,11 @@ pub(crate) const SKY_PARTS: [u32; 2] = [16, 8];
 pub(crate) const PARTS: usize = (SKY_PARTS[0] * SKY_PARTS[1]) as usize;
 /// Steps of the grid of normals by which the sky is sampled where nothing else is known: `FACING_STEPS`.
 pub(crate) const FACING_STEPS: u32 = 16;
-/// What normals between those of that grid receive beyond them, at most.
-const BETWEEN: f64 = 0.05;
+/// What normals between those of that grid receive beyond them.
+const BETWEEN: Between = Between {
+    more: 0.05,
+    down: 0.25,
+};
 /// Directions by which a part is judged, along each side.
 const INSIDE: u32 = 4;
 
@@ -35,17 +38,33 @@ fn octahedral_decode(x: f64, y: f64) -> DVec3 {
     }
 }
 
-/// Of what each part sends how much a surface receives: the mean of the cosine, and so much more for normals between those. For each
-/// normal that [`facings`] lists, for a sky that is turned by so many whole turns.
-pub(crate) fn received(steps: u32, turn: f32, more: f64) -> Vec<[f64; PARTS]> {
+/// What is added to the cosine, where that is above so much below zero: for normals that lie between those of a grid.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Between {
+    pub(crate) more: f64,
+    pub(crate) down: f64,
+}
+
+impl Between {
+    fn received(self, cosine: f64) -> f64 {
+        match cosine > -self.down {
+            true => cosine.max(0.0) + self.more,
+            false => 0.0,
+        }
+    }
+}
+
+/// Of what each part sends how much a surface receives: the mean of the cosine, with what `between` adds. For each normal that [`facings`]
+/// lists, for a sky that is turned by so many whole turns.
+pub(crate) fn received(steps: u32, turn: f32, between: Between) -> Vec<[f64; PARTS]> {
     let directions = directions(turn);
     let of_part = |normal: DVec3, part: usize| {
         let inside = &directions[part];
-        let cosines = inside
+        let weighed = inside
             .iter()
-            .map(|&(direction, weight)| weight * normal.dot(direction).max(0.0));
+            .map(|&(direction, weight)| weight * between.received(normal.dot(direction)));
         let weights: f64 = inside.iter().map(|&(_, weight)| weight).sum();
-        cosines.sum::<f64>() / weights + more
+        weighed.sum::<f64>() / weights
     };
     facings(steps)
         .into_iter()
@@ -63,8 +82,7 @@ fn directions(turn: f32) -> Vec<Vec<(DVec3, f64)>> {
         (f64::from(at) + (f64::from(i) + 0.5) / f64::from(INSIDE)) / f64::from(parts)
     };
     let direction = |part: u32, i: u32| {
-        let azimuth =
-            TAU * (side(part % columns, columns, i % INSIDE) - f64::from(turn));
+        let azimuth = TAU * (side(part % columns, columns, i % INSIDE) - f64::from(turn));
         let (sine, cosine) = (PI * side(part / columns, rows, i / INSIDE)).sin_cos();
         let (east, north) = azimuth.sin_cos();
         (dvec3(sine * east, cosine, -sine * north), sine)
@@ -103,7 +121,11 @@ mod tests {
 
     #[test]
     fn a_surface_receives_what_is_above_it() {
-        for (facing, received) in facings(4).into_iter().zip(received(4, 0.3, 0.0)) {
+        let exact = Between {
+            more: 0.0,
+            down: 0.0,
+        };
+        for (facing, received) in facings(4).into_iter().zip(received(4, 0.3, exact)) {
             let all = directions(0.3);
             let weight = |part: usize| all[part].iter().map(|(_, weight)| weight).sum::<f64>();
             let whole: f64 = (0..PARTS).map(weight).sum();
@@ -125,7 +147,22 @@ mod tests {
             .iter()
             .position(|facing| facing.is_some_and(|n| (n - DVec3::Y).length() < 1e-9));
         let row = &rows[up.unwrap_or_default() * PARTS..][..PARTS];
-        assert!(row[PARTS / 2 - 1] > 0.85, "{row:?}");
+        assert!(row[PARTS / 2 - 1] > 0.95, "{row:?}");
         assert_eq!(row[PARTS - 1], 1.0);
+    }
+
+    #[test]
+    fn nothing_is_left_out_that_a_normal_between_two_facings_sees() {
+        // The corners of the grid's cells are the farthest from its nodes.
+        let facings = facings(FACING_STEPS);
+        let count = 8 * FACING_STEPS;
+        let place = |i: u32| 2.0 * f64::from(i) / f64::from(count) - 1.0;
+        for (x, y) in (0..=count).flat_map(|y| (0..=count).map(move |x| (place(x), place(y)))) {
+            let node = |v: f64| ((0.5 * v + 0.5) * f64::from(FACING_STEPS)).round() as usize;
+            let facing = facings[node(y) * (FACING_STEPS as usize + 1) + node(x)];
+            let normal = octahedral_decode(x, y);
+            let sine = facing.map_or(1.0, |facing| facing.cross(normal).length());
+            assert!(sine < BETWEEN.down, "{x} {y}: {sine}");
+        }
     }
 }

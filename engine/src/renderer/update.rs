@@ -41,7 +41,12 @@ impl Renderer {
         touched: Touched,
     ) -> Result<bool, RenderError> {
         let former = (self.scene.environment.scale, self.scene.environment.turn);
-        if touched.environment && !self.scene.environment.update(&self.device, &scene.environment) {
+        if touched.environment
+            && !self
+                .scene
+                .environment
+                .update(&self.device, &scene.environment)
+        {
             return Ok(false);
         }
         if touched.materials {

@@ -537,6 +537,72 @@ fn distant_lights_are_sampled_as_their_density_says() {
     assert_follows("the sky", &expected, &counts, SAMPLES);
 }
 
+/// What samples of a sky give that surfaces of some facings scatter: of each its radiance times the cosine over its density.
+fn sky_samples(environment: Environment) -> Option<Vec<Vec<f64>>> {
+    let mut scene = scene([(floor(5.0), lambert(Vec3::ONE))], Vec3::ZERO);
+    scene.environment = environment;
+    let harness = Harness::new(&scene)?;
+    let samples = |params: &Params| {
+        let empty = vec![[0.0; 4]; 2 * SAMPLES as usize];
+        let out = harness.run("samples", *params, &empty, SAMPLES);
+        out.chunks_exact(2)
+            .map(|s| {
+                let cosine = Vec3::new(s[0][0], s[0][1], s[0][2]).dot(params.normal);
+                f64::from(s[1][2] * cosine.max(0.0) / s[0][3])
+            })
+            .collect()
+    };
+    let one_sided = |params: &&Params| params.all_around == 0;
+    Some(viewpoints().iter().filter(one_sided).map(samples).collect())
+}
+
+fn mean_and_spread(values: &[f64]) -> [f64; 2] {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
+    [mean, variance.sqrt() / mean]
+}
+
+#[test]
+fn every_sample_of_a_constant_sky_gives_the_same() {
+    let Some(facings) = sky_samples(Environment::Constant(Vec3::splat(0.5))) else {
+        return;
+    };
+    for samples in facings {
+        let [mean, spread] = mean_and_spread(&samples);
+        assert!(
+            (mean / (0.5 * std::f64::consts::PI) - 1.0).abs() < 1e-4,
+            "{mean}"
+        );
+        assert!(spread < 0.01, "{spread}");
+    }
+}
+
+#[test]
+fn samples_of_a_sky_go_by_what_a_surface_receives() {
+    // Brighter towards one side, and turned.
+    let (width, height) = (64, 32);
+    let brightness = |x: u32, y: u32| 1.0 + 0.5 * (x as f32 * 0.1).sin() + y as f32 * 0.02;
+    let image = FloatImage {
+        width,
+        height,
+        rgb: (0..width * height)
+            .map(|i| [brightness(i % width, i / width); 3])
+            .collect(),
+    };
+    let Some(facings) = sky_samples(Environment::Image {
+        image,
+        rotation: 70.0,
+        intensity: 1.0,
+    }) else {
+        return;
+    };
+    for samples in facings {
+        // By its radiance alone, a sample in two would give nothing, and the spread be more than 1.
+        let [_, spread] = mean_and_spread(&samples);
+        assert!(spread < 0.45, "{spread}");
+    }
+}
+
 /// Lamps in a square grid, looking down.
 const SIDE: u32 = 100;
 const SPACING: f32 = 0.5;

@@ -27,7 +27,7 @@ pub const LOOK: Pass = Pass {
     name: "look_for_sky",
     file: "irradiance/look.wgsl",
     work: Work::Queue(Queue::Shadow),
-    reads: &["frame", "lights", "queues", "rays"],
+    reads: &["frame", "lights", "paths", "queues", "rays"],
     writes: &["sky_seen"],
     ..LOOK_UP
 };

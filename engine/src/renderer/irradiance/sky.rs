@@ -9,15 +9,18 @@ use device::{Device, DeviceError, Format, Image, ImageUse, Recording, Resources,
 
 use crate::gpu_scene::{
     environment::GpuEnvironment,
-    sky_parts::{PARTS, push_row, received},
+    sky_parts::{Between, PARTS, push_row, received},
 };
 
 /// Cells: as in `shared/known_sky.wgsl`.
 const CELLS: usize = 8192;
 /// Steps of the grid of normals by which cells are told apart: as there.
 const FACING_STEPS: u32 = 4;
-/// What normals between those receive beyond them, at most.
-const BETWEEN: f64 = 0.1;
+/// What normals between those receive beyond them.
+const BETWEEN: Between = Between {
+    more: 0.1,
+    down: 0.6,
+};
 /// What is counted for a cell: each part, and all lamps.
 const COUNTS: usize = PARTS + 1;
 /// Words of that for a cell, in pairs, with the wider cell around it and the facing.
