@@ -36,6 +36,7 @@ pub static PASS: Pass = Pass {
         "args",
         "environment_image",
         "environment_table",
+        "facing_sky",
         "filter_table",
         "first_triangles",
         "frame",
