@@ -13,7 +13,7 @@ pub(crate) const FACING_STEPS: u32 = 16;
 /// What normals between those of that grid receive beyond them.
 const BETWEEN: Between = Between {
     more: 0.05,
-    down: 0.26,
+    down: 0.27,
 };
 /// Directions by which a part is judged, along each side.
 const INSIDE: u32 = 4;
