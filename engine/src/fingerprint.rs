@@ -66,6 +66,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         halves,
         method,
         refinement,
+        paths_ahead,
         layers: _,
         time,
         frame_index,
@@ -122,6 +123,11 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         ("halves", halves.to_string(), *halves),
         ("method", method.name().to_owned(), *method != Method::Path),
         ("refinement", refinement.to_string(), *refinement != 0),
+        (
+            "paths ahead",
+            paths_ahead.to_string(),
+            *paths_ahead != 1 << 20,
+        ),
     ] {
         if is_said {
             list.push((name.to_owned(), value));

@@ -151,6 +151,7 @@ impl Frame {
 /// Bits of `caches`, as in `frame.wgsl`.
 const CACHE_SKY: u32 = 1;
 const CACHE_IRRADIANCE: u32 = 2;
+const CACHE_GIVES: u32 = 4;
 /// Vertices that scatter before Russian roulette begins.
 const ROULETTE_START: u32 = 1;
 /// Side of a cell in which the sky is known over its distance to the camera, before it is rounded down to a power of two: in a room,
@@ -175,6 +176,14 @@ impl Frame {
         match is_known {
             true => self.caches |= CACHE_SKY,
             false => self.caches &= !CACHE_SKY,
+        }
+    }
+
+    /// Whether records of irradiance are there for the paths of a wave.
+    pub(crate) fn set_records_given(&mut self, are_given: bool) {
+        match are_given {
+            true => self.caches |= CACHE_GIVES,
+            false => self.caches &= !CACHE_GIVES,
         }
     }
 

@@ -540,12 +540,14 @@ impl Renderer {
         self.set_light_cache(purpose);
         self.set_irradiance(purpose);
         self.set_photons(purpose);
+        let mut frame = *frame;
+        frame.set_records_given(purpose == Purpose::Picture && self.settings.method.has_records());
         let paths = frame.wave_size;
         match self.lanes.is_empty() {
-            true => self.render_wave(frame, purpose)?,
+            true => self.render_wave(&frame, purpose)?,
             false => {
                 let wave = Wave {
-                    frame,
+                    frame: &frame,
                     paths,
                     work,
                     capacity: self.capacity,

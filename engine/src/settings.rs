@@ -51,6 +51,9 @@ pub struct RenderSettings {
     pub method: Method,
     /// How often what records of irradiance may be wrong by is halved, for [`Method::Cache`].
     pub refinement: u32,
+    /// Paths of which caches learn before a picture with records begins, about: with fewer it begins sooner, and records differ more from
+    /// what they should be.
+    pub paths_ahead: u32,
     /// What the film gathers; the picture doesn't depend on it.
     pub layers: Layers,
     /// Seconds, which textures read as `Time`.
@@ -205,6 +208,7 @@ impl RenderSettings {
             halves: false,
             method: Method::Path,
             refinement: 0,
+            paths_ahead: 1 << 20,
             layers: Layers::default(),
             time: 0.0,
             frame_index: 0,

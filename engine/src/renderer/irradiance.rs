@@ -32,8 +32,11 @@ const CANDIDATES: u32 = 1 << 17;
 /// Slots of the grid, a power of two, and its references.
 const SLOTS: u32 = 1 << 19;
 const REFERENCES: u32 = 1 << 20;
-/// Rays of a record at a time: `GATHER_RAYS` of `settings.wgsl`.
-const RAYS: u32 = 480;
+/// Rings and sectors of a record's gather rays at a time.
+const STRATA: [u32; 2] = [12, 40];
+/// The same where records are at most so many pixels apart: what one of them is wrong by is seen less than what a large one is.
+const FEWER_STRATA: [u32; 2] = [8, 24];
+const FEWER_BELOW: f32 = 8.0;
 /// How often they are gathered for each record, at most, and rays of all records for each pixel until which it is more than once.
 const MOST_TURNS: u64 = 4;
 const RAYS_OF_PIXEL: u64 = 64;
@@ -41,12 +44,6 @@ const RAYS_OF_PIXEL: u64 = 64;
 const LEAST_PIXELS: u64 = 1 << 15;
 /// Records whose rays are gathered at once.
 const AT_ONCE: u32 = 2048;
-/// Samples of each pixel that look where the sky is seen before anything else.
-const LOOKED: u32 = 4;
-/// Samples of each pixel from which the other cache learns before.
-const LEARNED: u32 = 8;
-/// Paths of each of these, at least: few light samples arrive through a small window, and of what cells are wrong about all records are.
-const LEAST_PATHS: u64 = 1 << 20;
 /// Pixels between new records, pass by pass.
 const DISTANCES: [f32; 7] = [40.0, 20.0, 10.0, 5.0, 3.0, 3.0, 3.0];
 /// Candidates within the distance of each other, about.
@@ -80,7 +77,9 @@ struct Settings {
     photons: u32,
     turn: u32,
     turns: u32,
-    unused: u32,
+    rings: u32,
+    sectors: u32,
+    unused: [u32; 3],
 }
 
 /// What paths do with the cache: as in `settings.wgsl`.
@@ -114,6 +113,8 @@ pub(super) struct Irradiance {
     /// How often rays are gathered for the records at hand, and rays of all records so far.
     turns: u32,
     rays: u64,
+    /// Rings and sectors of these rays.
+    strata: [u32; 2],
     sky: Sky,
     solve: Kernel,
 }
@@ -123,8 +124,24 @@ const BUFFERS: [(&str, u64); 5] = [
     ("irradiance_grid", SLOTS as u64 * 16),
     ("irradiance_references", REFERENCES as u64 * 4),
     ("irradiance_candidates", 32 * (CANDIDATES as u64 + 1)),
-    ("irradiance_gathered", 16 * (AT_ONCE * RAYS) as u64),
+    (
+        "irradiance_gathered",
+        16 * (AT_ONCE * rays_of(STRATA)) as u64,
+    ),
 ];
+
+/// Rays of so many rings and sectors.
+const fn rays_of([rings, sectors]: [u32; 2]) -> u32 {
+    rings * sectors
+}
+
+/// Rings and sectors of the records of a pass.
+fn strata(pass: usize) -> [u32; 2] {
+    match DISTANCES[pass] > FEWER_BELOW {
+        true => STRATA,
+        false => FEWER_STRATA,
+    }
+}
 
 /// Bytes of its buffers.
 pub(super) fn bytes(method: Method) -> u64 {
@@ -159,6 +176,7 @@ impl Irradiance {
             falloff: 1.0,
             turns: 1,
             rays: 0,
+            strata: STRATA,
             sky: Sky::new(device, resources)?,
             solve: irradiance::SOLVE.kernel(device, features)?,
         }))
@@ -208,7 +226,7 @@ impl Renderer {
             Phase::Ready => return Ok(false),
             Phase::Looking(done) => self.look_for_sky(done)?,
             Phase::Learning(done) => {
-                let samples = self.samples_ahead(LEARNED);
+                let samples = self.samples_ahead();
                 let (done, is_last) = self.prepare_wave(Purpose::Learn, done, 0, samples)?;
                 match is_last {
                     false => Phase::Learning(done),
@@ -220,7 +238,7 @@ impl Renderer {
                     let candidates = self.resources.buffer("irradiance_candidates");
                     self.device.write(candidates, 0, &[0; 4]);
                 }
-                let first_sample = self.samples_ahead(LEARNED) + pass as u32;
+                let first_sample = self.samples_ahead() + pass as u32;
                 let (done, is_last) =
                     self.prepare_wave(Purpose::Find(pass), done, first_sample, 1)?;
                 match is_last {
@@ -241,10 +259,10 @@ impl Renderer {
         Ok(true)
     }
 
-    /// So many samples of each pixel, or as many as it takes for enough paths.
-    fn samples_ahead(&self, samples: u32) -> u32 {
-        let enough = LEAST_PATHS.div_ceil(u64::from(self.frame.padded_pixels));
-        samples.max(enough as u32)
+    /// Samples of each pixel of which the caches learn, and by which it is found out where the sky is seen.
+    fn samples_ahead(&self) -> u32 {
+        let pixels = self.frame.padded_pixels;
+        self.settings.paths_ahead.div_ceil(pixels).max(1)
     }
 
     /// Finds out where the sky is seen, of which so many paths are done.
@@ -258,8 +276,8 @@ impl Renderer {
         if done == 0 {
             cache.sky.begin(&self.device, &self.resources)?;
         }
-        let samples = self.samples_ahead(LOOKED);
-        let first_sample = self.samples_ahead(LEARNED) + DISTANCES.len() as u32;
+        let samples = self.samples_ahead();
+        let first_sample = self.samples_ahead() + DISTANCES.len() as u32;
         let (done, is_last) = self.prepare_wave(Purpose::Look, done, first_sample, samples)?;
         if !is_last {
             return Ok(Phase::Looking(done));
@@ -320,7 +338,9 @@ impl Renderer {
         if cache.records.len() as u32 == first {
             return Ok(self.next_pass(pass));
         }
-        let once = u64::from(RAYS) * (cache.records.len() as u64 - u64::from(first));
+        cache.strata = strata(pass);
+        let once =
+            u64::from(rays_of(cache.strata)) * (cache.records.len() as u64 - u64::from(first));
         let pixels = u64::from(self.frame.padded_pixels).max(LEAST_PIXELS);
         let left = (RAYS_OF_PIXEL * pixels).saturating_sub(cache.rays);
         cache.turns = (left / once).clamp(1, MOST_TURNS) as u32;
@@ -357,7 +377,7 @@ impl Renderer {
         let count = cache.records.len() as u32;
         let end = count.min(from + AT_ONCE);
         let turns = u64::from(cache.turns);
-        let of_turn = u64::from(RAYS) * u64::from(end - from);
+        let of_turn = u64::from(rays_of(cache.strata)) * u64::from(end - from);
         let (turn, position) = ((done / of_turn) as u32, done % of_turn);
         let rays = u64::from(self.next_wave_size()).min(of_turn - position);
         let mut frame = self.frame;
@@ -440,7 +460,9 @@ impl Renderer {
             photons: self.photon_field(purpose),
             turn,
             turns: cache.turns,
-            unused: 0,
+            rings: cache.strata[0],
+            sectors: cache.strata[1],
+            unused: [0; 3],
         };
         let uniform = self.resources.buffer("irradiance_settings");
         self.device.write(uniform, 0, bytemuck::bytes_of(&words));

@@ -10,6 +10,8 @@
 //! The sums of cells are whole numbers, so that what a cell holds doesn't depend on the order of the paths, and the picture not on
 //! how it was cut. (Where so many cells are needed that the table is full, which ones are there does depend on it.)
 
+use std::ops::RangeInclusive;
+
 use bytemuck::{Pod, Zeroable};
 use device::{Device, DeviceError, Recording, Resources, Usage};
 
@@ -33,7 +35,9 @@ const LEAST_COUNT: u32 = 8;
 /// hundred paths that are learned from, whatever the picture's size.
 const SIDE: f32 = 8.0;
 /// Least and most that it is over the distance.
-const SIDES: std::ops::RangeInclusive<f32> = 0.01..=0.08;
+const SIDES: RangeInclusive<f32> = 0.01..=0.08;
+/// The same where records ask: rays that spread from them see nothing of a cell, and as many paths teach the cells of a large picture.
+const SIDES_FOR_RECORDS: RangeInclusive<f32> = 0.04..=0.08;
 
 /// What paths do with the cache: as in `cells.wgsl`.
 const ENDS: u32 = 0;
@@ -162,12 +166,16 @@ impl Renderer {
             (Purpose::Gather { .. }, _) | (Purpose::Picture, Method::Draft) => ENDS,
             _ => IDLE,
         };
+        let sides = match self.settings.method.has_records() {
+            true => SIDES_FOR_RECORDS,
+            false => SIDES,
+        };
         let words = Settings {
             mode,
             mask: CELLS - 1,
             record: self.light_record(),
             least_count: LEAST_COUNT,
-            scale: (SIDE * self.frame.pixel_side()).clamp(*SIDES.start(), *SIDES.end()),
+            scale: (SIDE * self.frame.pixel_side()).clamp(*sides.start(), *sides.end()),
             least_side: (1e-4 * self.scene.radius).max(1e-6),
             photons: self.photon_field(purpose),
             unused: 0,

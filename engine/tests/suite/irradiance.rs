@@ -15,6 +15,9 @@ use crate::light_cache::{film, mean, room, seen};
 use crate::support::device;
 use crate::support::scenes::{Shot, camera, lambert, no_textures, quad, scene, settings};
 
+/// So many paths go ahead where it doesn't matter how right records are.
+const FEW: u32 = 1 << 15;
+
 #[test]
 fn a_room_is_nearly_right_and_far_less_noisy() {
     let Some(device) = device::open() else { return };
@@ -100,7 +103,10 @@ fn a_picture_that_is_divided_is_the_same() {
     for method in [Method::Cache, Method::Photons, Method::CachePhotons] {
         let mut scene = room();
         let procedural = no_textures(&mut scene);
-        let settings = seen((40, 24), 3, method);
+        let settings = RenderSettings {
+            paths_ahead: FEW,
+            ..seen((40, 24), 3, method)
+        };
         let renderer = |settings: &RenderSettings| {
             let renderer = Renderer::new(&device, &scene, &procedural, settings);
             renderer.expect("the scene renders")
@@ -150,6 +156,7 @@ fn blocks_get_their_samples_with_a_cache_too() {
     let procedural = no_textures(&mut scene);
     let settings = RenderSettings {
         halves: true,
+        paths_ahead: FEW,
         ..seen((40, 24), 3, Method::Cache)
     };
     let even = film(&device, room(), &settings, 32);
@@ -174,7 +181,10 @@ fn until_the_cache_is_made_the_picture_is_one_of_paths() {
     let Some(device) = device::open() else { return };
     let mut scene = room();
     let procedural = no_textures(&mut scene);
-    let settings = seen((48, 36), 3, Method::Cache);
+    let settings = RenderSettings {
+        paths_ahead: 2 * FEW,
+        ..seen((48, 36), 3, Method::Cache)
+    };
     let renderer = Renderer::new(&device, &scene, &procedural, &settings);
     let mut renderer = renderer.expect("the scene renders");
     while renderer.irradiance_records() == 0 {
@@ -195,6 +205,7 @@ fn the_picture_does_not_depend_on_how_waves_are_cut() {
         let mut scene = room();
         let procedural = no_textures(&mut scene);
         let mut settings = seen((40, 24), 3, Method::Cache);
+        settings.paths_ahead = FEW;
         settings.layers = Layers::named(["albedo"]).expect("known");
         let renderer = Renderer::with_capacity(&device, &scene, &procedural, &settings, capacity);
         let mut renderer = renderer.expect("the scene renders");
@@ -264,6 +275,7 @@ fn a_sky_behind_a_window_is_found_sooner_and_is_as_bright() {
         let wanted = RenderSettings {
             method,
             seed,
+            paths_ahead: 8 * FEW,
             ..settings(&camera, shot)
         };
         film(&device, room(), &wanted, spp)

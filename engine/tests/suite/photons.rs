@@ -16,6 +16,9 @@ use crate::support::scenes::{
     settings, textured,
 };
 
+/// So many paths go ahead of a cache where it doesn't matter how right its records are.
+const FEW: u32 = 1 << 15;
+
 /// A floor of 4 x 4 metres.
 fn ground() -> (engine::scene::Mesh, Material) {
     let (x, z) = (Vec3::X * 4.0, Vec3::Z * 4.0);
@@ -239,7 +242,10 @@ fn where_nothing_throws_caustics_nothing_changes() {
         material.roughness = 1.0;
     }
     let of = |method| {
-        let settings = crate::light_cache::seen((40, 24), 3, method);
+        let settings = RenderSettings {
+            paths_ahead: FEW,
+            ..crate::light_cache::seen((40, 24), 3, method)
+        };
         film(&device, scene.clone(), &settings, 8)
     };
     assert!(of(Method::Path) == of(Method::Photons));
@@ -283,6 +289,7 @@ fn a_cache_learns_what_caustics_light() {
             Vec3::Y,
             Projection::Perspective { y_fov: 1.0 },
         );
+        settings.paths_ahead = 8 * FEW;
         film(&device, lit_by_a_caustic(roughness), &settings, spp)
     };
     // Light samples find the spot by way of a mirror that is rough enough, so paths have all of its light, with much noise.
@@ -305,7 +312,8 @@ fn a_cache_learns_what_caustics_light() {
 fn caustics_on_the_first_surface_stay_sharp_with_a_cache() {
     let Some(device) = device::open() else { return };
     let path = film(&device, below_glass(), &seen_below(5, Method::Path), 4096);
-    let settings = seen_below(1, Method::CachePhotons);
+    let mut settings = seen_below(1, Method::CachePhotons);
+    settings.paths_ahead = 8 * FEW;
     let both = film(&device, below_glass(), &settings, 64);
     compare("glass", &path, &both, [0.015, 0.05]);
     let path = film(
@@ -314,7 +322,8 @@ fn caustics_on_the_first_surface_stay_sharp_with_a_cache() {
         &crate::light_cache::seen((48, 48), 5, Method::Path),
         2048,
     );
-    let settings = crate::light_cache::seen((48, 48), 1, Method::CachePhotons);
+    let mut settings = crate::light_cache::seen((48, 48), 1, Method::CachePhotons);
+    settings.paths_ahead = 8 * FEW;
     let both = film(&device, room(), &settings, 32);
     compare("a ball of metal in a room", &path, &both, [0.03, 0.1]);
 }
@@ -340,6 +349,7 @@ fn the_picture_depends_neither_on_waves_nor_on_parts() {
     assert!(sum == whole);
     // Nor with a cache beside.
     let mut settings = settings;
+    settings.paths_ahead = FEW;
     settings.method = Method::CachePhotons;
     let whole = film(&device, scene.clone(), &settings, 3);
     let renderer = Renderer::with_capacity(&device, &scene, &procedural, &settings, 640);

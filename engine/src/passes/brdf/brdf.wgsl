@@ -62,7 +62,10 @@ fn shade_vertex(slot: u32) {
         // Seen from behind the shading normal: nothing is reflected.
         return;
     }
-    let l = lobes(m.bsdf, wo);
+    var l = lobes(m.bsdf, wo);
+    if (leaves_diffuse && (frame.caches & CACHE_GIVES) != 0u) {
+        l = favouring_reflection(m.bsdf, l);
+    }
     let origins = ray_origins(v, m.bsdf);
     if (leaves_diffuse) {
         leave_scattering(p, v, m, l, origins);

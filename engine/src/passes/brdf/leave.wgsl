@@ -21,6 +21,20 @@ fn counts_as_diffuse(b: Bsdf, l: Lobes) -> bool {
         && (!has_layers || b.iridescence <= 0.0);
 }
 
+// Of the rays that body and reflection share, those that the reflection gets at least where records stand for the body: a ray of its own
+// only has to find lamps and the sky then, which light samples do nearly as well.
+const REFLECTED_LEAST = 0.7;
+
+fn favouring_reflection(b: Bsdf, l: Lobes) -> Lobes {
+    let both = l.specular_p + l.diffuse_p;
+    var changed = l;
+    if (l.specular_p > 0.0 && l.diffuse_p > 0.0 && mean_alpha(b) < ROUGH_ALPHA) {
+        changed.specular_p = max(l.specular_p, REFLECTED_LEAST * both);
+        changed.diffuse_p = both - changed.specular_p;
+    }
+    return changed;
+}
+
 // Share of light from all sides that the reflection sends towards a viewer at this cosine.
 fn rough_albedo(b: Bsdf, l: Lobes, cosine: f32) -> vec3f {
     let table = albedo_lookup(cosine, sqrt(mean_alpha(b)));

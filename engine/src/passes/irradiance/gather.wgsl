@@ -32,7 +32,7 @@ fn gather_start(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
         return;
     }
     let ray = gather_ray(slot);
-    let record = irradiance_settings.first_record + ray / GATHER_RAYS;
+    let record = irradiance_settings.first_record + ray / gather_rays();
     path_set_words(irradiance_settings.gather, slot, vec4u(0u));
     path_set_words(irradiance_settings.gather + 1u, slot, vec4u(0u));
     if (irradiance_settings.photons != 0u) {
@@ -53,13 +53,13 @@ fn gather_start(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
     let place = irradiance_records[record * RECORD_WORDS];
     let width = bitcast<f32>(irradiance_records[record * RECORD_WORDS + 7u].w);
     path_write(PATH_RADIANCE, slot, vec4f(0.0, 0.0, 0.0, width));
-    let ring = (ray % GATHER_RAYS) / SECTORS;
-    let sector = ray % SECTORS; // GATHER_RAYS is a multiple
+    let ring = (ray % gather_rays()) / irradiance_settings.sectors;
+    let sector = ray % irradiance_settings.sectors;
     let id = path_id(slot);
     let inside = independent2(ray, hash2(id.key, 0x2545f491u));
-    let sine2 = (f32(ring) + inside.x) / f32(RINGS);
+    let sine2 = (f32(ring) + inside.x) / f32(irradiance_settings.rings);
     let cosine = sqrt(max(1.0 - sine2, 0.0));
-    let around = unit_circle((f32(sector) + inside.y) / f32(SECTORS)) * sqrt(sine2);
+    let around = unit_circle((f32(sector) + inside.y) / f32(irradiance_settings.sectors)) * sqrt(sine2);
     let normal = octahedral_decode(irradiance_records[record * RECORD_WORDS + 1u].w);
     let tangent = any_perpendicular(normal);
     let direction = normalize(tangent * around.x + cross(normal, tangent) * around.y + normal * cosine);
@@ -105,7 +105,7 @@ fn gather_end(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
     path_set_words(field + 1u, slot, vec4u(0u));
     path_set_words(PATH_LEFT, slot, vec4u(0u));
     let ray = gather_ray(slot);
-    if (irradiance_settings.first_record + ray / GATHER_RAYS >= irradiance_settings.end_record) {
+    if (irradiance_settings.first_record + ray / gather_rays() >= irradiance_settings.end_record) {
         return;
     }
     var found = kept.xyz;

@@ -15,7 +15,11 @@ struct IrradianceSettings {
     photons: u32, // field of a path's state that is the photons' own, 0 where there are none
     turn: u32, // that rays are gathered for the same records, from 0 on
     turns: u32, // of these
-    unused: u32,
+    rings: u32, // of gather rays around a record's normal, of equal weight
+    sectors: u32, // of each ring, in all rays of a record by `rings`
+    unused_0: u32,
+    unused_1: u32,
+    unused_2: u32,
 }
 
 @group(0) @binding(50) var<uniform> irradiance_settings: IrradianceSettings;
@@ -27,7 +31,7 @@ const IRRADIANCE_FIND = 1u;
 // What surfaces scatter diffusely is taken from the records.
 const IRRADIANCE_USE = 2u;
 
-// Gather rays of a record: as many rings of equal weight around its normal as this, and as many sectors of each.
-const RINGS = 12u;
-const SECTORS = 40u;
-const GATHER_RAYS = 480u;
+// Gather rays of a record at a time.
+fn gather_rays() -> u32 {
+    return irradiance_settings.rings * irradiance_settings.sectors;
+}

@@ -20,7 +20,7 @@ fn gathered(ray: u32) -> vec4f {
 
 // Where a ring begins, as the square of the sine.
 fn ring_start(ring: u32) -> f32 {
-    return f32(ring) / f32(RINGS);
+    return f32(ring) / f32(irradiance_settings.rings);
 }
 
 @compute @workgroup_size(64)
@@ -32,7 +32,7 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
         return;
     }
     let at = record * RECORD_WORDS;
-    let first = index * GATHER_RAYS;
+    let first = index * gather_rays();
     let normal = octahedral_decode(irradiance_records[at + 1u].w);
     let tangent = any_perpendicular(normal);
     let bitangent = cross(normal, tangent);
@@ -43,27 +43,27 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     var along_x = vec3f(0.0);
     var along_y = vec3f(0.0);
     var bands: array<vec3f, 9>;
-    for (var sector = 0u; sector < SECTORS; sector++) {
-        let before = (sector + SECTORS - 1u) % SECTORS;
-        let middle = unit_circle((f32(sector) + 0.5) / f32(SECTORS));
-        let border = unit_circle(f32(sector) / f32(SECTORS));
+    for (var sector = 0u; sector < irradiance_settings.sectors; sector++) {
+        let before = (sector + irradiance_settings.sectors - 1u) % irradiance_settings.sectors;
+        let middle = unit_circle((f32(sector) + 0.5) / f32(irradiance_settings.sectors));
+        let border = unit_circle(f32(sector) / f32(irradiance_settings.sectors));
         var outward = vec3f(0.0);
         var across = vec3f(0.0);
-        for (var ring = 0u; ring < RINGS; ring++) {
-            let here = gathered(first + ring * SECTORS + sector);
+        for (var ring = 0u; ring < irradiance_settings.rings; ring++) {
+            let here = gathered(first + ring * irradiance_settings.sectors + sector);
             sum += here.xyz;
             inverse += 1.0 / max(here.w, 1e-6);
             let begin = ring_start(ring);
             let end = ring_start(ring + 1u);
             // Steps of radiance move where the place moves, the nearer side of them most.
             if (ring > 0u) {
-                let inner = gathered(first + (ring - 1u) * SECTORS + sector);
+                let inner = gathered(first + (ring - 1u) * irradiance_settings.sectors + sector);
                 outward += (here.xyz - inner.xyz) * (sqrt(begin) * (1.0 - begin) / max(min(here.w, inner.w), 1e-6));
             }
-            let side = gathered(first + ring * SECTORS + before);
+            let side = gathered(first + ring * irradiance_settings.sectors + before);
             across += (here.xyz - side.xyz) * ((sqrt(end) - sqrt(begin)) / max(min(here.w, side.w), 1e-6));
 
-            let angle = (sqrt(1.0 - begin) - sqrt(1.0 - end)) * (2.0 * PI / f32(SECTORS));
+            let angle = (sqrt(1.0 - begin) - sqrt(1.0 - end)) * (2.0 * PI / f32(irradiance_settings.sectors));
             let cosine = 0.5 * (sqrt(1.0 - begin) + sqrt(1.0 - end));
             let sine = sqrt(1.0 - cosine * cosine);
             let direction = tangent * (middle.x * sine) + bitangent * (middle.y * sine) + normal * cosine;
@@ -72,13 +72,13 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
                 bands[i] += here.xyz * (basis[i] * angle);
             }
         }
-        outward *= 2.0 * PI / f32(SECTORS);
+        outward *= 2.0 * PI / f32(irradiance_settings.sectors);
         along_x += outward * middle.x - across * border.y;
         along_y += outward * middle.y + across * border.x;
     }
-    let irradiance = sum * (PI / f32(GATHER_RAYS));
+    let irradiance = sum * (PI / f32(gather_rays()));
     let width = max(bitcast<f32>(irradiance_records[at + 7u].w), 1e-9);
-    var radius = irradiance_settings.radius_share * f32(GATHER_RAYS) / max(inverse, 1e-30);
+    var radius = irradiance_settings.radius_share * f32(gather_rays()) / max(inverse, 1e-30);
     let steepest = max(length(vec2f(luminance(along_x), luminance(along_y))), 1e-30);
     radius = min(radius, irradiance_settings.most_change * luminance(irradiance) / steepest);
     let kept = clamp(radius, LEAST_WIDTHS * width, MOST_WIDTHS * width);

@@ -66,6 +66,7 @@ struct Frame {
 // Bits of `caches`.
 const CACHE_SKY = 1u; // where the sky is seen, see known_sky.wgsl
 const CACHE_IRRADIANCE = 2u; // what surfaces scatter is looked up, see irradiance/look_up.wgsl
+const CACHE_GIVES = 4u; // in this wave: records are there
 
 // Samples of one half in a row; `film.rs` has the same number.
 const HALF_RUN_BITS = 4u;
