@@ -8,7 +8,7 @@ use device::Device;
 use crate::film::{Hash, Origin};
 use crate::procedural::Procedural;
 use crate::scene::{Camera, Environment, Scene};
-use crate::settings::{Method, RenderSettings};
+use crate::settings::{Method, PATHS_AHEAD, RenderSettings};
 
 /// Everything that the samples of a picture depend on, but for the device and which samples they are: each setting by
 /// name, and hashes of the scene and of its textures.
@@ -126,7 +126,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         (
             "paths ahead",
             paths_ahead.to_string(),
-            *paths_ahead != 1 << 20,
+            *paths_ahead != PATHS_AHEAD,
         ),
     ] {
         if is_said {

@@ -8,6 +8,10 @@ use crate::film::{Crop, Layers};
 use crate::filter::PixelFilter;
 use crate::scene::Camera;
 
+/// [`RenderSettings::paths_ahead`] unless something else is wanted: few light samples arrive through a small window, and of what cells are
+/// wrong about all records are.
+pub const PATHS_AHEAD: u32 = 1 << 20;
+
 /// What is rendered and how. [`RenderSettings::new`] gives every setting a sensible value.
 #[derive(Debug, Clone)]
 pub struct RenderSettings {
@@ -208,7 +212,7 @@ impl RenderSettings {
             halves: false,
             method: Method::Path,
             refinement: 0,
-            paths_ahead: 1 << 20,
+            paths_ahead: PATHS_AHEAD,
             layers: Layers::default(),
             time: 0.0,
             frame_index: 0,

@@ -22,7 +22,8 @@ const FEW: u32 = 1 << 15;
 fn a_room_is_nearly_right_and_far_less_noisy() {
     let Some(device) = device::open() else { return };
     let size = (48, 36);
-    let right = film(&device, room(), &seen(size, 7, Method::Path), 4096);
+    let reference = device::open_for_reference();
+    let right = film(&reference, room(), &seen(size, 7, Method::Path), 4096);
     let [path, cache] = [(Method::Path, 256), (Method::Cache, 32)].map(|(method, spp)| {
         let film = film(&device, room(), &seen(size, 1, method), spp);
         let (found, wanted) = (mean(&film), mean(&right));
@@ -80,7 +81,7 @@ fn beside_a_wall_gradients_follow_the_light() {
         spp: 0,
     };
     let mut wanted = settings(&camera, shot);
-    let right = film(&device, scene_of(), &wanted, 4096);
+    let right = film(&device::open_for_reference(), scene_of(), &wanted, 4096);
     wanted.method = Method::Cache;
     let found = film(&device, scene_of(), &wanted, 256);
     let rows = |film: &engine::film::Film| -> Vec<f32> {
@@ -193,7 +194,8 @@ fn until_the_cache_is_made_the_picture_is_one_of_paths() {
     let early = renderer.film().expect("the device reads");
     let (least, most) = early.sample_bounds();
     assert!(least == most && least >= 8, "{least} to {most}");
-    let right = film(&device, room(), &seen((48, 36), 7, Method::Path), 512);
+    let reference = device::open_for_reference();
+    let right = film(&reference, room(), &seen((48, 36), 7, Method::Path), 512);
     let off = (mean(&early) / mean(&right) - 1.0).abs().max_element();
     assert!(off < 0.1, "the mean is off by {off}");
 }
@@ -271,18 +273,18 @@ fn a_sky_behind_a_window_is_found_sooner_and_is_as_bright() {
         max_depth: 1,
         spp: 0,
     };
-    let of = |method: Method, seed: u32, spp: u32| {
+    let of = |device: &Device, method: Method, seed: u32, spp: u32| {
         let wanted = RenderSettings {
             method,
             seed,
             paths_ahead: 8 * FEW,
             ..settings(&camera, shot)
         };
-        film(&device, room(), &wanted, spp)
+        film(device, room(), &wanted, spp)
     };
-    let right = of(Method::Path, 7, 8192);
+    let right = of(&device::open_for_reference(), Method::Path, 7, 8192);
     let errors = [Method::Path, Method::Cache].map(|method| {
-        let found = of(method, 1, 512);
+        let found = of(&device, method, 1, 512);
         let off = (mean(&found) / mean(&right) - 1.0).abs().max_element();
         let squares: f32 = (found.mean().into_iter().zip(right.mean()))
             .map(|(a, b)| (Vec3::from(a) - Vec3::from(b)).length_squared())

@@ -1,5 +1,6 @@
 //! Photons bring what mirrors and bodies of glass throw on other surfaces: the light that paths find, and all of it once.
 
+use ::device::Device;
 use engine::film::Film;
 use engine::procedural::TextureSources;
 use engine::renderer::Renderer;
@@ -127,8 +128,9 @@ fn blocks(film: &Film, width: usize) -> Vec<Vec3> {
 }
 
 /// Compares photons with paths, block by block, relative to the mean of the picture.
-fn agree(name: &str, of: impl Fn(Method) -> Film, most: f32) {
-    let [path, photons] = [Method::Path, Method::Photons].map(of);
+fn agree(name: &str, device: &Device, of: impl Fn(&Device, Method) -> Film, most: f32) {
+    let path = of(&device::open_for_reference(), Method::Path);
+    let photons = of(device, Method::Photons);
     compare(name, &path, &photons, [0.01, most]);
 }
 
@@ -190,35 +192,41 @@ fn the_light_of_every_kind_of_lamp_counts_once() {
         ),
     ];
     for (name, scene) in &scenes {
-        let of = |method| {
+        let of = |device: &Device, method| {
             let (seed, spp) = match method {
                 Method::Photons => (1, 64),
                 _ => (5, 1024),
             };
-            film(&device, scene.clone(), &seen((48, 48), seed, method), spp)
+            film(device, scene.clone(), &seen((48, 48), seed, method), spp)
         };
-        agree(name, of, 0.05);
+        agree(name, &device, of, 0.05);
     }
 }
 
 #[test]
 fn caustics_of_glass_are_those_of_paths() {
     let Some(device) = device::open() else { return };
-    let of = |method| {
+    let of = |device: &Device, method| {
         let (seed, spp) = match method {
             Method::Photons => (1, 64),
             _ => (5, 4096),
         };
-        film(&device, below_glass(), &seen_below(seed, method), spp)
+        film(device, below_glass(), &seen_below(seed, method), spp)
     };
-    agree("glass", of, 0.05);
+    agree("glass", &device, of, 0.05);
 }
 
 /// What is noise and what is bias: both fall, as the 2/3 power of the number of photons in the square.
 #[test]
 fn more_photons_come_nearer() {
     let Some(device) = device::open() else { return };
-    let right = film(&device, below_glass(), &seen_below(5, Method::Path), 4096);
+    let reference = device::open_for_reference();
+    let right = film(
+        &reference,
+        below_glass(),
+        &seen_below(5, Method::Path),
+        4096,
+    );
     let error = |spp: u32| {
         let settings = seen_below(1, Method::Photons);
         let film = film(&device, below_glass(), &settings, spp);
@@ -281,6 +289,7 @@ fn lit_by_a_caustic(roughness: f32) -> Scene {
 #[test]
 fn a_cache_learns_what_caustics_light() {
     let Some(device) = device::open() else { return };
+    let reference = device::open_for_reference();
     let of = |roughness, method, seed, spp| {
         let mut settings = seen((48, 48), seed, method);
         settings.camera = camera(
@@ -290,7 +299,11 @@ fn a_cache_learns_what_caustics_light() {
             Projection::Perspective { y_fov: 1.0 },
         );
         settings.paths_ahead = 8 * FEW;
-        film(&device, lit_by_a_caustic(roughness), &settings, spp)
+        let device = match method {
+            Method::Path => &reference,
+            _ => &device,
+        };
+        film(device, lit_by_a_caustic(roughness), &settings, spp)
     };
     // Light samples find the spot by way of a mirror that is rough enough, so paths have all of its light, with much noise.
     let path = mean(&of(0.3, Method::Path, 5, 2048));
@@ -311,13 +324,19 @@ fn a_cache_learns_what_caustics_light() {
 #[test]
 fn caustics_on_the_first_surface_stay_sharp_with_a_cache() {
     let Some(device) = device::open() else { return };
-    let path = film(&device, below_glass(), &seen_below(5, Method::Path), 4096);
+    let reference = device::open_for_reference();
+    let path = film(
+        &reference,
+        below_glass(),
+        &seen_below(5, Method::Path),
+        4096,
+    );
     let mut settings = seen_below(1, Method::CachePhotons);
     settings.paths_ahead = 8 * FEW;
     let both = film(&device, below_glass(), &settings, 64);
     compare("glass", &path, &both, [0.015, 0.05]);
     let path = film(
-        &device,
+        &reference,
         room(),
         &crate::light_cache::seen((48, 48), 5, Method::Path),
         2048,
@@ -381,13 +400,13 @@ fn lamps_and_surfaces_of_programs_count_as_they_should() {
         [material.'material 0']\nopacity='holes'\n";
     let mut scene = with_lamp(beside_a_mirror(0.3));
     let procedural = textured(&mut scene, look, &sources);
-    let of = |method| {
+    let of = |device: &Device, method| {
         let (seed, spp) = match method {
             Method::Photons => (1, 128),
             _ => (5, 1024),
         };
         let settings = seen((48, 48), seed, method);
-        render_with(&device, &scene, &procedural, &settings, spp)
+        render_with(device, &scene, &procedural, &settings, spp)
     };
-    agree("programs", of, 0.05);
+    agree("programs", &device, of, 0.05);
 }

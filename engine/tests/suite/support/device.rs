@@ -24,6 +24,17 @@ pub(crate) fn open_driver() -> Option<Device> {
     required(&DeviceChoice::Driver)
 }
 
+/// The processor, for converged pictures by paths to compare with: devices agree on these, as other tests see to, and a software driver
+/// takes several times as long for them.
+///
+/// # Panics
+/// Never: there is a processor.
+pub(crate) fn open_for_reference() -> Device {
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let choice = DeviceChoice::Native(u32::try_from(threads).unwrap_or(1));
+    Device::open(&choice).expect("a processor needs no driver")
+}
+
 fn required(choice: &DeviceChoice) -> Option<Device> {
     match Device::open(choice) {
         Ok(device) => Some(device),
