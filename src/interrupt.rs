@@ -1,10 +1,11 @@
 //! Ctrl-C, SIGTERM and SIGHUP. Where there are results, the first signal asks for them to be written; where there are none
-//! yet, at the second signal, and where a driver doesn't come back, the program ends at once. Either way nothing that is half
-//! done stays behind, and the exit code says which signal it was: 128 and its number.
+//! yet, at the second signal (unless it is an echo of the first), and where a driver doesn't come back, the program ends at
+//! once. Either way nothing that is half done stays behind, and the exit code says which signal it was: 128 and its number.
 
 use std::io::{self, Write};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::failure::Failure;
 use crate::{console, probe, progress};
@@ -12,11 +13,17 @@ use crate::{console, probe, progress};
 /// So long a driver may take to come back, so that results can be written.
 const PATIENCE: Duration = Duration::from_secs(4);
 
+/// A second signal within this time comes with the first: `timeout` sends one to the program and one to its group, and so do others that
+/// start programs.
+const ECHO: Duration = Duration::from_millis(500);
+
 /// What the exit code of a signal adds to its number, as shells do.
 const CODE: i32 = 128;
 
 /// The first signal; 0 before it.
 static SIGNAL: AtomicI32 = AtomicI32::new(0);
+/// When it came, if there were results.
+static CAME: OnceLock<Instant> = OnceLock::new();
 /// There is something to be written before the end.
 static HAS_RESULTS: AtomicBool = AtomicBool::new(false);
 
@@ -72,6 +79,7 @@ fn arrived(signal: i32) {
     let first = SIGNAL.compare_exchange(0, signal, Ordering::SeqCst, Ordering::SeqCst);
     match first {
         Ok(_) if HAS_RESULTS.load(Ordering::SeqCst) => {
+            CAME.get_or_init(Instant::now);
             // Without it a second signal is needed where a driver hangs.
             let _ = std::thread::Builder::new().spawn(end_if_stuck);
         }
@@ -80,6 +88,7 @@ fn arrived(signal: i32) {
             console::warning("interrupted before there was anything to write");
             leave();
         }
+        Err(_) if CAME.get().is_some_and(|came| came.elapsed() < ECHO) => {}
         Err(_) => leave(),
     }
 }

@@ -28,6 +28,14 @@ fn signal(child: &Child, name: &str) {
     assert!(kill.success(), "the program must still be running");
 }
 
+/// Whether or not it is still there.
+fn signal_again(child: &Child, name: &str) {
+    let _ = Command::new("kill")
+        .args([name, &child.id().to_string()])
+        .stderr(Stdio::null())
+        .status();
+}
+
 fn outcome(child: Child, line: &str) -> Outcome {
     Outcome::of(child.wait_with_output().expect("patina ends"), line)
 }
@@ -57,6 +65,8 @@ fn signals_end_a_render_with_all_that_was_asked_for() {
             let child = bench.start(&line);
             sleep(Duration::from_secs(seconds));
             signal(&child, name);
+            // As `timeout` does; the program may have ended before.
+            signal_again(&child, name);
             let ended = outcome(child, &line).expect_code(code);
             assert!(ended.stderr.contains("interrupted"), "{}", ended.stderr);
             if bench.files() == ["triangle.gltf"] {
@@ -82,11 +92,8 @@ fn a_second_signal_ends_at_once_and_one_that_was_ignored_stays_so() {
     let child = bench.start(&format!("{ENDLESS} -o a.png"));
     sleep(Duration::from_secs(2));
     signal(&child, "-INT");
-    // Whether or not it is still there.
-    let _ = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .stderr(Stdio::null())
-        .status();
+    sleep(Duration::from_millis(600));
+    signal_again(&child, "-INT");
     outcome(child, ENDLESS).expect_code(130);
     let left = bench.files();
     assert!(!left.iter().any(|name| name.starts_with('.')), "{left:?}");
