@@ -16,7 +16,7 @@ struct IrradianceSettings {
     turn: u32, // that rays are gathered for the same records, from 0 on
     turns: u32, // of these
     rings: u32, // of gather rays around a record's normal, of equal weight
-    sectors: u32, // of each ring, in all rays of a record by `rings`
+    sectors: u32, // of each ring
     unused_0: u32,
     unused_1: u32,
     unused_2: u32,
