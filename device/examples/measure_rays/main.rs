@@ -2,6 +2,7 @@
 //!
 //!     measure_rays rays sponza FILE.gltf [LIBEMBREE4.so]
 //!     measure_rays rays cornell FILE.glb [LIBEMBREE4.so]
+//!     measure_rays rays living-room FILE.gltf [LIBEMBREE4.so]
 //!     measure_rays build TRIANGLES
 //!     measure_rays leaks
 //!
@@ -30,7 +31,9 @@ fn main() {
         ["rays", view, file, library] => rays::measure(view, file, Some(library)),
         ["build", triangles] => build(triangles.parse().expect("a number of triangles")),
         ["leaks"] => leaks::measure(),
-        _ => eprintln!("usage: rays sponza|cornell FILE [LIBEMBREE4] | build TRIANGLES | leaks"),
+        _ => eprintln!(
+            "usage: rays sponza|cornell|living-room FILE [LIBEMBREE4] | build TRIANGLES | leaks"
+        ),
     }
 }
 

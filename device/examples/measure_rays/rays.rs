@@ -35,6 +35,12 @@ fn view(name: &str) -> View {
             degrees: 39.3077,
             lamp: [Vec3::new(-0.25, 0.999, -0.25), Vec3::X * 0.5, Vec3::Z * 0.5],
         },
+        "living-room" => View {
+            from: Vec3::new(5.105, 0.731, -2.318),
+            to: Vec3::new(4.143, 0.805, -2.054),
+            degrees: 75.0,
+            lamp: [Vec3::new(-1.0, 2.4, -1.0), Vec3::X * 2.0, Vec3::Z * 2.0],
+        },
         other => panic!("no view is called {other}"),
     }
 }
@@ -75,6 +81,8 @@ pub(crate) fn measure(name: &str, file: &str, library: Option<&str>) {
         ("camera", &camera, false),
         ("bounce", &bounce, false),
         ("shadow", &shadow, true),
+        // As light samples of an even sky.
+        ("sky", &bounce, true),
     ];
 
     let mut tracers: Vec<(String, Trace<'_>)> = scenes

@@ -45,6 +45,28 @@ impl Node {
         }
         self.children[lane] = child;
     }
+
+    /// The box of a child.
+    pub(super) fn bounds_of(&self, lane: usize) -> Bounds {
+        let corner = |side: usize| {
+            let [x, y, z] = [0, 1, 2].map(|axis| self.bounds[axis][side][lane]);
+            wide::f32x4::new([x, y, z, 0.0])
+        };
+        Bounds {
+            low: corner(0),
+            high: corner(1),
+        }
+    }
+
+    /// Puts a child of another node into a lane.
+    pub(super) fn put(&mut self, lane: usize, bounds: Bounds, child: u32) {
+        let [low, high] = bounds.corners();
+        for axis in 0..3 {
+            self.bounds[axis][0][lane] = low[axis];
+            self.bounds[axis][1][lane] = high[axis];
+        }
+        self.children[lane] = child;
+    }
 }
 
 /// Triangles of a leaf, side by side.

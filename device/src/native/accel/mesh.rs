@@ -6,8 +6,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::{
-    bounds::Reference,
-    build::{BuildError, Hierarchy, Progress},
+    bounds::{Bounds, Reference},
+    build::{BuildError, Hierarchy, Progress, Search},
     layout::{DEFERRED, FILTERED, INDEX, SINGLE_SIDED, TriangleBlock, WIDTH},
     refit,
 };
@@ -86,7 +86,7 @@ impl Mesh {
             .collect_into_vec(&mut references);
         references.retain(|reference| !reference.is_none());
         let progress = Progress::new(references.len(), progress);
-        let level = Hierarchy::build(references, WIDTH, &progress, |indices| {
+        let block = |indices: &[u32]| {
             let mut block = TriangleBlock::EMPTY;
             for (lane, &index) in indices.iter().enumerate() {
                 if let Some(corners) = corners(triangles[index as usize]) {
@@ -94,7 +94,8 @@ impl Mesh {
                 }
             }
             block
-        })?;
+        };
+        let level = Hierarchy::build(references, WIDTH, &progress, block, search)?;
         Ok(Self { level })
     }
 
@@ -137,7 +138,7 @@ impl Mesh {
             .collect();
         let endless = |_| ControlFlow::Continue(());
         let progress = Progress::new(references.len(), &endless);
-        let level = Hierarchy::build(references, WIDTH, &progress, |indices| {
+        let block = |indices: &[u32]| {
             let mut block = TriangleBlock::EMPTY;
             for (lane, &index) in indices.iter().enumerate() {
                 let (word, corners) = found[index as usize];
@@ -145,7 +146,8 @@ impl Mesh {
                 block.set(lane, corners, own | (word & !INDEX));
             }
             block
-        });
+        };
+        let level = Hierarchy::build(references, WIDTH, &progress, block, search);
         let level = level.expect("nobody cancels");
         Self { level }
     }
@@ -165,4 +167,23 @@ impl Mesh {
     pub fn bytes(&self) -> usize {
         size_of_val(&self.level.nodes[..]) + size_of_val(&self.level.leaves[..])
     }
+}
+
+/// What an any-hit ray has to expect of a block of triangles in its box: a convex body is met by lines that meet the box as
+/// its surface is to the box's, and both sides of a triangle are its surface. Triangles that are deferred end no search.
+fn search(block: &TriangleBlock, bounds: Bounds) -> Search {
+    let scale = bounds.unit_scale();
+    let mut area = 0.0;
+    for (lane, word) in block.words.iter().enumerate() {
+        let corner =
+            |at: usize| Vec3::from([0, 1, 2].map(|axis| block.corners[at][axis][lane])) * scale;
+        if word & DEFERRED == 0 {
+            area += 0.5
+                * (corner(1) - corner(0))
+                    .cross(corner(2) - corner(0))
+                    .length();
+        }
+    }
+    // A box without area is met by no line; what isn't a number doesn't count in the minimum.
+    Search::in_leaf((area / bounds.half_area(scale)).min(1.0))
 }

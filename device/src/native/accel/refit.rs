@@ -48,6 +48,7 @@ pub(super) fn around(
         leaves,
         bounds: whole,
         depth: level.depth,
+        search: level.search,
     })
 }
 

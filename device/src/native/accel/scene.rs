@@ -6,7 +6,7 @@ use glam::{Affine3A, Vec3};
 
 use super::{
     bounds::Reference,
-    build::{Hierarchy, Progress},
+    build::{Hierarchy, Progress, Search},
     layout::{EMPTY, LEAF, Node},
     mesh::Mesh,
     trace::{Candidate, Hit, Kernel, Ray},
@@ -160,5 +160,15 @@ fn top_level(meshes: &[Arc<Mesh>], instances: &[Instance]) -> Hierarchy<u32> {
         .collect();
     let endless = |_| ControlFlow::Continue(());
     let progress = Progress::new(references.len(), &endless);
-    Hierarchy::build(references, 1, &progress, |indices| indices[0]).expect("nobody cancels")
+    let search = |&instance: &u32, _| {
+        let mesh = &meshes[instances[instance as usize].mesh as usize];
+        let inside = mesh.level.search;
+        // The way there is another node.
+        Search {
+            cost: inside.cost + 1.0,
+            ..inside
+        }
+    };
+    Hierarchy::build(references, 1, &progress, |indices| indices[0], search)
+        .expect("nobody cancels")
 }

@@ -17,7 +17,7 @@ use super::{
 };
 
 /// Cost of a block of triangles where that of a node is 1.
-const LEAF_COST: f32 = 0.8;
+pub(super) const LEAF_COST: f32 = 0.8;
 /// What any node costs at least, in shares of the root: without it, boxes without area would become chains.
 const LEAST_AREA: f32 = 1e-7;
 /// Subtrees of up to this many references are built by one thread.

@@ -6,9 +6,13 @@ use bytemuck::Zeroable;
 use rayon::prelude::*;
 
 use super::{
-    super::layout::{EMPTY, LEAF, Node},
+    super::{
+        bounds::Bounds,
+        layout::{EMPTY, LEAF, Node},
+    },
     Hierarchy,
     binary::Tree,
+    order::{Search, sort_children},
 };
 
 /// Subtrees of up to this many nodes of the binary tree are joined by one thread.
@@ -22,14 +26,17 @@ struct Part<L> {
     nodes: Vec<Node>,
     leaves: Vec<L>,
     depth: usize,
+    /// Of its root, if nothing is left to others.
+    search: Search,
     /// What is left to others: subtree, the node and lane that it is for, and its level.
     rest: Vec<(Range<usize>, (usize, usize), usize)>,
 }
 
-/// Joins the whole tree; `leaf` makes what a leaf holds.
+/// Joins the whole tree; `leaf` makes what a leaf holds, and `search` says what to expect of that.
 pub(super) fn collapse<L: Send + Copy + Zeroable>(
     tree: &Tree,
     leaf: &(impl Fn(&[u32]) -> L + Sync),
+    search: &(impl Fn(&L, Bounds) -> Search + Sync),
 ) -> Hierarchy<L> {
     let whole = 0..tree.nodes.len();
     let Part {
@@ -37,10 +44,11 @@ pub(super) fn collapse<L: Send + Copy + Zeroable>(
         leaves,
         mut depth,
         rest,
-    } = part(tree, whole, TASK, leaf);
+        search: mut of_root,
+    } = part(tree, whole, TASK, leaf, search);
     let parts: Vec<Part<L>> = rest
         .par_iter()
-        .map(|(subtree, _, _)| part(tree, subtree.clone(), 0, leaf))
+        .map(|(subtree, _, _)| part(tree, subtree.clone(), 0, leaf, search))
         .collect();
     // All parts behind the first, each where it is to be, by all threads.
     let (first_nodes, first_leaves) = (nodes.len(), leaves.len());
@@ -53,10 +61,12 @@ pub(super) fn collapse<L: Send + Copy + Zeroable>(
     let (head_of_nodes, mut rest_of_nodes) = all_nodes.split_at_mut(first_nodes);
     let (head_of_leaves, mut rest_of_leaves) = all_leaves.split_at_mut(first_leaves);
     let mut copies = Vec::with_capacity(parts.len());
+    let mut roots = Vec::with_capacity(parts.len());
     for (part, (_, (parent, lane), level)) in parts.into_iter().zip(rest) {
         nodes[parent].children[lane] = next_node as u32;
         depth = depth.max(level + part.depth);
         let firsts = [next_node as u32, next_leaf as u32];
+        roots.push((next_node as u32, part.search));
         next_node += part.nodes.len();
         next_leaf += part.leaves.len();
         let (own_nodes, others) = rest_of_nodes.split_at_mut(part.nodes.len());
@@ -64,6 +74,15 @@ pub(super) fn collapse<L: Send + Copy + Zeroable>(
         let (own_leaves, others) = rest_of_leaves.split_at_mut(part.leaves.len());
         rest_of_leaves = others;
         copies.push((part, own_nodes, own_leaves, firsts));
+    }
+    if !roots.is_empty() {
+        of_root = sort_children(&mut nodes, |child, bounds| match child & LEAF {
+            0 => {
+                let found = roots.binary_search_by_key(&child, |&(root, _)| root);
+                roots[found.expect("all other nodes are roots of parts")].1
+            }
+            _ => search(&leaves[(child & !LEAF) as usize], bounds),
+        });
     }
     head_of_nodes.copy_from_slice(&nodes);
     head_of_leaves.copy_from_slice(&leaves);
@@ -89,6 +108,7 @@ pub(super) fn collapse<L: Send + Copy + Zeroable>(
         leaves: all_leaves,
         bounds: tree.nodes[0].bounds(),
         depth,
+        search: of_root,
     }
 }
 
@@ -98,11 +118,13 @@ fn part<L>(
     subtree: Range<usize>,
     task: usize,
     leaf: &impl Fn(&[u32]) -> L,
+    search: &impl Fn(&L, Bounds) -> Search,
 ) -> Part<L> {
     let mut part = Part {
         nodes: vec![],
         leaves: vec![],
         depth: 0,
+        search: Search::in_leaf(0.0),
         rest: vec![],
     };
     let mut references = vec![];
@@ -138,6 +160,13 @@ fn part<L>(
             }
         }
         part.nodes.push(node);
+    }
+    // Else the roots of others aren't known yet.
+    if part.rest.is_empty() {
+        let leaves = &part.leaves;
+        part.search = sort_children(&mut part.nodes, |leaf, bounds| {
+            search(&leaves[(leaf & !LEAF) as usize], bounds)
+        });
     }
     part
 }

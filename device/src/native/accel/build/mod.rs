@@ -1,11 +1,13 @@
 //! Builds a hierarchy: a binary tree by the surface area heuristic ([`binary`]), whose nodes are then joined to nodes of
-//! eight children ([`collapse`]).
+//! eight children ([`collapse`]) and come in an order that suits any-hit rays ([`order`]).
 
 mod binary;
 mod collapse;
+mod order;
 mod progress;
 mod split;
 
+pub(super) use order::Search;
 pub use progress::BuildError;
 pub(super) use progress::Progress;
 
@@ -28,10 +30,13 @@ pub(super) struct Hierarchy<L> {
     pub(super) bounds: Bounds,
     /// Levels of nodes.
     pub(super) depth: usize,
+    /// What an any-hit ray that meets the bounds has to expect.
+    pub(super) search: Search,
 }
 
 impl<L: Send + Copy + Zeroable> Hierarchy<L> {
-    /// Encloses what `references` refer to. A leaf holds at most `most` of them, and `leaf` makes it from their indices.
+    /// Encloses what `references` refer to. A leaf holds at most `most` of them, and `leaf` makes it from their indices;
+    /// `search` says what an any-hit ray has to expect of it in its box.
     ///
     /// # Errors
     /// If `progress` says that it is to end.
@@ -40,6 +45,7 @@ impl<L: Send + Copy + Zeroable> Hierarchy<L> {
         most: usize,
         progress: &Progress<'_>,
         leaf: impl Fn(&[u32]) -> L + Sync,
+        search: impl Fn(&L, Bounds) -> Search + Sync,
     ) -> Result<Self, BuildError> {
         if references.is_empty() {
             return Ok(Self {
@@ -47,10 +53,11 @@ impl<L: Send + Copy + Zeroable> Hierarchy<L> {
                 leaves: vec![],
                 bounds: Bounds::EMPTY,
                 depth: 0,
+                search: Search::in_leaf(0.0),
             });
         }
         let tree = binary::Tree::build(&mut references, most, progress)?;
         drop(references);
-        Ok(collapse::collapse(&tree, &leaf))
+        Ok(collapse::collapse(&tree, &leaf, &search))
     }
 }

@@ -50,7 +50,7 @@ pub(super) fn trace<S: Isa, const ANY: bool>(
     // SAFETY: the builder has numbered the nodes, and they are at most `MAX_DEPTH` deep; the stack has room for two such
     // levels, and this is the first.
     unsafe {
-        descend(
+        descend::<S, ANY>(
             isa,
             &scene.top,
             start,
@@ -119,7 +119,7 @@ pub(super) fn in_mesh<S: Isa, const ANY: bool>(
     };
     // SAFETY: the builder has numbered the nodes, and they are at most `MAX_DEPTH` deep; the stack has room for two such
     // levels, and this is the second.
-    unsafe { descend(isa, &mesh.nodes, 0, ray, t_max, stack, &mut blocks) }
+    unsafe { descend::<S, ANY>(isa, &mesh.nodes, 0, ray, t_max, stack, &mut blocks) }
 }
 
 /// The leaves of the lower level.

@@ -87,14 +87,14 @@ pub(super) trait Visit {
     fn visit(&mut self, leaf: u32, t_max: f32, stack: &mut Stack<'_>) -> Option<f32>;
 }
 
-/// Visits the leaves that the ray meets, in about the order in which it meets them. Returns how far the ray goes in the end, or
+/// Visits the leaves that the ray meets, in about the order in which it meets them, or with `ANY` in that of the children of nodes. Returns how far the ray goes in the end, or
 /// `None` if a visit has ended the search. `nodes` are those of a level,
 /// `start` is its root or a leaf.
 ///
 /// # Safety
 /// The children of `nodes` are in `nodes`, and no deeper than `MAX_DEPTH` below `start`; the stack has room for them.
 #[inline(always)]
-pub(super) unsafe fn descend<S: Isa>(
+pub(super) unsafe fn descend<S: Isa, const ANY: bool>(
     isa: S,
     nodes: &[Node],
     start: u32,
@@ -116,7 +116,12 @@ pub(super) unsafe fn descend<S: Isa>(
             let (enter, mask) = slabs.intersect(isa, node, limit);
             if mask & mask.wrapping_sub(1) != 0 {
                 // SAFETY: the caller has made sure.
-                current = unsafe { stack.push_sorted(&node.children, &enter.to_array(), mask) };
+                current = unsafe {
+                    match ANY {
+                        true => stack.push_in_order(&node.children, &enter.to_array(), mask),
+                        false => stack.push_sorted(&node.children, &enter.to_array(), mask),
+                    }
+                };
             } else if mask != 0 {
                 current = node.children[mask.trailing_zeros() as usize & 7];
             } else {

@@ -102,4 +102,30 @@ impl<'a> Stack<'a> {
         // SAFETY: the last of those that have been written.
         unsafe { to.add(placed).read() as u32 }
     }
+
+    /// Puts the children in `mask`, one at least, onto the stack, the first on top, and takes that off.
+    ///
+    /// # Safety
+    /// There is room for seven.
+    #[inline(always)]
+    pub(super) unsafe fn push_in_order(
+        &mut self,
+        children: &[u32; 8],
+        distances: &[f32; 8],
+        mask: u32,
+    ) -> u32 {
+        debug_assert!(self.top + 7 <= SIZE);
+        let first = mask.trailing_zeros() as usize & 7;
+        let mut rest = mask & mask.wrapping_sub(1);
+        while rest != 0 {
+            let lane = 31 - rest.leading_zeros();
+            rest ^= 1 << lane;
+            let lane = lane as usize & 7;
+            let entry = u64::from(distances[lane].to_bits()) << 32 | u64::from(children[lane]);
+            // SAFETY: the caller has made sure that there is room.
+            unsafe { self.entries.get_unchecked_mut(self.top).write(entry) };
+            self.top += 1;
+        }
+        children[first]
+    }
 }
