@@ -75,8 +75,8 @@ const CORNERS: &[&str] = &[
 /// How often a device lets the loops of users' texts run; without such a limit, loops are other code.
 const LOOP_LIMIT: u32 = u32::MAX;
 
-/// The function that the engine has in Rust.
-const HOST: &[&str] = &["trace_surfaces"];
+/// The functions that the engine has in Rust.
+const HOST: &[&str] = &["trace_surfaces", "trace_bundle"];
 
 /// Override constants that only leave out what a scene doesn't have.
 const OMISSIONS: &[&str] = &[

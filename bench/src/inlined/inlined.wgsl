@@ -5,6 +5,12 @@
 //!include proctex/site.wgsl
 //!include shared/materials.wgsl
 //!include shared/traversal.wgsl
+//!include shared/occlusion_bundles.wgsl
 //!include inlined/traced_ao.wgsl
 //!include proctex/run.wgsl
 //!include proctex/entry.wgsl
+
+// As the pass `ao` does.
+fn occluded_of_site(at: OcclusionSite) -> u32 {
+    return occlusion_of_all(at).occluded;
+}

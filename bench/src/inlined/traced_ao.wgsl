@@ -1,4 +1,5 @@
-// Ambient occlusion traced in a loop inside the texture kernel, with the same rays as the pass `ao`: for comparison.
+// Ambient occlusion traced inside the texture kernel, with the same rays as the pass `ao`: for comparison. Where this is included,
+// `occluded_of_site` traces them.
 //!include shared/materials.wgsl
 //!include shared/occlusion.wgsl
 
@@ -14,9 +15,6 @@ fn patina_attr_AO(slot: u32) -> vec4f {
     var s = site.surface;
     s.position = site.anchor;
     let at = occlusion_site(s, site.instance, site.path, site.ao_purpose, table);
-    var occluded = 0u;
-    for (var sample = 0u; sample < samples; sample++) {
-        occluded += occlusion(at, sample).occluded;
-    }
+    let occluded = occluded_of_site(at);
     return vec4f(1.0 - f32(occluded) / max(f32(samples), 1.0));
 }

@@ -15,3 +15,11 @@ fn run_programs(slot: u32) {
         run_textures(entries[i], slot);
     }
 }
+
+fn occluded_of_site(at: OcclusionSite) -> u32 {
+    var occluded = 0u;
+    for (var sample = 0u; sample < at.table.samples; sample++) {
+        occluded += occlusion(at, sample).occluded;
+    }
+    return occluded;
+}

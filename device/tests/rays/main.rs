@@ -13,7 +13,9 @@ use std::{
 };
 
 use brute_force::{Body, check};
-use device::native::accel::{BuildError, Flags, Hit, Instance, Kernel, Mesh, Ray, Scene};
+use device::native::accel::{
+    BuildError, Bundle, Flags, Hit, Instance, Kernel, Mesh, Met, Ray, Scene,
+};
 use glam::{Affine3A, Quat, Vec3};
 use scenes::{Random, endless, soup, sphere};
 
@@ -203,6 +205,112 @@ fn any_of_instance_sees_no_other() {
         );
         scene.place(vec![]);
         assert_eq!(scene.closest(&ray, |_| true), None);
+    }
+}
+
+/// Every third triangle is single-sided, every fifth deferred.
+fn mixed(triangle: usize) -> Flags {
+    match triangle.is_multiple_of(5) {
+        true => third_single_sided(triangle) | Flags::DEFERRED,
+        false => third_single_sided(triangle),
+    }
+}
+
+#[test]
+fn rays_of_a_bundle_meet_what_each_meets_alone() {
+    let mut random = Random(15);
+    let triangles = soup(&mut random, 3000, 0.1);
+    let turned = Affine3A::from_scale_rotation_translation(
+        Vec3::new(-1.5, 0.7, 1.0),
+        Quat::from_rotation_y(1.0),
+        Vec3::new(0.0, 0.5, 0.0),
+    );
+    let flat = Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0));
+    for places in [
+        &[turned][..],
+        &[Affine3A::IDENTITY, turned, flat, Affine3A::IDENTITY],
+    ] {
+        for kernel in KERNELS {
+            let scene = Body::new(triangles.clone(), mixed).scene(places, kernel());
+            // What stops a ray for certain: a scene where the deferred ones are points.
+            let stopping = (triangles.iter().enumerate()).map(|(at, &corners)| {
+                match mixed(at) == third_single_sided(at) {
+                    true => corners,
+                    false => [Vec3::ZERO; 3],
+                }
+            });
+            let opaque = Body::new(stopping.collect(), third_single_sided).scene(places, kernel());
+            let (mut met, mut different) = (0, 0);
+            for round in 0..4000 {
+                let origin = random.point(1.2).to_array();
+                let ways = [(); 4].map(|()| random.point(1.0).normalize().to_array());
+                let bundle = Bundle {
+                    origin,
+                    directions: [0, 1, 2].map(|axis| ways.map(|way| way[axis])),
+                    t_max: [0.1, 0.5, f32::INFINITY][round % 3],
+                    asked: (round as u32 * 7) % 16,
+                };
+                let only = (round % 4 == 0).then_some(0);
+                let found = scene.any_of_bundle(&bundle, only);
+                let expected = |scene: &Scene| {
+                    let ray = |number: usize| Ray {
+                        origin,
+                        direction: ways[number],
+                        t_min: 0.0,
+                        t_max: bundle.t_max,
+                    };
+                    let is_met = |&number: &usize| {
+                        let hit = scene.trace(&ray(number), true, only);
+                        bundle.asked >> number & 1 != 0 && hit.is_some()
+                    };
+                    let bits = (0..4).filter(is_met).map(|number| 1 << number);
+                    bits.sum::<u32>()
+                };
+                let [any, certain] = [&scene, &opaque].map(expected);
+                met += any.count_ones();
+                different += (found.opaque ^ certain).count_ones();
+                different += ((found.opaque | found.deferred) ^ any).count_ones();
+            }
+            // At edges, rounding decides.
+            assert!(met > 1000 && different <= 4, "{different} of {met}");
+        }
+    }
+}
+
+#[test]
+fn strange_bundles_meet_nothing() {
+    let wall = Arc::new(walls(|_| Flags::NONE));
+    let bundle = Bundle {
+        origin: [0.0, 0.0, -1.0],
+        directions: [[0.0; 4], [0.0; 4], [1.0, f32::NAN, f32::INFINITY, 0.0]],
+        t_max: 1e3,
+        asked: 15,
+    };
+    for kernel in KERNELS {
+        let place = Instance::new(Affine3A::IDENTITY, 0);
+        let scene = Scene::new(vec![wall.clone()], vec![place, place], kernel());
+        assert_eq!(scene.any_of_bundle(&bundle, None).opaque, 1);
+        assert_eq!(scene.any_of_bundle(&bundle, Some(1)).opaque, 1);
+        assert_eq!(scene.any_of_bundle(&bundle, Some(2)).opaque, 0);
+        for strange in [
+            Bundle {
+                t_max: f32::NAN,
+                ..bundle
+            },
+            Bundle {
+                t_max: -1.0,
+                ..bundle
+            },
+            Bundle { asked: 0, ..bundle },
+            Bundle {
+                origin: [f32::NAN; 3],
+                ..bundle
+            },
+        ] {
+            assert_eq!(scene.any_of_bundle(&strange, None), Met::default());
+        }
+        let nothing = Scene::new(vec![], vec![], kernel());
+        assert_eq!(nothing.any_of_bundle(&bundle, None), Met::default());
     }
 }
 

@@ -11,8 +11,10 @@ use std::{
 };
 
 use device::{
-    Activity, HostFunction,
-    native::accel::{BuildError, Flags, Hit, Instance, Kernel, Mesh, Ray, Scene as RayScene},
+    Activity, HostFunction, Resources,
+    native::accel::{
+        BuildError, Bundle, Flags, Hit, Instance, Kernel, Mesh, Met, Ray, Scene as RayScene,
+    },
 };
 use glam::Vec3;
 use rayon::prelude::*;
@@ -22,8 +24,8 @@ use crate::{bvh::SceneBvh, scene::Scene, wave::RayHit};
 use super::{RayRules, inverse, rows};
 use groups::{Directory, Group, Member};
 
-/// The function of the text that this stands for.
-pub const FUNCTION: &str = "trace_surfaces";
+/// The functions of the text that this stands for.
+pub const FUNCTIONS: [&str; 2] = ["trace_surfaces", "trace_bundle"];
 
 /// The scene's geometry, ready for rays.
 pub struct HostTraversal {
@@ -224,6 +226,29 @@ impl HostTraversal {
         })
     }
 
+    /// What rays from one place meet, in all instances or in one.
+    fn trace_bundle(&self, bundle: &Bundle, only: Option<u32>) -> Met {
+        let Some(only) = only else {
+            return self.scene.any_of_bundle(bundle, None);
+        };
+        let Some(&group) = self.group_of.get(only as usize) else {
+            return Met::default();
+        };
+        match &self.groups[group as usize] {
+            Group::Alone { .. } => self.scene.any_of_bundle(bundle, Some(group)),
+            Group::Joined(members) => {
+                (self.apart(group, members, only)).any_of_bundle(bundle, None)
+            }
+        }
+    }
+
+    /// Makes it what the kernels' functions do.
+    pub(super) fn set(self: &Arc<Self>, resources: &mut Resources) {
+        let [surfaces, bundle] = FUNCTIONS;
+        resources.set_function(surfaces, Arc::clone(self) as _);
+        resources.set_function(bundle, Arc::new(Bundles(Arc::clone(self))));
+    }
+
     /// An instance of a group, by itself.
     fn apart(&self, group: u32, members: &[Member], instance: u32) -> &RayScene {
         self.apart[instance as usize].get_or_init(|| {
@@ -334,6 +359,32 @@ impl HostFunction for HostTraversal {
             None => [arguments[7], 0, 0, RayHit::MISS, 0],
         };
         result.copy_from_slice(&hit);
+    }
+}
+
+/// Four rays of one place.
+#[derive(Debug)]
+struct Bundles(Arc<HostTraversal>);
+
+impl HostFunction for Bundles {
+    /// Origin, x, y and z of the directions, t_max, which of them, only_instance; a bit for each that is stopped, and four above
+    /// for each that may be.
+    fn words(&self) -> [usize; 2] {
+        [18, 1]
+    }
+
+    fn call(&self, arguments: &[u32], result: &mut [u32]) {
+        let number = |at: usize| f32::from_bits(arguments[at]);
+        let four = |first: usize| [0, 1, 2, 3].map(|i| number(first + i));
+        let bundle = Bundle {
+            origin: [number(0), number(1), number(2)],
+            directions: [four(3), four(7), four(11)],
+            t_max: number(15),
+            asked: arguments[16],
+        };
+        let only = (arguments[17] != RayHit::MISS).then_some(arguments[17]);
+        let met = self.0.trace_bundle(&bundle, only);
+        result[0] = met.opaque | (met.deferred & !met.opaque) << Bundle::RAYS;
     }
 }
 

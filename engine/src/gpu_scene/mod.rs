@@ -284,7 +284,7 @@ impl GpuScene {
         if calls_functions {
             let rules = ray_rules(scene, &program);
             let made = Arc::new(HostTraversal::new(scene, &bvh, &rules, device.activity())?);
-            resources.set_function(host_traversal::FUNCTION, made.clone());
+            made.set(resources);
             traversal = Some(made);
         }
         let (lo, hi) = scene.bounds().ok_or(BvhError::Empty)?;

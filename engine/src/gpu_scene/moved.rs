@@ -20,7 +20,7 @@ use super::{
     GpuScene, GpuSceneError, MAX_MATERIALS, SceneFeatures, casters,
     environment::GpuEnvironment,
     geometry::{self, Geometry},
-    host_traversal::{self, Former, HostTraversal},
+    host_traversal::{Former, HostTraversal},
     images::GpuImages,
     instances,
     lights::LightTable,
@@ -188,7 +188,7 @@ impl GpuScene {
             HostTraversal::with(scene, &bvh, &rules, device.activity(), former.as_ref());
         let traversal = Arc::new(traversal?);
         self.uploaded.traversal = Some(traversal.clone());
-        resources.set_function(host_traversal::FUNCTION, traversal);
+        traversal.set(resources);
         Ok(bvh)
     }
 

@@ -110,7 +110,7 @@ impl Text for ComposedWgsl {
     }
 
     fn host_functions(&self) -> &[&'static str] {
-        &[host_traversal::FUNCTION]
+        &host_traversal::FUNCTIONS
     }
 
     fn ahead(&self) -> &'static [Ahead] {

@@ -37,7 +37,7 @@ fn kernel(entry: &str, file: &str, features: &SceneFeatures, options: &Options<'
 
 fn ahead() -> Options<'static> {
     Options {
-        host: &[engine::gpu_scene::host_traversal::FUNCTION],
+        host: &engine::gpu_scene::host_traversal::FUNCTIONS,
         ahead: kernels::all(),
         omissions: kernels::OMISSIONS,
         ..Options::default()

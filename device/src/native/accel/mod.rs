@@ -35,4 +35,4 @@ mod trace;
 pub use build::{BuildError, MAX_DEPTH};
 pub use mesh::{Flags, Mesh};
 pub use scene::{Instance, Scene};
-pub use trace::{Candidate, Hit, Kernel, Ray};
+pub use trace::{Bundle, Candidate, Hit, Kernel, Met, Ray};

@@ -9,7 +9,7 @@ use super::{
     build::{Hierarchy, Progress, Search},
     layout::{EMPTY, LEAF, Node},
     mesh::Mesh,
-    trace::{Candidate, Hit, Kernel, Ray},
+    trace::{Bundle, Candidate, Hit, Kernel, Met, Ray},
 };
 
 /// A mesh, placed in the world.
@@ -133,6 +133,12 @@ impl Scene {
             true => self.kernel.trace::<true>(self, ray, only, &|_| true),
             false => self.kernel.trace::<false>(self, ray, only, &|_| true),
         }
+    }
+
+    /// What rays of a bundle meet, of all instances or of one, without a filter. The same as [`any`](Self::any) for each, but
+    /// where a ray passes a triangle's edge within rounding.
+    pub fn any_of_bundle(&self, bundle: &Bundle, only: Option<u32>) -> Met {
+        self.kernel.trace_bundle(self, bundle, only)
     }
 
     /// As [`any`](Self::any), but only one instance can be hit.

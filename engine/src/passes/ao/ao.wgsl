@@ -9,6 +9,7 @@
 //!include shared/surface.wgsl
 //!include shared/traversal.wgsl
 //!include shared/occlusion.wgsl
+//!include shared/occlusion_bundles.wgsl
 
 @compute @workgroup_size(64)
 fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
@@ -41,11 +42,7 @@ fn ao(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgrou
         let site = occlusion_site(s, hit.instance, path, purpose, i);
         var traced = Occlusion(0u, 0u);
         if (ao_thread_per_hit) {
-            for (var ray_of_hit = 0u; ray_of_hit < count; ray_of_hit++) {
-                let one = occlusion(site, ray_of_hit);
-                traced.occluded += one.occluded;
-                traced.free += one.free;
-            }
+            traced = occlusion_of_all(site);
         } else if (sample < count) {
             traced = occlusion(site, sample);
         }

@@ -81,6 +81,23 @@ fn trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, any: bool, onl
     return hit;
 }
 
+// Which of up to four rays from one place meet something nearer than `t_max`. Their directions are columns of x, y and z; `asked`
+// has a bit for each. Bits 0 to 3 of the result are those that are stopped, bits 4 to 7 those that only meet what may let them
+// pass: `trace` tells. Devices that do this in Rust do it for all four at once.
+fn trace_bundle(origin: vec3f, x: vec4f, y: vec4f, z: vec4f, t_max: f32, asked: u32, only_instance: u32) -> u32 {
+    var met = 0u;
+    for (var i = 0u; i < 4u; i++) {
+        if ((asked >> i & 1u) != 0u) {
+            let hit = trace_surfaces(origin, vec3f(x[i], y[i], z[i]), 0.0, t_max, true, only_instance);
+            if (hit.triangle != MISS) {
+                let may_pass = (triangles[hit.triangle].w & (TRIANGLE_ALPHA | TRIANGLE_PROGRAM_ALPHA)) != 0u;
+                met |= 1u << select(i, i + 4u, may_pass);
+            }
+        }
+    }
+    return met;
+}
+
 // As `trace`, with every triangle opaque. With `any`, a triangle that may be transparent, by its alpha or by a texture
 // program, is reported only if it is the closest, so that a ray can go on behind it.
 fn trace_surfaces(world_origin: vec3f, world_direction: vec3f, t_min: f32, t_max: f32, any: bool, only_instance: u32) -> Hit {

@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 
 use super::{
     super::{Scene, build::Hierarchy, layout::TriangleBlock},
-    Candidate, Hit, Ray,
+    Bundle, Candidate, Hit, Met, Ray, bundle,
     lanes::{Isa, Lanes},
     levels,
     stack::Stack,
@@ -29,6 +29,12 @@ pub(super) fn trace<const ANY: bool>(
     filter: &impl Fn(&Candidate) -> bool,
 ) -> Option<Hit> {
     levels::trace::<Avx2, ANY>(Avx2(()), scene, ray, only, filter)
+}
+
+/// See [`bundle::trace`]; where [`is_available`].
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub(super) fn trace_bundle(scene: &Scene, bundle: &Bundle, only: Option<u32>) -> Met {
+    bundle::trace(Avx2(()), scene, bundle, only)
 }
 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]

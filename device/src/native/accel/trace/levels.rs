@@ -147,7 +147,7 @@ impl<S: Isa, const ANY: bool, F: Fn(&Candidate) -> bool> Visit for Blocks<'_, S,
 impl Ray {
     /// Whether its places are numbers, and finite.
     #[inline(always)]
-    fn is_finite(&self) -> bool {
+    pub(super) fn is_finite(&self) -> bool {
         let [a, b, c] = self.origin;
         let [d, e, f] = self.direction;
         let sum = (a * 0.0 + b * 0.0) + (c * 0.0 + d * 0.0) + (e * 0.0 + f * 0.0);

@@ -3,6 +3,7 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+mod bundle;
 mod lanes;
 mod levels;
 mod nodes;
@@ -26,6 +27,33 @@ pub struct Ray {
     pub t_min: f32,
     /// Hits are nearer than this.
     pub t_max: f32,
+}
+
+/// Up to four rays from one place, all as long, in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bundle {
+    /// Where they start.
+    pub origin: [f32; 3],
+    /// Where each goes: x of all, y of all, z of all.
+    pub directions: [[f32; Self::RAYS]; 3],
+    /// Hits are nearer than this, in units of the directions.
+    pub t_max: f32,
+    /// Which of the rays there are, a bit for each.
+    pub asked: u32,
+}
+
+impl Bundle {
+    /// Most rays of a bundle.
+    pub const RAYS: usize = 4;
+}
+
+/// What rays of a bundle meet, a bit for each ray.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Met {
+    /// A triangle that is not deferred.
+    pub opaque: u32,
+    /// A triangle that is: known of those rays that don't meet another one.
+    pub deferred: u32,
 }
 
 /// What a ray meets.
@@ -86,6 +114,15 @@ impl Kernel {
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => unsafe { avx2::trace::<ANY>(scene, ray, only, filter) },
             Set::Portable => portable::trace::<ANY>(scene, ray, only, filter),
+        }
+    }
+
+    pub(super) fn trace_bundle(self, scene: &Scene, bundle: &Bundle, only: Option<u32>) -> Met {
+        match self.0 {
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => unsafe { avx2::trace_bundle(scene, bundle, only) },
+            Set::Portable => portable::trace_bundle(scene, bundle, only),
         }
     }
 }

@@ -8,7 +8,7 @@ use super::{
 };
 
 /// A ray as boxes want it.
-struct Slabs<F> {
+pub(super) struct Slabs<F> {
     origin: [F; 3],
     inverse: [F; 3],
     t_min: F,
@@ -20,7 +20,7 @@ struct Slabs<F> {
 
 impl<F: Lanes<8>> Slabs<F> {
     #[inline(always)]
-    fn new(isa: F::Isa, ray: &Ray) -> Self {
+    pub(super) fn new(isa: F::Isa, ray: &Ray) -> Self {
         let [x, y, z] = ray.direction;
         let x = 1.0 / bounded_away_from_zero(x);
         let y = 1.0 / bounded_away_from_zero(y);
@@ -45,7 +45,7 @@ impl<F: Lanes<8>> Slabs<F> {
 
     /// Where the ray enters each child's box, and the mask of those that it enters.
     #[inline(always)]
-    fn intersect(&self, isa: F::Isa, node: &Node, t_max: F) -> (F, u32) {
+    pub(super) fn intersect(&self, isa: F::Isa, node: &Node, t_max: F) -> (F, u32) {
         let near = [
             self.plane(isa, node, 0, 0),
             self.plane(isa, node, 1, 0),

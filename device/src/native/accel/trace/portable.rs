@@ -4,7 +4,7 @@ use wide::{f32x4, f32x8};
 
 use super::{
     super::{Scene, build::Hierarchy, layout::TriangleBlock},
-    Candidate, Hit, Ray,
+    Bundle, Candidate, Hit, Met, Ray, bundle,
     lanes::{Isa, Lanes},
     levels,
     stack::Stack,
@@ -18,6 +18,11 @@ pub(super) fn trace<const ANY: bool>(
     filter: &impl Fn(&Candidate) -> bool,
 ) -> Option<Hit> {
     levels::trace::<Portable, ANY>(Portable, scene, ray, only, filter)
+}
+
+/// See [`bundle::trace`].
+pub(super) fn trace_bundle(scene: &Scene, bundle: &Bundle, only: Option<u32>) -> Met {
+    bundle::trace(Portable, scene, bundle, only)
 }
 
 #[derive(Clone, Copy)]
