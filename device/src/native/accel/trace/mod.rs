@@ -23,7 +23,7 @@ pub struct Ray {
     pub origin: [f32; 3],
     /// Where it goes.
     pub direction: [f32; 3],
-    /// Hits are farther than this.
+    /// Hits are farther than this, which is not negative.
     pub t_min: f32,
     /// Hits are nearer than this.
     pub t_max: f32,

@@ -10,13 +10,16 @@ use super::{
 /// A ray as boxes want it.
 pub(super) struct Slabs<F> {
     origin: [F; 3],
-    inverse: [F; 3],
+    /// Reciprocals of the direction, by which the ray meets near planes, and far ones.
+    inverse: [[F; 3]; 2],
     t_min: F,
     /// Which of a box's two planes the ray meets first, per axis.
     near: [usize; 3],
-    /// By how much the far plane is moved away.
-    widening: F,
 }
+
+/// By how much far planes are moved away: by the rounding of a subtraction and a product (Ize, "Robust BVH Ray Traversal", JCGT
+/// 2(2), 2013).
+const WIDENING: f32 = 1.000_000_5;
 
 impl<F: Lanes<8>> Slabs<F> {
     #[inline(always)]
@@ -31,15 +34,21 @@ impl<F: Lanes<8>> Slabs<F> {
                 F::splat(isa, ray.origin[1]),
                 F::splat(isa, ray.origin[2]),
             ],
-            inverse: [F::splat(isa, x), F::splat(isa, y), F::splat(isa, z)],
-            t_min: F::splat(isa, ray.t_min),
+            inverse: [
+                [F::splat(isa, x), F::splat(isa, y), F::splat(isa, z)],
+                [
+                    F::splat(isa, x * WIDENING),
+                    F::splat(isa, y * WIDENING),
+                    F::splat(isa, z * WIDENING),
+                ],
+            ],
+            // Not -0, whose bits are those of the least number.
+            t_min: F::splat(isa, ray.t_min.max(0.0) + 0.0),
             near: [
                 usize::from(x < 0.0),
                 usize::from(y < 0.0),
                 usize::from(z < 0.0),
             ],
-            // By the rounding of the operations below (Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013).
-            widening: F::splat(isa, 1.000_000_5),
         }
     }
 
@@ -56,9 +65,10 @@ impl<F: Lanes<8>> Slabs<F> {
             self.plane(isa, node, 1, 1),
             self.plane(isa, node, 2, 1),
         ];
-        let enter = near[0].max(near[1]).max(near[2].max(self.t_min));
-        let leave = far[0].min(far[1]).min(far[2].min(t_max));
-        (enter, F::mask_bits(enter.le(leave.mul(self.widening))))
+        // Of two planes behind the origin it doesn't matter which: the ray begins before the near one, and ends before a far one.
+        let enter = near[0].later(near[1]).later(near[2].later(self.t_min));
+        let leave = far[0].earlier(far[1]).earlier(far[2].earlier(t_max));
+        (enter, enter.not_after(leave))
     }
 
     /// Where the ray meets the children's planes across an axis, the nearer ones or, with `is_far`, the others.
@@ -66,7 +76,7 @@ impl<F: Lanes<8>> Slabs<F> {
     fn plane(&self, isa: F::Isa, node: &Node, axis: usize, is_far: usize) -> F {
         let plane = F::load(isa, &node.bounds[axis][(self.near[axis] ^ is_far) & 1]);
         // Subtracted before it is multiplied: rounded the other way round, near boxes far from the origin are missed.
-        plane.sub(self.origin[axis]).mul(self.inverse[axis])
+        plane.sub(self.origin[axis]).mul(self.inverse[is_far][axis])
     }
 }
 
