@@ -38,6 +38,8 @@ pub struct HostTraversal {
     first_triangles: Vec<u32>,
     /// The group of each instance.
     group_of: Vec<u32>,
+    /// Whether every surface stops rays, so that of an occluder nobody asks which one it is.
+    all_stop: bool,
     /// Instances that lie in one hierarchy with others, by themselves: made when a ray is to meet one of them alone.
     apart: Vec<OnceLock<RayScene>>,
 }
@@ -196,15 +198,25 @@ impl HostTraversal {
             first_triangles: instances.iter().map(|i| first(i.mesh)).collect(),
             apart: instances.iter().map(|_| OnceLock::new()).collect(),
             directories: groups.iter().map(Group::directory).collect(),
+            all_stop: !rules.iter().flatten().any(|rules| rules.may_let_pass),
             groups,
             group_of,
         })
     }
 
-    /// The closest hit, or any: its triangle in the mesh, its instance; of all instances, or of one.
+    /// The closest hit: its triangle in the mesh, its instance; or any, of which that is said only where it may matter. Of all
+    /// instances, or of one.
     fn trace(&self, ray: &Ray, any: bool, only: Option<u32>) -> Option<Hit> {
         let Some(only) = only else {
             let hit = self.scene.trace(ray, any, None)?;
+            if any && self.all_stop {
+                // Any number that there is: finding the right one would take longer than some rays.
+                return Some(Hit {
+                    instance: 0,
+                    triangle: 0,
+                    ..hit
+                });
+            }
             let (instance, triangle) = {
                 let group = hit.instance as usize;
                 self.groups[group].find(&self.directories[group], hit.triangle)

@@ -62,7 +62,8 @@ fn find_occluder(slot: u32) {
         path_set_words(PATH_LIGHT, slot, vec4u(bitcast<vec3u>(bitcast<vec3f>(light.xyz) * passing), light.w));
     }
     rays[ray].triangle = hit.triangle;
-    if (hit.triangle != MISS && (triangles[hit.triangle].w & TRIANGLE_PROGRAM_ALPHA) != 0u) {
+    // Where there is no such program, the triangle needn't be fetched.
+    if (has_program_shadows && hit.triangle != MISS && (triangles[hit.triangle].w & TRIANGLE_PROGRAM_ALPHA) != 0u) {
         // A texture program decides how much passes. Then the ray goes on from here.
         rays[ray].t_min = hit.t;
         rays[ray].barycentrics = hit.barycentrics;
