@@ -351,16 +351,10 @@ impl HostFunction for HostTraversal {
     }
 
     fn call(&self, arguments: &[u32], result: &mut [u32]) {
-        let numbers = |first: usize| [0, 1, 2].map(|i| f32::from_bits(arguments[first + i]));
-        let ray = Ray {
-            origin: numbers(0),
-            direction: numbers(3),
-            t_min: f32::from_bits(arguments[6]),
-            t_max: f32::from_bits(arguments[7]),
-        };
+        let ray: &Ray = bytemuck::from_bytes(bytemuck::cast_slice(&arguments[..8]));
         let (any, only) = (arguments[8] != 0, arguments[9]);
         let only = (only != RayHit::MISS).then_some(only);
-        let hit = match self.trace(&ray, any, only) {
+        let hit = match self.trace(ray, any, only) {
             Some(hit) => [
                 hit.t.to_bits(),
                 hit.u.to_bits(),

@@ -13,10 +13,12 @@ mod triangles;
 
 use std::fmt;
 
+use bytemuck::{Pod, Zeroable};
+
 use super::Scene;
 
 /// A ray, in the world. Its direction needn't have unit length: distances are in units of it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Ray {
     /// Where it starts.
