@@ -95,7 +95,7 @@ impl Image {
         let [x, y, layer] = corner;
         let row = (size[0] * self.format.texel_bytes()) as usize;
         for (y, texels) in (y..).zip(texels.chunks_exact(row)) {
-            image.texels().write(image.offset(x, y, layer), texels);
+            image.write_row([x, y, layer], texels);
         }
     }
 
@@ -105,12 +105,7 @@ impl Image {
     /// What the driver reports.
     pub fn read(&self, device: &Device) -> Result<Vec<u8>, DeviceError> {
         match (&self.texels, &device.kind) {
-            (Texels::Native(image), _) => {
-                let [width, height, _] = self.size;
-                let words = width * height * (self.format.texel_bytes() / 4);
-                let texels = image.texels().read::<[u8; 4]>(0, words as usize);
-                Ok(texels.into_flattened())
-            }
+            (Texels::Native(image), _) => Ok(image.read_rows()),
             (Texels::Gpu { .. }, Kind::Gpu(gpu)) => gpu.read_image(self),
             (Texels::Gpu { .. }, Kind::Native(_)) => {
                 unreachable!("an image is used with the device that made it")

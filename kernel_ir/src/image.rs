@@ -29,6 +29,18 @@ impl Format {
     }
 }
 
+/// Columns and rows of a tile. Texels lie tile by tile, in each row by row: of the four that an interpolation reads, most lie in one
+/// line of a cache then, and not in two pages.
+pub const TILE: u32 = 4;
+
+/// The place of a texel among all of an image's: its width and height; column, row and layer.
+pub fn texel_place([width, height]: [u32; 2], [x, y, layer]: [u32; 3]) -> u64 {
+    let [across, down] = [width, height].map(|size| u64::from(size.div_ceil(TILE)));
+    let tile_row = u64::from(layer) * down + u64::from(y / TILE);
+    let tile = tile_row * across + u64::from(x / TILE);
+    tile * u64::from(TILE * TILE) + u64::from(y % TILE * TILE + x % TILE)
+}
+
 /// What compiled code knows of an image.
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
@@ -41,6 +53,6 @@ pub struct ImageHeader {
     pub layers: u32,
     /// How a texel is stored.
     pub format: Format,
-    /// The first of them.
+    /// The first of them; the others as [`texel_place`] says.
     pub texels: *mut u32,
 }

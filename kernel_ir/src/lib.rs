@@ -21,7 +21,7 @@ pub mod rust;
 
 pub use binding::{Access, Binding, BindingKind};
 pub use error::{CompileError, ErrorKind};
-pub use image::{Format, ImageHeader};
+pub use image::{Format, ImageHeader, TILE, texel_place};
 pub use lower::{lower, with_constants};
 
 /// How a kernel becomes a program.

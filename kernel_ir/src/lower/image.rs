@@ -10,7 +10,7 @@ use super::{
     types::Part,
 };
 use crate::{
-    CompileError, ErrorKind, Format, ImageHeader,
+    CompileError, ErrorKind, Format, ImageHeader, TILE,
     ir::{Binary, Comparison, Label, Memory, Runtime, Type, Variable, context},
 };
 
@@ -81,11 +81,29 @@ impl<'m> Lowering<'m> {
                 *coordinate = self.code.binary(Binary::UnsignedMin, *coordinate, last);
             }
         }
-        let rows = self.code.binary(Binary::Multiply, place[2], sizes[1]);
-        let row = self.code.binary(Binary::Add, rows, place[1]);
-        let start = self.code.binary(Binary::Multiply, row, sizes[0]);
-        let texel = self.code.binary(Binary::Add, start, place[0]);
+        let texel = self.texel_place([sizes[0], sizes[1]], place);
         Ok(self.texel(&header, texel, ty))
+    }
+
+    /// As [`texel_place`](crate::texel_place).
+    fn texel_place(&mut self, size: [Operand; 2], place: Vec<Operand>) -> Operand {
+        let shift = int(TILE.trailing_zeros());
+        let [across, down] = size.map(|size| {
+            let padded = self.code.binary(Binary::Add, size, int(TILE - 1));
+            self.code.binary(Binary::UnsignedShiftRight, padded, shift)
+        });
+        let [column, row] = [place[0], place[1]].map(|at| {
+            let tile = self.code.binary(Binary::UnsignedShiftRight, at, shift);
+            (tile, self.code.binary(Binary::And, at, int(TILE - 1)))
+        });
+        let tile_rows = self.code.binary(Binary::Multiply, place[2], down);
+        let tile_row = self.code.binary(Binary::Add, tile_rows, row.0);
+        let first = self.code.binary(Binary::Multiply, tile_row, across);
+        let tile = self.code.binary(Binary::Add, first, column.0);
+        let rows = self.code.binary(Binary::ShiftLeft, tile, shift);
+        let rows = self.code.binary(Binary::Or, rows, row.1);
+        let start = self.code.binary(Binary::ShiftLeft, rows, shift);
+        self.code.binary(Binary::Or, start, column.1)
     }
 
     /// Four words are read where they are; other formats take a call.

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use super::{ImageHeader, ir::Runtime};
 use crate::HostFunction;
 use crate::native::image::{Format, SRGB, srgb8, unorm8};
+use kernel_ir::texel_place;
 
 /// The type of a parameter or result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -152,8 +153,7 @@ pub unsafe extern "C" fn store_texel(
     if x >= header.width || y >= header.height || layer >= header.layers {
         return;
     }
-    let row = layer as usize * header.height as usize + y as usize;
-    let texel = row * header.width as usize + x as usize;
+    let texel = texel_place([header.width, header.height], [x, y, layer]) as usize;
     let values = words.map(f32::from_bits);
     let encode = |color: fn(f32) -> u32| {
         let [r, g, b] = [values[0], values[1], values[2]].map(color);
