@@ -32,6 +32,22 @@ impl Buffer {
         self.size
     }
 
+    /// Begins to fetch what lies at byte `offset` into the caches of the calling thread's core, if kernels run there; nothing
+    /// happens elsewhere, and where there is no such byte.
+    pub fn prefetch(&self, offset: u64) {
+        if let Memory::Native(buffer) = &self.memory {
+            buffer.prefetch(offset);
+        }
+    }
+
+    /// The words at byte `offset`, if kernels run on the processor and they are there.
+    pub fn peek<const N: usize>(&self, offset: u64) -> Option<[u32; N]> {
+        match &self.memory {
+            Memory::Native(buffer) => buffer.peek(offset),
+            Memory::Gpu(_) => None,
+        }
+    }
+
     /// That of a driver. Buffers are used with the device that made them.
     pub(crate) fn gpu(&self) -> &wgpu::Buffer {
         match &self.memory {

@@ -96,6 +96,23 @@ impl Buffer {
         unsafe { std::slice::from_raw_parts(self.memory.start.as_ptr(), self.memory.words) }
     }
 
+    /// Begins to fetch the word at byte `offset`, if there is one.
+    pub fn prefetch(&self, offset: u64) {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(word) = self.words().get((offset / 4) as usize) {
+            use std::arch::x86_64::{_MM_HINT_T1, _mm_prefetch};
+            // SAFETY: there is such a word; nothing is read that anybody sees.
+            unsafe { _mm_prefetch::<_MM_HINT_T1>(std::ptr::from_ref(word).cast()) };
+        }
+    }
+
+    /// The words at byte `offset`, if they are there.
+    pub fn peek<const N: usize>(&self, offset: u64) -> Option<[u32; N]> {
+        let words = self.words().get((offset / 4) as usize..)?;
+        let words = words.first_chunk::<N>()?;
+        Some(words.each_ref().map(|word| word.load(Ordering::Relaxed)))
+    }
+
     /// Copies `values` to byte `offset`. Bytes that don't fill their last word leave zeros behind them in it.
     ///
     /// # Panics

@@ -4,6 +4,7 @@
 mod groups;
 
 use std::{
+    cell::Cell,
     collections::HashMap,
     fmt,
     ops::ControlFlow,
@@ -11,7 +12,7 @@ use std::{
 };
 
 use device::{
-    Activity, HostFunction, Resources,
+    Activity, Buffer, HostFunction, Resources,
     native::accel::{
         BuildError, Bundle, Flags, Hit, Instance, Kernel, Mesh, Met, Ray, Scene as RayScene,
     },
@@ -254,10 +255,18 @@ impl HostTraversal {
         }
     }
 
-    /// Makes it what the kernels' functions do.
+    /// Makes it what the kernels' functions do. The scene's triangles are among the resources.
     pub(super) fn set(self: &Arc<Self>, resources: &mut Resources) {
         let [surfaces, bundle] = FUNCTIONS;
-        resources.set_function(surfaces, Arc::clone(self) as _);
+        let triangles = resources.buffer("triangles").clone();
+        let vertices = resources.buffer("vertices").clone();
+        let traversal = Arc::clone(self);
+        let found = Surfaces {
+            traversal,
+            triangles,
+            vertices,
+        };
+        resources.set_function(surfaces, Arc::new(found));
         resources.set_function(bundle, Arc::new(Bundles(Arc::clone(self))));
     }
 
@@ -344,7 +353,36 @@ fn ray_flags(rules: RayRules) -> Flags {
     known
 }
 
-impl HostFunction for HostTraversal {
+/// The surfaces that rays meet.
+#[derive(Debug)]
+struct Surfaces {
+    traversal: Arc<HostTraversal>,
+    /// What kernels know of the triangles.
+    triangles: Buffer,
+    vertices: Buffer,
+}
+
+thread_local! {
+    /// The triangle that was met before the last one.
+    static LATEST: Cell<u32> = const { Cell::new(u32::MAX) };
+}
+
+impl Surfaces {
+    /// Begins to fetch what the next kernels ask of a triangle, each ray of another one: its vertices when the next ray has been traced,
+    /// for then it is known which they are.
+    #[inline]
+    fn prefetch(&self, triangle: u32) {
+        self.triangles.prefetch(16 * u64::from(triangle));
+        let before = LATEST.replace(triangle);
+        if let Some(corners) = self.triangles.peek::<3>(16 * u64::from(before)) {
+            for corner in corners {
+                self.vertices.prefetch(16 * u64::from(corner));
+            }
+        }
+    }
+}
+
+impl HostFunction for Surfaces {
     /// Origin, direction, t_min, t_max, any, only_instance; `Hit` of `hit.wgsl`.
     fn words(&self) -> [usize; 2] {
         [10, 5]
@@ -354,14 +392,22 @@ impl HostFunction for HostTraversal {
         let ray: &Ray = bytemuck::from_bytes(bytemuck::cast_slice(&arguments[..8]));
         let (any, only) = (arguments[8] != 0, arguments[9]);
         let only = (only != RayHit::MISS).then_some(only);
-        let hit = match self.trace(ray, any, only) {
-            Some(hit) => [
-                hit.t.to_bits(),
-                hit.u.to_bits(),
-                hit.v.to_bits(),
-                self.first_triangles[hit.instance as usize] + hit.triangle,
-                hit.instance,
-            ],
+        let hit = match self.traversal.trace(ray, any, only) {
+            Some(hit) => {
+                let first = self.traversal.first_triangles[hit.instance as usize];
+                let triangle = first + hit.triangle;
+                if !any {
+                    // The next kernels ask for it, each ray for another one.
+                    self.prefetch(triangle);
+                }
+                [
+                    hit.t.to_bits(),
+                    hit.u.to_bits(),
+                    hit.v.to_bits(),
+                    triangle,
+                    hit.instance,
+                ]
+            }
             None => [arguments[7], 0, 0, RayHit::MISS, 0],
         };
         result.copy_from_slice(&hit);

@@ -284,7 +284,6 @@ impl GpuScene {
         if calls_functions {
             let rules = ray_rules(scene, &program);
             let made = Arc::new(HostTraversal::new(scene, &bvh, &rules, device.activity())?);
-            made.set(resources);
             traversal = Some(made);
         }
         let (lo, hi) = scene.bounds().ok_or(BvhError::Empty)?;
@@ -328,6 +327,9 @@ impl GpuScene {
             "vertices",
             device.filled_buffer("vertices", Usage::Storage, bytemuck::cast_slice(&vertices))?,
         );
+        if let Some(traversal) = &traversal {
+            traversal.set(resources);
+        }
         resources.set_buffer(
             "instances",
             device.filled_buffer(

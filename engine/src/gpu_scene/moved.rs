@@ -121,7 +121,7 @@ impl GpuScene {
         resources: &mut Resources,
     ) -> Result<(), GpuSceneError> {
         let mut bvh = match device.traits().calls_functions {
-            true => self.show_to_host(device, scene, program, same, resources)?,
+            true => self.show_to_host(device, scene, program, same)?,
             false => {
                 let former = self.uploaded.meshes.take().unwrap_or_default();
                 let keep = |mesh: usize| former.get(mesh).filter(|_| same.is(mesh)).cloned();
@@ -163,6 +163,9 @@ impl GpuScene {
             }
         }
         self.uploaded.bvh = bvh;
+        if let Some(traversal) = &self.uploaded.traversal {
+            traversal.set(resources);
+        }
         Ok(())
     }
 
@@ -172,7 +175,6 @@ impl GpuScene {
         scene: &Scene,
         program: &dyn Fn(u32) -> ProgramTraits,
         same: &Same<'_>,
-        resources: &mut Resources,
     ) -> Result<SceneBvh, GpuSceneError> {
         let bvh = SceneBvh::in_scene_order(scene)?;
         let rules = ray_rules(scene, program);
@@ -186,9 +188,7 @@ impl GpuScene {
         });
         let traversal: Result<_, BuildError> =
             HostTraversal::with(scene, &bvh, &rules, device.activity(), former.as_ref());
-        let traversal = Arc::new(traversal?);
-        self.uploaded.traversal = Some(traversal.clone());
-        traversal.set(resources);
+        self.uploaded.traversal = Some(Arc::new(traversal?));
         Ok(bvh)
     }
 

@@ -4,6 +4,7 @@
 //! waits at its head. What all lanes have in common stays a scalar, and where all take the same way they need no masks.
 
 mod flow;
+mod groups;
 mod guards;
 mod homes;
 mod kinds;
@@ -13,6 +14,7 @@ use std::collections::HashSet;
 use crate::ir::{Function, Instruction, Invocations, Program, Type, Value, Variable};
 
 pub use flow::{Flow, Loop, Sets};
+pub use groups::{Groups, LoadGroup, StoreGroup};
 pub use guards::Guard;
 pub use homes::{Homes, ValueHome};
 pub use kinds::{Kind, Passed, Pointer, pointer};
@@ -70,6 +72,11 @@ impl Analysis {
     /// Whether a variable may be set for all lanes in a block, since none needs what it was.
     pub fn is_free(&self, block: usize, variable: Variable) -> bool {
         self.converged[block] || self.free.has(block, variable.0 as usize)
+    }
+
+    /// Which accesses of memory that lanes share are done together; of the function that this was made of.
+    pub fn groups(&self, function: &Function) -> Groups {
+        groups::groups(function, &self.flow, &self.kinds)
     }
 
     /// Whether a value is the same in all lanes, and no address.

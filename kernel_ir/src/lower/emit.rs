@@ -206,6 +206,9 @@ impl Emitter {
         if let Some(same) = fold::identity(op, a, b) {
             return same;
         }
+        if let Some((op, b)) = fold::simpler(op, b) {
+            return self.binary(op, a, b);
+        }
         // Of a constant and what isn't a number, the constant is taken: it stands second.
         let (a, b) = match (op, a) {
             (Binary::FloatMin | Binary::FloatMax, Operand::Constant(..)) => (b, a),

@@ -84,6 +84,19 @@ pub(super) fn compare(op: Comparison, x: u32, y: u32) -> bool {
     }
 }
 
+/// What does the same in fewer steps: quotients and remainders by powers of two, which vectors have no instruction for otherwise.
+pub(super) fn simpler(op: Binary, b: Operand) -> Option<(Binary, Operand)> {
+    match (op, b) {
+        (Binary::UnsignedDivide, Operand::Constant(_, by)) if by.is_power_of_two() => {
+            Some((Binary::UnsignedShiftRight, int(by.trailing_zeros())))
+        }
+        (Binary::UnsignedRemainder, Operand::Constant(_, by)) if by.is_power_of_two() => {
+            Some((Binary::And, int(by - 1)))
+        }
+        _ => None,
+    }
+}
+
 /// What an operation gives without being done. Floats are left alone: of them few identities hold.
 pub(super) fn identity(op: Binary, a: Operand, b: Operand) -> Option<Operand> {
     use Binary::{

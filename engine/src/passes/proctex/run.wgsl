@@ -192,7 +192,7 @@ fn run_textures(entry: u32, slot: u32) {
     site.instance = hit.instance;
     site.bounce = depth;
     site.kind = kind;
-    site.path = path;
+    site.sample = path.sample;
     site.ao_purpose = vertex_dimension(depth, select(DIMENSION_AO, DIMENSION_SHADOW_AO, is_shadow));
     site.occluded = occluded_rays(ray);
     site.footprint = cone_width;
@@ -200,12 +200,15 @@ fn run_textures(entry: u32, slot: u32) {
     let may_pass = (site.surface.triangle.w & TRIANGLE_PROGRAM_ALPHA) != 0u;
     var material = site.surface.triangle.w & TRIANGLE_MATERIAL;
     var flags = head_word(material, HEAD_FLAGS);
-    var choice: f32;
-    if (is_shadow) {
-        choice = random_at(path, vertex_dimension(depth, DIMENSION_SHADOW_BLEND), triangle_number(surface.triangle),
-            instances[hit.instance].source);
-    } else {
-        choice = random2(path, vertex_dimension(depth, DIMENSION_BLEND)).x;
+    // What chooses the sides of blends, for those that have one.
+    var choice = 0.0;
+    if ((flags & HEAD_IS_BLEND) != 0u) {
+        if (is_shadow) {
+            choice = random_at(path, vertex_dimension(depth, DIMENSION_SHADOW_BLEND), triangle_number(surface.triangle),
+                instances[hit.instance].source);
+        } else {
+            choice = random2(path, vertex_dimension(depth, DIMENSION_BLEND)).x;
+        }
     }
 
     // All programs run from this one loop, so that the users' functions stand in the kernel once: first those of the

@@ -2,12 +2,11 @@
 
 use super::{
     Writer,
-    groups::LoadGroup,
     operations::{atomic, of_words, to_words},
 };
 use crate::{
     ir::{AtomicOperation, Instruction, Memory, Runtime, Value},
-    lanes::{Pointer, pointer},
+    lanes::{LoadGroup, Pointer, pointer},
     rust::expression::expression,
 };
 

@@ -3,7 +3,6 @@
 //! How blocks run, [`crate::lanes`] decides. Every lane computes what the scalar code does, operation
 //! by operation, so the bits are the same; only the order in which invocations meet in atomic operations is another.
 
-mod groups;
 mod memory;
 mod operations;
 
@@ -17,9 +16,8 @@ use super::{
 };
 use crate::{
     ir::{Function, Instruction, Program, Type, Value, Variable},
-    lanes::{Analysis, ENTRY, Kind, Passed, one_invocation, pointer},
+    lanes::{Analysis, ENTRY, Groups, Kind, Passed, one_invocation, pointer},
 };
-use groups::Groups;
 use operations::{call, of_words, select, snake, to_words, vector, zero};
 
 /// Lanes of a vector.
@@ -133,7 +131,7 @@ impl<'a> Writer<'a> {
         called: Called<'a>,
         words: &mut Vec<Arc<[u32]>>,
     ) -> Option<String> {
-        let groups = groups::groups(function, &known.flow, &known.kinds);
+        let groups = known.groups(function);
         let constants = constants(function, words);
         let mut writer = Self {
             function,

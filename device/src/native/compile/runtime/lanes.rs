@@ -29,6 +29,13 @@ fn lanes(mask: &Row, mut does: impl FnMut(usize)) {
     }
 }
 
+/// Puts a word where the mask is set; all of a row is written, for it belongs to these lanes alone.
+fn fill(row: &mut Row, word: u32, mask: &Row) {
+    for (target, &is_set) in row.iter_mut().zip(mask) {
+        *target = if is_set != 0 { word } else { *target };
+    }
+}
+
 /// Rows that machine code has written.
 ///
 /// # Safety
@@ -50,6 +57,22 @@ pub(in super::super) unsafe extern "C" fn scatter(base: *mut u8, given: *mut Row
             base.add(offsets[lane] as usize)
                 .cast::<u32>()
                 .write(words[lane]);
+        });
+    }
+}
+
+/// Offsets, four rows of words, mask: stores the words that lanes have in these rows one behind the other.
+///
+/// # Safety
+/// There are four words at each offset behind the address that a lane of the mask has.
+pub(in super::super) unsafe extern "C" fn scatter_four(base: *mut u8, given: *mut Row) {
+    // SAFETY: the caller's.
+    unsafe {
+        let [offsets, x, y, z, w, mask] = rows::<6>(given);
+        lanes(mask, |lane| {
+            base.add(offsets[lane] as usize)
+                .cast::<[u32; 4]>()
+                .write([x[lane], y[lane], z[lane], w[lane]]);
         });
     }
 }
@@ -122,8 +145,12 @@ pub(in super::super) unsafe extern "C" fn own_zero(
 ) {
     // SAFETY: the caller's.
     unsafe {
-        for word in 0..bytes as usize / 4 {
-            lanes(&*mask, |lane| (*target.add(word))[lane] = 0);
+        let words = bytes as usize / 4;
+        if *mask == [u32::MAX; 8] {
+            return target.write_bytes(0, words);
+        }
+        for word in 0..words {
+            fill(&mut *target.add(word), 0, &*mask);
         }
     }
 }
@@ -142,7 +169,7 @@ pub(in super::super) unsafe extern "C" fn own_copy(
     unsafe {
         for word in 0..bytes as usize / 4 {
             let copied = source.add(word).read();
-            lanes(&*mask, |lane| (*target.add(word))[lane] = copied);
+            fill(&mut *target.add(word), copied, &*mask);
         }
     }
 }

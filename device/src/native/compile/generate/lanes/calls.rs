@@ -17,6 +17,7 @@ use crate::native::compile::{
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Helper {
     Scatter,
+    ScatterFour,
     ScatterAtomic,
     CompareExchange,
     LoadTexel,
@@ -27,6 +28,7 @@ impl Helper {
     fn address(self) -> helpers::Helper {
         match self {
             Self::Scatter => helpers::scatter,
+            Self::ScatterFour => helpers::scatter_four,
             Self::ScatterAtomic => helpers::scatter_atomic,
             Self::CompareExchange => helpers::compare_exchange,
             Self::LoadTexel => helpers::load_texel,

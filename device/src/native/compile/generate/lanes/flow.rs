@@ -127,7 +127,7 @@ impl Lanes<'_> {
                 if self.is_end(block, instruction)? {
                     break;
                 }
-                self.instruction(block, instruction)?;
+                self.instruction(block, position, instruction)?;
             }
         }
         self.scalar.builder.switch_to_block(self.end);

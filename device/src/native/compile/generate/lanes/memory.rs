@@ -1,12 +1,13 @@
 //! Memory: what lanes share, and what each has of its own, word by word, of each word the lanes.
 
 use cranelift_codegen::ir::{
-    self, InstBuilder, MemFlagsData,
-    types::{I32, I64},
+    self, Endianness, InstBuilder, MemFlagsData,
+    types::{I8X16, I32, I32X4, I64, I64X2},
 };
-use kernel_ir::lanes::{Pointer, pointer};
+use cranelift_frontend::FunctionBuilder;
+use kernel_ir::lanes::{LoadGroup, Pointer, pointer};
 
-use super::{LANES, Lanes, Pair, Refused, calls::Helper};
+use super::{LANES, Lanes, Pair, Refused, calls::Helper, unaligned};
 use crate::native::compile::ir::{Instruction, Memory, Type, Value};
 
 impl Lanes<'_> {
@@ -46,7 +47,28 @@ impl Lanes<'_> {
         Ok((place, bytes))
     }
 
-    pub(super) fn memory(&mut self, instruction: &Instruction) -> Result<(), Refused> {
+    pub(super) fn memory(
+        &mut self,
+        position: usize,
+        instruction: &Instruction,
+    ) -> Result<(), Refused> {
+        if let Some(group) = self.groups.loads.remove(&position) {
+            return self.load_group(&group);
+        }
+        if let Some(group) = self.groups.stores.remove(&position) {
+            let mut rows = vec![self.words(0)];
+            for (value, ty) in group.values {
+                let value = self.pair(value);
+                rows.push(self.words_of(ty, value));
+            }
+            let (place, bytes) = self.parts(group.base, group.offset)?;
+            rows[0] = bytes;
+            self.help(Helper::ScatterFour, place, &rows);
+            return Ok(());
+        }
+        if self.groups.done.contains(&position) {
+            return Ok(());
+        }
         match *instruction {
             Instruction::Load {
                 to,
@@ -146,8 +168,17 @@ impl Lanes<'_> {
                     let made = builder.ins().iadd(base, bytes);
                     self.make_one(to, made);
                 } else {
-                    let (index, stride) = (self.pair(index), self.words(stride));
-                    let mut made = self.each(|builder, i| builder.ins().imul(index[i], stride[i]));
+                    let index = self.pair(index);
+                    let mut made = self.each(|builder, i| match stride.is_power_of_two() {
+                        true => builder
+                            .ins()
+                            .ishl_imm_u(index[i], i64::from(stride.ilog2())),
+                        false => {
+                            let stride = builder.ins().iconst(I32, i64::from(stride));
+                            let stride = builder.ins().splat(I32X4, stride);
+                            builder.ins().imul(index[i], stride)
+                        }
+                    });
                     if known.varies {
                         let from = self.pair(base);
                         made = self.each(|builder, i| builder.ins().iadd(from[i], made[i]));
@@ -183,10 +214,71 @@ impl Lanes<'_> {
         })
     }
 
+    /// Words that stand together are one access for each lane; then rows become columns.
+    fn load_group(&mut self, group: &LoadGroup) -> Result<(), Refused> {
+        let (place, bytes) = self.parts(group.base, group.offset)?;
+        let bytes = self.and(bytes, self.mask);
+        let columns = [0, 1].map(|half| {
+            let rows = [0, 1, 2, 3].map(|lane| {
+                let builder = &mut self.scalar.builder;
+                let offset = builder.ins().extractlane(bytes[half], lane);
+                let offset = builder.ins().uextend(I64, offset);
+                let at = builder.ins().iadd(place, offset);
+                match group.words {
+                    2 => {
+                        let two = builder.ins().load(I64, unaligned(), at, 0);
+                        builder.ins().scalar_to_vector(I64X2, two)
+                    }
+                    _ => builder.ins().load(I32X4, unaligned(), at, 0),
+                }
+            });
+            self.transposed(rows)
+        });
+        for &(to, ty, word) in &group.loads {
+            let words = [0, 1].map(|half| columns[half][word as usize]);
+            let made = self.of_words(ty, words);
+            self.make(to, made);
+        }
+        Ok(())
+    }
+
+    /// Columns of four rows of words.
+    fn transposed(&mut self, [a, b, c, d]: [ir::Value; 4]) -> [ir::Value; 4] {
+        let mut shuffle = |a, b, words| shuffle(&mut self.scalar.builder, a, b, words);
+        let [low, high] = [[0, 16, 4, 20], [8, 24, 12, 28]];
+        let (ab, cd) = (shuffle(a, b, low), shuffle(c, d, low));
+        let (x, y) = (
+            shuffle(ab, cd, [0, 4, 16, 20]),
+            shuffle(ab, cd, [8, 12, 24, 28]),
+        );
+        let (ab, cd) = (shuffle(a, b, high), shuffle(c, d, high));
+        let (z, w) = (
+            shuffle(ab, cd, [0, 4, 16, 20]),
+            shuffle(ab, cd, [8, 12, 24, 28]),
+        );
+        [x, y, z, w]
+    }
+
     /// Stores words of lanes that run.
     pub(super) fn own_store(&mut self, place: ir::Value, offset: i32, words: Pair) {
         let before = self.load_row(place, offset);
         let words = self.select(self.mask, words, before);
         self.store_row(place, offset, words);
     }
+}
+
+/// A vector of the words that begin at these bytes of two others, one behind the other.
+pub(super) fn shuffle(
+    builder: &mut FunctionBuilder<'_>,
+    a: ir::Value,
+    b: ir::Value,
+    words: [u8; 4],
+) -> ir::Value {
+    let flags = MemFlagsData::new().with_endianness(Endianness::Little);
+    let bytes = words.into_iter().flat_map(|first| first..first + 4);
+    let bytes: Vec<u8> = bytes.collect();
+    let mask = builder.func.dfg.immediates.push(bytes.into());
+    let [a, b] = [a, b].map(|v| builder.ins().bitcast(I8X16, flags, v));
+    let made = builder.ins().shuffle(a, b, mask);
+    builder.ins().bitcast(I32X4, flags, made)
 }

@@ -25,7 +25,7 @@ use cranelift_codegen::{
     isa::{CallConv, TargetIsa},
 };
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext, Variable as Held};
-use kernel_ir::lanes::{Analysis, Kind, Passed, Planned};
+use kernel_ir::lanes::{Analysis, Groups, Kind, Passed, Planned};
 
 use super::function::{Writer, type_of};
 use crate::native::compile::ir::{Function, Instruction, Program, Type, Value};
@@ -118,6 +118,8 @@ struct Lanes<'a> {
     from: &'a InLanes<'a>,
     function: &'a Function,
     analysis: &'a Analysis,
+    /// Words that are read and written together.
+    groups: Groups,
     /// Of each value that lanes have of their own.
     vectors: Vec<Option<Pair>>,
     /// Of each value that isn't only used where it is made.
@@ -176,7 +178,7 @@ impl<'a> Lanes<'a> {
             .collect();
         let runs = flow::runs(analysis, builder)?;
         let end = builder.create_block();
-        let rows = 5 + calls::most_rows(function, from);
+        let rows = 6 + calls::most_rows(function, from);
         let slot = StackSlotData::new(StackSlotKind::ExplicitSlot, 32 * rows, 4);
         let handed = builder.create_sized_stack_slot(slot);
         let zero = builder.ins().iconst(I32, 0);
@@ -184,6 +186,7 @@ impl<'a> Lanes<'a> {
         Ok(Self {
             function,
             analysis,
+            groups: analysis.groups(function),
             vectors: vec![None; function.value_types.len()],
             kept,
             variables,

@@ -1,9 +1,9 @@
 //! Operations on numbers.
 
 use cranelift_codegen::ir::{
-    self, InstBuilder,
+    self, Endianness, InstBuilder, MemFlagsData,
     condcodes::{FloatCC, IntCC},
-    types::{F32X4, I32, I32X4},
+    types::{F32X4, F64X2, I32, I32X4, I64X2},
 };
 use cranelift_frontend::{FunctionBuilder, Variable as Held};
 use kernel_ir::lanes::Kind;
@@ -11,23 +11,30 @@ use kernel_ir::lanes::Kind;
 use super::{
     super::function::{Condition, comparison},
     Lanes, Pair, Refused,
+    memory::shuffle,
 };
 use crate::native::compile::ir::{Binary, Comparison, Instruction, Type, Unary, Value, Variable};
+
+/// 2^52.
+const DOUBLE: f64 = 4_503_599_627_370_496.0;
 
 impl Lanes<'_> {
     pub(super) fn instruction(
         &mut self,
         block: usize,
+        position: usize,
         instruction: &Instruction,
     ) -> Result<(), Refused> {
         if let Some(to) = instruction.result() {
+            // Others may be loaded with one that nobody needs.
             let is_needed = self.analysis.homes.values[to.0 as usize].is_used
                 || matches!(
                     instruction,
                     Instruction::Atomic { .. }
                         | Instruction::CompareExchange { .. }
                         | Instruction::CallRuntime { .. }
-                );
+                )
+                || self.groups.loads.contains_key(&position);
             if !is_needed {
                 return Ok(());
             }
@@ -95,7 +102,7 @@ impl Lanes<'_> {
             | Instruction::Atomic { .. }
             | Instruction::CompareExchange { .. }
             | Instruction::Element { .. }
-            | Instruction::Offset { .. } => self.memory(instruction),
+            | Instruction::Offset { .. } => self.memory(position, instruction),
             Instruction::Unary { to, .. }
             | Instruction::Binary { to, .. }
             | Instruction::Compare { to, .. }
@@ -181,12 +188,12 @@ impl Lanes<'_> {
             Unary::FloatBits => self.bits(a),
             Unary::BitsToFloat => self.of_words(Type::F32, a),
             Unary::BoolToInt => self.words_of(Type::Bool, a),
-            Unary::LeadingZeros | Unary::TrailingZeros | Unary::CountOnes | Unary::ReverseBits => {
+            Unary::ReverseBits => self.each(|builder, i| reverse_bits(builder, a[i])),
+            Unary::LeadingZeros | Unary::TrailingZeros | Unary::CountOnes => {
                 self.lane_by_lane(a, a, |builder, a, _| match op {
                     Unary::LeadingZeros => builder.ins().clz(a),
                     Unary::TrailingZeros => builder.ins().ctz(a),
-                    Unary::CountOnes => builder.ins().popcnt(a),
-                    _ => builder.ins().bitrev(a),
+                    _ => builder.ins().popcnt(a),
                 })
             }
             Unary::FloatToSigned => {
@@ -236,10 +243,15 @@ impl Lanes<'_> {
             Binary::SignedShiftRight => {
                 self.lane_by_lane(a, b, |builder, a, b| builder.ins().sshr(a, b))
             }
-            Binary::UnsignedDivide
-            | Binary::SignedDivide
-            | Binary::UnsignedRemainder
-            | Binary::SignedRemainder => self.divide(op, a, b),
+            Binary::UnsignedDivide => self.unsigned_quotient(a, b),
+            Binary::UnsignedRemainder => {
+                let quotient = self.unsigned_quotient(a, b);
+                self.each(|builder, i| {
+                    let product = builder.ins().imul(quotient[i], b[i]);
+                    builder.ins().isub(a[i], product)
+                })
+            }
+            Binary::SignedDivide | Binary::SignedRemainder => self.signed_divide(op, a, b),
             Binary::FloatMin | Binary::FloatMax => {
                 let less = self.each(|builder, i| match op {
                     Binary::FloatMin => builder.ins().fcmp(FloatCC::LessThan, a[i], b[i]),
@@ -252,17 +264,43 @@ impl Lanes<'_> {
         }
     }
 
+    /// By doubles: no whole number of 32 bits is so near to another that their quotient would round to it.
+    fn unsigned_quotient(&mut self, a: Pair, b: Pair) -> Pair {
+        let flags = MemFlagsData::new().with_endianness(Endianness::Little);
+        self.each(|builder, i| {
+            // A double that 2^52 was added to has a whole number in its low bits.
+            let large = builder.ins().f64const(DOUBLE);
+            let large = builder.ins().splat(F64X2, large);
+            let bits = builder.ins().bitcast(I64X2, flags, large);
+            let mut doubles = |half: ir::Value, low: bool| {
+                let wide = match low {
+                    true => builder.ins().uwiden_low(half),
+                    false => builder.ins().uwiden_high(half),
+                };
+                let sum = builder.ins().bor(wide, bits);
+                let sum = builder.ins().bitcast(F64X2, flags, sum);
+                builder.ins().fsub(sum, large)
+            };
+            let quotients = [true, false].map(|low| (doubles(a[i], low), doubles(b[i], low)));
+            let [low, high] = quotients.map(|(a, b)| {
+                let quotient = builder.ins().fdiv(a, b);
+                let quotient = builder.ins().floor(quotient);
+                let sum = builder.ins().fadd(quotient, large);
+                builder.ins().bitcast(I32X4, flags, sum)
+            });
+            shuffle(builder, low, high, [0, 8, 16, 24])
+        })
+    }
+
     /// Division traps where the divisor is zero or the quotient doesn't fit, and lanes that don't run may have anything.
-    fn divide(&mut self, op: Binary, a: Pair, b: Pair) -> Pair {
+    fn signed_divide(&mut self, op: Binary, a: Pair, b: Pair) -> Pair {
         let (zero, one) = (self.words(0), self.words(1));
         let is_zero = self.each(|builder, i| builder.ins().icmp(IntCC::Equal, b[i], zero[i]));
         let runs = self.without(self.mask, is_zero);
         let a = self.and(a, runs);
         let b = self.select(runs, b, one);
         self.lane_by_lane(a, b, |builder, a, b| match op {
-            Binary::UnsignedDivide => builder.ins().udiv(a, b),
             Binary::SignedDivide => builder.ins().sdiv(a, b),
-            Binary::UnsignedRemainder => builder.ins().urem(a, b),
             _ => builder.ins().srem(a, b),
         })
     }
@@ -288,4 +326,26 @@ impl Lanes<'_> {
             made
         })
     }
+}
+
+/// Of each of four words, by changing places of neighbours: single bits, pairs, and so on.
+fn reverse_bits(builder: &mut FunctionBuilder<'_>, words: ir::Value) -> ir::Value {
+    let mut words = words;
+    for (bits, mask) in [
+        (1, 0x5555_5555_u32),
+        (2, 0x3333_3333),
+        (4, 0x0f0f_0f0f),
+        (8, 0x00ff_00ff),
+    ] {
+        let mask = builder.ins().iconst(I32, i64::from(mask));
+        let mask = builder.ins().splat(I32X4, mask);
+        let high = builder.ins().ushr_imm_u(words, bits);
+        let high = builder.ins().band(high, mask);
+        let low = builder.ins().band(words, mask);
+        let low = builder.ins().ishl_imm_u(low, bits);
+        words = builder.ins().bor(high, low);
+    }
+    let high = builder.ins().ushr_imm_u(words, 16);
+    let low = builder.ins().ishl_imm_u(words, 16);
+    builder.ins().bor(high, low)
 }

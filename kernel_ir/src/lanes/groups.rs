@@ -1,39 +1,44 @@
 //! Words that stand together in memory are read and written together: a lane's four words are one access, and turning rows
 //! into columns costs less than as many accesses again.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use crate::{
-    ir::{Function, Instruction, Memory, Runtime, Type, Value},
-    lanes::{Flow, Kind, pointer},
-};
+use super::{Flow, Kind, pointer};
+use crate::ir::{Function, Instruction, Memory, Runtime, Type, Value};
 
 /// Loads that are done at once.
 #[derive(Debug, Clone)]
-pub(super) struct LoadGroup {
-    pub(super) base: Value,
-    pub(super) offset: i32,
+pub struct LoadGroup {
+    /// The address that they count from.
+    pub base: Value,
+    /// Of the first word, in bytes.
+    pub offset: i32,
     /// Two or four.
-    pub(super) words: i32,
-    pub(super) loads: Vec<(Value, Type, i32)>,
+    pub words: i32,
+    /// What is loaded, and which of the words it is.
+    pub loads: Vec<(Value, Type, i32)>,
 }
 
 /// Four stores that are done at once.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct StoreGroup {
-    pub(super) base: Value,
-    pub(super) offset: i32,
-    pub(super) values: [(Value, Type); 4],
+pub struct StoreGroup {
+    /// The address that they count from.
+    pub base: Value,
+    /// Of the first word, in bytes.
+    pub offset: i32,
+    /// What is stored.
+    pub values: [(Value, Type); 4],
 }
 
+/// The accesses of a function that are done with others.
 #[derive(Debug, Default)]
-pub(super) struct Groups {
+pub struct Groups {
     /// By the place of the first load.
-    pub(super) loads: HashMap<usize, LoadGroup>,
+    pub loads: HashMap<usize, LoadGroup>,
     /// By the place of the last store.
-    pub(super) stores: HashMap<usize, StoreGroup>,
-    /// Places of what has been done with another.
-    pub(super) done: std::collections::HashSet<usize>,
+    pub stores: HashMap<usize, StoreGroup>,
+    /// Places of what is done with another.
+    pub done: HashSet<usize>,
 }
 
 struct Pending {
