@@ -34,6 +34,7 @@ impl Buffer {
 
     /// Begins to fetch what lies at byte `offset` into the caches of the calling thread's core, if kernels run there; nothing
     /// happens elsewhere, and where there is no such byte.
+    #[inline]
     pub fn prefetch(&self, offset: u64) {
         if let Memory::Native(buffer) = &self.memory {
             buffer.prefetch(offset);
@@ -41,6 +42,7 @@ impl Buffer {
     }
 
     /// The words at byte `offset`, if kernels run on the processor and they are there.
+    #[inline]
     pub fn peek<const N: usize>(&self, offset: u64) -> Option<[u32; N]> {
         match &self.memory {
             Memory::Native(buffer) => buffer.peek(offset),

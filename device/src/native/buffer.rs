@@ -91,12 +91,14 @@ impl Buffer {
     }
 
     /// All words of it.
+    #[inline]
     pub fn words(&self) -> &[AtomicU32] {
         // SAFETY: `start` points to this many words, zeroed when they were allocated, which live as long as `self`.
         unsafe { std::slice::from_raw_parts(self.memory.start.as_ptr(), self.memory.words) }
     }
 
     /// Begins to fetch the word at byte `offset`, if there is one.
+    #[inline]
     pub fn prefetch(&self, offset: u64) {
         #[cfg(target_arch = "x86_64")]
         if let Some(word) = self.words().get((offset / 4) as usize) {
@@ -107,6 +109,7 @@ impl Buffer {
     }
 
     /// The words at byte `offset`, if they are there.
+    #[inline]
     pub fn peek<const N: usize>(&self, offset: u64) -> Option<[u32; N]> {
         let words = self.words().get((offset / 4) as usize..)?;
         let words = words.first_chunk::<N>()?;

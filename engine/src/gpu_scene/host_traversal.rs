@@ -207,6 +207,7 @@ impl HostTraversal {
 
     /// The closest hit: its triangle in the mesh, its instance; or any, of which that is said only where it may matter. Of all
     /// instances, or of one.
+    #[inline(always)] // a hit that is handed on in memory is waited for
     fn trace(&self, ray: &Ray, any: bool, only: Option<u32>) -> Option<Hit> {
         let Some(only) = only else {
             let hit = self.scene.trace(ray, any, None)?;
@@ -410,7 +411,9 @@ impl HostFunction for Surfaces {
             }
             None => [arguments[7], 0, 0, RayHit::MISS, 0],
         };
-        result.copy_from_slice(&hit);
+        for (word, found) in result.iter_mut().zip(hit) {
+            *word = found;
+        }
     }
 }
 

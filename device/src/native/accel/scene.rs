@@ -128,6 +128,7 @@ impl Scene {
     }
 
     /// [`closest`](Self::closest), or [`any`](Self::any), of all instances or of one, without a filter: each hit counts.
+    #[inline]
     pub fn trace(&self, ray: &Ray, any: bool, only: Option<u32>) -> Option<Hit> {
         match any {
             true => self.kernel.trace::<true>(self, ray, only, &|_| true),

@@ -48,7 +48,7 @@ pub(super) fn trace<S: Isa, const ANY: bool>(
         if start != EMPTY {
             instances.visit(start & !LEAF, ray.t_max, &mut stack);
         }
-        return instances.hit;
+        return instances.hit.as_ref().map(Hit::read_one_by_one);
     }
     // SAFETY: the builder has numbered the nodes, and they are at most `MAX_DEPTH` deep; the stack has room for two such
     // levels, and this is the first.
@@ -63,7 +63,7 @@ pub(super) fn trace<S: Isa, const ANY: bool>(
             &mut instances,
         )
     };
-    instances.hit
+    instances.hit.as_ref().map(Hit::read_one_by_one)
 }
 
 /// The leaves of the upper level.
@@ -144,6 +144,20 @@ impl<S: Isa, const ANY: bool, F: Fn(&Candidate) -> bool> Visit for Blocks<'_, S,
         let (instance, hit, filter) = (self.instance, &mut *self.hit, self.filter);
         self.line
             .intersect::<ANY>(self.isa, block, instance, t_max, hit, filter)
+    }
+}
+
+impl Hit {
+    /// A copy, as [`Ray::read_one_by_one`] makes one.
+    #[inline(always)]
+    pub(super) fn read_one_by_one(&self) -> Self {
+        Self {
+            t: black_box(self.t),
+            u: black_box(self.u),
+            v: black_box(self.v),
+            triangle: black_box(self.triangle),
+            instance: black_box(self.instance),
+        }
     }
 }
 

@@ -103,7 +103,7 @@ impl Kernel {
         Self(Set::Portable)
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn trace<const ANY: bool>(
         self,
         scene: &Scene,
@@ -111,12 +111,13 @@ impl Kernel {
         only: Option<u32>,
         filter: &impl Fn(&Candidate) -> bool,
     ) -> Option<Hit> {
-        match self.0 {
+        let hit = match self.0 {
             // SAFETY: the value exists, so the processor has these features.
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => unsafe { avx2::trace::<ANY>(scene, ray, only, filter) },
             Set::Portable => portable::trace::<ANY>(scene, ray, only, filter),
-        }
+        };
+        hit.as_ref().map(Hit::read_one_by_one)
     }
 
     pub(super) fn trace_bundle(self, scene: &Scene, bundle: &Bundle, only: Option<u32>) -> Met {

@@ -11,6 +11,7 @@ use super::{
 };
 
 /// See [`levels::trace`].
+#[inline(never)] // not into what chooses among the instruction sets
 pub(super) fn trace<const ANY: bool>(
     scene: &Scene,
     ray: &Ray,
