@@ -1,6 +1,6 @@
-//! Several samples of each pixel at once, where the film has layers: a thread that has paths of its own then touches the planes of
-//! a pixel once for all of them, instead of once for each. There may be sixty planes, which no cache of a processor holds for a whole
-//! picture.
+//! Several samples of each pixel at once: a thread that has paths of its own then finds what a few pixels show in its caches, and
+//! touches their film once for all of them, instead of once for each. Of layers it may have sixty planes, which no cache of a processor
+//! holds for a whole picture.
 //!
 //! A burst is that many samples of all pixels, block by block. Between two bursts all pixels have the same samples, as ever; within
 //! one the film itself says which blocks have them already, so that a film can be gone on with at any time.
@@ -48,8 +48,7 @@ impl Burst {
 impl Renderer {
     /// Whether samples may come in bursts. Caches learn from samples in their order.
     pub(super) fn has_bursts(&self) -> bool {
-        let has_layers = self.scene.features.film_layers;
-        has_layers && !self.lanes.is_empty() && self.settings.method == Method::Path
+        !self.lanes.is_empty() && self.settings.method == Method::Path
     }
 
     /// Renders the next wave of a burst towards so many samples per pixel; false where the next paths are in none.

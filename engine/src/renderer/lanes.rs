@@ -3,9 +3,10 @@
 //! pixel; the memory of the paths under way is each lane's own, so that threads neither wait for each other after each pass, nor
 //! count in the same words, nor write to the same cache lines.
 
+use std::ops::Range;
 use std::sync::{
     Arc,
-    atomic::{AtomicU32, Ordering},
+    atomic::{AtomicUsize, Ordering},
 };
 
 use device::{Device, DeviceError, Resources, Timer, Usage};
@@ -26,8 +27,9 @@ const MOST_PATHS: u32 = 4096;
 const APART: u32 = 16;
 /// Fewer take hardly less time, for each pass has to be begun.
 const FEWEST_PATHS: u32 = 512;
-/// Slices of a wave for each lane, so that lanes end at about the same time.
-const SLICES: u32 = 8;
+/// What is left of a wave is enough for so many slices of each lane: they shrink towards its end, so that lanes end at about the same
+/// time.
+const SLICES: u32 = 2;
 /// Rounds that are added at once for rays that texture programs let pass, and the most of them: a path that meets more
 /// such surfaces ends there.
 const PASSAGES: u32 = 4;
@@ -241,20 +243,11 @@ impl Lanes {
         plan: &Plan,
         wave: &Wave<'_>,
     ) -> Result<(), DeviceError> {
-        let even = wave.paths.div_ceil(self.list.len() as u32 * SLICES);
-        let slice = even
-            .next_multiple_of(64)
-            .clamp(FEWEST_PATHS, MOST_PATHS)
-            .min(wave.capacity);
-        let slice = wave.work.even(slice);
-        let next = AtomicU32::new(0);
+        let slices = wave.slices(self.list.len() as u32);
+        let next = AtomicUsize::new(0);
         device.side_by_side(&mut self.list, |lane| {
-            loop {
-                let first = next.fetch_add(1, Ordering::Relaxed).saturating_mul(slice);
-                if first >= wave.paths {
-                    return Ok(());
-                }
-                let paths = slice.min(wave.paths - first);
+            while let Some(slice) = slices.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let (first, paths) = (slice.start, slice.end - slice.start);
                 let frame = wave.slice(first, paths);
                 begin_wave(device, &lane.own, &frame);
                 let sizes = lane.own.buffer("dispatch_sizes");
@@ -264,6 +257,7 @@ impl Lanes {
                     device.play_alone(&recorder.finish(), &mut lane.timer)
                 })?;
             }
+            Ok(())
         })
     }
 }
@@ -298,19 +292,32 @@ pub(super) enum Work<'a> {
 }
 
 impl Work<'_> {
-    /// Paths of a slice that may be cut off so that no two slices meet at a pixel: about so many, and no more but for one block.
-    fn even(&self, paths: u32) -> u32 {
+    /// Paths that stay together, so that no two slices meet at a pixel.
+    fn together(&self) -> u32 {
         match *self {
-            Self::Range { .. } => paths,
-            Self::Lot { samples, .. } => {
-                let block = samples * BLOCK_PIXELS;
-                (paths / block).max(1) * block
-            }
+            Self::Range { .. } => BLOCK_PIXELS,
+            Self::Lot { samples, .. } => samples * BLOCK_PIXELS,
         }
     }
 }
 
 impl Wave<'_> {
+    /// What so many lanes take one after the other, as each has time.
+    fn slices(&self, lanes: u32) -> Vec<Range<u32>> {
+        let together = self.work.together();
+        let whole = |paths: u32| (paths / together).max(1) * together;
+        let most = MOST_PATHS.min(self.capacity);
+        let mut slices = Vec::new();
+        let mut first = 0;
+        while first < self.paths {
+            let left = self.paths - first;
+            let paths = whole((left / (lanes * SLICES)).clamp(FEWEST_PATHS.min(most), most));
+            slices.push(first..first + paths.min(left));
+            first += paths.min(left);
+        }
+        slices
+    }
+
     fn slice(&self, first: u32, paths: u32) -> Frame {
         let mut frame = *self.frame;
         match self.work {
