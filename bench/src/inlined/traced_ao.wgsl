@@ -14,7 +14,7 @@ fn patina_attr_AO(slot: u32) -> vec4f {
     let samples = ao_tables[table].samples;
     var s = site.surface;
     s.position = site.anchor;
-    let at = occlusion_site(s, site.instance, site.path, site.ao_purpose, table);
+    let at = occlusion_site(s, site.instance, path_id(site.slot), site.ao_purpose, table);
     let occluded = occluded_of_site(at);
     return vec4f(1.0 - f32(occluded) / max(f32(samples), 1.0));
 }

@@ -192,7 +192,7 @@ fn run_textures(entry: u32, slot: u32) {
     site.instance = hit.instance;
     site.bounce = depth;
     site.kind = kind;
-    site.sample = path.sample;
+    site.slot = slot;
     site.ao_purpose = vertex_dimension(depth, select(DIMENSION_AO, DIMENSION_SHADOW_AO, is_shadow));
     site.occluded = occluded_rays(ray);
     site.footprint = cone_width;

@@ -19,7 +19,7 @@ struct Site {
     instance: u32,
     bounce: u32,
     kind: u32, // of the ray that found it
-    sample: u32, // of the path, its place in the sequence of random numbers
+    slot: u32, // of the path
     ao_purpose: u32, // dimension of random numbers for the rays of ambient occlusion
     occluded: u32, // four counts of eight bits
     footprint: f32, // width of the ray cone, metres
@@ -163,7 +163,7 @@ fn patina_global_FrameIndex() -> vec4f {
 }
 
 fn patina_global_SampleIndex() -> vec4f {
-    return vec4f(f32(site.sample));
+    return vec4f(f32(path_id(site.slot).sample));
 }
 
 fn patina_global_Resolution() -> vec4f {
