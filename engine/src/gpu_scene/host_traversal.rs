@@ -256,7 +256,7 @@ impl HostTraversal {
         }
     }
 
-    /// Makes it what the kernels' functions do. The scene's triangles are among the resources.
+    /// Makes it what the kernels' functions do. The scene's triangles and vertices are among the resources.
     pub(super) fn set(self: &Arc<Self>, resources: &mut Resources) {
         let [surfaces, bundle] = FUNCTIONS;
         let triangles = resources.buffer("triangles").clone();
@@ -358,13 +358,13 @@ fn ray_flags(rules: RayRules) -> Flags {
 #[derive(Debug)]
 struct Surfaces {
     traversal: Arc<HostTraversal>,
-    /// What kernels know of the triangles.
+    /// What kernels ask of triangles.
     triangles: Buffer,
     vertices: Buffer,
 }
 
 thread_local! {
-    /// The triangle that was met before the last one.
+    /// The triangle that a path of this thread has met last; of which scene doesn't matter, for nothing is done but to fetch.
     static LATEST: Cell<u32> = const { Cell::new(u32::MAX) };
 }
 
@@ -398,7 +398,6 @@ impl HostFunction for Surfaces {
                 let first = self.traversal.first_triangles[hit.instance as usize];
                 let triangle = first + hit.triangle;
                 if !any {
-                    // The next kernels ask for it, each ray for another one.
                     self.prefetch(triangle);
                 }
                 [
