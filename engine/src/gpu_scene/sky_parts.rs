@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, dvec3};
 
-/// Columns and rows of parts: as in `shared/known_sky.wgsl`.
+/// Columns and rows of parts: as in `shared/sky_parts.wgsl`.
 pub(crate) const SKY_PARTS: [u32; 2] = [16, 8];
 /// Parts.
 pub(crate) const PARTS: usize = (SKY_PARTS[0] * SKY_PARTS[1]) as usize;
@@ -92,7 +92,7 @@ fn directions(turn: f32) -> Vec<Vec<(DVec3, f64)>> {
         .collect()
 }
 
-/// Appends a row of the tables that `shared/known_sky.wgsl` reads: for each part the probability that a sample goes there or to a part
+/// Appends a row of the tables that `shared/sky_parts.wgsl` reads: for each part the probability that a sample goes there or to a part
 /// before. `parts` has the probability of each by what it sends, `weights` how much of that counts; a share of `blind` goes by the
 /// former alone. From the last part that sends something on, whatever rounding has left is its own.
 pub(crate) fn push_row(rows: &mut Vec<f32>, parts: &[f64], weights: &[f64], blind: f64) {

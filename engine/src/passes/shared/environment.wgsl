@@ -2,7 +2,7 @@
 
 @group(0) @binding(19) var environment_image: texture_2d<f32>;
 // Alias cell (column | row << 16), its threshold, pdf over the unit square. Then as many rows once more: the same among the cells of each part of the sky,
-// see known_sky.wgsl, with columns and rows inside of it.
+// see sky_parts.wgsl, with columns and rows inside of it.
 @group(0) @binding(20) var environment_table: texture_2d<u32>;
 
 // Whether light comes from it.

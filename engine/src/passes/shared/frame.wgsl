@@ -55,7 +55,7 @@ struct Frame {
     crop_min: u32, // column | row << 16 of the film's first pixel in the whole picture
     crop_whole: u32, // columns | rows << 16 of the whole
     crop_blocks_x: u32, // blocks in a row of the whole; 0 where the film is the whole
-    sky_cell_scale: f32, // side of a cell in which the sky is known over its distance to the camera, see known_sky.wgsl
+    sky_cell_scale: f32, // side of a cell in which the sky is known over its distance to the camera, see sky_parts.wgsl
     caches: u32, // what caches of light there are, see CACHE_
     sobol: array<vec4u, 384>, // what four bits of an index add to three groups of four dimensions, see sobol.rs
     lot: array<vec4u, 2048>, // two in each: a block of the picture, and the first of the samples that it gets
@@ -64,7 +64,7 @@ struct Frame {
 @group(0) @binding(0) var<uniform> frame: Frame;
 
 // Bits of `caches`.
-const CACHE_SKY = 1u; // where the sky is seen, see known_sky.wgsl
+const CACHE_SKY = 1u; // where the sky is seen, see sky_parts.wgsl
 const CACHE_IRRADIANCE = 2u; // what surfaces scatter is looked up, see irradiance/look_up.wgsl
 const CACHE_GIVES = 4u; // in this wave: records are there
 

@@ -29,7 +29,7 @@ const DISTANT_EXTENT = 2u; // 1 - cos of the angular radius; 0: all light comes 
 @group(0) @binding(15) var<storage, read> lights: array<array<vec4u, 4>>;
 //!include shared/receiver.wgsl
 //!include shared/light_tree.wgsl
-//!include shared/known_sky.wgsl
+//!include shared/sky_parts.wgsl
 
 fn light_at(index: u32) -> Light {
     let w = lights[index];
@@ -57,7 +57,7 @@ fn light_groups() -> u32 {
 struct LightShares {
     environment: f32,
     other: f32, // of each of the other groups
-    sky_row: u32, // of the parts of the sky, see known_sky.wgsl
+    sky_row: u32, // of the parts of the sky, see sky_parts.wgsl
 }
 
 // `receiver` is the side that receives light, `id` the path.

@@ -12,7 +12,7 @@ use crate::gpu_scene::{
     sky_parts::{Between, PARTS, push_row, received},
 };
 
-/// Cells: as in `shared/known_sky.wgsl`.
+/// Cells: as in `shared/sky_parts.wgsl`.
 const CELLS: usize = 8192;
 /// Steps of the grid of normals by which cells are told apart: as there.
 const FACING_STEPS: u32 = 4;
