@@ -335,3 +335,46 @@ impl Wave<'_> {
         frame
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use bytemuck::Zeroable;
+
+    use super::*;
+
+    #[test]
+    fn slices_shrink_towards_the_end_and_leave_nothing_out() {
+        let range = Work::Range {
+            position: 0,
+            first_sample: 0,
+            spp: 1,
+        };
+        let lot = Work::Lot {
+            blocks: &[],
+            samples: 16,
+        };
+        let frame = Frame::zeroed();
+        for (work, together) in [(range, 64), (lot, 1024)] {
+            for (blocks, lanes) in [(1, 2), (7, 2), (57, 2), (900, 16)] {
+                let wave = Wave {
+                    frame: &frame,
+                    paths: blocks * together,
+                    work,
+                    capacity: MOST_PATHS + APART,
+                };
+                let slices = wave.slices(lanes);
+                let mut end = 0;
+                let mut former = u32::MAX;
+                for slice in slices {
+                    assert_eq!(slice.start, end);
+                    end = slice.end;
+                    let paths = end - slice.start;
+                    assert!(paths <= former.min(MOST_PATHS), "{paths} after {former}");
+                    assert!(paths.is_multiple_of(together), "{paths}");
+                    former = paths;
+                }
+                assert_eq!(end, wave.paths);
+            }
+        }
+    }
+}
