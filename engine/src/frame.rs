@@ -70,7 +70,7 @@ pub struct Frame {
     pub region_max: u32,
     environment_group: u32,
     has_halves: u32,
-    has_lot: u32,
+    lot_samples: u32,
     /// Of the whole that the picture is a part of: column in the low half, row in the high one.
     crop_min: u32,
     crop_whole: u32,
@@ -136,7 +136,7 @@ impl Frame {
             region_max,
             environment_group,
             has_halves,
-            has_lot,
+            lot_samples,
             crop_min,
             crop_whole,
             crop_blocks_x,
@@ -317,7 +317,7 @@ impl Frame {
             region_max: u32::MAX,
             environment_group: scene.environment_group,
             has_halves: u32::from(settings.halves),
-            has_lot: 0,
+            lot_samples: 0,
             crop_min: settings.crop.map_or(0, |crop| crop.left | crop.top << 16),
             crop_whole: columns | rows << 16,
             crop_blocks_x: settings.crop.map_or(0, |_| columns.div_ceil(BLOCK)),
@@ -339,7 +339,7 @@ impl Frame {
         self.first_sample = first_sample + (position / padded) as u32;
         self.wave_size = paths;
         self.sample_limit = first_sample + spp;
-        self.has_lot = 0;
+        self.lot_samples = 0;
     }
 
     /// Sets what a wave renders: so many samples of each of these blocks, at most [`LOT_BLOCKS`]; a block is its place in the
@@ -350,7 +350,7 @@ impl Frame {
         self.padded_pixels = blocks.len() as u32 * BLOCK_PIXELS;
         self.wave_size = self.padded_pixels * samples;
         self.sample_limit = u32::MAX;
-        self.has_lot = 1;
+        self.lot_samples = samples;
         self.lot[..blocks.len()].copy_from_slice(blocks);
     }
 }

@@ -46,9 +46,11 @@ impl Burst {
 }
 
 impl Renderer {
-    /// Whether samples may come in bursts. Caches learn from samples in their order.
+    /// Whether samples may come in bursts: not where a cache learns from them in their order, nor where each sample of all pixels has
+    /// photons of its own.
     pub(super) fn has_bursts(&self) -> bool {
-        !self.lanes.is_empty() && self.settings.method == Method::Path
+        let method = self.settings.method;
+        !self.lanes.is_empty() && matches!(method, Method::Path | Method::Cache)
     }
 
     /// Renders the next wave of a burst towards so many samples per pixel; false where the next paths are in none.

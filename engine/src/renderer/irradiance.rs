@@ -29,14 +29,14 @@ use self::sky::Sky;
 const RECORDS: u32 = 1 << 16;
 /// Most candidates of a pass.
 const CANDIDATES: u32 = 1 << 17;
-/// Slots of the grid, a power of two, and its references.
+/// Most slots of the grid, a power of two, and references.
 const SLOTS: u32 = 1 << 19;
-const REFERENCES: u32 = 1 << 20;
+const REFERENCES: u32 = 1 << 21;
 /// Rings and sectors of a record's gather rays at a time.
 const STRATA: [u32; 2] = [12, 40];
 /// The same where records are at most so many pixels apart: what one of them is wrong by is seen less than what a large one is.
 const FEWER_STRATA: [u32; 2] = [8, 24];
-const FEWER_BELOW: f32 = 8.0;
+const FEWER_BELOW: f32 = 5.0;
 /// How often they are gathered for each record, at most, and rays of all records for each pixel until which it is more than once.
 const MOST_TURNS: u64 = 4;
 const RAYS_OF_PIXEL: u64 = 64;
@@ -45,16 +45,16 @@ const LEAST_PIXELS: u64 = 1 << 15;
 /// Records whose rays are gathered at once.
 const AT_ONCE: u32 = 2048;
 /// Pixels between new records, pass by pass.
-const DISTANCES: [f32; 7] = [40.0, 20.0, 10.0, 5.0, 3.0, 3.0, 3.0];
+const DISTANCES: [f32; 7] = [24.0, 12.0, 6.0, 3.0, 2.0, 2.0, 2.0];
 /// Candidates within the distance of each other, about.
 const CROWD: f32 = 12.0;
 /// Added to the picture's seed: what makes the cache has other random numbers than what uses it.
 const SEED: u32 = 0x1a2b_3c4d;
 /// Radius of a record over the harmonic mean of the distances to what it sees: Ward's error bound of about as much (Ward and
 /// Heckbert 1992), less where records are used up to twice as far.
-const RADIUS_SHARE: f32 = 0.1;
+const RADIUS_SHARE: f32 = 0.05;
 /// The gradient may change the irradiance by so much of it within the radius.
-const MOST_CHANGE: f32 = 0.25;
+const MOST_CHANGE: f32 = 0.1;
 /// How far records reach over their radius when they are used: as `falloff` says.
 const FALLOFF: f32 = 0.5;
 
@@ -109,6 +109,7 @@ pub(super) struct Irradiance {
     records: Vec<Record>,
     first_level: i32,
     levels: u32,
+    mask: u32,
     falloff: f32,
     /// How often rays are gathered for the records at hand, and rays of all records so far.
     turns: u32,
@@ -173,6 +174,7 @@ impl Irradiance {
             records: Vec::new(),
             first_level: 0,
             levels: 0,
+            mask: 0,
             falloff: 1.0,
             turns: 1,
             rays: 0,
@@ -203,6 +205,7 @@ impl Irradiance {
             );
         }
         (self.first_level, self.levels) = (grid.first_level, grid.levels);
+        self.mask = grid.slots.len() as u32 - 1;
         self.falloff = falloff;
     }
 }
@@ -449,7 +452,7 @@ impl Renderer {
             first_record,
             end_record,
             candidates: CANDIDATES,
-            mask: SLOTS - 1,
+            mask: cache.mask,
             first_level: cache.first_level,
             levels: cache.levels,
             falloff: cache.falloff,

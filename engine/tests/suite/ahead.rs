@@ -231,7 +231,7 @@ fn vertices(kernel: &Kernel) -> Vec<(String, Vec<u32>)> {
                         ("directional_count", 0),
                         ("sampler", 0),
                         ("caches", 0),
-                        ("has_lot", 0),
+                        ("lot_samples", 0),
                         ("has_halves", 0),
                         ("crop_blocks_x", 0),
                         ("estimator", 0),

@@ -9,13 +9,14 @@ fn accumulate(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
     if (first >= min(frame.wave_size, frame.padded_pixels)) {
         return;
     }
-    let pixel = pixel_coordinates(path_id(first).pixel);
+    let pixel = pixel_coordinates(path_id(first_slot(first)).pixel);
     if (!is_rendered(pixel)) {
         return;
     }
     let at = pixel.y * frame.width + pixel.x;
     var sums = sums_read(at);
-    for (var slot = first; slot < frame.wave_size; slot += frame.padded_pixels) {
+    let end = end_slot(first);
+    for (var slot = first_slot(first); slot < end; slot += slot_stride()) {
         if (path_id(slot).number >= frame.sample_limit) {
             break;
         }

@@ -45,7 +45,7 @@ fn accumulate_mean(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgro
     }
     let end = last_slot(first);
     var words = layer_film[at];
-    for (var slot = first; slot < end; slot += frame.padded_pixels) {
+    for (var slot = first_slot(first); slot < end; slot += slot_stride()) {
         let value = finite_sample(layer_sum.word, slot);
         if (value != 0.0 && (layer_sum.of_surfaces == 0u || layer_sample(0u, slot) != 0.0)) {
             words = with_sample(words, value * sample_weight(slot));
@@ -63,11 +63,11 @@ fn accumulate_means(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
         return;
     }
     var at = NO_PIXEL;
-    var end = frame.wave_size;
+    var end = end_slot(first);
     var words0: vec4u;
     var words1: vec4u;
     var words2: vec4u;
-    for (var slot = first; slot < end; slot += frame.padded_pixels) {
+    for (var slot = first_slot(first); slot < end; slot += slot_stride()) {
         if (layer_sum.lit != 0u && (lit_layers(slot) & layer_sum.lit) == 0u) {
             continue;
         }
@@ -115,7 +115,7 @@ fn accumulate_first(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     if (former.x != 0u && former.x <= number) {
         return;
     }
-    for (var slot = first; slot < end; slot += frame.padded_pixels) {
+    for (var slot = first_slot(first); slot < end; slot += slot_stride()) {
         number += 1u;
         if (layer_sample(0u, slot) == 0.0 || (words.x != 0u && words.x < number)) {
             continue;

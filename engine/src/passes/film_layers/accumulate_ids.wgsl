@@ -67,7 +67,7 @@ fn accumulate_ids(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
         return;
     }
     let end = last_slot(first);
-    for (var slot = first; slot < end; slot += frame.padded_pixels) {
+    for (var slot = first_slot(first); slot < end; slot += slot_stride()) {
         let id = bitcast<u32>(layer_sample(layer_sum.word, slot));
         if (id != 0u && layer_sample(0u, slot) != 0.0) {
             count_sample(at, id);

@@ -11,8 +11,8 @@ fn own_pixel(first: u32) -> u32 {
     // Both numbers are below `padded_pixels`: no division is needed, as it is for other slots.
     let linear = frame.first_pixel + first;
     var padded = select(linear, linear - frame.padded_pixels, linear >= frame.padded_pixels);
-    if (frame.has_lot != 0u) {
-        padded = path_id(first).pixel;
+    if (frame.lot_samples != 0u) {
+        padded = path_id(first_slot(first)).pixel;
     }
     let pixel = pixel_coordinates(padded);
     return select(NO_PIXEL, pixel.y * frame.width + pixel.x, is_rendered(pixel));
@@ -20,17 +20,20 @@ fn own_pixel(first: u32) -> u32 {
 
 // The sample of a thread's first slot.
 fn own_sample(first: u32) -> u32 {
-    if (frame.has_lot != 0u) {
-        return path_id(first).number;
+    if (frame.lot_samples != 0u) {
+        return path_id(first_slot(first)).number;
     }
     return frame.first_sample + u32(frame.first_pixel + first >= frame.padded_pixels);
 }
 
-// Behind the last slot of the wave whose path is of this job: a pixel's next sample is `padded_pixels` slots further on.
+// Behind the last slot of the wave whose path is of this job.
 fn last_slot(first: u32) -> u32 {
     let sample = own_sample(first);
     if (sample >= frame.sample_limit) {
-        return first;
+        return first_slot(first);
+    }
+    if (frame.lot_samples != 0u) {
+        return first_slot(first) + min(frame.sample_limit - sample, frame.lot_samples);
     }
     if (first + frame.padded_pixels >= frame.wave_size) {
         return first + 1u;

@@ -75,6 +75,9 @@ fn record_irradiance(at: u32, own: vec4u, offset: vec3f, is_turned: bool, toward
     return max(irradiance + moved, vec3f(0.0));
 }
 
+// How much more than what lies beside a record what lies above it counts as far away.
+const STEEPNESS = 12.0;
+
 // The irradiance at a place, weighed from all records that reach there, and the sum of their weights. `facing` is the normal by
 // which records are chosen, `normal` the one that light falls on.
 fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f) -> vec4f {
@@ -83,7 +86,7 @@ fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f) -> vec4f {
     let reach = 1.0 / irradiance_settings.falloff;
     let reach2 = reach * reach;
     for (var level = 0u; level < irradiance_settings.levels; level++) {
-        let side = exp2(f32(irradiance_settings.first_level + i32(level)));
+        let side = bitcast<f32>(u32(irradiance_settings.first_level + i32(level) + 127) << 23u); // two to that power
         let references = references_of(vec3i(floor(position / side)), level);
         for (var i = references.x; i < references.y; i++) {
             let at = irradiance_references[i] * RECORD_WORDS;
@@ -98,7 +101,7 @@ fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f) -> vec4f {
             let turn = sqrt(max(1.0 - dot(facing, own_normal), 0.0)) / FARTHEST_TURN;
             // How far one lies above the other: on a plane and on a ball 0, across a step not.
             let height = abs(dot(offset, facing + own_normal)) * 0.5;
-            let apart = max(length(offset), 6.0 * height) / radius;
+            let apart = max(length(offset), STEEPNESS * height) / radius;
             let weight = 1.0 - irradiance_settings.falloff * max(apart, turn);
             if (weight > 0.0) {
                 let is_turned = dot(own_normal, normal) < 0.9999;

@@ -19,7 +19,7 @@ const RECORD_WORDS = 8u;
 const MOST_HARMONIC = 16.0;
 
 // A record's weight falls with the angle between the normals, too: this is where it has fallen to nothing, as sqrt(1 - cosine).
-const FARTHEST_TURN = 0.35; // 28.6 degrees
+const FARTHEST_TURN = 0.15; // 12.2 degrees
 
 // How the second-order harmonics of radiance become those of irradiance.
 const HARMONIC_0 = 0.282094792;

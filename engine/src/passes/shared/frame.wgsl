@@ -51,7 +51,7 @@ struct Frame {
     region_max: u32, // first column | first row << 16 behind these
     environment_group: u32, // of lights
     has_halves: u32, // whether samples come in two halves that know nothing of each other, see `path_id`
-    has_lot: u32, // whether the wave's blocks are those of `lot`, not neighbours in the picture
+    lot_samples: u32, // of each pixel, where the wave's blocks are those of `lot`, not neighbours in the picture; else 0
     crop_min: u32, // column | row << 16 of the film's first pixel in the whole picture
     crop_whole: u32, // columns | rows << 16 of the whole
     crop_blocks_x: u32, // blocks in a row of the whole; 0 where the film is the whole
@@ -79,16 +79,36 @@ struct PathId {
     key: u32, // of the pixel's random numbers under this seed
 }
 
+// Where a wave has several samples of a pixel: how many slots lie between one and the next. Those of a lot are neighbours, which
+// see the same and go the same way; else each sample of all pixels comes after the one before.
+fn slot_stride() -> u32 {
+    return select(frame.padded_pixels, 1u, frame.lot_samples != 0u);
+}
+
+// The first slot of a job of adding up, one for each pixel of the wave.
+fn first_slot(job: u32) -> u32 {
+    return job * max(frame.lot_samples, 1u);
+}
+
+// Behind the last one.
+fn end_slot(job: u32) -> u32 {
+    return select(frame.wave_size, first_slot(job + 1u), frame.lot_samples != 0u);
+}
+
 fn path_id(slot: u32) -> PathId {
+    let has_lot = frame.lot_samples != 0u;
     let linear = frame.first_pixel + slot;
-    var pixel = linear % frame.padded_pixels;
-    var number = frame.first_sample + linear / frame.padded_pixels;
-    if (frame.has_lot != 0u) {
-        let place = pixel >> 6u;
+    let divisor = select(frame.padded_pixels, frame.lot_samples, has_lot);
+    let quotient = linear / divisor;
+    let rest = linear - quotient * divisor;
+    var pixel = rest;
+    var number = frame.first_sample + quotient;
+    if (has_lot) {
+        let place = quotient >> 6u;
         let two = frame.lot[place >> 1u];
         let block = select(two.xy, two.zw, (place & 1u) != 0u);
-        pixel = (block.x << 6u) | (pixel & 63u);
-        number += block.y;
+        pixel = (block.x << 6u) | (quotient & 63u);
+        number = block.y + rest;
     }
     // Both are hashed: a plain `pixel ^ seed` would give another seed the same picture with its pixels swapped.
     let key = hash2(hash(number_in_whole(pixel)), frame.seed);

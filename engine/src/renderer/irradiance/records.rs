@@ -77,8 +77,8 @@ const MOST_LEVELS: i32 = 10;
 /// Slots that are looked at for a cell: `GRID_PROBES` of `look_up.wgsl`.
 const PROBES: u32 = 64;
 
-/// The cells of a grid that records reach into. Records of about the same reach share a level, whose cells are as wide as what
-/// they reach to, so that none is in more than eight of them.
+/// The cells of a grid that records reach into. Records of about the same reach share a level, whose cells are once to twice as wide as
+/// that: a record is in some 13 of them, and a third of what a cell names reaches a place in it.
 #[derive(Debug)]
 pub(super) struct Grid {
     /// `irradiance_grid`.
@@ -100,9 +100,9 @@ impl Grid {
     }
 
     /// Of records that reach `reach` times as far as their radius. At most so many slots, a power of two, and references: what
-    /// there is no room for isn't found.
+    /// there is no room for isn't found. It has twice as many slots as cells, so that what is looked at stays in the caches.
     pub(super) fn of(records: &[Record], reach: f32, slots: u32, references: usize) -> Self {
-        let level = |record: &Record| (2.0 * reach * record.radius).log2().ceil() as i32;
+        let level = |record: &Record| (reach * record.radius).log2().ceil() as i32;
         let last = records.iter().map(level).max().unwrap_or_default();
         let first = records.iter().map(level).min().unwrap_or_default();
         let first_level = first.max(last - MOST_LEVELS + 1);
@@ -135,6 +135,7 @@ impl Grid {
         }
         let mut numbers: Vec<u32> = cells.keys().copied().collect();
         numbers.sort_unstable();
+        let slots = slots.min((2 * numbers.len().max(1)).next_power_of_two() as u32);
         let mut grid = Self {
             slots: vec![[0; 4]; slots as usize],
             references: Vec::with_capacity(count),
