@@ -582,9 +582,13 @@ impl Renderer {
             Purpose::Photons => Some(Errand::Emit),
             Purpose::Look => Some(Errand::Look),
             Purpose::Find(_) => Some(Errand::Unseen),
-            // A picture that goes on has its samples.
-            Purpose::Learn if self.records_awaited().is_some() && self.position > 0 => {
-                Some(Errand::Unseen)
+            Purpose::Learn if self.records_awaited().is_some() => {
+                // A picture that goes on has its samples.
+                let is_seen = self.position == 0;
+                match self.scene.environment.emits {
+                    true => Some(Errand::Learn { is_seen }),
+                    false => (!is_seen).then_some(Errand::Unseen),
+                }
             }
             Purpose::Picture | Purpose::Learn | Purpose::Apart => None,
         };

@@ -237,6 +237,11 @@ pub(crate) enum Errand {
     Unseen,
     /// The same, and light samples of the sky are counted.
     Look,
+    /// The cache of scattered light learns, and light samples of the sky are counted.
+    Learn {
+        /// Whether the film gets the paths.
+        is_seen: bool,
+    },
 }
 
 /// Waves for such an errand, by the kernels of another schedule.
@@ -276,7 +281,7 @@ impl Schedule for Aside {
                 wave.run(&photons::EMIT);
                 wave.run(&advance::AFTER_BRDF);
             }
-            Errand::Unseen | Errand::Look => self.schedule.start(wave),
+            Errand::Unseen | Errand::Look | Errand::Learn { .. } => self.schedule.start(wave),
         }
     }
 
@@ -302,7 +307,7 @@ impl Schedule for Aside {
                 wave.run(&advance::AFTER_BRDF);
             }
             Errand::Unseen => self.schedule.round(wave),
-            Errand::Look => {
+            Errand::Look | Errand::Learn { .. } => {
                 self.schedule.round(wave);
                 wave.run(&irradiance::LOOK);
             }
@@ -312,7 +317,8 @@ impl Schedule for Aside {
     fn end(&self, wave: &mut dyn Run) {
         match self.errand {
             Errand::Gather => wave.run(&irradiance::END),
-            Errand::Unseen => wave.run(&light_cache::LEARN),
+            Errand::Learn { is_seen: true } => self.schedule.end(wave),
+            Errand::Unseen | Errand::Learn { is_seen: false } => wave.run(&light_cache::LEARN),
             Errand::Emit | Errand::Look => {}
         }
     }

@@ -46,6 +46,9 @@ const LEAST_PIXELS: u64 = 1 << 15;
 const AT_ONCE: u32 = 2048;
 /// Pixels between new records, pass by pass.
 const DISTANCES: [f32; 7] = [24.0, 12.0, 6.0, 3.0, 2.0, 2.0, 2.0];
+/// Of the paths that the cache of scattered light learns from, as many as this part of them look for the sky before; after that both is done
+/// by the same paths.
+const LOOKED_SHARE: u32 = 4;
 /// Candidates within the distance of each other, about.
 const CROWD: f32 = 12.0;
 /// Added to the picture's seed: what makes the cache has other random numbers than what uses it.
@@ -233,7 +236,10 @@ impl Renderer {
                 let (done, is_last) = self.prepare_wave(Purpose::Learn, done, 0, samples)?;
                 match is_last {
                     false => Phase::Learning(done),
-                    true => Phase::Finding(0, 0),
+                    true => {
+                        self.learn_sky()?;
+                        Phase::Finding(0, 0)
+                    }
                 }
             }
             Phase::Finding(pass, done) => {
@@ -279,21 +285,27 @@ impl Renderer {
         if done == 0 {
             cache.sky.begin(&self.device, &self.resources)?;
         }
-        let samples = self.samples_ahead();
+        let samples = self.samples_ahead().div_ceil(LOOKED_SHARE);
         let first_sample = self.samples_ahead() + DISTANCES.len() as u32;
         let (done, is_last) = self.prepare_wave(Purpose::Look, done, first_sample, samples)?;
         if !is_last {
             return Ok(Phase::Looking(done));
         }
-        if let Some(cache) = &self.irradiance {
-            let environment = &self.scene.environment;
+        self.learn_sky()?;
+        self.frame.set_known_sky(true);
+        Ok(Phase::Learning(0))
+    }
+
+    /// Has light samples of the sky go by what has been counted so far.
+    fn learn_sky(&self) -> Result<(), RenderError> {
+        let environment = &self.scene.environment;
+        if let Some(cache) = self.irradiance.as_ref().filter(|_| environment.emits) {
             let share = f64::from(self.frame.environment_probability());
             cache
                 .sky
                 .learn(&self.device, &self.resources, environment, share)?;
         }
-        self.frame.set_known_sky(true);
-        Ok(Phase::Learning(0))
+        Ok(())
     }
 
     /// Renders a wave of samples of all pixels, of which so many paths are done; how many are done then, and whether these are all.

@@ -12,6 +12,7 @@
 //!include shared/found_light.wgsl
 //!include shared/left.wgsl
 //!include irradiance/records.wgsl
+//!include shared/powers.wgsl
 
 @group(0) @binding(51) var<storage, read> irradiance_records: array<vec4u>;
 // Cells of a grid of several levels, found by a hash: a number by which the cell is known, or 0 where the slot is free; its first
@@ -86,7 +87,7 @@ fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f) -> vec4f {
     let reach = 1.0 / irradiance_settings.falloff;
     let reach2 = reach * reach;
     for (var level = 0u; level < irradiance_settings.levels; level++) {
-        let side = bitcast<f32>(u32(irradiance_settings.first_level + i32(level) + 127) << 23u); // two to that power
+        let side = power_of_two(irradiance_settings.first_level + i32(level));
         let references = references_of(vec3i(floor(position / side)), level);
         for (var i = references.x; i < references.y; i++) {
             let at = irradiance_references[i] * RECORD_WORDS;

@@ -4,6 +4,7 @@
 //!include shared/frame.wgsl
 //!include shared/hash.wgsl
 //!include shared/exact_sums.wgsl
+//!include shared/powers.wgsl
 
 // The Rust twin is `renderer::light_cache::Settings`.
 struct LightCacheSettings {
@@ -42,7 +43,7 @@ const NO_CELL = 0xffffffffu;
 // The side of the cells at a point: a power of two that grows with the distance to the camera.
 fn cell_side(position: vec3f) -> f32 {
     let wanted = max(distance(position, frame.camera_position) * light_cache_settings.scale, light_cache_settings.least_side);
-    return exp2(floor(log2(wanted)));
+    return power_of_two_below(wanted);
 }
 
 // The first word of the cell of a point of a surface that scatters to `view`, which is 0 where it doesn't matter, or NO_CELL where there is none.
@@ -94,7 +95,7 @@ fn cell_mean(cell: u32) -> vec4f {
         sums[i] = fma(high, 4294967296.0, low);
     }
     let is_known = count >= light_cache_settings.least_count;
-    return vec4f(sums * (exp2(f32(-CELL_BITS)) / f32(max(count, 1u))), f32(is_known));
+    return vec4f(sums * (power_of_two(-CELL_BITS) / f32(max(count, 1u))), f32(is_known));
 }
 
 fn cell_add(cell: u32, value: vec3f) {

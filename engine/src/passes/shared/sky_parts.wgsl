@@ -8,6 +8,7 @@
 //!include shared/abilities.wgsl
 //!include shared/environment.wgsl
 //!include shared/receiver.wgsl
+//!include shared/powers.wgsl
 
 // Parts of the sky: as many columns and rows of its picture. The Rust twins are in `gpu_scene::sky_parts`.
 const SKY_COLUMNS = 16u;
@@ -54,7 +55,7 @@ fn wider_sky_row(origin: vec3f, id: PathId, wider: f32) -> u32 {
 
 fn sky_cell(origin: vec3f, id: PathId, wider: f32) -> u32 {
     let wanted = max(distance(origin, frame.camera_position) * frame.sky_cell_scale, frame.bounds_radius * 0.015625);
-    let side = exp2(floor(log2(wanted))) * wider;
+    let side = power_of_two_below(wanted) * wider;
     let stream = hash2(id.key, id.sample ^ 0x3c6ef372u);
     let moved = vec3f(
         f32(stream & 1023u),
