@@ -150,7 +150,15 @@ const SETS: &[(&[&str], &[&str])] = &[
 
 /// Kernels that run eight invocations at a time where the processor has vectors for it. With `accumulate` nothing is gained: it
 /// waits for memory. The traversal calls a function of the program for each invocation, and does little beside that.
-const IN_LANES: &[&str] = &["ao", "brdf", "classify", "look_up_irradiance", "raygen"];
+const IN_LANES: &[&str] = &[
+    "ao",
+    "brdf",
+    "classify",
+    "gather_first_hit",
+    "look_up_irradiance",
+    "look_up_light",
+    "raygen",
+];
 
 /// What the functions may use of a processor; `src/lib.rs` asks whether it is there.
 const X86_64: &str = r#"#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]"#;
