@@ -183,9 +183,11 @@ impl<'a> Window<'a> {
             let at = |k: usize| from[k] + (to[k] - from[k]) * step / 10;
             self.point([at(0), at(1)]);
         }
-        self.hand(&["mouseup", "1"]);
+        // Else it may be let go before there is a picture, and there is nothing to tell of pictures while it is dragged.
         let area = self.viewport().expect("there is a window");
-        self.changes("another view", &before, area);
+        self.changes("another view while it is dragged", &before, area);
+        self.point([to[0] + 8, to[1]]);
+        self.hand(&["mouseup", "1"]);
     }
 
     /// Waits for a title.
