@@ -46,8 +46,7 @@ const LEAST_PIXELS: u64 = 1 << 15;
 const AT_ONCE: u32 = 2048;
 /// Pixels between new records, pass by pass.
 const DISTANCES: [f32; 7] = [24.0, 12.0, 6.0, 3.0, 2.0, 2.0, 2.0];
-/// Of the paths that the cache of scattered light learns from, as many as this part of them look for the sky before; after that both is done
-/// by the same paths.
+/// One path goes ahead to look where the sky is seen for so many that teach the cache of scattered light, which look for it, too.
 const LOOKED_SHARE: u32 = 4;
 /// Candidates within the distance of each other, about.
 const CROWD: f32 = 12.0;
@@ -112,6 +111,7 @@ pub(super) struct Irradiance {
     records: Vec<Record>,
     first_level: i32,
     levels: u32,
+    /// Slots of the grid less one.
     mask: u32,
     falloff: f32,
     /// How often rays are gathered for the records at hand, and rays of all records so far.

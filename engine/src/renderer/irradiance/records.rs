@@ -78,7 +78,7 @@ const MOST_LEVELS: i32 = 10;
 const PROBES: u32 = 64;
 
 /// The cells of a grid that records reach into. Records of about the same reach share a level, whose cells are once to twice as wide as
-/// that: a record is in some 13 of them, and a third of what a cell names reaches a place in it.
+/// that: a record is in some 13 of them, and a quarter of what a cell names reaches a place in it.
 #[derive(Debug)]
 pub(super) struct Grid {
     /// `irradiance_grid`.
