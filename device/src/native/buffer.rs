@@ -1,9 +1,7 @@
 //! Memory of the native device: what kernels read and write.
 
 use std::{
-    alloc::{Layout, alloc_zeroed, dealloc},
     fmt,
-    ptr::NonNull,
     sync::{
         Arc,
         atomic::{AtomicU32, Ordering},
@@ -12,8 +10,7 @@ use std::{
 
 use bytemuck::Pod;
 
-/// The start of a buffer: a line of the cache, which vectors of any width may be read from.
-const ALIGNMENT: usize = 64;
+use super::memory::Memory;
 
 /// 32-bit words that kernels read and write; clones share them.
 ///
@@ -23,31 +20,7 @@ const ALIGNMENT: usize = 64;
 #[derive(Clone)]
 pub struct Buffer {
     memory: Arc<Memory>,
-}
-
-struct Memory {
-    start: NonNull<AtomicU32>,
     words: usize,
-}
-
-// SAFETY: `Memory` owns what it points to, and hands it out as atomics alone.
-unsafe impl Send for Memory {}
-// SAFETY: as above; atomics may be shared.
-unsafe impl Sync for Memory {}
-
-impl Memory {
-    fn layout(words: usize) -> Option<Layout> {
-        // Never empty, so that there is always a word which an index can be restricted to.
-        Layout::from_size_align(words.max(4).checked_mul(4)?, ALIGNMENT).ok()
-    }
-}
-
-impl Drop for Memory {
-    fn drop(&mut self) {
-        let layout = Self::layout(self.words).expect("it was allocated with this layout");
-        // SAFETY: allocated in `Buffer::new` with the same layout; nobody else has it any more.
-        unsafe { dealloc(self.start.as_ptr().cast(), layout) };
-    }
 }
 
 /// There is not enough memory for a buffer.
@@ -66,12 +39,10 @@ impl Buffer {
     pub fn new(bytes: u64) -> Result<Self, OutOfMemory> {
         let failed = OutOfMemory { bytes };
         let words = usize::try_from(bytes.div_ceil(4)).map_err(|_| failed)?;
-        let layout = Memory::layout(words).ok_or(failed)?;
-        // SAFETY: the layout isn't empty.
-        let start = unsafe { alloc_zeroed(layout) };
-        let start = NonNull::new(start.cast::<AtomicU32>()).ok_or(failed)?;
+        let memory = words.checked_mul(4).and_then(Memory::new).ok_or(failed)?;
         Ok(Self {
-            memory: Arc::new(Memory { start, words }),
+            memory: Arc::new(memory),
+            words,
         })
     }
 
@@ -87,14 +58,14 @@ impl Buffer {
 
     /// Bytes in it: a multiple of four.
     pub fn size(&self) -> u64 {
-        self.memory.words as u64 * 4
+        self.words as u64 * 4
     }
 
     /// All words of it.
     #[inline]
     pub fn words(&self) -> &[AtomicU32] {
-        // SAFETY: `start` points to this many words, zeroed when they were allocated, which live as long as `self`.
-        unsafe { std::slice::from_raw_parts(self.memory.start.as_ptr(), self.memory.words) }
+        // SAFETY: so many words were allocated, as zeros; they live as long as `self`, and are seen as atomics alone.
+        unsafe { std::slice::from_raw_parts(self.memory.start().cast().as_ptr(), self.words) }
     }
 
     /// Begins to fetch the word at byte `offset`, if there is one.
@@ -232,7 +203,6 @@ mod tests {
         assert_eq!(other.read::<f32>(0, 2), [1.5, -2.0]);
         buffer.clear(8, 4);
         assert_eq!(buffer.read::<f32>(4, 2), [1.5, 0.0]);
-        assert_eq!(buffer.words().as_ptr() as usize % ALIGNMENT, 0);
     }
 
     #[test]

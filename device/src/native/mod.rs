@@ -33,6 +33,7 @@ pub mod buffer;
 pub mod compile;
 pub mod image;
 mod later;
+mod memory;
 mod processor;
 
 pub(crate) use self::processor::{MAX_BUFFER, NAME, Processor, describe, resource};

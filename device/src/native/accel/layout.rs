@@ -1,6 +1,6 @@
 //! The data that traversal reads.
 
-use bytemuck::Zeroable;
+use bytemuck::{Pod, Zeroable};
 
 use super::bounds::Bounds;
 
@@ -20,20 +20,22 @@ pub(super) const DEFERRED: u32 = 1 << 29;
 /// A triangle's word without flags.
 pub(super) const INDEX: u32 = DEFERRED - 1;
 
-/// Eight boxes in four cache lines, of which 32 bytes are free.
-#[derive(Debug, Clone, Copy, Zeroable)]
+/// Eight boxes in four cache lines.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// Per axis, the least and the greatest coordinate of each child. Of a child that is not there, they are inside out.
     pub(super) bounds: [[[f32; 8]; 2]; 3],
     /// Index of a node, `LEAF` and the index of what the leaf holds, or `EMPTY`.
     pub(super) children: [u32; 8],
+    pub(super) unused: [u32; 8],
 }
 
 impl Node {
     pub(super) const EMPTY: Self = Self {
         bounds: [[[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]]; 3],
         children: [EMPTY; 8],
+        unused: [0; 8],
     };
 
     /// Puts a child into a lane. Its box becomes an ulp larger, for rays in the plane of a side.
@@ -70,7 +72,7 @@ impl Node {
 }
 
 /// Triangles of a leaf, side by side.
-#[derive(Debug, Clone, Copy, Zeroable)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub(super) struct TriangleBlock {
     /// Coordinates by corner and axis.

@@ -119,7 +119,7 @@ impl Mesh {
     /// Some of its triangles by themselves, numbered from the first of them. Those that were left out stay so.
     pub fn part(&self, triangles: Range<u32>) -> Self {
         let mut found = Vec::new();
-        for block in &self.level.leaves {
+        for block in self.level.leaves.iter() {
             for (lane, &word) in block.words.iter().enumerate() {
                 let corner = |at: usize| [0, 1, 2].map(|axis| block.corners[at][axis][lane]);
                 let corners = [0, 1, 2].map(corner);

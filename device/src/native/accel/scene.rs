@@ -5,6 +5,7 @@ use std::{ops::ControlFlow, sync::Arc};
 use glam::{Affine3A, Vec3};
 
 use super::{
+    super::memory::Values,
     bounds::Reference,
     build::{Hierarchy, Progress, Search},
     layout::{EMPTY, LEAF, Node},
@@ -71,7 +72,7 @@ pub struct Scene {
     pub(super) meshes: Vec<Arc<Mesh>>,
     pub(super) instances: Vec<Instance>,
     /// Leaves are instances, by their indices.
-    pub(super) top: Vec<Node>,
+    pub(super) top: Values<Node>,
     /// Where rays begin: at the root, or at the leaf if there is only one; `EMPTY` if there is none.
     pub(super) start: u32,
     kernel: Kernel,
@@ -83,7 +84,7 @@ impl Scene {
         let mut scene = Self {
             meshes,
             instances: vec![],
-            top: vec![],
+            top: Values::default(),
             start: EMPTY,
             kernel,
         };

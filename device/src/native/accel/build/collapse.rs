@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-use bytemuck::Zeroable;
+use bytemuck::Pod;
 use rayon::prelude::*;
 
 use super::{
     super::{
+        super::memory::Values,
         bounds::Bounds,
         layout::{EMPTY, LEAF, Node},
     },
@@ -33,7 +34,7 @@ struct Part<L> {
 }
 
 /// Joins the whole tree; `leaf` makes what a leaf holds, and `search` says what to expect of that.
-pub(super) fn collapse<L: Send + Copy + Zeroable>(
+pub(super) fn collapse<L: Pod + Send + Sync>(
     tree: &Tree,
     leaf: &(impl Fn(&[u32]) -> L + Sync),
     search: &(impl Fn(&L, Bounds) -> Search + Sync),
@@ -53,10 +54,10 @@ pub(super) fn collapse<L: Send + Copy + Zeroable>(
     // All parts behind the first, each where it is to be, by all threads.
     let (first_nodes, first_leaves) = (nodes.len(), leaves.len());
     let of_parts = |length: fn(&Part<L>) -> usize| parts.iter().map(length).sum::<usize>();
-    let mut all_nodes: Vec<Node> =
-        bytemuck::zeroed_vec(first_nodes + of_parts(|part| part.nodes.len()));
-    let mut all_leaves: Vec<L> =
-        bytemuck::zeroed_vec(first_leaves + of_parts(|part| part.leaves.len()));
+    let mut all_nodes: Values<Node> =
+        Values::zeroed(first_nodes + of_parts(|part| part.nodes.len()));
+    let mut all_leaves: Values<L> =
+        Values::zeroed(first_leaves + of_parts(|part| part.leaves.len()));
     let (mut next_node, mut next_leaf) = (first_nodes, first_leaves);
     let (head_of_nodes, mut rest_of_nodes) = all_nodes.split_at_mut(first_nodes);
     let (head_of_leaves, mut rest_of_leaves) = all_leaves.split_at_mut(first_leaves);

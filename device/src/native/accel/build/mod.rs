@@ -11,9 +11,10 @@ pub(super) use order::Search;
 pub use progress::BuildError;
 pub(super) use progress::Progress;
 
-use bytemuck::Zeroable;
+use bytemuck::Pod;
 
 use super::{
+    super::memory::Values,
     bounds::{Bounds, Reference},
     layout::Node,
 };
@@ -25,8 +26,8 @@ pub const MAX_DEPTH: usize = 64;
 #[derive(Debug)]
 pub(super) struct Hierarchy<L> {
     /// The root first; nothing where there is nothing to enclose.
-    pub(super) nodes: Vec<Node>,
-    pub(super) leaves: Vec<L>,
+    pub(super) nodes: Values<Node>,
+    pub(super) leaves: Values<L>,
     pub(super) bounds: Bounds,
     /// Levels of nodes.
     pub(super) depth: usize,
@@ -34,7 +35,7 @@ pub(super) struct Hierarchy<L> {
     pub(super) search: Search,
 }
 
-impl<L: Send + Copy + Zeroable> Hierarchy<L> {
+impl<L: Pod + Send + Sync> Hierarchy<L> {
     /// Encloses what `references` refer to. A leaf holds at most `most` of them, and `leaf` makes it from their indices;
     /// `search` says what an any-hit ray has to expect of it in its box.
     ///
@@ -49,8 +50,8 @@ impl<L: Send + Copy + Zeroable> Hierarchy<L> {
     ) -> Result<Self, BuildError> {
         if references.is_empty() {
             return Ok(Self {
-                nodes: vec![],
-                leaves: vec![],
+                nodes: Values::default(),
+                leaves: Values::default(),
                 bounds: Bounds::EMPTY,
                 depth: 0,
                 search: Search::in_leaf(0.0),

@@ -5,7 +5,7 @@ use std::arch::x86_64::*;
 use super::{
     super::{Scene, build::Hierarchy, layout::TriangleBlock},
     Bundle, Candidate, Hit, Met, Ray, bundle,
-    lanes::{Isa, Lanes},
+    lanes::{Isa, Lanes, Word},
     levels,
     stack::Stack,
 };
@@ -53,6 +53,16 @@ fn in_mesh<const ANY: bool>(
     levels::in_mesh::<Avx2, ANY>(isa, mesh, ray, t_max, stack, instance, hit, filter)
 }
 
+/// An intrinsic of the features above. That each is inlined into `trace`, whose features it has, is what `inline(always)` is
+/// for.
+macro_rules! intrinsic {
+    ($call:expr) => {{
+        // SAFETY: a vector exists only where there is an `Avx2`, and that only where the processor has these features. What
+        // is loaded and stored are arrays of the vector's size.
+        unsafe { $call }
+    }};
+}
+
 /// Made by [`trace`] alone.
 #[derive(Clone, Copy)]
 pub(super) struct Avx2(());
@@ -75,17 +85,41 @@ impl Isa for Avx2 {
         // SAFETY: the value exists, so the processor has these features.
         unsafe { in_mesh::<ANY>(self, mesh, ray, t_max, stack, instance, hit, filter) }
     }
+
+    #[inline(always)]
+    fn twice(self, values: &[f32; 4]) -> F8 {
+        intrinsic!(F8(_mm256_broadcast_ps(&*values.as_ptr().cast())))
+    }
+
+    #[inline(always)]
+    fn last_first(self, values: &[u32; 8], mask: u32, to: &mut [Word; 8]) {
+        let lanes = &LAST_FIRST[mask as usize & 0xff];
+        intrinsic!({
+            let lanes = _mm256_cvtepu8_epi32(_mm_loadl_epi64(lanes.as_ptr().cast()));
+            let values = _mm256_loadu_si256(values.as_ptr().cast());
+            let ordered = _mm256_permutevar8x32_epi32(values, lanes);
+            _mm256_storeu_si256(to.as_mut_ptr().cast(), ordered);
+        });
+    }
 }
 
-/// An intrinsic of the features above. That each is inlined into `trace`, whose features it has, is what `inline(always)` is
-/// for.
-macro_rules! intrinsic {
-    ($call:expr) => {{
-        // SAFETY: a vector exists only where there is an `Avx2`, and that only where the processor has these features. What
-        // is loaded and stored are arrays of the vector's size.
-        unsafe { $call }
-    }};
-}
+/// For each mask the lanes whose bits it has, the last of them first.
+static LAST_FIRST: [[u8; 8]; 256] = {
+    let mut all = [[0; 8]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut at) = (8, 0);
+        while lane > 0 {
+            lane -= 1;
+            if mask >> lane & 1 != 0 {
+                all[mask][at] = lane as u8;
+                at += 1;
+            }
+        }
+        mask += 1;
+    }
+    all
+};
 
 macro_rules! lanes {
     ($name:ident, $n:literal, $vector:ty, $load:ident, $store:ident, $splat:ident, $add:ident, $sub:ident,

@@ -9,7 +9,7 @@ use super::{
     Bundle, Met, Ray,
     lanes::{Isa, Lanes},
     nodes::Slabs,
-    stack::Stack,
+    pending::Pending,
 };
 
 /// Some of the rays: the lowest bit of each byte, the first ray's in the lowest one. So masks of a node's children by each of the
@@ -36,8 +36,8 @@ pub(super) fn trace<S: Isa>(isa: S, scene: &Scene, bundle: &Bundle, only: Option
         Some(instance) => LEAF | (instance & !LEAF),
         None => scene.start,
     };
-    let mut memory = Stack::NEW;
-    let mut stack = Stack::new(&mut memory);
+    let mut memory = Pending::NEW;
+    let mut pending = Pending::new(&mut memory);
     if start & LEAF != 0 {
         // There is but one: no boxes to look at.
         if start != EMPTY {
@@ -45,13 +45,13 @@ pub(super) fn trace<S: Isa>(isa: S, scene: &Scene, bundle: &Bundle, only: Option
                 start & !LEAF,
                 search.asked,
                 &mut search,
-                &mut stack,
+                &mut pending,
             );
         }
         return search.met;
     }
     let asked = search.asked;
-    let bundled = Bundled::<S>::new(isa, bundle, asked);
+    let bundled = Bundled::<S>::new(isa, bundle);
     let mut leaves = Instances { isa, scene, bundle };
     // SAFETY: the builder has numbered the nodes, and they are at most `MAX_DEPTH` deep; the stack has room for two such
     // levels, and this is the first.
@@ -62,7 +62,7 @@ pub(super) fn trace<S: Isa>(isa: S, scene: &Scene, bundle: &Bundle, only: Option
             asked,
             &bundled,
             &mut search,
-            &mut stack,
+            &mut pending,
             &mut leaves,
         )
     };
@@ -78,7 +78,7 @@ struct Search {
 
 /// What is done at leaves. Not a closure, as in `nodes`.
 trait Leaves {
-    fn visit(&mut self, leaf: u32, rays: Rays4, search: &mut Search, stack: &mut Stack<'_>);
+    fn visit(&mut self, leaf: u32, rays: Rays4, search: &mut Search, pending: &mut Pending<'_>);
 }
 
 /// The leaves of the upper level.
@@ -90,7 +90,7 @@ struct Instances<'a, S> {
 
 impl<S: Isa> Leaves for Instances<'_, S> {
     #[inline(always)]
-    fn visit(&mut self, index: u32, rays: Rays4, search: &mut Search, stack: &mut Stack<'_>) {
+    fn visit(&mut self, index: u32, rays: Rays4, search: &mut Search, pending: &mut Pending<'_>) {
         // All that the hierarchy names are there, but a single one needn't be.
         let Some(instance) = self.scene.instances.get(index as usize) else {
             return;
@@ -104,7 +104,7 @@ impl<S: Isa> Leaves for Instances<'_, S> {
         if mesh.level.nodes.is_empty() || rays == 0 {
             return;
         }
-        let bundled = Bundled::<S>::new(self.isa, &bundle, rays);
+        let bundled = Bundled::<S>::new(self.isa, &bundle);
         let mut leaves = Blocks {
             bundled: &bundled,
             blocks: &mesh.level.leaves,
@@ -118,7 +118,7 @@ impl<S: Isa> Leaves for Instances<'_, S> {
                 rays,
                 &bundled,
                 search,
-                stack,
+                pending,
                 &mut leaves,
             );
         }
@@ -133,7 +133,7 @@ struct Blocks<'a, S: Isa> {
 
 impl<S: Isa> Leaves for Blocks<'_, S> {
     #[inline(always)]
-    fn visit(&mut self, block: u32, rays: Rays4, search: &mut Search, _: &mut Stack<'_>) {
+    fn visit(&mut self, block: u32, rays: Rays4, search: &mut Search, _: &mut Pending<'_>) {
         debug_assert!((block as usize) < self.blocks.len());
         // SAFETY: leaves are numbered by the builder as they are made.
         let block = unsafe { self.blocks.get_unchecked(block as usize) };
@@ -152,35 +152,32 @@ unsafe fn descend<S: Isa>(
     rays: Rays4,
     bundled: &Bundled<S>,
     search: &mut Search,
-    stack: &mut Stack<'_>,
+    pending: &mut Pending<'_>,
     leaves: &mut impl Leaves,
 ) {
-    let floor = stack.height();
+    let floor = pending.height();
     let (mut current, mut those) = (start, rays);
     loop {
-        while current & LEAF == 0 {
+        if current & LEAF == 0 {
             debug_assert!((current as usize) < nodes.len());
             // SAFETY: the caller has made sure.
             let node = unsafe { nodes.get_unchecked(current as usize) };
             let entered = bundled.enter(node, those);
-            let children = (entered | entered >> 8 | entered >> 16 | entered >> 24) & 0xff;
-            if children == 0 {
-                current = EMPTY;
-                break;
+            let mut by = [0; 8];
+            for (child, by) in by.iter_mut().enumerate() {
+                *by = entered >> child & ALL;
             }
+            let children = (entered | entered >> 8 | entered >> 16 | entered >> 24) & 0xff;
             // SAFETY: the caller has made sure.
-            unsafe { stack.push_rest(&node.children, entered, children) };
-            let first = children.trailing_zeros() as usize & 7;
-            (current, those) = (node.children[first], entered >> first & ALL);
-        }
-        if current != EMPTY {
-            leaves.visit(current & !LEAF, those, search, stack);
+            unsafe { pending.push(bundled.isa, &node.children, &by, children) };
+        } else {
+            leaves.visit(current & !LEAF, those, search, pending);
             if search.asked == 0 {
                 return;
             }
         }
         loop {
-            let Some((child, by)) = stack.pop_any(floor) else {
+            let Some((child, by)) = pending.pop(floor) else {
                 return;
             };
             (current, those) = (child, by & search.asked);
@@ -196,91 +193,67 @@ struct Bundled<S: Isa> {
     isa: S,
     slabs: [Slabs<S::F8>; Bundle::RAYS],
     limit: S::F8,
-    /// The box around all that they can meet.
-    around: [[S::F8; 3]; 2],
-    origin: [S::F4; 3],
-    directions: [[f32; Bundle::RAYS]; 3],
-    t_max: S::F4,
+    origin: [S::F8; 3],
+    /// Of two rays at a time: four times the one's, four times the other's.
+    directions: [[S::F8; 3]; Bundle::RAYS / 2],
 }
 
 impl<S: Isa> Bundled<S> {
     #[inline(always)]
-    fn new(isa: S, bundle: &Bundle, asked: Rays4) -> Self {
-        let [mut low, mut high] = [bundle.origin; 2];
-        for number in 0..Bundle::RAYS {
-            if asked >> (8 * number) & 1 == 0 {
-                continue;
-            }
-            for axis in 0..3 {
-                // The minimum leaves out what isn't a number: zero times a ray without an end.
-                let end = bundle.origin[axis] + bundle.directions[axis][number] * bundle.t_max;
-                low[axis] = low[axis].min(end);
-                high[axis] = high[axis].max(end);
-            }
-        }
-        let eight = |x: f32| S::F8::splat(isa, x);
+    fn new(isa: S, bundle: &Bundle) -> Self {
         let [x, y, z] = bundle.origin;
         Self {
             isa,
             slabs: [
-                Slabs::new(isa, &bundle.ray(0)),
-                Slabs::new(isa, &bundle.ray(1)),
-                Slabs::new(isa, &bundle.ray(2)),
-                Slabs::new(isa, &bundle.ray(3)),
+                Slabs::new(isa, &bundle.ray(0)).unforeseen(),
+                Slabs::new(isa, &bundle.ray(1)).unforeseen(),
+                Slabs::new(isa, &bundle.ray(2)).unforeseen(),
+                Slabs::new(isa, &bundle.ray(3)).unforeseen(),
             ],
-            limit: eight(bundle.t_max),
-            around: [
-                [eight(low[0]), eight(low[1]), eight(low[2])],
-                [eight(high[0]), eight(high[1]), eight(high[2])],
-            ],
+            limit: S::F8::splat(isa, bundle.t_max),
             origin: [
-                S::F4::splat(isa, x),
-                S::F4::splat(isa, y),
-                S::F4::splat(isa, z),
+                S::F8::splat(isa, x),
+                S::F8::splat(isa, y),
+                S::F8::splat(isa, z),
             ],
-            directions: bundle.directions,
-            t_max: S::F4::splat(isa, bundle.t_max),
+            directions: [bundle.pair(isa, 0), bundle.pair(isa, 2)],
         }
     }
 
-    /// The children of a node that each of `rays` enters, in its byte.
+    /// The children of a node that each of `rays` enters, in its byte. All rays are looked at whether they are asked about or not: to choose
+    /// among them takes longer.
     #[inline(always)]
     fn enter(&self, node: &Node, rays: Rays4) -> u32 {
-        let near = [
-            self.overlap(node, 0),
-            self.overlap(node, 1),
-            self.overlap(node, 2),
+        let planes = [
+            self.planes(node, 0),
+            self.planes(node, 1),
+            self.planes(node, 2),
         ];
-        let near = S::F8::mask_bits(S::F8::both(near[0], S::F8::both(near[1], near[2])));
-        let mut entered = 0;
-        if near != 0 {
-            for (number, slabs) in self.slabs.iter().enumerate() {
-                if rays >> (8 * number) & 1 != 0 {
-                    entered |= slabs.intersect(self.isa, node, self.limit).1 << (8 * number);
-                }
-            }
-        }
-        entered
+        let [a, b, c, d] = &self.slabs;
+        let entered = a.enters(&planes, self.limit)
+            | b.enters(&planes, self.limit) << 8
+            | c.enters(&planes, self.limit) << 16
+            | d.enters(&planes, self.limit) << 24;
+        entered & rays * 0xff
     }
 
-    /// Which children's boxes overlap that of the rays along an axis.
+    /// The planes of a node's boxes across an axis, seen from the origin.
     #[inline(always)]
-    fn overlap(&self, node: &Node, axis: usize) -> <S::F8 as Lanes<8>>::Mask {
-        let [low, high] = &self.around;
+    fn planes(&self, node: &Node, axis: usize) -> [S::F8; 2] {
         let [least, most] = &node.bounds[axis];
-        S::F8::both(
-            S::F8::load(self.isa, least).le(high[axis]),
-            low[axis].le(S::F8::load(self.isa, most)),
-        )
+        [
+            S::F8::load(self.isa, least).sub(self.origin[axis]),
+            S::F8::load(self.isa, most).sub(self.origin[axis]),
+        ]
     }
 
-    /// A corner of a block's triangles, seen from the origin.
+    /// A corner of a block's triangles, seen from the origin, twice.
     #[inline(always)]
-    fn corner(&self, corners: &[[f32; WIDTH]; 3]) -> [S::F4; 3] {
+    fn corner(&self, corners: &[[f32; WIDTH]; 3]) -> [S::F8; 3] {
         [
-            S::F4::load(self.isa, &corners[0]).sub(self.origin[0]),
-            S::F4::load(self.isa, &corners[1]).sub(self.origin[1]),
-            S::F4::load(self.isa, &corners[2]).sub(self.origin[2]),
+            self.isa.twice(&corners[0]).sub(self.origin[0]),
+            self.isa.twice(&corners[1]).sub(self.origin[1]),
+            self.isa.twice(&corners[2]).sub(self.origin[2]),
         ]
     }
 
@@ -295,41 +268,40 @@ impl<S: Isa> Bundled<S> {
         let c = self.corner(&block.corners[2]);
         let (u, v, w) = (cross(c, b), cross(a, c), cross(b, a));
         let volume = dot(a, u);
-        let words = S::F4::load_bits(isa, &block.words);
-        let zero = S::F4::splat(isa, 0.0);
-        for number in 0..Bundle::RAYS {
+        let words = isa.twice(bytemuck::cast_ref(&block.words));
+        let zero = S::F8::splat(isa, 0.0);
+        // Of each ray which of the four triangles it meets.
+        let mut meets = 0;
+        for (pair, &direction) in self.directions.iter().enumerate() {
+            let (u, v, w) = (dot(direction, u), dot(direction, v), dot(direction, w));
+            let determinant = u.add(v).add(w);
+            let sign = determinant.and(S::F8::splat(isa, -0.0));
+            let size = determinant.xor(sign);
+            let t = volume.xor(sign);
+            let is_inside = S::F8::both(
+                zero.le(u.xor(sign)),
+                S::F8::both(zero.le(v.xor(sign)), zero.le(w.xor(sign))),
+            );
+            let is_between = S::F8::both(zero.lt(t), t.lt(size.mul(self.limit)));
+            // The flag of single-sided triangles is the highest bit, as is a sign.
+            let is_culled = sign.and(words).sign_bits();
+            let those = S::F8::mask_bits(S::F8::both(is_inside, is_between)) & !is_culled;
+            meets |= those << (2 * WIDTH * pair);
+        }
+        while meets != 0 {
+            let (number, lane) = (
+                meets.trailing_zeros() as usize / WIDTH,
+                meets.trailing_zeros() as usize % WIDTH,
+            );
+            meets &= meets - 1;
             if rays >> (8 * number) & 1 == 0 {
                 continue;
             }
-            let [x, y, z] = &self.directions;
-            let direction = [
-                S::F4::splat(isa, x[number]),
-                S::F4::splat(isa, y[number]),
-                S::F4::splat(isa, z[number]),
-            ];
-            let (u, v, w) = (dot(direction, u), dot(direction, v), dot(direction, w));
-            let determinant = u.add(v).add(w);
-            let sign = determinant.and(S::F4::splat(isa, -0.0));
-            let size = determinant.xor(sign);
-            let t = volume.xor(sign);
-            let is_inside = S::F4::both(
-                zero.le(u.xor(sign)),
-                S::F4::both(zero.le(v.xor(sign)), zero.le(w.xor(sign))),
-            );
-            let is_between = S::F4::both(zero.lt(t), t.lt(size.mul(self.t_max)));
-            // The flag of single-sided triangles is the highest bit, as is a sign.
-            let is_culled = sign.and(words).sign_bits();
-            let mut mask = S::F4::mask_bits(S::F4::both(is_inside, is_between)) & !is_culled;
-            while mask != 0 {
-                let lane = mask.trailing_zeros() as usize & (WIDTH - 1);
-                mask &= mask - 1;
-                if block.words[lane] & DEFERRED != 0 {
-                    search.met.deferred |= 1 << number;
-                } else {
-                    search.met.opaque |= 1 << number;
-                    search.asked &= !(1 << (8 * number));
-                    break;
-                }
+            if block.words[lane] & DEFERRED != 0 {
+                search.met.deferred |= 1 << number;
+            } else {
+                search.met.opaque |= 1 << number;
+                search.asked &= !(1 << (8 * number));
             }
         }
     }
@@ -337,7 +309,7 @@ impl<S: Isa> Bundled<S> {
 
 /// Of corners p and q: the same but for the sign if they change places, which it wouldn't be if one product were not rounded.
 #[inline(always)]
-fn cross<F: Lanes<WIDTH>>(p: [F; 3], q: [F; 3]) -> [F; 3] {
+fn cross<F: Lanes<8>>(p: [F; 3], q: [F; 3]) -> [F; 3] {
     [
         p[1].mul(q[2]).sub(p[2].mul(q[1])),
         p[2].mul(q[0]).sub(p[0].mul(q[2])),
@@ -346,8 +318,13 @@ fn cross<F: Lanes<WIDTH>>(p: [F; 3], q: [F; 3]) -> [F; 3] {
 }
 
 #[inline(always)]
-fn dot<F: Lanes<WIDTH>>(p: [F; 3], q: [F; 3]) -> F {
+fn dot<F: Lanes<8>>(p: [F; 3], q: [F; 3]) -> F {
     p[0].mul_add(q[0], p[1].mul_add(q[1], p[2].mul(q[2])))
+}
+
+#[inline(always)]
+fn halves<S: Isa>(isa: S, a: f32, b: f32) -> S::F8 {
+    S::F8::load(isa, &[a, a, a, a, b, b, b, b])
 }
 
 /// The rays whose places are numbers, and finite.
@@ -374,6 +351,17 @@ impl Bundle {
     fn direction(&self, number: usize) -> [f32; 3] {
         let [x, y, z] = &self.directions;
         [x[number], y[number], z[number]]
+    }
+
+    /// The directions of two rays, along each axis: the one's in four lanes, the other's in the other four.
+    #[inline(always)]
+    fn pair<S: Isa>(&self, isa: S, first: usize) -> [S::F8; 3] {
+        let [x, y, z] = &self.directions;
+        [
+            halves(isa, x[first], x[first + 1]),
+            halves(isa, y[first], y[first + 1]),
+            halves(isa, z[first], z[first + 1]),
+        ]
     }
 
     /// As the mesh sees it; distances stay the same.

@@ -1,5 +1,7 @@
 //! Vectors of four and eight floats, as traversal uses them.
 
+use std::mem::MaybeUninit;
+
 use super::{
     super::{build::Hierarchy, layout::TriangleBlock},
     Candidate, Hit, Ray,
@@ -26,7 +28,16 @@ pub(super) trait Isa: Copy {
         hit: &mut Option<Hit>,
         filter: &impl Fn(&Candidate) -> bool,
     ) -> Option<f32>;
+
+    /// Four floats, and the same four again.
+    fn twice(self, values: &[f32; 4]) -> Self::F8;
+
+    /// Writes the values whose bits are in `mask`, the last of them first; what comes after them is anything.
+    fn last_first(self, values: &[u32; 8], mask: u32, to: &mut [Word; 8]);
 }
+
+/// A word that is written.
+pub(super) type Word = MaybeUninit<u32>;
 
 /// A vector of `N` floats.
 pub(super) trait Lanes<const N: usize>: Copy {

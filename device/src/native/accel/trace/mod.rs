@@ -7,6 +7,7 @@ mod bundle;
 mod lanes;
 mod levels;
 mod nodes;
+mod pending;
 mod portable;
 mod stack;
 mod triangles;

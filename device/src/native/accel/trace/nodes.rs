@@ -1,5 +1,7 @@
 //! A ray on its way through the nodes of one level.
 
+use std::hint::black_box;
+
 use super::{
     super::layout::{EMPTY, LEAF, Node},
     Ray,
@@ -50,6 +52,40 @@ impl<F: Lanes<8>> Slabs<F> {
                 usize::from(z < 0.0),
             ],
         }
+    }
+
+    /// Of a node's planes from `origin`, which is the ray's: which children's boxes the ray enters.
+    #[inline(always)]
+    pub(super) fn enters(&self, planes: &[[F; 2]; 3], t_max: F) -> u32 {
+        let enter = [
+            self.reach(planes, 0, 0),
+            self.reach(planes, 1, 0),
+            self.reach(planes, 2, 0),
+        ];
+        let leave = [
+            self.reach(planes, 0, 1),
+            self.reach(planes, 1, 1),
+            self.reach(planes, 2, 1),
+        ];
+        let enter = enter[0].later(enter[1]).later(enter[2].later(self.t_min));
+        let leave = leave[0].earlier(leave[1]).earlier(leave[2].earlier(t_max));
+        enter.not_after(leave)
+    }
+
+    /// The same, so that the compiler doesn't know which planes are near. It makes a choice of two planes a branch, else, and
+    /// rays of a bundle choose differently.
+    #[inline(always)]
+    pub(super) fn unforeseen(self) -> Self {
+        let [x, y, z] = self.near;
+        Self {
+            near: [black_box(x), black_box(y), black_box(z)],
+            ..self
+        }
+    }
+
+    #[inline(always)]
+    fn reach(&self, planes: &[[F; 2]; 3], axis: usize, is_far: usize) -> F {
+        planes[axis][(self.near[axis] ^ is_far) & 1].mul(self.inverse[is_far][axis])
     }
 
     /// Where the ray enters each child's box, and the mask of those that it enters.

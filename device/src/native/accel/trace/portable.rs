@@ -5,7 +5,7 @@ use wide::{f32x4, f32x8};
 use super::{
     super::{Scene, build::Hierarchy, layout::TriangleBlock},
     Bundle, Candidate, Hit, Met, Ray, bundle,
-    lanes::{Isa, Lanes},
+    lanes::{Isa, Lanes, Word},
     levels,
     stack::Stack,
 };
@@ -45,6 +45,22 @@ impl Isa for Portable {
         filter: &impl Fn(&Candidate) -> bool,
     ) -> Option<f32> {
         levels::in_mesh::<Self, ANY>(self, mesh, ray, t_max, stack, instance, hit, filter)
+    }
+
+    #[inline(always)]
+    fn twice(self, &[a, b, c, d]: &[f32; 4]) -> F8 {
+        F8(f32x8::new([a, b, c, d, a, b, c, d]))
+    }
+
+    #[inline(always)]
+    fn last_first(self, values: &[u32; 8], mask: u32, to: &mut [Word; 8]) {
+        let mut at = 0;
+        for (lane, &value) in values.iter().enumerate().rev() {
+            if mask >> lane & 1 != 0 {
+                to[at].write(value);
+                at += 1;
+            }
+        }
     }
 }
 

@@ -103,39 +103,6 @@ impl<'a> Stack<'a> {
         unsafe { to.add(placed).read() as u32 }
     }
 
-    /// Puts the children in `mask` but for the first onto the stack, the next on top, each with the bytes of `entered` whose bits
-    /// it has.
-    ///
-    /// # Safety
-    /// There is room for seven.
-    #[inline(always)]
-    pub(super) unsafe fn push_rest(&mut self, children: &[u32; 8], entered: u32, mask: u32) {
-        debug_assert!(self.top + 7 <= SIZE);
-        let mut rest = mask & mask.wrapping_sub(1);
-        while rest != 0 {
-            let lane = 31 - rest.leading_zeros();
-            rest ^= 1 << lane;
-            let by = entered >> lane & 0x0101_0101;
-            let entry = u64::from(by) << 32 | u64::from(children[lane as usize & 7]);
-            // SAFETY: the caller has made sure that there is room.
-            unsafe { self.entries.get_unchecked_mut(self.top).write(entry) };
-            self.top += 1;
-        }
-    }
-
-    /// Takes off what is on top, above `floor`, of what [`push_rest`](Self::push_rest) has put there.
-    #[inline(always)]
-    pub(super) fn pop_any(&mut self, floor: usize) -> Option<(u32, u32)> {
-        if self.top <= floor {
-            return None;
-        }
-        self.top -= 1;
-        debug_assert!(self.top < SIZE);
-        // SAFETY: what is below `top` has been written.
-        let entry = unsafe { self.entries.get_unchecked(self.top).assume_init() };
-        Some((entry as u32, (entry >> 32) as u32))
-    }
-
     /// Puts the children in `mask`, one at least, onto the stack, the first on top, and takes that off.
     ///
     /// # Safety
