@@ -10,10 +10,12 @@
 //! sides, as a wave of paths. They end in the cache of scattered light that `light_cache` has taught before, or go on as paths do.
 //!
 //! Radii follow the harmonic mean of the distances to what a record sees, and how steeply its light changes; they shrink where a
-//! neighbour has found something closer, and where many records overlap.
+//! neighbour has found something closer, and where many records overlap. In the end what records differ by from their neighbours is taken out
+//! of them as far as it is noise ([`smooth`](self::smooth)).
 
 mod records;
 mod sky;
+mod smooth;
 
 use bytemuck::{Pod, Zeroable};
 use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Usage};
@@ -24,6 +26,7 @@ use super::{Purpose, RenderError, Renderer, Work, clear_picture};
 
 use self::records::{Candidate, Grid, Record, calm, settle, spread_out};
 use self::sky::Sky;
+use self::smooth::smooth;
 
 /// Most records.
 const RECORDS: u32 = 1 << 16;
@@ -376,6 +379,7 @@ impl Renderer {
         settle(&mut cache.records, SLOTS, REFERENCES as usize);
         if is_last {
             calm(&mut cache.records, SLOTS, REFERENCES as usize);
+            smooth(&mut cache.records, SLOTS, REFERENCES as usize);
         }
         cache.find_by(&self.device, &self.resources, falloff);
         match is_last {

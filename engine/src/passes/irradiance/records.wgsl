@@ -14,6 +14,7 @@
 //  4.y..7.z: what the nine harmonics of the irradiance are multiplied by, rgb each, in units of MOST_HARMONIC times the largest of rgb of the
 //     irradiance: 27 numbers of 16 bits. In place of the first, what all normals have in common: such that the irradiance at the record's own
 //     normal comes out
+//  7.z, upper half: the irradiance's standard error, of itself
 //  7.w: width of a pixel there
 const RECORD_WORDS = 8u;
 const MOST_HARMONIC = 16.0;

@@ -39,6 +39,7 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
 
     var sum = vec3f(0.0);
     var inverse = 0.0; // sum of one over the distances
+    var unlike = 0.0; // squares of what neighbouring strata differ by
     // Of each channel, along tangent and bitangent.
     var along_x = vec3f(0.0);
     var along_y = vec3f(0.0);
@@ -61,6 +62,8 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
                 outward += (here.xyz - inner.xyz) * (sqrt(begin) * (1.0 - begin) / max(min(here.w, inner.w), 1e-6));
             }
             let side = gathered(first + ring * irradiance_settings.sectors + before);
+            let step = luminance(here.xyz - side.xyz);
+            unlike += step * step;
             across += (here.xyz - side.xyz) * ((sqrt(end) - sqrt(begin)) / max(min(here.w, side.w), 1e-6));
 
             let angle = (sqrt(1.0 - begin) - sqrt(1.0 - end)) * (2.0 * PI / f32(irradiance_settings.sectors));
@@ -109,6 +112,9 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
         let number = pack2x16snorm(vec2f(bands[band][i % 3u] / MOST_HARMONIC, 0.0));
         words[1u + i / 2u] |= (number & 0xffffu) << (16u * (i & 1u));
     }
+    // Were neighbouring strata alike but for their noise, the irradiance would be wrong by this: standard error, of itself.
+    let error = sqrt(0.5 * unlike) * (PI / f32(gather_rays())) / max(luminance(irradiance), 1e-30);
+    words[14] |= u32(min(error, 1.0) * 65535.0) << 16u;
     words[15] = bitcast<u32>(width);
     for (var i = 0u; i < 4u; i++) {
         irradiance_records[at + 4u + i] = vec4u(words[4u * i], words[4u * i + 1u], words[4u * i + 2u], words[4u * i + 3u]);

@@ -5,6 +5,9 @@ use std::collections::HashMap;
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, Vec2, Vec3};
 
+/// Of red, green and blue.
+pub(super) const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+
 /// A record of `irradiance/records.wgsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -18,9 +21,9 @@ pub(super) struct Record {
     /// Octahedral.
     pub(super) normal: u32,
     /// How each colour changes from place to place, W/m3.
-    gradients: [[f32; 3]; 3],
-    /// What only the kernels read; relative to the irradiance.
-    inner: [u32; 14],
+    pub(super) gradients: [[f32; 3]; 3],
+    /// What only the kernels read, relative to the irradiance; and its standard error in the last 16 bits.
+    pub(super) inner: [u32; 14],
     /// Of a pixel there, metres.
     pub(super) width: f32,
 }
@@ -42,6 +45,22 @@ impl Record {
         for number in self.gradients.iter_mut().flatten() {
             *number *= factor;
         }
+    }
+
+    /// Standard error of the irradiance's luminance, W/m2.
+    pub(super) fn error(&self) -> f32 {
+        self.luminance() * (self.inner[13] >> 16) as f32 / 65535.0
+    }
+
+    /// With such an error.
+    #[cfg(test)]
+    pub(super) fn with_error(mut self, relative: f32) -> Self {
+        self.inner[13] = ((relative * 65535.0) as u32) << 16;
+        self
+    }
+
+    pub(super) fn luminance(&self) -> f32 {
+        self.irradiance.dot(LUMINANCE)
     }
 
     /// Its normal, of length 1.

@@ -234,7 +234,7 @@ impl<S: Isa> Bundled<S> {
             | b.enters(&planes, self.limit) << 8
             | c.enters(&planes, self.limit) << 16
             | d.enters(&planes, self.limit) << 24;
-        entered & rays * 0xff
+        entered & (rays * 0xff)
     }
 
     /// The planes of a node's boxes across an axis, seen from the origin.
