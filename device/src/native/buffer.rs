@@ -77,6 +77,8 @@ impl Buffer {
             // SAFETY: there is such a word; nothing is read that anybody sees.
             unsafe { _mm_prefetch::<_MM_HINT_T1>(std::ptr::from_ref(word).cast()) };
         }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = offset;
     }
 
     /// The words at byte `offset`, if they are there.
