@@ -322,7 +322,8 @@ fn distant(light: &PunctualLight, entry: GpuLight) -> GpuLight {
     }
 }
 
-fn luminance(c: Vec3) -> f32 {
+/// Of linear sRGB.
+pub(crate) fn luminance(c: Vec3) -> f32 {
     c.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 

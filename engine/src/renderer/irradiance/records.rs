@@ -5,8 +5,7 @@ use std::collections::HashMap;
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, Vec2, Vec3};
 
-/// Of red, green and blue.
-pub(super) const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+use crate::gpu_scene::lights::luminance;
 
 /// A record of `irradiance/records.wgsl`.
 #[repr(C)]
@@ -49,7 +48,7 @@ impl Record {
 
     /// Standard error of the irradiance's luminance, W/m2.
     pub(super) fn error(&self) -> f32 {
-        self.luminance() * (self.inner[13] >> 16) as f32 / 65535.0
+        luminance(self.irradiance) * (self.inner[13] >> 16) as f32 / 65535.0
     }
 
     /// With such an error.
@@ -57,10 +56,6 @@ impl Record {
     pub(super) fn with_error(mut self, relative: f32) -> Self {
         self.inner[13] = ((relative * 65535.0) as u32) << 16;
         self
-    }
-
-    pub(super) fn luminance(&self) -> f32 {
-        self.irradiance.dot(LUMINANCE)
     }
 
     /// Its normal, of length 1.

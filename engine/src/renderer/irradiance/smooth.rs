@@ -7,7 +7,8 @@
 
 use glam::{Mat3, Vec3};
 
-use super::records::{Grid, LUMINANCE, Record};
+use super::records::{Grid, Record};
+use crate::gpu_scene::lights::luminance;
 
 /// How far away neighbours are asked, over the radius.
 const REACH: f32 = 5.0;
@@ -23,29 +24,18 @@ const NOISE: [f32; 2] = [0.5, 1.0];
 /// By how much slopes are drawn to nothing, of the weights, so that records in a row have a plane.
 const RIDGE: f32 = 1e-3;
 
-/// What a record becomes.
-#[derive(Clone, Copy)]
-struct Smoothed {
-    irradiance: Vec3,
-    gradients: [[f32; 3]; 3],
-}
-
 /// Makes records what a plane through their neighbours says, as far as these differ from it by noise.
 pub(super) fn smooth(records: &mut [Record], slots: u32, references: usize) {
     let grid = Grid::of(records, REACH, slots, references);
-    let smoothed: Vec<Option<Smoothed>> = records
+    let smoothed: Vec<Record> = records
         .iter()
-        .map(|record| smoothed(record, records, &grid))
+        .map(|record| smoothed(record, records, &grid).unwrap_or(*record))
         .collect();
-    for (record, smoothed) in records.iter_mut().zip(smoothed) {
-        if let Some(smoothed) = smoothed {
-            record.irradiance = smoothed.irradiance;
-            record.gradients = smoothed.gradients;
-        }
-    }
+    records.copy_from_slice(&smoothed);
 }
 
-fn smoothed(record: &Record, records: &[Record], grid: &Grid) -> Option<Smoothed> {
+/// What a record becomes; `None` if it stays as it is.
+fn smoothed(record: &Record, records: &[Record], grid: &Grid) -> Option<Record> {
     let facing = record.facing();
     let (across, along) = facing.any_orthonormal_pair();
     let reach = REACH * record.radius;
@@ -77,14 +67,15 @@ fn smoothed(record: &Record, records: &[Record], grid: &Grid) -> Option<Smoothed
     let moments = moments + Mat3::from_diagonal(Vec3::new(0.0, ridge, ridge));
     // Height and slopes of each colour.
     let plane = moments.inverse() * sums;
+    let of_place = plane.transpose();
     let (mut unlike, mut noise) = (0.0, 0.0);
     for &(other, place, weight) in &neighbours {
-        let difference = LUMINANCE.dot(other.irradiance - plane.transpose() * place);
+        let difference = luminance(other.irradiance - of_place * place);
         unlike += weight * difference * difference;
         noise += weight * other.error().powi(2);
     }
     let share = ((NOISE[1] - unlike / noise.max(1e-30)) / (NOISE[1] - NOISE[0])).clamp(0.0, 1.0);
-    let level = plane.transpose().x_axis;
+    let level = of_place.x_axis;
     if !(share > 0.0 && plane.is_finite() && level.min_element() >= 0.0) {
         return None;
     }
@@ -96,9 +87,10 @@ fn smoothed(record: &Record, records: &[Record], grid: &Grid) -> Option<Smoothed
     for (gradient, slope) in gradients.iter_mut().zip(slopes) {
         *gradient = Vec3::from(*gradient).lerp(slope, share).to_array();
     }
-    Some(Smoothed {
+    Some(Record {
         irradiance: record.irradiance.lerp(level, share),
         gradients,
+        ..*record
     })
 }
 

@@ -123,7 +123,7 @@ static LAST_FIRST: [[u8; 8]; 256] = {
 
 macro_rules! lanes {
     ($name:ident, $n:literal, $vector:ty, $load:ident, $store:ident, $splat:ident, $add:ident, $sub:ident,
-     $mul:ident, $fma:ident, $min:ident, $max:ident, $xor:ident, $and:ident, $signs:ident,
+     $mul:ident, $fma:ident, $xor:ident, $and:ident, $signs:ident,
      $bits:ident, $of_bits:ident, $earlier:ident, $later:ident, $after:ident,
      |$a:ident, $b:ident| le $le:expr, lt $lt:expr) => {
         #[derive(Clone, Copy)]
@@ -145,8 +145,6 @@ macro_rules! lanes {
             #[inline(always)] fn sub(self, b: Self) -> Self { intrinsic!(Self($sub(self.0, b.0))) }
             #[inline(always)] fn mul(self, b: Self) -> Self { intrinsic!(Self($mul(self.0, b.0))) }
             #[inline(always)] fn mul_add(self, b: Self, c: Self) -> Self { intrinsic!(Self($fma(self.0, b.0, c.0))) }
-            #[inline(always)] fn min(self, b: Self) -> Self { intrinsic!(Self($min(self.0, b.0))) }
-            #[inline(always)] fn max(self, b: Self) -> Self { intrinsic!(Self($max(self.0, b.0))) }
             #[inline(always)] fn later(self, b: Self) -> Self { intrinsic!(Self($of_bits($later($bits(self.0), $bits(b.0))))) }
             #[inline(always)] fn earlier(self, b: Self) -> Self { intrinsic!(Self($of_bits($earlier($bits(self.0), $bits(b.0))))) }
             #[inline(always)] fn not_after(self, b: Self) -> u32 {
@@ -165,12 +163,12 @@ macro_rules! lanes {
 }
 
 lanes!(F8, 8, __m256, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_set1_ps, _mm256_add_ps, _mm256_sub_ps,
-    _mm256_mul_ps, _mm256_fmadd_ps, _mm256_min_ps, _mm256_max_ps, _mm256_xor_ps, _mm256_and_ps,
+    _mm256_mul_ps, _mm256_fmadd_ps, _mm256_xor_ps, _mm256_and_ps,
     _mm256_movemask_ps,
     _mm256_castps_si256, _mm256_castsi256_ps, _mm256_min_epi32, _mm256_max_epi32, _mm256_cmpgt_epi32,
     |a, b| le _mm256_cmp_ps::<_CMP_LE_OQ>(a, b), lt _mm256_cmp_ps::<_CMP_LT_OQ>(a, b));
 lanes!(F4, 4, __m128, _mm_loadu_ps, _mm_storeu_ps, _mm_set1_ps, _mm_add_ps, _mm_sub_ps,
-    _mm_mul_ps, _mm_fmadd_ps, _mm_min_ps, _mm_max_ps, _mm_xor_ps, _mm_and_ps,
+    _mm_mul_ps, _mm_fmadd_ps, _mm_xor_ps, _mm_and_ps,
     _mm_movemask_ps,
     _mm_castps_si128, _mm_castsi128_ps, _mm_min_epi32, _mm_max_epi32, _mm_cmpgt_epi32,
     |a, b| le _mm_cmple_ps(a, b), lt _mm_cmplt_ps(a, b));

@@ -54,8 +54,6 @@ pub(super) trait Lanes<const N: usize>: Copy {
     fn mul(self, other: Self) -> Self;
     /// `self * b + c`; whether it is rounded in between depends on the instruction set.
     fn mul_add(self, b: Self, c: Self) -> Self;
-    /// `other` where one of both is NaN.
-    fn min(self, other: Self) -> Self;
     /// The greater of numbers of which at most the lesser is negative: of two negative ones either. As bits, such numbers are
     /// in the order of integers, which processors compare in a quarter of the time.
     fn later(self, other: Self) -> Self;
@@ -63,8 +61,6 @@ pub(super) trait Lanes<const N: usize>: Copy {
     fn earlier(self, other: Self) -> Self;
     /// Where `self`, which isn't negative, isn't greater than `other`: a bit for each lane.
     fn not_after(self, other: Self) -> u32;
-    /// `other` where one of both is NaN.
-    fn max(self, other: Self) -> Self;
 
     fn xor(self, other: Self) -> Self;
     fn and(self, other: Self) -> Self;

@@ -54,7 +54,18 @@ impl<F: Lanes<8>> Slabs<F> {
         }
     }
 
-    /// Of a node's planes from `origin`, which is the ray's: which children's boxes the ray enters.
+    /// This ray, but so that the compiler doesn't know which planes are near. It makes a choice of two planes a branch, else, and
+    /// rays of a bundle choose differently.
+    #[inline(always)]
+    pub(super) fn unforeseen(self) -> Self {
+        let [x, y, z] = self.near;
+        Self {
+            near: [black_box(x), black_box(y), black_box(z)],
+            ..self
+        }
+    }
+
+    /// The mask of the children whose boxes the ray enters, by a node's planes as seen from its origin.
     #[inline(always)]
     pub(super) fn enters(&self, planes: &[[F; 2]; 3], t_max: F) -> u32 {
         let enter = [
@@ -72,17 +83,7 @@ impl<F: Lanes<8>> Slabs<F> {
         enter.not_after(leave)
     }
 
-    /// The same, so that the compiler doesn't know which planes are near. It makes a choice of two planes a branch, else, and
-    /// rays of a bundle choose differently.
-    #[inline(always)]
-    pub(super) fn unforeseen(self) -> Self {
-        let [x, y, z] = self.near;
-        Self {
-            near: [black_box(x), black_box(y), black_box(z)],
-            ..self
-        }
-    }
-
+    /// Where the ray meets the planes across an axis, the nearer ones or, with `is_far`, the others.
     #[inline(always)]
     fn reach(&self, planes: &[[F; 2]; 3], axis: usize, is_far: usize) -> F {
         planes[axis][(self.near[axis] ^ is_far) & 1].mul(self.inverse[is_far][axis])

@@ -3,16 +3,16 @@
 use std::mem::MaybeUninit;
 
 use super::{
-    super::build::MAX_DEPTH,
     lanes::{Isa, Word},
+    stack,
 };
 
 /// A node's children, of which all are put here before one of them is taken.
 const CHILDREN: usize = 8;
 
-// A visit to a node takes one entry and leaves at most eight, and all eight places are written whether or not there is something for them.
-// Both levels are at most `MAX_DEPTH` deep, which their builder sees to.
-const SIZE: usize = 2 * (7 * MAX_DEPTH + 1) + CHILDREN;
+// As for a single ray: a visit to a node takes one entry and leaves at most eight. But all eight places are written whether or not there is
+// something for them.
+const SIZE: usize = stack::SIZE + CHILDREN;
 
 /// Room for [`Pending`]. It isn't initialised: that would take longer than some rays.
 pub(super) type Memory = [[MaybeUninit<u32>; SIZE]; 2];

@@ -80,12 +80,10 @@ macro_rules! lanes {
             #[inline(always)] fn add(self, b: Self) -> Self { Self(self.0 + b.0) }
             #[inline(always)] fn sub(self, b: Self) -> Self { Self(self.0 - b.0) }
             #[inline(always)] fn mul(self, b: Self) -> Self { Self(self.0 * b.0) }
-            #[inline(always)] fn later(self, b: Self) -> Self { self.max(b) }
-            #[inline(always)] fn earlier(self, b: Self) -> Self { self.min(b) }
+            #[inline(always)] fn later(self, b: Self) -> Self { Self(self.0.fast_max(b.0)) }
+            #[inline(always)] fn earlier(self, b: Self) -> Self { Self(self.0.fast_min(b.0)) }
             #[inline(always)] fn not_after(self, b: Self) -> u32 { Self::mask_bits(self.le(b)) }
             #[inline(always)] fn mul_add(self, b: Self, c: Self) -> Self { Self(self.0.mul_add(b.0, c.0)) }
-            #[inline(always)] fn min(self, b: Self) -> Self { Self(self.0.fast_min(b.0)) }
-            #[inline(always)] fn max(self, b: Self) -> Self { Self(self.0.fast_max(b.0)) }
             #[inline(always)] fn xor(self, b: Self) -> Self { Self(self.0 ^ b.0) }
             #[inline(always)] fn and(self, b: Self) -> Self { Self(self.0 & b.0) }
             #[inline(always)] fn le(self, b: Self) -> $vector { self.0.simd_le(b.0) }

@@ -6,7 +6,7 @@ use super::super::build::MAX_DEPTH;
 
 // A node leaves at most seven of its children on the stack, and its nearest is written before it is taken off. Both levels
 // are at most `MAX_DEPTH` deep, which their builder sees to.
-const SIZE: usize = 2 * (7 * MAX_DEPTH + 1);
+pub(super) const SIZE: usize = 2 * (7 * MAX_DEPTH + 1);
 
 /// Room for a stack. It isn't initialised: that would take longer than some rays.
 pub(super) type Memory = [MaybeUninit<u64>; SIZE];
