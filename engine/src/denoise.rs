@@ -8,6 +8,10 @@
 //! It computes on the processor, with as many threads as everything else does. The same film always gives the same picture, on
 //! one kind of processor and with one version of the library.
 
+#[cfg(any(unix, windows))]
+mod library;
+#[cfg(not(any(unix, windows)))]
+#[path = "denoise/no_library.rs"]
 mod library;
 
 use std::ffi::CStr;

@@ -1,5 +1,5 @@
 //! Whether the program would compile for systems and processors other than this one, as far as Rust's targets for them are
-//! installed.
+//! installed or can be.
 
 use std::path::Path;
 
@@ -35,14 +35,20 @@ pub(crate) fn check_others() -> Result<()> {
 }
 
 fn check((target, package): (&str, &str)) -> Result<()> {
-    let libraries = Step::new("rustc")
-        .args(["--print", "target-libdir", "--target", target])
-        .output();
-    if !Path::new(libraries.trim()).is_dir() {
-        println!("skipped: {target} is not installed (`rustup target add {target}`)");
+    let add = || Step::new("rustup").args(["target", "add", target]);
+    if !is_installed(target) && !add().succeeds() {
+        println!("skipped: {target} is not installed, nor does `rustup target add {target}` do it");
         return Ok(());
     }
     cargo(["check", "--locked", "--package", package])
         .args(["--target", target])
         .run()
+}
+
+/// Whether there is a standard library for a target.
+fn is_installed(target: &str) -> bool {
+    let folder = Step::new("rustc")
+        .args(["--print", "target-libdir", "--target", target])
+        .output();
+    Path::new(folder.trim()).is_dir()
 }

@@ -54,6 +54,10 @@ impl AheadFunction {
         }
     }
 
+    #[cfg_attr(
+        target_family = "wasm",
+        expect(dead_code, reason = "no machine code is linked there")
+    )]
     pub(super) fn address(&self) -> *const u8 {
         self.address as *const u8
     }

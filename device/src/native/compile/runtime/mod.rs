@@ -242,6 +242,10 @@ pub(super) fn signature(function: Runtime) -> Signature {
 }
 
 /// What Cranelift calls where a processor has no instruction for it, by the names that it uses.
+#[cfg_attr(
+    target_family = "wasm",
+    expect(dead_code, reason = "no machine code is linked there")
+)]
 pub(super) fn library() -> [(&'static str, *const u8); 4] {
     [
         ("floorf", floor as *const u8),
