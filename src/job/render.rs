@@ -380,7 +380,14 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
         true => Some("photons are sent out for one sample of all pixels"),
         false => is_taught.then_some("the cache learns from as many samples of all pixels"),
     };
-    let by_moments = "what is known of the light is that of one moment";
+    let by_moments = match accuracy {
+        Some(Accuracy::Final) => Some(
+            "a picture of many moments isn't compared with paths; --method cache isn't, either",
+        ),
+        _ => {
+            is_taught.then_some("the cache learns from the first samples, which are of one moment")
+        }
+    };
     let of_paths = match method.has_light_cache() {
         true => {
             "a path that ends in a cache doesn't tell light that was scattered once from other light"
@@ -394,7 +401,7 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
         ("--checkpoint", args.checkpoint.is_some(), by_parts),
         ("--resume", args.resume, by_parts),
         ("--adaptive", args.adaptive, by_blocks),
-        ("--shutter", args.motion.shutter.is_some(), Some(by_moments)),
+        ("--shutter", args.motion.shutter.is_some(), by_moments),
     ];
     let first = refused
         .into_iter()

@@ -232,7 +232,9 @@ pub(super) fn render(
         }
         let film = session.snapshot().map_err(failure)?.film;
         let stats = session.stats().map_err(failure)?;
-        let audit = match job.method != Method::Path && ended.is_none() {
+        // Paths would be those of the last moment alone.
+        let is_judged = job.method != Method::Path && take.others.is_empty();
+        let audit = match is_judged && ended.is_none() {
             true => audit(&mut session, &film)?,
             false => None,
         };

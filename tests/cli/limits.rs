@@ -107,7 +107,7 @@ fn a_draft_says_how_wrong_it_is() {
         .expect_error(2, "--method draft needs a single device");
     // Where devices and parts each make what they need, all of that goes.
     for (method, refused) in [
-        ("cache", "--shutter 0.5 --spp 32"),
+        ("cache", "--clamp 2"),
         ("photons", "--adaptive"),
         ("cache+photons", "--adaptive"),
     ] {

@@ -86,6 +86,17 @@ impl Renderer {
         Ok(self.prepare_photons()? || self.prepare_irradiance()?)
     }
 
+    /// Forgets what is known of the light beside the picture.
+    pub(super) fn forget_light(&mut self) {
+        self.frame.set_known_sky(false);
+        if let Some(irradiance) = &mut self.irradiance {
+            irradiance.restart();
+        }
+        if let Some(photons) = &mut self.photons {
+            photons.restart();
+        }
+    }
+
     /// Runs all kernels once, of which nothing stays but a picture that begins anew: what a driver compiles when it is first
     /// used is compiled then.
     ///

@@ -8,7 +8,7 @@ use crate::{
 };
 
 use super::pipeline::Kernels;
-use super::{RenderError, RenderSettings, Renderer};
+use super::{RenderError, RenderSettings, Renderer, light_cache};
 
 /// What else than the texture graph has changed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -89,7 +89,8 @@ impl Renderer {
     /// Goes from one scene, which is on the device, to another one with textures of its own; only what has changed is sent. Size and
     /// layers of the settings are those that it has.
     ///
-    /// The picture begins anew, unless it `goes_on`: then what is rendered next is added to it.
+    /// The picture begins anew, unless it `goes_on`: then what is rendered next is added to it, by a light that is found out
+    /// anew. (The cache of [`Draft`](crate::settings::Method::Draft) learns from the picture's first samples alone: the paths of further moments end in none.)
     ///
     /// # Errors
     /// As [`Renderer::new`]; what is on the device then is of no use.
@@ -132,8 +133,13 @@ impl Renderer {
         self.frame = self.fresh_frame();
         self.forget_guides();
         self.survey = None;
-        if !goes_on {
-            self.restart();
+        match goes_on {
+            // What is known of the light is that of the moment before.
+            true => {
+                self.forget_light();
+                light_cache::clear(&device, self.settings.method, &self.resources)?;
+            }
+            false => self.restart(),
         }
         Ok(device.check()?)
     }

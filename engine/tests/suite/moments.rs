@@ -10,6 +10,7 @@ use engine::renderer::RenderSettings;
 use engine::scene::look::Value;
 use engine::scene::{Moment, Motion};
 use engine::session::{Edit, Inputs, Opening, Sequence, Session};
+use engine::settings::Method;
 use engine::system::System;
 use tempfile::TempDir;
 
@@ -164,7 +165,14 @@ fn moment(seconds: f64) -> Moment {
 }
 
 fn settings(opening: &Opening, seconds: f64, first_sample: u32) -> RenderSettings {
+    by(Method::Path, opening, seconds, first_sample)
+}
+
+fn by(method: Method, opening: &Opening, seconds: f64, first_sample: u32) -> RenderSettings {
     RenderSettings {
+        method,
+        // Enough to teach caches what so small a picture needs.
+        paths_ahead: 1 << 14,
         max_depth: 3,
         time: seconds as f32,
         frame_index: (seconds * 24.0) as u32,
@@ -174,7 +182,12 @@ fn settings(opening: &Opening, seconds: f64, first_sample: u32) -> RenderSetting
 }
 
 fn started(device: &Device, opening: Opening, seconds: f64, first_sample: u32) -> Session {
-    let (device, settings) = (device.clone(), settings(&opening, seconds, first_sample));
+    let settings = settings(&opening, seconds, first_sample);
+    started_with(device, opening, settings)
+}
+
+fn started_with(device: &Device, opening: Opening, settings: RenderSettings) -> Session {
+    let device = device.clone();
     let session = opening.start(
         Arc::new(move || Ok(device.clone())),
         Arc::new(move |camera| RenderSettings {
@@ -300,31 +313,33 @@ fn only_what_changes_is_made_anew() {
 fn an_open_shutter_gathers_what_each_moment_would() {
     let stage = Stage::new();
     let Some(device) = device::open() else { return };
-    let mut sequence = stage.sequence();
-    let mut session: Option<Session> = None;
-    let mut sum: Option<Film> = None;
-    const EACH: u32 = 3;
-    for (number, seconds) in [0.1, 0.3, 0.5].into_iter().enumerate() {
-        let first = EACH * number as u32;
-        let opening = sequence.at(&moment(seconds)).expect("it is read");
-        let mut exposed = match session.take() {
-            None => started(&device, opening, seconds, 0),
-            Some(mut session) => {
-                let settings = settings(&opening, seconds, 0);
-                session.show(opening, &settings, true).expect("it is shown");
-                session
+    for method in [Method::Path, Method::Cache, Method::CachePhotons] {
+        let mut sequence = stage.sequence();
+        let mut session: Option<Session> = None;
+        let mut sum: Option<Film> = None;
+        const EACH: u32 = 3;
+        for (number, seconds) in [0.1, 0.3, 0.5].into_iter().enumerate() {
+            let first = EACH * number as u32;
+            let opening = sequence.at(&moment(seconds)).expect("it is read");
+            let shown = by(method, &opening, seconds, 0);
+            let mut exposed = match session.take() {
+                None => started_with(&device, opening, shown),
+                Some(mut session) => {
+                    session.show(opening, &shown, true).expect("it is shown");
+                    session
+                }
+            };
+            let gathered = film(&mut exposed, first + EACH);
+            let opening = stage.at(seconds);
+            let apart = by(method, &opening, seconds, first);
+            let alone = film(&mut started_with(&device, opening, apart), EACH);
+            match &mut sum {
+                Some(sum) => sum.add(&alone),
+                None => sum = Some(alone),
             }
-        };
-        let gathered = film(&mut exposed, first + EACH);
-        let alone = film(
-            &mut started(&device, stage.at(seconds), seconds, first),
-            EACH,
-        );
-        match &mut sum {
-            Some(sum) => sum.add(&alone),
-            None => sum = Some(alone),
+            let is_sum = sum.as_ref() == Some(&gathered);
+            assert!(is_sum, "{method:?}, after {seconds} s");
+            session = Some(exposed);
         }
-        assert!(sum.as_ref() == Some(&gathered), "after {seconds} s");
-        session = Some(exposed);
     }
 }
