@@ -189,6 +189,7 @@ fn test(full: bool) -> Result<()> {
     steps.run("Toolchain", ensure_components)?;
     steps.run("Formatting", || cargo(["fmt", "--all", "--check"]).run())?;
     steps.run("Dependencies", || dist::dependencies(full))?;
+    steps.run("Lock of the fuzz targets", fuzz_lock)?;
     steps.run("Lints", || {
         cargo(["clippy", "--locked", "--workspace", "--all-targets"])
             .args(["--", "-D", "warnings"])
@@ -248,13 +249,30 @@ fn test(full: bool) -> Result<()> {
     Ok(())
 }
 
+/// Where libFuzzer's programs are, no part of the workspace.
+const FUZZ_MANIFEST: &str = "engine/fuzz/Cargo.toml";
+
+/// Whether what libFuzzer's programs are built of is as the workspace has it: a package that is added here must be added to their lock,
+/// too.
+fn fuzz_lock() -> Result<()> {
+    let metadata = ["metadata", "--locked", "--quiet", "--format-version", "1"];
+    match (cargo(metadata).args(["--manifest-path", FUZZ_MANIFEST])).succeeds() {
+        true => Ok(()),
+        false => bail!(
+            "the lock of {FUZZ_MANIFEST} is out of date; bring it up to date with\n    \
+             cargo metadata --format-version 1 --manifest-path {FUZZ_MANIFEST} > /dev/null"
+        ),
+    }
+}
+
 /// Whether libFuzzer's programs would compile. They are no part of the workspace, and what they try has been tried by the
 /// tests; libFuzzer itself, which takes a compiler of C++, is linked only where they are run.
 fn fuzz_targets() -> Result<()> {
     cargo(["check", "--locked"])
-        .args(["--manifest-path", "engine/fuzz/Cargo.toml"])
+        .args(["--manifest-path", FUZZ_MANIFEST])
         .args(["--target-dir", "target/fuzz"])
-        .env("CUSTOM_LIBFUZZER_PATH", "none")
+        // Its folder is all that is asked for.
+        .env("CUSTOM_LIBFUZZER_PATH", "target/none.a")
         .run()
 }
 
