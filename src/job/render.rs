@@ -381,9 +381,9 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
         false => is_taught.then_some("the cache learns from as many samples of all pixels"),
     };
     let by_moments = match accuracy {
-        Some(Accuracy::Final) => Some(
-            "a picture of many moments isn't compared with paths; --method cache isn't, either",
-        ),
+        Some(Accuracy::Final) => {
+            Some("what is wrong with a picture of many moments isn't known; write --method cache")
+        }
         _ => {
             is_taught.then_some("the cache learns from the first samples, which are of one moment")
         }
