@@ -23,6 +23,11 @@ use patina_viewer::thread::{RenderOptions, RenderThread};
 use patina_viewer::viewer::{Preferences, Viewer};
 use tempfile::TempDir;
 
+#[path = "render/files.rs"]
+mod files;
+#[path = "render/noise.rs"]
+mod noise;
+
 /// A triangle and a camera in front of it.
 const SCENE: &str = r#"{
   "asset": { "version": "2.0" },
@@ -284,97 +289,6 @@ fn edits_are_seen_without_pipelines_and_saved_with_comments() {
 }
 
 #[test]
-fn the_picture_is_shown_without_noise_where_that_can_be_done() {
-    let Some(mut stage) = Stage::new() else {
-        return;
-    };
-    stage.thread.link.send(Command::Denoise(Denoise::Always));
-    stage.wait("answer", |stage| {
-        stage.harness.state().status().denoiser != DenoiserState::Unknown
-    });
-    if let DenoiserState::Absent(why) = &stage.harness.state().status().denoiser {
-        eprintln!("skipped: {why}");
-        assert!(!why.is_empty());
-        return stage.thread.finish();
-    }
-    let is_clean = |stage: &Stage| stage.harness.state().status().denoised == Some(4.0);
-    stage.wait("picture without noise", is_clean);
-    // Another picture is shown as it is, until there is one of it.
-    stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
-    stage.wait("picture without noise", |stage| {
-        let status = stage.harness.state().status();
-        assert!(status.denoised.is_none() || status.spp >= 1.0);
-        is_clean(stage)
-    });
-    assert!(stage.harness.state().status().error.is_some());
-    stage.thread.link.send(Command::Denoise(Denoise::Never));
-    stage.wait("picture with noise", |stage| !is_clean(stage));
-    stage.thread.finish();
-}
-
-#[test]
-fn noise_is_taken_out_by_itself_and_of_what_is_compared_and_saved() {
-    // With some noise that can be seen.
-    const LAMP: &str = "environment = { color = [0.01, 0.01, 0.01] }\n\n[light.lamp]\ntype = \"area\"\nposition = [1.0, 0.8, 0.5]\nlook_at = [0, 0, 0]\nsize = [1.5, 1.5]\n";
-    let Some(mut stage) = Stage::beginning(LAMP) else {
-        return;
-    };
-    stage.wait("a picture", |stage| {
-        stage.harness.state().status().spp >= 4.0
-    });
-    stage.wait("answer", |stage| {
-        stage.harness.state().status().denoiser != DenoiserState::Unknown
-    });
-    if let DenoiserState::Absent(why) = &stage.harness.state().status().denoiser {
-        eprintln!("skipped: {why}");
-        return stage.thread.finish();
-    }
-    let noisy = |stage: &Stage| {
-        let [_, before, _] = stage.thread.link.board().shown.clone()?.pictures;
-        before
-    };
-    stage.thread.link.send(Command::KeepBefore(true));
-    stage.wait("picture of before", |stage| noisy(stage).is_some());
-    let kept = noisy(&stage);
-    // Done, with an error that can be seen.
-    stage.thread.link.send(Command::Denoise(Denoise::ByItself));
-    let is_clean = |stage: &Stage| stage.harness.state().status().denoised.is_some();
-    let error = |stage: &Stage| stage.harness.state().status().error.unwrap_or(1.0);
-    stage.wait("picture without noise", |stage| {
-        error(stage) < FINE || is_clean(stage)
-    });
-    assert!(error(&stage) > FINE, "{}", error(&stage));
-    stage.wait("picture of before without noise", |stage| {
-        noisy(stage) != kept
-    });
-    // With more samples nobody sees it.
-    stage.thread.link.send(Command::Target(1 << 20));
-    stage.wait("picture with its samples", |stage| {
-        error(stage) < FINE && !is_clean(stage)
-    });
-    // Who asks for it gets it all the same.
-    stage.thread.link.send(Command::Denoise(Denoise::Always));
-    stage.wait("picture without noise", is_clean);
-    let size = [40, 30];
-    for (name, layers) in [("clean.png", 1), ("clean.exr", 1)] {
-        let order = PictureOrder {
-            path: stage.path(name),
-            size,
-            spp: 2,
-            layers: false,
-            denoised: true,
-            view: View::default(),
-        };
-        stage.thread.link.send(Command::SavePicture(order));
-        stage.wait("written picture", |stage| !stage.read(name).is_empty());
-        let text = stage.read(name);
-        let start = format!("40 x 30, 2 spp, {layers} layers, without noise by Open Image Denoise");
-        assert!(text.starts_with(&start), "{text}");
-    }
-    stage.thread.finish();
-}
-
-#[test]
 fn a_scene_without_light_is_seen_in_a_studio_that_the_look_has_nothing_of() {
     const BARE: &str = "[material.Brass]\nroughness = 0.5\n";
     let Some(mut stage) = Stage::beginning(BARE) else {
@@ -465,112 +379,6 @@ fn pictures_are_finished_before_they_are_written() {
     stage.thread.link.send(Command::SavePicture(nowhere));
     stage.wait("reason", |stage| {
         stage.harness.query_by_label_contains("no folder").is_some()
-    });
-    stage.thread.finish();
-}
-
-/// What two write at the same time.
-fn theirs() -> String {
-    LOOK.replace("# Light", "# More light")
-        .replace("intensity = 1.0", "intensity = 2.0")
-}
-
-#[test]
-fn edits_and_what_others_have_saved_are_kept_both() {
-    let Some(mut stage) = Stage::new() else {
-        return;
-    };
-    let change = Changes {
-        look: true,
-        ..Changes::default()
-    };
-    stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
-    fs::write(stage.path("scene.look.toml"), theirs()).expect("written");
-    stage.changes.send(change.clone()).expect("heard");
-    let both = theirs().replace("0.5 ", "0.25 ");
-    let text = |stage: &mut Stage| {
-        let document = stage.harness.state_mut().document_mut().expect("read");
-        document.text().to_owned()
-    };
-    stage.wait("both", |stage| {
-        let board = stage.thread.link.board();
-        board.look.as_ref().is_some_and(|look| *look.text == *both)
-    });
-    assert_eq!(text(&mut stage), both);
-    assert_eq!(
-        stage.read("scene.look.toml"),
-        theirs(),
-        "nothing is written unasked"
-    );
-    stage
-        .harness
-        .key_press_modifiers(Modifiers::COMMAND, Key::S);
-    stage.wait("saved look", |stage| stage.read("scene.look.toml") == both);
-
-    // Undone, what they have saved is taken out of the file by nobody who wasn't asked.
-    stage
-        .harness
-        .key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    stage.harness.run_steps(2);
-    assert_eq!(text(&mut stage), LOOK.replace("0.5 ", "0.25 "));
-    stage
-        .harness
-        .key_press_modifiers(Modifiers::COMMAND, Key::S);
-    stage.harness.run_steps(3);
-    assert_eq!(stage.read("scene.look.toml"), both);
-    stage.harness.get_by_label("Save over it").click();
-    let mine = LOOK.replace("0.5 ", "0.25 ");
-    stage.wait("saved look", |stage| stage.read("scene.look.toml") == mine);
-
-    // Where both have changed the same, somebody is asked.
-    stage.edit(Edit::material("Brass", "roughness", Value::number(0.75)));
-    fs::write(stage.path("scene.look.toml"), LOOK).expect("written");
-    stage.changes.send(change).expect("heard");
-    stage.wait("question", |stage| {
-        stage.harness.query_by_label("Keep mine there").is_some()
-    });
-    assert!(
-        stage
-            .harness
-            .query_by_label("[material.Brass] roughness")
-            .is_some()
-    );
-    stage.harness.get_by_label("Take the file's there").click();
-    stage.wait("answer", |stage| {
-        stage.harness.query_by_label("Keep mine there").is_none()
-    });
-    assert_eq!(text(&mut stage), LOOK);
-    stage
-        .harness
-        .key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    stage.harness.run_steps(2);
-    assert_eq!(text(&mut stage), LOOK.replace("0.5 ", "0.75 "));
-    stage.thread.finish();
-}
-
-#[test]
-fn files_that_are_wrong_at_the_start_are_taken_up_once_they_are_mended() {
-    let wrong = LOOK.replace("roughness = 0.5", "rouhgness = 0.5\nmetallc = 1");
-    let Some(mut stage) = Stage::beginning(&wrong) else {
-        return;
-    };
-    stage.wait("reason", |stage| {
-        stage.harness.state().status().refused.is_some()
-    });
-    stage.harness.run_steps(2);
-    for mistake in ["rouhgness", "metallc", "scene.look.toml:5:"] {
-        let shown = stage.harness.query_all_by_label_contains(mistake);
-        assert!(shown.count() > 0, "{mistake}");
-    }
-    fs::write(stage.path("scene.look.toml"), LOOK).expect("written");
-    let change = Changes {
-        look: true,
-        ..Changes::default()
-    };
-    stage.changes.send(change).expect("heard");
-    stage.wait("a picture", |stage| {
-        let status = stage.harness.state().status();
-        status.spp >= 4.0 && status.refused.is_none()
     });
     stage.thread.finish();
 }
@@ -753,97 +561,6 @@ fn a_picture_that_is_kept_in_the_midst_of_a_motion_keeps_nothing_waiting() {
         assert!(before < full[0], "{before} columns had to be waited for");
     }
     wait("both in full", &|now, before| [now, before] == [full[0]; 2]);
-    stage.thread.finish();
-}
-
-#[test]
-fn mistakes_leave_the_picture_as_it_is() {
-    let Some(mut stage) = Stage::new() else {
-        return;
-    };
-    stage.thread.link.send(Command::Target(1 << 20));
-    stage.wait("more samples", |stage| {
-        let status = stage.harness.state().status();
-        status.is_whole && status.spp >= 8.0
-    });
-    let change = Changes {
-        look: true,
-        ..Changes::default()
-    };
-    let (size, mut spp) = {
-        let status = stage.harness.state().status();
-        (status.size, status.spp)
-    };
-    let wrong_look = LOOK.replace("roughness", "rouhgness");
-    // As written by a program that isn't done yet, for example.
-    let wrong_scene = SCENE.get(..SCENE.len() / 2).expect("a place");
-    let bytes = fs::read(stage.path("triangle.bin")).expect("there");
-    let assets = Changes {
-        assets: true,
-        ..Changes::default()
-    };
-    for (name, bytes, change, is_wrong) in [
-        ("scene.look.toml", wrong_look.as_bytes(), &change, true),
-        ("scene.look.toml", LOOK.as_bytes(), &change, false),
-        ("scene.gltf", wrong_scene.as_bytes(), &assets, true),
-        ("scene.gltf", SCENE.as_bytes(), &assets, false),
-        ("triangle.bin", &bytes[..bytes.len() / 2], &assets, true),
-        ("triangle.bin", &bytes[..], &assets, false),
-        // Saved as it was.
-        ("scene.gltf", SCENE.as_bytes(), &assets, false),
-    ] {
-        fs::write(stage.path(name), bytes).expect("written");
-        stage.changes.send(change.clone()).expect("heard");
-        stage.wait("news", |stage| {
-            stage.harness.state().status().problems.is_empty() != is_wrong
-        });
-        for _ in 0..20 {
-            stage.harness.run_steps(1);
-            std::thread::sleep(Duration::from_millis(10));
-            let status = stage.harness.state().status();
-            assert!(status.spp >= spp, "it has begun anew");
-            assert_eq!(status.size, size);
-            spp = status.spp;
-        }
-    }
-    stage.thread.finish();
-}
-
-#[test]
-fn mistakes_in_files_are_shown_until_they_are_mended() {
-    let Some(mut stage) = Stage::new() else {
-        return;
-    };
-    let change = Changes {
-        look: true,
-        ..Changes::default()
-    };
-    let wrong = LOOK.replace("roughness", "rouhgness");
-    fs::write(stage.path("scene.look.toml"), wrong).expect("written");
-    stage.changes.send(change.clone()).expect("heard");
-    stage.wait("problem", |stage| {
-        !stage.harness.state().status().problems.is_empty()
-    });
-    let problems = stage.harness.state().status().problems.clone();
-    assert!(problems.contains("scene.look.toml:5:"), "{problems}");
-    stage.harness.run_steps(3);
-    assert!(stage.harness.query_by_label(problems.trim_end()).is_some());
-    fs::write(stage.path("scene.look.toml"), LOOK).expect("written");
-    stage.changes.send(change).expect("heard");
-    stage.wait("mended look", |stage| {
-        stage.harness.state().status().problems.is_empty()
-    });
-
-    // Saving under another name leaves the first file alone.
-    stage.edit(Edit::material("Brass", "metallic", Value::number(0.0)));
-    stage
-        .thread
-        .link
-        .send(Command::Save(Some(stage.path("other.look.toml"))));
-    stage.wait("other look", |stage| {
-        stage.read("other.look.toml").contains("metallic")
-    });
-    assert_eq!(stage.read("scene.look.toml"), LOOK);
     stage.thread.finish();
 }
 
