@@ -187,7 +187,7 @@ fn frames_that_are_there_are_left_out_by_resume() {
 #[test]
 fn an_open_shutter_is_the_sum_of_its_moments_and_of_its_parts() {
     let bench = moving();
-    // In the end those of paths lie there.
+    // Paths last: their files are what is compared with below.
     for method in ["cache", "path"] {
         let blurred =
             format!("{SMALL} --method {method} --at 0.5 --shutter 0.5 --motion-samples 4");
