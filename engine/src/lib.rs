@@ -57,6 +57,7 @@ pub mod gpu_scene;
 pub mod isolated;
 pub mod load;
 pub mod material_record;
+mod morton;
 pub mod passes;
 pub mod pick;
 pub mod preview;

@@ -21,7 +21,7 @@ use crate::wave;
 
 /// The passes of a wave, in the order in which they first run. Those of textures exist only where a
 /// material has a program, those of layers where the film has more than the picture.
-pub static WAVE: [&Pass; 32] = [
+pub static WAVE: [&Pass; 33] = [
     &raygen::PASS,
     &advance::AFTER_RAYGEN,
     &traverse::CLOSEST,
@@ -41,6 +41,7 @@ pub static WAVE: [&Pass; 32] = [
     &irradiance::LOOK,
     &irradiance::START,
     &irradiance::FIRST_HIT,
+    &advance::AFTER_FIRST_HIT,
     &irradiance::NOTE,
     &irradiance::END,
     &photons::START,
@@ -290,6 +291,7 @@ impl Schedule for Aside {
             Errand::Gather => {
                 wave.run(&traverse::CLOSEST);
                 wave.run(&irradiance::FIRST_HIT);
+                wave.run(&advance::AFTER_FIRST_HIT);
                 wave.run(&light_cache::LOOK_UP);
                 shade_hits(wave);
                 wave.run(&brdf::PASS);

@@ -12,6 +12,7 @@ use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
 use super::bounds::Bounds;
+use crate::morton;
 
 /// How many neighbours on each side are considered, after the first rounds.
 const DISTANCE: usize = 14;
@@ -130,8 +131,11 @@ fn in_morton_order(boxes: &[Bounds]) -> Vec<Node> {
     let scale = DVec3::select(size.cmpgt(DVec3::ZERO), cells / size, DVec3::ZERO);
     let key = |(index, b): (usize, &Bounds)| {
         let cell = (b.center().as_dvec3() - total.low.as_dvec3()) * scale;
-        let code = spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2;
-        (code, b.half_area().to_bits(), index as u32)
+        (
+            morton::code(cell.as_uvec3()),
+            b.half_area().to_bits(),
+            index as u32,
+        )
     };
     let mut keys: Vec<(u64, u32, u32)> = boxes.iter().enumerate().map(key).collect();
     if keys.len() > CHUNK {
@@ -146,16 +150,6 @@ fn in_morton_order(boxes: &[Bounds]) -> Vec<Node> {
             is_leaf: true,
         })
         .collect()
-}
-
-/// The lowest 21 bits of a number, two places apart.
-fn spread(cell: f64) -> u64 {
-    let mut v = cell as u64 & 0x1f_ffff;
-    v = (v | v << 32) & 0x001f_0000_0000_ffff;
-    v = (v | v << 16) & 0x001f_0000_ff00_00ff;
-    v = (v | v << 8) & 0x100f_00f0_0f00_f00f;
-    v = (v | v << 4) & 0x10c3_0c30_c30c_30c3;
-    (v | v << 2) & 0x1249_2492_4924_9249
 }
 
 /// For each node the one with which its box grows least, among those at most `distance` away.

@@ -13,6 +13,7 @@
 //! neighbour has found something closer, and where many records overlap. In the end what records differ by from their neighbours is taken out
 //! of them as far as it is noise ([`smooth`](self::smooth)).
 
+mod grid;
 mod records;
 mod sky;
 mod smooth;
@@ -24,7 +25,8 @@ use crate::{gpu_scene::SceneFeatures, passes::irradiance, settings::Method};
 
 use super::{Purpose, RenderError, Renderer, Work, clear_picture};
 
-use self::records::{Candidate, Grid, Record, calm, settle, spread_out};
+use self::grid::{Grid, Reference, Slot, sort_along_the_curve};
+use self::records::{Candidate, Record, calm, settle, spread_out};
 use self::sky::Sky;
 use self::smooth::smooth;
 
@@ -128,8 +130,11 @@ pub(super) struct Irradiance {
 
 const BUFFERS: [(&str, u64); 5] = [
     ("irradiance_records", RECORDS as u64 * 128),
-    ("irradiance_grid", SLOTS as u64 * 16),
-    ("irradiance_references", REFERENCES as u64 * 4),
+    ("irradiance_grid", SLOTS as u64 * size_of::<Slot>() as u64),
+    (
+        "irradiance_references",
+        REFERENCES as u64 * size_of::<Reference>() as u64,
+    ),
     ("irradiance_candidates", 32 * (CANDIDATES as u64 + 1)),
     (
         "irradiance_gathered",
@@ -380,6 +385,7 @@ impl Renderer {
         if is_last {
             calm(&mut cache.records, SLOTS, REFERENCES as usize);
             smooth(&mut cache.records, SLOTS, REFERENCES as usize);
+            sort_along_the_curve(&mut cache.records);
         }
         cache.find_by(&self.device, &self.resources, falloff);
         match is_last {

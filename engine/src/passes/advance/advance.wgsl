@@ -51,3 +51,10 @@ fn advance_bounce() {
     add_total(WORD_RAYS, live + shadow);
     add_total(WORD_SHADOW_RAYS, shadow);
 }
+
+// After gather_first_hit, which hands on what is left of the active paths. Their rays are counted already.
+@compute @workgroup_size(1)
+fn advance_followed() {
+    size_dispatch(QUEUE_ACTIVE, hand_over(QUEUE_ACTIVE));
+    atomicAdd(&queues[WORD_ROUND], 1u);
+}

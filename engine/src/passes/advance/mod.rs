@@ -23,3 +23,10 @@ pub const AFTER_BRDF: Pass = Pass {
     name: "advance_bounce",
     ..AFTER_RAYGEN
 };
+
+/// Behind gather_first_hit.
+pub const AFTER_FIRST_HIT: Pass = Pass {
+    name: "advance_followed",
+    exists: |features| features.irradiance_cache,
+    ..AFTER_RAYGEN
+};

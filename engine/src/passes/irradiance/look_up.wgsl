@@ -12,41 +12,14 @@
 //!include shared/found_light.wgsl
 //!include shared/left.wgsl
 //!include irradiance/records.wgsl
+//!include irradiance/grid.wgsl
 //!include shared/powers.wgsl
 
 @group(0) @binding(51) var<storage, read> irradiance_records: array<vec4u>;
-// Cells of a grid of several levels, found by a hash: a number by which the cell is known, or 0 where the slot is free; its first
-// reference, and how many. Then the references: records that reach into the cell.
-@group(0) @binding(52) var<storage, read> irradiance_grid: array<vec4u>;
-@group(0) @binding(53) var<storage, read> irradiance_references: array<u32>;
 // How many there are; then from word 8 on eight words of each: position, octahedral normal, width of a pixel, a random number.
 @group(0) @binding(54) var<storage, read_write> irradiance_candidates: array<atomic<u32>>;
 
 const CANDIDATE_WORDS = 8u;
-
-// Slots that are looked at for a cell.
-const GRID_PROBES = 64u;
-
-// The number by which a cell is known; `renderer/irradiance/grid.rs` has the same. Never 0.
-fn cell_number(cell: vec3i, level: u32) -> u32 {
-    let place = hash2(hash2(hash2(hash(level), bitcast<u32>(cell.x)), bitcast<u32>(cell.y)), bitcast<u32>(cell.z));
-    return max(place, 1u);
-}
-
-// First reference of a cell, and behind its last.
-fn references_of(cell: vec3i, level: u32) -> vec2u {
-    let number = cell_number(cell, level);
-    for (var i = 0u; i < GRID_PROBES; i++) {
-        let slot = irradiance_grid[(number + i) & irradiance_settings.mask];
-        if (slot.x == number) {
-            return vec2u(slot.y, slot.y + slot.z);
-        }
-        if (slot.x == 0u) {
-            break;
-        }
-    }
-    return vec2u(0u);
-}
 
 // The sum of two neighbouring harmonics of a record by their factors: three words hold six numbers.
 fn two_harmonics(words: vec3u, first: f32, second: f32) -> vec3f {
@@ -57,7 +30,8 @@ fn two_harmonics(words: vec3u, first: f32, second: f32) -> vec3f {
 }
 
 // The irradiance of a record at a place, and with another normal, whose harmonics are `toward`.
-fn record_irradiance(at: u32, own: vec4u, offset: vec3f, is_turned: bool, toward: array<f32, 9>) -> vec3f {
+fn record_irradiance(at: u32, offset: vec3f, is_turned: bool, toward: array<f32, 9>) -> vec3f {
+    let own = irradiance_records[at + 1u];
     let a = bitcast<vec4f>(irradiance_records[at + 2u]);
     let b = bitcast<vec4f>(irradiance_records[at + 3u]);
     let c = irradiance_records[at + 4u];
@@ -78,35 +52,45 @@ fn record_irradiance(at: u32, own: vec4u, offset: vec3f, is_turned: bool, toward
 
 // How much more than what lies beside a record what lies above it counts as far away.
 const STEEPNESS = 12.0;
+// Normals that are farther apart, as the square of the distance of their ends, are two (0.8 degrees).
+const LEAST_TURN2 = 2e-4;
 
 // The irradiance at a place, weighed from all records that reach there, and the sum of their weights. `facing` is the normal by
 // which records are chosen, `normal` the one that light falls on.
 fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f) -> vec4f {
     var sum = vec4f(0.0);
     let toward = harmonics(normal);
-    let reach = 1.0 / irradiance_settings.falloff;
-    let reach2 = reach * reach;
+    let is_bumped = dot(facing, normal) < 1.0 - 0.5 * LEAST_TURN2;
+    let coarse_facing = coarse_normal(facing);
+    // A weight falls to nothing at the distance of 1.
+    let of_turn = irradiance_settings.falloff / FARTHEST_TURN;
+    let turn_scale = 0.5 * of_turn * of_turn;
     for (var level = 0u; level < irradiance_settings.levels; level++) {
-        let side = power_of_two(irradiance_settings.first_level + i32(level));
-        let references = references_of(vec3i(floor(position / side)), level);
+        let side_log2 = irradiance_settings.first_level + i32(level);
+        let side = power_of_two(side_log2);
+        let scaled = position * power_of_two(-side_log2);
+        let cell = floor(scaled);
+        let references = references_of(vec3i(cell), level);
         for (var i = references.x; i < references.y; i++) {
-            let at = irradiance_references[i] * RECORD_WORDS;
-            let place = bitcast<vec4f>(irradiance_records[at]);
-            let offset = position - place.xyz;
-            let radius = place.w;
-            if (dot(offset, offset) >= radius * radius * reach2) {
+            let reference = irradiance_references[i];
+            let reaches = reference_reach(reference);
+            let offset = scaled - cell - reference_place(reference);
+            let beside2 = dot(offset, offset);
+            if (beside2 >= reaches * reaches) {
                 continue;
             }
-            let own = irradiance_records[at + 1u];
-            let own_normal = octahedral_decode(own.w);
-            let turn = sqrt(max(1.0 - dot(facing, own_normal), 0.0)) / FARTHEST_TURN;
+            let own_facing = reference_facing(reference);
+            let turn = coarse_facing - own_facing;
+            let turn2 = dot(turn, turn);
             // How far one lies above the other: on a plane and on a ball 0, across a step not.
-            let height = abs(dot(offset, facing + own_normal)) * 0.5;
-            let apart = max(length(offset), STEEPNESS * height) / radius;
-            let weight = 1.0 - irradiance_settings.falloff * max(apart, turn);
-            if (weight > 0.0) {
-                let is_turned = dot(own_normal, normal) < 0.9999;
-                sum += weight * vec4f(record_irradiance(at, own, offset, is_turned, toward), 1.0);
+            let height = (0.5 * STEEPNESS) * dot(offset, coarse_facing + own_facing);
+            let apart2 = max(beside2, height * height) / (reaches * reaches);
+            let distance2 = max(apart2, turn_scale * turn2);
+            if (distance2 < 1.0) {
+                let weight = 1.0 - sqrt(distance2);
+                let is_turned = is_bumped || turn2 > LEAST_TURN2;
+                let at = reference.w * RECORD_WORDS;
+                sum += weight * vec4f(record_irradiance(at, offset * side, is_turned, toward), 1.0);
             }
         }
     }

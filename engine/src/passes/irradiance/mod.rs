@@ -42,7 +42,7 @@ pub const START: Pass = Pass {
     ..LOOK_UP
 };
 
-/// Ends them where a cache knows what they have met.
+/// Ends them where a cache knows what they have met, or where that is nothing.
 pub const FIRST_HIT: Pass = Pass {
     name: "gather_first_hit",
     file: "irradiance/first_hit.wgsl",
@@ -52,11 +52,11 @@ pub const FIRST_HIT: Pass = Pass {
         "irradiance_settings",
         "light_cache_settings",
         "materials",
-        "queues",
+        "rays",
         "triangles",
         "vertices",
     ],
-    writes: &["light_cache", "paths", "rays"],
+    writes: &["light_cache", "paths", "queues"],
     ..LOOK_UP
 };
 

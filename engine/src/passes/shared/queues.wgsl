@@ -14,7 +14,7 @@ const QUEUE_COUNT = 4u;
 const ENTRY_RAY = 0x0fffffffu;
 const ENTRY_LIGHT = 0x80000000u; // the hit is a point of a light that was sampled
 
-const WORD_ROUND = 8u; // rounds so far: a path scatters at most once in each
+const WORD_ROUND = 8u; // how often the list of active paths has been handed on, of which its halves take turns
 const WORD_RAYS = 9u; // 64-bit total of path and shadow rays
 const WORD_OVERRUN = 11u; // number + 1 of a texture whose loops were ended early, or 0
 const WORD_CLAMPED = 12u; // samples beyond the film's range

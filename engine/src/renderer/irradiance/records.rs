@@ -1,10 +1,11 @@
-//! Records of irradiance as the host sees them, and the grid that finds them.
-
-use std::collections::HashMap;
+//! Records of irradiance as the host sees them.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, Vec2, Vec3};
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
+use super::grid::Grid;
 use crate::gpu_scene::lights::luminance;
 
 /// A record of `irradiance/records.wgsl`.
@@ -75,122 +76,6 @@ pub(super) fn octahedral_decode(packed: u32) -> Vec3 {
     v.normalize()
 }
 
-/// The twin of `hash.wgsl`.
-fn hash(x: u32) -> u32 {
-    let v = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
-    let v = (v ^ (v >> 15)).wrapping_mul(0x846c_a68b);
-    v ^ (v >> 16)
-}
-
-fn hash2(x: u32, y: u32) -> u32 {
-    hash(x ^ hash(y).wrapping_add(0x9e37_79b9))
-}
-
-/// Most levels: a query looks at one cell of each.
-const MOST_LEVELS: i32 = 10;
-/// Slots that are looked at for a cell: `GRID_PROBES` of `look_up.wgsl`.
-const PROBES: u32 = 64;
-
-/// The cells of a grid that records reach into. Records of about the same reach share a level, whose cells are once to twice as wide as
-/// that: a record is in some 13 of them, and a quarter of what a cell names reaches a place in it.
-#[derive(Debug)]
-pub(super) struct Grid {
-    /// `irradiance_grid`.
-    pub(super) slots: Vec<[u32; 4]>,
-    /// `irradiance_references`.
-    pub(super) references: Vec<u32>,
-    /// The finest cells have sides of two to this power, metres.
-    pub(super) first_level: i32,
-    /// How many there are.
-    pub(super) levels: u32,
-}
-
-impl Grid {
-    /// The number by which a cell is known.
-    fn number(cell: IVec3, level: u32) -> u32 {
-        let word = |x: i32| x as u32;
-        let place = hash2(hash2(hash(level), word(cell.x)), word(cell.y));
-        hash2(place, word(cell.z)).max(1)
-    }
-
-    /// Of records that reach `reach` times as far as their radius. At most so many slots, a power of two, and references: what
-    /// there is no room for isn't found. It has twice as many slots as cells, so that what is looked at stays in the caches.
-    pub(super) fn of(records: &[Record], reach: f32, slots: u32, references: usize) -> Self {
-        let level = |record: &Record| (reach * record.radius).log2().ceil() as i32;
-        let last = records.iter().map(level).max().unwrap_or_default();
-        let first = records.iter().map(level).min().unwrap_or_default();
-        let first_level = first.max(last - MOST_LEVELS + 1);
-        let mut cells = HashMap::<u32, Vec<u32>>::new();
-        let mut count = 0;
-        for (index, record) in (0..).zip(records) {
-            let level = level(record).max(first_level) - first_level;
-            let side = 2.0_f32.powi(first_level + level);
-            let radius = reach * record.radius;
-            let corner = |offset: f32| ((record.position + offset) / side).floor().as_ivec3();
-            let (low, high) = (corner(-radius), corner(radius));
-            for x in low.x..=high.x {
-                for y in low.y..=high.y {
-                    for z in low.z..=high.z {
-                        let cell = IVec3::new(x, y, z);
-                        let least = cell.as_vec3() * side;
-                        let nearest = record.position.clamp(least, least + side);
-                        if nearest.distance(record.position) <= radius && count < references {
-                            let number = Self::number(cell, level as u32);
-                            let list = cells.entry(number).or_default();
-                            // Cells that share a number share their list.
-                            if list.last() != Some(&index) {
-                                list.push(index);
-                                count += 1;
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        let mut numbers: Vec<u32> = cells.keys().copied().collect();
-        numbers.sort_unstable();
-        let slots = slots.min((2 * numbers.len().max(1)).next_power_of_two() as u32);
-        let mut grid = Self {
-            slots: vec![[0; 4]; slots as usize],
-            references: Vec::with_capacity(count),
-            first_level,
-            levels: if records.is_empty() {
-                0
-            } else {
-                (last - first_level + 1) as u32
-            },
-        };
-        for number in numbers {
-            let free = (0..PROBES)
-                .map(|i| (number.wrapping_add(i) & (slots - 1)) as usize)
-                .find(|&slot| grid.slots[slot][0] == 0);
-            if let Some(slot) = free {
-                let list = &cells[&number];
-                grid.slots[slot] = [number, grid.references.len() as u32, list.len() as u32, 0];
-                grid.references.extend(list);
-            }
-        }
-        grid
-    }
-
-    /// Records that may reach a place.
-    pub(super) fn at(&self, position: Vec3) -> impl Iterator<Item = u32> {
-        let mask = self.slots.len() as u32 - 1;
-        (0..self.levels).flat_map(move |level| {
-            let side = 2.0_f32.powi(self.first_level + level as i32);
-            let number = Self::number((position / side).floor().as_ivec3(), level);
-            let slot = (0..PROBES)
-                .map(|i| self.slots[(number.wrapping_add(i) & mask) as usize])
-                .take_while(|slot| slot[0] != 0)
-                .find(|slot| slot[0] == number);
-            let [_, first, count, _] = slot.unwrap_or_default();
-            self.references[first as usize..][..count as usize]
-                .iter()
-                .copied()
-        })
-    }
-}
-
 /// A place that no record covers.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -210,7 +95,7 @@ pub(super) struct Candidate {
 pub(super) fn spread_out(mut candidates: Vec<Candidate>, pixels: f32) -> Vec<Record> {
     candidates.sort_by_key(|c| (c.number, c.position.to_array().map(f32::to_bits)));
     let mut kept = Vec::<Record>::new();
-    let mut cells = HashMap::<(i32, IVec3), Vec<usize>>::new();
+    let mut cells = FxHashMap::<(i32, IVec3), Vec<usize>>::default();
     for candidate in candidates {
         let distance = pixels * candidate.width;
         if !(distance > 0.0 && distance.is_finite() && candidate.position.is_finite()) {
@@ -257,7 +142,7 @@ pub(super) fn settle(records: &mut [Record], slots: u32, references: usize) {
     for _ in 0..2 {
         let grid = Grid::of(records, 1.0, slots, references);
         let settled: Vec<f32> = records
-            .iter()
+            .par_iter()
             .map(|record| {
                 let facing = record.facing();
                 let (mut radius, mut covering) = (record.radius, 0.0);
@@ -293,9 +178,10 @@ const MOST_ABOVE: f32 = 1.25;
 pub(super) fn calm(records: &mut [Record], slots: u32, references: usize) {
     let grid = Grid::of(records, REACH, slots, references);
     let brightness = |record: &Record| record.irradiance.element_sum();
-    let factors: Vec<f32> = (0..)
-        .zip(&*records)
-        .map(|(index, record)| {
+    let factors: Vec<f32> = (0..records.len() as u32)
+        .into_par_iter()
+        .map(|index| {
+            let record = &records[index as usize];
             let others: Vec<f32> = (grid.at(record.position).filter(|&other| other != index))
                 .map(|other| &records[other as usize])
                 .filter(|other| {
@@ -319,6 +205,7 @@ pub(super) fn calm(records: &mut [Record], slots: u32, references: usize) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::grid::hash;
     use super::*;
 
     fn record(position: Vec3, radius: f32) -> Record {
@@ -334,26 +221,6 @@ mod tests {
         assert_eq!(octahedral_decode(0x7fff), Vec3::X);
         let below = octahedral_decode(0x7fff_7fff);
         assert!(below.distance(Vec3::NEG_Z) < 1e-6, "{below}");
-    }
-
-    #[test]
-    fn a_grid_finds_all_that_reach_a_place() {
-        let mut records = Vec::new();
-        for i in 0..400_u32 {
-            let [x, y, z, r] = [1, 2, 3, 4].map(|s| hash(i * 7 + s) as f32 / u32::MAX as f32);
-            let radius = 0.002 * 2.0_f32.powf(r * 9.0);
-            records.push(record(Vec3::new(x, y, z) * 4.0 - 2.0, radius));
-        }
-        let grid = Grid::of(&records, 2.0, 1 << 14, 1 << 16);
-        for i in 0..500_u32 {
-            let [x, y, z] = [1, 2, 3].map(|s| hash(i * 5 + s + 9999) as f32 / u32::MAX as f32);
-            let place = Vec3::new(x, y, z) * 4.0 - 2.0;
-            let found: Vec<u32> = grid.at(place).collect();
-            for (index, record) in (0..).zip(&records) {
-                let reaches = record.position.distance(place) <= 2.0 * record.radius;
-                assert!(!reaches || found.contains(&index), "{record:?}");
-            }
-        }
     }
 
     #[test]

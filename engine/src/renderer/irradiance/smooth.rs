@@ -6,8 +6,10 @@
 //! linear regression: Cleveland, "Robust Locally Weighted Regression and Smoothing Scatterplots", 1979, without its robust weights).
 
 use glam::{Mat3, Vec3};
+use rayon::prelude::*;
 
-use super::records::{Grid, Record};
+use super::grid::Grid;
+use super::records::Record;
 use crate::gpu_scene::lights::luminance;
 
 /// How far away neighbours are asked, over the radius.
@@ -28,7 +30,7 @@ const RIDGE: f32 = 1e-3;
 pub(super) fn smooth(records: &mut [Record], slots: u32, references: usize) {
     let grid = Grid::of(records, REACH, slots, references);
     let smoothed: Vec<Record> = records
-        .iter()
+        .par_iter()
         .map(|record| smoothed(record, records, &grid).unwrap_or(*record))
         .collect();
     records.copy_from_slice(&smoothed);
