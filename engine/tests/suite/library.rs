@@ -356,6 +356,10 @@ fn no_noise_has_a_peak_at_its_lattice() {
     }
 }
 
+/// What noises may differ by. Places of up to 100 are known to 4e-6, drivers may round in another order, and a distance near 0, the root of
+/// a square, is steep there.
+const ROUNDING: f32 = 2e-4;
+
 #[test]
 fn noises_are_equal_on_all_devices() {
     let Some(driver) = open_driver() else {
@@ -371,7 +375,7 @@ fn noises_are_equal_on_all_devices() {
         for (i, (a, b)) in a.iter().zip(&b).enumerate() {
             let place = places[i];
             assert!(
-                (a[0] - b[0]).abs() < 1e-4,
+                (a[0] - b[0]).abs() < ROUNDING,
                 "noise {which} at {place:?}: {} and {}",
                 a[0],
                 b[0]
