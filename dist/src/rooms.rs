@@ -11,9 +11,9 @@ use crate::metadata::Metadata;
 /// The modules of `engine` with those that they know, which stand above them.
 const ENGINE: &[(&str, &[&str])] = &[
     ("alias", &[]),
-    ("bvh", &[]),
     ("filter", &[]),
     ("material_record", &[]),
+    ("morton", &[]),
     ("pick", &[]),
     ("sobol", &[]),
     ("stats", &[]),
@@ -21,6 +21,7 @@ const ENGINE: &[(&str, &[&str])] = &[
     ("texturing", &[]),
     ("view", &[]),
     ("wave", &[]),
+    ("bvh", &["morton"]),
     ("film", &["view"]),
     ("denoise", &["film"]),
     ("settings", &["film", "filter"]),
@@ -43,6 +44,7 @@ const ENGINE: &[(&str, &[&str])] = &[
             "filter",
             "frame",
             "gpu_scene",
+            "morton",
             "passes",
             "procedural",
             "schedule",
