@@ -356,9 +356,14 @@ fn no_noise_has_a_peak_at_its_lattice() {
     }
 }
 
-/// What noises may differ by. Places of up to 100 are known to 4e-6, drivers may round in another order, and a distance near 0, the root of
-/// a square, is steep there.
-const ROUNDING: f32 = 2e-4;
+/// What a noise may differ by. Of those by Gabor some waves are added at each place, and of a wave's cosine WGSL says no more than that it is right
+/// to 2^-11 (in its section on the accuracy of floating point); the driver of a processor is right to the last bits, SwiftShader isn't.
+fn most_apart(which: u32) -> f32 {
+    match (11..=12).contains(&which) {
+        true => 4.0 * 2.0_f32.powi(-11),
+        false => 1e-4,
+    }
+}
 
 #[test]
 fn noises_are_equal_on_all_devices() {
@@ -375,7 +380,7 @@ fn noises_are_equal_on_all_devices() {
         for (i, (a, b)) in a.iter().zip(&b).enumerate() {
             let place = places[i];
             assert!(
-                (a[0] - b[0]).abs() < ROUNDING,
+                (a[0] - b[0]).abs() < most_apart(which),
                 "noise {which} at {place:?}: {} and {}",
                 a[0],
                 b[0]
