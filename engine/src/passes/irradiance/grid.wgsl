@@ -14,7 +14,10 @@
 
 // Slots that are looked at for a cell.
 const GRID_PROBES = 64u;
+// Cells of a block, whose slots stand together.
 const GRID_BLOCK = 8u;
+// Of a normal's coordinates, from 0 to 1.
+const COARSE_STEPS = 511.0;
 
 // First reference of a cell, and behind its last.
 fn references_of(cell: vec3i, level: u32) -> vec2u {
@@ -53,8 +56,6 @@ fn reference_facing(reference: vec4u) -> vec3f {
     let words = (vec3u(reference.z) >> vec3u(0u, 10u, 20u)) & vec3u(0x3ffu);
     return (vec3f(words) - vec3f(COARSE_STEPS + 1.0)) / COARSE_STEPS;
 }
-
-const COARSE_STEPS = 511.0;
 
 // A normal as references have it.
 fn coarse_normal(normal: vec3f) -> vec3f {

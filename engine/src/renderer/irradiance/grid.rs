@@ -42,7 +42,7 @@ pub(super) struct Reference {
 }
 
 /// A cell of a level.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Cell {
     level: u32,
     place: IVec3,
@@ -64,6 +64,7 @@ impl Cell {
         (number.max(1), slot & mask)
     }
 
+    /// What [`Slot::check`] says.
     fn check(self) -> u32 {
         let low = (self.place & 0x3ff).as_uvec3();
         low.x | low.y << 10 | low.z << 20 | self.level << 30
