@@ -57,6 +57,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         camera,
         energy_compensation,
         first_sample: _,
+        moment_since: _,
         filter,
         filter_width,
         clamp,

@@ -480,7 +480,7 @@ impl Renderer {
         if self.position < total && !is_preparing && !self.step_burst(target_spp)? {
             let wave = u64::from(self.next_wave_size()).min(total - self.position);
             let wave = self.until_learned(wave, target_spp);
-            let wave = self.until_next_photons(wave);
+            let wave = self.until_more_rays(self.until_next_photons(wave));
             // Bursts begin with whole samples.
             let wave = match self.has_bursts() {
                 true => wave.min(padded - self.position % padded),
@@ -557,7 +557,7 @@ impl Renderer {
             }
         }
         self.is_warm = true;
-        if purpose != Purpose::Photons {
+        if purpose != Purpose::Photons && self.records_awaited().is_none() {
             self.rendered += u64::from(paths);
         }
         let took = self.system.clock.now() - start;

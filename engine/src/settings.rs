@@ -34,6 +34,8 @@ pub struct RenderSettings {
     /// Where in the sequence of each pixel's samples the picture begins. A picture of samples 0 to 10 and one of
     /// samples 10 to 64 add up to that of samples 0 to 64: see [`crate::film::Film::add`].
     pub first_sample: u32,
+    /// Number of the sample with which the moment of an open shutter begins that is shown: what is known of its light grows from there on.
+    pub moment_since: u32,
     /// How a pixel weighs the light around its centre.
     pub filter: PixelFilter,
     /// Width of the filter from edge to edge, pixels.
@@ -203,6 +205,7 @@ impl RenderSettings {
             camera: camera.clone(),
             energy_compensation: true,
             first_sample: 0,
+            moment_since: 0,
             filter: PixelFilter::Box,
             filter_width: PixelFilter::Box.default_width(),
             clamp: None,

@@ -200,7 +200,9 @@ pub(super) fn render(
         }
     };
     let samples = job.first_sample..job.first_sample + job.spp.get();
-    let ends = motion::shares(take.others.len() as u32 + 1, job.whole_spp, &samples);
+    let moments = take.others.len() as u32 + 1;
+    let ends = motion::shares(moments, job.whole_spp, &samples);
+    let ends_of_all = motion::shares(moments, job.whole_spp, &(0..job.whole_spp));
     let mut exposure = Exposure {
         job,
         bar,
@@ -221,8 +223,10 @@ pub(super) fn render(
             }
             if let (Some(sight), Some(reel)) = (number.checked_sub(1), reel.as_deref_mut()) {
                 let Seen { opening, sight, .. } = reel.at(&take.others[sight])?;
-                let settings =
-                    self::settings(job, &opening.loaded().camera, &sight, beside.clone());
+                let settings = RenderSettings {
+                    moment_since: ends_of_all[number - 1],
+                    ..self::settings(job, &opening.loaded().camera, &sight, beside.clone())
+                };
                 session.show(opening, &settings, true).map_err(failure)?;
             }
             ended = exposure.accumulate(&mut session, end)?;

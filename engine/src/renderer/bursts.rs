@@ -86,7 +86,8 @@ impl Renderer {
             return 1;
         }
         let padded = u64::from(self.frame.padded_pixels);
-        let left = u64::from(target_spp) - self.position / padded;
+        let left = u64::from(target_spp) * padded - self.position;
+        let left = self.until_more_rays(left) / padded;
         // As many paths as so many waves have at the speed that is known by now.
         let room = MOST_WAVES * u64::from(self.wave_size) / padded;
         room.min(u64::from(MOST_SAMPLES)).min(left) as u32

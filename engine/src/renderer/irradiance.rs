@@ -14,6 +14,7 @@
 //! of them as far as it is noise ([`smooth`](self::smooth)).
 
 mod grid;
+mod growth;
 mod records;
 mod sky;
 mod smooth;
@@ -84,9 +85,10 @@ struct Settings {
     photons: u32,
     turn: u32,
     turns: u32,
+    earlier_turns: u32,
     rings: u32,
     sectors: u32,
-    unused: [u32; 3],
+    unused: [u32; 2],
 }
 
 /// What paths do with the cache: as in `settings.wgsl`.
@@ -104,26 +106,38 @@ enum Phase {
     /// Candidates of a pass are found; paths so far.
     Finding(usize, u64),
     /// Rays of a pass's records are gathered: those of the ones from here on are left, of which so many are done.
-    Gathering(usize, u32, u64),
+    Gathering(u32, u64),
     /// The picture may begin.
     Ready,
+}
+
+/// What is known of the records of a pass.
+#[derive(Debug, Clone, Copy, Default)]
+struct Pass {
+    /// Behind the last of them.
+    end: u32,
+    /// How often their rays have been gathered.
+    turns: u32,
 }
 
 /// The cache of a renderer.
 #[derive(Debug)]
 pub(super) struct Irradiance {
     phase: Phase,
+    /// In the order of their passes, with the noise of their rays.
     records: Vec<Record>,
+    passes: [Pass; DISTANCES.len()],
+    /// The one whose rays are gathered, how often that is, and rays of all records so far.
+    pass: usize,
+    turns: u32,
+    rays: u64,
+    /// How often something has been added to what is known since the picture began.
+    steps: u32,
     first_level: i32,
     levels: u32,
     /// Slots of the grid less one.
     mask: u32,
     falloff: f32,
-    /// How often rays are gathered for the records at hand, and rays of all records so far.
-    turns: u32,
-    rays: u64,
-    /// Rings and sectors of these rays.
-    strata: [u32; 2],
     sky: Sky,
     solve: Kernel,
 }
@@ -183,13 +197,15 @@ impl Irradiance {
         Ok(Some(Self {
             phase: Phase::Looking(0),
             records: Vec::new(),
+            passes: [Pass::default(); DISTANCES.len()],
+            pass: 0,
+            turns: 1,
+            rays: 0,
+            steps: 0,
             first_level: 0,
             levels: 0,
             mask: 0,
             falloff: 1.0,
-            turns: 1,
-            rays: 0,
-            strata: STRATA,
             sky: Sky::new(device, resources)?,
             solve: irradiance::SOLVE.kernel(device, features)?,
         }))
@@ -199,15 +215,52 @@ impl Irradiance {
     pub(super) fn restart(&mut self) {
         self.phase = Phase::Looking(0);
         self.records.clear();
+        self.passes = [Pass::default(); DISTANCES.len()];
         self.levels = 0;
         self.rays = 0;
+        self.steps = 0;
+    }
+
+    /// Where the records of a pass begin.
+    fn first(&self, pass: usize) -> u32 {
+        pass.checked_sub(1)
+            .map_or(0, |before| self.passes[before].end)
+    }
+
+    /// Rays of all records of a pass, each gathered once.
+    fn rays_once(&self, pass: usize) -> u64 {
+        let records = self.passes[pass].end - self.first(pass);
+        u64::from(rays_of(strata(pass))) * u64::from(records)
+    }
+
+    /// Has rays of a pass's records gathered, so many times.
+    fn begin_gathering(&mut self, pass: usize, turns: u32) -> Phase {
+        (self.pass, self.turns) = (pass, turns);
+        self.rays += self.rays_once(pass) * u64::from(turns);
+        Phase::Gathering(self.first(pass), 0)
+    }
+
+    /// Has the picture made with the records as they are now, but for their noise.
+    fn finish(&mut self, device: &Device, resources: &Resources) -> Phase {
+        let mut records = self.records.clone();
+        calm(&mut records, SLOTS, REFERENCES as usize);
+        smooth(&mut records, SLOTS, REFERENCES as usize);
+        sort_along_the_curve(&mut records);
+        self.find_by(device, resources, &records, FALLOFF);
+        Phase::Ready
     }
 
     /// Has the device find records by where they are; `falloff` says how far they reach.
-    fn find_by(&mut self, device: &Device, resources: &Resources, falloff: f32) {
-        let grid = Grid::of(&self.records, 1.0 / falloff, SLOTS, REFERENCES as usize);
+    fn find_by(
+        &mut self,
+        device: &Device,
+        resources: &Resources,
+        records: &[Record],
+        falloff: f32,
+    ) {
+        let grid = Grid::of(records, 1.0 / falloff, SLOTS, REFERENCES as usize);
         let write = |name: &str, bytes: &[u8]| device.write(resources.buffer(name), 0, bytes);
-        write("irradiance_records", bytemuck::cast_slice(&self.records));
+        write("irradiance_records", bytemuck::cast_slice(records));
         write("irradiance_grid", bytemuck::cast_slice(&grid.slots));
         if !grid.references.is_empty() {
             write(
@@ -237,17 +290,20 @@ impl Renderer {
             return Ok(false);
         }
         let next = match phase {
-            Phase::Ready => return Ok(false),
+            Phase::Ready => match self.grow() {
+                Some(phase) => phase,
+                None => return Ok(false),
+            },
             Phase::Looking(done) => self.look_for_sky(done)?,
             Phase::Learning(done) => {
-                let samples = self.samples_ahead();
-                let (done, is_last) = self.prepare_wave(Purpose::Learn, done, 0, samples)?;
+                let (first_sample, samples) = self.samples_to_learn();
+                let (done, is_last) = match samples {
+                    0 => (0, true),
+                    _ => self.prepare_wave(Purpose::Learn, done, first_sample, samples)?,
+                };
                 match is_last {
                     false => Phase::Learning(done),
-                    true => {
-                        self.learn_sky()?;
-                        Phase::Finding(0, 0)
-                    }
+                    true => self.after_learning()?,
                 }
             }
             Phase::Finding(pass, done) => {
@@ -263,12 +319,11 @@ impl Renderer {
                     true => self.begin_records(pass)?,
                 }
             }
-            Phase::Gathering(pass, from, done) => self.gather(pass, from, done)?,
+            Phase::Gathering(from, done) => self.gather(from, done)?,
         };
         // Else it is a picture that goes on.
         if next == Phase::Ready && self.position == 0 {
             clear_picture(&self.device, &self.settings, &self.resources)?;
-            self.rendered = 0;
         }
         if let Some(cache) = &mut self.irradiance {
             cache.phase = next;
@@ -358,20 +413,18 @@ impl Renderer {
         let room = (RECORDS - first) as usize;
         let begun = spread_out(candidates, DISTANCES[pass]);
         cache.records.extend(begun.into_iter().take(room));
+        cache.passes[pass].end = cache.records.len() as u32;
         if cache.records.len() as u32 == first {
             return Ok(self.next_pass(pass));
         }
-        cache.strata = strata(pass);
-        let once =
-            u64::from(rays_of(cache.strata)) * (cache.records.len() as u64 - u64::from(first));
+        let once = cache.rays_once(pass);
         let pixels = u64::from(self.frame.padded_pixels).max(LEAST_PIXELS);
         let left = (RAYS_OF_PIXEL * pixels).saturating_sub(cache.rays);
-        cache.turns = (left / once).clamp(1, MOST_TURNS) as u32;
-        cache.rays += once * u64::from(cache.turns);
+        let turns = (left / once).clamp(1, MOST_TURNS) as u32;
         let records = self.resources.buffer("irradiance_records");
         self.device
             .write(records, 0, bytemuck::cast_slice(&cache.records));
-        Ok(Phase::Gathering(pass, first, 0))
+        Ok(cache.begin_gathering(pass, turns))
     }
 
     /// What comes after a pass.
@@ -380,33 +433,35 @@ impl Renderer {
             return Phase::Ready;
         };
         let is_last = pass + 1 == DISTANCES.len() || cache.records.len() as u32 == RECORDS;
-        let falloff = if is_last { FALLOFF } else { 1.0 };
         settle(&mut cache.records, SLOTS, REFERENCES as usize);
+        for later in &mut cache.passes[pass..] {
+            later.end = cache.records.len() as u32;
+        }
         if is_last {
-            calm(&mut cache.records, SLOTS, REFERENCES as usize);
-            smooth(&mut cache.records, SLOTS, REFERENCES as usize);
-            sort_along_the_curve(&mut cache.records);
+            return cache.finish(&self.device, &self.resources);
         }
-        cache.find_by(&self.device, &self.resources, falloff);
-        match is_last {
-            true => Phase::Ready,
-            false => Phase::Finding(pass + 1, 0),
-        }
+        let records = std::mem::take(&mut cache.records);
+        cache.find_by(&self.device, &self.resources, &records, 1.0);
+        cache.records = records;
+        Phase::Finding(pass + 1, 0)
     }
 
     /// Gathers rays of the records from `from` on, turn after turn, of which so many are done.
-    fn gather(&mut self, pass: usize, from: u32, done: u64) -> Result<Phase, RenderError> {
+    fn gather(&mut self, from: u32, done: u64) -> Result<Phase, RenderError> {
         let Some(cache) = &self.irradiance else {
             return Ok(Phase::Ready);
         };
-        let count = cache.records.len() as u32;
-        let end = count.min(from + AT_ONCE);
+        let pass = cache.pass;
+        let known = &cache.passes[pass];
+        let last = known.end;
+        let end = last.min(from + AT_ONCE);
         let turns = u64::from(cache.turns);
-        let of_turn = u64::from(rays_of(cache.strata)) * u64::from(end - from);
+        let of_turn = u64::from(rays_of(strata(pass))) * u64::from(end - from);
         let (turn, position) = ((done / of_turn) as u32, done % of_turn);
         let rays = u64::from(self.next_wave_size()).min(of_turn - position);
         let mut frame = self.frame;
-        let number = turn.wrapping_mul(0x9e37_79b9).wrapping_add(1 + from);
+        let number = (known.turns + turn).wrapping_mul(0x9e37_79b9);
+        let number = number.wrapping_add(1 + from);
         frame.set_seed(frame.seed().wrapping_add(SEED ^ number));
         frame.set_wave(position, rays as u32, 0, u32::MAX);
         let work = Work::Range {
@@ -421,13 +476,20 @@ impl Renderer {
         };
         self.play_wave(&frame, work, purpose)?;
         if done + rays < of_turn * turns {
-            return Ok(Phase::Gathering(pass, from, done + rays));
+            return Ok(Phase::Gathering(from, done + rays));
         }
         self.solve(from, end)?;
-        match end == count {
-            true => Ok(self.next_pass(pass)),
-            false => Ok(Phase::Gathering(pass, end, 0)),
+        if end < last {
+            return Ok(Phase::Gathering(end, 0));
         }
+        let Some(cache) = &mut self.irradiance else {
+            return Ok(Phase::Ready);
+        };
+        cache.passes[pass].turns += cache.turns;
+        Ok(match cache.steps {
+            0 => self.next_pass(pass),
+            _ => cache.gather_again(pass + 1, &self.device, &self.resources),
+        })
     }
 
     /// Makes records of what has been gathered for them.
@@ -485,9 +547,10 @@ impl Renderer {
             photons: self.photon_field(purpose),
             turn,
             turns: cache.turns,
-            rings: cache.strata[0],
-            sectors: cache.strata[1],
-            unused: [0; 3],
+            earlier_turns: cache.passes[cache.pass].turns,
+            rings: strata(cache.pass)[0],
+            sectors: strata(cache.pass)[1],
+            unused: [0; 2],
         };
         let uniform = self.resources.buffer("irradiance_settings");
         self.device.write(uniform, 0, bytemuck::bytes_of(&words));

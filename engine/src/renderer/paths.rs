@@ -64,7 +64,7 @@ impl Renderer {
         let wave = wave.min(left);
         self.position = paths.start;
         while self.prepare_light()? {}
-        let wave = self.until_next_photons(wave);
+        let wave = self.until_more_rays(self.until_next_photons(wave));
         let spp = paths.end.div_ceil(self.paths_per_sample());
         self.wave_at(paths.start, wave as u32, spp as u32)?;
         Ok(wave)

@@ -97,29 +97,39 @@ fn beside_a_wall_gradients_follow_the_light() {
     }
 }
 
-/// Of parts, of a render that goes on, and of several devices each makes the cache for itself: the same one.
+/// Of parts, of a render that goes on, and of several devices each makes the cache for itself: the same one, which grows at the same
+/// samples.
 #[test]
 fn a_picture_that_is_divided_is_the_same() {
     let Some(device) = device::open() else { return };
-    for method in [Method::Cache, Method::Photons, Method::CachePhotons] {
+    let cases = [
+        (Method::Cache, 0),
+        (Method::Photons, 0),
+        (Method::CachePhotons, 0),
+        (Method::Cache, 2045),
+        (Method::CachePhotons, 2045),
+    ];
+    for (method, first_sample) in cases {
         let mut scene = room();
         let procedural = no_textures(&mut scene);
         let settings = RenderSettings {
             paths_ahead: FEW,
+            first_sample,
             ..seen((40, 24), 3, method)
         };
         let renderer = |settings: &RenderSettings| {
             let renderer = Renderer::new(&device, &scene, &procedural, settings);
             renderer.expect("the scene renders")
         };
+        let name = format!("{} from sample {first_sample}", method.name());
         let whole = film(&device, room(), &settings, 6);
         let mut sum = film(&device, room(), &settings, 2);
         let rest = RenderSettings {
-            first_sample: 2,
+            first_sample: first_sample + 2,
             ..settings.clone()
         };
         sum.add(&film(&device, room(), &rest, 4));
-        assert!(sum == whole, "{}: parts", method.name());
+        assert!(sum == whole, "{name}: parts");
         let mut first = renderer(&settings);
         first.render(2).expect("the device renders");
         let (begun, paths) = (first.film().expect("it reads"), first.paths_done());
@@ -127,7 +137,7 @@ fn a_picture_that_is_divided_is_the_same() {
         second.resume(&begun, paths).expect("it goes on");
         second.render(6).expect("the device renders");
         let same = second.film().expect("the device reads") == whole;
-        assert!(same, "{}: goes on", method.name());
+        assert!(same, "{name}: goes on");
         let plan = Plan {
             scene: Arc::new(scene.clone()),
             procedural: Arc::new(procedural.clone()),
@@ -145,8 +155,35 @@ fn a_picture_that_is_divided_is_the_same() {
             Renderer::new(&devices[0], &scene, &procedural, &settings).expect("renders");
         alone.render(6).expect("the device renders");
         let same = alone.film().expect("the device reads") == together;
-        assert!(same, "{}: two devices", method.name());
+        assert!(same, "{name}: two devices");
     }
+}
+
+/// What pixels share of the noise falls as a picture gets more samples: the later of them know more.
+#[test]
+fn noise_of_records_falls_with_the_samples() {
+    let Some(device) = device::open() else { return };
+    let size = (48, 36);
+    // Mean squared difference of two pictures, by means of 12 x 12 pixels, whose own noise is small.
+    let [early, late] = [0, 8192].map(|first_sample| {
+        let [a, b] = [1, 2].map(|seed| {
+            let settings = RenderSettings {
+                paths_ahead: FEW,
+                first_sample,
+                ..seen(size, seed, Method::Cache)
+            };
+            film(&device, room(), &settings, 32).mean()
+        });
+        let block = |pixels: &[[f32; 3]], x: usize, y: usize| -> Vec3 {
+            let all = (0..144).map(|i| pixels[(12 * y + i / 12) * 48 + 12 * x + i % 12]);
+            all.map(Vec3::from).sum::<Vec3>() / 144.0
+        };
+        let blocks = (0..12).map(|i| (i % 4, i / 4));
+        let squares = blocks.map(|(x, y)| block(&a, x, y).distance_squared(block(&b, x, y)));
+        squares.sum::<f32>()
+    });
+    println!("{early} early, {late} late");
+    assert!(late < 0.5 * early, "{late} is not much less than {early}");
 }
 
 /// Samples may go where they are needed, with a cache as without.

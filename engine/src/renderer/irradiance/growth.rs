@@ -1,0 +1,134 @@
+//! How what is known of the light grows with the picture.
+//!
+//! Noise of the records is frozen: all pixels around share it, and more samples of the picture don't take it away. So whenever the
+//! samples of each pixel have doubled, more paths teach the cache of scattered light, and more rays are gathered for the records
+//! there are, such that both keep a share of the work. The error falls with the number of samples then as that of paths does, until what
+//! is left is the same with every seed. When that happens follows from a sample's number alone, so that all parts of a picture have the same
+//! records for it, to the bit.
+
+use device::{Device, Resources};
+
+use super::{DISTANCES, Irradiance, Phase};
+use crate::renderer::{RenderError, Renderer};
+
+/// Samples of each pixel before which nothing is added.
+const FIRST: u32 = 128;
+/// Rays of all records for each pixel over the samples that it has by then.
+const RAYS_SHARE: f64 = 0.5;
+/// The same of paths that teach the cache of scattered light.
+const PATHS_SHARE: f64 = 0.0625;
+/// Where the numbers of samples begin that these paths belong to.
+const FIRST_SAMPLE: u32 = 1 << 20;
+
+/// How often something has been added before a sample.
+fn steps(sample: u32) -> u32 {
+    match sample.checked_ilog2() {
+        Some(power) => (power + 1).saturating_sub(FIRST.ilog2()),
+        None => 0,
+    }
+}
+
+/// The samples of each pixel after which something is added for the so-manieth time, from 1 on.
+fn after(step: u32) -> u64 {
+    u64::from(FIRST) << (step - 1)
+}
+
+impl Renderer {
+    /// The number of the sample that the next path belongs to, in a picture of many moments from the beginning of its own on.
+    fn sample_of_moment(&self) -> u32 {
+        let done = self.position / u64::from(self.frame.padded_pixels);
+        let sample = self.settings.first_sample + done as u32;
+        sample.saturating_sub(self.settings.moment_since)
+    }
+
+    /// As many of the next paths as the records that there are by now are made for.
+    pub(in crate::renderer) fn until_more_rays(&self, paths: u64) -> u64 {
+        if self.irradiance.is_none() || self.is_apart {
+            return paths;
+        }
+        let padded = u64::from(self.frame.padded_pixels);
+        let next = after(steps(self.sample_of_moment()) + 1);
+        let left =
+            next + u64::from(self.settings.moment_since) - u64::from(self.settings.first_sample);
+        paths.min(left * padded - self.position)
+    }
+
+    /// Begins to add to what is known, if the next sample asks for that.
+    pub(super) fn grow(&mut self) -> Option<Phase> {
+        let steps = steps(self.sample_of_moment());
+        let cache = self.irradiance.as_mut().filter(|c| c.steps < steps)?;
+        cache.steps += 1;
+        Some(Phase::Learning(0))
+    }
+
+    /// What comes once the cache of scattered light has learned.
+    pub(super) fn after_learning(&mut self) -> Result<Phase, RenderError> {
+        self.learn_sky()?;
+        let pixels = u64::from(self.frame.padded_pixels);
+        Ok(match &mut self.irradiance {
+            Some(cache) if cache.steps > 0 => {
+                cache.begin_again(pixels, &self.device, &self.resources)
+            }
+            _ => Phase::Finding(0, 0),
+        })
+    }
+
+    /// Samples of each pixel that teach the cache of scattered light in a step, by their numbers from the first on.
+    pub(super) fn samples_to_learn(&self) -> (u32, u32) {
+        let ahead = self.samples_ahead();
+        let until = |step: u32| match step {
+            0 => ahead,
+            _ => ahead.max((PATHS_SHARE * after(step) as f64) as u32),
+        };
+        match self.irradiance.as_ref().map_or(0, |cache| cache.steps) {
+            0 => (0, ahead),
+            step => (
+                FIRST_SAMPLE + until(step - 1),
+                until(step) - until(step - 1),
+            ),
+        }
+    }
+}
+
+impl Irradiance {
+    /// Has rays gathered again for all records.
+    fn begin_again(&mut self, pixels: u64, device: &Device, resources: &Resources) -> Phase {
+        let once: u64 = (0..DISTANCES.len()).map(|pass| self.rays_once(pass)).sum();
+        let wanted = RAYS_SHARE * (after(self.steps) * pixels) as f64;
+        self.turns = ((wanted as u64).saturating_sub(self.rays) / once.max(1)) as u32;
+        if self.turns == 0 {
+            return Phase::Ready;
+        }
+        let records = resources.buffer("irradiance_records");
+        device.write(records, 0, bytemuck::cast_slice(&self.records));
+        self.gather_again(0, device, resources)
+    }
+
+    /// Has rays gathered again for the records from a pass on.
+    pub(super) fn gather_again(
+        &mut self,
+        pass: usize,
+        device: &Device,
+        resources: &Resources,
+    ) -> Phase {
+        match (pass..DISTANCES.len()).find(|&pass| self.rays_once(pass) > 0) {
+            Some(pass) => self.begin_gathering(pass, self.turns),
+            None => self.finish(device, resources),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn something_is_added_whenever_samples_double() {
+        let all = [0, 1, 127, 128, 255, 256, 1023, 1024].map(steps);
+        assert_eq!(all, [0, 0, 0, 1, 1, 2, 3, 4]);
+        for step in 1..20 {
+            assert_eq!(steps(after(step) as u32), step);
+            assert_eq!(steps(after(step) as u32 - 1), step - 1);
+        }
+    }
+}
