@@ -57,8 +57,8 @@ pub struct RenderSettings {
     pub method: Method,
     /// How often what records of irradiance may be wrong by is halved, for [`Method::Cache`].
     pub refinement: u32,
-    /// Paths of which caches learn before a picture with records begins, about: with fewer it begins sooner, and records differ more from
-    /// what they should be.
+    /// Paths of which caches learn before a picture with records begins, about, and more in large pictures. With fewer it begins sooner, and
+    /// records differ more from what they should be.
     pub paths_ahead: u32,
     /// What the film gathers; the picture doesn't depend on it.
     pub layers: Layers,

@@ -52,6 +52,9 @@ const LEAST_PIXELS: u64 = 1 << 15;
 const AT_ONCE: u32 = 2048;
 /// Pixels between new records, pass by pass.
 const DISTANCES: [f32; 7] = [24.0, 12.0, 6.0, 3.0, 2.0, 2.0, 2.0];
+/// Samples of each pixel that teach the cache of scattered light in larger pictures, which have more rays for records: these share what it
+/// is wrong by. So many times the usual paths at most.
+const SAMPLES_AHEAD: u32 = 8;
 /// One path goes ahead to look where the sky is seen for so many that teach the cache of scattered light, which look for it, too.
 const LOOKED_SHARE: u32 = 4;
 /// Candidates within the distance of each other, about.
@@ -334,7 +337,9 @@ impl Renderer {
     /// Samples of each pixel of which the caches learn, and by which it is found out where the sky is seen.
     fn samples_ahead(&self) -> u32 {
         let pixels = self.frame.padded_pixels;
-        self.settings.paths_ahead.div_ceil(pixels).max(1)
+        let usual = self.settings.paths_ahead;
+        let paths = usual.max(SAMPLES_AHEAD.saturating_mul(usual.min(pixels)));
+        paths.div_ceil(pixels).max(1)
     }
 
     /// Finds out where the sky is seen, of which so many paths are done.

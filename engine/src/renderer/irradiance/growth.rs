@@ -16,7 +16,7 @@ const FIRST: u32 = 128;
 /// Rays of all records for each pixel over the samples that it has by then.
 const RAYS_SHARE: f64 = 0.5;
 /// The same of paths that teach the cache of scattered light.
-const PATHS_SHARE: f64 = 0.0625;
+const PATHS_SHARE: f64 = 1.0 / 12.0;
 /// Where the numbers of samples begin that these paths belong to.
 const FIRST_SAMPLE: u32 = 1 << 20;
 
