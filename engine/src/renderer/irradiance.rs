@@ -88,10 +88,9 @@ struct Settings {
     photons: u32,
     turn: u32,
     turns: u32,
-    earlier_turns: u32,
     rings: u32,
     sectors: u32,
-    unused: [u32; 2],
+    unused: [u32; 3],
 }
 
 /// What paths do with the cache: as in `settings.wgsl`.
@@ -119,7 +118,7 @@ enum Phase {
 struct Pass {
     /// Behind the last of them.
     end: u32,
-    /// How often their rays have been gathered.
+    /// How often rays have been gathered for them, former ones among these.
     turns: u32,
 }
 
@@ -130,11 +129,11 @@ pub(super) struct Irradiance {
     /// In the order of their passes, with the noise of their rays.
     records: Vec<Record>,
     passes: [Pass; DISTANCES.len()],
-    /// The one whose rays are gathered, how often that is, and rays of all records so far.
+    /// The one whose rays are gathered, how often that is, and the rays that all records so far are made of.
     pass: usize,
     turns: u32,
     rays: u64,
-    /// How often something has been added to what is known since the picture began.
+    /// How often more has been learned since the picture began.
     steps: u32,
     first_level: i32,
     levels: u32,
@@ -515,8 +514,15 @@ impl Renderer {
         let buffer = self.resources.buffer("irradiance_records");
         let bytes = u64::from(end - first) * size;
         let bytes = self.device.read(buffer, u64::from(first) * size, bytes)?;
-        let solved: Vec<Record> = bytemuck::pod_collect_to_vec(&bytes);
-        cache.records[first as usize..end as usize].copy_from_slice(&solved);
+        let mut solved: Vec<Record> = bytemuck::pod_collect_to_vec(&bytes);
+        let records = &mut cache.records[first as usize..end as usize];
+        if cache.steps > 0 {
+            // How far they reach is settled.
+            for (solved, former) in solved.iter_mut().zip(&*records) {
+                solved.radius = former.radius;
+            }
+        }
+        records.copy_from_slice(&solved);
         Ok(())
     }
 
@@ -552,10 +558,9 @@ impl Renderer {
             photons: self.photon_field(purpose),
             turn,
             turns: cache.turns,
-            earlier_turns: cache.passes[cache.pass].turns,
             rings: strata(cache.pass)[0],
             sectors: strata(cache.pass)[1],
-            unused: [0; 2],
+            unused: [0; 3],
         };
         let uniform = self.resources.buffer("irradiance_settings");
         self.device.write(uniform, 0, bytemuck::bytes_of(&words));

@@ -15,11 +15,11 @@ struct IrradianceSettings {
     photons: u32, // field of a path's state that is the photons' own, 0 where there are none
     turn: u32, // that rays are gathered for the same records, from 0 on
     turns: u32, // of these
-    earlier_turns: u32, // for which they have been gathered before, so that the records know something already
     rings: u32, // of gather rays around a record's normal, of equal weight
     sectors: u32, // of each ring
     unused_0: u32,
     unused_1: u32,
+    unused_2: u32,
 }
 
 @group(0) @binding(50) var<uniform> irradiance_settings: IrradianceSettings;

@@ -18,19 +18,6 @@ fn gathered(ray: u32) -> vec4f {
     return vec4f(sum.xyz / turns, turns / sum.w);
 }
 
-// The share that the rays of earlier turns have in a record: 0 where there are none.
-fn known_share() -> f32 {
-    let earlier = f32(irradiance_settings.earlier_turns);
-    return earlier / (earlier + f32(irradiance_settings.turns));
-}
-
-// One of the 27 numbers of a record's harmonics as earlier turns have it.
-fn known_harmonic(at: u32, number: u32) -> f32 {
-    let word = 1u + number / 2u;
-    let both = unpack2x16snorm(irradiance_records[at + 4u + word / 4u][word % 4u]);
-    return both[number & 1u] * MOST_HARMONIC;
-}
-
 // Where a ring begins, as the square of the sine.
 fn ring_start(ring: u32) -> f32 {
     return f32(ring) / f32(irradiance_settings.rings);
@@ -92,57 +79,42 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
         along_x += outward * middle.x - across * border.y;
         along_y += outward * middle.y + across * border.x;
     }
-    let found = sum * (PI / f32(gather_rays()));
+    let irradiance = sum * (PI / f32(gather_rays()));
     let width = max(bitcast<f32>(irradiance_records[at + 7u].w), 1e-9);
     var radius = irradiance_settings.radius_share * f32(gather_rays()) / max(inverse, 1e-30);
     let steepest = max(length(vec2f(luminance(along_x), luminance(along_y))), 1e-30);
-    radius = min(radius, irradiance_settings.most_change * luminance(found) / steepest);
+    radius = min(radius, irradiance_settings.most_change * luminance(irradiance) / steepest);
     let kept = clamp(radius, LEAST_WIDTHS * width, MOST_WIDTHS * width);
     // Where the radius had to grow, what is near would make the gradient too steep for it.
     let calmer = min(1.0, radius / kept);
 
-    // How far a record reaches is settled once.
-    let known = known_share();
-    let known_irradiance = bitcast<vec3f>(irradiance_records[at + 1u].xyz);
-    let irradiance = mix(found, known_irradiance, known);
-    irradiance_records[at].w = select(bitcast<u32>(kept), irradiance_records[at].w, known > 0.0);
+    irradiance_records[at].w = bitcast<u32>(kept);
     irradiance_records[at + 1u] = vec4u(bitcast<vec3u>(irradiance), irradiance_records[at + 1u].w);
     let red = (tangent * along_x.x + bitangent * along_y.x) * calmer;
     let green = (tangent * along_x.y + bitangent * along_y.y) * calmer;
     let blue = (tangent * along_x.z + bitangent * along_y.z) * calmer;
-    let slopes = array(vec4f(red, green.x), vec4f(green.yz, blue.xy));
-    for (var i = 0u; i < 2u; i++) {
-        let known_slopes = bitcast<vec4f>(irradiance_records[at + 2u + i]);
-        irradiance_records[at + 2u + i] = bitcast<vec4u>(mix(slopes[i], known_slopes, known));
-    }
-    var words: array<u32, 16>;
-    words[0] = bitcast<u32>(mix(blue.z, bitcast<f32>(irradiance_records[at + 4u].x), known));
+    irradiance_records[at + 2u] = bitcast<vec4u>(vec4f(red, green.x));
+    irradiance_records[at + 3u] = bitcast<vec4u>(vec4f(green.yz, blue.xy));
     // Radiance to irradiance, band by band, over the irradiance itself.
     let scale = 1.0 / max(max_component(irradiance), 1e-30);
-    let known_scale = known * max_component(known_irradiance);
     let own = harmonics(normal);
     var others = vec3f(0.0);
-    for (var i = 1u; i < 9u; i++) {
-        let of_band = select(0.25 * PI, 2.0 * PI / 3.0, i < 4u);
-        bands[i] *= of_band * (1.0 - known);
-        for (var colour = 0u; colour < 3u; colour++) {
-            bands[i][colour] += known_harmonic(at, 3u * i + colour) * known_scale;
-        }
-        bands[i] = clamp(bands[i] * scale, vec3f(-MOST_HARMONIC), vec3f(MOST_HARMONIC));
-        others += bands[i] * own[i];
+    for (var i = 0u; i < 9u; i++) {
+        let of_band = select(select(0.25 * PI, 2.0 * PI / 3.0, i < 4u), PI, i < 1u);
+        bands[i] = clamp(bands[i] * of_band * scale, vec3f(-MOST_HARMONIC), vec3f(MOST_HARMONIC));
+        others += select(bands[i] * own[i], vec3f(0.0), i == 0u);
     }
     bands[0] = irradiance * scale - others;
+    var words: array<u32, 16>;
+    words[0] = bitcast<u32>(blue.z);
     for (var i = 0u; i < 27u; i++) {
         let band = i / 3u;
         let number = pack2x16snorm(vec2f(bands[band][i % 3u] / MOST_HARMONIC, 0.0));
         words[1u + i / 2u] |= (number & 0xffffu) << (16u * (i & 1u));
     }
     // Were neighbouring strata alike but for their noise, the irradiance would be wrong by this: standard error, of itself.
-    let error = sqrt(0.5 * unlike) * (PI / f32(gather_rays())) * (1.0 - known);
-    let known_relative = f32(irradiance_records[at + 7u].z >> 16u) / 65535.0;
-    let known_error = known_relative * luminance(known_irradiance) * known;
-    let relative = length(vec2f(error, known_error)) / max(luminance(irradiance), 1e-30);
-    words[14] |= u32(min(relative, 1.0) * 65535.0) << 16u;
+    let error = sqrt(0.5 * unlike) * (PI / f32(gather_rays())) / max(luminance(irradiance), 1e-30);
+    words[14] |= u32(min(error, 1.0) * 65535.0) << 16u;
     words[15] = bitcast<u32>(width);
     for (var i = 0u; i < 4u; i++) {
         irradiance_records[at + 4u + i] = vec4u(words[4u * i], words[4u * i + 1u], words[4u * i + 2u], words[4u * i + 3u]);

@@ -1,26 +1,28 @@
 //! How what is known of the light grows with the picture.
 //!
 //! Noise of the records is frozen: all pixels around share it, and more samples of the picture don't take it away. So whenever the
-//! samples of each pixel have doubled, more paths teach the cache of scattered light, and more rays are gathered for the records
-//! there are, such that both keep a share of the work. The error falls with the number of samples then as that of paths does, until what
-//! is left is the same with every seed. When that happens follows from a sample's number alone, so that all parts of a picture have the same
-//! records for it, to the bit.
+//! samples of each pixel have doubled, more paths teach the cache of scattered light, and records are made anew at their places, of more
+//! rays that end in what is known better by then. Both keep a share of the work, and the error falls with the number of samples as that of paths
+//! does, until what is left is the same with every seed. When that happens follows from a sample's number alone, so that all parts of a picture
+//! have the same records for it, to the bit.
+//!
+//! What former rays have found isn't kept: of the noise of the cache that they ended in, which was half of theirs, they would bring the most.
 
 use device::{Device, Resources};
 
 use super::{DISTANCES, Irradiance, Phase};
 use crate::renderer::{RenderError, Renderer};
 
-/// Samples of each pixel before which nothing is added.
-const FIRST: u32 = 128;
-/// Rays of all records for each pixel over the samples that it has by then.
-const RAYS_SHARE: f64 = 0.5;
+/// Samples of each pixel after which more is learned for the first time.
+const FIRST: u32 = 256;
+/// Rays that all records are made of, for each pixel, over the samples that it has by then.
+const RAYS_SHARE: f64 = 0.25;
 /// The same of paths that teach the cache of scattered light.
 const PATHS_SHARE: f64 = 1.0 / 12.0;
 /// Where the numbers of samples begin that these paths belong to.
 const FIRST_SAMPLE: u32 = 1 << 20;
 
-/// How often something has been added before a sample.
+/// How often more has been learned before a sample.
 fn steps(sample: u32) -> u32 {
     match sample.checked_ilog2() {
         Some(power) => (power + 1).saturating_sub(FIRST.ilog2()),
@@ -28,7 +30,7 @@ fn steps(sample: u32) -> u32 {
     }
 }
 
-/// The samples of each pixel after which something is added for the so-manieth time, from 1 on.
+/// The samples of each pixel after which more is learned for the so-manieth time, from 1 on.
 fn after(step: u32) -> u64 {
     u64::from(FIRST) << (step - 1)
 }
@@ -53,7 +55,7 @@ impl Renderer {
         paths.min(left * padded - self.position)
     }
 
-    /// Begins to add to what is known, if the next sample asks for that.
+    /// Begins to learn more, if the next sample asks for that.
     pub(super) fn grow(&mut self) -> Option<Phase> {
         let steps = steps(self.sample_of_moment());
         let cache = self.irradiance.as_mut().filter(|c| c.steps < steps)?;
@@ -91,20 +93,21 @@ impl Renderer {
 }
 
 impl Irradiance {
-    /// Has rays gathered again for all records.
+    /// Has all records made anew, if that is worth it.
     fn begin_again(&mut self, pixels: u64, device: &Device, resources: &Resources) -> Phase {
         let once: u64 = (0..DISTANCES.len()).map(|pass| self.rays_once(pass)).sum();
-        let wanted = RAYS_SHARE * (after(self.steps) * pixels) as f64;
-        self.turns = ((wanted as u64).saturating_sub(self.rays) / once.max(1)) as u32;
-        if self.turns == 0 {
-            return Phase::Ready;
+        let wanted = (RAYS_SHARE * (after(self.steps) * pixels) as f64) as u64;
+        if once == 0 || wanted < self.rays {
+            return Phase::Ready; // a small picture has had more to begin with
         }
+        self.turns = ((wanted + once / 2) / once).max(1) as u32;
+        self.rays = 0;
         let records = resources.buffer("irradiance_records");
         device.write(records, 0, bytemuck::cast_slice(&self.records));
         self.gather_again(0, device, resources)
     }
 
-    /// Has rays gathered again for the records from a pass on.
+    /// Has the records from a pass on made anew.
     pub(super) fn gather_again(
         &mut self,
         pass: usize,
@@ -123,8 +126,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn something_is_added_whenever_samples_double() {
-        let all = [0, 1, 127, 128, 255, 256, 1023, 1024].map(steps);
+    fn more_is_learned_whenever_samples_double() {
+        let all = [0, 1, 255, 256, 511, 512, 2047, 2048].map(steps);
         assert_eq!(all, [0, 0, 0, 1, 1, 2, 3, 4]);
         for step in 1..20 {
             assert_eq!(steps(after(step) as u32), step);
