@@ -37,7 +37,7 @@ static IS_WRITING: AtomicBool = AtomicBool::new(false);
 pub(crate) fn listen() -> Result<(), Failure> {
     system::listen().map_err(|error| {
         Failure::Failed(format!(
-            "cannot start a thread: {error}; end other programs, or raise the limit (`ulimit -u`)"
+            "cannot start a thread: {error}; end other programs, or raise what is limited (`ulimit -u`, or `-v`, their memory)"
         ))
     })
 }

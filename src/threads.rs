@@ -21,14 +21,14 @@ pub(crate) fn start(wanted: Option<usize>) -> Result<(), Failure> {
     while let Err(error) = try_out(count + OTHERS) {
         if count == 1 {
             return Err(Failure::Failed(format!(
-                "cannot start threads: {error}; end other programs, or raise the limit (`ulimit -u`)"
+                "cannot start threads: {error}; end other programs, or raise what is limited (`ulimit -u`, or `-v`, their memory)"
             )));
         }
         count = count.div_ceil(2);
     }
     if count < wanted {
         console::warning(&format!(
-            "only {count} of {wanted} threads can be started, so this takes longer; a higher limit helps (`ulimit -u`)"
+            "only {count} of {wanted} threads can be started, so this takes longer; a higher limit helps (`ulimit -u`, or `-v`, their memory)"
         ));
     }
     let started = rayon::ThreadPoolBuilder::new()
