@@ -584,7 +584,7 @@ impl Renderer {
             Purpose::Find(_) => Some(Errand::Unseen),
             Purpose::Learn if self.records_awaited().is_some() => {
                 // A picture that goes on has its samples.
-                let is_seen = self.position == 0;
+                let is_seen = !self.is_begun();
                 match self.scene.environment.emits {
                     true => Some(Errand::Learn { is_seen }),
                     false => (!is_seen).then_some(Errand::Unseen),

@@ -283,6 +283,11 @@ impl Renderer {
         (cache.phase != Phase::Ready).then_some(cache.records.len())
     }
 
+    /// Whether the film has samples of the picture already.
+    pub(super) fn is_begun(&self) -> bool {
+        self.position > 0 || self.rendered > 0
+    }
+
     /// Takes a step towards a cache that the picture can be made with; false where it is there, or isn't needed.
     pub(super) fn prepare_irradiance(&mut self) -> Result<bool, RenderError> {
         let Some(phase) = self.irradiance.as_ref().map(|cache| cache.phase) else {
@@ -292,7 +297,7 @@ impl Renderer {
             return Ok(false);
         }
         let next = match phase {
-            Phase::Ready => match self.grow() {
+            Phase::Ready => match self.grow()? {
                 Some(phase) => phase,
                 None => return Ok(false),
             },
@@ -323,8 +328,7 @@ impl Renderer {
             }
             Phase::Gathering(from, done) => self.gather(from, done)?,
         };
-        // Else it is a picture that goes on.
-        if next == Phase::Ready && self.position == 0 {
+        if next == Phase::Ready && !self.is_begun() {
             clear_picture(&self.device, &self.settings, &self.resources)?;
         }
         if let Some(cache) = &mut self.irradiance {

@@ -138,6 +138,16 @@ fn a_picture_that_is_divided_is_the_same() {
         second.render(6).expect("the device renders");
         let same = second.film().expect("the device reads") == whole;
         assert!(same, "{name}: goes on");
+        let mut turned = renderer(&settings);
+        let paths = turned.paths_per_sample();
+        for range in [4 * paths..6 * paths, 0..4 * paths] {
+            let mut from = range.start;
+            while from < range.end {
+                from += turned.render_paths(from..range.end).expect("it renders");
+            }
+        }
+        let same = turned.film().expect("the device reads") == whole;
+        assert!(same, "{name}: its end first");
         let plan = Plan {
             scene: Arc::new(scene.clone()),
             procedural: Arc::new(procedural.clone()),

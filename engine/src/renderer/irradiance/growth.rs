@@ -8,10 +8,12 @@
 //!
 //! What former rays have found isn't kept: of the noise of the cache that they ended in, which was half of theirs, they would bring the most.
 
+use std::cmp::Ordering;
+
 use device::{Device, Resources};
 
 use super::{DISTANCES, Irradiance, Phase};
-use crate::renderer::{RenderError, Renderer};
+use crate::renderer::{RenderError, Renderer, light_cache};
 
 /// Samples of each pixel after which more is learned for the first time.
 const FIRST: u32 = 256;
@@ -55,12 +57,25 @@ impl Renderer {
         paths.min(left * padded - self.position)
     }
 
-    /// Begins to learn more, if the next sample asks for that.
-    pub(super) fn grow(&mut self) -> Option<Phase> {
-        let steps = steps(self.sample_of_moment());
-        let cache = self.irradiance.as_mut().filter(|c| c.steps < steps)?;
-        cache.steps += 1;
-        Some(Phase::Learning(0))
+    /// Begins to learn more, if the next sample asks for that, or anew, if it is one that came before; none where it may begin.
+    pub(super) fn grow(&mut self) -> Result<Option<Phase>, RenderError> {
+        let wanted = steps(self.sample_of_moment());
+        let Some(cache) = &mut self.irradiance else {
+            return Ok(None);
+        };
+        Ok(match cache.steps.cmp(&wanted) {
+            Ordering::Equal => None,
+            Ordering::Less => {
+                cache.steps += 1;
+                Some(Phase::Learning(0))
+            }
+            // Another device has failed, and handed back what it was to render.
+            Ordering::Greater => {
+                light_cache::clear(&self.device, self.settings.method, &self.resources)?;
+                self.forget_light();
+                Some(Phase::Looking(0))
+            }
+        })
     }
 
     /// What comes once the cache of scattered light has learned.
