@@ -1,4 +1,4 @@
-//! The cache of irradiance: how its records are found and made before the picture begins.
+//! The cache of irradiance: how its records are found and made before the picture begins, and made anew as it [grows](self::growth).
 //!
 //! Light that surfaces scatter to a place changes slowly from place to place, so it is gathered at few of them with many rays, and
 //! interpolated between those (Ward, Rubinstein and Clear, "A Ray Tracing Solution for Diffuse Interreflection", 1988). What the first
@@ -277,7 +277,7 @@ impl Irradiance {
 }
 
 impl Renderer {
-    /// Records of irradiance that there are, or are being made, while the picture waits for them; None once it has begun.
+    /// Records of irradiance that there are, or are being made, while the picture waits for them; None while it goes on.
     pub fn records_awaited(&self) -> Option<usize> {
         let cache = self.irradiance.as_ref().filter(|_| !self.is_apart)?;
         (cache.phase != Phase::Ready).then_some(cache.records.len())
