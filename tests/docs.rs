@@ -178,13 +178,13 @@ fn every_command_in_documents_and_help_is_understood() {
     assert!(understood > 40, "there are many commands: {understood}");
 }
 
-/// The README is followed from top to bottom in a folder with the example scenes: blocks of code are saved under the name
+/// The README is followed from top to bottom in a folder with the example scenes and the library: blocks of code are saved under the name
 /// that was said last, commands are run, at a small size and with few samples.
 #[test]
 fn the_readme_works_in_its_order() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let desk = tempfile::tempdir().expect("a temporary folder");
-    for folder in ["examples/demo", "examples/gallery"] {
+    for folder in ["examples/demo", "examples/gallery", "user_textures"] {
         let copy = desk.path().join(folder);
         fs::create_dir_all(&copy).expect("a folder");
         for file in fs::read_dir(root.join(folder)).expect("part of the project") {
@@ -238,14 +238,14 @@ fn the_readme_works_in_its_order() {
             "valve.png",
             "valve.exr",
             "whole.exr",
-            "stripes.png",
-            "striped.png",
+            "bands.png",
+            "banded.png",
         ] {
             assert!(desk.path().join(picture).is_file(), "{picture}");
         }
         let shown = |name: &str| fs::read(desk.path().join(name)).expect("a picture");
         assert!(
-            shown("valve.png") != shown("striped.png"),
+            shown("valve.png") != shown("banded.png"),
             "the look is seen"
         );
     }
