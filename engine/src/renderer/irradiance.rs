@@ -24,6 +24,7 @@ use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Usage};
 
 use crate::{gpu_scene::SceneFeatures, passes::irradiance, settings::Method};
 
+use super::light_cache::Former;
 use super::{Purpose, RenderError, Renderer, Work, clear_picture};
 
 use self::grid::{Grid, Reference, Slot, sort_along_the_curve};
@@ -90,7 +91,8 @@ struct Settings {
     turns: u32,
     rings: u32,
     sectors: u32,
-    unused: [u32; 3],
+    points: u32,
+    unused: [u32; 2],
 }
 
 /// What paths do with the cache: as in `settings.wgsl`.
@@ -103,8 +105,8 @@ const USE: u32 = 2;
 enum Phase {
     /// It is found out where the sky is seen; paths so far.
     Looking(u64),
-    /// The cache of scattered light learns; paths so far.
-    Learning(u64),
+    /// The cache of scattered light learns; whether from paths that end in what it has learned before, and how many so far.
+    Learning(bool, u64),
     /// Candidates of a pass are found; paths so far.
     Finding(usize, u64),
     /// Rays of a pass's records are gathered: those of the ones from here on are left, of which so many are done.
@@ -142,6 +144,7 @@ pub(super) struct Irradiance {
     falloff: f32,
     sky: Sky,
     solve: Kernel,
+    former: Former,
 }
 
 const BUFFERS: [(&str, u64); 5] = [
@@ -210,6 +213,7 @@ impl Irradiance {
             falloff: 1.0,
             sky: Sky::new(device, resources)?,
             solve: irradiance::SOLVE.kernel(device, features)?,
+            former: Former::new(device, features)?,
         }))
     }
 
@@ -221,6 +225,12 @@ impl Irradiance {
         self.levels = 0;
         self.rays = 0;
         self.steps = 0;
+        self.former.forget();
+    }
+
+    /// As [`Former`] has it.
+    pub(super) fn former_share(&self) -> f32 {
+        self.former.share()
     }
 
     /// Where the records of a pass begin.
@@ -302,15 +312,19 @@ impl Renderer {
                 None => return Ok(false),
             },
             Phase::Looking(done) => self.look_for_sky(done)?,
-            Phase::Learning(done) => {
-                let (first_sample, samples) = self.samples_to_learn();
+            Phase::Learning(ends, done) => {
+                if ends && done == 0 {
+                    self.keep_light()?;
+                }
+                let (first_sample, samples) = self.samples_to_learn(ends);
                 let (done, is_last) = match samples {
                     0 => (0, true),
                     _ => self.prepare_wave(Purpose::Learn, done, first_sample, samples)?,
                 };
-                match is_last {
-                    false => Phase::Learning(done),
-                    true => self.after_learning()?,
+                match (is_last, ends) {
+                    (false, _) => Phase::Learning(ends, done),
+                    (true, false) => Phase::Learning(true, 0),
+                    (true, true) => self.after_learning()?,
                 }
             }
             Phase::Finding(pass, done) => {
@@ -348,7 +362,7 @@ impl Renderer {
     /// Finds out where the sky is seen, of which so many paths are done.
     fn look_for_sky(&mut self, done: u64) -> Result<Phase, RenderError> {
         if !self.scene.environment.emits {
-            return Ok(Phase::Learning(0));
+            return Ok(Phase::Learning(false, 0));
         }
         let Some(cache) = &self.irradiance else {
             return Ok(Phase::Ready);
@@ -364,7 +378,7 @@ impl Renderer {
         }
         self.learn_sky()?;
         self.frame.set_known_sky(true);
-        Ok(Phase::Learning(0))
+        Ok(Phase::Learning(false, 0))
     }
 
     /// Has light samples of the sky go by what has been counted so far.
@@ -419,8 +433,10 @@ impl Renderer {
         };
         let first = cache.records.len() as u32;
         let room = (RECORDS - first) as usize;
-        let begun = spread_out(candidates, DISTANCES[pass]);
-        cache.records.extend(begun.into_iter().take(room));
+        let mut begun = spread_out(candidates, DISTANCES[pass]);
+        begun.truncate(room);
+        sort_along_the_curve(&mut begun);
+        cache.records.extend(begun);
         cache.passes[pass].end = cache.records.len() as u32;
         if cache.records.len() as u32 == first {
             return Ok(self.next_pass(pass));
@@ -564,7 +580,8 @@ impl Renderer {
             turns: cache.turns,
             rings: strata(cache.pass)[0],
             sectors: strata(cache.pass)[1],
-            unused: [0; 3],
+            points: self.frame.seed() ^ grid::hash(cache.passes[cache.pass].turns),
+            unused: [0; 2],
         };
         let uniform = self.resources.buffer("irradiance_settings");
         self.device.write(uniform, 0, bytemuck::bytes_of(&words));

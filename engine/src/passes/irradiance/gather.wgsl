@@ -55,8 +55,10 @@ fn gather_start(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
     path_write(PATH_RADIANCE, slot, vec4f(0.0, 0.0, 0.0, width));
     let ring = (ray % gather_rays()) / irradiance_settings.sectors;
     let sector = ray % irradiance_settings.sectors;
-    let id = path_id(slot);
-    let inside = independent2(ray, hash2(id.key, 0x2545f491u));
+    // Neighbours, whose numbers follow each other, see about the same, and are smoothed by each other: so all records share the points
+    // of a stratum, which follow each other turn by turn and record by record.
+    let stratum = ray % gather_rays();
+    let inside = sobol2(record * irradiance_settings.turns + irradiance_settings.turn, hash2(irradiance_settings.points, stratum));
     let sine2 = (f32(ring) + inside.x) / f32(irradiance_settings.rings);
     let cosine = sqrt(max(1.0 - sine2, 0.0));
     let around = unit_circle((f32(sector) + inside.y) / f32(irradiance_settings.sectors)) * sqrt(sine2);

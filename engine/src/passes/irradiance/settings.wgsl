@@ -17,9 +17,9 @@ struct IrradianceSettings {
     turns: u32, // of these
     rings: u32, // of gather rays around a record's normal, of equal weight
     sectors: u32, // of each ring
+    points: u32, // stream of the points in their strata
     unused_0: u32,
     unused_1: u32,
-    unused_2: u32,
 }
 
 @group(0) @binding(50) var<uniform> irradiance_settings: IrradianceSettings;

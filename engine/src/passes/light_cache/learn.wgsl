@@ -3,6 +3,19 @@
 //!include shared/queue_lists.wgsl
 //!include light_cache/cells.wgsl
 
+// What the surface in the cell has scattered, of a path's radiance; in w 0 where that isn't finite. It is dropped then, as it is from the
+// film: its bits tell.
+fn scattered_from(slot: u32, radiance: vec3f) -> vec4f {
+    let field = light_cache_settings.record;
+    let found = radiance - bitcast<vec3f>(path_words(field + 1u, slot).xyz);
+    let throughput = bitcast<vec3f>(path_words(field, slot).yzw);
+    // A colour that hardly anything comes through says nothing of what was there.
+    let least = 1e-3 * max(max(throughput.x, throughput.y), throughput.z);
+    let scattered = max(select(vec3f(0.0), found / throughput, throughput > vec3f(least)), vec3f(0.0));
+    let is_finite = all((bitcast<vec3u>(scattered) & vec3u(0x7f800000u)) != vec3u(0x7f800000u));
+    return select(vec4f(0.0), vec4f(scattered, 1.0), is_finite);
+}
+
 // After the vertex in the cell: what a path has by then comes from before. One thread for each path that was active.
 @compute @workgroup_size(64)
 fn note_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
@@ -14,13 +27,19 @@ fn note_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
     let slot = queue_read(QUEUE_ACTIVE, index);
     let field = light_cache_settings.record + 1u;
     let state = path_words(field, slot).w;
+    let goes_to_its_end = light_cache_settings.former_share <= 0.0;
+    let known_as = select(RECORD_KNOWN, RECORD_DEEP, goes_to_its_end && path_depth(slot) >= frame.max_depth);
     if ((state & RECORD_STATE) == RECORD_BEGUN) {
         var before = path_read(PATH_RADIANCE, slot).xyz;
         if (light_cache_settings.photons != 0u) {
             // What photons bring to the cell's own surface, it scatters.
             before -= path_read(PATH_DIFFUSE, slot).xyz;
         }
-        path_set_words(field, slot, vec4u(bitcast<vec3u>(before), (state & ~RECORD_STATE) | RECORD_KNOWN));
+        path_set_words(field, slot, vec4u(bitcast<vec3u>(before), (state & ~RECORD_STATE) | known_as));
+    } else if ((state & RECORD_STATE) == RECORD_KNOWN && known_as == RECORD_DEEP) {
+        // All that has been scattered less often is found by now.
+        add_total_found(TOTAL_BEFORE, scattered_from(slot, path_read(PATH_RADIANCE, slot).xyz).xyz);
+        path_set_words(field, slot, vec4u(path_words(field, slot).xyz, (state & ~RECORD_STATE) | RECORD_DEEP));
     }
 }
 
@@ -33,26 +52,29 @@ fn learn_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups)
         return;
     }
     let field = light_cache_settings.record;
-    let before = path_words(field + 1u, slot);
+    let state = path_words(field + 1u, slot).w;
+    let is_deep = (state & RECORD_STATE) == RECORD_DEEP;
+    var scattered = vec4f(0.0);
+    if (is_deep || (state & RECORD_STATE) == RECORD_KNOWN) {
+        var radiance = path_read(PATH_RADIANCE, slot).xyz;
+        let is_known = !has_program_shadows || path_words(PATH_LIGHT_POINT, slot).x == MISS;
+        if (rays[shadow_ray(slot)].triangle == MISS && is_known) {
+            // The light sample of the last vertex, which nothing has counted yet.
+            radiance += waiting_light(slot, path_depth(slot) + 1u);
+        }
+        scattered = scattered_from(slot, radiance);
+    }
     path_set_words(field + 1u, slot, vec4u(0u)); // for the slot's next path
-    if ((before.w & RECORD_STATE) != RECORD_KNOWN) {
+    if (scattered.w == 0.0) {
         return;
     }
-    var found = path_read(PATH_RADIANCE, slot).xyz - bitcast<vec3f>(before.xyz);
-    let is_known = !has_program_shadows || path_words(PATH_LIGHT_POINT, slot).x == MISS;
-    if (rays[shadow_ray(slot)].triangle == MISS && is_known) {
-        // The light sample of the last vertex, which nothing has counted yet.
-        found += waiting_light(slot, path_depth(slot) + 1u);
-    }
-    let record = path_words(field, slot);
-    let throughput = bitcast<vec3f>(record.yzw);
-    // A colour that hardly anything comes through says nothing of what was there.
-    let least = 1e-3 * max(max(throughput.x, throughput.y), throughput.z);
-    let scattered = select(vec3f(0.0), found / throughput, throughput > vec3f(least));
-    // What isn't finite is dropped, as it is from the film; its bits tell.
-    if (all((bitcast<vec3u>(max(scattered, vec3f(0.0))) & vec3u(0x7f800000u)) != vec3u(0x7f800000u))) {
-        cell_add(record.x, scattered);
-        let wider = before.w & ~RECORD_STATE;
-        cell_add(select(wider, NO_CELL, wider == NO_WIDER_CELL), scattered);
+    cell_add(path_words(field, slot).x, scattered.xyz);
+    let wider = state & ~RECORD_STATE;
+    cell_add(select(wider, NO_CELL, wider == NO_WIDER_CELL), scattered.xyz);
+    if (light_cache_settings.former_share <= 0.0) {
+        add_total_found(TOTAL_ALL, scattered.xyz);
+        if (is_deep) {
+            add_total_found(TOTAL_DEEP, scattered.xyz);
+        }
     }
 }

@@ -29,7 +29,17 @@ pub const NOTE: Pass = Pass {
     name: "note_light",
     file: "light_cache/learn.wgsl",
     reads: &["frame", "light_cache_settings", "queues"],
-    writes: &["paths"],
+    writes: &["light_cache", "paths"],
+    ..LOOK_UP
+};
+
+/// Keeps the table as the former one. One thread per cell; no pass of a wave.
+pub const KEEP: Pass = Pass {
+    name: "keep_light",
+    file: "light_cache/keep.wgsl",
+    work: Work::Paths,
+    reads: &["frame", "light_cache_settings"],
+    writes: &["light_cache"],
     ..LOOK_UP
 };
 
