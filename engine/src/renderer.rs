@@ -231,8 +231,8 @@ fn show_motion(
 enum Purpose {
     /// The picture.
     Picture,
-    /// The cache of scattered light learns from it; paths end in none.
-    Learn,
+    /// The cache of scattered light learns from it; paths end in what it knows already, or in none.
+    Learn { ends: bool },
     /// Paths end in no cache, and none learns from them.
     Apart,
     /// Light samples of the sky are counted.
@@ -513,7 +513,7 @@ impl Renderer {
         let first_sample = self.settings.first_sample;
         let purpose = match position < self.learned_paths(spp) {
             _ if self.is_apart => Purpose::Apart,
-            true => Purpose::Learn,
+            true => Purpose::Learn { ends: false },
             false => Purpose::Picture,
         };
         self.frame.set_wave(position, paths, first_sample, spp);
@@ -582,7 +582,7 @@ impl Renderer {
             Purpose::Photons => Some(Errand::Emit),
             Purpose::Look => Some(Errand::Look),
             Purpose::Find(_) => Some(Errand::Unseen),
-            Purpose::Learn if self.records_awaited().is_some() => {
+            Purpose::Learn { .. } if self.records_awaited().is_some() => {
                 // A picture that goes on has its samples.
                 let is_seen = !self.is_begun();
                 match self.scene.environment.emits {
@@ -590,7 +590,7 @@ impl Renderer {
                     false => (!is_seen).then_some(Errand::Unseen),
                 }
             }
-            Purpose::Picture | Purpose::Learn | Purpose::Apart => None,
+            Purpose::Picture | Purpose::Learn { .. } | Purpose::Apart => None,
         };
         let schedule = Arc::clone(&self.schedule);
         Plan {

@@ -24,7 +24,6 @@ use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Usage};
 
 use crate::{gpu_scene::SceneFeatures, passes::irradiance, settings::Method};
 
-use super::light_cache::Former;
 use super::{Purpose, RenderError, Renderer, Work, clear_picture};
 
 use self::grid::{Grid, Reference, Slot, sort_along_the_curve};
@@ -144,7 +143,6 @@ pub(super) struct Irradiance {
     falloff: f32,
     sky: Sky,
     solve: Kernel,
-    former: Former,
 }
 
 const BUFFERS: [(&str, u64); 5] = [
@@ -213,7 +211,6 @@ impl Irradiance {
             falloff: 1.0,
             sky: Sky::new(device, resources)?,
             solve: irradiance::SOLVE.kernel(device, features)?,
-            former: Former::new(device, features)?,
         }))
     }
 
@@ -225,12 +222,6 @@ impl Irradiance {
         self.levels = 0;
         self.rays = 0;
         self.steps = 0;
-        self.former.forget();
-    }
-
-    /// As [`Former`] has it.
-    pub(super) fn former_share(&self) -> f32 {
-        self.former.share()
     }
 
     /// Where the records of a pass begin.
@@ -313,13 +304,10 @@ impl Renderer {
             },
             Phase::Looking(done) => self.look_for_sky(done)?,
             Phase::Learning(ends, done) => {
-                if ends && done == 0 {
-                    self.keep_light()?;
-                }
                 let (first_sample, samples) = self.samples_to_learn(ends);
                 let (done, is_last) = match samples {
                     0 => (0, true),
-                    _ => self.prepare_wave(Purpose::Learn, done, first_sample, samples)?,
+                    _ => self.prepare_wave(Purpose::Learn { ends }, done, first_sample, samples)?,
                 };
                 match (is_last, ends) {
                     (false, _) => Phase::Learning(ends, done),

@@ -7,8 +7,9 @@
 //! that shows, for everything there is sampled as ever; paths end one vertex later at the earliest, and only where they have spread
 //! wider than a cell.
 //!
-//! Where records of irradiance are to be made, most paths that teach it end in it, too, at the next place where they could, in a table
-//! that is kept from before: what lies beyond is known better by all paths together than by one.
+//! Where records of irradiance are to be made, most paths that teach it end in it, too, at the next place where they could: what lies beyond
+//! is known better by those together that went before and on to their end than by one. They have scattered once more than these had by then, so
+//! cells also know what they would be told if light could go on once less.
 //!
 //! The sums of cells are whole numbers, so that what a cell holds doesn't depend on the order of the paths, and the picture not on
 //! how it was cut. (Where so many cells are needed that the table is full, which ones are there does depend on it.)
@@ -16,9 +17,9 @@
 use std::ops::RangeInclusive;
 
 use bytemuck::{Pod, Zeroable};
-use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Usage};
+use device::{Device, DeviceError, Recording, Resources, Usage};
 
-use crate::{gpu_scene::SceneFeatures, passes, settings::Method, wave};
+use crate::{settings::Method, wave};
 
 use crate::film::Film;
 
@@ -57,23 +58,18 @@ struct Settings {
     scale: f32,
     least_side: f32,
     photons: u32,
-    totals: u32,
-    former_share: f32,
+    lesser: u32,
+    ends: u32,
     unused: [u32; 3],
 }
 
-/// Bytes of its tables, and of the cell behind them.
+/// Bytes of its table, and of what cells know besides where paths that are learned from may end in them.
 pub(super) fn bytes(method: Method) -> u64 {
-    match method.has_light_cache() {
-        false => 0,
-        true => totals(method) + CELL_BYTES,
+    match (method.has_light_cache(), method.has_records()) {
+        (false, _) => 0,
+        (true, false) => u64::from(CELLS) * CELL_BYTES,
+        (true, true) => 2 * u64::from(CELLS) * CELL_BYTES,
     }
-}
-
-/// Where the cell of all paths begins, in bytes: behind the table, and the former one where there is one.
-fn totals(method: Method) -> u64 {
-    let tables = 1 + u64::from(method.has_records());
-    tables * u64::from(CELLS) * CELL_BYTES
 }
 
 /// Makes its buffers, where the method needs them.
@@ -116,63 +112,7 @@ pub(super) fn clear(
     device.start(&recording)
 }
 
-/// How a table is kept as the former one.
-#[derive(Debug)]
-pub(super) struct Former {
-    keep: Kernel,
-    /// Of what it knows, what has been scattered one time less than paths may: what ends paths that have scattered once more already.
-    share: f32,
-}
-
-impl Former {
-    pub(super) fn new(device: &Device, features: &SceneFeatures) -> Result<Self, DeviceError> {
-        let keep = passes::light_cache::KEEP.kernel(device, features)?;
-        Ok(Self { keep, share: 0.0 })
-    }
-
-    /// How much of what the former table knows paths end with; 0 where there is none yet.
-    pub(super) fn share(&self) -> f32 {
-        self.share
-    }
-
-    /// Paths go on to their end until a table is kept.
-    pub(super) fn forget(&mut self) {
-        self.share = 0.0;
-    }
-
-    /// Keeps the table, so that further paths which the cache learns from end in it.
-    pub(super) fn keep(
-        &mut self,
-        device: &Device,
-        resources: &Resources,
-        method: Method,
-    ) -> Result<(), DeviceError> {
-        let mut recording = Recording::new("keep light");
-        let kernel = self.keep.bind(device, resources);
-        recording.dispatch(&kernel, Extent::Threads(CELLS));
-        device.play(&recording)?;
-        if self.share == 0.0 {
-            let table = resources.buffer("light_cache");
-            let words = device.read(table, totals(method), CELL_BYTES)?;
-            let [_, all, deep, before]: [u64; 4] = bytemuck::pod_read_unaligned(&words);
-            let last = deep.saturating_sub(before);
-            self.share = match all {
-                0 => 0.0,
-                _ => (all.saturating_sub(last) as f64 / all as f64) as f32,
-            };
-        }
-        Ok(())
-    }
-}
-
 impl Renderer {
-    /// How much of the former table paths that the cache learns from end with; 0 where they go on to their end.
-    fn former_share(&self) -> f32 {
-        self.irradiance
-            .as_ref()
-            .map_or(0.0, |cache| cache.former_share())
-    }
-
     /// Paths of the picture's beginning from which the cache learns, if it is to have so many samples per pixel.
     pub(super) fn learned_paths(&self, spp: u32) -> u64 {
         let samples = match self.is_apart {
@@ -228,7 +168,7 @@ impl Renderer {
             return;
         }
         let mode = match (purpose, self.settings.method) {
-            (Purpose::Learn, _) => LEARNS,
+            (Purpose::Learn { .. }, _) => LEARNS,
             (Purpose::Gather { .. }, _) | (Purpose::Picture, Method::Draft) => ENDS,
             _ => IDLE,
         };
@@ -244,11 +184,11 @@ impl Renderer {
             scale: (SIDE * self.frame.pixel_side()).clamp(*sides.start(), *sides.end()),
             least_side: (1e-4 * self.scene.radius).max(1e-6),
             photons: self.photon_field(purpose),
-            totals: totals(self.settings.method) as u32 / 4,
-            former_share: match purpose {
-                Purpose::Learn => self.former_share(),
-                _ => 0.0,
+            lesser: match self.settings.method.has_records() {
+                true => CELLS * (CELL_BYTES / 4) as u32,
+                false => 0,
             },
+            ends: u32::from(purpose == Purpose::Learn { ends: true }),
             unused: [0; 3],
         };
         let uniform = self.resources.buffer("light_cache_settings");

@@ -261,7 +261,7 @@ impl Renderer {
             photons.is_some_and(|photons| photons.phase == Phase::Ready(self.next_map()));
         let asks = matches!(
             purpose,
-            Purpose::Picture | Purpose::Learn | Purpose::Gather { .. }
+            Purpose::Picture | Purpose::Learn { .. } | Purpose::Gather { .. }
         );
         is_there && asks
     }

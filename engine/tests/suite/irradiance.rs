@@ -44,6 +44,24 @@ fn a_room_is_nearly_right_and_far_less_noisy() {
     assert!(cache.1 < path.1, "{} and {}", cache.1, path.1);
 }
 
+/// Paths that teach end in what others have found that have scattered as often as they may, though they have scattered more often by then.
+#[test]
+fn light_is_scattered_as_often_as_it_may() {
+    let Some(device) = device::open() else { return };
+    for max_depth in [2, 4, 6, 9] {
+        let settings = |method| RenderSettings {
+            max_depth,
+            ..seen((32, 24), 3, method)
+        };
+        let reference = device::open_for_reference();
+        let right = mean(&film(&reference, room(), &settings(Method::Path), 2048));
+        let found = mean(&film(&device, room(), &settings(Method::Cache), 256));
+        let off = (found / right - 1.0).abs().max_element();
+        println!("{max_depth} at most: {found} is {off:.4} off {right}");
+        assert!(off < 0.02, "{max_depth} at most: {found} is not {right}");
+    }
+}
+
 /// A white wall in the sky's light beside a floor that sees much of the wall: near the wall its light changes steeply.
 #[test]
 fn beside_a_wall_gradients_follow_the_light() {

@@ -25,7 +25,7 @@ fn ends_here(slot: u32) -> bool {
     if (!place.is_one) {
         return false;
     }
-    let mean = known_mean(TABLE, place);
+    let mean = known_mean(place, 0u);
     if (mean.w == 0.0) {
         return false;
     }

@@ -15,8 +15,9 @@ struct LightCacheSettings {
     scale: f32, // side of a cell over its distance to the camera
     least_side: f32, // metres
     photons: u32, // field of a path's state that is the photons' own, 0 where there are none
-    totals: u32, // word at which the cell of all paths begins
-    former_share: f32, // paths that are learned from end with so much of what the former table says; 0: they go on to their end
+    // Words from a cell to what it knows of light that goes on once less; 0 where nobody asks for that.
+    lesser: u32,
+    ends: u32, // while the cache learns: whether paths end in what it knows of such light, or go on to their end
     unused_0: u32,
     unused_1: u32,
     unused_2: u32,
@@ -32,9 +33,9 @@ const LIGHT_CACHE_IDLE = 2u;
 @group(0) @binding(49) var<uniform> light_cache_settings: LightCacheSettings;
 
 // Eight words for each cell: a number by which it is known, or 0 where it is free; how many paths have gone on from it; three
-// sums of 64 bits, in units of 2^-24. Where records of irradiance are to be made, the table as it was at some time follows. Then a cell
-// of all paths that have gone on to their end: instead of colours the means of what they found, of what those of them found that
-// scattered as often as they may, and of what these had found before they did so for the last time.
+// sums of 64 bits, in units of 2^-24. Where paths that are learned from may end in the cache, as many words follow: for each cell the same
+// count and sums, of paths that went on to their end, without what they found after they had scattered as often as they may. A path
+// that ends there has scattered once more than those had when they came to the cell.
 @group(0) @binding(48) var<storage, read_write> light_cache: array<atomic<u32>>;
 
 const CELL_WORDS = 8u;
@@ -46,21 +47,15 @@ const LARGEST_CELL_SAMPLE = 16777216.0;
 const CELL_PROBES = 32u;
 const NO_CELL = 0xffffffffu;
 
-// First words of the tables.
-const TABLE = 0u;
-fn former_table() -> u32 {
-    return (light_cache_settings.mask + 1u) * CELL_WORDS;
-}
-
 // The side of the cells at a point: a power of two that grows with the distance to the camera.
 fn cell_side(position: vec3f) -> f32 {
     let wanted = max(distance(position, frame.camera_position) * light_cache_settings.scale, light_cache_settings.least_side);
     return power_of_two_below(wanted);
 }
 
-// The first word of a table's cell for a point of a surface that scatters to `view`, which is 0 where it doesn't matter, or NO_CELL where
+// The first word of the cell for a point of a surface that scatters to `view`, which is 0 where it doesn't matter, or NO_CELL where
 // there is none. A cell that isn't there is begun where that is wanted and there is room.
-fn cell_at(table: u32, position: vec3f, normal: vec3f, view: vec3f, side: f32, begins: bool) -> u32 {
+fn cell_at(position: vec3f, normal: vec3f, view: vec3f, side: f32, begins: bool) -> u32 {
     let place = vec3i(floor(position / side));
     // Surfaces of other directions have cells of their own, thin walls one on each side.
     let toward = vec3i(round(normal * 2.0)) + 2;
@@ -70,7 +65,7 @@ fn cell_at(table: u32, position: vec3f, normal: vec3f, view: vec3f, side: f32, b
         hash2(direction, bitcast<u32>(side)));
     let number = max(hash(known_by ^ 0x5bd1e995u), 1u);
     for (var i = 0u; i < CELL_PROBES; i++) {
-        let cell = table + ((known_by + i) & light_cache_settings.mask) * CELL_WORDS;
+        let cell = ((known_by + i) & light_cache_settings.mask) * CELL_WORDS;
         var found = atomicLoad(&light_cache[cell]);
         if (found == 0u && begins) {
             let former = atomicCompareExchangeWeak(&light_cache[cell], 0u, number);
@@ -94,11 +89,13 @@ fn cell_at(table: u32, position: vec3f, normal: vec3f, view: vec3f, side: f32, b
     return NO_CELL;
 }
 
-// What surfaces scatter from a cell on average, and in w how many paths have said so.
-fn cell_mean(cell: u32) -> vec4f {
-    if (cell == NO_CELL) {
+// What surfaces scatter from a cell on average, and in w how many paths have said so. `lesser`: 0, or words to what is known of light that
+// goes on once less.
+fn cell_mean(begins_at: u32, lesser: u32) -> vec4f {
+    if (begins_at == NO_CELL) {
         return vec4f(0.0);
     }
+    let cell = begins_at + lesser;
     let count = atomicLoad(&light_cache[cell + CELL_COUNT]);
     var sums = vec3f(0.0);
     for (var i = 0u; i < 3u; i++) {
@@ -110,34 +107,16 @@ fn cell_mean(cell: u32) -> vec4f {
 }
 
 fn cell_add(cell: u32, value: vec3f) {
-    if (cell == NO_CELL) {
-        return;
-    }
     let clamped = clamp(value, vec3f(0.0), vec3f(LARGEST_CELL_SAMPLE));
     atomicAdd(&light_cache[cell + CELL_COUNT], 1u);
     for (var i = 0u; i < 3u; i++) {
-        add_units(cell + CELL_SUMS + 2u * i, fixed_point(clamped[i], CELL_BITS));
+        let units = fixed_point(clamped[i], CELL_BITS);
+        let before = atomicAdd(&light_cache[cell + CELL_SUMS + 2u * i], units.x);
+        let high = units.y + u32(before + units.x < before);
+        if (high != 0u) {
+            atomicAdd(&light_cache[cell + CELL_SUMS + 2u * i + 1u], high);
+        }
     }
-}
-
-// Adds a number of 64 bits to the sum that begins with a word.
-fn add_units(word: u32, units: vec3u) {
-    let before = atomicAdd(&light_cache[word], units.x);
-    let high = units.y + u32(before + units.x < before);
-    if (high != 0u) {
-        atomicAdd(&light_cache[word + 1u], high);
-    }
-}
-
-// Of the last cell, in words.
-const TOTAL_ALL = 2u;
-const TOTAL_DEEP = 4u;
-const TOTAL_BEFORE = 6u;
-
-// Adds to one of the sums of all paths.
-fn add_total_found(total: u32, value: vec3f) {
-    let mean = dot(clamp(value, vec3f(0.0), vec3f(LARGEST_CELL_SAMPLE)), vec3f(1.0 / 3.0));
-    add_units(light_cache_settings.totals + total, fixed_point(mean, CELL_BITS));
 }
 
 // Where a cell isn't known well, a wider one helps out, with a side so many times as long: in a mean of both it counts as much as so many
@@ -152,6 +131,6 @@ const WELL_KNOWN = 32.0;
 const RECORD_NONE = 0u;
 const RECORD_BEGUN = 1u;
 const RECORD_KNOWN = 2u;
-const RECORD_DEEP = 3u; // known, and the path has scattered as often as it may
+const RECORD_DEEP = 3u; // known, and the path has scattered as often as it may: the cell has been told what it had found before
 const RECORD_STATE = 7u;
 const NO_WIDER_CELL = 0xfffffff8u;

@@ -65,21 +65,21 @@ fn end_at(slot: u32, hit: RayHit, depth: u32) -> CachedPlace {
     return place;
 }
 
-fn cell_of_place(table: u32, place: CachedPlace, begins: bool) -> u32 {
-    return cell_at(table, place.position + place.offset, place.normal, place.view, place.side, begins);
+fn cell_of_place(place: CachedPlace, begins: bool) -> u32 {
+    return cell_at(place.position + place.offset, place.normal, place.view, place.side, begins);
 }
 
-fn wider_cell_of_place(table: u32, place: CachedPlace, begins: bool) -> u32 {
-    return cell_at(table, place.position + WIDER * place.offset, place.normal, place.view, WIDER * place.side, begins);
+fn wider_cell_of_place(place: CachedPlace, begins: bool) -> u32 {
+    return cell_at(place.position + WIDER * place.offset, place.normal, place.view, WIDER * place.side, begins);
 }
 
-// What surfaces scatter there on average by a table, and in w whether enough is known of it.
-fn known_mean(table: u32, place: CachedPlace) -> vec4f {
+// What surfaces scatter there on average, and in w whether enough is known of it; `lesser` as for `cell_mean`.
+fn known_mean(place: CachedPlace, lesser: u32) -> vec4f {
     let least = f32(light_cache_settings.least_count);
-    let mean = cell_mean(cell_of_place(table, place, false));
+    let mean = cell_mean(cell_of_place(place, false), lesser);
     let is_wide = place.spread > LEAST_SPREAD * WIDER * WIDER * place.side * place.side;
     if (is_wide && mean.w < WELL_KNOWN * WIDER_COUNT) {
-        let wider = cell_mean(wider_cell_of_place(table, place, false));
+        let wider = cell_mean(wider_cell_of_place(place, false), lesser);
         if (wider.w >= least) {
             return vec4f(mix(wider.xyz, mean.xyz, mean.w / (mean.w + WIDER_COUNT)), 1.0);
         }

@@ -16,6 +16,26 @@ fn scattered_from(slot: u32, radiance: vec3f) -> vec4f {
     return select(vec4f(0.0), vec4f(scattered, 1.0), is_finite);
 }
 
+// Tells a path's cells so; `lesser` as for `cell_mean`.
+fn tell(slot: u32, scattered: vec4f, lesser: u32) {
+    if (scattered.w == 0.0) {
+        return;
+    }
+    let cell = path_words(light_cache_settings.record, slot).x;
+    let wider = path_words(light_cache_settings.record + 1u, slot).w & ~RECORD_STATE;
+    if (cell != NO_CELL) {
+        cell_add(cell + lesser, scattered.xyz);
+    }
+    if (wider != NO_WIDER_CELL) {
+        cell_add(wider + lesser, scattered.xyz);
+    }
+}
+
+// Whether somebody asks for light that goes on once less, and paths go on to their end.
+fn tells_lesser() -> bool {
+    return light_cache_settings.lesser != 0u && light_cache_settings.ends == 0u;
+}
+
 // After the vertex in the cell: what a path has by then comes from before. One thread for each path that was active.
 @compute @workgroup_size(64)
 fn note_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
@@ -27,19 +47,20 @@ fn note_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
     let slot = queue_read(QUEUE_ACTIVE, index);
     let field = light_cache_settings.record + 1u;
     let state = path_words(field, slot).w;
-    let goes_to_its_end = light_cache_settings.former_share <= 0.0;
-    let known_as = select(RECORD_KNOWN, RECORD_DEEP, goes_to_its_end && path_depth(slot) >= frame.max_depth);
-    if ((state & RECORD_STATE) == RECORD_BEGUN) {
+    let known_as = state & RECORD_STATE;
+    if (known_as == RECORD_BEGUN) {
         var before = path_read(PATH_RADIANCE, slot).xyz;
         if (light_cache_settings.photons != 0u) {
             // What photons bring to the cell's own surface, it scatters.
             before -= path_read(PATH_DIFFUSE, slot).xyz;
         }
-        path_set_words(field, slot, vec4u(bitcast<vec3u>(before), (state & ~RECORD_STATE) | known_as));
-    } else if ((state & RECORD_STATE) == RECORD_KNOWN && known_as == RECORD_DEEP) {
-        // All that has been scattered less often is found by now.
-        add_total_found(TOTAL_BEFORE, scattered_from(slot, path_read(PATH_RADIANCE, slot).xyz).xyz);
-        path_set_words(field, slot, vec4u(path_words(field, slot).xyz, (state & ~RECORD_STATE) | RECORD_DEEP));
+        path_set_words(field, slot, vec4u(bitcast<vec3u>(before), (state & ~RECORD_STATE) | RECORD_KNOWN));
+    }
+    if (known_as != RECORD_NONE && known_as != RECORD_DEEP && tells_lesser() && path_depth(slot) >= frame.max_depth) {
+        // What has been scattered less often is all found by now.
+        tell(slot, scattered_from(slot, path_read(PATH_RADIANCE, slot).xyz), light_cache_settings.lesser);
+        let words = path_words(field, slot);
+        path_set_words(field, slot, vec4u(words.xyz, (words.w & ~RECORD_STATE) | RECORD_DEEP));
     }
 }
 
@@ -64,17 +85,9 @@ fn learn_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups)
         }
         scattered = scattered_from(slot, radiance);
     }
+    tell(slot, scattered, 0u);
+    if (tells_lesser() && !is_deep) {
+        tell(slot, scattered, light_cache_settings.lesser);
+    }
     path_set_words(field + 1u, slot, vec4u(0u)); // for the slot's next path
-    if (scattered.w == 0.0) {
-        return;
-    }
-    cell_add(path_words(field, slot).x, scattered.xyz);
-    let wider = state & ~RECORD_STATE;
-    cell_add(select(wider, NO_CELL, wider == NO_WIDER_CELL), scattered.xyz);
-    if (light_cache_settings.former_share <= 0.0) {
-        add_total_found(TOTAL_ALL, scattered.xyz);
-        if (is_deep) {
-            add_total_found(TOTAL_DEEP, scattered.xyz);
-        }
-    }
 }

@@ -19,7 +19,8 @@ fn look_up_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
         return;
     }
     let record = light_cache_settings.record;
-    let ends = light_cache_settings.former_share > 0.0;
+    // Most paths that told the cells had scattered once before. One that has twice may go on from here once less.
+    let ends = light_cache_settings.ends != 0u && state.z == 2u;
     let begins = learns && (path_words(record + 1u, slot).w & RECORD_STATE) == RECORD_NONE;
     if (learns && !begins && !ends) {
         return; // the first place that a path can be learned from is what it would end at
@@ -29,19 +30,18 @@ fn look_up_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
         return;
     }
     if (begins) {
-        let cell = cell_of_place(TABLE, place, true);
-        let wider = wider_cell_of_place(TABLE, place, true);
+        let cell = cell_of_place(place, true);
+        let wider = wider_cell_of_place(place, true);
         path_set_words(record, slot, vec4u(cell, bitcast<vec3u>(throughput.xyz)));
         path_set_words(record + 1u, slot, vec4u(0u, 0u, 0u, select(wider, NO_WIDER_CELL, wider == NO_CELL) | RECORD_BEGUN));
         return;
     }
-    let mean = known_mean(select(TABLE, former_table(), learns), place);
+    let mean = known_mean(place, select(0u, light_cache_settings.lesser, learns));
     if (mean.w == 0.0) {
         return;
     }
     let gathered = path_read(PATH_RADIANCE, slot);
-    let share = select(1.0, light_cache_settings.former_share, learns);
-    let found = limited(share * throughput.xyz * mean.xyz, f32(state.z + 1u));
+    let found = limited(throughput.xyz * mean.xyz, f32(state.z + 1u));
     path_write(PATH_RADIANCE, slot, vec4f(gathered.xyz + found, gathered.w));
     if (light_cache_settings.photons != 0u) {
         // What a surface scatters is no light that photons may have brought, as what it emits may be.

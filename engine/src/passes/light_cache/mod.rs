@@ -33,16 +33,6 @@ pub const NOTE: Pass = Pass {
     ..LOOK_UP
 };
 
-/// Keeps the table as the former one. One thread per cell; no pass of a wave.
-pub const KEEP: Pass = Pass {
-    name: "keep_light",
-    file: "light_cache/keep.wgsl",
-    work: Work::Paths,
-    reads: &["frame", "light_cache_settings"],
-    writes: &["light_cache"],
-    ..LOOK_UP
-};
-
 /// Adds to the cells what paths have found since.
 pub const LEARN: Pass = Pass {
     name: "learn_light",

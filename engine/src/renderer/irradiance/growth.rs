@@ -21,7 +21,7 @@ const FIRST: u32 = 256;
 const RAYS_SHARE: f64 = 0.5;
 /// The same of paths that teach the cache of scattered light.
 const PATHS_SHARE: f64 = 0.25;
-/// Of so many paths that teach it before the picture begins, one goes on to its end.
+/// Of so many paths that teach it one goes on to its end.
 const WHOLE_PATHS: u32 = 4;
 /// Where the numbers of samples begin that these paths belong to.
 const FIRST_SAMPLE: u32 = 1 << 20;
@@ -69,7 +69,7 @@ impl Renderer {
             Ordering::Equal => None,
             Ordering::Less => {
                 cache.steps += 1;
-                Some(Phase::Learning(true, 0))
+                Some(Phase::Learning(false, 0))
             }
             // Another device has failed, and handed back what it was to render.
             Ordering::Greater => {
@@ -92,32 +92,26 @@ impl Renderer {
         })
     }
 
-    /// Samples of each pixel that teach the cache of scattered light in a step, by their numbers from the first on: of those before the
-    /// picture begins, the ones whose paths go on to their end, or those that end in what these have taught.
+    /// Samples of each pixel that teach the cache of scattered light in a step, the first and how many: those whose paths go on to
+    /// their end, or those whose paths end in what it has learned by then.
     pub(super) fn samples_to_learn(&self, ends: bool) -> (u32, u32) {
         let ahead = self.samples_ahead();
-        let whole = ahead.div_ceil(WHOLE_PATHS);
         let until = |step: u32| match step {
             0 => ahead,
             _ => ahead.max((PATHS_SHARE * after(step) as f64) as u32),
         };
-        match self.irradiance.as_ref().map_or(0, |cache| cache.steps) {
-            0 if ends => (whole, ahead - whole),
-            0 => (0, whole),
+        let (first, samples) = match self.irradiance.as_ref().map_or(0, |cache| cache.steps) {
+            0 => (0, ahead),
             step => (
                 FIRST_SAMPLE + until(step - 1),
                 until(step) - until(step - 1),
             ),
+        };
+        let whole = samples.div_ceil(WHOLE_PATHS);
+        match ends {
+            false => (first, whole),
+            true => (first + whole, samples - whole),
         }
-    }
-
-    /// Has further paths that teach the cache of scattered light end in what it knows by now.
-    pub(super) fn keep_light(&mut self) -> Result<(), RenderError> {
-        let method = self.settings.method;
-        if let Some(cache) = &mut self.irradiance {
-            cache.former.keep(&self.device, &self.resources, method)?;
-        }
-        Ok(())
     }
 }
 
