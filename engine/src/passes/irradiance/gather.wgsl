@@ -53,11 +53,11 @@ fn gather_start(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
     let place = irradiance_records[record * RECORD_WORDS];
     let width = bitcast<f32>(irradiance_records[record * RECORD_WORDS + 7u].w);
     path_write(PATH_RADIANCE, slot, vec4f(0.0, 0.0, 0.0, width));
-    let ring = (ray % gather_rays()) / irradiance_settings.sectors;
-    let sector = ray % irradiance_settings.sectors;
+    let stratum = ray % gather_rays();
+    let ring = stratum / irradiance_settings.sectors;
+    let sector = stratum % irradiance_settings.sectors;
     // Neighbours, whose numbers follow each other, see about the same, and are smoothed by each other: so all records share the points
     // of a stratum, which follow each other turn by turn and record by record.
-    let stratum = ray % gather_rays();
     let inside = sobol2(record * irradiance_settings.turns + irradiance_settings.turn, hash2(irradiance_settings.points, stratum));
     let sine2 = (f32(ring) + inside.x) / f32(irradiance_settings.rings);
     let cosine = sqrt(max(1.0 - sine2, 0.0));
