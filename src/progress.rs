@@ -66,8 +66,10 @@ enum Form {
 struct State {
     /// What is done before there is something to count; without it only what is compiled is told.
     stage: Option<String>,
-    /// The stage began, or the first samples arrived.
+    /// The stage began.
     since: Instant,
+    /// When there was something to count for the first time, and how much of it there was already.
+    counted: Option<(Instant, f64, Unit)>,
     /// Of the stage more than its beginning is told.
     goes_on: bool,
     activity: Option<Activity>,
@@ -131,6 +133,7 @@ impl Bar {
             state: Mutex::new(State {
                 stage: stage.map(str::to_owned),
                 since: now,
+                counted: None,
                 activity: None,
                 goes_on: false,
                 done: None,
@@ -212,10 +215,11 @@ impl Bar {
     fn advance(&self, done: f64, total: f64, unit: Unit) {
         let mut state = self.shared.lock();
         if state.done.is_none() {
-            state.since = Instant::now();
-            self.shared
-                .bar
-                .set_style(style("{bar:12} {msg}").progress_chars("=> "));
+            let shown = style("{bar:12} {msg}").progress_chars("=> ");
+            self.shared.bar.set_style(shown);
+        }
+        if state.counted.is_none_or(|(_, _, former)| former != unit) {
+            state.counted = Some((Instant::now(), done, unit));
         }
         state.goes_on = false;
         state.done = Some((done, total, unit));
@@ -330,11 +334,12 @@ impl State {
         if let Some((what, took)) = self.compiled() {
             return format!("{what}, {} so far", clock(took));
         }
-        let elapsed = self.since.elapsed();
         let stage = self.stage.as_deref().unwrap_or_default();
-        let Some((done, total, unit)) = self.done else {
-            return format!("{stage}, {} so far", clock(elapsed));
+        let (Some((done, total, unit)), Some((start, before, _))) = (self.done, self.counted)
+        else {
+            return format!("{stage}, {} so far", clock(self.since.elapsed()));
         };
+        let elapsed = start.elapsed();
         let mut text = match unit {
             Unit::SamplesPerPixel => format!("{done:.1} of {total} samples per pixel"),
             Unit::Steps => format!("{stage}: {done} of {total} steps"),
@@ -343,7 +348,7 @@ impl State {
             text += &format!(", piece {} of {count}", number + 1);
         }
         text += &format!(", {}", clock(elapsed));
-        if let Some(left) = remaining(elapsed, done, total) {
+        if let Some(left) = remaining(elapsed, done - before, total - before) {
             text += &format!(", {} left", clock(left));
         }
         text
@@ -386,29 +391,46 @@ mod tests {
         assert_eq!(left(40.0), Some(Duration::ZERO));
     }
 
-    #[test]
-    fn the_longest_line_fits_a_narrow_terminal() {
-        let Some(since) = Instant::now().checked_sub(Duration::from_secs(3600)) else {
+    /// As an hour after there was so much of `total` samples per pixel, of which there is so much by now.
+    fn after_an_hour(before: f64, done: f64, total: f64) -> Option<String> {
+        let Some(start) = Instant::now().checked_sub(Duration::from_secs(3600)) else {
             eprintln!("skipped: this machine has just been started");
-            return;
+            return None;
         };
+        let unit = Unit::SamplesPerPixel;
         let state = State {
             stage: None,
-            since,
+            since: start,
+            counted: Some((start, before, unit)),
             activity: None,
             goes_on: false,
-            done: Some((
-                90_000.0,
-                f64::from(crate::words::MAX_SPP),
-                Unit::SamplesPerPixel,
-            )),
+            done: Some((done, total, unit)),
             piece: None,
-            said: since,
+            said: start,
             is_named: false,
             is_finished: false,
         };
-        let text = state.text();
+        Some(state.text())
+    }
+
+    #[test]
+    fn the_longest_line_fits_a_narrow_terminal() {
+        let total = f64::from(crate::words::MAX_SPP);
+        let Some(text) = after_an_hour(0.0, 90_000.0, total) else {
+            return;
+        };
         assert!(text.starts_with("90000.0 of 1048576 samples per pixel, 1:00:00 h, "));
         assert!("============ ".len() + text.len() < 80, "{text}");
+    }
+
+    #[test]
+    fn what_was_there_before_took_no_time() {
+        let Some(text) = after_an_hour(300.0, 400.0, 600.0) else {
+            return;
+        };
+        assert_eq!(
+            text,
+            "400.0 of 600 samples per pixel, 1:00:00 h, 2:00:00 h left"
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! Traversal on its own: traces given rays through the renderer's kernel, for tests of agreement and for
 //! `patina bench traverse`.
 
-use std::time::Instant;
+use std::{ops::RangeInclusive, time::Instant};
 
 use glam::{Mat3, Vec3};
 use serde::Serialize;
@@ -19,8 +19,8 @@ use engine::{
     wave::{self, RayHit},
 };
 
-/// Rays traced at once.
-const BATCH: u32 = 1 << 16;
+/// Rays traced at once: as many as in a wave of the device's, within these.
+const BATCH: RangeInclusive<u32> = 1 << 16..=1 << 20;
 /// Side of the picture whose rays are traced in the benchmark.
 const SIDE: u32 = 1024;
 
@@ -30,6 +30,7 @@ pub struct Tracer {
     device: Device,
     scene: GpuScene,
     resources: Resources,
+    batch: u32,
     closest: BoundKernel,
     occlusion: BoundKernel,
 }
@@ -48,9 +49,11 @@ impl Tracer {
             |_| Default::default(),
             &mut resources,
         )?;
-        wave::allocate(device, BATCH, 0, &mut resources)?;
+        let most = device.traits().waves.most;
+        let batch = most.clamp(*BATCH.start(), *BATCH.end());
+        wave::allocate(device, batch, 0, &mut resources)?;
         let camera = engine::scene::default_camera(scene);
-        let frame = Frame::new(&RenderSettings::new(1, 1, &camera), BATCH, &gpu_scene);
+        let frame = Frame::new(&RenderSettings::new(1, 1, &camera), batch, &gpu_scene);
         resources.set_buffer(
             "frame",
             device.buffer("frame", Usage::Uniform, size_of::<Frame>() as u64)?,
@@ -66,6 +69,7 @@ impl Tracer {
             device: device.clone(),
             scene: gpu_scene,
             resources,
+            batch,
             closest,
             occlusion,
         })
@@ -92,7 +96,7 @@ impl Tracer {
     pub fn trace(&self, rays: &[RayHit], kind: Rays) -> Result<(Vec<RayHit>, f64), RenderError> {
         let mut traced = Vec::with_capacity(rays.len());
         let mut seconds = 0.0;
-        for batch in rays.chunks(BATCH as usize) {
+        for batch in rays.chunks(self.batch as usize) {
             let (hits, took) = self.trace_batch(batch, kind)?;
             traced.extend(hits);
             seconds += took;
@@ -105,7 +109,7 @@ impl Tracer {
         // The kernel reads a queue: all slots in order. Shadow rays lie behind the paths' own.
         let (list, first_slot, kernel) = match kind {
             Rays::Closest => (0, 0, &self.closest),
-            Rays::Occlusion => (2, u64::from(BATCH), &self.occlusion),
+            Rays::Occlusion => (2, u64::from(self.batch), &self.occlusion),
         };
         let mut words = vec![0u32; wave::QUEUE_HEADER as usize];
         words[1] = count;
@@ -115,7 +119,7 @@ impl Tracer {
             self.device.write(self.resources.buffer(name), at, bytes);
         };
         write("queues", 0, bytemuck::cast_slice(&words));
-        let at = (wave::QUEUE_HEADER + list * u64::from(BATCH)) * 4;
+        let at = (wave::QUEUE_HEADER + list * u64::from(self.batch)) * 4;
         write("queues", at, bytemuck::cast_slice(&slots));
         let offset = first_slot * size_of::<RayHit>() as u64;
         write("rays", offset, bytemuck::cast_slice(batch));
@@ -165,7 +169,7 @@ pub fn traverse(device: &Device, scene: &Scene) -> Result<TraverseReport, Render
         if rays.is_empty() {
             return Ok(0.0);
         }
-        tracer.trace(&rays[..rays.len().min(BATCH as usize)], kind)?;
+        tracer.trace(&rays[..rays.len().min(tracer.batch as usize)], kind)?;
         let mut seconds = (0..5)
             .map(|_| Ok(tracer.trace(rays, kind)?.1))
             .collect::<Result<Vec<f64>, RenderError>>()?;

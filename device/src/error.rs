@@ -52,6 +52,11 @@ pub enum DeviceError {
         /// What to do.
         remedy: &'static str,
     },
+    /// Its memory is used up.
+    #[error(
+        "the graphics device has too little memory left; end what else uses it, or take a smaller picture or scene, or `--device native`"
+    )]
+    OutOfMemory,
     /// The device is gone, and all that was on it: open another one.
     #[error("the graphics device was lost: {0}")]
     Lost(String),

@@ -110,9 +110,30 @@ impl Progress {
     }
 }
 
-/// Most paths of a wave.
-fn most_paths(device: &Device) -> u32 {
-    device.traits().waves.most
+/// Most paths of a wave: more than so many samples of a picture's pixels aren't wanted at once, nor memory for them.
+fn most_paths(device: &Device, settings: &RenderSettings) -> u32 {
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    let of_picture = (SAMPLES_OF_WAVE * pixels).clamp(1 << 20, 1 << 31);
+    device.traits().waves.most.min(of_picture as u32)
+}
+
+/// Most samples of each pixel in a wave, if that isn't very small then.
+const SAMPLES_OF_WAVE: u64 = 16;
+
+/// Path slots that a device has memory for if it has for anything.
+const LEAST_SLOTS: u32 = 1 << 18;
+
+/// Builds with as many path slots as the device has memory for, these at the most.
+fn while_it_fits<T>(
+    mut most: u32,
+    mut build: impl FnMut(u32) -> Result<T, RenderError>,
+) -> Result<T, RenderError> {
+    loop {
+        match build(most) {
+            Err(RenderError::Device(DeviceError::OutOfMemory)) if most > LEAST_SLOTS => most /= 2,
+            built => return built,
+        }
+    }
 }
 
 /// Fewer paths would take hardly less time.
@@ -306,7 +327,15 @@ impl Renderer {
         procedural: &Procedural,
         settings: &RenderSettings,
     ) -> Result<Self, RenderError> {
-        Self::with_schedule(device, scene, procedural, settings, Box::new(Wavefront))
+        while_it_fits(most_paths(device, settings), |most| {
+            let schedule = Box::new(Wavefront);
+            let built = Self::build(device, scene, procedural, settings, most, schedule);
+            if built.is_err() {
+                // What was allocated for it is free once the device is idle.
+                device.wait().ok();
+            }
+            built
+        })
     }
 
     /// As [`Self::new`] by another schedule than the usual one. The picture does not depend on it.
@@ -320,7 +349,7 @@ impl Renderer {
         settings: &RenderSettings,
         schedule: Box<dyn Schedule>,
     ) -> Result<Self, RenderError> {
-        let most = most_paths(device);
+        let most = most_paths(device, settings);
         Self::build(device, scene, procedural, settings, most, schedule)
     }
 
@@ -726,6 +755,23 @@ mod tests {
             );
         }
         (paths, time(paths) * 1e3)
+    }
+
+    #[test]
+    fn waves_are_as_large_as_the_memory_allows() {
+        let fitting = |room: u32| {
+            while_it_fits(1 << 22, |slots| match slots > room {
+                true => Err(DeviceError::OutOfMemory.into()),
+                false => Ok(slots),
+            })
+        };
+        assert_eq!(fitting(1 << 22).ok(), Some(1 << 22));
+        assert_eq!(fitting(3 << 19).ok(), Some(1 << 20));
+        let refused = fitting(1000);
+        assert!(matches!(
+            refused,
+            Err(RenderError::Device(DeviceError::OutOfMemory))
+        ));
     }
 
     #[test]

@@ -55,7 +55,7 @@ struct Shared {
 #[derive(Debug, Default)]
 struct Errors {
     /// The first one, until it is taken.
-    first: Option<String>,
+    first: Option<DeviceError>,
     guest: Option<Guest>,
 }
 
@@ -72,11 +72,11 @@ impl std::fmt::Debug for Guest {
 }
 
 impl Errors {
-    fn note(&mut self, thread: ThreadId, message: String) {
+    fn note(&mut self, thread: ThreadId, error: DeviceError) {
         match &self.guest {
-            Some(guest) if guest.thread == thread => (guest.told)(&message),
+            Some(guest) if guest.thread == thread => (guest.told)(&error.to_string()),
             _ => {
-                self.first.get_or_insert(message);
+                self.first.get_or_insert(error);
             }
         }
     }
@@ -115,7 +115,11 @@ impl Gpu {
         let slot = Arc::clone(&errors);
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
             if let Ok(mut errors) = slot.lock() {
-                errors.note(std::thread::current().id(), e.to_string());
+                let error = match &e {
+                    wgpu::Error::OutOfMemory { .. } => DeviceError::OutOfMemory,
+                    _ => DeviceError::Driver(e.to_string()),
+                };
+                errors.note(std::thread::current().id(), error);
             }
         }));
         let lost = Arc::new(OnceLock::new());
@@ -176,13 +180,18 @@ impl Gpu {
         let is_software = self.shared.is_software;
         Traits {
             lanes: 0,
-            waves: match is_software {
+            waves: match self.shared.adapter.get_info().device_type {
                 // Their caches are those of processors.
-                true => WaveSizes {
+                wgpu::DeviceType::Cpu => WaveSizes {
                     first: 1 << 14,
                     most: 1 << 16,
                 },
-                false => WaveSizes {
+                // Few of a wave's paths scatter often, and each time there have to be enough of them for a hundred thousand threads and more.
+                wgpu::DeviceType::DiscreteGpu | wgpu::DeviceType::VirtualGpu => WaveSizes {
+                    first: 1 << 18,
+                    most: 1 << 22,
+                },
+                _ => WaveSizes {
                     first: 1 << 18,
                     most: 1 << 20,
                 },
@@ -242,9 +251,7 @@ impl Gpu {
             return Err(DeviceError::Lost(message.clone()));
         }
         match self.shared.errors.lock() {
-            Ok(mut errors) => (errors.first)
-                .take()
-                .map_or(Ok(()), |message| Err(DeviceError::Driver(message))),
+            Ok(mut errors) => errors.first.take().map_or(Ok(()), Err),
             Err(_) => Ok(()),
         }
     }
@@ -299,20 +306,25 @@ mod tests {
         let elsewhere = std::thread::spawn(|| std::thread::current().id());
         let elsewhere = elsewhere.join().expect("a thread");
         let mut errors = Errors::default();
-        errors.note(here, "before there was a window".to_owned());
-        let first = errors.first.take();
-        assert_eq!(first.as_deref(), Some("before there was a window"));
+        let error = |text: &str| DeviceError::Driver(text.to_owned());
+        errors.note(here, error("before there was a window"));
+        let first = errors.first.take().map(|error| error.to_string());
+        assert!(first.is_some_and(|text| text.ends_with(": before there was a window")));
         let (sender, heard) = std::sync::mpsc::channel();
         errors.guest = Some(Guest {
             thread: here,
             told: Box::new(move |text| sender.send(text.to_owned()).expect("it is heard")),
         });
-        errors.note(here, "a surface of another size".to_owned());
-        assert_eq!(errors.first, None);
-        assert_eq!(heard.try_recv().as_deref(), Ok("a surface of another size"));
-        errors.note(elsewhere, "first".to_owned());
-        errors.note(elsewhere, "second".to_owned());
-        assert_eq!(errors.first.as_deref(), Some("first"));
+        errors.note(here, error("a surface of another size"));
+        assert!(errors.first.is_none());
+        assert!(
+            heard
+                .try_recv()
+                .is_ok_and(|text| text.ends_with(": a surface of another size"))
+        );
+        errors.note(elsewhere, error("first"));
+        errors.note(elsewhere, DeviceError::OutOfMemory);
+        assert!(matches!(errors.first, Some(DeviceError::Driver(text)) if text == "first"));
         assert!(heard.try_recv().is_err());
     }
 }

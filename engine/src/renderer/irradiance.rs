@@ -27,7 +27,7 @@ use crate::{gpu_scene::SceneFeatures, passes::irradiance, settings::Method};
 use super::{Purpose, RenderError, Renderer, Work, clear_picture};
 
 use self::grid::{Grid, Reference, Slot, sort_along_the_curve};
-use self::records::{Candidate, Record, calm, settle, spread_out};
+use self::records::{Candidate, REACH, Record, calm, settle, spread_out};
 use self::sky::Sky;
 use self::smooth::smooth;
 
@@ -48,8 +48,9 @@ const MOST_TURNS: u64 = 4;
 const RAYS_OF_PIXEL: u64 = 64;
 /// A smaller picture has rays as if it had so many pixels.
 const LEAST_PIXELS: u64 = 1 << 15;
-/// Records whose rays are gathered at once.
-const AT_ONCE: u32 = 2048;
+/// Records whose rays are gathered at once, on devices that want more paths in a wave for so many of these as one record.
+const AT_ONCE: [u32; 2] = [2048, 8192];
+const PATHS_OF_RECORD: u32 = 512;
 /// Pixels between new records, pass by pass.
 const DISTANCES: [f32; 7] = [24.0, 12.0, 6.0, 3.0, 2.0, 2.0, 2.0];
 /// Samples of each pixel that teach the cache of scattered light in larger pictures, which have more rays for records: these share what it
@@ -66,8 +67,6 @@ const SEED: u32 = 0x1a2b_3c4d;
 const RADIUS_SHARE: f32 = 0.05;
 /// The gradient may change the irradiance by so much of it within the radius.
 const MOST_CHANGE: f32 = 0.1;
-/// How far records reach over their radius when they are used: as `falloff` says.
-const FALLOFF: f32 = 0.5;
 
 /// `IrradianceSettings` of `settings.wgsl`.
 #[repr(C)]
@@ -134,6 +133,8 @@ pub(super) struct Irradiance {
     pass: usize,
     turns: u32,
     rays: u64,
+    /// Records whose rays are gathered at once.
+    at_once: u32,
     /// How often more has been learned since the picture began.
     steps: u32,
     first_level: i32,
@@ -145,22 +146,32 @@ pub(super) struct Irradiance {
     solve: Kernel,
 }
 
-const BUFFERS: [(&str, u64); 5] = [
-    ("irradiance_records", RECORDS as u64 * 128),
-    ("irradiance_grid", SLOTS as u64 * size_of::<Slot>() as u64),
-    (
-        "irradiance_references",
-        REFERENCES as u64 * size_of::<Reference>() as u64,
-    ),
-    ("irradiance_candidates", 32 * (CANDIDATES as u64 + 1)),
-    (
-        "irradiance_gathered",
-        16 * (AT_ONCE * rays_of(STRATA)) as u64,
-    ),
-];
+/// Records whose rays are gathered at once on a device. What they find doesn't depend on it.
+fn at_once(device: &Device) -> u32 {
+    let [least, most] = AT_ONCE;
+    (device.traits().waves.most / PATHS_OF_RECORD).clamp(least, most)
+}
+
+/// Its buffers, and their bytes.
+fn buffers(at_once: u32) -> [(&'static str, u64); 5] {
+    let references = u64::from(REFERENCES) * size_of::<Reference>() as u64;
+    [
+        ("irradiance_records", u64::from(RECORDS) * 128),
+        (
+            "irradiance_grid",
+            u64::from(SLOTS) * size_of::<Slot>() as u64,
+        ),
+        ("irradiance_references", references),
+        ("irradiance_candidates", 32 * (u64::from(CANDIDATES) + 1)),
+        (
+            "irradiance_gathered",
+            16 * u64::from(at_once * rays_of(STRATA)),
+        ),
+    ]
+}
 
 /// Rays of so many rings and sectors.
-const fn rays_of([rings, sectors]: [u32; 2]) -> u32 {
+fn rays_of([rings, sectors]: [u32; 2]) -> u32 {
     rings * sectors
 }
 
@@ -173,10 +184,11 @@ fn strata(pass: usize) -> [u32; 2] {
 }
 
 /// Bytes of its buffers.
-pub(super) fn bytes(method: Method) -> u64 {
+pub(super) fn bytes(device: &Device, method: Method) -> u64 {
+    let buffers = buffers(at_once(device));
     match method.has_records() {
         false => 0,
-        true => BUFFERS.iter().map(|(_, bytes)| bytes).sum::<u64>() + sky::BYTES,
+        true => buffers.iter().map(|(_, bytes)| bytes).sum::<u64>() + sky::BYTES,
     }
 }
 
@@ -191,7 +203,8 @@ impl Irradiance {
         if !method.has_records() {
             return Ok(None);
         }
-        for (name, bytes) in BUFFERS {
+        let at_once = at_once(device);
+        for (name, bytes) in buffers(at_once) {
             resources.set_buffer(name, device.buffer(name, Usage::Storage, bytes)?);
         }
         let bytes = size_of::<Settings>() as u64;
@@ -204,6 +217,7 @@ impl Irradiance {
             pass: 0,
             turns: 1,
             rays: 0,
+            at_once,
             steps: 0,
             first_level: 0,
             levels: 0,
@@ -246,22 +260,23 @@ impl Irradiance {
     /// Has the picture made with the records as they are now, but for their noise.
     fn finish(&mut self, device: &Device, resources: &Resources) -> Phase {
         let mut records = self.records.clone();
-        calm(&mut records, SLOTS, REFERENCES as usize);
-        smooth(&mut records, SLOTS, REFERENCES as usize);
         sort_along_the_curve(&mut records);
-        self.find_by(device, resources, &records, FALLOFF);
+        let grid = Grid::of(&records, REACH, SLOTS, REFERENCES as usize);
+        calm(&mut records, &grid);
+        smooth(&mut records, SLOTS, REFERENCES as usize);
+        self.find_by(device, resources, &records, &grid, 1.0 / REACH);
         Phase::Ready
     }
 
-    /// Has the device find records by where they are; `falloff` says how far they reach.
+    /// Has the device find records by a grid of them; `falloff` is one over how far they reach in it.
     fn find_by(
         &mut self,
         device: &Device,
         resources: &Resources,
         records: &[Record],
+        grid: &Grid,
         falloff: f32,
     ) {
-        let grid = Grid::of(records, 1.0 / falloff, SLOTS, REFERENCES as usize);
         let write = |name: &str, bytes: &[u8]| device.write(resources.buffer(name), 0, bytes);
         write("irradiance_records", bytemuck::cast_slice(records));
         write("irradiance_grid", bytemuck::cast_slice(&grid.slots));
@@ -453,7 +468,8 @@ impl Renderer {
             return cache.finish(&self.device, &self.resources);
         }
         let records = std::mem::take(&mut cache.records);
-        cache.find_by(&self.device, &self.resources, &records, 1.0);
+        let grid = Grid::of(&records, 1.0, SLOTS, REFERENCES as usize);
+        cache.find_by(&self.device, &self.resources, &records, &grid, 1.0);
         cache.records = records;
         Phase::Finding(pass + 1, 0)
     }
@@ -466,15 +482,18 @@ impl Renderer {
         let pass = cache.pass;
         let known = &cache.passes[pass];
         let last = known.end;
-        let end = last.min(from + AT_ONCE);
+        let end = last.min(from + cache.at_once);
         let turns = u64::from(cache.turns);
-        let of_turn = u64::from(rays_of(strata(pass))) * u64::from(end - from);
+        let of_record = u64::from(rays_of(strata(pass)));
+        let of_turn = of_record * u64::from(end - from);
         let (turn, position) = ((done / of_turn) as u32, done % of_turn);
         let rays = u64::from(self.next_wave_size()).min(of_turn - position);
         let mut frame = self.frame;
         let number = (known.turns + turn).wrapping_mul(0x9e37_79b9);
-        let number = number.wrapping_add(1 + from);
+        let number = number.wrapping_add(1);
         frame.set_seed(frame.seed().wrapping_add(SEED ^ number));
+        // Numbered among those of all records, so that random numbers don't depend on how many are made at once.
+        let position = of_record * u64::from(from) + position;
         frame.set_wave(position, rays as u32, 0, u32::MAX);
         let work = Work::Range {
             position,

@@ -57,7 +57,7 @@ impl DeviceMemory {
 /// Bytes of what knows light from before.
 fn caches(device: &Device, settings: &RenderSettings) -> u64 {
     let method = settings.method;
-    light_cache::bytes(method) + irradiance::bytes(method) + photons::bytes(device, settings)
+    light_cache::bytes(method) + irradiance::bytes(device, method) + photons::bytes(device, settings)
 }
 
 /// Bytes of a film as it is gathered: the picture's, and those of its layers.
@@ -88,7 +88,7 @@ pub fn file_bytes(settings: &RenderSettings, layers: &Layers) -> u64 {
 fn paths(device: &Device, procedural: &Procedural, settings: &RenderSettings) -> u64 {
     let layers = &settings.layers;
     let schedule = Wavefront;
-    let capacity = Lanes::capacity(device, &schedule, most_paths(device));
+    let capacity = Lanes::capacity(device, &schedule, most_paths(device, settings));
     let split = match layers.split_light() {
         true => SPLIT_WORDS,
         false => 0,

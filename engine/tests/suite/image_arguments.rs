@@ -239,8 +239,14 @@ fn assert_shows(
     }
 }
 
-/// Of decoding sRGB, which devices may do with 8 bits and a half, and of weights in single precision.
-const READ_ERROR: f64 = 0.6 / 255.0;
+/// Of decoding sRGB, and of weights in single precision. Graphics cards decode to within half a step of the encoded value (as Direct3D asks of
+/// them), which is up to 1.14 steps of linear light where the curve is steepest; NVIDIA's are wrong by 0.7.
+fn read_error(device: &Device) -> f64 {
+    match device.gpu() {
+        Some(_) => 1.15 / 255.0,
+        None => 0.6 / 255.0,
+    }
+}
 
 const START: [f64; 2] = [-1.47, -1.31];
 const STEP: [f64; 2] = [0.231, 0.277];
@@ -286,7 +292,7 @@ fn wrap_filter_and_colour_space_are_chosen_for_each_use() {
                 &device,
                 &format!("texture='plain'\nimage={image}\n{}", place()),
             );
-            assert_shows(&image, &shown, READ_ERROR, |x, y| {
+            assert_shows(&image, &shown, read_error(&device), |x, y| {
                 picture.sample(0, uv(x, y), &use_)
             });
         }
@@ -307,7 +313,7 @@ fn without_settings_colours_are_srgb_and_data_is_linear_and_alpha_always_is() {
             srgb,
         };
         let node = format!("texture='{texture}'\nimage='{path}'\n{}", place());
-        assert_shows(texture, &shown(&device, &node), READ_ERROR, |x, y| {
+        assert_shows(texture, &shown(&device, &node), read_error(&device), |x, y| {
             let value = picture.sample(0, uv(x, y), &use_);
             match texture {
                 "alpha" => [value[3]; 4],
@@ -338,7 +344,7 @@ fn images_of_the_model_are_read_by_their_names() {
         let file = format!("{{ file = 'model:maps/oak.png', color_space = '{space}' }}");
         let node = format!("texture='plain'\nimage={file}\n{}", place());
         let shown = shown_with(&device, &node, std::slice::from_ref(&image));
-        assert_shows(space, &shown, READ_ERROR, |x, y| {
+        assert_shows(space, &shown, read_error(&device), |x, y| {
             picture.sample(0, uv(x, y), &use_)
         });
     }
@@ -390,7 +396,7 @@ fn levels_are_means_in_linear_light_and_mixed_between() {
             assert_shows(
                 &name,
                 &shown(&device, &node),
-                READ_ERROR + rounding,
+                read_error(&device) + rounding,
                 |x, y| picture.sample_between(-0.7 + 0.3 * y, uv(x, y), &use_),
             );
         }

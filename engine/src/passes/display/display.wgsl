@@ -142,7 +142,8 @@ fn octahedral(packed: u32) -> vec3f {
     return normalize(v);
 }
 
-const OUTLINE = vec3f(1.0, 0.62, 0.1);
+// Of whole 255ths, so that all devices round it to the same.
+const OUTLINE = vec3f(255.0, 158.0, 26.0) / 255.0;
 
 fn is_outlined(x: u32, y: u32) -> bool {
     return guides[2u * (y * display.settings.width + x)].y == display.settings.outlined;

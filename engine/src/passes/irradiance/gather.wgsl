@@ -19,7 +19,7 @@ const GATHER_FLIES = 0u; // it has met nothing yet
 const GATHER_GIVEN = 1u; // a cache knew the surface
 const GATHER_FOLLOWED = 2u; // a path goes on from there
 
-// The number of a path's ray among those of the wave's records.
+// The number of a path's ray among those of all records, if each had as many as those of this pass.
 fn gather_ray(slot: u32) -> u32 {
     return frame.first_sample * frame.padded_pixels + frame.first_pixel + slot;
 }
@@ -32,7 +32,7 @@ fn gather_start(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
         return;
     }
     let ray = gather_ray(slot);
-    let record = irradiance_settings.first_record + ray / gather_rays();
+    let record = ray / gather_rays();
     path_set_words(irradiance_settings.gather, slot, vec4u(0u));
     path_set_words(irradiance_settings.gather + 1u, slot, vec4u(0u));
     if (irradiance_settings.photons != 0u) {
@@ -107,7 +107,7 @@ fn gather_end(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
     path_set_words(field + 1u, slot, vec4u(0u));
     path_set_words(PATH_LEFT, slot, vec4u(0u));
     let ray = gather_ray(slot);
-    if (irradiance_settings.first_record + ray / gather_rays() >= irradiance_settings.end_record) {
+    if (ray / gather_rays() >= irradiance_settings.end_record) {
         return;
     }
     var found = kept.xyz;
@@ -121,8 +121,9 @@ fn gather_end(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
     // What isn't finite is dropped; its bits tell.
     let is_finite = all((bitcast<vec3u>(max(found, vec3f(0.0))) & vec3u(0x7f800000u)) != vec3u(0x7f800000u));
     var sum = vec4f(select(vec3f(0.0), max(found, vec3f(0.0)), is_finite), 1.0 / max(kept.w, 1e-6));
+    let place = ray - irradiance_settings.first_record * gather_rays();
     if (irradiance_settings.turn > 0u) {
-        sum += irradiance_gathered[ray];
+        sum += irradiance_gathered[place];
     }
-    irradiance_gathered[ray] = sum;
+    irradiance_gathered[place] = sum;
 }

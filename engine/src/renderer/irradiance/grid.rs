@@ -64,6 +64,12 @@ impl Cell {
         (number.max(1), slot & mask)
     }
 
+    /// By which cells stand in order: level by level along Morton's curve, but that far ones may share it.
+    fn key(self) -> u64 {
+        let code = morton::code(self.place.wrapping_add(IVec3::splat(1 << 19)).as_uvec3());
+        u64::from(self.level) << 60 | code & ((1 << 60) - 1)
+    }
+
     /// What [`Slot::check`] says.
     fn check(self) -> u32 {
         let low = (self.place & 0x3ff).as_uvec3();
@@ -74,12 +80,14 @@ impl Cell {
 /// A record in the list of a cell.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
+    /// [`Cell::key`], which is asked for whenever two entries are compared.
+    key: u64,
     cell: Cell,
     reference: Reference,
 }
 
 /// Those of a box, its last corner among them.
-fn cells(low: IVec3, high: IVec3) -> impl Iterator<Item = IVec3> {
+pub(super) fn cells_between(low: IVec3, high: IVec3) -> impl Iterator<Item = IVec3> {
     let rows = (low.x..=high.x).flat_map(move |x| (low.y..=high.y).map(move |y| (x, y)));
     rows.flat_map(move |(x, y)| (low.z..=high.z).map(move |z| IVec3::new(x, y, z)))
 }
@@ -120,22 +128,24 @@ impl Grid {
                 let side = 2.0_f32.powi(first_level + level as i32);
                 let radius = reach * record.radius;
                 let corner = |offset: f32| ((record.position + offset) / side).floor().as_ivec3();
-                cells(corner(-radius), corner(radius)).filter_map(move |place| {
+                cells_between(corner(-radius), corner(radius)).filter_map(move |place| {
                     let least = place.as_vec3() * side;
                     let nearest = record.position.clamp(least, least + side);
                     let is_reached = nearest.distance(record.position) <= radius;
+                    let cell = Cell { level, place };
                     is_reached.then(|| Entry {
-                        cell: Cell { level, place },
+                        key: cell.key(),
+                        cell,
                         reference: reference(index, record, least, side, radius),
                     })
                 })
             })
             .collect();
         entries.truncate(references);
-        entries.par_sort_unstable_by_key(|entry| {
-            let Cell { level, place } = entry.cell;
-            let code = morton::code(place.wrapping_add(IVec3::splat(1 << 20)).as_uvec3());
-            (level, code, place.to_array(), entry.reference.record)
+        entries.par_sort_unstable_by(|a, b| {
+            let places = || a.cell.place.to_array().cmp(&b.cell.place.to_array());
+            let records = || a.reference.record.cmp(&b.reference.record);
+            a.key.cmp(&b.key).then_with(places).then_with(records)
         });
         let lists = || entries.chunk_by(|a, b| a.cell == b.cell);
         let wanted = (2 * lists().count() as u32).next_power_of_two().max(BLOCK);

@@ -5,7 +5,7 @@ use glam::{IVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use super::grid::Grid;
+use super::grid::{Grid, cells_between};
 use crate::gpu_scene::lights::luminance;
 
 /// A record of `irradiance/records.wgsl`.
@@ -95,7 +95,7 @@ pub(super) struct Candidate {
 pub(super) fn spread_out(mut candidates: Vec<Candidate>, pixels: f32) -> Vec<Record> {
     candidates.sort_by_key(|c| (c.number, c.position.to_array().map(f32::to_bits)));
     let mut kept = Vec::<Record>::new();
-    let mut cells = FxHashMap::<(i32, IVec3), Vec<usize>>::default();
+    let mut kept_in = FxHashMap::<(i32, IVec3), Vec<usize>>::default();
     for candidate in candidates {
         let distance = pixels * candidate.width;
         if !(distance > 0.0 && distance.is_finite() && candidate.position.is_finite()) {
@@ -103,26 +103,28 @@ pub(super) fn spread_out(mut candidates: Vec<Candidate>, pixels: f32) -> Vec<Rec
         }
         let level = distance.log2().ceil() as i32;
         let record = Record::begun(candidate.position, candidate.normal, candidate.width);
-        let cell = |level: i32| (record.position / 2.0_f32.powi(level)).floor().as_ivec3();
+        let cell = |level: i32, offset: f32| {
+            let place = (record.position + offset) / 2.0_f32.powi(level);
+            place.floor().as_ivec3()
+        };
         let is_near = |other: &Record| {
             other.position.distance(record.position) < distance
                 && other.facing().dot(record.facing()) > 0.8
         };
         // Pixels of neighbours may be twice as wide.
         let mut around = (level - 1..=level + 1).flat_map(|level| {
-            let middle = cell(level);
-            (0..27).map(move |i| {
-                let offset = IVec3::new(i % 3, i / 3 % 3, i / 9) - 1;
-                (level, middle + offset)
-            })
+            let middle = cell(level, 0.0);
+            let low = cell(level, -distance).max(middle - 1);
+            let high = cell(level, distance).min(middle + 1);
+            cells_between(low, high).map(move |place| (level, place))
         });
         let is_taken = around.any(|key| {
-            let list = cells.get(&key).map_or(&[][..], Vec::as_slice);
+            let list = kept_in.get(&key).map_or(&[][..], Vec::as_slice);
             list.iter().any(|&at| is_near(&kept[at]))
         });
         if !is_taken {
-            cells
-                .entry((level, cell(level)))
+            kept_in
+                .entry((level, cell(level, 0.0)))
                 .or_default()
                 .push(kept.len());
             kept.push(record);
@@ -139,8 +141,9 @@ const LEAST_WIDTHS: f32 = 1.5;
 /// Makes radii smaller where a neighbour knows of something near that the record's own rays have missed (Křivánek et al., "Making
 /// Radiance and Irradiance Caching Practical", 2006), and where more records overlap than are of use.
 pub(super) fn settle(records: &mut [Record], slots: u32, references: usize) {
+    // Radii only shrink, so whoever reaches a place in the end is among these.
+    let grid = Grid::of(records, 1.0, slots, references);
     for _ in 0..2 {
-        let grid = Grid::of(records, 1.0, slots, references);
         let settled: Vec<f32> = records
             .par_iter()
             .map(|record| {
@@ -166,17 +169,17 @@ pub(super) fn settle(records: &mut [Record], slots: u32, references: usize) {
     }
 }
 
-/// How far records are asked for their opinion of another one, over their radius.
-const REACH: f32 = 2.0;
+/// How far records reach when they are used, over their radius, and when they are asked for their opinion of another one.
+pub(super) const REACH: f32 = 2.0;
 /// Records that must have one.
 const LEAST_NEIGHBOURS: usize = 3;
 /// Of all of them it may be so many times the brightest.
 const MOST_ABOVE: f32 = 1.25;
 
 /// Makes records that stand out among all their neighbours as bright as the brightest of these: irradiance has no such peaks, but one of
-/// the rays that a record was made of may have found what hardly any does, and then a spot as large as its radius would be seen.
-pub(super) fn calm(records: &mut [Record], slots: u32, references: usize) {
-    let grid = Grid::of(records, REACH, slots, references);
+/// the rays that a record was made of may have found what hardly any does, and then a spot as large as its radius would be seen. The grid
+/// is theirs for [`REACH`].
+pub(super) fn calm(records: &mut [Record], grid: &Grid) {
     let brightness = |record: &Record| record.irradiance.element_sum();
     let factors: Vec<f32> = (0..records.len() as u32)
         .into_par_iter()
@@ -269,7 +272,8 @@ mod tests {
             at(50.0, 9.0),
         ];
         let before = records;
-        calm(&mut records, 1 << 8, 1 << 8);
+        let grid = Grid::of(&records, REACH, 1 << 8, 1 << 8);
+        calm(&mut records, &grid);
         assert_eq!(records[2].irradiance, Vec3::splat(1.6));
         assert!((records[2].gradients[2][1] - 1.6).abs() < 1e-6);
         for i in [0, 1, 3, 4] {
