@@ -57,7 +57,9 @@ impl DeviceMemory {
 /// Bytes of what knows light from before.
 fn caches(device: &Device, settings: &RenderSettings) -> u64 {
     let method = settings.method;
-    light_cache::bytes(method) + irradiance::bytes(device, method) + photons::bytes(device, settings)
+    light_cache::bytes(method)
+        + irradiance::bytes(device, method)
+        + photons::bytes(device, settings)
 }
 
 /// Bytes of a film as it is gathered: the picture's, and those of its layers.

@@ -313,13 +313,18 @@ fn without_settings_colours_are_srgb_and_data_is_linear_and_alpha_always_is() {
             srgb,
         };
         let node = format!("texture='{texture}'\nimage='{path}'\n{}", place());
-        assert_shows(texture, &shown(&device, &node), read_error(&device), |x, y| {
-            let value = picture.sample(0, uv(x, y), &use_);
-            match texture {
-                "alpha" => [value[3]; 4],
-                _ => value,
-            }
-        });
+        assert_shows(
+            texture,
+            &shown(&device, &node),
+            read_error(&device),
+            |x, y| {
+                let value = picture.sample(0, uv(x, y), &use_);
+                match texture {
+                    "alpha" => [value[3]; 4],
+                    _ => value,
+                }
+            },
+        );
     }
 }
 

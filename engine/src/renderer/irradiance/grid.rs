@@ -67,7 +67,7 @@ impl Cell {
     /// By which cells stand in order: level by level along Morton's curve, but that far ones may share it.
     fn key(self) -> u64 {
         let code = morton::code(self.place.wrapping_add(IVec3::splat(1 << 19)).as_uvec3());
-        u64::from(self.level) << 60 | code & ((1 << 60) - 1)
+        u64::from(self.level) << LEVEL_SHIFT | code & ((1 << LEVEL_SHIFT) - 1)
     }
 
     /// What [`Slot::check`] says.
@@ -77,14 +77,26 @@ impl Cell {
     }
 }
 
-/// A record in the list of a cell.
-#[derive(Debug, Clone, Copy)]
+/// A record in the list of a cell; there are hundreds of thousands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Entry {
-    /// [`Cell::key`], which is asked for whenever two entries are compared.
+    /// [`Cell::key`], which is compared first.
     key: u64,
-    cell: Cell,
-    reference: Reference,
+    place: [i32; 3],
+    record: u32,
 }
+
+impl Entry {
+    fn cell(&self) -> Cell {
+        Cell {
+            level: (self.key >> LEVEL_SHIFT) as u32,
+            place: IVec3::from(self.place),
+        }
+    }
+}
+
+/// Where the level stands in a [`Cell::key`].
+const LEVEL_SHIFT: u32 = 60;
 
 /// Those of a box, its last corner among them.
 pub(super) fn cells_between(low: IVec3, high: IVec3) -> impl Iterator<Item = IVec3> {
@@ -120,59 +132,63 @@ impl Grid {
         let last = records.iter().map(level).max().unwrap_or_default();
         let first = records.iter().map(level).min().unwrap_or_default();
         let first_level = first.max(last - MOST_LEVELS + 1);
+        let side = |level: u32| 2.0_f32.powi(first_level + level as i32);
         let mut entries: Vec<Entry> = records
             .par_iter()
             .zip(0..records.len() as u32)
-            .flat_map_iter(|(record, index)| {
-                let level = (level(record).max(first_level) - first_level) as u32;
-                let side = 2.0_f32.powi(first_level + level as i32);
-                let radius = reach * record.radius;
-                let corner = |offset: f32| ((record.position + offset) / side).floor().as_ivec3();
+            .flat_map_iter(|(of, record)| {
+                let level = (level(of).max(first_level) - first_level) as u32;
+                let side = side(level);
+                let radius = reach * of.radius;
+                let corner = |offset: f32| ((of.position + offset) / side).floor().as_ivec3();
                 cells_between(corner(-radius), corner(radius)).filter_map(move |place| {
                     let least = place.as_vec3() * side;
-                    let nearest = record.position.clamp(least, least + side);
-                    let is_reached = nearest.distance(record.position) <= radius;
-                    let cell = Cell { level, place };
+                    let nearest = of.position.clamp(least, least + side);
+                    let is_reached = nearest.distance(of.position) <= radius;
                     is_reached.then(|| Entry {
-                        key: cell.key(),
-                        cell,
-                        reference: reference(index, record, least, side, radius),
+                        key: Cell { level, place }.key(),
+                        place: place.to_array(),
+                        record,
                     })
                 })
             })
             .collect();
         entries.truncate(references);
-        entries.par_sort_unstable_by(|a, b| {
-            let places = || a.cell.place.to_array().cmp(&b.cell.place.to_array());
-            let records = || a.reference.record.cmp(&b.reference.record);
-            a.key.cmp(&b.key).then_with(places).then_with(records)
-        });
-        let lists = || entries.chunk_by(|a, b| a.cell == b.cell);
+        entries.par_sort_unstable();
+        let lists = || entries.chunk_by(|a, b| a.key == b.key && a.place == b.place);
         let wanted = (2 * lists().count() as u32).next_power_of_two().max(BLOCK);
         let slots = slots.min(wanted);
         let mut grid = Self {
             slots: vec![Slot::zeroed(); slots as usize],
-            references: Vec::with_capacity(entries.len()),
+            references: (entries.par_iter())
+                .map(|entry| {
+                    let Cell { level, place } = entry.cell();
+                    let (side, of) = (side(level), &records[entry.record as usize]);
+                    let corner = place.as_vec3() * side;
+                    reference(entry.record, of, corner, side, reach * of.radius)
+                })
+                .collect(),
             first_level,
             levels: match records {
                 [] => 0,
                 _ => (last - first_level + 1) as u32,
             },
         };
+        let mut first = 0;
         for list in lists() {
-            let cell = list[0].cell;
+            let cell = list[0].cell();
             let (number, slot) = cell.number(slots - 1);
             let free = probes(slot, slots).find(|&slot| grid.slots[slot].number == 0);
+            let count = list.len() as u32;
             if let Some(slot) = free {
                 grid.slots[slot] = Slot {
                     number,
-                    first: grid.references.len() as u32,
-                    count: list.len() as u32,
+                    first,
+                    count,
                     check: cell.check(),
                 };
-                grid.references
-                    .extend(list.iter().map(|entry| entry.reference));
             }
+            first += count;
         }
         grid
     }
