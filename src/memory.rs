@@ -147,6 +147,15 @@ impl Need {
     }
 }
 
+/// Most paths under way at once within a budget: they may take a quarter of it, or as much as a million of them do.
+pub(crate) fn largest_wave(most: Option<u64>) -> u32 {
+    let paths = most.map_or(u64::MAX, |most| most / 4 / PATH);
+    paths.clamp(1 << 20, u64::from(u32::MAX)) as u32
+}
+
+/// Bytes of a path, about.
+const PATH: u64 = 512;
+
 /// Tells what a render will take.
 ///
 /// # Errors
@@ -222,6 +231,14 @@ mod tests {
             film: 1 << 30,
             files: 1 << 30,
         }
+    }
+
+    #[test]
+    fn waves_leave_most_of_a_budget_to_the_picture() {
+        assert_eq!(largest_wave(None), u32::MAX);
+        assert_eq!(largest_wave(Some(1 << 30)), 1 << 20);
+        assert_eq!(largest_wave(Some(4 << 30)), 1 << 21);
+        assert_eq!(largest_wave(Some(u64::MAX)), u32::MAX);
     }
 
     #[test]

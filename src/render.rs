@@ -38,7 +38,7 @@ use crate::output::{self, Results};
 use crate::progress::Bar;
 use crate::report::{Report, Seconds};
 use crate::usage::UsageError;
-use crate::{console, crash, denoise, devices, interrupt, library};
+use crate::{console, crash, denoise, devices, interrupt, library, memory};
 
 use self::alone::{Scene as Shown, Take};
 use self::limits::{Limit, Watch};
@@ -456,6 +456,7 @@ fn settings(
     beside: Option<Arc<Beside>>,
 ) -> RenderSettings {
     RenderSettings {
+        largest_wave: memory::largest_wave(job.memory),
         beside,
         max_depth: job.max_depth,
         seed: job.seed,

@@ -68,6 +68,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         method,
         refinement,
         paths_ahead,
+        largest_wave: _,
         layers: _,
         time,
         frame_index,

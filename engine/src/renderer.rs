@@ -114,7 +114,8 @@ impl Progress {
 fn most_paths(device: &Device, settings: &RenderSettings) -> u32 {
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     let of_picture = (SAMPLES_OF_WAVE * pixels).clamp(1 << 20, 1 << 31);
-    device.traits().waves.most.min(of_picture as u32)
+    let wanted = device.traits().waves.most.min(of_picture as u32);
+    wanted.min(settings.largest_wave)
 }
 
 /// Most samples of each pixel in a wave, if that isn't very small then.
@@ -123,16 +124,23 @@ const SAMPLES_OF_WAVE: u64 = 16;
 /// Path slots that a device has memory for if it has for anything.
 const LEAST_SLOTS: u32 = 1 << 18;
 
-/// Builds with as many path slots as the device has memory for, these at the most.
+/// Allocates as many path slots as the device has memory for, these at the most.
 fn while_it_fits<T>(
     mut most: u32,
-    mut build: impl FnMut(u32) -> Result<T, RenderError>,
-) -> Result<T, RenderError> {
+    mut allocate: impl FnMut(u32) -> Result<T, ScheduleError>,
+) -> Result<T, ScheduleError> {
     loop {
-        match build(most) {
-            Err(RenderError::Device(DeviceError::OutOfMemory)) if most > LEAST_SLOTS => most /= 2,
-            built => return built,
+        let allocated = allocate(most);
+        let is_too_much = matches!(
+            allocated,
+            Err(ScheduleError::Device(
+                DeviceError::OutOfMemory | DeviceError::TooLarge { .. }
+            ))
+        );
+        if !is_too_much || most <= LEAST_SLOTS {
+            return allocated;
         }
+        most /= 2;
     }
 }
 
@@ -327,15 +335,7 @@ impl Renderer {
         procedural: &Procedural,
         settings: &RenderSettings,
     ) -> Result<Self, RenderError> {
-        while_it_fits(most_paths(device, settings), |most| {
-            let schedule = Box::new(Wavefront);
-            let built = Self::build(device, scene, procedural, settings, most, schedule);
-            if built.is_err() {
-                // What was allocated for it is free once the device is idle.
-                device.wait().ok();
-            }
-            built
-        })
+        Self::with_schedule(device, scene, procedural, settings, Box::new(Wavefront))
     }
 
     /// As [`Self::new`] by another schedule than the usual one. The picture does not depend on it.
@@ -381,7 +381,6 @@ impl Renderer {
             .showing(layers.nodes())
             .map_err(RenderError::Node)?;
         let most_paths = most_paths.next_multiple_of(64).max(64);
-        let capacity = Lanes::capacity(device, &*schedule, most_paths);
         let mut resources = Resources::default();
         allocate_picture(device, settings, &mut resources)?;
         let mut gpu_scene = GpuScene::new(
@@ -420,17 +419,28 @@ impl Renderer {
         let features = &gpu_scene.features;
         let irradiance = Irradiance::new(device, settings.method, features, &mut resources)?;
         let photons = Photons::new(device, settings, features, &mut resources)?;
-        let upload = Upload {
-            device,
-            scene,
-            gpu_scene: &gpu_scene,
-            procedural,
-            capacity,
-        };
-        schedule.allocate(upload, &mut resources)?;
-        wave::allocate_layer_samples(device, capacity, record_words, &mut resources)?;
         wave::allocate_layer_words(device, &layers_wgsl::record_words(layers), &mut resources)?;
-        let mut lanes = Lanes::new(&mut *schedule, upload, record_words)?;
+        // What was refused so far isn't the paths' fault.
+        device.check()?;
+        let (most_paths, capacity, own, mut lanes) = while_it_fits(most_paths, |most| {
+            // What was allocated for more of them is free once the device is idle.
+            device.wait()?;
+            let capacity = Lanes::capacity(device, &*schedule, most);
+            let upload = Upload {
+                device,
+                scene,
+                gpu_scene: &gpu_scene,
+                procedural,
+                capacity,
+            };
+            let mut own = Resources::default();
+            schedule.allocate(upload, &mut own)?;
+            wave::allocate_layer_samples(device, capacity, record_words, &mut own)?;
+            let lanes = Lanes::new(&mut *schedule, upload, record_words)?;
+            device.check()?;
+            Ok((most, capacity, own, lanes))
+        })?;
+        let mut resources = resources.overlaid(&own);
         edits::allocate(device, procedural, &*schedule, &mut resources)?;
         let features = &gpu_scene.features;
         let kernels = Kernels::new(device, features, layers, procedural, &*schedule)?;
@@ -770,7 +780,7 @@ mod tests {
         let refused = fitting(1000);
         assert!(matches!(
             refused,
-            Err(RenderError::Device(DeviceError::OutOfMemory))
+            Err(ScheduleError::Device(DeviceError::OutOfMemory))
         ));
     }
 

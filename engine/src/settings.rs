@@ -60,6 +60,8 @@ pub struct RenderSettings {
     /// Paths of which caches learn before a picture with records begins, about, and more in large pictures. With fewer it begins sooner, and
     /// records differ more from what they should be.
     pub paths_ahead: u32,
+    /// Most paths that are under way at once, where the device would want more; each takes some hundred bytes. The picture doesn't depend on it.
+    pub largest_wave: u32,
     /// What the film gathers; the picture doesn't depend on it.
     pub layers: Layers,
     /// Seconds, which textures read as `Time`.
@@ -216,6 +218,7 @@ impl RenderSettings {
             method: Method::Path,
             refinement: 0,
             paths_ahead: PATHS_AHEAD,
+            largest_wave: u32::MAX,
             layers: Layers::default(),
             time: 0.0,
             frame_index: 0,

@@ -55,10 +55,8 @@ impl Gpu {
             usage: usages,
             view_formats: if has_srgb { &srgb } else { &[] },
         });
-        if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(DeviceError::Driver(format!(
-                "{label}, {layers} layers of {width} x {height} texels: {error}"
-            )));
+        if pollster::block_on(scope.pop()).is_some() {
+            return Err(DeviceError::OutOfMemory);
         }
         let view = texture.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(dimension),
