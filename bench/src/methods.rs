@@ -103,6 +103,8 @@ pub struct Setup<'a> {
     pub exposure: f32,
     /// Nothing begins that would be done later than this.
     pub limit: Duration,
+    /// Asked again and again whether to end with what there is.
+    pub is_over: fn() -> bool,
 }
 
 /// A picture of so many samples.
@@ -170,6 +172,9 @@ pub enum MethodsError {
     Reference(usize, usize),
 }
 
+/// What [`measure`] calls the picture that others are compared with.
+pub const REFERENCE: &str = "the reference";
+
 /// A method under way.
 struct Runner {
     how: How,
@@ -192,7 +197,7 @@ pub fn measure(
     let reference = match &setup.reference {
         Some(reference) => reference.clone(),
         None => {
-            progress("the reference");
+            progress(REFERENCE);
             // Other random numbers than those of the pictures.
             let mut settings = setup.settings.clone();
             settings.seed = settings.seed.wrapping_add(0x5eed);
@@ -222,7 +227,7 @@ pub fn measure(
         });
     }
     let mut report = MethodsReport::default();
-    for spp in numbers(setup.most_spp) {
+    'all: for spp in numbers(setup.most_spp) {
         let mut seconds = vec![Vec::new(); runners.len()];
         let mut distances = vec![Vec::new(); runners.len()];
         for _ in 0..setup.runs {
@@ -234,7 +239,10 @@ pub fn measure(
                     continue;
                 }
                 progress(&format!("{}, {spp} samples per pixel", runner.how.name()));
-                let (took, film) = runner.render(spp)?;
+                let Some((took, film)) = runner.render(spp, setup.is_over)? else {
+                    report.left_out.push("interrupted".to_owned());
+                    break 'all;
+                };
                 runner.picture = film.mean();
                 let layer = Layer::rgb("", size, &runner.picture);
                 // Sizes and channels are the same.
@@ -305,8 +313,12 @@ impl Runner {
         })
     }
 
-    /// A picture, and the seconds that it took.
-    fn render(&mut self, spp: u32) -> Result<(f64, Film), RenderError> {
+    /// A picture, and the seconds that it took; `None` where it is ended before that.
+    fn render(
+        &mut self,
+        spp: u32,
+        is_over: fn() -> bool,
+    ) -> Result<Option<(f64, Film)>, RenderError> {
         self.renderer.restart();
         let start = Instant::now();
         if self.how == How::Adaptive {
@@ -323,15 +335,22 @@ impl Runner {
                 for lot in &round.lots {
                     let mut from = 0;
                     while from < lot.blocks.len() {
+                        if is_over() {
+                            return Ok(None);
+                        }
                         from += self.renderer.render_lot(lot, from)?;
                     }
                 }
             }
         } else {
-            self.renderer.render(spp)?;
+            while !self.renderer.step(spp)?.is_done() {
+                if is_over() {
+                    return Ok(None);
+                }
+            }
         }
         let film = self.renderer.film()?;
-        Ok((start.elapsed().as_secs_f64(), film))
+        Ok(Some((start.elapsed().as_secs_f64(), film)))
     }
 
     fn finish(self) -> Curve {

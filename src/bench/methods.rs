@@ -11,7 +11,7 @@ use patina_bench::report::methods::MethodsFigures;
 
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::{console, output, picture};
+use crate::{console, interrupt, output, picture};
 
 use super::job::{Amount, MethodsJob, ReportFormat};
 use super::prepared::Prepared;
@@ -24,6 +24,9 @@ const USUAL: Amount = Amount {
     spp: 1024,
     runs: 1,
 };
+
+/// The most samples on a GPU, which takes no longer for them.
+const ON_A_GPU: u32 = 16_384;
 
 /// Measures, prints the table and writes the reports.
 ///
@@ -48,7 +51,13 @@ pub(super) fn run(job: &MethodsJob) -> Result<(), Failure> {
     let reference = job.reference.as_deref().map(reference).transpose()?;
     let device = Device::open(&job.effort.device).map_err(Failure::because)?;
     bar.follow(&device);
-    let amount = job.effort.amount(USUAL);
+    let amount = job.effort.amount(Amount {
+        spp: match device.traits().shares_the_processor {
+            true => USUAL.spp,
+            false => ON_A_GPU,
+        },
+        ..USUAL
+    });
     let setup = Setup {
         scene: &prepared.scene,
         procedural: &prepared.procedural,
@@ -66,11 +75,16 @@ pub(super) fn run(job: &MethodsJob) -> Result<(), Failure> {
         runs: amount.runs,
         exposure: job.exposure,
         limit: Duration::from_secs(60 * u64::from(job.minutes)),
+        is_over: interrupt::requested,
     };
     let measured = bench::measure(&device, &setup, |case| {
+        if case != bench::REFERENCE {
+            interrupt::has_results();
+        }
         bar.stage(&format!("measuring: {case}"));
     });
     let measured = measured.map_err(Failure::because)?;
+    interrupt::writes_results();
     bar.finish();
 
     let figures = MethodsFigures {
@@ -92,7 +106,10 @@ pub(super) fn run(job: &MethodsJob) -> Result<(), Failure> {
             .map_err(Failure::because)?;
         console::note(&format!("wrote {}", report.path.display()));
     }
-    Ok(())
+    match interrupt::requested() {
+        true => Err(Failure::Interrupted),
+        false => Ok(()),
+    }
 }
 
 /// A converged picture.
