@@ -30,7 +30,7 @@ use engine::session::{Inputs, Session, SessionError};
 use engine::settings::{Beside, Method};
 use engine::stats::{DeviceFacts, Stats};
 
-use crate::accuracy::{Accuracy, method_flag};
+use crate::accuracy::Accuracy;
 use crate::failure::Failure;
 use crate::job::RenderJob;
 use crate::motion::{Frame, Sight};
@@ -122,15 +122,13 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
         Err(_)
             if job.checkpoints.is_some()
                 || job.adaptive
-                || job.method == Method::Draft
                 || job.accuracy == Some(Accuracy::Final) =>
         {
             let flag = match job.accuracy {
                 _ if job.adaptive => "--adaptive",
                 _ if job.checkpoints.is_some() => "--checkpoint",
                 // That may begin anew.
-                Some(accuracy) => accuracy.flag(),
-                None => method_flag(job.method),
+                _ => Accuracy::Final.flag(),
             };
             return Err(UsageError::OneDevice { flag }.into());
         }

@@ -518,7 +518,6 @@ impl Renderer {
         let is_preparing = self.position < total && self.prepare_light()?;
         if self.position < total && !is_preparing && !self.step_burst(target_spp)? {
             let wave = u64::from(self.next_wave_size()).min(total - self.position);
-            let wave = self.until_learned(wave, target_spp);
             let wave = self.until_more_rays(self.until_next_photons(wave));
             // Bursts begin with whole samples.
             let wave = match self.has_bursts() {
@@ -550,9 +549,8 @@ impl Renderer {
     /// Renders a wave from a path on, of a picture of so many samples per pixel.
     fn wave_at(&mut self, position: u64, paths: u32, spp: u32) -> Result<(), RenderError> {
         let first_sample = self.settings.first_sample;
-        let purpose = match position < self.learned_paths(spp) {
-            _ if self.is_apart => Purpose::Apart,
-            true => Purpose::Learn { ends: false },
+        let purpose = match self.is_apart {
+            true => Purpose::Apart,
             false => Purpose::Picture,
         };
         self.frame.set_wave(position, paths, first_sample, spp);
@@ -621,7 +619,7 @@ impl Renderer {
             Purpose::Photons => Some(Errand::Emit),
             Purpose::Look => Some(Errand::Look),
             Purpose::Find(_) => Some(Errand::Unseen),
-            Purpose::Learn { .. } if self.records_awaited().is_some() => {
+            Purpose::Learn { .. } => {
                 // A picture that goes on has its samples.
                 let is_seen = !self.is_begun();
                 match self.scene.environment.emits {
@@ -629,7 +627,7 @@ impl Renderer {
                     false => (!is_seen).then_some(Errand::Unseen),
                 }
             }
-            Purpose::Picture | Purpose::Learn { .. } | Purpose::Apart => None,
+            Purpose::Picture | Purpose::Apart => None,
         };
         let schedule = Arc::clone(&self.schedule);
         Plan {

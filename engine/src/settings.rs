@@ -57,8 +57,8 @@ pub struct RenderSettings {
     pub method: Method,
     /// How often what records of irradiance may be wrong by is halved, for [`Method::Cache`].
     pub refinement: u32,
-    /// Paths of which caches learn before a picture with records begins, about, and more in large pictures. With fewer it begins sooner, and
-    /// records differ more from what they should be.
+    /// Paths of which caches learn before a picture with records begins, about, and more in large pictures; a quarter for one without. With
+    /// fewer it begins sooner, and records differ more from what they should be.
     pub paths_ahead: u32,
     /// Most paths that are under way at once, where the device would want more; each takes some hundred bytes. The picture doesn't depend on it.
     pub largest_wave: u32,
@@ -112,7 +112,7 @@ pub enum Method {
     /// By paths that go on until they end by chance: right on average.
     #[default]
     Path,
-    /// By paths that end in a cache of what surfaces scatter, which the first samples have filled: faster, with less noise, and *biased*.
+    /// By paths that end in a cache of what surfaces scatter, which others have taught before: faster, with less noise, and *biased*.
     Draft,
     /// Where surfaces scatter it diffusely, from a cache of irradiance that is made before the picture begins: with hardly any noise, and
     /// *biased*. Else by paths.

@@ -366,28 +366,16 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
         Some(accuracy) => accuracy.method(),
         None => parse_word("--method", &args.method, Method::ALL, Method::name)?,
     };
-    // What photons bring follows from the number of a sample alone, and records are made anew, as they were, wherever a picture goes on.
-    let is_taught = method == Method::Draft;
-    let taught =
-        "what the first samples of a picture have taught the cache isn't kept with its film";
-    let by_parts = match accuracy {
-        Some(Accuracy::Final) => Some(
-            "such a picture may be rendered again as a whole, with finer records; --method cache isn't",
-        ),
-        _ => is_taught.then_some(taught),
-    };
-    let by_blocks = match method.has_photons() {
-        true => Some("photons are sent out for one sample of all pixels"),
-        false => is_taught.then_some("the cache learns from as many samples of all pixels"),
-    };
-    let by_moments = match accuracy {
-        Some(Accuracy::Final) => {
-            Some("what is wrong with a picture of many moments isn't known; write --method cache")
-        }
-        _ => {
-            is_taught.then_some("the cache learns from the first samples, which are of one moment")
-        }
-    };
+    // What photons bring follows from the number of a sample alone, and caches are made anew, as they were, wherever a picture goes on.
+    let may_begin_again = accuracy == Some(Accuracy::Final);
+    let by_parts = may_begin_again.then_some(
+        "such a picture may be rendered again as a whole, with finer records; --method cache isn't",
+    );
+    let by_blocks =
+        (method.has_photons()).then_some("photons are sent out for one sample of all pixels");
+    let by_moments = may_begin_again.then_some(
+        "what is wrong with a picture of many moments isn't known; write --method cache",
+    );
     let of_paths = match method.has_light_cache() {
         true => {
             "a path that ends in a cache doesn't tell light that was scattered once from other light"

@@ -357,6 +357,7 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
                 return Ok(Some(Ended::Enough(limit)));
             }
             match session.records_awaited() {
+                Some(0) => self.bar.go_on("finding out about the light".to_owned()),
                 Some(records) => self
                     .bar
                     .go_on(format!("making records of irradiance, {records} so far")),

@@ -155,7 +155,7 @@ impl SceneFeatures {
 
     /// Whether paths leave behind how surfaces scatter.
     fn leaves_scattering(&self) -> bool {
-        self.irradiance_cache || self.photons
+        self.light_cache || self.photons
     }
 
     /// What a scene uses, whose triangles say so of their materials, and whose environment may emit light.

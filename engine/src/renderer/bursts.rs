@@ -7,7 +7,6 @@
 
 use crate::film::Film;
 use crate::frame::BLOCK_PIXELS;
-use crate::settings::Method;
 
 use super::{Lot, RenderError, Renderer};
 
@@ -46,11 +45,9 @@ impl Burst {
 }
 
 impl Renderer {
-    /// Whether samples may come in bursts: not where a cache learns from them in their order, nor where each sample of all pixels has
-    /// photons of its own.
+    /// Whether samples may come in bursts: not where each sample of all pixels has photons of its own.
     pub(super) fn has_bursts(&self) -> bool {
-        let method = self.settings.method;
-        !self.lanes.is_empty() && matches!(method, Method::Path | Method::Cache)
+        !self.lanes.is_empty() && !self.settings.method.has_photons()
     }
 
     /// Renders the next wave of a burst towards so many samples per pixel; false where the next paths are in none.

@@ -1,4 +1,5 @@
-//! The cache of irradiance: how its records are found and made before the picture begins, and made anew as it [grows](self::growth).
+//! What is found out about the light before the picture begins, and anew as it [grows](self::growth): where the sky is seen, what
+//! surfaces scatter ([`light_cache`](super::light_cache)), and, where the method has records of irradiance, how these are found and made.
 //!
 //! Light that surfaces scatter to a place changes slowly from place to place, so it is gathered at few of them with many rays, and
 //! interpolated between those (Ward, Rubinstein and Clear, "A Ray Tracing Solution for Diffuse Interreflection", 1988). What the first
@@ -7,7 +8,7 @@
 //! All records of a pass are found and made at once, without one knowing of the other (after Frolov et al., "Implementing Irradiance Cache
 //! in a GPU Realistic Renderer", 2013). Paths of one sample of each pixel end where a surface scatters diffusely. What no record
 //! covers there are candidates; of these some are kept, at a distance that halves from pass to pass. From each of them rays go to all
-//! sides, as a wave of paths. They end in the cache of scattered light that `light_cache` has taught before, or go on as paths do.
+//! sides, as a wave of paths. They end in the cache of scattered light that has been taught before, or go on as paths do.
 //!
 //! Radii follow the harmonic mean of the distances to what a record sees, and how steeply its light changes; they shrink where a
 //! neighbour has found something closer, and where many records overlap. In the end what records differ by from their neighbours is taken out
@@ -56,6 +57,8 @@ const DISTANCES: [f32; 7] = [24.0, 12.0, 6.0, 3.0, 2.0, 2.0, 2.0];
 /// Samples of each pixel that teach the cache of scattered light in larger pictures, which have more rays for records: these share what it
 /// is wrong by. So many times the usual paths at most.
 const SAMPLES_AHEAD: u32 = 8;
+/// Where there are no records one path goes ahead for so many with them: what cells are wrong about isn't seen as blotches.
+const LESS_AHEAD: u32 = 4;
 /// One path goes ahead to look where the sky is seen for so many that teach the cache of scattered light, which look for it, too.
 const LOOKED_SHARE: u32 = 4;
 /// Candidates within the distance of each other, about.
@@ -90,8 +93,13 @@ struct Settings {
     rings: u32,
     sectors: u32,
     points: u32,
-    unused: [u32; 2],
+    left: f32,
+    unused: u32,
 }
+
+/// How often what a record says that is better left to paths is left to them, by how often more has been learned: their noise is the larger error
+/// in a short picture, what lies between records in a long one.
+const LEFT_TO_PATHS: [f32; 4] = [0.0, 0.25, 0.5, 1.0];
 
 /// What paths do with the cache: as in `settings.wgsl`.
 const IDLE: u32 = 0;
@@ -122,7 +130,7 @@ struct Pass {
     turns: u32,
 }
 
-/// The cache of a renderer.
+/// What a renderer knows.
 #[derive(Debug)]
 pub(super) struct Irradiance {
     phase: Phase,
@@ -143,7 +151,8 @@ pub(super) struct Irradiance {
     mask: u32,
     falloff: f32,
     sky: Sky,
-    solve: Kernel,
+    /// None where the method has no records.
+    solve: Option<Kernel>,
 }
 
 /// Records whose rays are gathered at once on a device. What they find doesn't depend on it.
@@ -186,9 +195,11 @@ fn strata(pass: usize) -> [u32; 2] {
 /// Bytes of its buffers.
 pub(super) fn bytes(device: &Device, method: Method) -> u64 {
     let buffers = buffers(at_once(device));
-    match method.has_records() {
-        false => 0,
-        true => buffers.iter().map(|(_, bytes)| bytes).sum::<u64>() + sky::BYTES,
+    let of_records = buffers.iter().map(|(_, bytes)| bytes).sum::<u64>();
+    match (method.has_light_cache(), method.has_records()) {
+        (false, _) => 0,
+        (true, false) => sky::BYTES,
+        (true, true) => sky::BYTES + of_records,
     }
 }
 
@@ -200,16 +211,20 @@ impl Irradiance {
         features: &SceneFeatures,
         resources: &mut Resources,
     ) -> Result<Option<Self>, DeviceError> {
-        if !method.has_records() {
+        if !method.has_light_cache() {
             return Ok(None);
         }
         let at_once = at_once(device);
-        for (name, bytes) in buffers(at_once) {
-            resources.set_buffer(name, device.buffer(name, Usage::Storage, bytes)?);
+        let mut solve = None;
+        if method.has_records() {
+            for (name, bytes) in buffers(at_once) {
+                resources.set_buffer(name, device.buffer(name, Usage::Storage, bytes)?);
+            }
+            let bytes = size_of::<Settings>() as u64;
+            let settings = device.buffer("irradiance settings", Usage::Uniform, bytes)?;
+            resources.set_buffer("irradiance_settings", settings);
+            solve = Some(irradiance::SOLVE.kernel(device, features)?);
         }
-        let bytes = size_of::<Settings>() as u64;
-        let settings = device.buffer("irradiance settings", Usage::Uniform, bytes)?;
-        resources.set_buffer("irradiance_settings", settings);
         Ok(Some(Self {
             phase: Phase::Looking(0),
             records: Vec::new(),
@@ -224,11 +239,16 @@ impl Irradiance {
             mask: 0,
             falloff: 1.0,
             sky: Sky::new(device, resources)?,
-            solve: irradiance::SOLVE.kernel(device, features)?,
+            solve,
         }))
     }
 
-    /// Forgets all records.
+    /// Whether there are records of irradiance, or only what they would be made of.
+    fn has_records(&self) -> bool {
+        self.solve.is_some()
+    }
+
+    /// Forgets all of it.
     pub(super) fn restart(&mut self) {
         self.phase = Phase::Looking(0);
         self.records.clear();
@@ -293,7 +313,8 @@ impl Irradiance {
 }
 
 impl Renderer {
-    /// Records of irradiance that there are, or are being made, while the picture waits for them; None while it goes on.
+    /// Records of irradiance that there are, or are being made, while the picture waits for what is found out about the light; None while
+    /// it goes on.
     pub fn records_awaited(&self) -> Option<usize> {
         let cache = self.irradiance.as_ref().filter(|_| !self.is_apart)?;
         (cache.phase != Phase::Ready).then_some(cache.records.len())
@@ -304,7 +325,7 @@ impl Renderer {
         self.position > 0 || self.rendered > 0
     }
 
-    /// Takes a step towards a cache that the picture can be made with; false where it is there, or isn't needed.
+    /// Takes a step towards what the picture is made with; false where it is there, or isn't needed.
     pub(super) fn prepare_irradiance(&mut self) -> Result<bool, RenderError> {
         let Some(phase) = self.irradiance.as_ref().map(|cache| cache.phase) else {
             return Ok(false);
@@ -357,7 +378,10 @@ impl Renderer {
     /// Samples of each pixel of which the caches learn, and by which it is found out where the sky is seen.
     fn samples_ahead(&self) -> u32 {
         let pixels = self.frame.padded_pixels;
-        let usual = self.settings.paths_ahead;
+        let usual = match self.settings.method.has_records() {
+            true => self.settings.paths_ahead,
+            false => self.settings.paths_ahead / LESS_AHEAD,
+        };
         let paths = usual.max(SAMPLES_AHEAD.saturating_mul(usual.min(pixels)));
         paths.div_ceil(pixels).max(1)
     }
@@ -533,7 +557,10 @@ impl Renderer {
         let Some(cache) = &mut self.irradiance else {
             return Ok(());
         };
-        let kernel = cache.solve.bind(&self.device, &self.resources);
+        let Some(kernel) = &cache.solve else {
+            return Ok(());
+        };
+        let kernel = kernel.bind(&self.device, &self.resources);
         let mut recording = Recording::new("records of irradiance");
         recording.dispatch(&kernel, Extent::Threads(end - first));
         self.device.play(&recording)?;
@@ -555,7 +582,7 @@ impl Renderer {
 
     /// Says what the next wave does with the cache.
     pub(super) fn set_irradiance(&self, purpose: Purpose) {
-        let Some(cache) = &self.irradiance else {
+        let Some(cache) = self.irradiance.as_ref().filter(|cache| cache.has_records()) else {
             return;
         };
         let (mode, share) = match purpose {
@@ -588,7 +615,8 @@ impl Renderer {
             rings: strata(cache.pass)[0],
             sectors: strata(cache.pass)[1],
             points: self.frame.seed() ^ grid::hash(cache.passes[cache.pass].turns),
-            unused: [0; 2],
+            left: LEFT_TO_PATHS[(cache.steps as usize).min(LEFT_TO_PATHS.len() - 1)],
+            unused: 0,
         };
         let uniform = self.resources.buffer("irradiance_settings");
         self.device.write(uniform, 0, bytemuck::bytes_of(&words));

@@ -1,13 +1,13 @@
-//! A cache of scattered light: the memory of it, and when it learns.
+//! A cache of scattered light: the memory of it, and what paths do with it.
 //!
-//! The first samples of a picture are paths as ever. From them the cache learns what surfaces scatter: each path tells one cell what
-//! it found after the first place where it could have ended. Then the cache is left as it is, and further paths end in it.
+//! Before a picture begins, and as it [grows](super::irradiance), paths teach the cache what surfaces scatter: each tells one cell what
+//! it found after the first place where it could have ended. Then the cache is left as it is, and paths of the picture end in it.
 //! What they find there is a mean over the cell and over the directions from which paths came, so the picture is *biased*: light varies
 //! within a cell, and smooth surfaces scatter differently to different sides. At the first surface that the camera sees nothing of
 //! that shows, for everything there is sampled as ever; paths end one vertex later at the earliest, and only where they have spread
 //! wider than a cell.
 //!
-//! Where records of irradiance are to be made, most paths that teach it end in it, too, at the next place where they could: what lies beyond
+//! Most paths that teach it end in it, too, at the next place where they could: what lies beyond
 //! is known better by those together that went before and on to their end than by one. They have scattered once more than these had by then, so
 //! cells also know what they would be told if light could go on once less.
 //!
@@ -19,9 +19,7 @@ use std::ops::RangeInclusive;
 use bytemuck::{Pod, Zeroable};
 use device::{Device, DeviceError, Recording, Resources, Usage};
 
-use crate::{settings::Method, wave};
-
-use crate::film::Film;
+use crate::{film::Film, settings::Method, wave};
 
 use super::{Purpose, RenderError, Renderer};
 
@@ -29,18 +27,14 @@ use super::{Purpose, RenderError, Renderer};
 const CELLS: u32 = 1 << 20;
 /// Bytes of a cell.
 const CELL_BYTES: u64 = 32;
-/// Samples of a pixel from which the cache learns: a part of all, but no more and no less than these.
-const LEARNED_SHARE: u32 = 4;
-const LEARNED_MOST: u32 = 16;
 /// Paths that must have gone on from a cell before others end there.
 const LEAST_COUNT: u32 = 8;
 /// Side of a cell over that of a pixel at its distance, before it is rounded down to a power of two: cells are met by some
 /// hundred paths that are learned from, whatever the picture's size.
 const SIDE: f32 = 8.0;
-/// Least and most that it is over the distance.
-const SIDES: RangeInclusive<f32> = 0.01..=0.08;
-/// The same where records ask: rays that spread from them see nothing of a cell, and as many paths teach the cells of a large picture.
-const SIDES_FOR_RECORDS: RangeInclusive<f32> = 0.04..=0.08;
+/// Least and most that it is over the distance: rays that have spread wider see nothing of a cell, and as many paths teach the cells of a
+/// large picture as of a small one.
+const SIDES: RangeInclusive<f32> = 0.04..=0.08;
 
 /// What paths do with the cache: as in `cells.wgsl`.
 const ENDS: u32 = 0;
@@ -65,10 +59,9 @@ struct Settings {
 
 /// Bytes of its table, and of what cells know besides where paths that are learned from may end in them.
 pub(super) fn bytes(method: Method) -> u64 {
-    match (method.has_light_cache(), method.has_records()) {
-        (false, _) => 0,
-        (true, false) => u64::from(CELLS) * CELL_BYTES,
-        (true, true) => 2 * u64::from(CELLS) * CELL_BYTES,
+    match method.has_light_cache() {
+        true => 2 * u64::from(CELLS) * CELL_BYTES,
+        false => 0,
     }
 }
 
@@ -89,15 +82,6 @@ pub(super) fn allocate(
     Ok(())
 }
 
-/// How many samples of each pixel it learns from, of a picture that is to have so many.
-pub(super) fn learned(method: Method, spp: u32) -> u32 {
-    match method {
-        // That of irradiance has samples of its own for it.
-        Method::Path | Method::Cache | Method::Photons | Method::CachePhotons => 0,
-        Method::Draft => (spp / LEARNED_SHARE).clamp(1, LEARNED_MOST),
-    }
-}
-
 /// Forgets what it has learned.
 pub(super) fn clear(
     device: &Device,
@@ -113,23 +97,6 @@ pub(super) fn clear(
 }
 
 impl Renderer {
-    /// Paths of the picture's beginning from which the cache learns, if it is to have so many samples per pixel.
-    pub(super) fn learned_paths(&self, spp: u32) -> u64 {
-        let samples = match self.is_apart {
-            true => 0,
-            false => learned(self.settings.method, spp),
-        };
-        u64::from(samples) * u64::from(self.frame.padded_pixels)
-    }
-
-    /// As many of the next paths as may be taken at once: either all are learned from, or none.
-    pub(super) fn until_learned(&self, paths: u64, spp: u32) -> u64 {
-        match self.learned_paths(spp).checked_sub(self.position) {
-            Some(left) if left > 0 => paths.min(left),
-            _ => paths,
-        }
-    }
-
     /// A picture by other random numbers than this one's, so many samples per pixel of paths that end in no cache, to compare with. What
     /// has been gathered so far is gone after that, and the picture begins anew.
     ///
@@ -167,27 +134,20 @@ impl Renderer {
         if !self.settings.method.has_light_cache() {
             return;
         }
-        let mode = match (purpose, self.settings.method) {
-            (Purpose::Learn { .. }, _) => LEARNS,
-            (Purpose::Gather { .. }, _) | (Purpose::Picture, Method::Draft) => ENDS,
+        let mode = match purpose {
+            Purpose::Learn { .. } => LEARNS,
+            Purpose::Gather { .. } | Purpose::Picture => ENDS,
             _ => IDLE,
-        };
-        let sides = match self.settings.method.has_records() {
-            true => SIDES_FOR_RECORDS,
-            false => SIDES,
         };
         let words = Settings {
             mode,
             mask: CELLS - 1,
             record: self.light_record(),
             least_count: LEAST_COUNT,
-            scale: (SIDE * self.frame.pixel_side()).clamp(*sides.start(), *sides.end()),
+            scale: (SIDE * self.frame.pixel_side()).clamp(*SIDES.start(), *SIDES.end()),
             least_side: (1e-4 * self.scene.radius).max(1e-6),
             photons: self.photon_field(purpose),
-            lesser: match self.settings.method.has_records() {
-                true => CELLS * (CELL_BYTES / 4) as u32,
-                false => 0,
-            },
+            lesser: CELLS * (CELL_BYTES / 4) as u32,
             ends: u32::from(purpose == Purpose::Learn { ends: true }),
             unused: [0; 3],
         };

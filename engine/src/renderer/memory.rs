@@ -100,7 +100,7 @@ fn paths(device: &Device, procedural: &Procedural, settings: &RenderSettings) ->
         false => 0,
     };
     let method = settings.method;
-    let left = method.has_records() || method.has_photons();
+    let left = method.has_light_cache() || method.has_photons();
     let caches = [
         (method.has_light_cache(), LIGHT_RECORD_WORDS),
         (left, LEFT_WORDS),

@@ -90,8 +90,7 @@ impl Renderer {
     /// layers of the settings are those that it has.
     ///
     /// The picture begins anew, unless it `goes_on`: then what is rendered next is added to it, by a light that is found out
-    /// anew. (The cache of [`Draft`](crate::settings::Method::Draft) learns from the picture's first samples alone: the paths of
-    /// further moments end in none.)
+    /// anew.
     ///
     /// # Errors
     /// As [`Renderer::new`]; what is on the device then is of no use.

@@ -13,7 +13,7 @@ use glam::Vec3;
 
 use crate::light_cache::{film, mean, room, seen};
 use crate::support::device;
-use crate::support::scenes::{Shot, camera, lambert, no_textures, quad, scene, settings};
+use crate::support::scenes::{Shot, camera, lambert, lamp, no_textures, quad, scene, settings};
 
 /// So many paths go ahead where it doesn't matter how right records are.
 const FEW: u32 = 1 << 15;
@@ -115,15 +115,65 @@ fn beside_a_wall_gradients_follow_the_light() {
     }
 }
 
+/// A floor in the light that a lamp throws on the ceiling: brightest in the middle, and bent downwards everywhere. Gradients of records alone
+/// would make it 1.3 % too bright.
+#[test]
+fn light_that_bends_is_right_between_records() {
+    let Some(device) = device::open() else { return };
+    let white = Material {
+        double_sided: true,
+        ..lambert(Vec3::splat(0.8))
+    };
+    let (x, y) = (Vec3::X, Vec3::Y);
+    let corner = -2.0 * (x + y);
+    let room = scene(
+        [
+            (quad(corner, x * 4.0, y * 4.0), white.clone()),
+            (quad(corner + Vec3::Z * 2.0, x * 4.0, y * 4.0), white),
+            (
+                quad(0.2 * corner + Vec3::Z * 1.5, x * 0.8, y * 0.8),
+                lamp(Vec3::splat(6.0)),
+            ),
+        ],
+        Vec3::ZERO,
+    );
+    let camera = camera(
+        Vec3::new(0.0, 0.0, 1.4),
+        Vec3::ZERO,
+        Vec3::Y,
+        Projection::Perspective { y_fov: 0.6 },
+    );
+    let shot = Shot {
+        size: (40, 40),
+        max_depth: 6,
+        spp: 0,
+    };
+    let of = |device: &Device, method, spp| {
+        let settings = RenderSettings {
+            method,
+            paths_ahead: 1 << 18,
+            ..settings(&camera, shot)
+        };
+        mean(&film(device, room.clone(), &settings, spp)).x
+    };
+    let right = of(&device::open_for_reference(), Method::Path, 2048);
+    let found = of(&device, Method::Cache, 64);
+    let off = found / right - 1.0;
+    println!("{found} where {right} is right: {off:.4}");
+    assert!(off.abs() < 0.007, "{found} is {off} off {right}");
+}
+
 /// Of parts, of a render that goes on, and of several devices each makes the cache for itself: the same one, which grows at the same
 /// samples.
 #[test]
 fn a_picture_that_is_divided_is_the_same() {
     let Some(device) = device::open() else { return };
     let cases = [
+        (Method::Draft, 0),
         (Method::Cache, 0),
         (Method::Photons, 0),
         (Method::CachePhotons, 0),
+        (Method::Draft, 2045),
         (Method::Cache, 2045),
         (Method::CachePhotons, 2045),
     ];
@@ -200,7 +250,7 @@ fn noise_of_records_falls_with_the_samples() {
                 first_sample,
                 ..seen(size, seed, Method::Cache)
             };
-            film(&device, room(), &settings, 32).mean()
+            film(&device, room(), &settings, 128).mean()
         });
         let block = |pixels: &[[f32; 3]], x: usize, y: usize| -> Vec3 {
             let all = (0..144).map(|i| pixels[(12 * y + i / 12) * 48 + 12 * x + i % 12]);

@@ -1,6 +1,6 @@
 // The grid that finds records of irradiance by where they are: cells of several levels. Those of a block of 2x2x2 stand near each other,
 // so that neighbours are found near each other, too. `renderer/irradiance/grid.rs` makes it.
-//!include irradiance/settings.wgsl
+//!include irradiance/records.wgsl
 //!include shared/hash.wgsl
 
 // A hash leads to a cell's slot: a number by which its block is known, or 0 where the slot is free; its first reference, and how many;
@@ -9,7 +9,7 @@
 // Records that reach into a cell:
 //  x, y: position, from the corner of the cell before, over three sides; how far it reaches, over one side; 16 bits each
 //  z: normal, 10 bits for each coordinate
-//  w: which record
+//  w: which record, and of what it says how much is left to paths; 16 bits each
 @group(0) @binding(53) var<storage, read> irradiance_references: array<vec4u>;
 
 // Slots that are looked at for a cell.
@@ -49,6 +49,16 @@ fn reference_place(reference: vec4u) -> vec3f {
 // How far it reaches, likewise.
 fn reference_reach(reference: vec4u) -> f32 {
     return unpack2x16unorm(reference.y).y;
+}
+
+// Where its record begins.
+fn reference_record(reference: vec4u) -> u32 {
+    return (reference.w & 0xffffu) * RECORD_WORDS;
+}
+
+// How much of what it says is left to paths.
+fn reference_left(reference: vec4u) -> f32 {
+    return unpack2x16unorm(reference.w).y;
 }
 
 // Its normal.

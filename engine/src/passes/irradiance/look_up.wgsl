@@ -29,15 +29,28 @@ fn two_harmonics(words: vec3u, first: f32, second: f32) -> vec3f {
     return first * vec3f(a, b.x) + second * vec3f(b.y, c);
 }
 
-// The irradiance of a record at a place, and with another normal, whose harmonics are `toward`.
-fn record_irradiance(at: u32, offset: vec3f, is_turned: bool, toward: array<f32, 9>) -> vec3f {
-    let own = irradiance_records[at + 1u];
+// How the irradiance changes from place to place: red, green, blue.
+struct Gradient {
+    red: vec3f,
+    green: vec3f,
+    blue: vec3f,
+}
+
+fn record_gradient(at: u32) -> Gradient {
     let a = bitcast<vec4f>(irradiance_records[at + 2u]);
     let b = bitcast<vec4f>(irradiance_records[at + 3u]);
-    let c = irradiance_records[at + 4u];
-    let moved = vec3f(dot(offset, a.xyz), dot(offset, vec3f(a.w, b.xy)), dot(offset, vec3f(b.zw, bitcast<f32>(c.x))));
-    var irradiance = bitcast<vec3f>(own.xyz);
+    return Gradient(a.xyz, vec3f(a.w, b.xy), vec3f(b.zw, bitcast<f32>(irradiance_records[at + 4u].x)));
+}
+
+fn along(gradient: Gradient, offset: vec3f) -> vec3f {
+    return vec3f(dot(gradient.red, offset), dot(gradient.green, offset), dot(gradient.blue, offset));
+}
+
+// The irradiance of a record where it lies, and with another normal, whose harmonics are `toward`.
+fn record_irradiance(at: u32, is_turned: bool, toward: array<f32, 9>) -> vec3f {
+    var irradiance = bitcast<vec3f>(irradiance_records[at + 1u].xyz);
     if (is_turned) {
+        let c = irradiance_records[at + 4u];
         let d = irradiance_records[at + 5u];
         let e = irradiance_records[at + 6u];
         let f = irradiance_records[at + 7u];
@@ -47,7 +60,7 @@ fn record_irradiance(at: u32, offset: vec3f, is_turned: bool, toward: array<f32,
             + toward[8] * last;
         irradiance = all * (MOST_HARMONIC * max_component(irradiance));
     }
-    return max(irradiance + moved, vec3f(0.0));
+    return irradiance;
 }
 
 // How much more than what lies beside a record what lies above it counts as far away.
@@ -55,10 +68,24 @@ const STEEPNESS = 12.0;
 // Normals that are farther apart, as the square of the distance of their ends, are two (0.8 degrees).
 const LEAST_TURN2 = 2e-4;
 
-// The irradiance at a place, weighed from all records that reach there, and the sum of their weights. `facing` is the normal by
-// which records are chosen, `normal` the one that light falls on.
-fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f) -> vec4f {
+// What records say of a place.
+struct Known {
+    irradiance: vec3f, // weighed from all that reach there
+    weight: f32, // of all of them
+    left: f32, // how much is better left to paths
+}
+
+// `facing` is the normal by which records are chosen, `normal` the one that light falls on.
+//
+// On the way from a record to the place the light changes by half of what the gradient there says and half of what it says here (the
+// trapezoidal rule), which is about the mean of all. With a record's own gradient alone, light that bends would be wrong by the mean
+// square of the distances: a ceiling in the middle of which it is brightest, too bright everywhere. So it is wrong by the square of the mean offset, next to
+// nothing where records lie all around.
+fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f) -> Known {
     var sum = vec4f(0.0);
+    var left = 0.0;
+    var offsets = vec3f(0.0);
+    var gradients = Gradient(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     let toward = harmonics(normal);
     let is_bumped = dot(facing, normal) < 1.0 - 0.5 * LEAST_TURN2;
     let coarse_facing = coarse_normal(facing);
@@ -89,12 +116,22 @@ fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f) -> vec4f {
             if (distance2 < 1.0) {
                 let weight = 1.0 - sqrt(distance2);
                 let is_turned = is_bumped || turn2 > LEAST_TURN2;
-                let at = reference.w * RECORD_WORDS;
-                sum += weight * vec4f(record_irradiance(at, offset * side, is_turned, toward), 1.0);
+                let at = reference_record(reference);
+                left += weight * reference_left(reference);
+                let gradient = record_gradient(at);
+                let moved = weight * side * offset;
+                sum += weight * vec4f(record_irradiance(at, is_turned, toward), 1.0);
+                sum += vec4f(0.5 * along(gradient, moved), 0.0);
+                offsets += moved;
+                gradients.red += weight * gradient.red;
+                gradients.green += weight * gradient.green;
+                gradients.blue += weight * gradient.blue;
             }
         }
     }
-    return vec4f(sum.xyz / max(sum.w, 1e-6), sum.w);
+    let scale = 1.0 / max(sum.w, 1e-6);
+    let bent = along(gradients, (0.5 * scale) * offsets);
+    return Known(max((sum.xyz + bent) * scale, vec3f(0.0)), sum.w, left * scale);
 }
 
 // Weights that a place needs to be covered.
@@ -148,7 +185,7 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     let found = irradiance_at(bitcast<vec3f>(place.xyz), facing, octahedral_decode(diffuse.w));
     let gathered = path_read(PATH_RADIANCE, slot);
     if (mode == IRRADIANCE_FIND) {
-        if (found.w < LEAST_WEIGHT) {
+        if (found.weight < LEAST_WEIGHT) {
             add_candidate(slot, place, gathered.w);
         }
         if (goes_on) {
@@ -156,10 +193,11 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
         }
         return;
     }
-    if (found.w <= 0.0) {
+    let chances = random2(path_id(slot), vertex_dimension(left.z, DIMENSION_HUE));
+    if (found.weight <= 0.0 || chances.x < found.left * irradiance_settings.left) {
         return; // the path finds it out by itself
     }
-    let scattered = limited(bitcast<vec3f>(diffuse.xyz) * found.xyz, f32(left.z + 2u));
+    let scattered = limited(bitcast<vec3f>(diffuse.xyz) * found.irradiance, f32(left.z + 2u));
     path_write(PATH_RADIANCE, slot, vec4f(gathered.xyz + scattered, gathered.w));
     if (!goes_on) {
         return;
@@ -169,7 +207,7 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     let throughput = path_read(PATH_THROUGHPUT, slot);
     let whole = max(max_component(throughput.xyz), 1e-37);
     let probability = clamp(max_component(throughput.xyz * share) / whole, 0.0, 1.0);
-    let is_diffuse = random2(path_id(slot), vertex_dimension(left.z, DIMENSION_HUE)).y < probability;
+    let is_diffuse = chances.y < probability;
     if (is_diffuse) {
         path_write(PATH_THROUGHPUT, slot, vec4f(throughput.xyz * share / probability, throughput.w));
         let state = path_words(PATH_STATE, slot);

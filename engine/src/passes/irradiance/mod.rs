@@ -29,6 +29,7 @@ pub const LOOK: Pass = Pass {
     work: Work::Queue(Queue::Shadow),
     reads: &["frame", "lights", "paths", "queues", "rays"],
     writes: &["sky_seen"],
+    exists: |features| features.light_cache,
     ..LOOK_UP
 };
 

@@ -15,7 +15,8 @@
 //     irradiance: 27 numbers of 16 bits. In place of the first, what all normals have in common: such that the irradiance at the record's own
 //     normal comes out
 //  7.z, upper half: the irradiance's standard error, of itself
-//  7.w: width of a pixel there
+//  7.w: width of a pixel there, but for its last eight bits: how far the record would reach if it might be smaller than it may, in 255ths of
+//     how far it reaches
 const RECORD_WORDS = 8u;
 const MOST_HARMONIC = 16.0;
 

@@ -18,8 +18,8 @@ struct IrradianceSettings {
     rings: u32, // of gather rays around a record's normal, of equal weight
     sectors: u32, // of each ring
     points: u32, // stream of the points in their strata
-    unused_0: u32,
-    unused_1: u32,
+    left: f32, // how often what is better left to paths is left to them
+    unused: u32,
 }
 
 @group(0) @binding(50) var<uniform> irradiance_settings: IrradianceSettings;

@@ -115,7 +115,7 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     // Were neighbouring strata alike but for their noise, the irradiance would be wrong by this: standard error, of itself.
     let error = sqrt(0.5 * unlike) * (PI / f32(gather_rays())) / max(luminance(irradiance), 1e-30);
     words[14] |= u32(min(error, 1.0) * 65535.0) << 16u;
-    words[15] = bitcast<u32>(width);
+    words[15] = (bitcast<u32>(width) & 0xffffff00u) | u32(255.0 * calmer);
     for (var i = 0u; i < 4u; i++) {
         irradiance_records[at + 4u + i] = vec4u(words[4u * i], words[4u * i + 1u], words[4u * i + 2u], words[4u * i + 3u]);
     }

@@ -37,8 +37,10 @@ pub(super) struct Reference {
     reach: u16,
     /// 10 bits for each coordinate, as [`coarse_normal`] packs them.
     normal: u32,
-    /// Of the record.
-    record: u32,
+    /// Which one.
+    record: u16,
+    /// [`Record::left_to_paths`]: 65535 for 1.
+    left_to_paths: u16,
 }
 
 /// A cell of a level.
@@ -207,7 +209,7 @@ impl Grid {
                 .find(|slot| slot.number == number && slot.check == cell.check())
                 .unwrap_or(Slot::zeroed());
             (self.references[slot.first as usize..][..slot.count as usize].iter())
-                .map(|reference| reference.record)
+                .map(|reference| u32::from(reference.record))
         })
     }
 }
@@ -225,7 +227,8 @@ fn reference(index: u32, record: &Record, corner: Vec3, side: f32, reach: f32) -
         position: position.to_array().map(share),
         reach: share(reach / side),
         normal: coarse_normal(record.facing()),
-        record: index,
+        record: index as u16, // there are no more than it can tell apart
+        left_to_paths: share(record.left_to_paths()),
     }
 }
 

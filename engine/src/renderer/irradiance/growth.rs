@@ -85,6 +85,7 @@ impl Renderer {
         self.learn_sky()?;
         let pixels = u64::from(self.frame.padded_pixels);
         Ok(match &mut self.irradiance {
+            Some(cache) if !cache.has_records() => Phase::Ready,
             Some(cache) if cache.steps > 0 => {
                 cache.begin_again(pixels, &self.device, &self.resources)
             }

@@ -24,9 +24,13 @@ pub(super) struct Record {
     pub(super) gradients: [[f32; 3]; 3],
     /// What only the kernels read, relative to the irradiance; and its standard error in the last 16 bits.
     pub(super) inner: [u32; 14],
-    /// Of a pixel there, metres.
+    /// Of a pixel there, metres, but for the last eight bits: see [`Record::fits`].
     pub(super) width: f32,
 }
+
+/// Of what a record says, all is left to paths where it reaches so many times as far as what it has found allows or more, and nothing where it
+/// reaches less than the second times as far.
+const TOO_FAR: [f32; 2] = [8.0, 2.0];
 
 impl Record {
     /// One whose irradiance isn't known yet.
@@ -50,6 +54,18 @@ impl Record {
     /// Standard error of the irradiance's luminance, W/m2.
     pub(super) fn error(&self) -> f32 {
         luminance(self.irradiance) * (self.inner[13] >> 16) as f32 / 65535.0
+    }
+
+    /// How far it would reach if it might be smaller than it may, over how far it does; 1 where it is as small as that.
+    fn fits(&self) -> f32 {
+        (self.width.to_bits() & 0xff) as f32 / 255.0
+    }
+
+    /// How much of the light around it is better left to paths: in a corner or on a strip that is narrower than the smallest record, light
+    /// changes within it.
+    pub(super) fn left_to_paths(&self) -> f32 {
+        let [all, nothing] = TOO_FAR.map(|times| 1.0 / times);
+        ((nothing - self.fits()) / (nothing - all)).clamp(0.0, 1.0)
     }
 
     /// With such an error.
@@ -216,6 +232,16 @@ mod tests {
             radius,
             ..Record::begun(position, 0, 0.01)
         }
+    }
+
+    #[test]
+    fn what_a_record_is_too_large_for_is_left_to_paths() {
+        let left = |fits: u32| {
+            let width = f32::from_bits(0.01_f32.to_bits() & !0xff | fits);
+            Record::begun(Vec3::ZERO, 0, width).left_to_paths()
+        };
+        assert_eq!([0, 31, 128, 255].map(left), [1.0, 1.0, 0.0, 0.0]);
+        assert!((left(80) - 0.5).abs() < 0.01, "{}", left(80));
     }
 
     #[test]
