@@ -30,7 +30,6 @@ pub const LOOK: Pass = Pass {
     reads: &["frame", "lights", "paths", "queues", "rays"],
     writes: &["sky_seen"],
     exists: |features| features.light_cache,
-    ..LOOK_UP
 };
 
 /// In place of the camera's rays: those of records.

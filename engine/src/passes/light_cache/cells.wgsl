@@ -15,8 +15,7 @@ struct LightCacheSettings {
     scale: f32, // side of a cell over its distance to the camera
     least_side: f32, // metres
     photons: u32, // field of a path's state that is the photons' own, 0 where there are none
-    // Words from a cell to what it knows of light that goes on once less; 0 where nobody asks for that.
-    lesser: u32,
+    lesser: u32, // words from a cell to what it knows of light that goes on once less
     ends: u32, // while the cache learns: whether paths end in what it knows of such light, or go on to their end
     unused_0: u32,
     unused_1: u32,
@@ -33,7 +32,7 @@ const LIGHT_CACHE_IDLE = 2u;
 @group(0) @binding(49) var<uniform> light_cache_settings: LightCacheSettings;
 
 // Eight words for each cell: a number by which it is known, or 0 where it is free; how many paths have gone on from it; three
-// sums of 64 bits, in units of 2^-24. Where paths that are learned from may end in the cache, as many words follow: for each cell the same
+// sums of 64 bits, in units of 2^-24. Behind all of them as many words follow, in which paths end that are learned from: for each cell the same
 // count and sums, of paths that went on to their end, without what they found after they had scattered as often as they may. A path
 // that ends there has scattered once more than those had when they came to the cell.
 @group(0) @binding(48) var<storage, read_write> light_cache: array<atomic<u32>>;

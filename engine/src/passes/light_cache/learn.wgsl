@@ -31,9 +31,9 @@ fn tell(slot: u32, scattered: vec4f, lesser: u32) {
     }
 }
 
-// Whether somebody asks for light that goes on once less, and paths go on to their end.
+// Whether paths go on to their end, and say what goes on once less.
 fn tells_lesser() -> bool {
-    return light_cache_settings.lesser != 0u && light_cache_settings.ends == 0u;
+    return light_cache_settings.ends == 0u;
 }
 
 // After the vertex in the cell: what a path has by then comes from before. One thread for each path that was active.
