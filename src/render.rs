@@ -124,11 +124,11 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
                 || job.adaptive
                 || job.accuracy == Some(Accuracy::Final) =>
         {
-            let flag = match job.accuracy {
-                _ if job.adaptive => "--adaptive",
-                _ if job.checkpoints.is_some() => "--checkpoint",
+            let flag = match (job.adaptive, &job.checkpoints) {
+                (true, _) => "--adaptive",
+                (false, Some(_)) => "--checkpoint",
                 // That may begin anew.
-                _ => Accuracy::Final.flag(),
+                (false, None) => Accuracy::Final.flag(),
             };
             return Err(UsageError::OneDevice { flag }.into());
         }

@@ -57,7 +57,7 @@ struct Settings {
     unused: [u32; 3],
 }
 
-/// Bytes of its table, and of what cells know besides where paths that are learned from may end in them.
+/// Bytes of its table: what cells know, and what they know of light that goes on once less.
 pub(super) fn bytes(method: Method) -> u64 {
     match method.has_light_cache() {
         true => 2 * u64::from(CELLS) * CELL_BYTES,
