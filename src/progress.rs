@@ -75,6 +75,8 @@ struct State {
     activity: Option<Activity>,
     /// How much is done, and what that is of.
     done: Option<(f64, f64, Unit)>,
+    /// Samples of each pixel, where something else than their number ends the render.
+    samples: Option<f64>,
     /// The piece of the picture that is rendered, from 0 on, and how many there are.
     piece: Option<(u32, u32)>,
     /// Of the last line, where there is no terminal.
@@ -82,6 +84,26 @@ struct State {
     /// The activity has been named in a line of its own.
     is_named: bool,
     is_finished: bool,
+}
+
+/// How far a render is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Reached {
+    /// Samples of each pixel.
+    pub(crate) samples: f64,
+    /// Of the way to its end.
+    pub(crate) share: f64,
+}
+
+impl Reached {
+    /// Of a render that ends after so many samples of each pixel.
+    pub(crate) fn of(progress: &Progress, spp: u32) -> Self {
+        let share = progress.samples_done as f64 / progress.samples_total.max(1) as f64;
+        Self {
+            samples: share * f64::from(spp),
+            share,
+        }
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -137,6 +159,7 @@ impl Bar {
                 activity: None,
                 goes_on: false,
                 done: None,
+                samples: None,
                 piece: None,
                 said: now,
                 is_named: false,
@@ -190,14 +213,17 @@ impl Bar {
         self.shared.lock().piece = Some((number, count));
     }
 
-    /// Shows how far a render of so many samples per pixel is.
-    pub(crate) fn update(&self, progress: &Progress, spp: u32) {
-        let share = progress.samples_done as f64 / progress.samples_total.max(1) as f64;
-        let piece = self.shared.lock().piece;
-        let share = piece.map_or(share, |(number, count)| {
-            (f64::from(number) + share) / f64::from(count)
-        });
+    /// Shows how far a render of at most so many samples per pixel is.
+    pub(crate) fn update(&self, reached: &Reached, spp: u32) {
         let spp = f64::from(spp);
+        let mut state = self.shared.lock();
+        let is_of_samples = reached.share * spp <= reached.samples + 0.05;
+        state.samples = (!is_of_samples).then_some(reached.samples);
+        let share = match state.piece {
+            Some((number, count)) => (f64::from(number) + reached.share) / f64::from(count),
+            None => reached.share,
+        };
+        drop(state);
         self.advance(share * spp, spp, Unit::SamplesPerPixel);
     }
 
@@ -340,9 +366,10 @@ impl State {
             return format!("{stage}, {} so far", clock(self.since.elapsed()));
         };
         let elapsed = start.elapsed();
-        let mut text = match unit {
-            Unit::SamplesPerPixel => format!("{done:.1} of {total} samples per pixel"),
-            Unit::Steps => format!("{stage}: {done} of {total} steps"),
+        let mut text = match (unit, self.samples) {
+            (Unit::SamplesPerPixel, None) => format!("{done:.1} of {total} samples per pixel"),
+            (Unit::SamplesPerPixel, Some(samples)) => format!("{samples:.1} samples per pixel"),
+            (Unit::Steps, _) => format!("{stage}: {done} of {total} steps"),
         };
         if let Some((number, count)) = self.piece {
             text += &format!(", piece {} of {count}", number + 1);
@@ -405,6 +432,7 @@ mod tests {
             activity: None,
             goes_on: false,
             done: Some((done, total, unit)),
+            samples: None,
             piece: None,
             said: start,
             is_named: false,
@@ -432,5 +460,16 @@ mod tests {
             text,
             "400.0 of 600 samples per pixel, 1:00:00 h, 2:00:00 h left"
         );
+    }
+
+    #[test]
+    fn where_time_ends_a_render_its_samples_are_those_that_it_has() {
+        let bar = Bar::read_by(Reader::People, "loading");
+        let text = |samples, share| {
+            bar.update(&Reached { samples, share }, 64);
+            bar.shared.lock().text()
+        };
+        assert!(text(16.0, 0.25).starts_with("16.0 of 64 samples per pixel, "));
+        assert!(text(17.0, 0.75).starts_with("17.0 samples per pixel, "));
     }
 }

@@ -217,6 +217,7 @@ impl Start<'_> {
             others: self.others,
             reel: self.reel,
             written: None,
+            is_piece: false,
         };
         let watch = Watch::new(job.limits, self.clock);
         alone::render(job, take, gpu, view, bar, watch)

@@ -97,7 +97,7 @@ pub fn next_round(film: &Film, goal: &Goal) -> Round {
             .iter()
             .map(|block| first.saturating_sub(block.samples) / GRAIN)
             .collect();
-        round.lots = lots(&blocks, &wanted);
+        round.lots = lots(&blocks, &wanted, round.spp);
         return round;
     }
     round.is_clean = goal.error.is_some_and(|limit| round.error <= limit);
@@ -111,7 +111,7 @@ pub fn next_round(film: &Film, goal: &Goal) -> Round {
         .error
         .map_or(0.0, |limit| 0.97 * (limit / round.error).powi(2));
     let wanted = distribute(&blocks, &shares, budget, keep);
-    round.lots = lots(&blocks, &wanted);
+    round.lots = lots(&blocks, &wanted, round.spp);
     round
 }
 
@@ -238,8 +238,8 @@ fn distribute(blocks: &[Block], shares: &[f64], budget: f64, keep: f64) -> Vec<u
 }
 
 /// Work by which each block gets so many grains: by the binary digits of their number, so that a wave has as many samples of each
-/// of its blocks.
-fn lots(blocks: &[Block], grains: &[u32]) -> Vec<Lot> {
+/// of its blocks. `spp` are the samples per pixel so far.
+fn lots(blocks: &[Block], grains: &[u32], spp: f64) -> Vec<Lot> {
     let digits = grains
         .iter()
         .map(|grains| grains.checked_ilog2().map_or(0, |log| log + 1));
@@ -247,6 +247,7 @@ fn lots(blocks: &[Block], grains: &[u32]) -> Vec<Lot> {
         let mut lot = Lot {
             blocks: Vec::new(),
             samples: GRAIN << digit,
+            before: spp as u32,
         };
         for (at, (block, &grains)) in blocks.iter().zip(grains).enumerate() {
             if grains >> digit & 1 != 0 {
@@ -314,7 +315,8 @@ mod tests {
             round.lots,
             [Lot {
                 blocks,
-                samples: FIRST
+                samples: FIRST,
+                before: 0,
             }]
         );
         let few = next_round(&empty, &Goal { spp: 40, ..goal });

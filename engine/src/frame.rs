@@ -179,6 +179,11 @@ impl Frame {
         }
     }
 
+    /// Whether it is known where the sky is seen.
+    pub(crate) fn knows_sky(&self) -> bool {
+        self.caches & CACHE_SKY != 0
+    }
+
     /// Whether records of irradiance are there for the paths of a wave.
     pub(crate) fn set_records_given(&mut self, are_given: bool) {
         match are_given {

@@ -17,6 +17,7 @@ mod record;
 mod reload;
 mod update;
 mod view;
+mod whole;
 
 use std::{sync::Arc, time::Duration};
 
@@ -41,6 +42,7 @@ use self::lanes::{Lanes, Plan, Wave, Work, begin_wave};
 use self::photons::Photons;
 use self::pipeline::{Bound, Kernels};
 use self::record::Recorder;
+use self::whole::Whole;
 
 pub use crate::settings::RenderSettings;
 
@@ -318,6 +320,8 @@ pub struct Renderer {
     irradiance: Option<Irradiance>,
     /// A map of photons, where they bring caustics.
     photons: Option<Photons>,
+    /// The picture of which parts are rendered, if that is so.
+    whole: Option<Whole>,
     /// How often the picture has begun anew.
     restarts: u64,
     /// All kernels have run, so that drivers that compile them then have done so.
@@ -477,6 +481,7 @@ impl Renderer {
             is_apart: false,
             irradiance,
             photons,
+            whole: None,
             restarts: 0,
             is_warm: false,
         })
@@ -621,7 +626,7 @@ impl Renderer {
             Purpose::Find(_) => Some(Errand::Unseen),
             Purpose::Learn { .. } => {
                 // A picture that goes on has its samples.
-                let is_seen = !self.is_begun();
+                let is_seen = !self.is_begun() && self.whole.is_none();
                 match self.scene.environment.emits {
                     true => Some(Errand::Learn { is_seen }),
                     false => (!is_seen).then_some(Errand::Unseen),
@@ -675,6 +680,13 @@ impl Renderer {
 
     /// Forgets all samples: the next wave starts the picture anew. What was written before is submitted.
     pub fn restart(&mut self) {
+        self.whole = None;
+        self.forget_light();
+        self.begin_anew();
+    }
+
+    /// Forgets all samples, but not what is known of the light.
+    fn begin_anew(&mut self) {
         self.restarts += 1;
         // The film is cleared when it is needed next: an edit doesn't wait for that, nor do hundreds of them clear it
         // hundreds of times.
@@ -684,7 +696,6 @@ impl Renderer {
         self.position = 0;
         self.burst = Burst::default();
         self.rendered = 0;
-        self.forget_light();
         self.device.flush();
     }
 
@@ -696,7 +707,9 @@ impl Renderer {
     fn clear_stale_film(&mut self) -> Result<(), DeviceError> {
         if std::mem::take(&mut self.is_stale) {
             clear_picture(&self.device, &self.settings, &self.resources)?;
-            light_cache::clear(&self.device, self.settings.method, &self.resources)?;
+            if !self.knows_whole() {
+                light_cache::clear(&self.device, self.settings.method, &self.resources)?;
+            }
             wave::clear_faults(&self.device, &self.resources);
             self.lanes.clear_faults(&self.device);
         }

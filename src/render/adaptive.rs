@@ -60,8 +60,8 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
                         samples_done: done as u64,
                         samples_total: (pixels * f64::from(goal.spp)) as u64,
                     };
-                    let progress = self.watch.progress(&progress, done / pixels);
-                    self.bar.update(&progress, goal.spp);
+                    let reached = self.watch.reached_so_far(&progress, done / pixels);
+                    self.bar.update(&reached, goal.spp);
                 }
             }
         }

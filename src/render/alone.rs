@@ -18,7 +18,7 @@ use crate::accuracy::Accuracy;
 use crate::failure::Failure;
 use crate::job::RenderJob;
 use crate::motion::{self, Sight};
-use crate::progress::Bar;
+use crate::progress::{Bar, Reached};
 use crate::{cache, crash, interrupt};
 
 use super::limits::Watch;
@@ -47,6 +47,8 @@ pub(super) struct Take<'a> {
     pub(super) reel: Option<&'a mut Reel>,
     /// What the picture is rendered from, where that is known.
     pub(super) written: Option<Vec<(String, String)>>,
+    /// It is a piece of a picture: then nobody judges how right that is.
+    pub(super) is_piece: bool,
 }
 
 /// What renders a picture, with all that it needs.
@@ -237,7 +239,7 @@ pub(super) fn render(
         let film = session.snapshot().map_err(failure)?.film;
         let stats = session.stats().map_err(failure)?;
         // Paths would be those of the last moment alone.
-        let is_judged = job.method != Method::Path && take.others.is_empty();
+        let is_judged = job.method != Method::Path && take.others.is_empty() && !take.is_piece;
         let audit = match is_judged && ended.is_none() {
             true => audit(&mut session, &film)?,
             false => None,
@@ -341,7 +343,7 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
                 ..step
             };
             if step.is_done() {
-                self.bar.update(&progress, spp);
+                self.bar.update(&Reached::of(&progress, spp), spp);
                 return Ok(None);
             }
             if interrupt::requested() {
@@ -357,13 +359,10 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
                 return Ok(Some(Ended::Enough(limit)));
             }
             match session.records_awaited() {
-                Some(0) => self.bar.go_on("finding out about the light".to_owned()),
-                Some(records) => self
-                    .bar
-                    .go_on(format!("making records of irradiance, {records} so far")),
+                Some(records) => awaits(self.bar, records),
                 None => self
                     .bar
-                    .update(&self.watch.progress(&progress, samples), spp),
+                    .update(&self.watch.reached_so_far(&progress, samples), spp),
             }
             if let Some(writer) = self.writer.as_mut().filter(|writer| writer.is_due()) {
                 writer.write(
@@ -373,6 +372,14 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
             }
         }
     }
+}
+
+/// Says what a picture waits for, that needs to know the light and of which so many records are there.
+pub(super) fn awaits(bar: &Bar, records: usize) {
+    bar.go_on(match records {
+        0 => "finding out about the light".to_owned(),
+        _ => format!("making records of irradiance, {records} so far"),
+    });
 }
 
 /// Gives all pixels the same samples, as a film that is to be merged should have: if that is a matter of moments, because

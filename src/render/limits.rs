@@ -9,6 +9,7 @@ use engine::renderer::Progress;
 
 use crate::console;
 use crate::job::{Limits, RenderJob};
+use crate::progress::Reached;
 
 /// Samples before the error is looked at: with fewer, light that is seldom met may not have been met at all.
 const FEWEST: f64 = 16.0;
@@ -83,9 +84,9 @@ impl Watch {
         )
     }
 
-    /// How far a render is that may end before all samples are taken: of the samples that the limit next to be reached will have
-    /// wanted.
-    pub(super) fn progress(&self, progress: &Progress, spp: f64) -> Progress {
+    /// How far a render is that may end before all samples are taken, by the limit that will be reached first. `spp` are the samples of
+    /// each pixel so far.
+    pub(super) fn reached_so_far(&self, progress: &Progress, spp: f64) -> Reached {
         let elapsed = self.start.elapsed().as_secs_f64();
         let of_time = self.limits.time.map(|time| elapsed / time.as_secs_f64());
         let of_noise = match (self.limits.noise, self.error) {
@@ -94,18 +95,14 @@ impl Watch {
             (Some(_), None) => Some(0.0),
             (None, _) => None,
         };
-        let Progress {
-            samples_done,
-            samples_total,
-        } = *progress;
-        let of_samples = samples_done as f64 / samples_total.max(1) as f64;
+        let of_samples = progress.samples_done as f64 / progress.samples_total.max(1) as f64;
         let share = [of_time, of_noise]
             .into_iter()
             .flatten()
             .fold(of_samples, f64::max);
-        Progress {
-            samples_done,
-            samples_total: (samples_done as f64 / share.clamp(1e-9, 1.0)) as u64,
+        Reached {
+            samples: spp,
+            share: share.clamp(0.0, 1.0),
         }
     }
 

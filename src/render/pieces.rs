@@ -17,7 +17,7 @@ use engine::session::Session;
 use engine::settings::{Beside, Method};
 use engine::stats::{DeviceFacts, Stats};
 
-use crate::accuracy::method_flag;
+use crate::accuracy::{Accuracy, method_flag};
 use crate::failure::Failure;
 use crate::job::{Limits, RenderJob};
 use crate::memory::Need;
@@ -38,6 +38,8 @@ use super::{Ended, Gathered, Rendered, Rest, Start, failure, settings};
 
 /// Samples per pixel of the small picture that tells how bright the whole is.
 const PREVIEW: u32 = 16;
+/// Samples per pixel that light is found out about for, where their number isn't known.
+const UNKNOWN_SAMPLES: u32 = 64;
 
 /// Finds out whether a picture fits the memory as a whole, or else in which pieces, and tells what it will take.
 ///
@@ -123,15 +125,25 @@ fn indivisible(job: &RenderJob) -> Option<String> {
     if job.checkpoints.as_ref().is_some_and(|c| c.with_pictures) {
         return Some("--refresh writes the whole picture again and again; leave it out".to_owned());
     }
-    let because = match job.method {
-        Method::Path => return None,
-        Method::Draft | Method::Cache | Method::CachePhotons => {
-            "what is learned in one isn't what is learned in the next, and there would be seams"
-        }
-        Method::Photons => "all photons would be sent out again for each",
-    };
     let flag = job.accuracy.map_or(method_flag(job.method), |a| a.flag());
-    Some(format!("with {flag} {because}; render with --method path"))
+    let (because, instead) = match (job.method, job.accuracy) {
+        (Method::Path, _) => return None,
+        (Method::Photons | Method::CachePhotons, _) => {
+            ("all photons would be sent out again for each", "cache")
+        }
+        (Method::Cache, Some(Accuracy::Final)) => (
+            "how right a picture is shows in the whole of it alone",
+            "cache",
+        ),
+        (Method::Draft | Method::Cache, _) if job.motion.shutter.is_some() => (
+            "light would be found out about anew for each moment of each piece",
+            "path",
+        ),
+        (Method::Draft | Method::Cache, _) => return None,
+    };
+    Some(format!(
+        "with {flag} {because}; render with --method {instead}"
+    ))
 }
 
 impl RenderJob {
@@ -224,6 +236,7 @@ pub(super) fn render(
             }
         };
         let mut ready = alone::prepare(&own, scene, gpu, bar)?;
+        learn(job, &mut ready.session, bar)?;
         if job.limits.noise.is_some() && brightness.is_none() {
             bar.stage("finding out how bright the picture is");
             brightness = Some(preview(job, &own, &mut ready.session)?);
@@ -239,6 +252,7 @@ pub(super) fn render(
             others,
             reel: reel.as_deref_mut(),
             written: Some(written.clone()),
+            is_piece: true,
         };
         let watch = Watch::of_piece(limits, clock, known);
         let rendered = alone::render(&own, take, gpu, view, bar, watch)?;
@@ -351,6 +365,23 @@ fn check_film(film: &Film, job: &RenderJob, piece: &Piece) -> Result<(), Failure
 fn time_of_piece(time: Option<Duration>, clock: &Instant, left: u32) -> Option<Duration> {
     let elapsed = clock.elapsed();
     time.map(|time| elapsed + time.saturating_sub(elapsed) / left.max(1))
+}
+
+/// Has it found out what all pieces have to know of the light, where paths don't find all of it by themselves.
+fn learn(job: &RenderJob, session: &mut Session, bar: &Bar) -> Result<(), Failure> {
+    let size = [job.width, job.height];
+    let samples = match job.limits == Limits::default() {
+        true => job.first_sample.saturating_add(job.spp.get()),
+        false => UNKNOWN_SAMPLES,
+    };
+    while session
+        .learn_of_whole(size, job.crop, samples)
+        .map_err(failure)?
+        && !interrupt::requested()
+    {
+        alone::awaits(bar, session.records_awaited().unwrap_or(0));
+    }
+    Ok(())
 }
 
 /// How bright the whole picture is, by a small one that takes no more memory than a piece.

@@ -202,7 +202,7 @@ fn follow(
             interrupt::has_results();
         }
         let samples = progress.samples_done as f64 / pixels;
-        bar.update(&watch.progress(&progress, samples), job.spp.get());
+        bar.update(&watch.reached_so_far(&progress, samples), job.spp.get());
         if fleet.is_over() {
             break;
         }

@@ -14,7 +14,7 @@ use engine::scene::view::View;
 
 use crate::failure::Failure;
 use crate::output;
-use crate::progress::Bar;
+use crate::progress::{Bar, Reached};
 use crate::{console, interrupt};
 
 use super::job::PreviewJob;
@@ -83,7 +83,7 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
     let mut shown = 0;
     loop {
         let progress = renderer.step(MAX_SPP).map_err(Failure::because)?;
-        bar.update(&progress, MAX_SPP);
+        bar.update(&Reached::of(&progress, MAX_SPP), MAX_SPP);
         interrupt::has_results();
         let spp = progress.samples_done * u64::from(MAX_SPP) / progress.samples_total.max(1);
         if interrupt::requested() {

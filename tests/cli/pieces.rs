@@ -40,6 +40,12 @@ fn pictures_in_pieces_are_those_rendered_at_once() {
         ("all", all.clone()),
         ("alone", format!("{scene} --transparent --part 2/3")),
         ("crop", format!("{all} --transparent --crop 3,5,61,481")),
+        // What these know of the light is the same everywhere.
+        (
+            "cache",
+            format!("{scene} --layers depth,albedo,samples --method cache"),
+        ),
+        ("draft", format!("{scene} --method draft --crop 3,5,61,481")),
     ] {
         let line = format!("{line} -o {name}.exr -o {name}.png");
         let whole = bench.run(&line).expect_code(0).stdout;
@@ -54,21 +60,25 @@ fn pictures_in_pieces_are_those_rendered_at_once() {
         assert!(pixels(&again) == pixels(&png), "{name}: {said}");
         assert!(!bench.files().iter().any(|file| file.contains("pieces")));
     }
-    // Moments of a shutter, one frame after the other.
-    let frames = format!("{scene} --spp 8 --turntable 2 --shutter 0.5 --layers depth -o f#.exr")
-        .replace("--spp 3 ", "");
-    bench.run(&frames).expect_code(0);
-    let whole = ["f0.exr", "f1.exr"].map(bytes);
-    let memory = memory(&bench, &frames);
-    for name in ["f0.exr", "f1.exr"] {
-        fs::remove_file(bench.path(name)).expect("it was there");
+    // One frame after the other: moments of a shutter, and light that is another one in each.
+    for flags in [
+        "--spp 8 --shutter 0.5 --layers depth",
+        "--spp 2 --method cache",
+    ] {
+        let frames = format!("{scene} {flags} --turntable 2 -o f#.exr").replace("--spp 3 ", "");
+        bench.run(&frames).expect_code(0);
+        let whole = ["f0.exr", "f1.exr"].map(bytes);
+        let memory = memory(&bench, &frames);
+        for name in ["f0.exr", "f1.exr"] {
+            fs::remove_file(bench.path(name)).expect("it was there");
+        }
+        let said = bench
+            .run(&format!("{frames} {memory}"))
+            .expect_code(0)
+            .stdout;
+        assert!(said.contains(" pieces of "), "{said}");
+        assert!(["f0.exr", "f1.exr"].map(bytes) == whole, "{said}");
     }
-    let said = bench
-        .run(&format!("{frames} {memory}"))
-        .expect_code(0)
-        .stdout;
-    assert!(said.contains(" pieces of "), "{said}");
-    assert!(["f0.exr", "f1.exr"].map(bytes) == whole, "{said}");
 }
 
 #[test]
@@ -164,7 +174,10 @@ fn what_needs_the_whole_picture_is_refused() {
         ("-o a.jpg", "JPEG"),
         ("-o a.patina-film", ".patina-film is written as a whole"),
         ("-o a.png --refresh", "--refresh"),
-        ("-o a.png --method draft", "--method draft"),
+        (
+            "-o a.png --method draft --turntable 2 --shutter 0.5 --motion-samples 1",
+            "for each moment",
+        ),
         ("-o a.png --method photons", "--method photons"),
         ("-o a.png --accuracy final", "--accuracy final"),
         ("-o a.png --method cache+photons", "--method cache+photons"),

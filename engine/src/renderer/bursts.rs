@@ -71,6 +71,7 @@ impl Renderer {
         let lot = Lot {
             blocks: blocks.map(|block| [block as u32, first_sample]).collect(),
             samples,
+            before: self.sample_of_moment(),
         };
         let done = self.render_lot(&lot, 0)?;
         self.position += done as u64 * self.burst.block_paths();

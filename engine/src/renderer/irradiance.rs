@@ -33,7 +33,7 @@ use self::sky::Sky;
 use self::smooth::smooth;
 
 /// Most records.
-const RECORDS: u32 = 1 << 16;
+const RECORDS: u32 = 1 << 17;
 /// Most candidates of a pass.
 const CANDIDATES: u32 = 1 << 17;
 /// Most slots of the grid, a power of two, and references.
@@ -57,6 +57,8 @@ const DISTANCES: [f32; 7] = [24.0, 12.0, 6.0, 3.0, 2.0, 2.0, 2.0];
 /// Samples of each pixel that teach the cache of scattered light in larger pictures, which have more rays for records: these share what it
 /// is wrong by. So many times the usual paths at most.
 const SAMPLES_AHEAD: u32 = 8;
+/// The same where there are no records, and more is learned soon.
+const SAMPLES_AHEAD_WITHOUT_RECORDS: u32 = 4;
 /// Where there are no records one path goes ahead for so many with them: what cells are wrong about isn't seen as blotches.
 const LESS_AHEAD: u32 = 4;
 /// One path goes ahead to look where the sky is seen for so many that teach the cache of scattered light, which look for it, too.
@@ -325,16 +327,16 @@ impl Renderer {
         self.position > 0 || self.rendered > 0
     }
 
-    /// Takes a step towards what the picture is made with; false where it is there, or isn't needed.
-    pub(super) fn prepare_irradiance(&mut self) -> Result<bool, RenderError> {
+    /// Takes a step towards what a sample of the picture is made with; false where it is there, or isn't needed.
+    pub(super) fn prepare_irradiance(&mut self, sample: u32) -> Result<bool, RenderError> {
         let Some(phase) = self.irradiance.as_ref().map(|cache| cache.phase) else {
             return Ok(false);
         };
-        if self.is_apart {
+        if self.is_apart || self.knows_whole() {
             return Ok(false);
         }
         let next = match phase {
-            Phase::Ready => match self.grow()? {
+            Phase::Ready => match self.grow(sample)? {
                 Some(phase) => phase,
                 None => return Ok(false),
             },
@@ -378,11 +380,12 @@ impl Renderer {
     /// Samples of each pixel of which the caches learn, and by which it is found out where the sky is seen.
     fn samples_ahead(&self) -> u32 {
         let pixels = self.frame.padded_pixels;
-        let usual = match self.settings.method.has_records() {
-            true => self.settings.paths_ahead,
-            false => self.settings.paths_ahead / LESS_AHEAD,
+        let paths_ahead = self.settings.paths_ahead;
+        let (usual, samples) = match self.settings.method.has_records() {
+            true => (paths_ahead, SAMPLES_AHEAD),
+            false => (paths_ahead / LESS_AHEAD, SAMPLES_AHEAD_WITHOUT_RECORDS),
         };
-        let paths = usual.max(SAMPLES_AHEAD.saturating_mul(usual.min(pixels)));
+        let paths = usual.max(samples.saturating_mul(usual.min(pixels)));
         paths.div_ceil(pixels).max(1)
     }
 

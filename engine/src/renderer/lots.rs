@@ -12,6 +12,8 @@ pub struct Lot {
     pub blocks: Vec<[u32; 2]>,
     /// Samples of each pixel.
     pub samples: u32,
+    /// Samples per pixel that the picture has already, on average: with them grows what is known of the light.
+    pub before: u32,
 }
 
 impl Lot {
@@ -23,9 +25,8 @@ impl Lot {
 
 impl Renderer {
     /// Renders the first wave of a lot, or of what is left of it from a block on; how many blocks that were, none while it is still found
-    /// out what is to be known of the light before. The picture depends on
-    /// which samples blocks get, not on how they are cut into lots and waves. Samples are counted as if the picture began with
-    /// sample 0.
+    /// out what is to be known of the light before. The picture depends on which samples blocks get, and on what is known of the light
+    /// by then, not on how they are cut into lots and waves. Samples are counted as if the picture began with sample 0.
     ///
     /// # Errors
     /// What the driver reports; then it isn't known what of the wave is in the film.
@@ -34,7 +35,7 @@ impl Renderer {
         if left.is_empty() || lot.samples == 0 {
             return Ok(left.len());
         }
-        if self.prepare_irradiance()? {
+        if self.prepare_irradiance(lot.before)? {
             return Ok(0);
         }
         // As many samples as there are slots for, of one block at the least.

@@ -83,7 +83,7 @@ impl Renderer {
 
     /// Takes a step towards what the next path has to know of the light; false where that is there.
     pub(super) fn prepare_light(&mut self) -> Result<bool, RenderError> {
-        Ok(self.prepare_photons()? || self.prepare_irradiance()?)
+        Ok(self.prepare_photons()? || self.prepare_irradiance(self.sample_of_moment())?)
     }
 
     /// Forgets what is known of the light beside the picture.

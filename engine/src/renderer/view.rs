@@ -69,6 +69,7 @@ impl Renderer {
         self.burst = Burst::default();
         self.rendered = 0;
         self.is_stale = false;
+        self.whole = None;
         if let Some(irradiance) = &mut self.irradiance {
             irradiance.restart();
         }
@@ -76,7 +77,8 @@ impl Renderer {
     }
 
     /// Renders another part of the picture, or another picture, from now on, from the first sample. Nothing is compiled, and no memory
-    /// is taken where the film is no larger than one before.
+    /// is taken where the film is no larger than one before. What is known of the light is forgotten, unless that is of
+    /// [the whole](Self::learn_of_whole).
     ///
     /// # Errors
     /// A size that can't be rendered or does not fit, a part beyond the picture; nothing has changed then.
@@ -103,8 +105,14 @@ impl Renderer {
         }
         self.settings = settings;
         self.region = None;
+        let knows_sky = self.frame.knows_sky();
         self.frame = self.fresh_frame();
-        self.restart();
+        if self.knows_whole() {
+            self.frame.set_known_sky(knows_sky);
+            self.begin_anew();
+        } else {
+            self.restart();
+        }
         Ok(())
     }
 

@@ -62,6 +62,19 @@ impl Session {
         Ok(())
     }
 
+    /// See [`crate::renderer::Renderer::learn_of_whole`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn learn_of_whole(
+        &mut self,
+        size: [u32; 2],
+        crop: Option<Crop>,
+        samples: u32,
+    ) -> Result<bool, SessionError> {
+        Ok(self.renderer.learn_of_whole(size, crop, samples)?)
+    }
+
     /// See [`crate::renderer::Renderer::set_region`].
     pub fn set_region(&mut self, region: Option<[u32; 4]>) {
         self.renderer.set_region(region);

@@ -110,7 +110,12 @@ fn a_lot_of_everything_is_the_whole_picture() {
     let mut pieces = ball.renderer(&device, 640);
     for (first, samples) in [(0, 32), (32, 16), (48, 16)] {
         let blocks = (0..11 * 6).rev().map(|at| [at, first]).collect();
-        render(&mut pieces, &Lot { blocks, samples });
+        let lot = Lot {
+            blocks,
+            samples,
+            before: first,
+        };
+        render(&mut pieces, &lot);
     }
     assert!(pieces.film().expect("the device reads") == whole);
 }

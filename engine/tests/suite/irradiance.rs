@@ -282,6 +282,7 @@ fn blocks_get_their_samples_with_a_cache_too() {
         let lot = Lot {
             blocks: (0..15).map(|at| [at, samples.start]).collect(),
             samples: samples.len() as u32,
+            before: samples.start,
         };
         let mut from = 0;
         while from < lot.blocks.len() {

@@ -9,7 +9,7 @@
 // Records that reach into a cell:
 //  x, y: position, from the corner of the cell before, over three sides; how far it reaches, over one side; 16 bits each
 //  z: normal, 10 bits for each coordinate
-//  w: which record, and of what it says how much is left to paths; 16 bits each
+//  w: which record, 24 bits, and of what it says how much is left to paths, 8 bits
 @group(0) @binding(53) var<storage, read> irradiance_references: array<vec4u>;
 
 // Slots that are looked at for a cell.
@@ -53,12 +53,12 @@ fn reference_reach(reference: vec4u) -> f32 {
 
 // Where its record begins.
 fn reference_record(reference: vec4u) -> u32 {
-    return (reference.w & 0xffffu) * RECORD_WORDS;
+    return (reference.w & 0xffffffu) * RECORD_WORDS;
 }
 
 // How much of what it says is left to paths.
 fn reference_left(reference: vec4u) -> f32 {
-    return unpack2x16unorm(reference.w).y;
+    return f32(reference.w >> 24u) / 255.0;
 }
 
 // Its normal.

@@ -37,11 +37,12 @@ pub(super) struct Reference {
     reach: u16,
     /// 10 bits for each coordinate, as [`coarse_normal`] packs them.
     normal: u32,
-    /// Which one.
-    record: u16,
-    /// [`Record::left_to_paths`]: 65535 for 1.
-    left_to_paths: u16,
+    /// Which one, in 24 bits, and above these [`Record::left_to_paths`], 255 for 1.
+    record: u32,
 }
+
+/// The bits of [`Reference::record`] that say which one.
+const NUMBER: u32 = 0xff_ffff;
 
 /// A cell of a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -209,7 +210,7 @@ impl Grid {
                 .find(|slot| slot.number == number && slot.check == cell.check())
                 .unwrap_or(Slot::zeroed());
             (self.references[slot.first as usize..][..slot.count as usize].iter())
-                .map(|reference| u32::from(reference.record))
+                .map(|reference| reference.record & NUMBER)
         })
     }
 }
@@ -227,8 +228,7 @@ fn reference(index: u32, record: &Record, corner: Vec3, side: f32, reach: f32) -
         position: position.to_array().map(share),
         reach: share(reach / side),
         normal: coarse_normal(record.facing()),
-        record: index as u16, // there are no more than it can tell apart
-        left_to_paths: share(record.left_to_paths()),
+        record: (index & NUMBER) | ((255.0 * record.left_to_paths()).round() as u32) << 24,
     }
 }
 
@@ -293,7 +293,7 @@ mod tests {
             assert_eq!(slot.count, 1);
             let found = grid.references[slot.first as usize];
             let x = 1023 | 512 << 10 | 512 << 20;
-            assert_eq!((found.normal, found.record), (x, 0));
+            assert_eq!((found.normal, found.record & NUMBER), (x, 0));
             assert!(
                 (f32::from(found.reach) / 65535.0 - 0.8).abs() < 1e-4,
                 "{found:?}"

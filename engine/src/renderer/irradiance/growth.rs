@@ -15,8 +15,10 @@ use device::{Device, Resources};
 use super::{DISTANCES, Irradiance, Phase};
 use crate::renderer::{RenderError, Renderer, light_cache};
 
-/// Samples of each pixel after which more is learned for the first time.
+/// Samples of each pixel after which more is learned for the first time, where there are records.
 const FIRST: u32 = 256;
+/// The same where there are none, so that a picture of few samples doesn't wait for what only one of many is worth.
+const FIRST_WITHOUT_RECORDS: u32 = 16;
 /// Rays that all records are made of, for each pixel, over the samples that it has by then.
 const RAYS_SHARE: f64 = 0.5;
 /// The same of paths that teach the cache of scattered light.
@@ -26,22 +28,39 @@ const WHOLE_PATHS: u32 = 4;
 /// Where the numbers of samples begin that these paths belong to.
 const FIRST_SAMPLE: u32 = 1 << 20;
 
-/// How often more has been learned before a sample.
-fn steps(sample: u32) -> u32 {
-    match sample.checked_ilog2() {
-        Some(power) => (power + 1).saturating_sub(FIRST.ilog2()),
-        None => 0,
-    }
+/// When more is learned.
+#[derive(Debug, Clone, Copy)]
+struct Pace {
+    /// Samples of each pixel before the first time, a power of two.
+    first: u32,
 }
 
-/// The samples of each pixel after which more is learned for the so-manieth time, from 1 on.
-fn after(step: u32) -> u64 {
-    u64::from(FIRST) << (step - 1)
+impl Pace {
+    fn of(cache: &Irradiance) -> Self {
+        let first = match cache.has_records() {
+            true => FIRST,
+            false => FIRST_WITHOUT_RECORDS,
+        };
+        Self { first }
+    }
+
+    /// How often that has been before a sample.
+    fn steps(self, sample: u32) -> u32 {
+        match sample.checked_ilog2() {
+            Some(power) => (power + 1).saturating_sub(self.first.ilog2()),
+            None => 0,
+        }
+    }
+
+    /// The samples of each pixel after which it is for the so-manieth time, from 1 on.
+    fn after(self, step: u32) -> u64 {
+        u64::from(self.first) << (step - 1)
+    }
 }
 
 impl Renderer {
     /// The number of the sample that the next path belongs to, in a picture of many moments from the beginning of its own on.
-    fn sample_of_moment(&self) -> u32 {
+    pub(in crate::renderer) fn sample_of_moment(&self) -> u32 {
         let done = self.position / u64::from(self.frame.padded_pixels);
         let sample = self.settings.first_sample + done as u32;
         sample.saturating_sub(self.settings.moment_since)
@@ -49,22 +68,24 @@ impl Renderer {
 
     /// As many of the next paths as the records that there are by now are made for.
     pub(in crate::renderer) fn until_more_rays(&self, paths: u64) -> u64 {
-        if self.irradiance.is_none() || self.is_apart {
+        let grows = !self.is_apart && !self.knows_whole();
+        let Some(cache) = self.irradiance.as_ref().filter(|_| grows) else {
             return paths;
-        }
+        };
+        let pace = Pace::of(cache);
         let padded = u64::from(self.frame.padded_pixels);
-        let next = after(steps(self.sample_of_moment()) + 1);
+        let next = pace.after(pace.steps(self.sample_of_moment()) + 1);
         let left =
             next + u64::from(self.settings.moment_since) - u64::from(self.settings.first_sample);
         paths.min(left * padded - self.position)
     }
 
-    /// Begins to learn more, if the next sample asks for that, or anew, if it is one that came before; none where it may begin.
-    pub(super) fn grow(&mut self) -> Result<Option<Phase>, RenderError> {
-        let wanted = steps(self.sample_of_moment());
+    /// Begins to learn more, if a sample asks for that, or anew, if it is one that came before; none where it may begin.
+    pub(super) fn grow(&mut self, sample: u32) -> Result<Option<Phase>, RenderError> {
         let Some(cache) = &mut self.irradiance else {
             return Ok(None);
         };
+        let wanted = Pace::of(cache).steps(sample);
         Ok(match cache.steps.cmp(&wanted) {
             Ordering::Equal => None,
             Ordering::Less => {
@@ -97,11 +118,15 @@ impl Renderer {
     /// their end, or those whose paths end in what it has learned by then.
     pub(super) fn samples_to_learn(&self, ends: bool) -> (u32, u32) {
         let ahead = self.samples_ahead();
+        let Some(cache) = &self.irradiance else {
+            return (0, 0);
+        };
+        let pace = Pace::of(cache);
         let until = |step: u32| match step {
             0 => ahead,
-            _ => ahead.max((PATHS_SHARE * after(step) as f64) as u32),
+            _ => ahead.max((PATHS_SHARE * pace.after(step) as f64) as u32),
         };
-        let (first, samples) = match self.irradiance.as_ref().map_or(0, |cache| cache.steps) {
+        let (first, samples) = match cache.steps {
             0 => (0, ahead),
             step => (
                 FIRST_SAMPLE + until(step - 1),
@@ -120,7 +145,7 @@ impl Irradiance {
     /// Has all records made anew, if that is worth it.
     fn begin_again(&mut self, pixels: u64, device: &Device, resources: &Resources) -> Phase {
         let once: u64 = (0..DISTANCES.len()).map(|pass| self.rays_once(pass)).sum();
-        let wanted = (RAYS_SHARE * (after(self.steps) * pixels) as f64) as u64;
+        let wanted = (RAYS_SHARE * (Pace::of(self).after(self.steps) * pixels) as f64) as u64;
         if once == 0 || wanted < self.rays {
             return Phase::Ready; // a small picture has had more to begin with
         }
@@ -151,11 +176,15 @@ mod tests {
 
     #[test]
     fn more_is_learned_whenever_samples_double() {
-        let all = [0, 1, 255, 256, 511, 512, 2047, 2048].map(steps);
+        let pace = Pace { first: 256 };
+        let all = [0, 1, 255, 256, 511, 512, 2047, 2048].map(|sample| pace.steps(sample));
         assert_eq!(all, [0, 0, 0, 1, 1, 2, 3, 4]);
-        for step in 1..20 {
-            assert_eq!(steps(after(step) as u32), step);
-            assert_eq!(steps(after(step) as u32 - 1), step - 1);
+        for first in [1, FIRST_WITHOUT_RECORDS, FIRST] {
+            let pace = Pace { first };
+            for step in 1..20 {
+                assert_eq!(pace.steps(pace.after(step) as u32), step);
+                assert_eq!(pace.steps(pace.after(step) as u32 - 1), step - 1);
+            }
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Records of irradiance as the host sees them.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -154,6 +156,10 @@ const MOST_OVERLAP: f32 = 4.0;
 /// Least radius in widths of a pixel: `LEAST_WIDTHS` of `solve.wgsl`.
 const LEAST_WIDTHS: f32 = 1.5;
 
+/// How high above each other records lie at most that know something of each other's place, over how far they reach: as `STEEPNESS` of
+/// `look_up.wgsl` has it.
+const STEEPNESS: f32 = 12.0;
+
 /// Makes radii smaller where a neighbour knows of something near that the record's own rays have missed (Křivánek et al., "Making
 /// Radiance and Irradiance Caching Practical", 2006), and where more records overlap than are of use.
 pub(super) fn settle(records: &mut [Record], slots: u32, references: usize) {
@@ -182,6 +188,35 @@ pub(super) fn settle(records: &mut [Record], slots: u32, references: usize) {
         for (record, radius) in records.iter_mut().zip(settled) {
             record.radius = radius;
         }
+    }
+    stop_short(records, slots, references);
+}
+
+/// Makes radii smaller where a record would reach as far over a place as one there does that knows of something near: into a crease, where the
+/// many on both sides of it would be heard beside the few in it.
+fn stop_short(records: &mut [Record], slots: u32, references: usize) {
+    let grid = Grid::of(records, REACH, slots, references);
+    // The bits of positive numbers have their order.
+    let radii: Vec<AtomicU32> = (records.iter())
+        .map(|record| AtomicU32::new(record.radius.to_bits()))
+        .collect();
+    records.par_iter().for_each(|one| {
+        let facing = one.facing();
+        for index in grid.at(one.position) {
+            let other = &records[index as usize];
+            let offset = one.position - other.position;
+            let apart = offset.length();
+            let height = 0.5 * offset.dot(facing + other.facing()).abs();
+            let is_reached = apart.max(STEEPNESS * height) < REACH * other.radius;
+            if is_reached && other.facing().dot(facing) > 0.8 {
+                let radius = one.radius + apart / REACH;
+                let radius = radius.max(LEAST_WIDTHS * other.width);
+                radii[index as usize].fetch_min(radius.to_bits(), Ordering::Relaxed);
+            }
+        }
+    });
+    for (record, radius) in records.iter_mut().zip(radii) {
+        record.radius = record.radius.min(f32::from_bits(radius.into_inner()));
     }
 }
 
@@ -279,7 +314,22 @@ mod tests {
     fn a_record_shrinks_where_its_neighbour_is_small() {
         let mut records = [record(Vec3::ZERO, 1.0), record(Vec3::X * 0.05, 0.1)];
         settle(&mut records, 1 << 8, 1 << 8);
-        assert!((records[0].radius - 0.15).abs() < 1e-6, "{records:?}");
+        assert!((records[0].radius - 0.125).abs() < 1e-6, "{records:?}");
+    }
+
+    #[test]
+    fn a_record_reaches_no_farther_over_a_small_one_than_that() {
+        let wall = |at: f32, radius: f32| record(Vec3::X * at, radius);
+        let mut records = [wall(0.0, 1.0), wall(1.6, 0.1), wall(9.0, 1.0)];
+        settle(&mut records, 1 << 8, 1 << 8);
+        let reach = REACH * records[0].radius;
+        assert!((reach - 1.8).abs() < 1e-5, "{records:?}");
+        assert_eq!([records[1].radius, records[2].radius], [0.1, 1.0]);
+        // On another plane it knows nothing of this one.
+        let mut step = [wall(0.0, 1.0), wall(1.6, 0.1)];
+        step[1].position.z += 0.3;
+        settle(&mut step, 1 << 8, 1 << 8);
+        assert_eq!(step[0].radius, 1.0);
     }
 
     #[test]
