@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec3, dvec3};
 
 /// Columns and rows of parts: as in `shared/sky_parts.wgsl`.
-pub(crate) const SKY_PARTS: [u32; 2] = [16, 8];
+pub(crate) const SKY_PARTS: [u32; 2] = [32, 16];
 /// Parts.
 pub(crate) const PARTS: usize = (SKY_PARTS[0] * SKY_PARTS[1]) as usize;
 /// Steps of the grid of normals by which the sky is sampled where nothing else is known: `FACING_STEPS`.

@@ -11,11 +11,14 @@
 //!include shared/powers.wgsl
 
 // Parts of the sky: as many columns and rows of its picture. The Rust twins are in `gpu_scene::sky_parts`.
-const SKY_COLUMNS = 16u;
-const SKY_ROWS = 8u;
-const SKY_PARTS = 128u;
+const SKY_COLUMNS = 32u;
+const SKY_ROWS = 16u;
+const SKY_PARTS = 512u;
 // Cells; where two places share one, both are served worse, but not wrongly.
-const SKY_CELLS = 8192u;
+const SKY_CELLS = 16384u;
+// Texels of what is known of a cell, and how many of these stand side by side in the image.
+const SKY_TEXELS = 129u;
+const SKY_BESIDE = 2u;
 // Steps of the grids of normals, see `receiver_facing`: without and with cells.
 const FACING_STEPS = 16u;
 const CELL_FACING_STEPS = 4u;
@@ -30,14 +33,18 @@ fn sky_is_known() -> bool {
     return leaves_diffuse && (frame.caches & CACHE_SKY) != 0u;
 }
 
+fn known_sky_texel(texel: u32, row: u32) -> vec4f {
+    return textureLoad(known_sky, vec2u(texel + row % SKY_BESIDE * SKY_TEXELS, row / SKY_BESIDE), 0);
+}
+
 fn sky_share(row: u32) -> f32 {
-    return textureLoad(known_sky, vec2u(SKY_PARTS / 4u, row), 0).x;
+    return known_sky_texel(SKY_PARTS / 4u, row).x;
 }
 
 // Four parts of a row of the one or the other.
 fn sky_texel(texel: u32, row: u32) -> vec4f {
     if (sky_is_known()) {
-        return textureLoad(known_sky, vec2u(texel, row), 0);
+        return known_sky_texel(texel, row);
     }
     return textureLoad(facing_sky, vec2u(texel, row), 0);
 }

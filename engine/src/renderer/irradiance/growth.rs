@@ -90,6 +90,11 @@ impl Renderer {
             Ordering::Equal => None,
             Ordering::Less => {
                 cache.steps += 1;
+                let has_records = cache.has_records();
+                // What went ahead of a small picture may be enough for more than its beginning.
+                if !has_records && self.samples_to_learn(false).1 == 0 {
+                    return self.grow(sample);
+                }
                 Some(Phase::Learning(false, 0))
             }
             // Another device has failed, and handed back what it was to render.

@@ -5,7 +5,10 @@
 //! (in the spirit of Bashford-Rogers, Debattista and Chalmers, "Importance Driven Environment Map Sampling", 2014). Each part that
 //! emits keeps a share, so that the picture is the same on average; only its noise isn't.
 
+use std::borrow::Cow;
+
 use device::{Device, DeviceError, Format, Image, ImageUse, Recording, Resources, Usage};
+use rayon::prelude::*;
 
 use crate::gpu_scene::{
     environment::GpuEnvironment,
@@ -13,7 +16,9 @@ use crate::gpu_scene::{
 };
 
 /// Cells: as in `shared/sky_parts.wgsl`.
-const CELLS: usize = 8192;
+const CELLS: usize = 16384;
+/// Rows of cells that stand side by side in the image, whose height is limited: as there.
+const BESIDE: u32 = 2;
 /// Steps of the grid of normals by which cells are told apart: as there.
 const FACING_STEPS: u32 = 4;
 /// What normals between those receive beyond them.
@@ -56,7 +61,7 @@ impl Sky {
     pub(super) fn new(device: &Device, resources: &mut Resources) -> Result<Self, DeviceError> {
         let seen = device.buffer("sky_seen", Usage::Storage, COUNTED)?;
         resources.set_buffer("sky_seen", seen);
-        let size = [TEXELS, CELLS as u32, 1];
+        let size = [BESIDE * TEXELS, CELLS as u32 / BESIDE, 1];
         let known = device.image("known sky", ImageUse::Read, size, Format::Rgba32Float)?;
         resources.set_image("known_sky", known.clone());
         Ok(Self { known })
@@ -78,10 +83,14 @@ impl Sky {
         share: f64,
     ) -> Result<(), DeviceError> {
         let bytes = device.read(resources.buffer("sky_seen"), 0, COUNTED)?;
-        let seen: Vec<[u32; 2]> = bytemuck::pod_collect_to_vec(&bytes);
+        // Without a copy wherever memory comes aligned, for there is much of it.
+        let seen: Cow<'_, [[u32; 2]]> = match bytemuck::try_cast_slice(&bytes) {
+            Ok(seen) => Cow::Borrowed(seen),
+            Err(_) => Cow::Owned(bytemuck::pod_collect_to_vec(&bytes)),
+        };
         let received = received(FACING_STEPS, environment.turn, BETWEEN);
         let rows = rows(&seen, &environment.parts, &received, share);
-        let size = [TEXELS, CELLS as u32];
+        let size = [BESIDE * TEXELS, CELLS as u32 / BESIDE];
         self.known
             .write(device, [0; 3], size, bytemuck::cast_slice(&rows));
         Ok(())
@@ -99,8 +108,7 @@ fn rows(seen: &[[u32; 2]], parts: &[f64], received: &[[f64; PARTS]], share: f64)
     }
     // What nothing was sent to may be seen.
     let anywhere = anywhere.map(|[sent, arrived]| (arrived as f64 + 1.0) / (sent as f64 + 1.0));
-    let mut rows = Vec::with_capacity(seen.len() / PAIRS * ROW);
-    for cell in seen.chunks_exact(PAIRS) {
+    let row = |cell: &[[u32; 2]]| {
         let wider = match cell[COUNTS][0] as usize {
             0 => None,
             row => seen.chunks_exact(PAIRS).nth(row - 1),
@@ -114,9 +122,21 @@ fn rows(seen: &[[u32; 2]], parts: &[f64], received: &[[f64; PARTS]], share: f64)
         let weights: Vec<f64> = (0..PARTS)
             .map(|i| arrives[i] * facing.map_or(1.0, |received| received[i]))
             .collect();
-        push_row(&mut rows, parts, &weights, BLIND);
-        rows.extend([share_of_sky(share, arriving, arrives[PARTS]) as f32; 4]);
-    }
+        let mut row = Vec::with_capacity(ROW);
+        push_row(&mut row, parts, &weights, BLIND);
+        row.extend([share_of_sky(share, arriving, arrives[PARTS]) as f32; 4]);
+        row
+    };
+    // Most cells lie nowhere.
+    let nowhere = row(&[[0; 2]; PAIRS]);
+    let mut rows = vec![0.0; seen.len() / PAIRS * ROW];
+    let cells = seen.par_chunks_exact(PAIRS);
+    rows.par_chunks_exact_mut(ROW)
+        .zip(cells)
+        .for_each(|(to, cell)| match cell[COUNTS] {
+            [0, 0] => to.copy_from_slice(&nowhere),
+            _ => to.copy_from_slice(&row(cell)),
+        });
     rows
 }
 
@@ -156,7 +176,7 @@ mod tests {
         // The first cell sees part 5 and no lamp, the second has seen nothing yet. The third lies in the first.
         let mut seen = vec![[100, 0]; PAIRS];
         seen[5] = [100, 90];
-        seen[COUNTS] = [0, 0];
+        seen[COUNTS] = [0, 1];
         seen.extend(vec![[0, 0]; 2 * PAIRS]);
         seen[2 * PAIRS + COUNTS] = [1, 0];
         let rows = rows(&seen, &parts, &[], 0.5);
