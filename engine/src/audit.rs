@@ -28,6 +28,9 @@ pub struct Audit {
     pub blocks: Range<f64>,
 }
 
+/// Blocks that there have to be: how much fewer of them differ says nothing of how sure their mean is.
+const LEAST_BLOCKS: usize = 16;
+
 /// A block, sums over its channels.
 #[derive(Debug, Clone, Copy, Default)]
 struct Block {
@@ -51,9 +54,12 @@ impl Audit {
     }
 
     /// Of a picture whose samples come in halves, by two others of the same size. `None` where there is nothing to compare: too few
-    /// samples, or all is black.
+    /// samples or pixels, or all is black.
     pub fn new(picture: &Film, truth: [&Film; 2]) -> Option<Self> {
         let blocks = blocks(picture, truth)?;
+        if blocks.len() < LEAST_BLOCKS {
+            return None;
+        }
         let brightness = |blocks: &mut dyn Iterator<Item = Block>| {
             let (picture, truth) = blocks.fold((0.0, 0.0), |(a, b), block| {
                 (a + block.picture, b + block.truth)
@@ -185,5 +191,10 @@ mod tests {
         assert_eq!(Audit::new(&noise(3, 0.0, 0.0, 32), [&black, &black]), None);
         let few = noise(3, 1.0, 0.0, 16);
         assert_eq!(Audit::new(&few, [&few, &few]), None, "one half alone");
+        let mut dot = Film::new(1, 1);
+        for number in 0..64 {
+            dot.add_sample_of_half(0, number, [1.0; 3]);
+        }
+        assert_eq!(Audit::new(&dot, [&dot, &dot]), None, "a single block");
     }
 }
