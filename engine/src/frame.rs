@@ -155,8 +155,8 @@ const CACHE_GIVES: u32 = 4;
 /// Vertices that scatter before Russian roulette begins.
 const ROULETTE_START: u32 = 1;
 /// Side of a cell in which the sky is known over its distance to the camera, before it is rounded down to a power of two: in a room,
-/// a quarter of a metre.
-const SKY_CELL_SCALE: f32 = 0.125;
+/// half a metre.
+const SKY_CELL_SCALE: f32 = 0.25;
 /// Pixels along the side of a block.
 pub(crate) const BLOCK: u32 = 8;
 /// Pixels of a block.

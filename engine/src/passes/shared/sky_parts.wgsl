@@ -15,10 +15,7 @@ const SKY_COLUMNS = 32u;
 const SKY_ROWS = 16u;
 const SKY_PARTS = 512u;
 // Cells; where two places share one, both are served worse, but not wrongly.
-const SKY_CELLS = 16384u;
-// Texels of what is known of a cell, and how many of these stand side by side in the image.
-const SKY_TEXELS = 129u;
-const SKY_BESIDE = 2u;
+const SKY_CELLS = 8192u;
 // Steps of the grids of normals, see `receiver_facing`: without and with cells.
 const FACING_STEPS = 16u;
 const CELL_FACING_STEPS = 4u;
@@ -33,18 +30,14 @@ fn sky_is_known() -> bool {
     return leaves_diffuse && (frame.caches & CACHE_SKY) != 0u;
 }
 
-fn known_sky_texel(texel: u32, row: u32) -> vec4f {
-    return textureLoad(known_sky, vec2u(texel + row % SKY_BESIDE * SKY_TEXELS, row / SKY_BESIDE), 0);
-}
-
 fn sky_share(row: u32) -> f32 {
-    return known_sky_texel(SKY_PARTS / 4u, row).x;
+    return textureLoad(known_sky, vec2u(SKY_PARTS / 4u, row), 0).x;
 }
 
 // Four parts of a row of the one or the other.
 fn sky_texel(texel: u32, row: u32) -> vec4f {
     if (sky_is_known()) {
-        return known_sky_texel(texel, row);
+        return textureLoad(known_sky, vec2u(texel, row), 0);
     }
     return textureLoad(facing_sky, vec2u(texel, row), 0);
 }

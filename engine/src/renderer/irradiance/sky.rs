@@ -16,9 +16,7 @@ use crate::gpu_scene::{
 };
 
 /// Cells: as in `shared/sky_parts.wgsl`.
-const CELLS: usize = 16384;
-/// Rows of cells that stand side by side in the image, whose height is limited: as there.
-const BESIDE: u32 = 2;
+const CELLS: usize = 8192;
 /// Steps of the grid of normals by which cells are told apart: as there.
 const FACING_STEPS: u32 = 4;
 /// What normals between those receive beyond them.
@@ -61,7 +59,7 @@ impl Sky {
     pub(super) fn new(device: &Device, resources: &mut Resources) -> Result<Self, DeviceError> {
         let seen = device.buffer("sky_seen", Usage::Storage, COUNTED)?;
         resources.set_buffer("sky_seen", seen);
-        let size = [BESIDE * TEXELS, CELLS as u32 / BESIDE, 1];
+        let size = [TEXELS, CELLS as u32, 1];
         let known = device.image("known sky", ImageUse::Read, size, Format::Rgba32Float)?;
         resources.set_image("known_sky", known.clone());
         Ok(Self { known })
@@ -90,7 +88,7 @@ impl Sky {
         };
         let received = received(FACING_STEPS, environment.turn, BETWEEN);
         let rows = rows(&seen, &environment.parts, &received, share);
-        let size = [BESIDE * TEXELS, CELLS as u32 / BESIDE];
+        let size = [TEXELS, CELLS as u32];
         self.known
             .write(device, [0; 3], size, bytemuck::cast_slice(&rows));
         Ok(())
