@@ -625,7 +625,7 @@ impl Renderer {
             Purpose::Look => Some(Errand::Look),
             Purpose::Find(_) => Some(Errand::Unseen),
             Purpose::Learn { .. } => {
-                // A picture that goes on has its samples.
+                // A picture that goes on has its samples, and a whole of which parts are rendered has no film.
                 let is_seen = !self.is_begun() && self.whole.is_none();
                 match self.scene.environment.emits {
                     true => Some(Errand::Learn { is_seen }),
@@ -676,32 +676,6 @@ impl Renderer {
             false => format!("compiling the kernel {label}"),
         };
         self.device.play_apart(&recording, &mut self.timer, say)
-    }
-
-    /// Forgets all samples: the next wave starts the picture anew. What was written before is submitted.
-    pub fn restart(&mut self) {
-        self.whole = None;
-        self.forget_light();
-        self.begin_anew();
-    }
-
-    /// Forgets all samples, but not what is known of the light.
-    fn begin_anew(&mut self) {
-        self.restarts += 1;
-        // The film is cleared when it is needed next: an edit doesn't wait for that, nor do hundreds of them clear it
-        // hundreds of times.
-        self.is_stale = true;
-        self.forget_guides();
-        self.survey = None;
-        self.position = 0;
-        self.burst = Burst::default();
-        self.rendered = 0;
-        self.device.flush();
-    }
-
-    /// How often the picture has begun anew since the renderer was made.
-    pub fn restarts(&self) -> u64 {
-        self.restarts
     }
 
     fn clear_stale_film(&mut self) -> Result<(), DeviceError> {

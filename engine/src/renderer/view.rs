@@ -116,6 +116,32 @@ impl Renderer {
         Ok(())
     }
 
+    /// Forgets all samples: the next wave starts the picture anew. What was written before is submitted.
+    pub fn restart(&mut self) {
+        self.whole = None;
+        self.forget_light();
+        self.begin_anew();
+    }
+
+    /// Forgets all samples, but not what is known of the light.
+    pub(super) fn begin_anew(&mut self) {
+        self.restarts += 1;
+        // The film is cleared when it is needed next: an edit doesn't wait for that, nor do hundreds of them clear it
+        // hundreds of times.
+        self.is_stale = true;
+        self.forget_guides();
+        self.survey = None;
+        self.position = 0;
+        self.burst = Burst::default();
+        self.rendered = 0;
+        self.device.flush();
+    }
+
+    /// How often the picture has begun anew since the renderer was made.
+    pub fn restarts(&self) -> u64 {
+        self.restarts
+    }
+
     /// From now on only these pixels get samples: first column and row, then those behind the last. What the others have
     /// stays.
     pub fn set_region(&mut self, region: Option<[u32; 4]>) {

@@ -8,12 +8,10 @@ use super::{RenderError, RenderSettings, Renderer, check_size};
 /// The picture that parts belong to.
 #[derive(Debug)]
 pub(super) struct Whole {
-    size: [u32; 2],
-    crop: Option<Crop>,
-    /// Samples of each pixel that it will have at the most.
-    samples: u32,
+    /// Its size, where it is a part itself, and the samples of each pixel that it will have at the most.
+    what: ([u32; 2], Option<Crop>, u32),
     /// Nothing is left to be found out.
-    pub(super) is_known: bool,
+    is_known: bool,
 }
 
 impl Renderer {
@@ -40,15 +38,13 @@ impl Renderer {
             ..self.settings.clone()
         };
         check_size(&settings)?;
-        let wanted = Whole {
-            size: [width, height],
-            crop,
-            samples,
-            is_known: false,
-        };
-        if !(self.whole.as_ref()).is_some_and(|whole| whole.is_of(&wanted)) {
+        let what = ([width, height], crop, samples);
+        if self.whole.as_ref().is_none_or(|whole| whole.what != what) {
             self.restart();
-            self.whole = Some(wanted);
+            self.whole = Some(Whole {
+                what,
+                is_known: false,
+            });
         }
         let mut whole = Frame::new(&settings, self.capacity, &self.scene);
         whole.set_known_sky(self.frame.knows_sky());
@@ -66,11 +62,5 @@ impl Renderer {
     /// Whether the light is known, and doesn't grow with the samples.
     pub(super) fn knows_whole(&self) -> bool {
         self.whole.as_ref().is_some_and(|whole| whole.is_known)
-    }
-}
-
-impl Whole {
-    fn is_of(&self, wanted: &Self) -> bool {
-        (self.size, self.crop, self.samples) == (wanted.size, wanted.crop, wanted.samples)
     }
 }
