@@ -472,6 +472,7 @@ fn settings(
         method: job.method,
         layers: job.layers.clone(),
         crop: job.crop,
+        piece_of: job.piece_of,
         filter_width: job.filter_width,
         time: sight.moment.seconds as f32,
         frame_index: sight.frame_index,

@@ -66,6 +66,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         sampler,
         halves,
         method,
+        piece_of: _,
         refinement,
         paths_ahead,
         largest_wave: _,

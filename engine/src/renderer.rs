@@ -42,7 +42,7 @@ use self::lanes::{Lanes, Plan, Wave, Work, begin_wave};
 use self::photons::Photons;
 use self::pipeline::{Bound, Kernels};
 use self::record::Recorder;
-use self::whole::Whole;
+use self::whole::Known;
 
 pub use crate::settings::RenderSettings;
 
@@ -321,7 +321,7 @@ pub struct Renderer {
     /// A map of photons, where they bring caustics.
     photons: Option<Photons>,
     /// The picture of which parts are rendered, if that is so.
-    whole: Option<Whole>,
+    whole: Option<Known>,
     /// How often the picture has begun anew.
     restarts: u64,
     /// All kernels have run, so that drivers that compile them then have done so.

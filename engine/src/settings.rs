@@ -55,6 +55,9 @@ pub struct RenderSettings {
     pub halves: bool,
     /// How light that is scattered more than once is found.
     pub method: Method,
+    /// The picture that this one is a piece of, to be rendered one after the other by one renderer, where it is one. What is known of the
+    /// light is found out as the camera sees the whole of it, and there are as many photons as it needs.
+    pub piece_of: Option<Divided>,
     /// How often what records of irradiance may be wrong by is halved, for [`Method::Cache`].
     pub refinement: u32,
     /// Paths of which caches learn before a picture with records begins, about, and more in large pictures; a quarter for one without. With
@@ -70,6 +73,15 @@ pub struct RenderSettings {
     pub frame_index: u32,
     /// How the scene is beside the picture's moment, for the film's layer `vector`; `None` where nothing moves.
     pub beside: Option<Arc<Beside>>,
+}
+
+/// A picture that is rendered in pieces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Divided {
+    /// Columns and rows, pixels.
+    pub size: [u32; 2],
+    /// Where it lies, if it is a part of a picture itself.
+    pub crop: Option<Crop>,
 }
 
 /// A scene one frame before, and one frame after.
@@ -216,6 +228,7 @@ impl RenderSettings {
             sampler: Sampler::Sobol,
             halves: false,
             method: Method::Path,
+            piece_of: None,
             refinement: 0,
             paths_ahead: PATHS_AHEAD,
             largest_wave: u32::MAX,

@@ -11,7 +11,7 @@ use engine::filter::PixelFilter;
 use engine::scene::Scene;
 use engine::scene::view::ViewChoice;
 use engine::session::Edit;
-use engine::settings::{Estimator, Method, Sampler};
+use engine::settings::{Divided, Estimator, Method, Sampler};
 
 use crate::accuracy::{Accuracy, method_flag};
 use crate::args::RenderArgs;
@@ -56,6 +56,8 @@ pub(crate) struct RenderJob {
     pub(crate) height: u32,
     /// Where these lie in a larger picture, of which nothing else is rendered.
     pub(crate) crop: Option<Crop>,
+    /// What this is a piece of, where the picture doesn't fit the memory.
+    pub(crate) piece_of: Option<Divided>,
     /// Name of the camera.
     pub(crate) camera: Option<String>,
     /// When the scene is seen.
@@ -238,6 +240,7 @@ impl RenderJob {
             width,
             height,
             crop,
+            piece_of: None,
             form,
             camera: args.camera,
             motion,

@@ -14,7 +14,7 @@ use engine::film::write::Format;
 use engine::film::{Crop, Film, Origin, Tally};
 use engine::scene::view::View;
 use engine::session::Session;
-use engine::settings::{Beside, Method};
+use engine::settings::{Beside, Divided, Method};
 use engine::stats::{DeviceFacts, Stats};
 
 use crate::accuracy::{Accuracy, method_flag};
@@ -36,6 +36,10 @@ use super::limits::{Limit, Watch};
 use super::reel::View as Seen;
 use super::{Ended, Gathered, Rendered, Rest, Start, failure, settings};
 
+/// Pixels of a piece where the memory allows it, about: enough to keep a device busy, and the same however large the picture is.
+const PIXELS: u32 = 512 * 512;
+/// The same where photons are sent out for each sample of each piece: as many as they are in a large picture.
+const PIXELS_WITH_PHOTONS: u32 = 1024 * 1024;
 /// Samples per pixel of the small picture that tells how bright the whole is.
 const PREVIEW: u32 = 16;
 /// Samples per pixel that light is found out about for, where their number isn't known.
@@ -85,7 +89,11 @@ pub(super) fn plan(
     }
     let first = |division: &Division| need(&job.piece(&division.piece(0)));
     let division = begun.unwrap_or_else(|| {
-        Division::fitting([job.width, job.height], |division| {
+        let pixels = match job.method.has_photons() {
+            true => PIXELS_WITH_PHOTONS,
+            false => PIXELS,
+        };
+        Division::fitting([job.width, job.height], pixels, |division| {
             fits(&first(division)).is_ok()
         })
     });
@@ -127,19 +135,20 @@ fn indivisible(job: &RenderJob) -> Option<String> {
     }
     let flag = job.accuracy.map_or(method_flag(job.method), |a| a.flag());
     let (because, instead) = match (job.method, job.accuracy) {
-        (Method::Path, _) => return None,
-        (Method::Photons | Method::CachePhotons, _) => {
-            ("all photons would be sent out again for each", "cache")
-        }
+        (Method::Path | Method::Photons, _) => return None,
         (Method::Cache, Some(Accuracy::Final)) => (
             "how right a picture is shows in the whole of it alone",
             "cache",
         ),
-        (Method::Draft | Method::Cache, _) if job.motion.shutter.is_some() => (
-            "light would be found out about anew for each moment of each piece",
-            "path",
-        ),
-        (Method::Draft | Method::Cache, _) => return None,
+        (Method::Draft | Method::Cache | Method::CachePhotons, _)
+            if job.motion.shutter.is_some() =>
+        {
+            (
+                "light would be found out about anew for each moment of each piece",
+                "path",
+            )
+        }
+        (Method::Draft | Method::Cache | Method::CachePhotons, _) => return None,
     };
     Some(format!(
         "with {flag} {because}; render with --method {instead}"
@@ -156,6 +165,10 @@ impl RenderJob {
         });
         Self {
             height: piece.rows,
+            piece_of: Some(Divided {
+                size: [self.width, self.height],
+                crop: self.crop,
+            }),
             crop: Some(Crop {
                 top: here.top + piece.top,
                 ..here
@@ -369,16 +382,11 @@ fn time_of_piece(time: Option<Duration>, clock: &Instant, left: u32) -> Option<D
 
 /// Has it found out what all pieces have to know of the light, where paths don't find all of it by themselves.
 fn learn(job: &RenderJob, session: &mut Session, bar: &Bar) -> Result<(), Failure> {
-    let size = [job.width, job.height];
     let samples = match job.limits == Limits::default() {
         true => job.first_sample.saturating_add(job.spp.get()),
         false => UNKNOWN_SAMPLES,
     };
-    while session
-        .learn_of_whole(size, job.crop, samples)
-        .map_err(failure)?
-        && !interrupt::requested()
-    {
+    while session.learn_of_whole(samples).map_err(failure)? && !interrupt::requested() {
         alone::awaits(bar, session.records_awaited().unwrap_or(0));
     }
     Ok(())

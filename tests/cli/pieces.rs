@@ -6,6 +6,8 @@ use super::*;
 
 /// Lit by a sky, so that it has noise.
 const LOOK: &str = "environment = { color = [0.5, 0.6, 0.9] }\n[material.Glow]\nemission = [0.1, 0.1, 0.1]\nroughness = 0.4\n";
+/// A surface that throws caustics, and a lamp.
+const MIRROR: &str = "[light.Lamp]\ntype = \"point\"\nposition = [0.2, 0.3, 1.0]\nintensity = 10.0\n[material.Glow]\nmetallic = 1.0\nroughness = 0.1\n";
 /// Layers of sums, of first values and of ids, some in 16 bits.
 const LAYERS: &str = "--layers depth,normal,diffuse_direct,emission,crypto_object,samples";
 
@@ -36,6 +38,8 @@ fn pictures_in_pieces_are_those_rendered_at_once() {
     let bytes = |name: &str| fs::read(bench.path(name)).expect("it was written");
     let scene = "render triangle.gltf --look sky.look.toml --size 70x500 --spp 3";
     let all = format!("{scene} {LAYERS}");
+    fs::write(bench.path("mirror.look.toml"), MIRROR).expect("written");
+    let mirror = scene.replace("sky", "mirror");
     for (name, line) in [
         ("all", all.clone()),
         ("alone", format!("{scene} --transparent --part 2/3")),
@@ -46,6 +50,11 @@ fn pictures_in_pieces_are_those_rendered_at_once() {
             format!("{scene} --layers depth,albedo,samples --method cache"),
         ),
         ("draft", format!("{scene} --method draft --crop 3,5,61,481")),
+        ("photons", format!("{mirror} --method photons")),
+        (
+            "both",
+            format!("{mirror} --method cache+photons --crop 3,5,61,481"),
+        ),
     ] {
         let line = format!("{line} -o {name}.exr -o {name}.png");
         let whole = bench.run(&line).expect_code(0).stdout;
@@ -178,9 +187,7 @@ fn what_needs_the_whole_picture_is_refused() {
             "-o a.png --method draft --turntable 2 --shutter 0.5 --motion-samples 1",
             "for each moment",
         ),
-        ("-o a.png --method photons", "--method photons"),
         ("-o a.png --accuracy final", "--accuracy final"),
-        ("-o a.png --method cache+photons", "--method cache+photons"),
         ("-o a.png --device native:1,native:1", "a single device"),
     ] {
         bench

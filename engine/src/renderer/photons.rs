@@ -93,7 +93,10 @@ struct Sizes {
 
 impl Sizes {
     fn of(device: &Device, settings: &RenderSettings) -> Self {
-        let paths = paths_per_sample(settings.width, settings.height);
+        let [width, height] = settings
+            .piece_of
+            .map_or([settings.width, settings.height], |whole| whole.size);
+        let paths = paths_per_sample(width, height);
         // A power of two, which their sample points fill evenly.
         let photons = (1 << paths.max(1).ilog2()).clamp(FEWEST, MOST);
         Self {
@@ -204,7 +207,7 @@ impl Renderer {
             }
         };
         let paths = u64::from(self.next_wave_size()).min(total - done);
-        let mut frame = self.frame.without_lights();
+        let mut frame = self.frame_of_whole().without_lights();
         frame.set_seed(self.photon_seed(map));
         frame.set_wave(done, paths as u32, 0, u32::MAX);
         let work = Work::Range {

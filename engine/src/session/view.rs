@@ -66,13 +66,8 @@ impl Session {
     ///
     /// # Errors
     /// As there.
-    pub fn learn_of_whole(
-        &mut self,
-        size: [u32; 2],
-        crop: Option<Crop>,
-        samples: u32,
-    ) -> Result<bool, SessionError> {
-        Ok(self.renderer.learn_of_whole(size, crop, samples)?)
+    pub fn learn_of_whole(&mut self, samples: u32) -> Result<bool, SessionError> {
+        Ok(self.renderer.learn_of_whole(samples)?)
     }
 
     /// See [`crate::renderer::Renderer::set_region`].

@@ -1,13 +1,13 @@
 //! Photons bring what mirrors and bodies of glass throw on other surfaces: the light that paths find, and all of it once.
 
 use ::device::Device;
-use engine::film::Film;
+use engine::film::{Crop, Film};
 use engine::procedural::TextureSources;
 use engine::renderer::Renderer;
 use engine::scene::{
     Environment, FloatImage, LightKind, Material, Projection, PunctualLight, Scene,
 };
-use engine::settings::{Method, RenderSettings};
+use engine::settings::{Divided, Method, RenderSettings};
 use glam::Vec3;
 
 use crate::light_cache::{film, mean, room};
@@ -409,4 +409,50 @@ fn lamps_and_surfaces_of_programs_count_as_they_should() {
         render_with(device, &scene, &procedural, &settings, spp)
     };
     agree("programs", &device, of, 0.05);
+}
+
+/// As many as of the whole, the same ones: no border is seen where pieces meet.
+#[test]
+fn pieces_have_the_photons_of_the_whole() {
+    let Some(device) = device::open() else { return };
+    const SPP: u32 = 2;
+    // More photons than a small piece would have by itself.
+    let (width, height) = (256, 132);
+    let mut scene = below_glass();
+    let procedural = no_textures(&mut scene);
+    for method in [Method::Photons, Method::CachePhotons] {
+        let settings = RenderSettings {
+            paths_ahead: FEW,
+            ..seen((width, height), 1, method)
+        };
+        let whole = film(&device, scene.clone(), &settings, SPP);
+        let piece = |top: u32, rows: u32| RenderSettings {
+            height: rows,
+            crop: Some(Crop {
+                left: 0,
+                top,
+                whole: [width, height],
+            }),
+            piece_of: Some(Divided {
+                size: [width, height],
+                crop: None,
+            }),
+            ..settings.clone()
+        };
+        let mut renderer = Renderer::new(&device, &scene, &procedural, &piece(0, 50))
+            .unwrap_or_else(|error| panic!("{error}"));
+        while renderer
+            .learn_of_whole(SPP)
+            .unwrap_or_else(|error| panic!("{error}"))
+        {}
+        for (top, rows) in [(0, 50), (50, 50), (100, 32)] {
+            let went = renderer.set_part([width, rows], piece(top, rows).crop);
+            went.and_then(|()| renderer.render(SPP))
+                .unwrap_or_else(|error| panic!("{error}"));
+            let film = renderer.film().unwrap_or_else(|error| panic!("{error}"));
+            let first = (top * width) as usize;
+            let is_same = (0..film.pixels()).all(|at| film.sum(at) == whole.sum(first + at));
+            assert!(is_same, "{method:?}, from row {top} on");
+        }
+    }
 }

@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-/// Pixels of a piece where the memory allows it, about: enough to keep a device busy, and the same however large the picture is.
-const PIXELS: u32 = 512 * 512;
 /// Pieces begin with whole blocks of pixels: what adaptive sampling decides about, and what a wave begins with.
 const BLOCK: u32 = 8;
 
@@ -38,10 +36,10 @@ impl Division {
         }
     }
 
-    /// In pieces of the usual size, or smaller ones that fit; the smallest there are where none do.
-    pub(super) fn fitting(size: [u32; 2], fits: impl Fn(&Self) -> bool) -> Self {
+    /// In pieces of about so many pixels, or smaller ones that fit; the smallest there are where none do.
+    pub(super) fn fitting(size: [u32; 2], pixels: u32, fits: impl Fn(&Self) -> bool) -> Self {
         let [width, height] = size;
-        let mut rows = (PIXELS / width.max(1)).min(height) / BLOCK * BLOCK;
+        let mut rows = (pixels / width.max(1)).min(height) / BLOCK * BLOCK;
         loop {
             let division = Self::new(size, rows.max(BLOCK));
             if rows <= BLOCK || fits(&division) {
@@ -87,6 +85,8 @@ impl fmt::Display for Division {
 mod tests {
     use super::*;
 
+    const PIXELS: u32 = 512 * 512;
+
     #[test]
     fn pieces_are_as_large_whatever_the_picture_is() {
         for (size, text) in [
@@ -97,7 +97,7 @@ mod tests {
             ([100, 20], "2 pieces of 100x16"),
             ([16384, 1], "1 piece of 16384x1"),
         ] {
-            let division = Division::fitting(size, |_| true);
+            let division = Division::fitting(size, PIXELS, |_| true);
             assert_eq!(division.to_string(), text);
         }
     }
@@ -110,7 +110,7 @@ mod tests {
             ([33, 100], 16),
             ([3, 5], 8),
         ] {
-            let division = Division::fitting(size, |division| division.rows <= most);
+            let division = Division::fitting(size, PIXELS, |division| division.rows <= most);
             let mut next = 0;
             for (number, piece) in division.pieces().enumerate() {
                 assert_eq!((piece.number as usize, piece.top), (number, next));
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn the_smallest_pieces_are_rows_of_blocks() {
-        let division = Division::fitting([4096, 4096], |_| false);
+        let division = Division::fitting([4096, 4096], PIXELS, |_| false);
         assert_eq!(division.to_string(), "512 pieces of 4096x8");
     }
 }
