@@ -20,6 +20,9 @@ const ECHO: Duration = Duration::from_millis(500);
 /// What the exit code of a signal adds to its number, as shells do.
 const CODE: i32 = 128;
 
+/// What is said where there are no results yet.
+pub(crate) const NOTHING: &str = "interrupted before there was anything to write";
+
 /// The first signal; 0 before it.
 static SIGNAL: AtomicI32 = AtomicI32::new(0);
 /// When it came, if there were results.
@@ -85,7 +88,7 @@ fn arrived(signal: i32) {
         }
         Ok(_) => {
             progress::clear_line();
-            console::warning("interrupted before there was anything to write");
+            console::warning(NOTHING);
             leave();
         }
         Err(_) if CAME.get().is_some_and(|came| came.elapsed() < ECHO) => {}

@@ -297,6 +297,11 @@ fn write(
     let tally = rendered.gathered.tally();
     let (lowest, _) = tally.sample_bounds();
     if let Some(Ended::Interrupted) = &rendered.ended {
+        if tally.samples() == 0 {
+            // A black picture would take the place of a former one.
+            console::warning(interrupt::NOTHING);
+            return (Err(Failure::Interrupted), rendered.rest);
+        }
         console::warning(&format!(
             "interrupted: every pixel has at least {lowest} of {} samples",
             job.spp

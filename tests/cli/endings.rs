@@ -83,6 +83,28 @@ fn signals_end_a_render_with_all_that_was_asked_for() {
     }
 }
 
+/// While light is found out about there is no sample, however long that takes.
+#[test]
+fn no_picture_takes_the_place_of_a_former_one_without_a_sample() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    fs::write(bench.path("a.png"), "the former one").expect("written");
+    let line = "render triangle.gltf --method cache --size 3000x2000 --spp 64 -o a.png";
+    for tenths in [4, 8, 16] {
+        let child = bench.start(line);
+        sleep(Duration::from_millis(100 * tenths));
+        signal(&child, "-INT");
+        let said = outcome(child, line).expect_code(130).stderr;
+        let is_former = fs::read(bench.path("a.png")).expect("there") == b"the former one";
+        assert!(is_former || !said.contains("before there was"), "{said}");
+        if !is_former {
+            return; // it had samples
+        }
+    }
+}
+
 #[test]
 fn a_second_signal_ends_at_once_and_one_that_was_ignored_stays_so() {
     if !device() {
