@@ -320,7 +320,7 @@ pub struct Renderer {
     irradiance: Option<Irradiance>,
     /// A map of photons, where they bring caustics.
     photons: Option<Photons>,
-    /// The picture of which parts are rendered, if that is so.
+    /// What is known of the light of the picture of which parts are rendered, if that is so.
     whole: Option<Known>,
     /// How often the picture has begun anew.
     restarts: u64,
