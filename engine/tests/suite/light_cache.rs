@@ -3,7 +3,7 @@
 use ::device::Device;
 use engine::film::{Film, Layers};
 use engine::renderer::Renderer;
-use engine::scene::{LightKind, Material, Projection, PunctualLight, Scene};
+use engine::scene::{LightKind, Material, Mesh, Projection, PunctualLight, Scene};
 use engine::settings::{Method, RenderSettings};
 use glam::{Vec3, Vec4};
 
@@ -170,55 +170,98 @@ fn where_paths_cannot_end_in_a_cache_nothing_changes() {
     }
 }
 
-/// A board above a floor on which the sun shines: it gets what the floor reflects, which is more than the floor sends to the camera, and
-/// so more than the mean over all directions.
+/// A board above a floor of a material on which the sun shines: how bright each column of the picture is where the board is seen.
+fn board_above(
+    device: &Device,
+    (floor, material): (Mesh, &Material),
+    (width, height): (u32, u32),
+    method: Method,
+    spp: u32,
+) -> Vec<f64> {
+    // It leans towards the camera, its back to the sun.
+    let leaning = Vec3::new(0.0, 2.0, -2.0);
+    let board = quad(Vec3::new(-2.0, 1.0, 3.0), leaning, Vec3::X * 4.0);
+    let mut scene = scene(
+        [
+            (floor, material.clone()),
+            (board, lambert(Vec3::splat(0.7))),
+        ],
+        Vec3::ZERO,
+    );
+    scene.lights.push(PunctualLight {
+        name: "sun".to_owned(),
+        kind: LightKind::Directional,
+        intensity: Vec3::splat(10.0),
+        position: Vec3::ZERO,
+        direction: Vec3::new(0.0, -1.0, 0.8).normalize(),
+        range: f32::INFINITY,
+    });
+    let camera = camera(
+        Vec3::new(0.0, 1.0, -4.0),
+        Vec3::new(0.0, 1.2, 2.0),
+        Vec3::Y,
+        Projection::Perspective { y_fov: 0.6 },
+    );
+    let shot = Shot {
+        size: (width, height),
+        max_depth: 2,
+        spp: 0,
+    };
+    let mut settings = settings(&camera, shot);
+    (settings.method, settings.seed) = (method, spp);
+    let pixels = film(device, scene, &settings, spp).mean();
+    let seen = &pixels[..(width * height / 3) as usize];
+    let columns =
+        (0..width as usize).map(|column| seen.iter().skip(column).step_by(width as usize));
+    columns
+        .map(|column| column.map(|pixel| f64::from(pixel[1])).sum())
+        .collect()
+}
+
+/// It gets what the floor reflects, which is more than the floor sends to the camera, and so more than the mean over all directions.
 #[test]
 fn what_a_floor_reflects_of_the_sun_lights_what_is_above_it() {
     let Some(device) = device::open() else { return };
-    let (width, height) = (48, 36);
-    // How bright the board is, in the upper part of the picture.
+    let metal = Material {
+        base_color: Vec4::new(0.9, 0.9, 0.9, 1.0),
+        metallic: 1.0,
+        roughness: 0.5,
+        ..Material::default()
+    };
     let of = |method, spp| {
-        let metal = Material {
-            base_color: Vec4::new(0.9, 0.9, 0.9, 1.0),
-            metallic: 1.0,
-            roughness: 0.5,
-            ..Material::default()
-        };
-        // It leans towards the camera, its back to the sun.
-        let leaning = Vec3::new(0.0, 2.0, -2.0);
-        let board = quad(Vec3::new(-2.0, 1.0, 3.0), leaning, Vec3::X * 4.0);
-        let mut scene = scene(
-            [(floor(3.0), metal), (board, lambert(Vec3::splat(0.7)))],
-            Vec3::ZERO,
-        );
-        scene.lights.push(PunctualLight {
-            name: "sun".to_owned(),
-            kind: LightKind::Directional,
-            intensity: Vec3::splat(10.0),
-            position: Vec3::ZERO,
-            direction: Vec3::new(0.0, -1.0, 0.8).normalize(),
-            range: f32::INFINITY,
-        });
-        let camera = camera(
-            Vec3::new(0.0, 1.0, -4.0),
-            Vec3::new(0.0, 1.2, 2.0),
-            Vec3::Y,
-            Projection::Perspective { y_fov: 0.6 },
-        );
-        let shot = Shot {
-            size: (width, height),
-            max_depth: 2,
-            spp: 0,
-        };
-        let mut settings = settings(&camera, shot);
-        (settings.method, settings.seed) = (method, spp);
-        let film = film(&device, scene, &settings, spp);
-        let above = film.mean().into_iter().take((width * height / 3) as usize);
-        above.map(|pixel| f64::from(pixel[1])).sum::<f64>()
+        board_above(&device, (floor(3.0), &metal), (48, 36), method, spp)
+            .iter()
+            .sum::<f64>()
     };
     let right = of(Method::Path, 1024);
     for method in [Method::Draft, Method::Cache] {
         let off = of(method, 128) / right - 1.0;
         assert!(off.abs() < 0.04, "{}: off by {off}", method.name());
+    }
+}
+
+/// And it gets it where a table reflects it to, although paths end on the table, whose cells know some directions alone.
+#[test]
+fn what_a_polished_table_reflects_of_the_sun_goes_where_it_does() {
+    let Some(device) = device::open() else { return };
+    let polished = Material {
+        base_color: Vec4::new(0.02, 0.02, 0.02, 1.0),
+        metallic: 0.0,
+        roughness: 0.45,
+        ..Material::default()
+    };
+    let of = |method, spp| -> Vec<f64> {
+        let table = floor(0.4);
+        let columns = board_above(&device, (table, &polished), (192, 144), method, spp);
+        (columns.chunks(24).map(|columns| columns.iter().sum())).collect()
+    };
+    let right = of(Method::Path, 256);
+    for method in [Method::Draft, Method::Cache] {
+        let found = of(method, 32);
+        let brightest = right.iter().copied().fold(0.0, f64::max);
+        let most = (found.iter().zip(&right))
+            .map(|(found, right)| (found - right).abs() / brightest)
+            .fold(0.0, f64::max);
+        assert!(most < 0.11, "{}: off by {most}", method.name());
     }
 }

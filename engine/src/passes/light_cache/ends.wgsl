@@ -13,7 +13,7 @@
 // see the cells. After Müller et al., "Real-time Neural Radiance Caching for Path Tracing", 2021, equations 3 and 4, for one segment.
 const LEAST_SPREAD = 4.0;
 // Surfaces that are smoother scatter other light to other places: a floor on which the sun shines lights the wall that it reflects it to,
-// by a quarter in a room whose floor has a roughness of 0.5. So they have cells for each of 74 directions, some 30 degrees apart.
+// by a quarter in a room whose floor has a roughness of 0.5. So they have cells for each of some 300 directions, 15 degrees apart.
 const SAME_ALL_AROUND = 0.7;
 // What is smoother yet reflects to less than such a direction.
 const LEAST_ROUGHNESS = 0.35;
