@@ -21,6 +21,7 @@ const KERNELS: &[(&str, &str)] = &[
     ("brdf", "brdf/entry.wgsl"),
     ("classify", "classify/entry.wgsl"),
     ("gather_first_hit", "irradiance/first_hit.wgsl"),
+    ("look_for_sky", "irradiance/look.wgsl"),
     ("look_up_irradiance", "irradiance/look_up.wgsl"),
     ("look_up_light", "light_cache/look_up.wgsl"),
     ("raygen", "raygen/entry.wgsl"),

@@ -172,7 +172,7 @@ pub(crate) fn paths_per_sample(width: u32, height: u32) -> u64 {
 
 impl Frame {
     /// Whether light samples of the sky go where it is known to be seen.
-    pub(crate) fn set_known_sky(&mut self, is_known: bool) {
+    pub fn set_known_sky(&mut self, is_known: bool) {
         match is_known {
             true => self.caches |= CACHE_SKY,
             false => self.caches &= !CACHE_SKY,
@@ -182,6 +182,11 @@ impl Frame {
     /// Whether it is known where the sky is seen.
     pub(crate) fn knows_sky(&self) -> bool {
         self.caches & CACHE_SKY != 0
+    }
+
+    /// Corners of a box around the scene.
+    pub(crate) fn bounds(&self) -> [Vec3; 2] {
+        [self.bounds_min, self.bounds_max]
     }
 
     /// Whether records of irradiance are there for the paths of a wave.

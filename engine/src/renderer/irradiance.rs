@@ -16,6 +16,7 @@
 
 mod grid;
 mod growth;
+mod openings;
 mod records;
 mod sky;
 mod smooth;
@@ -111,8 +112,8 @@ const USE: u32 = 2;
 /// What is being done.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Phase {
-    /// It is found out where the sky is seen; paths so far.
-    Looking(u64),
+    /// It is found out where the sky is seen: by which openings, then how much of it through each. Paths of one of both so far.
+    Looking(Look, u64),
     /// The cache of scattered light learns; whether from paths that end in what it has learned before, and how many so far.
     Learning(bool, u64),
     /// Candidates of a pass are found; paths so far.
@@ -121,6 +122,13 @@ enum Phase {
     Gathering(u32, u64),
     /// The picture may begin.
     Ready,
+}
+
+/// What paths look for that go ahead.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Look {
+    Openings,
+    Sky,
 }
 
 /// What is known of the records of a pass.
@@ -228,7 +236,7 @@ impl Irradiance {
             solve = Some(irradiance::SOLVE.kernel(device, features)?);
         }
         Ok(Some(Self {
-            phase: Phase::Looking(0),
+            phase: Phase::Looking(Look::Openings, 0),
             records: Vec::new(),
             passes: [Pass::default(); DISTANCES.len()],
             pass: 0,
@@ -252,7 +260,7 @@ impl Irradiance {
 
     /// Forgets all of it.
     pub(super) fn restart(&mut self) {
-        self.phase = Phase::Looking(0);
+        self.phase = Phase::Looking(Look::Openings, 0);
         self.records.clear();
         self.passes = [Pass::default(); DISTANCES.len()];
         self.levels = 0;
@@ -340,7 +348,7 @@ impl Renderer {
                 Some(phase) => phase,
                 None => return Ok(false),
             },
-            Phase::Looking(done) => self.look_for_sky(done)?,
+            Phase::Looking(look, done) => self.look_for_sky(look, done)?,
             Phase::Learning(ends, done) => {
                 let (first_sample, samples) = self.samples_to_learn(ends);
                 let (done, is_last) = match samples {
@@ -390,25 +398,44 @@ impl Renderer {
     }
 
     /// Finds out where the sky is seen, of which so many paths are done.
-    fn look_for_sky(&mut self, done: u64) -> Result<Phase, RenderError> {
+    fn look_for_sky(&mut self, look: Look, done: u64) -> Result<Phase, RenderError> {
         if !self.scene.environment.emits {
             return Ok(Phase::Learning(false, 0));
         }
-        let Some(cache) = &self.irradiance else {
+        let Some(cache) = &mut self.irradiance else {
             return Ok(Phase::Ready);
         };
-        if done == 0 {
+        if (look, done) == (Look::Openings, 0) {
             cache.sky.begin(&self.device, &self.resources)?;
         }
-        let samples = self.samples_ahead().div_ceil(LOOKED_SHARE);
+        let all = self.samples_ahead().div_ceil(LOOKED_SHARE);
+        let for_openings = all.div_ceil(2);
         let first_sample = self.samples_ahead() + DISTANCES.len() as u32;
-        let (done, is_last) = self.prepare_wave(Purpose::Look, done, first_sample, samples)?;
+        let (first_sample, samples) = match look {
+            Look::Openings => (first_sample, for_openings),
+            Look::Sky => (first_sample + for_openings, all - for_openings),
+        };
+        let (done, is_last) = match samples {
+            0 => (0, true),
+            _ => self.prepare_wave(Purpose::Look, done, first_sample, samples)?,
+        };
         if !is_last {
-            return Ok(Phase::Looking(done));
+            return Ok(Phase::Looking(look, done));
+        }
+        if look == Look::Openings
+            && let Some(cache) = &mut self.irradiance
+        {
+            let bounds = self.frame.bounds();
+            cache
+                .sky
+                .find_openings(&self.device, &self.resources, bounds)?;
         }
         self.learn_sky()?;
         self.frame.set_known_sky(true);
-        Ok(Phase::Learning(false, 0))
+        Ok(match look {
+            Look::Openings => Phase::Looking(Look::Sky, 0),
+            Look::Sky => Phase::Learning(false, 0),
+        })
     }
 
     /// Has light samples of the sky go by what has been counted so far.

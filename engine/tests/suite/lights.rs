@@ -27,8 +27,8 @@ use crate::support::scenes::{
 /// `Params` below.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct Params {
-    position: Vec3,
+pub(crate) struct Params {
+    pub(crate) position: Vec3,
     light: u32,
     normal: Vec3,
     all_around: u32,
@@ -112,19 +112,33 @@ fn samples(@builtin(global_invocation_id) id: vec3u) {
 fn distant(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= arrayLength(&data)) { return; }
     let shares = light_shares(params.position, side(), path_id(0u));
-    data[id.x].w = sky_pdf(data[id.x].xyz, side(), shares) / shares.environment;
+    data[id.x].w = sky_pdf(params.position, data[id.x].xyz, side(), shares) / shares.environment;
+}
+
+// Samples of the sky by the first row of what is known of it: direction and density, then the density in that direction.
+@compute @workgroup_size(64)
+fn seen(@builtin(global_invocation_id) id: vec3u) {
+    if (2u * id.x + 1u >= arrayLength(&data)) { return; }
+    let s = seen_sample(vec2f(uniform_number(id.x, 0u), uniform_number(id.x, 1u)), 0u, params.position);
+    data[2u * id.x] = vec4f(s.wi, s.pdf);
+    data[2u * id.x + 1u] = vec4f(seen_pdf(params.position, s.wi, 0u), 0.0, 0.0, 0.0);
 }
 ";
 
-struct Harness {
-    device: Device,
+pub(crate) struct Harness {
+    pub(crate) device: Device,
     source: ComposedWgsl,
-    resources: Resources,
+    pub(crate) resources: Resources,
     scene: GpuScene,
 }
 
 impl Harness {
-    fn new(scene: &Scene) -> Option<Self> {
+    pub(crate) fn new(scene: &Scene) -> Option<Self> {
+        Self::with_sky(scene, false)
+    }
+
+    /// `knows_sky`: whether it is known where the sky is seen.
+    pub(crate) fn with_sky(scene: &Scene, knows_sky: bool) -> Option<Self> {
         let device = device::open()?;
         let mut source = ComposedWgsl::of("brdf/entry.wgsl");
         source.text.push_str(HARNESS);
@@ -139,7 +153,8 @@ impl Harness {
         )
         .unwrap_or_else(|error| panic!("{error}"));
         let settings = RenderSettings::new(1, 1, &from_above(1.0, 1.0));
-        let frame = Frame::new(&settings, 64, &scene);
+        let mut frame = Frame::new(&settings, 64, &scene);
+        frame.set_known_sky(knows_sky);
         for (name, size) in [
             ("frame", size_of::<Frame>()),
             ("params", size_of::<Params>()),
@@ -156,12 +171,16 @@ impl Harness {
         })
     }
 
-    fn run(&self, entry: &str, params: Params, data: &[[f32; 4]], threads: u32) -> Vec<[f32; 4]> {
+    pub(crate) fn run(
+        &self,
+        entry: &str,
+        params: Params,
+        data: &[[f32; 4]],
+        threads: u32,
+    ) -> Vec<[f32; 4]> {
         let run = || {
-            let constants = [(
-                "has_environment",
-                f64::from(u8::from(self.scene.features.environment)),
-            )];
+            let environment = f64::from(u8::from(self.scene.features.environment));
+            let constants = [("has_environment", environment), ("leaves_diffuse", 1.0)];
             let kernel = self
                 .source
                 .compile(&self.device, entry, Trust::Nothing, &constants)?;
@@ -443,7 +462,7 @@ fn points_on_lamps_are_even_and_have_the_density_that_a_hit_is_told() {
 }
 
 /// Van Oosterom and Strackee, 1983, for unit vectors.
-fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
+pub(crate) fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     let numerator = a.dot(b.cross(c)).abs();
     let denominator = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
     2.0 * numerator.atan2(denominator)

@@ -25,6 +25,7 @@ mod looks;
 mod memory;
 mod moments;
 mod native;
+mod openings;
 mod outputs;
 mod photons;
 mod references;

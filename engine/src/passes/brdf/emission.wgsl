@@ -35,7 +35,7 @@ fn handle_escaped_ray(p: Path, hit: RayHit, receiver_before: u32) -> vec3f {
     var weight = 1.0;
     let shares = light_shares(hit.origin, receiver_before, p.id);
     if (has_environment && p.bsdf_pdf > 0.0) {
-        weight = met_light_weight(p.bsdf_pdf, sky_pdf(hit.direction, receiver_before, shares));
+        weight = met_light_weight(p.bsdf_pdf, sky_pdf(hit.origin, hit.direction, receiver_before, shares));
     }
     let radiance = environment_radiance(hit.direction);
     if (leaves_diffuse) {

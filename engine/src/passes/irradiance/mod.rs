@@ -27,7 +27,16 @@ pub const LOOK: Pass = Pass {
     name: "look_for_sky",
     file: "irradiance/look.wgsl",
     work: Work::Queue(Queue::Shadow),
-    reads: &["frame", "lights", "paths", "queues", "rays"],
+    reads: &[
+        "environment_table",
+        "facing_sky",
+        "frame",
+        "known_sky",
+        "lights",
+        "paths",
+        "queues",
+        "rays",
+    ],
     writes: &["sky_seen"],
     exists: |features| features.light_cache,
 };

@@ -75,18 +75,24 @@ fn light_shares(origin: vec3f, receiver: u32, id: PathId) -> LightShares {
 
 // Whether a sky that is the same in all directions is sampled as such.
 fn sky_is_plain() -> bool {
-    return !sky_is_known() && sky_is_constant();
+    return sky_is_constant();
 }
 
-// pdf per solid angle of light samples of the environment in a direction, its choice included.
-fn sky_pdf(direction: vec3f, receiver: u32, shares: LightShares) -> f32 {
+// pdf per solid angle of light samples of the environment in a direction from `origin`, its choice included.
+fn sky_pdf(origin: vec3f, direction: vec3f, receiver: u32, shares: LightShares) -> f32 {
+    if (sky_is_known()) {
+        return shares.environment * seen_pdf(origin, direction, shares.sky_row);
+    }
     if (sky_is_plain()) {
         return shares.environment * constant_sky_pdf(direction, receiver_normal(receiver));
     }
     return shares.environment * parts_pdf(direction, shares.sky_row);
 }
 
-fn sky_sample(u: vec2f, receiver: u32, shares: LightShares) -> EnvironmentSample {
+fn sky_sample(u: vec2f, origin: vec3f, receiver: u32, shares: LightShares) -> EnvironmentSample {
+    if (sky_is_known()) {
+        return seen_sample(u, shares.sky_row, origin);
+    }
     if (sky_is_plain()) {
         return constant_sky_sample(u, receiver_normal(receiver));
     }
@@ -99,7 +105,7 @@ fn light_sample(p: vec3f, origin: vec3f, receiver: u32, id: PathId, choice: f32,
     let shares = light_shares(origin, receiver, id);
     var pick = choice;
     if (has_environment && pick < shares.environment) {
-        let e = sky_sample(u, receiver, shares);
+        let e = sky_sample(u, origin, receiver, shares);
         return LightSample(e.wi, FAR, e.radiance, shares.environment * e.pdf, false, vec4u(MISS), frame.environment_group);
     }
     pick -= shares.environment;

@@ -2,13 +2,15 @@
 // of that facing receives (in the spirit of Clarberg et al., "Wavelet Importance Sampling", 2005). Where it is known from where which
 // parts are seen, in a room through its windows alone, by that too: samples then go where they may arrive, and as many to lamps as may.
 // Space is cut into cells that a hash finds, each with a probability for each part; `renderer/irradiance/sky.rs` says where these come
-// from.
+// from. A part is wider than what is seen of it past the frame of a window, so most samples of what is known go through openings, see
+// `openings.wgsl`: uniformly over one of them.
 //!include shared/frame.wgsl
 //!include shared/random.wgsl
 //!include shared/abilities.wgsl
 //!include shared/environment.wgsl
 //!include shared/receiver.wgsl
 //!include shared/powers.wgsl
+//!include shared/openings.wgsl
 
 // Parts of the sky: as many columns and rows of its picture. The Rust twins are in `gpu_scene::sky_parts`.
 const SKY_COLUMNS = 32u;
@@ -22,8 +24,13 @@ const CELL_FACING_STEPS = 4u;
 
 // A row for each facing: in each texel, for four parts, the probability that a sample goes there or to a part before.
 @group(0) @binding(65) var facing_sky: texture_2d<f32>;
-// The same for each cell, and in one more texel the share of the light samples that the sky gets.
+// The same for each cell, and for each opening in the next texels. In one more the share of the light samples that the sky gets, and of
+// those the share that goes through openings; then the columns of `openings.wgsl`.
 @group(0) @binding(63) var known_sky: texture_2d<f32>;
+
+const FIRST_OPENING_TEXEL = SKY_PARTS / 4u;
+const SHARES_TEXEL = FIRST_OPENING_TEXEL + OPENINGS / 4u;
+const FIRST_EXIT_TEXEL = SHARES_TEXEL + 1u;
 
 // Whether that is so.
 fn sky_is_known() -> bool {
@@ -31,7 +38,7 @@ fn sky_is_known() -> bool {
 }
 
 fn sky_share(row: u32) -> f32 {
-    return textureLoad(known_sky, vec2u(SKY_PARTS / 4u, row), 0).x;
+    return textureLoad(known_sky, vec2u(SHARES_TEXEL, row), 0).x;
 }
 
 // Four parts of a row of the one or the other.
@@ -71,25 +78,25 @@ fn sky_part(cell: vec2u) -> u32 {
     return place.y * SKY_COLUMNS + place.x;
 }
 
-// A part of the sky, and how samples come there.
+// A part of the sky or an opening, and how samples come there.
 struct SkyPart {
     index: u32,
-    low: f32, // probability of the parts before
+    low: f32, // probability of those before
     probability: f32,
 }
 
-// The part that a number in [0, 1) chooses.
-fn chosen_sky_part(row: u32, u: f32) -> SkyPart {
+// Which of those in so many texels of a row a number in [0, 1) chooses; `texels` is a power of two.
+fn chosen_in_row(row: u32, first: u32, texels: u32, u: f32) -> SkyPart {
     var texel = 0u;
     var low = 0.0;
-    for (var step = SKY_PARTS / 8u; step > 0u; step /= 2u) {
-        let before = sky_texel(texel + step - 1u, row).w;
+    for (var step = texels / 2u; step > 0u; step /= 2u) {
+        let before = sky_texel(first + texel + step - 1u, row).w;
         if (u >= before) {
             texel += step;
             low = before;
         }
     }
-    let four = sky_texel(texel, row);
+    let four = sky_texel(first + texel, row);
     var i = 0u;
     while (i < 3u && u >= four[i]) {
         low = four[i];
@@ -98,22 +105,22 @@ fn chosen_sky_part(row: u32, u: f32) -> SkyPart {
     return SkyPart(4u * texel + i, low, four[i] - low);
 }
 
-// The probability of a part.
-fn sky_part_probability(row: u32, part: u32) -> f32 {
-    let texel = part / 4u;
-    let four = sky_texel(texel, row);
-    if (part % 4u != 0u) {
-        return four[part % 4u] - four[part % 4u - 1u];
+// The probability of one of them.
+fn probability_in_row(row: u32, first: u32, index: u32) -> f32 {
+    let texel = index / 4u;
+    let four = sky_texel(first + texel, row);
+    if (index % 4u != 0u) {
+        return four[index % 4u] - four[index % 4u - 1u];
     }
     if (texel == 0u) {
         return four.x;
     }
-    return four.x - sky_texel(texel - 1u, row).w;
+    return four.x - sky_texel(first + texel - 1u, row).w;
 }
 
 // A sample of the environment by a row.
 fn parts_sample(u: vec2f, row: u32) -> EnvironmentSample {
-    let part = chosen_sky_part(row, u.x);
+    let part = chosen_in_row(row, 0u, SKY_PARTS / 4u, u.x);
     let grid = vec2u(SKY_COLUMNS, SKY_ROWS);
     let at = vec2u(part.index % SKY_COLUMNS, part.index / SKY_COLUMNS);
     let corner = (at * frame.distribution_size + grid - 1u) / grid;
@@ -132,8 +139,93 @@ fn parts_sample(u: vec2f, row: u32) -> EnvironmentSample {
 
 // pdf per solid angle of that.
 fn parts_pdf(direction: vec3f, row: u32) -> f32 {
-    let uv = environment_uv(direction);
+    return parts_pdf_at(environment_uv(direction), direction, row);
+}
+
+// The same where the direction lies there in the environment's picture.
+fn parts_pdf_at(uv: vec2f, direction: vec3f, row: u32) -> f32 {
     let cell = min(vec2u(uv * vec2f(frame.distribution_size)), frame.distribution_size - 1u);
     let in_part = cell_pdf(cell + vec2u(0u, frame.distribution_size.y), polar_sine(direction));
-    return sky_part_probability(row, sky_part(cell)) * in_part;
+    return probability_in_row(row, 0u, sky_part(cell)) * in_part;
+}
+
+// Share of the samples of a row that go through openings.
+fn openings_share(row: u32) -> f32 {
+    if (!sky_is_known()) {
+        return 0.0;
+    }
+    return textureLoad(known_sky, vec2u(SHARES_TEXEL, row), 0).y;
+}
+
+// The number of the opening that a ray leaves by, 0 for none.
+fn opening_at(exit: Exit) -> u32 {
+    let square = exit_square(exit);
+    let four = textureLoad(known_sky, vec2u(FIRST_EXIT_TEXEL + square.x / 8u, square.y), 0);
+    let two = u32(four[(square.x / 2u) % 4u]);
+    return select(two & 0xffu, two >> 8u, (square.x & 1u) != 0u);
+}
+
+// First and last corner in squares, each as column + 256 row; the side; one over its area.
+fn opening_record(opening: u32) -> vec4f {
+    let at = vec2u((opening - 1u) % EXIT_COLUMNS, (opening - 1u) / EXIT_COLUMNS);
+    return textureLoad(known_sky, at + vec2u(FIRST_EXIT_TEXEL, FIRST_OPENING_ROW), 0);
+}
+
+// pdf per solid angle of samples through openings, in a direction.
+fn openings_pdf(origin: vec3f, direction: vec3f, row: u32) -> f32 {
+    let exit = exit_of(origin, direction);
+    return opening_pdf(exit, opening_at(exit), row);
+}
+
+// The same for a ray that leaves the box there, by that opening.
+fn opening_pdf(exit: Exit, opening: u32, row: u32) -> f32 {
+    if (opening == 0u) {
+        return 0.0;
+    }
+    return probability_in_row(row, FIRST_OPENING_TEXEL, opening - 1u) * opening_record(opening).w
+        * exit.distance * exit.distance / exit.cosine;
+}
+
+// A direction through an opening.
+fn openings_direction(u: vec2f, row: u32, origin: vec3f) -> vec3f {
+    let chosen = chosen_in_row(row, FIRST_OPENING_TEXEL, OPENINGS / 4u, u.x);
+    let rest = saturate((u.x - chosen.low) / chosen.probability);
+    let opening = opening_record(chosen.index + 1u);
+    let corners = vec2u(opening.xy);
+    let low = vec2f(vec2u(corners.x & 0xffu, corners.x >> 8u));
+    let high = vec2f(vec2u(corners.y & 0xffu, corners.y >> 8u));
+    let place = mix(low, high, vec2f(rest, u.y)) / f32(EXIT_SQUARES);
+    let to = point_of_side(u32(opening.z), place) - origin;
+    return to / max(length(to), 1e-20);
+}
+
+// A sample of the environment where it is known from where it is seen.
+fn seen_sample(u: vec2f, row: u32, origin: vec3f) -> EnvironmentSample {
+    let share = openings_share(row);
+    var sampled: EnvironmentSample;
+    var by_parts = 0.0;
+    if (u.x < share) {
+        let wi = openings_direction(vec2f(u.x / share, u.y), row, origin);
+        let uv = environment_uv(wi);
+        sampled = EnvironmentSample(wi, environment_texel(uv), 0.0);
+        by_parts = parts_pdf_at(uv, wi, row);
+    } else {
+        sampled = parts_sample(vec2f(min((u.x - share) / (1.0 - share), 0.99999994), u.y), row);
+        by_parts = sampled.pdf;
+    }
+    sampled.pdf = (1.0 - share) * by_parts;
+    if (share > 0.0) {
+        sampled.pdf += share * openings_pdf(origin, sampled.wi, row);
+    }
+    return sampled;
+}
+
+// pdf per solid angle of that.
+fn seen_pdf(origin: vec3f, direction: vec3f, row: u32) -> f32 {
+    let share = openings_share(row);
+    var pdf = (1.0 - share) * parts_pdf(direction, row);
+    if (share > 0.0) {
+        pdf += share * openings_pdf(origin, direction, row);
+    }
+    return pdf;
 }

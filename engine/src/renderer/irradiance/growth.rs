@@ -12,7 +12,7 @@ use std::cmp::Ordering;
 
 use device::{Device, Resources};
 
-use super::{DISTANCES, Irradiance, Phase};
+use super::{DISTANCES, Irradiance, Look, Phase};
 use crate::renderer::{RenderError, Renderer, light_cache};
 
 /// Samples of each pixel after which more is learned for the first time, where there are records.
@@ -101,7 +101,7 @@ impl Renderer {
             Ordering::Greater => {
                 light_cache::clear(&self.device, self.settings.method, &self.resources)?;
                 self.forget_light();
-                Some(Phase::Looking(0))
+                Some(Phase::Looking(Look::Openings, 0))
             }
         })
     }

@@ -4,16 +4,24 @@
 //! many samples were sent there and how many arrived. From then on parts are chosen by what they send and how likely it is to arrive
 //! (in the spirit of Bashford-Rogers, Debattista and Chalmers, "Importance Driven Environment Map Sampling", 2014). Each part that
 //! emits keeps a share, so that the picture is the same on average; only its noise isn't.
+//!
+//! A part is wider than what is seen of it past the frame of a window, and where it is seen differs within a cell. So the first of these paths
+//! find out by which [openings](super::openings) of the box around the scene the sky is seen, and the others how much light comes to a cell by way
+//! of each. Most samples of what is known go through these.
 
-use std::borrow::Cow;
+use std::{borrow::Cow, collections::HashMap};
 
 use device::{Device, DeviceError, Format, Image, ImageUse, Recording, Resources, Usage};
 use rayon::prelude::*;
+
+use glam::Vec3;
 
 use crate::gpu_scene::{
     environment::GpuEnvironment,
     sky_parts::{Between, PARTS, push_row, received},
 };
+
+use super::openings::{self, ALL_SQUARES, OPENINGS, Openings};
 
 /// Cells: as in `shared/sky_parts.wgsl`.
 const CELLS: usize = 8192;
@@ -26,12 +34,14 @@ const BETWEEN: Between = Between {
 };
 /// What is counted for a cell: each part, and all lamps.
 const COUNTS: usize = PARTS + 1;
-/// Words of that for a cell, in pairs, with the wider cell around it and the facing.
-const PAIRS: usize = COUNTS + 1;
-/// Bytes of that in all cells.
-const COUNTED: u64 = (CELLS * PAIRS * 8) as u64;
-/// Texels of what is known of a cell, and floats: four parts in each, then the share of the sky.
-const TEXELS: u32 = PARTS as u32 / 4 + 1;
+/// Light that has arrived at a cell by way of no opening, and of each; with the number of samples after it words in pairs.
+const SUMS: usize = OPENINGS + 1;
+/// Pairs of words for a cell: with the wider cell around it and the facing.
+const PAIRS: usize = COUNTS + 1 + (SUMS + 1) / 2;
+/// Bytes of that in all cells, and of squares of the box.
+const COUNTED: u64 = (CELLS * PAIRS * 8 + ALL_SQUARES * 4) as u64;
+/// Texels of what is known of a cell, and floats: four parts or openings in each, then shares. The last ones say where openings are.
+const TEXELS: u32 = ((PARTS + OPENINGS) / 4 + 1 + openings::COLUMNS) as u32;
 const ROW: usize = 4 * TEXELS as usize;
 /// Bytes of that for all cells.
 const KNOWN: u64 = (CELLS * ROW * 4) as u64;
@@ -40,6 +50,10 @@ const BLIND: f64 = 0.1;
 /// Samples that what is seen from the wider cell counts for beside those of a cell itself, and what is seen from all together beside those
 /// of the wider one.
 const PRIOR: f64 = 4.0;
+/// The same for how much light comes through openings, which is told by fewer.
+const OPENINGS_PRIOR: f64 = 64.0;
+/// Share of the samples that go through openings where all light comes through these.
+const THROUGH_OPENINGS: f64 = 0.75;
 /// Share of the light samples that what hardly ever arrives keeps beside what does: the sky, or all lamps.
 const LEAST_SHARE: f64 = 0.15;
 /// Of samples so many have to arrive for an equal share: in a cell much may be in shadow, and some of it in bright light.
@@ -49,6 +63,7 @@ const OFTEN: f64 = 0.02;
 #[derive(Debug)]
 pub(super) struct Sky {
     known: Image,
+    openings: Openings,
 }
 
 /// Bytes of its buffers.
@@ -62,14 +77,35 @@ impl Sky {
         let size = [TEXELS, CELLS as u32, 1];
         let known = device.image("known sky", ImageUse::Read, size, Format::Rgba32Float)?;
         resources.set_image("known_sky", known.clone());
-        Ok(Self { known })
+        Ok(Self {
+            known,
+            openings: Openings::default(),
+        })
     }
 
     /// Begins to count.
-    pub(super) fn begin(&self, device: &Device, resources: &Resources) -> Result<(), DeviceError> {
+    pub(super) fn begin(
+        &mut self,
+        device: &Device,
+        resources: &Resources,
+    ) -> Result<(), DeviceError> {
+        self.openings = Openings::default();
         let mut recording = Recording::new("forget the sky");
         recording.clear(resources.buffer("sky_seen"));
         device.start(&recording)
+    }
+
+    /// Finds the openings of a box around the scene by what has been counted.
+    pub(super) fn find_openings(
+        &mut self,
+        device: &Device,
+        resources: &Resources,
+        bounds: [Vec3; 2],
+    ) -> Result<(), DeviceError> {
+        let bytes = 4 * ALL_SQUARES as u64;
+        let bytes = device.read(resources.buffer("sky_seen"), COUNTED - bytes, bytes)?;
+        self.openings = Openings::find(&bytemuck::pod_collect_to_vec(&bytes), bounds);
+        Ok(())
     }
 
     /// Has light samples go by what has been counted; `share` is that of the sky where it arrives as often as lamps do.
@@ -80,14 +116,16 @@ impl Sky {
         environment: &GpuEnvironment,
         share: f64,
     ) -> Result<(), DeviceError> {
-        let bytes = device.read(resources.buffer("sky_seen"), 0, COUNTED)?;
+        let bytes = (CELLS * PAIRS * 8) as u64;
+        let bytes = device.read(resources.buffer("sky_seen"), 0, bytes)?;
         // Without a copy wherever memory comes aligned, for there is much of it.
         let seen: Cow<'_, [[u32; 2]]> = match bytemuck::try_cast_slice(&bytes) {
             Ok(seen) => Cow::Borrowed(seen),
             Err(_) => Cow::Owned(bytemuck::pod_collect_to_vec(&bytes)),
         };
         let received = received(FACING_STEPS, environment.turn, BETWEEN);
-        let rows = rows(&seen, &environment.parts, &received, share);
+        let mut rows = rows(&seen, &environment.parts, &received, &self.openings, share);
+        self.openings.put_into(&mut rows, ROW);
         let size = [TEXELS, CELLS as u32];
         self.known
             .write(device, [0; 3], size, bytemuck::cast_slice(&rows));
@@ -95,9 +133,15 @@ impl Sky {
     }
 }
 
-/// What is known of each cell: the probability of each part and those before it, of samples that were sent and arrived; then the share of
-/// the sky. `received` says for each facing how much of what a part sends is received.
-fn rows(seen: &[[u32; 2]], parts: &[f64], received: &[[f64; PARTS]], share: f64) -> Vec<f32> {
+/// What is known of each cell: the probability of each part and those before it, of samples that were sent and arrived, and likewise of each
+/// opening; then the share of the sky, and that of openings. `received` says for each facing how much of what a part sends is received.
+fn rows(
+    seen: &[[u32; 2]],
+    parts: &[f64],
+    received: &[[f64; PARTS]],
+    openings: &Openings,
+    share: f64,
+) -> Vec<f32> {
     let mut anywhere = [[0; 2]; COUNTS];
     for cell in seen.chunks_exact(PAIRS) {
         for (sum, counts) in anywhere.iter_mut().zip(cell) {
@@ -106,6 +150,16 @@ fn rows(seen: &[[u32; 2]], parts: &[f64], received: &[[f64; PARTS]], share: f64)
     }
     // What nothing was sent to may be seen.
     let anywhere = anywhere.map(|[sent, arrived]| (arrived as f64 + 1.0) / (sent as f64 + 1.0));
+    let wider_sums = sums_of_wider(seen, openings);
+    let mut all_sums = [0; SUMS + 1];
+    for sums in wider_sums.values() {
+        add(&mut all_sums, sums);
+    }
+    let brought_anywhere = match all_sums[SUMS] {
+        0 => openings.shares(),
+        samples => std::array::from_fn(|i| all_sums[i] as f64 / samples as f64),
+    };
+    let ones = [1.0; OPENINGS];
     let row = |cell: &[[u32; 2]]| {
         let wider = match cell[COUNTS][0] as usize {
             0 => None,
@@ -122,7 +176,21 @@ fn rows(seen: &[[u32; 2]], parts: &[f64], received: &[[f64; PARTS]], share: f64)
             .collect();
         let mut row = Vec::with_capacity(ROW);
         push_row(&mut row, parts, &weights, BLIND);
-        row.extend([share_of_sky(share, arriving, arrives[PARTS]) as f32; 4]);
+        let mut through = 0.0;
+        if openings.is_empty() {
+            row.extend([1.0; OPENINGS]);
+        } else {
+            let around = wider_sums.get(&cell[COUNTS][0]);
+            let around = around.map_or(brought_anywhere, |sums| brings(sums, &brought_anywhere));
+            let brings = brings(&sums(cell), &around);
+            let by_openings: f64 = brings[1..].iter().sum();
+            let all = by_openings + brings[0];
+            through = THROUGH_OPENINGS * by_openings / all.max(f64::MIN_POSITIVE);
+            push_row(&mut row, &brings[1..], &ones, 0.0);
+        }
+        let of_sky = share_of_sky(share, arriving, arrives[PARTS]);
+        row.extend([of_sky as f32, through as f32]);
+        row.resize(ROW, 0.0);
         row
     };
     // Most cells lie nowhere.
@@ -136,6 +204,38 @@ fn rows(seen: &[[u32; 2]], parts: &[f64], received: &[[f64; PARTS]], share: f64)
             _ => to.copy_from_slice(&row(cell)),
         });
     rows
+}
+
+/// Of a cell how much light has arrived by way of no opening, and of each; then of how many samples.
+fn sums(cell: &[[u32; 2]]) -> [u64; SUMS + 1] {
+    let words = cell[COUNTS + 1..].as_flattened();
+    std::array::from_fn(|i| words[i].into())
+}
+
+fn add(to: &mut [u64; SUMS + 1], sums: &[u64; SUMS + 1]) {
+    for (to, sum) in to.iter_mut().zip(sums) {
+        *to += sum;
+    }
+}
+
+/// The same of all cells in each wider one, by the word that says which that is.
+fn sums_of_wider(seen: &[[u32; 2]], openings: &Openings) -> HashMap<u32, [u64; SUMS + 1]> {
+    let mut wider = HashMap::new();
+    if !openings.is_empty() {
+        for cell in seen.chunks_exact(PAIRS) {
+            let of_wider = wider.entry(cell[COUNTS][0]).or_insert([0; SUMS + 1]);
+            add(of_wider, &sums(cell));
+        }
+    }
+    wider
+}
+
+/// How much light a sample brings by way of no opening, and of each, of which so much is supposed to without having counted.
+fn brings(sums: &[u64; SUMS + 1], supposed: &[f64; SUMS]) -> [f64; SUMS] {
+    let samples = sums[SUMS] as f64;
+    std::array::from_fn(|i| {
+        (sums[i] as f64 + OPENINGS_PRIOR * supposed[i]) / (samples + OPENINGS_PRIOR)
+    })
 }
 
 /// How much of what is sent to a cell arrives, of which so much is supposed to without having counted.
@@ -177,7 +277,7 @@ mod tests {
         seen[COUNTS] = [0, 1];
         seen.extend(vec![[0, 0]; 2 * PAIRS]);
         seen[2 * PAIRS + COUNTS] = [1, 0];
-        let rows = rows(&seen, &parts, &[], 0.5);
+        let rows = rows(&seen, &parts, &[], &Openings::default(), 0.5);
         let probability = |cell: usize, part: usize| {
             let before = match part {
                 0 => 0.0,
@@ -200,6 +300,40 @@ mod tests {
         // What others see is a hint.
         assert!(probability(1, 5) > 10.0 * probability(1, 6));
         assert!(probability(2, 5) > 0.6);
+    }
+
+    #[test]
+    fn samples_go_through_openings_by_what_these_bring() {
+        let mut arrived = vec![0; ALL_SQUARES];
+        arrived[100] = 10;
+        arrived[ALL_SQUARES / 2] = 30;
+        let openings = Openings::find(&arrived, [Vec3::ZERO, Vec3::ONE]);
+        let shares = openings.shares();
+        let first = if shares[1] < 0.5 { 0 } else { 1 };
+        // The first cell gets nothing by way of the opening by which most arrives; the second has seen nothing yet, and lies in the first.
+        let mut seen = vec![[0, 0]; 2 * PAIRS];
+        let word = |i: usize| (COUNTS + 1 + i / 2, i % 2);
+        for (i, value) in [(0, 2000), (first + 1, 6000), (SUMS, 10_000)] {
+            let (pair, half) = word(i);
+            seen[pair][half] = value;
+        }
+        seen[COUNTS] = [1, 0];
+        seen[PAIRS + COUNTS] = [1, 0];
+        let parts = [1.0 / PARTS as f64; PARTS];
+        let rows = rows(&seen, &parts, &[], &openings, 1.0);
+        for row in rows.chunks_exact(ROW) {
+            let of_first = match first {
+                0 => row[PARTS],
+                _ => row[PARTS + 1] - row[PARTS],
+            };
+            assert!((of_first - 1.0).abs() < 0.01, "{of_first}");
+            assert_eq!(row[PARTS + OPENINGS - 1], 1.0);
+            let through = f64::from(row[PARTS + OPENINGS + 1]);
+            assert!(
+                (through - 0.75 * THROUGH_OPENINGS).abs() < 0.01,
+                "{through}"
+            );
+        }
     }
 
     #[test]
