@@ -159,7 +159,7 @@ fn samples_have_the_density_that_they_are_told() {
                 .count();
             // At borders of windows and of parts, a direction may be found on the other side.
             assert!(differ < SAMPLES as usize / 200, "{from}: {differ}");
-            let mut angle = |name: &str, exact: f64, counts: &dyn Fn(Vec3) -> bool| {
+            let angle = |name: &str, exact: f64, counts: &dyn Fn(Vec3) -> bool| {
                 let value = |s: &[[f32; 4]]| match counts(Vec3::new(s[0][0], s[0][1], s[0][2])) {
                     true => 1.0 / f64::from(s[0][3]),
                     false => 0.0,

@@ -37,7 +37,7 @@ const COUNTS: usize = PARTS + 1;
 /// Light that has arrived at a cell by way of no opening, and of each; with the number of samples after it words in pairs.
 const SUMS: usize = OPENINGS + 1;
 /// Pairs of words for a cell: with the wider cell around it and the facing.
-const PAIRS: usize = COUNTS + 1 + (SUMS + 1) / 2;
+const PAIRS: usize = COUNTS + 1 + SUMS.div_ceil(2);
 /// Bytes of that in all cells, and of squares of the box.
 const COUNTED: u64 = (CELLS * PAIRS * 8 + ALL_SQUARES * 4) as u64;
 /// Texels of what is known of a cell, and floats: four parts or openings in each, then shares. The last ones say where openings are.
