@@ -254,7 +254,7 @@ pub(super) fn render(
     };
     interrupt::writes_results();
     let is_film_wanted = !job.outputs.films.is_empty();
-    if let (Some(writer), false) = (&mut writer, is_film_wanted) {
+    if let (Some(writer), false) = (&mut writer, is_film_wanted || session.is_preview()) {
         writer.write(film.clone(), paths_of(job, &film, &session));
         writer.finish();
     }
@@ -364,7 +364,11 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
                     .bar
                     .update(&self.watch.reached_so_far(&progress, samples), spp),
             }
-            if let Some(writer) = self.writer.as_mut().filter(|writer| writer.is_due()) {
+            // What goes ahead of the picture is no part of it.
+            if let Some(writer) = self.writer.as_mut()
+                && !session.is_preview()
+                && writer.is_due()
+            {
                 writer.write(
                     session.snapshot().map_err(failure)?.film,
                     session.paths_done(),

@@ -330,6 +330,11 @@ impl Renderer {
         (cache.phase != Phase::Ready).then_some(cache.records.len())
     }
 
+    /// Whether the film has none of the picture's samples yet, but those that go ahead of it: to be looked at, not to be gone on with.
+    pub fn is_preview(&self) -> bool {
+        self.records_awaited().is_some() && !self.is_begun()
+    }
+
     /// Whether the film has samples of the picture already.
     pub(super) fn is_begun(&self) -> bool {
         self.position > 0 || self.rendered > 0

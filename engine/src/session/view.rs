@@ -90,6 +90,11 @@ impl Session {
         self.renderer.paths_done()
     }
 
+    /// See [`crate::renderer::Renderer::is_preview`].
+    pub fn is_preview(&self) -> bool {
+        self.renderer.is_preview()
+    }
+
     /// See [`crate::renderer::Renderer::records_awaited`].
     pub fn records_awaited(&self) -> Option<usize> {
         self.renderer.records_awaited()

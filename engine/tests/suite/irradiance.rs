@@ -307,6 +307,7 @@ fn until_the_cache_is_made_the_picture_is_one_of_paths() {
     while renderer.irradiance_records() == 0 {
         renderer.step(16).expect("the device renders");
     }
+    assert!(renderer.is_preview());
     let early = renderer.film().expect("the device reads");
     let (least, most) = early.sample_bounds();
     assert!(least == most && least >= 8, "{least} to {most}");
@@ -314,6 +315,11 @@ fn until_the_cache_is_made_the_picture_is_one_of_paths() {
     let right = film(&reference, room(), &seen((48, 36), 7, Method::Path), 512);
     let off = (mean(&early) / mean(&right) - 1.0).abs().max_element();
     assert!(off < 0.1, "the mean is off by {off}");
+    // None of that is the picture's.
+    renderer.render(4).expect("the device renders");
+    assert!(!renderer.is_preview());
+    let begun = renderer.film().expect("the device reads");
+    assert_eq!(begun.sample_bounds(), (4, 4));
 }
 
 #[test]
