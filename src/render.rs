@@ -296,6 +296,10 @@ fn write(
 ) -> (Result<(), Failure>, Rest) {
     let tally = rendered.gathered.tally();
     let (lowest, _) = tally.sample_bounds();
+    if let (Some(Ended::Enough(_)), 0) = (&rendered.ended, tally.samples()) {
+        let text = "the time was over before the first sample: nothing is written".to_owned();
+        return (Err(Failure::Failed(text)), rendered.rest);
+    }
     if let Some(Ended::Interrupted) = &rendered.ended {
         if tally.samples() == 0 {
             // A black picture would take the place of a former one.

@@ -254,12 +254,16 @@ pub(super) fn render(
     };
     interrupt::writes_results();
     let is_film_wanted = !job.outputs.films.is_empty();
-    if let (Some(writer), false) = (&mut writer, is_film_wanted || session.is_preview()) {
+    // A picture may be of what goes ahead of it, but not what others go on with. (Nor is one that has been audited on the device any more.)
+    let is_preview = ended.is_some() && session.is_preview();
+    if let (Some(writer), false) = (&mut writer, is_film_wanted || is_preview) {
         writer.write(film.clone(), paths_of(job, &film, &session));
         writer.finish();
     }
     drop(writer);
-    if ended.is_some() && is_film_wanted && !job.adaptive {
+    if is_film_wanted && is_preview {
+        film = Film::with_layers(job.width, job.height, film.layers().clone());
+    } else if ended.is_some() && is_film_wanted && !job.adaptive {
         let (_, most) = film.sample_bounds();
         complete_sample(&mut session, most)?;
         film = session.snapshot().map_err(failure)?.film;
