@@ -203,14 +203,53 @@ fn a_render_that_is_killed_goes_on_to_the_same_bits() {
         Some(_) => 50,
         None => 12,
     };
-    killed("--spp 48 --layers normal,depth", wanted);
-    killed("--spp 96 --adaptive", wanted / 4);
+    let plain = "triangle.gltf --look sky.look.toml --size 192x192";
+    killed(
+        &format!("{plain} --spp 48 --layers normal,depth"),
+        wanted,
+        500,
+    );
+    killed(&format!("{plain} --spp 96 --adaptive"), wanted / 4, 500);
+    // Most of the time goes by before the first sample: paths that go ahead are none of the picture's.
+    let room = "--size 48x30 --spp 32 --method draft";
+    killed(&format!("{} {room}", window_room()), wanted / 3, 3000);
 }
 
-/// Kills a render at random times, so often, and goes on with it.
-fn killed(flags: &str, wanted: usize) {
+/// A room of which nearly all light comes through a window.
+fn window_room() -> String {
+    let room = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/examples/window_room/room.gltf"
+    );
+    let look = room.replace(".gltf", ".look.toml");
+    format!("{room} --look {look}")
+}
+
+#[test]
+fn what_ends_before_the_first_sample_leaves_nothing() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    for method in ["draft", "cache"] {
+        let line = format!(
+            "render {} --size 64x40 --method {method} --time 0.01s",
+            window_room()
+        );
+        for output in ["a.patina-film", "a.png --checkpoint=0.001"] {
+            bench
+                .run(&format!("{line} -o {output}"))
+                .expect_error(1, "the time was over before the first sample");
+        }
+        let left = bench.files();
+        assert!(!left.iter().any(|name| name.starts_with('a')), "{left:?}");
+    }
+}
+
+/// Kills a render at random times, so often, before so many milliseconds are over, and goes on with it.
+fn killed(scene: &str, wanted: usize, longest: u64) {
     let bench = sky();
-    let line = format!("render triangle.gltf --look sky.look.toml --size 192x192 {flags}");
+    let line = format!("render {scene}");
     let whole = whole(&bench, &line);
     let resumed = format!("{line} --checkpoint=0.02 --resume -o part.patina-film");
     let mut kills = 0;
@@ -221,7 +260,7 @@ fn killed(flags: &str, wanted: usize) {
             .stderr(Stdio::null())
             .spawn()
             .expect("patina starts");
-        let pause = 60 + ((round * 0x9e37_79b9) >> 7) % 500;
+        let pause = 60 + ((round * 0x9e37_79b9) >> 7) % longest;
         std::thread::sleep(std::time::Duration::from_millis(pause));
         let is_done = child.try_wait().expect("it is known").is_some();
         if !is_done {
