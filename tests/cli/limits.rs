@@ -212,7 +212,7 @@ fn a_render_that_is_killed_goes_on_to_the_same_bits() {
     killed(&format!("{plain} --spp 96 --adaptive"), wanted / 4, 500);
     // Most of the time goes by before the first sample: paths that go ahead are none of the picture's.
     let room = "--size 48x30 --spp 32 --method draft";
-    killed(&format!("{} {room}", window_room()), wanted / 3, 3000);
+    killed(&format!("{} {room}", window_room()), wanted / 3, 1000);
 }
 
 /// A room of which nearly all light comes through a window.
