@@ -363,7 +363,7 @@ impl Renderer {
                 match (is_last, ends) {
                     (false, _) => Phase::Learning(ends, done),
                     (true, false) => Phase::Learning(true, 0),
-                    (true, true) => self.after_learning()?,
+                    (true, true) => self.after_learning(sample)?,
                 }
             }
             Phase::Finding(pass, done) => {

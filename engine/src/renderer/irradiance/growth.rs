@@ -107,15 +107,19 @@ impl Renderer {
     }
 
     /// What comes once the cache of scattered light has learned.
-    pub(super) fn after_learning(&mut self) -> Result<Phase, RenderError> {
+    pub(super) fn after_learning(&mut self, sample: u32) -> Result<Phase, RenderError> {
         self.learn_sky()?;
         let pixels = u64::from(self.frame.padded_pixels);
         Ok(match &mut self.irradiance {
             Some(cache) if !cache.has_records() => Phase::Ready,
-            Some(cache) if cache.steps > 0 => {
-                cache.begin_again(pixels, &self.device, &self.resources)
-            }
-            _ => Phase::Finding(0, 0),
+            Some(cache) if cache.steps == 0 => Phase::Finding(0, 0),
+            Some(cache) => match cache.is_worth_it(pixels) {
+                false => Phase::Ready,
+                // More will be learned before the next sample.
+                true if cache.steps < Pace::of(cache).steps(sample) => cache.leave_out(),
+                true => cache.begin_again(&self.device, &self.resources),
+            },
+            None => Phase::Ready,
         })
     }
 
@@ -147,18 +151,35 @@ impl Renderer {
 }
 
 impl Irradiance {
-    /// Has all records made anew, if that is worth it.
-    fn begin_again(&mut self, pixels: u64, device: &Device, resources: &Resources) -> Phase {
+    /// Whether all records are to be made anew by now, and then of how many rays.
+    fn is_worth_it(&mut self, pixels: u64) -> bool {
         let once: u64 = (0..DISTANCES.len()).map(|pass| self.rays_once(pass)).sum();
         let wanted = (RAYS_SHARE * (Pace::of(self).after(self.steps) * pixels) as f64) as u64;
         if once == 0 || wanted < self.rays {
-            return Phase::Ready; // a small picture has had more to begin with
+            return false; // a small picture has had more to begin with
         }
         self.turns = ((wanted + once / 2) / once).max(1) as u32;
         self.rays = 0;
+        true
+    }
+
+    /// Has all records made anew.
+    fn begin_again(&mut self, device: &Device, resources: &Resources) -> Phase {
         let records = resources.buffer("irradiance_records");
         device.write(records, 0, bytemuck::cast_slice(&self.records));
         self.gather_again(0, device, resources)
+    }
+
+    /// Goes on as if records had been made anew, which no sample would see: the next ones are the same to the bit.
+    fn leave_out(&mut self) -> Phase {
+        for pass in 0..DISTANCES.len() {
+            let once = self.rays_once(pass);
+            if once > 0 {
+                self.rays += once * u64::from(self.turns);
+                self.passes[pass].turns += self.turns;
+            }
+        }
+        Phase::Ready
     }
 
     /// Has the records from a pass on made anew.

@@ -18,6 +18,10 @@ pub(super) const ALL_SQUARES: usize = 6 * SQUARES * SQUARES;
 pub(super) const COLUMNS: usize = SQUARES / 8;
 /// Share of the box that openings may cover: where it is more, the sky is all around, and told apart by directions better.
 const MOST_OPEN: f64 = 0.4;
+/// Of all that arrives so much may be left to no opening, where it comes so much more sparsely than through the rest: by a gap between
+/// two walls, over half a side of the box.
+const RARE: f64 = 0.02;
+const SPARSE: f64 = 0.1;
 
 /// A rectangle on a side of the box.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +40,16 @@ impl Opening {
 
     /// About the square of the noise of samples that are uniform over it, of which it gets as many as have arrived.
     fn noise(&self, areas: &[f64; 6]) -> f64 {
-        self.arrived as f64 * self.squares() as f64 * areas[self.side]
+        self.arrived as f64 * self.area(areas)
+    }
+
+    fn area(&self, areas: &[f64; 6]) -> f64 {
+        self.squares() as f64 * areas[self.side]
+    }
+
+    /// How densely samples arrive by way of it.
+    fn density(&self, areas: &[f64; 6]) -> f64 {
+        self.arrived as f64 / self.area(areas)
     }
 }
 
@@ -118,6 +131,45 @@ impl Sums {
     }
 }
 
+/// Cuts openings until there are as many as there may be.
+fn cut_up(all: Vec<Opening>, sums: &[Sums], areas: &[f64; 6]) -> Vec<Opening> {
+    let with_cut = |one: Opening| (sums[one.side].cut(&one, areas), one);
+    let mut found: Vec<_> = all.into_iter().map(with_cut).collect();
+    while found.len() < OPENINGS {
+        let best = (found.iter().enumerate())
+            .filter_map(|(i, (cut, _))| cut.as_ref().map(|cut| (i, cut.0)))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((i, _)) = best else {
+            break;
+        };
+        if let (Some((_, parts)), _) = found.swap_remove(i) {
+            found.extend(parts.map(with_cut));
+        }
+    }
+    found.into_iter().map(|(_, opening)| opening).collect()
+}
+
+/// Leaves those out by which samples arrive most sparsely, as long as it is far more sparsely than by the rest; no more than so many
+/// samples in all. How many that are.
+fn leave_sparse(all: &mut Vec<Opening>, areas: &[f64; 6], most: f64) -> u64 {
+    // The sparsest come last.
+    all.sort_by(|a, b| b.density(areas).total_cmp(&a.density(areas)));
+    let mut arrived: u64 = all.iter().map(|one| one.arrived).sum();
+    let mut area: f64 = all.iter().map(|one| one.area(areas)).sum();
+    let mut left = 0;
+    while let Some(last) = all.last() {
+        arrived -= last.arrived;
+        area -= last.area(areas);
+        let is_sparse = last.density(areas) * area < SPARSE * arrived as f64;
+        if !is_sparse || (left + last.arrived) as f64 > most {
+            break;
+        }
+        left += last.arrived;
+        all.pop();
+    }
+    left
+}
+
 /// What is known of the openings.
 #[derive(Debug, Default)]
 pub(super) struct Openings {
@@ -139,27 +191,21 @@ impl Openings {
             .chunks_exact(SQUARES * SQUARES)
             .map(Sums::of)
             .collect();
-        let mut found: Vec<_> = (sums.iter().enumerate())
+        let mut all: Vec<_> = (sums.iter().enumerate())
             .filter(|&(side, _)| areas[side] > 0.0)
             .filter_map(|(side, sums)| sums.tight(side, 0..SQUARES, 0..SQUARES))
-            .map(|opening| (sums[opening.side].cut(&opening, &areas), opening))
             .collect();
-        while found.len() < OPENINGS {
-            let best = (found.iter().enumerate())
-                .filter_map(|(i, (cut, _))| cut.as_ref().map(|cut| (i, cut.0)))
-                .max_by(|a, b| a.1.total_cmp(&b.1));
-            let Some((i, _)) = best else {
+        let mut may_leave = RARE * all.iter().map(|one| one.arrived as f64).sum::<f64>();
+        loop {
+            all = cut_up(all, &sums, &areas);
+            // What is rare would make a room look as open as a field, and take openings from where light comes from.
+            let left = leave_sparse(&mut all, &areas, may_leave);
+            if left == 0 {
                 break;
-            };
-            if let (Some((_, parts)), _) = found.swap_remove(i) {
-                found.extend(parts.map(|part| (sums[part.side].cut(&part, &areas), part)));
             }
+            may_leave -= left as f64;
         }
-        let all: Vec<Opening> = found.into_iter().map(|(_, opening)| opening).collect();
-        let open: f64 = all
-            .iter()
-            .map(|one| one.squares() as f64 * areas[one.side])
-            .sum();
+        let open: f64 = all.iter().map(|one| one.area(&areas)).sum();
         match open > MOST_OPEN * areas.iter().sum::<f64>() * squares {
             true => Self::default(),
             false => Self { all, areas },
@@ -259,6 +305,23 @@ mod tests {
         assert!((area - wanted).abs() < 1e-4, "{area} {wanted}");
         let shares: f64 = openings.shares().iter().sum();
         assert!((shares - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn gaps_do_not_make_a_room_an_open_place() {
+        let windows = [(1, 20..40, 30..60), (1, 43..63, 30..60)];
+        let mut arrived = with(&windows);
+        // A few samples get out all over the ceiling and another wall.
+        for square in 0..2 * SQUARES * SQUARES {
+            if square % 331 == 0 {
+                arrived[2 * SQUARES * SQUARES + square] = 1;
+            }
+        }
+        let openings = Openings::find(&arrived, [Vec3::ZERO, Vec3::ONE]);
+        assert_eq!(openings.all.len(), OPENINGS);
+        assert!(openings.all.iter().all(|one| one.side == 1));
+        let squares: usize = openings.all.iter().map(Opening::squares).sum();
+        assert_eq!(squares, 2 * 20 * 30);
     }
 
     #[test]
