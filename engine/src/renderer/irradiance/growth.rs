@@ -113,11 +113,13 @@ impl Renderer {
         Ok(match &mut self.irradiance {
             Some(cache) if !cache.has_records() => Phase::Ready,
             Some(cache) if cache.steps == 0 => Phase::Finding(0, 0),
-            Some(cache) => match cache.is_worth_it(pixels) {
-                false => Phase::Ready,
+            Some(cache) => match cache.turns_again(pixels) {
+                None => Phase::Ready,
                 // More will be learned before the next sample.
-                true if cache.steps < Pace::of(cache).steps(sample) => cache.leave_out(),
-                true => cache.begin_again(&self.device, &self.resources),
+                Some(turns) if cache.steps < Pace::of(cache).steps(sample) => {
+                    cache.leave_out(turns)
+                }
+                Some(turns) => cache.begin_again(turns, &self.device, &self.resources),
             },
             None => Phase::Ready,
         })
@@ -151,32 +153,30 @@ impl Renderer {
 }
 
 impl Irradiance {
-    /// Whether all records are to be made anew by now, and then of how many rays.
-    fn is_worth_it(&mut self, pixels: u64) -> bool {
+    /// How often rays of all records are to be gathered anew by now; none where that isn't worth it.
+    fn turns_again(&self, pixels: u64) -> Option<u32> {
         let once: u64 = (0..DISTANCES.len()).map(|pass| self.rays_once(pass)).sum();
         let wanted = (RAYS_SHARE * (Pace::of(self).after(self.steps) * pixels) as f64) as u64;
-        if once == 0 || wanted < self.rays {
-            return false; // a small picture has had more to begin with
-        }
-        self.turns = ((wanted + once / 2) / once).max(1) as u32;
-        self.rays = 0;
-        true
+        // A small picture has had more to begin with.
+        (once > 0 && wanted >= self.rays).then(|| ((wanted + once / 2) / once).max(1) as u32)
     }
 
     /// Has all records made anew.
-    fn begin_again(&mut self, device: &Device, resources: &Resources) -> Phase {
+    fn begin_again(&mut self, turns: u32, device: &Device, resources: &Resources) -> Phase {
+        (self.turns, self.rays) = (turns, 0);
         let records = resources.buffer("irradiance_records");
         device.write(records, 0, bytemuck::cast_slice(&self.records));
         self.gather_again(0, device, resources)
     }
 
     /// Goes on as if records had been made anew, which no sample would see: the next ones are the same to the bit.
-    fn leave_out(&mut self) -> Phase {
+    fn leave_out(&mut self, turns: u32) -> Phase {
+        self.rays = 0;
         for pass in 0..DISTANCES.len() {
             let once = self.rays_once(pass);
             if once > 0 {
-                self.rays += once * u64::from(self.turns);
-                self.passes[pass].turns += self.turns;
+                self.rays += once * u64::from(turns);
+                self.passes[pass].turns += turns;
             }
         }
         Phase::Ready
