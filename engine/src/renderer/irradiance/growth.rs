@@ -164,6 +164,9 @@ impl Irradiance {
     /// Has all records made anew.
     fn begin_again(&mut self, turns: u32, device: &Device, resources: &Resources) -> Phase {
         (self.turns, self.rays) = (turns, 0);
+        for record in &mut self.records {
+            record.forget_fits();
+        }
         let records = resources.buffer("irradiance_records");
         device.write(records, 0, bytemuck::cast_slice(&self.records));
         self.gather_again(0, device, resources)

@@ -63,6 +63,11 @@ impl Record {
         (self.width.to_bits() & 0xff) as f32 / 255.0
     }
 
+    /// Takes that out of its width: what is found out anew must not depend on it.
+    pub(super) fn forget_fits(&mut self) {
+        self.width = f32::from_bits(self.width.to_bits() & !0xff);
+    }
+
     /// How much of the light around it is better left to paths: in a corner or on a strip that is narrower than the smallest record, light
     /// changes within it.
     pub(super) fn left_to_paths(&self) -> f32 {
