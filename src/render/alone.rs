@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::job::RenderJob;
 use crate::motion::{self, Sight};
 use crate::progress::{Bar, Reached};
-use crate::{cache, crash, interrupt};
+use crate::{cache, console, crash, interrupt};
 
 use super::limits::Watch;
 use super::reel::{Reel, View as Seen};
@@ -189,6 +189,7 @@ pub(super) fn render(
         }
         writer = Some(checkpoint::Writer::new(checkpoints, job, *view, origin));
     }
+    let resumed_at = session.paths_done();
     let prepare_seconds = seconds + clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
@@ -261,6 +262,14 @@ pub(super) fn render(
         writer.finish();
     }
     drop(writer);
+    let is_awaited = ended.is_some() && session.records_awaited().is_some();
+    if is_awaited && resumed_at > 0 && session.paths_done() == resumed_at {
+        bar.suspend(|| {
+            console::warning(
+                "nothing was added: the resumed picture had to find out about the light anew, which was not done in time",
+            );
+        });
+    }
     if is_film_wanted && is_preview {
         film = Film::with_layers(job.width, job.height, film.layers().clone());
     } else if ended.is_some() && is_film_wanted && !job.adaptive {

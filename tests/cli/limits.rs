@@ -293,6 +293,24 @@ fn killed(scene: &str, wanted: usize, longest: u64) {
 }
 
 #[test]
+fn a_time_that_a_resumed_draft_cannot_begin_in_is_said_to_be_too_short() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let line =
+        "render triangle.gltf --look sky.look.toml --size 32x24 --method draft -o a.patina-film";
+    bench.run(&format!("{line} --spp 2")).expect_code(0);
+    let before = fs::read(bench.path("a.patina-film")).expect("it is there");
+    let ended = bench
+        .run(&format!("{line} --spp 64 --resume --time 0.000001s"))
+        .expect_code(0);
+    let said = ended.stderr;
+    assert!(said.contains("nothing was added"), "{said}");
+    assert!(fs::read(bench.path("a.patina-film")).expect("it is there") == before);
+}
+
+#[test]
 fn what_was_kept_is_gone_on_with_where_it_fits() {
     if !device() {
         return;

@@ -102,7 +102,7 @@ struct Settings {
 
 /// How often what a record says that is better left to paths is left to them, by how often more has been learned: their noise is the larger error
 /// in a short picture, what lies between records in a long one.
-const LEFT_TO_PATHS: [f32; 4] = [0.0, 0.25, 0.5, 1.0];
+const LEFT_TO_PATHS: [f32; 4] = [0.0, 0.0, 0.5, 1.0];
 
 /// What paths do with the cache: as in `settings.wgsl`.
 const IDLE: u32 = 0;

@@ -173,9 +173,9 @@ fn a_picture_that_is_divided_is_the_same() {
         (Method::Cache, 0),
         (Method::Photons, 0),
         (Method::CachePhotons, 0),
-        (Method::Draft, 2045),
-        (Method::Cache, 2045),
-        (Method::CachePhotons, 2045),
+        (Method::Draft, 1021),
+        (Method::Cache, 1021),
+        (Method::CachePhotons, 1021),
     ];
     for (method, first_sample) in cases {
         let mut scene = room();

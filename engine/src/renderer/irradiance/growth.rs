@@ -1,12 +1,12 @@
 //! How what is known of the light grows with the picture.
 //!
 //! Noise of the records is frozen: all pixels around share it, and more samples of the picture don't take it away. So whenever the
-//! samples of each pixel have doubled, more paths teach the cache of scattered light, and records are made anew at their places, of more
-//! rays that end in what is known better by then. Both keep a share of the work, and the error falls with the number of samples as that of paths
-//! does, until what is left is the same with every seed. When that happens follows from a sample's number alone, so that all parts of a picture
-//! have the same records for it, to the bit.
+//! samples of each pixel have become four times as many, more paths teach the cache of scattered light, and records are made anew at their
+//! places, of rays that end in what is known better by then. Both keep a share of the work, and the error falls with the number of samples as
+//! that of paths does, until what is left is the same with every seed. When that happens follows from a sample's number alone, so that all parts
+//! of a picture have the same records for it, to the bit.
 //!
-//! What former rays have found isn't kept: of the noise of the cache that they ended in, which was half of theirs, they would bring the most.
+//! What former rays have found isn't kept: most of the noise of records is that of the cache that their rays ended in.
 
 use std::cmp::Ordering;
 
@@ -15,14 +15,25 @@ use device::{Device, Resources};
 use super::{DISTANCES, Irradiance, Look, Phase};
 use crate::renderer::{RenderError, Renderer, light_cache};
 
-/// Samples of each pixel after which more is learned for the first time, where there are records.
-const FIRST: u32 = 256;
-/// The same where there are none, so that a picture of few samples doesn't wait for what only one of many is worth.
-const FIRST_WITHOUT_RECORDS: u32 = 16;
+/// Where there are records. They are to be better before their noise is much beside that of pixels, and making them anew takes as long as tens
+/// of samples.
+const WITH_RECORDS: Pace = Pace {
+    first: 64,
+    doublings: 2,
+};
+/// Where there are none, so that a picture of few samples doesn't wait for what only one of many is worth.
+const WITHOUT_RECORDS: Pace = Pace {
+    first: 16,
+    doublings: 1,
+};
 /// Rays that all records are made of, for each pixel, over the samples that it has by then.
-const RAYS_SHARE: f64 = 0.5;
-/// The same of paths that teach the cache of scattered light.
-const PATHS_SHARE: f64 = 0.25;
+const RAYS_SHARE: f64 = 0.2;
+/// The same of paths that teach the cache of scattered light, with records and without. Of the noise of records, paths take away three times as much as
+/// rays that take the same time.
+const PATHS_SHARE: f64 = 0.5;
+const PATHS_SHARE_WITHOUT_RECORDS: f64 = 0.25;
+/// By how many times as many paths more must be known before it is worth the while.
+const WORTH: u32 = 2;
 /// Of so many paths that teach it one goes on to its end.
 const WHOLE_PATHS: u32 = 4;
 /// Where the numbers of samples begin that these paths belong to.
@@ -33,28 +44,31 @@ const FIRST_SAMPLE: u32 = 1 << 20;
 struct Pace {
     /// Samples of each pixel before the first time, a power of two.
     first: u32,
+    /// How often they double from one time to the next.
+    doublings: u32,
 }
 
 impl Pace {
     fn of(cache: &Irradiance) -> Self {
-        let first = match cache.has_records() {
-            true => FIRST,
-            false => FIRST_WITHOUT_RECORDS,
-        };
-        Self { first }
+        match cache.has_records() {
+            true => WITH_RECORDS,
+            false => WITHOUT_RECORDS,
+        }
     }
 
     /// How often that has been before a sample.
     fn steps(self, sample: u32) -> u32 {
         match sample.checked_ilog2() {
-            Some(power) => (power + 1).saturating_sub(self.first.ilog2()),
+            Some(power) => {
+                (power + self.doublings).saturating_sub(self.first.ilog2()) / self.doublings
+            }
             None => 0,
         }
     }
 
     /// The samples of each pixel after which it is for the so-manieth time, from 1 on.
     fn after(self, step: u32) -> u64 {
-        u64::from(self.first) << (step - 1)
+        u64::from(self.first) << (self.doublings * (step - 1))
     }
 }
 
@@ -110,10 +124,11 @@ impl Renderer {
     pub(super) fn after_learning(&mut self, sample: u32) -> Result<Phase, RenderError> {
         self.learn_sky()?;
         let pixels = u64::from(self.frame.padded_pixels);
+        let knows_more = self.samples_to_learn(false).1 > 0;
         Ok(match &mut self.irradiance {
             Some(cache) if !cache.has_records() => Phase::Ready,
             Some(cache) if cache.steps == 0 => Phase::Finding(0, 0),
-            Some(cache) => match cache.turns_again(pixels) {
+            Some(cache) => match cache.turns_again(pixels, knows_more) {
                 None => Phase::Ready,
                 // More will be learned before the next sample.
                 Some(turns) if cache.steps < Pace::of(cache).steps(sample) => {
@@ -133,9 +148,17 @@ impl Renderer {
             return (0, 0);
         };
         let pace = Pace::of(cache);
+        let share = match cache.has_records() {
+            true => PATHS_SHARE,
+            false => PATHS_SHARE_WITHOUT_RECORDS,
+        };
         let until = |step: u32| match step {
             0 => ahead,
-            _ => ahead.max((PATHS_SHARE * pace.after(step) as f64) as u32),
+            _ => match (share * pace.after(step) as f64) as u32 {
+                // A small picture has had more to begin with.
+                few if few < WORTH.saturating_mul(ahead) => ahead,
+                samples => samples,
+            },
         };
         let (first, samples) = match cache.steps {
             0 => (0, ahead),
@@ -153,12 +176,13 @@ impl Renderer {
 }
 
 impl Irradiance {
-    /// How often rays of all records are to be gathered anew by now; none where that isn't worth it.
-    fn turns_again(&self, pixels: u64) -> Option<u32> {
+    /// How often rays of all records are to be gathered anew by now; none where that isn't worth it. `knows_more`: whether what they end in
+    /// has become better.
+    fn turns_again(&self, pixels: u64, knows_more: bool) -> Option<u32> {
         let once: u64 = (0..DISTANCES.len()).map(|pass| self.rays_once(pass)).sum();
         let wanted = (RAYS_SHARE * (Pace::of(self).after(self.steps) * pixels) as f64) as u64;
-        // A small picture has had more to begin with.
-        (once > 0 && wanted >= self.rays).then(|| ((wanted + once / 2) / once).max(1) as u32)
+        let is_worth_it = once > 0 && (knows_more || wanted >= self.rays);
+        is_worth_it.then(|| ((wanted + once / 2) / once).max(1) as u32)
     }
 
     /// Has all records made anew.
@@ -204,13 +228,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn more_is_learned_whenever_samples_double() {
-        let pace = Pace { first: 256 };
-        let all = [0, 1, 255, 256, 511, 512, 2047, 2048].map(|sample| pace.steps(sample));
-        assert_eq!(all, [0, 0, 0, 1, 1, 2, 3, 4]);
-        for first in [1, FIRST_WITHOUT_RECORDS, FIRST] {
-            let pace = Pace { first };
-            for step in 1..20 {
+    fn more_is_learned_at_powers_of_two() {
+        let with = [0, 1, 63, 64, 255, 256, 1023, 1024].map(|sample| WITH_RECORDS.steps(sample));
+        assert_eq!(with, [0, 0, 0, 1, 1, 2, 2, 3]);
+        let without = [15, 16, 31, 32, 64].map(|sample| WITHOUT_RECORDS.steps(sample));
+        assert_eq!(without, [0, 1, 1, 2, 3]);
+        let first = |first, doublings| Pace { first, doublings };
+        for pace in [WITH_RECORDS, WITHOUT_RECORDS, first(1, 1), first(2, 3)] {
+            for step in 1..=9 {
                 assert_eq!(pace.steps(pace.after(step) as u32), step);
                 assert_eq!(pace.steps(pace.after(step) as u32 - 1), step - 1);
             }
