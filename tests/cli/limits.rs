@@ -300,10 +300,10 @@ fn a_time_that_a_resumed_draft_cannot_begin_in_is_said_to_be_too_short() {
     let bench = sky();
     let line =
         "render triangle.gltf --look sky.look.toml --size 32x24 --method draft -o a.patina-film";
-    bench.run(&format!("{line} --spp 2")).expect_code(0);
+    bench.run(&format!("{line} --spp 64")).expect_code(0);
     let before = fs::read(bench.path("a.patina-film")).expect("it is there");
     let ended = bench
-        .run(&format!("{line} --spp 64 --resume --time 0.000001s"))
+        .run(&format!("{line} --spp 256 --resume --time 0.000001s"))
         .expect_code(0);
     let said = ended.stderr;
     assert!(said.contains("nothing was added"), "{said}");
