@@ -624,10 +624,10 @@ impl Renderer {
             Purpose::Photons => Some(Errand::Emit),
             Purpose::Look => Some(Errand::Look),
             Purpose::Find(_) => Some(Errand::Unseen),
-            Purpose::Learn { .. } => {
+            Purpose::Learn { ends } => {
                 // A picture that goes on has its samples, and a whole of which parts are rendered has no film.
                 let is_seen = !self.is_begun() && self.whole.is_none();
-                match self.scene.environment.emits {
+                match self.looks(ends) {
                     true => Some(Errand::Learn { is_seen }),
                     false => (!is_seen).then_some(Errand::Unseen),
                 }

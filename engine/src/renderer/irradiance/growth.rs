@@ -32,6 +32,9 @@ const RAYS_SHARE: f64 = 0.2;
 /// rays that take the same time.
 const PATHS_SHARE: f64 = 0.5;
 const PATHS_SHARE_WITHOUT_RECORDS: f64 = 0.25;
+/// Paths that teach the cache of scattered light after which no more look where the sky is seen, about as many as the first ones of a picture of
+/// 1280x720 pixels: more would find hardly anything, and what is counted has to fit into 32 bits.
+const ENOUGH_LOOKED: u64 = 1 << 23;
 /// By how many times as many paths more must be known before it is worth the while.
 const WORTH: u32 = 2;
 /// Of so many paths that teach it one goes on to its end.
@@ -120,9 +123,18 @@ impl Renderer {
         })
     }
 
+    /// Whether paths that teach the cache of scattered light also look where the sky is seen; `ends` as for [`Self::samples_to_learn`].
+    pub(in crate::renderer) fn looks(&self, ends: bool) -> bool {
+        let (first, _) = self.samples_to_learn(ends);
+        let before = u64::from(first % FIRST_SAMPLE) * u64::from(self.frame.padded_pixels);
+        self.scene.environment.emits && before < ENOUGH_LOOKED
+    }
+
     /// What comes once the cache of scattered light has learned.
     pub(super) fn after_learning(&mut self, sample: u32) -> Result<Phase, RenderError> {
-        self.learn_sky()?;
+        if self.looks(false) {
+            self.learn_sky()?;
+        }
         let pixels = u64::from(self.frame.padded_pixels);
         let knows_more = self.samples_to_learn(false).1 > 0;
         Ok(match &mut self.irradiance {
