@@ -28,8 +28,8 @@ const WITHOUT_RECORDS: Pace = Pace {
 };
 /// Rays that all records are made of, for each pixel, over the samples that it has by then.
 const RAYS_SHARE: f64 = 0.2;
-/// The same of paths that teach the cache of scattered light, with records and without. Of the noise of records, paths take away three times as much as
-/// rays that take the same time.
+/// The same of paths that teach the cache of scattered light, with records and without. The noise of records is least for the time where these are
+/// about twice as many as rays.
 const PATHS_SHARE: f64 = 0.5;
 const PATHS_SHARE_WITHOUT_RECORDS: f64 = 0.25;
 /// Paths that teach the cache of scattered light after which no more look where the sky is seen, about as many as the first ones of a picture of
@@ -132,11 +132,11 @@ impl Renderer {
 
     /// What comes once the cache of scattered light has learned.
     pub(super) fn after_learning(&mut self, sample: u32) -> Result<Phase, RenderError> {
-        if self.looks(false) {
-            self.learn_sky()?;
-        }
         let pixels = u64::from(self.frame.padded_pixels);
         let knows_more = self.samples_to_learn(false).1 > 0;
+        if knows_more && self.looks(false) {
+            self.learn_sky()?;
+        }
         Ok(match &mut self.irradiance {
             Some(cache) if !cache.has_records() => Phase::Ready,
             Some(cache) if cache.steps == 0 => Phase::Finding(0, 0),
