@@ -152,6 +152,7 @@ impl Frame {
 const CACHE_SKY: u32 = 1;
 const CACHE_IRRADIANCE: u32 = 2;
 const CACHE_GIVES: u32 = 4;
+const CACHE_LEARNS: u32 = 8;
 /// Vertices that scatter before Russian roulette begins.
 const ROULETTE_START: u32 = 1;
 /// Side of a cell in which the sky is known over its distance to the camera, before it is rounded down to a power of two: in a room,
@@ -194,6 +195,14 @@ impl Frame {
         match are_given {
             true => self.caches |= CACHE_GIVES,
             false => self.caches &= !CACHE_GIVES,
+        }
+    }
+
+    /// Whether nothing is made in a wave of what the first surface scatters.
+    pub(crate) fn set_learns(&mut self, learns: bool) {
+        match learns {
+            true => self.caches |= CACHE_LEARNS,
+            false => self.caches &= !CACHE_LEARNS,
         }
     }
 

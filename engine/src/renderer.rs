@@ -584,6 +584,7 @@ impl Renderer {
         self.set_photons(purpose);
         let mut frame = *frame;
         frame.set_records_given(purpose == Purpose::Picture && self.settings.method.has_records());
+        frame.set_learns(self.only_learns(purpose));
         let paths = frame.wave_size;
         match self.lanes.is_empty() {
             true => self.render_wave(&frame, purpose)?,
@@ -617,6 +618,21 @@ impl Renderer {
         Ok(())
     }
 
+    /// Whether paths that teach the cache of scattered light are a first picture: one that goes on has its samples, and a whole of which
+    /// parts are rendered has no film.
+    fn learning_is_seen(&self) -> bool {
+        !self.is_begun() && self.whole.is_none() && !self.learns_more()
+    }
+
+    /// Whether a wave does nothing but teach that cache, which is told nothing of what the surface that the camera sees scatters at once. It
+    /// mustn't depend on whether the picture has begun: what is learned has to be the same, to the bit.
+    fn only_learns(&self, purpose: Purpose) -> bool {
+        match purpose {
+            Purpose::Learn { ends } => self.learns_more() && !self.looks(ends),
+            _ => false,
+        }
+    }
+
     /// How waves go.
     fn plan(&self, purpose: Purpose) -> Plan {
         let errand = match purpose {
@@ -625,8 +641,7 @@ impl Renderer {
             Purpose::Look => Some(Errand::Look),
             Purpose::Find(_) => Some(Errand::Unseen),
             Purpose::Learn { ends } => {
-                // A picture that goes on has its samples, and a whole of which parts are rendered has no film.
-                let is_seen = !self.is_begun() && self.whole.is_none();
+                let is_seen = self.learning_is_seen();
                 match self.looks(ends) {
                     true => Some(Errand::Learn { is_seen }),
                     false => (!is_seen).then_some(Errand::Unseen),

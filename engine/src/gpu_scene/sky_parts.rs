@@ -92,6 +92,15 @@ fn directions(turn: f32) -> Vec<Vec<(DVec3, f64)>> {
         .collect()
 }
 
+/// Solid angle of each part over that of all together.
+pub(crate) fn solid_angles() -> [f64; PARTS] {
+    let angles: Vec<f64> = (directions(0.0).iter())
+        .map(|inside| inside.iter().map(|&(_, weight)| weight).sum())
+        .collect();
+    let all: f64 = angles.iter().sum();
+    std::array::from_fn(|part| angles[part] / all)
+}
+
 /// Appends a row of the tables that `shared/sky_parts.wgsl` reads: for each part the probability that a sample goes there or to a part
 /// before. `parts` has the probability of each by what it sends, `weights` how much of that counts; a share of `blind` goes by the
 /// former alone. From the last part that sends something on, whatever rounding has left is its own.

@@ -6,8 +6,8 @@ use ::device::{Device, DeviceChoice};
 use engine::film::Layers;
 use engine::fleet::{Fleet, Plan};
 use engine::renderer::{Lot, Renderer};
-use engine::scene::{Environment, FloatImage, Material, Projection};
-use engine::settings::{Method, RenderSettings};
+use engine::scene::{Environment, FloatImage, Material, Projection, Scene};
+use engine::settings::{Estimator, Method, RenderSettings};
 use engine::system::System;
 use glam::Vec3;
 
@@ -343,66 +343,78 @@ fn the_picture_does_not_depend_on_how_waves_are_cut() {
     assert!(films[0] == films[1]);
 }
 
-/// Where the sky is seen through a window alone, light samples learn to go there: what they bring on average stays the same.
-#[test]
-fn a_sky_behind_a_window_is_found_sooner_and_is_as_bright() {
-    let Some(device) = device::open() else { return };
+/// A box of 4 metres, open by so much in a corner of its wall at x = 2, under a sky that is twice as bright on one side and has a sun which
+/// misses the window.
+fn room_with_window(wide: f32, high: f32) -> Scene {
     let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
     let wall = Material {
         double_sided: true,
         ..lambert(Vec3::splat(0.5))
     };
-    // A box of 4 metres, open by a metre in a corner of its wall at x = 2.
-    let room = || {
-        let quads = [
-            quad(-x * 2.0 - y * 2.0 - z * 2.0, x * 4.0, z * 4.0),
-            quad(-x * 2.0 + y * 2.0 - z * 2.0, x * 4.0, z * 4.0),
-            quad(-x * 2.0 - y * 2.0 - z * 2.0, y * 4.0, z * 4.0),
-            quad(-x * 2.0 - y * 2.0 - z * 2.0, x * 4.0, y * 4.0),
-            quad(-x * 2.0 - y * 2.0 + z * 2.0, x * 4.0, y * 4.0),
-            quad(x * 2.0 - y * 2.0 - z * 2.0, y * 4.0, z * 3.0),
-            quad(x * 2.0 - y * 2.0 + z * 1.0, y * 3.0, z * 1.0),
-        ];
-        let mut scene = scene(quads.map(|quad| (quad, wall.clone())), Vec3::ONE);
-        // Twice as bright on one side, and with a sun that misses the window.
-        let mut sky = FloatImage {
-            width: 64,
-            height: 32,
-            rgb: vec![[1.0; 3]; 64 * 32],
-        };
-        for (i, texel) in sky.rgb.iter_mut().enumerate() {
-            if i % 64 < 24 {
-                *texel = [2.0; 3];
-            }
-        }
-        sky.rgb[5 * 64 + 3] = [400.0; 3];
-        scene.environment = Environment::Image {
-            image: sky,
-            rotation: 30.0,
-            intensity: 1.0,
-        };
-        scene
+    let quads = [
+        quad(-x * 2.0 - y * 2.0 - z * 2.0, x * 4.0, z * 4.0),
+        quad(-x * 2.0 + y * 2.0 - z * 2.0, x * 4.0, z * 4.0),
+        quad(-x * 2.0 - y * 2.0 - z * 2.0, y * 4.0, z * 4.0),
+        quad(-x * 2.0 - y * 2.0 - z * 2.0, x * 4.0, y * 4.0),
+        quad(-x * 2.0 - y * 2.0 + z * 2.0, x * 4.0, y * 4.0),
+        quad(x * 2.0 - y * 2.0 - z * 2.0, y * 4.0, z * (4.0 - wide)),
+        quad(
+            x * 2.0 - y * 2.0 + z * (2.0 - wide),
+            y * (4.0 - high),
+            z * wide,
+        ),
+    ];
+    let mut scene = scene(quads.map(|quad| (quad, wall.clone())), Vec3::ONE);
+    let mut sky = FloatImage {
+        width: 64,
+        height: 32,
+        rgb: vec![[1.0; 3]; 64 * 32],
     };
+    for (i, texel) in sky.rgb.iter_mut().enumerate() {
+        if i % 64 < 24 {
+            *texel = [2.0; 3];
+        }
+    }
+    sky.rgb[5 * 64 + 3] = [400.0; 3];
+    scene.environment = Environment::Image {
+        image: sky,
+        rotation: 30.0,
+        intensity: 1.0,
+    };
+    scene
+}
+
+/// How it is seen from the wall across.
+fn seen_in_room(max_depth: u32) -> RenderSettings {
     let camera = camera(
         Vec3::new(-1.8, 0.0, 1.2),
         Vec3::new(1.0, 0.0, -1.0),
         Vec3::Y,
         Projection::Perspective { y_fov: 1.2 },
     );
-    // Only light that one surface has scattered: no record has a share in it.
     let shot = Shot {
         size: (32, 32),
-        max_depth: 1,
+        max_depth,
         spp: 0,
     };
+    RenderSettings {
+        paths_ahead: 8 * FEW,
+        ..settings(&camera, shot)
+    }
+}
+
+/// Where the sky is seen through a window alone, light samples learn to go there: what they bring on average stays the same.
+#[test]
+fn a_sky_behind_a_window_is_found_sooner_and_is_as_bright() {
+    let Some(device) = device::open() else { return };
+    // Only light that one surface has scattered: no record has a share in it.
     let of = |device: &Device, method: Method, seed: u32, spp: u32| {
         let wanted = RenderSettings {
             method,
             seed,
-            paths_ahead: 8 * FEW,
-            ..settings(&camera, shot)
+            ..seen_in_room(1)
         };
-        film(device, room(), &wanted, spp)
+        film(device, room_with_window(1.0, 1.0), &wanted, spp)
     };
     let right = of(&device::open_for_reference(), Method::Path, 7, 8192);
     let errors = [Method::Path, Method::Cache].map(|method| {
@@ -419,4 +431,33 @@ fn a_sky_behind_a_window_is_found_sooner_and_is_as_bright() {
         squares
     });
     assert!(2.0 * errors[1] < errors[0], "{errors:?}");
+}
+
+/// Of rays that only have to find the sky few go on where records are; what they find, and light samples, count for as much more.
+#[test]
+fn few_rays_to_the_sky_find_as_much() {
+    let Some(device) = device::open() else { return };
+    for max_depth in [1, 3] {
+        let of = |device: &Device, method: Method, estimator: Estimator, spp: u32| {
+            let wanted = RenderSettings {
+                method,
+                estimator,
+                seed: spp,
+                ..seen_in_room(max_depth)
+            };
+            mean(&film(device, room_with_window(3.0, 3.0), &wanted, spp))
+        };
+        let reference = device::open_for_reference();
+        let right = of(&reference, Method::Path, Estimator::Mis, 4096);
+        for estimator in Estimator::ALL {
+            let found = of(&device, Method::Cache, estimator, 1024);
+            let off = (found / right - 1.0).abs().max_element();
+            let name = estimator.name();
+            println!("{name}, {max_depth} at most: {found} is {off:.4} off {right}");
+            assert!(
+                off < 0.02,
+                "{name}, {max_depth} at most: {found} is not {right}"
+            );
+        }
+    }
 }

@@ -102,7 +102,8 @@ fn points(@builtin(global_invocation_id) id: vec3u) {
 fn samples(@builtin(global_invocation_id) id: vec3u) {
     if (2u * id.x + 1u >= arrayLength(&data)) { return; }
     let u = vec2f(uniform_number(id.x, 1u), uniform_number(id.x, 2u));
-    let s = light_sample(params.position, params.position, side(), path_id(0u), uniform_number(id.x, 0u), u);
+    let shares = light_shares(params.position, side(), path_id(0u));
+    let s = light_sample(params.position, params.position, side(), shares, uniform_number(id.x, 0u), u);
     data[2u * id.x] = vec4f(s.wi, s.pdf);
     data[2u * id.x + 1u] = vec4f(s.distance, f32(s.delta), max_component(s.radiance), 0.0);
 }

@@ -67,11 +67,14 @@ fn shade_vertex(slot: u32) {
         l = favouring_reflection(m.bsdf, l);
     }
     let origins = ray_origins(v, m.bsdf);
+    let receiver = receiver_at(v, m, origins);
+    let shares = light_shares(origins.above, receiver, v.id);
+    var going_on = 1.0;
     if (leaves_diffuse) {
-        leave_scattering(p, v, m, l, origins);
+        going_on = leave_scattering(p, v, m, l, origins, shares.rays);
     }
-    let has_shadow_ray = sample_direct_light(p, v, m, l, wo, origins);
-    if (!sample_indirect(p, v, m, l, wo, origins) && has_program_shadows && has_shadow_ray) {
+    let has_shadow_ray = sample_direct_light(p, v, m, l, wo, origins, receiver, shares, going_on);
+    if (!sample_indirect(p, v, m, l, wo, origins, going_on) && has_program_shadows && has_shadow_ray) {
         wait_for_shadow_ray(p);
     }
 }

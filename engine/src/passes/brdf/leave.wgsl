@@ -21,9 +21,9 @@ fn counts_as_diffuse(b: Bsdf, l: Lobes) -> bool {
         && (!has_layers || b.iridescence <= 0.0);
 }
 
-// Of the rays that body and reflection share, those that the reflection gets at least where records stand for the body: a ray of its own
+// Of the rays that body and reflection share, those that the reflection gets at least where records stand for the body: one of its own
 // only has to find lamps and the sky then, which light samples do nearly as well.
-const REFLECTED_LEAST = 0.7;
+const REFLECTED_LEAST = 0.95;
 
 fn favouring_reflection(b: Bsdf, l: Lobes) -> Lobes {
     let both = l.specular_p + l.diffuse_p;
@@ -43,23 +43,37 @@ fn rough_albedo(b: Bsdf, l: Lobes, cosine: f32) -> vec3f {
 }
 
 // Leaves how the vertex scatters: diffusely, if that is the same from wherever the light comes, not below a sheen, nor where it
-// goes to the other side as well.
-fn leave_scattering(p: Path, v: Vertex, m: MaterialSample, l: Lobes, origins: RayOrigins) {
+// goes to the other side as well. Which part of the rays goes on if a cache knows the place; `enough` is that of those that only have to
+// find lamps and the sky.
+fn leave_scattering(p: Path, v: Vertex, m: MaterialSample, l: Lobes, origins: RayOrigins, enough: f32) -> f32 {
     if (is_caster(v, m.bsdf)) {
         path_set_words(PATH_LEFT, v.slot, vec4u(0u, 0u, v.depth, LEFT_CASTER));
-        return;
+        return 1.0;
     }
     if (!energy_compensation || l.diffuse_p <= 0.0 || l.sheen_p > 0.0 || l.back_p > 0.0 || (has_transmission && v.medium != 0u)) {
         path_set_words(PATH_LEFT, v.slot, vec4u(0u, 0u, v.depth, LEFT_OTHER));
-        return;
+        return 1.0;
     }
     var scattered = diffuse_above(m.bsdf, l, vec3f(0.0)) * (1.0 - l.cover);
-    if (counts_as_diffuse(m.bsdf, l)) {
+    let has_rough = counts_as_diffuse(m.bsdf, l);
+    if (has_rough) {
         scattered += rough_albedo(m.bsdf, l, dot(v.surface.wo, m.frame.normal)) / PI;
     }
     path_set_words(PATH_PLACE, v.slot, vec4u(bitcast<vec3u>(origins.above), octahedral_encode(v.surface.shading_normal)));
     path_set_words(PATH_DIFFUSE, v.slot, vec4u(bitcast<vec3u>(p.throughput * scattered), octahedral_encode(m.frame.normal)));
-    path_set_words(PATH_LEFT, v.slot, vec4u(0u, 0u, v.depth, LEFT_DIFFUSE));
+    let is_all = has_rough || l.specular_p + l.coat_p <= 0.0;
+    if ((frame.caches & CACHE_GIVES) == 0u || !is_all || enough >= 1.0) {
+        path_set_words(PATH_LEFT, v.slot, vec4u(0u, 0u, v.depth, LEFT_DIFFUSE));
+        return 1.0;
+    }
+    path_set_words(PATH_LEFT, v.slot, vec4u(0u, bitcast<u32>(enough), v.depth, LEFT_DIFFUSE | LEFT_FEW));
+    return enough;
+}
+
+// Leaves by how much the light sample counts for less if all rays go on.
+fn leave_light_share(v: Vertex, share: f32) {
+    let left = path_words(PATH_LEFT, v.slot);
+    path_set_words(PATH_LEFT, v.slot, vec4u(bitcast<u32>(share), left.yzw));
 }
 
 // Leaves that the ray has met the sky alone.
@@ -69,8 +83,9 @@ fn leave_sky(p: Path, radiance: vec3f) {
 
 // Leaves that the path goes on, and how much of the light from that direction the vertex scatters diffusely.
 fn leave_share(v: Vertex, b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f, value: vec3f) {
-    let kind = path_words(PATH_LEFT, v.slot).w;
-    var share = vec2u(0u);
+    let left = path_words(PATH_LEFT, v.slot);
+    let kind = left.w;
+    var share = left.xy;
     if (kind == LEFT_DIFFUSE) {
         let is_all = wi.z > 0.0 && counts_as_diffuse(b, l);
         share = shares_words(select(diffuse_share(b, l, wo, wi, value), vec3f(1.0), is_all), wi.z > 0.0, 0u);

@@ -32,24 +32,35 @@ fn leaves(cosine: f32, side: f32, is_lifted: bool) -> bool {
     return has_transmission && cosine < 0.0 && side < 0.0;
 }
 
-// Next-event estimation: samples a light, and queues a shadow ray to it with what would arrive. Whether there is one.
-fn sample_direct_light(p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3f, origins: RayOrigins) -> bool {
-    let s = v.surface;
+// What light samples know of the vertex.
+fn receiver_at(v: Vertex, m: MaterialSample, origins: RayOrigins) -> u32 {
     // Where a ray may dip below the triangle's plane, the shading normal's horizon is what counts.
-    let facing = octahedral_encode(select(s.geometric_normal, m.frame.normal, origins.is_lifted));
-    let receiver = select(RECEIVER_ALL_AROUND, facing, origins.is_opaque);
+    let facing = octahedral_encode(select(v.surface.geometric_normal, m.frame.normal, origins.is_lifted));
+    return select(RECEIVER_ALL_AROUND, facing, origins.is_opaque);
+}
+
+// Next-event estimation: samples a light, and queues a shadow ray to it with what would arrive. Whether there is one. `going_on` is the
+// part of the BSDF's rays that will go on.
+fn sample_direct_light(
+    p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3f, origins: RayOrigins, receiver: u32, shares: LightShares, going_on: f32,
+) -> bool {
+    let s = v.surface;
     path_set_words(PATH_LIGHT, v.slot, vec4u(0u, 0u, 0u, receiver));
-    if (light_groups() == 0u) {
+    let is_unused = v.depth == 0u && (frame.caches & CACHE_LEARNS) != 0u;
+    if (light_groups() == 0u || is_unused) {
         return false;
     }
     let numbers = random4(v.id, vertex_dimension(v.depth, DIMENSION_LIGHT), GROUP_LIGHT);
-    let light = light_sample(s.position + origins.lift, origins.above, receiver, v.id, numbers.z, numbers.xy);
+    let light = light_sample(s.position + origins.lift, origins.above, receiver, shares, numbers.z, numbers.xy);
     let wi = to_local(m.frame, light.wi);
     if (!(light.pdf > 0.0) || !leaves(wi.z, dot(light.wi, s.geometric_normal), origins.is_lifted)) {
         return false;
     }
     let value = bsdf_eval(m.bsdf, l, wo, wi);
-    let weight = light_sample_weight(light.pdf, value.w, light.delta);
+    let weight = light_sample_weight(light.pdf, going_on * value.w, light.delta);
+    if (leaves_diffuse && going_on < 1.0 && weight > 0.0) {
+        leave_light_share(v, light_sample_weight(light.pdf, value.w, light.delta) / weight);
+    }
     var contribution = p.throughput * value.xyz * light.radiance * (weight / light.pdf);
     if (has_transmission && light.distance < FAR) {
         let through = medium_among(select(v.media, v.beyond, wi.z < 0.0));
@@ -98,8 +109,10 @@ fn russian_roulette(throughput: vec3f, depth: u32, density: f32, u: f32) -> vec3
     return throughput / survival;
 }
 
-// Samples the BSDF, and sends the path on. Whether it goes on.
-fn sample_indirect(p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3f, origins: RayOrigins) -> bool {
+// Samples the BSDF, and sends the path on. Whether it goes on, or may: where only a part of such rays is to, a cache says which.
+fn sample_indirect(
+    p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3f, origins: RayOrigins, going_on: f32,
+) -> bool {
     let numbers = random4(v.id, vertex_dimension(v.depth, DIMENSION_BSDF), GROUP_BSDF);
     let sampled = bsdf_sample(m.bsdf, l, wo, numbers.xy);
     let direction = to_world(m.frame, sampled.wi);
@@ -126,11 +139,13 @@ fn sample_indirect(p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3f, o
     if (leaves_diffuse) {
         leave_share(v, m.bsdf, l, wo, sampled.wi, sampled.weight * sampled.pdf);
     }
-    path_write(PATH_THROUGHPUT, v.slot, vec4f(throughput, sampled.pdf));
+    path_write(PATH_THROUGHPUT, v.slot, vec4f(throughput, going_on * sampled.pdf));
     path_set_words(PATH_STATE, v.slot, vec4u(0u, 0u, v.depth + 1u, path_words(PATH_STATE, v.slot).w));
     let origin = select(origins.below, origins.above, sampled.wi.z > 0.0);
     rays[own_ray(v.slot)] = RayHit(origin, 0.0, normalize(direction), 1e30, vec2f(0.0), MISS, 0u);
-    queue_append(QUEUE_ACTIVE, v.slot);
+    if (going_on >= 1.0) {
+        queue_append(QUEUE_ACTIVE, v.slot);
+    }
     return true;
 }
 

@@ -154,6 +154,23 @@ fn add_candidate(slot: u32, place: vec4u, width: f32) {
     }
 }
 
+// Has the path go on where few would have if records had known the place: all do.
+fn go_on_whole(slot: u32, left: vec4u) {
+    if ((left.w & LEFT_FEW) == 0u) {
+        return;
+    }
+    let light = path_words(PATH_LIGHT, slot);
+    path_set_words(PATH_LIGHT, slot, vec4u(bitcast<vec3u>(bitcast<vec3f>(light.xyz) * bitcast<f32>(left.x)), light.w));
+    let throughput = path_read(PATH_THROUGHPUT, slot);
+    path_write(PATH_THROUGHPUT, slot, vec4f(throughput.xyz, throughput.w / bitcast<f32>(left.y)));
+    if (irradiance_settings.photons != 0u) {
+        path_set_words(PATH_LEFT, slot, vec4u(shares_words(vec3f(1.0), true, 0u), left.zw));
+    }
+    if ((left.w & LEFT_ON) != 0u) {
+        queue_append(QUEUE_ACTIVE, slot);
+    }
+}
+
 @compute @workgroup_size(64)
 fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u,
                       @builtin(local_invocation_index) local: u32) {
@@ -176,6 +193,7 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     let mode = irradiance_settings.mode;
     // Of what surfaces scatter diffusely here, another one must have scattered it before.
     if (mode == IRRADIANCE_IDLE || left.z + 2u > frame.max_depth) {
+        go_on_whole(slot, left);
         return;
     }
     let place = path_words(PATH_PLACE, slot);
@@ -195,6 +213,7 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     }
     let chances = random2(path_id(slot), vertex_dimension(left.z, DIMENSION_HUE));
     if (found.weight <= 0.0 || chances.x < found.left * irradiance_settings.left) {
+        go_on_whole(slot, left);
         return; // the path finds it out by itself
     }
     let scattered = limited(bitcast<vec3f>(diffuse.xyz) * found.irradiance, f32(left.z + 2u));
@@ -203,10 +222,24 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
         return;
     }
     // The ray stands for one part or for the other, each as often as that carries more.
-    let share = shares_diffuse(left.xy);
+    let are_few = (left.w & LEFT_FEW) != 0u;
+    let few = bitcast<f32>(left.y);
+    var share = vec3f(1.0);
+    if (!are_few) {
+        share = shares_diffuse(left.xy);
+    } else if (chances.y < few) {
+        queue_append(QUEUE_ACTIVE, slot);
+    } else {
+        if (has_program_shadows) {
+            // Its shadow ray may have to wait for texture programs.
+            end_path(slot);
+            queue_append(QUEUE_ACTIVE, slot);
+        }
+        return;
+    }
     let throughput = path_read(PATH_THROUGHPUT, slot);
     let whole = max(max_component(throughput.xyz), 1e-37);
-    let probability = clamp(max_component(throughput.xyz * share) / whole, 0.0, 1.0);
+    let probability = select(clamp(max_component(throughput.xyz * share) / whole, 0.0, 1.0), few, are_few);
     let is_diffuse = chances.y < probability;
     if (is_diffuse) {
         path_write(PATH_THROUGHPUT, slot, vec4f(throughput.xyz * share / probability, throughput.w));

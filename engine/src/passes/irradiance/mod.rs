@@ -16,9 +16,8 @@ pub const LOOK_UP: Pass = Pass {
         "irradiance_records",
         "irradiance_references",
         "irradiance_settings",
-        "queues",
     ],
-    writes: &["irradiance_candidates", "paths", "rays"],
+    writes: &["irradiance_candidates", "paths", "queues", "rays"],
     exists: |features| features.irradiance_cache,
 };
 

@@ -67,6 +67,7 @@ struct Frame {
 const CACHE_SKY = 1u; // where the sky is seen, see sky_parts.wgsl
 const CACHE_IRRADIANCE = 2u; // what surfaces scatter is looked up, see irradiance/look_up.wgsl
 const CACHE_GIVES = 4u; // in this wave: records are there
+const CACHE_LEARNS = 8u; // in this wave: nothing is made of what the first surface scatters
 
 // Samples of one half in a row; `film.rs` has the same number.
 const HALF_RUN_BITS = 4u;

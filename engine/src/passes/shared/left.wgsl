@@ -15,6 +15,9 @@ const LEFT_OTHER = 3u; // some other way
 const LEFT_SKY = 4u; // no surface: the sky
 const LEFT_KIND = 7u; // mask of these
 const LEFT_ON = 8u; // besides: the path goes on
+// Besides, where all is scattered diffusely: of the path's rays few go on from here if a cache knows this place, and light samples count
+// for more. Instead of shares there is by how much they count for less where it doesn't, then which part of the rays these few are.
+const LEFT_FEW = 16u;
 
 // A surface is a caster if its microfacets' distribution is at most as wide as this, and at most this much of the light that
 // enters it is scattered diffusely. It has to be flagged as one: photons are sent to no others.

@@ -57,15 +57,18 @@ fn light_groups() -> u32 {
 struct LightShares {
     environment: f32,
     other: f32, // of each of the other groups
+    rays: f32, // of those that a surface scatters diffusely, and that find only what is sampled as well, the part that is enough
     sky_row: u32, // of the parts of the sky, see sky_parts.wgsl
 }
 
 // `receiver` is the side that receives light, `id` the path.
 fn light_shares(origin: vec3f, receiver: u32, id: PathId) -> LightShares {
-    var shares = LightShares(frame.environment_probability, 1.0 / f32(max(light_groups(), 1u)), 0u);
+    var shares = LightShares(frame.environment_probability, 1.0 / f32(max(light_groups(), 1u)), 1.0, 0u);
     if (sky_is_known()) {
         shares.sky_row = sky_row(origin, receiver, id);
-        shares.environment = sky_share(shares.sky_row);
+        let of_sky = sky_shares(shares.sky_row);
+        shares.environment = of_sky.x;
+        shares.rays = select(1.0, of_sky.z, frame.light_count == 0u);
         shares.other = (1.0 - shares.environment) / f32(max(light_groups(), 2u) - 1u);
     } else {
         shares.sky_row = receiver_facing(receiver, FACING_STEPS);
@@ -100,9 +103,8 @@ fn sky_sample(u: vec2f, origin: vec3f, receiver: u32, shares: LightShares) -> En
 }
 
 // A light for the surface point `p`. `origin` is where scattered rays start: the density of what they hit is found from
-// there, so that this does so too. `receiver` is the side that receives light, `id` the path.
-fn light_sample(p: vec3f, origin: vec3f, receiver: u32, id: PathId, choice: f32, u: vec2f) -> LightSample {
-    let shares = light_shares(origin, receiver, id);
+// there, so that this does so too. `receiver` is the side that receives light, `shares` what `light_shares` says of both.
+fn light_sample(p: vec3f, origin: vec3f, receiver: u32, shares: LightShares, choice: f32, u: vec2f) -> LightSample {
     var pick = choice;
     if (has_environment && pick < shares.environment) {
         let e = sky_sample(u, origin, receiver, shares);

@@ -24,8 +24,8 @@ const CELL_FACING_STEPS = 4u;
 
 // A row for each facing: in each texel, for four parts, the probability that a sample goes there or to a part before.
 @group(0) @binding(65) var facing_sky: texture_2d<f32>;
-// The same for each cell, and for each opening in the next texels. In one more the share of the light samples that the sky gets, and of
-// those the share that goes through openings; then the columns of `openings.wgsl`.
+// The same for each cell, and for each opening in the next texels. In one more the share of the light samples that the sky gets, of
+// those the share that goes through openings, and which part of diffusely scattered rays is enough beside them; then the columns of `openings.wgsl`.
 @group(0) @binding(63) var known_sky: texture_2d<f32>;
 
 const FIRST_OPENING_TEXEL = SKY_PARTS / 4u;
@@ -37,8 +37,8 @@ fn sky_is_known() -> bool {
     return leaves_diffuse && (frame.caches & CACHE_SKY) != 0u;
 }
 
-fn sky_share(row: u32) -> f32 {
-    return textureLoad(known_sky, vec2u(SHARES_TEXEL, row), 0).x;
+fn sky_shares(row: u32) -> vec3f {
+    return textureLoad(known_sky, vec2u(SHARES_TEXEL, row), 0).xyz;
 }
 
 // Four parts of a row of the one or the other.

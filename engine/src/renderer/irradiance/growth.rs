@@ -123,6 +123,13 @@ impl Renderer {
         })
     }
 
+    /// Whether paths that teach the cache of scattered light come after those before its first sample.
+    pub(in crate::renderer) fn learns_more(&self) -> bool {
+        self.irradiance
+            .as_ref()
+            .is_some_and(|cache| cache.steps > 0)
+    }
+
     /// Whether paths that teach the cache of scattered light also look where the sky is seen; `ends` as for [`Self::samples_to_learn`].
     pub(in crate::renderer) fn looks(&self, ends: bool) -> bool {
         let (first, _) = self.samples_to_learn(ends);

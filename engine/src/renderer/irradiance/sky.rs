@@ -18,7 +18,7 @@ use glam::Vec3;
 
 use crate::gpu_scene::{
     environment::GpuEnvironment,
-    sky_parts::{Between, PARTS, push_row, received},
+    sky_parts::{Between, PARTS, push_row, received, solid_angles},
 };
 
 use super::openings::{self, ALL_SQUARES, OPENINGS, Openings};
@@ -58,6 +58,13 @@ const THROUGH_OPENINGS: f64 = 0.75;
 const LEAST_SHARE: f64 = 0.15;
 /// Of samples so many have to arrive for an equal share: in a cell much may be in shadow, and some of it in bright light.
 const OFTEN: f64 = 0.02;
+
+/// Of rays that a surface scatters diffusely, and that only have to find the sky, so many are enough beside light samples, over the root of
+/// the noise that they have if all go on. Noise times work is least at one over the root of the rest's noise and of what they take beside the
+/// rest, which both are about 0.4 (relative variance of a sample, and time).
+const RAYS_SHARE: f64 = 2.5;
+/// The least part of them.
+const FEWEST_RAYS: f64 = 0.125;
 
 /// What knows it.
 #[derive(Debug)]
@@ -134,7 +141,8 @@ impl Sky {
 }
 
 /// What is known of each cell: the probability of each part and those before it, of samples that were sent and arrived, and likewise of each
-/// opening; then the share of the sky, and that of openings. `received` says for each facing how much of what a part sends is received.
+/// opening; then the share of the sky, that of openings, and of rays those that are enough beside light samples. `received` says for each facing
+/// how much of what a part sends is received.
 fn rows(
     seen: &[[u32; 2]],
     parts: &[f64],
@@ -160,6 +168,7 @@ fn rows(
         samples => std::array::from_fn(|i| all_sums[i] as f64 / samples as f64),
     };
     let ones = [1.0; OPENINGS];
+    let angles = solid_angles();
     let row = |cell: &[[u32; 2]]| {
         let wider = match cell[COUNTS][0] as usize {
             0 => None,
@@ -189,7 +198,15 @@ fn rows(
             push_row(&mut row, &brings[1..], &ones, 0.0);
         }
         let of_sky = share_of_sky(share, arriving, arrives[PARTS]);
-        row.extend([of_sky as f32, through as f32]);
+        let rays = rays_share(
+            &arrives,
+            facing,
+            parts,
+            &weights,
+            &angles,
+            [of_sky, through],
+        );
+        row.extend([of_sky as f32, through as f32, rays as f32]);
         row.resize(ROW, 0.0);
         row
     };
@@ -256,9 +273,63 @@ fn share_of_sky(share: f64, sky: f64, lamps: f64) -> f64 {
     (of_sky / (of_sky + of_lamps).max(f64::MIN_POSITIVE)).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE)
 }
 
+/// Of rays that a surface scatters diffusely the part that is enough beside light samples, of which the sky gets the first share, and openings
+/// the second one of these; others are sent to each part by `weights`. `angles` has how much of a sphere each part is. Where little of the sky is seen light samples are far denser
+/// there, and what a ray finds hardly counts.
+fn rays_share(
+    arrives: &[f64; COUNTS],
+    received: Option<&[f64; PARTS]>,
+    parts: &[f64],
+    weights: &[f64],
+    angles: &[f64; PARTS],
+    [of_sky, through]: [f64; 2],
+) -> f64 {
+    let total: f64 = weights.iter().zip(parts).map(|(w, part)| w * part).sum();
+    // What openings are uniform over, about.
+    let seen: f64 = (arrives.iter().zip(angles).zip(parts))
+        .map(|((a, angle), &part)| if part > 0.0 { a * angle } else { 0.0 })
+        .sum();
+    let (mut found, mut squares) = (0.0, 0.0);
+    for (i, angle) in angles.iter().enumerate() {
+        let radiance = parts[i] / angle;
+        let known = weights[i] * radiance / total.max(f64::MIN_POSITIVE);
+        let by_parts = BLIND * radiance + (1.0 - BLIND) * known;
+        let by_light =
+            of_sky * ((1.0 - through) * by_parts + through / seen.max(f64::MIN_POSITIVE));
+        let by_ray = 4.0 * received.map_or(1.0, |received| received[i]);
+        // The power heuristic's.
+        let weight =
+            by_ray * by_ray / (by_ray * by_ray + by_light * by_light).max(f64::MIN_POSITIVE);
+        let rays = arrives[i] * angle * by_ray;
+        found += rays * radiance;
+        squares += rays * (radiance * weight).powi(2);
+    }
+    let noise = squares / (found * found).max(f64::MIN_POSITIVE);
+    (RAYS_SHARE * noise.sqrt()).clamp(FEWEST_RAYS, 1.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rays_are_many_where_much_of_the_sky_is_seen() {
+        let parts = solid_angles();
+        let share = |seen: usize| {
+            let arrives: [f64; COUNTS] = std::array::from_fn(|i| if i < seen { 1.0 } else { 0.0 });
+            let up: [f64; PARTS] = std::array::from_fn(|i| if i < PARTS / 2 { 0.5 } else { 0.0 });
+            let weights: Vec<_> = arrives.iter().zip(up).map(|(a, b)| a * b).collect();
+            rays_share(&arrives, Some(&up), &parts, &weights, &parts, [1.0, 0.0])
+        };
+        assert_eq!(share(PARTS / 2), 1.0);
+        assert!(
+            (0.3..1.0).contains(&share(PARTS / 4)),
+            "{}",
+            share(PARTS / 4)
+        );
+        assert_eq!(share(PARTS / 16), FEWEST_RAYS);
+        assert_eq!(share(0), FEWEST_RAYS);
+    }
 
     #[test]
     fn samples_go_where_they_arrive_and_everywhere_else_too() {
