@@ -618,8 +618,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Whether paths that teach the cache of scattered light are a first picture: one that goes on has its samples, and a whole of which
-    /// parts are rendered has no film.
+    /// Whether paths that teach the cache of scattered light are a first picture: one that goes on has its samples, a whole of which
+    /// parts are rendered has no film, and what teaches more shows less.
     fn learning_is_seen(&self) -> bool {
         !self.is_begun() && self.whole.is_none() && !self.learns_more()
     }

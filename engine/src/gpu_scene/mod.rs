@@ -255,6 +255,11 @@ pub struct GpuScene {
 }
 
 impl GpuScene {
+    /// Whether the sky and lamps infinitely far away are all that lights, and no texture program has a say in that.
+    pub(crate) fn is_lit_from_afar(&self) -> bool {
+        self.light_count == 0 && !self.features.program_shadows && !self.uploaded.glows()
+    }
+
     /// The order of triangles and instances on the GPU. Its nodes are not kept.
     pub fn hierarchy(&self) -> &SceneBvh {
         self.uploaded.hierarchy()

@@ -71,6 +71,12 @@ impl Uploaded {
         &self.flags
     }
 
+    /// Whether a surface may emit that isn't in the table of lights.
+    pub(super) fn glows(&self) -> bool {
+        let glows = |material: &Emission| material.unlit || material.by_program.is_some();
+        self.emission.iter().any(glows)
+    }
+
     pub(super) fn hierarchy(&self) -> &SceneBvh {
         &self.bvh
     }

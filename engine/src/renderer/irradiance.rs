@@ -30,7 +30,7 @@ use super::{Purpose, RenderError, Renderer, Work, clear_picture};
 
 use self::grid::{Grid, Reference, Slot, sort_along_the_curve};
 use self::records::{Candidate, REACH, Record, calm, settle, spread_out};
-use self::sky::Sky;
+use self::sky::{Lamps, Sky};
 use self::smooth::smooth;
 
 /// Most records.
@@ -447,10 +447,13 @@ impl Renderer {
     fn learn_sky(&self) -> Result<(), RenderError> {
         let environment = &self.scene.environment;
         if let Some(cache) = self.irradiance.as_ref().filter(|_| environment.emits) {
-            let share = f64::from(self.frame.environment_probability());
+            let lamps = Lamps {
+                share_of_sky: self.frame.environment_probability().into(),
+                are_far: self.scene.is_lit_from_afar(),
+            };
             cache
                 .sky
-                .learn(&self.device, &self.resources, environment, share)?;
+                .learn(&self.device, &self.resources, environment, lamps)?;
         }
         Ok(())
     }

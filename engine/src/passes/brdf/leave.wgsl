@@ -21,16 +21,17 @@ fn counts_as_diffuse(b: Bsdf, l: Lobes) -> bool {
         && (!has_layers || b.iridescence <= 0.0);
 }
 
-// Of the rays that body and reflection share, those that the reflection gets at least where records stand for the body: one of its own
-// only has to find lamps and the sky then, which light samples do nearly as well.
-const REFLECTED_LEAST = 0.95;
+// Of the rays that body and reflection share, those that the body gets at most where records stand for it: they only have to find lamps and
+// the sky then, which light samples do nearly as well.
+const DIFFUSE_MOST = 0.3;
 
-fn favouring_reflection(b: Bsdf, l: Lobes) -> Lobes {
+// Lobes for such a place; `enough` is the part of the body's rays that is enough there.
+fn favouring_reflection(b: Bsdf, l: Lobes, enough: f32) -> Lobes {
     let both = l.specular_p + l.diffuse_p;
     var changed = l;
     if (l.specular_p > 0.0 && l.diffuse_p > 0.0 && mean_alpha(b) < ROUGH_ALPHA) {
-        changed.specular_p = max(l.specular_p, REFLECTED_LEAST * both);
-        changed.diffuse_p = both - changed.specular_p;
+        changed.diffuse_p = min(l.diffuse_p, DIFFUSE_MOST * enough * both);
+        changed.specular_p = both - changed.diffuse_p;
     }
     return changed;
 }

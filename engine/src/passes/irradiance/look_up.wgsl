@@ -225,17 +225,13 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     let are_few = (left.w & LEFT_FEW) != 0u;
     let few = bitcast<f32>(left.y);
     var share = vec3f(1.0);
-    if (!are_few) {
-        share = shares_diffuse(left.xy);
-    } else if (chances.y < few) {
+    if (are_few) {
+        if (chances.y >= few) {
+            return; // no shadow ray of it waits for a texture program, see `Lamps` of `renderer/irradiance/sky.rs`
+        }
         queue_append(QUEUE_ACTIVE, slot);
     } else {
-        if (has_program_shadows) {
-            // Its shadow ray may have to wait for texture programs.
-            end_path(slot);
-            queue_append(QUEUE_ACTIVE, slot);
-        }
-        return;
+        share = shares_diffuse(left.xy);
     }
     let throughput = path_read(PATH_THROUGHPUT, slot);
     let whole = max(max_component(throughput.xyz), 1e-37);

@@ -68,7 +68,7 @@ fn light_shares(origin: vec3f, receiver: u32, id: PathId) -> LightShares {
         shares.sky_row = sky_row(origin, receiver, id);
         let of_sky = sky_shares(shares.sky_row);
         shares.environment = of_sky.x;
-        shares.rays = select(1.0, of_sky.z, frame.light_count == 0u);
+        shares.rays = of_sky.z;
         shares.other = (1.0 - shares.environment) / f32(max(light_groups(), 2u) - 1u);
     } else {
         shares.sky_row = receiver_facing(receiver, FACING_STEPS);

@@ -25,7 +25,8 @@ const CELL_FACING_STEPS = 4u;
 // A row for each facing: in each texel, for four parts, the probability that a sample goes there or to a part before.
 @group(0) @binding(65) var facing_sky: texture_2d<f32>;
 // The same for each cell, and for each opening in the next texels. In one more the share of the light samples that the sky gets, of
-// those the share that goes through openings, and which part of diffusely scattered rays is enough beside them; then the columns of `openings.wgsl`.
+// those the share that goes through openings, and which part of diffusely scattered rays is enough beside them; then the columns of
+// `openings.wgsl`.
 @group(0) @binding(63) var known_sky: texture_2d<f32>;
 
 const FIRST_OPENING_TEXEL = SKY_PARTS / 4u;

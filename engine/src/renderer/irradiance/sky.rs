@@ -66,6 +66,16 @@ const RAYS_SHARE: f64 = 2.5;
 /// The least part of them.
 const FEWEST_RAYS: f64 = 0.125;
 
+/// What there is beside the sky.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lamps {
+    /// Of the light samples, where it arrives as often as lamps do.
+    pub(super) share_of_sky: f64,
+    /// Whether all of them are infinitely far away, nothing else emits, and no shadow ray waits for a texture program: else rays may find
+    /// what light samples of the sky don't, and all go on.
+    pub(super) are_far: bool,
+}
+
 /// What knows it.
 #[derive(Debug)]
 pub(super) struct Sky {
@@ -115,13 +125,13 @@ impl Sky {
         Ok(())
     }
 
-    /// Has light samples go by what has been counted; `share` is that of the sky where it arrives as often as lamps do.
+    /// Has light samples go by what has been counted.
     pub(super) fn learn(
         &self,
         device: &Device,
         resources: &Resources,
         environment: &GpuEnvironment,
-        share: f64,
+        lamps: Lamps,
     ) -> Result<(), DeviceError> {
         let bytes = (CELLS * PAIRS * 8) as u64;
         let bytes = device.read(resources.buffer("sky_seen"), 0, bytes)?;
@@ -131,7 +141,7 @@ impl Sky {
             Err(_) => Cow::Owned(bytemuck::pod_collect_to_vec(&bytes)),
         };
         let received = received(FACING_STEPS, environment.turn, BETWEEN);
-        let mut rows = rows(&seen, &environment.parts, &received, &self.openings, share);
+        let mut rows = rows(&seen, &environment.parts, &received, &self.openings, lamps);
         self.openings.put_into(&mut rows, ROW);
         let size = [TEXELS, CELLS as u32];
         self.known
@@ -148,7 +158,7 @@ fn rows(
     parts: &[f64],
     received: &[[f64; PARTS]],
     openings: &Openings,
-    share: f64,
+    lamps: Lamps,
 ) -> Vec<f32> {
     let mut anywhere = [[0; 2]; COUNTS];
     for cell in seen.chunks_exact(PAIRS) {
@@ -197,15 +207,12 @@ fn rows(
             through = THROUGH_OPENINGS * by_openings / all.max(f64::MIN_POSITIVE);
             push_row(&mut row, &brings[1..], &ones, 0.0);
         }
-        let of_sky = share_of_sky(share, arriving, arrives[PARTS]);
-        let rays = rays_share(
-            &arrives,
-            facing,
-            parts,
-            &weights,
-            &angles,
-            [of_sky, through],
-        );
+        let of_sky = share_of_sky(lamps.share_of_sky, arriving, arrives[PARTS]);
+        let shares = [of_sky, through];
+        let rays = match lamps.are_far {
+            true => rays_share(&arrives, facing, parts, &weights, &angles, shares),
+            false => 1.0,
+        };
         row.extend([of_sky as f32, through as f32, rays as f32]);
         row.resize(ROW, 0.0);
         row
@@ -312,6 +319,13 @@ fn rays_share(
 mod tests {
     use super::*;
 
+    fn lamps(share_of_sky: f64) -> Lamps {
+        Lamps {
+            share_of_sky,
+            are_far: share_of_sky == 1.0,
+        }
+    }
+
     #[test]
     fn rays_are_many_where_much_of_the_sky_is_seen() {
         let parts = solid_angles();
@@ -348,7 +362,7 @@ mod tests {
         seen[COUNTS] = [0, 1];
         seen.extend(vec![[0, 0]; 2 * PAIRS]);
         seen[2 * PAIRS + COUNTS] = [1, 0];
-        let rows = rows(&seen, &parts, &[], &Openings::default(), 0.5);
+        let rows = rows(&seen, &parts, &[], &Openings::default(), lamps(0.5));
         let probability = |cell: usize, part: usize| {
             let before = match part {
                 0 => 0.0,
@@ -391,7 +405,7 @@ mod tests {
         seen[COUNTS] = [1, 0];
         seen[PAIRS + COUNTS] = [1, 0];
         let parts = [1.0 / PARTS as f64; PARTS];
-        let rows = rows(&seen, &parts, &[], &openings, 1.0);
+        let rows = rows(&seen, &parts, &[], &openings, lamps(1.0));
         for row in rows.chunks_exact(ROW) {
             let of_first = match first {
                 0 => row[PARTS],
