@@ -63,12 +63,12 @@ fn shade_vertex(slot: u32) {
         return;
     }
     var l = lobes(m.bsdf, wo);
+    if (leaves_diffuse && (frame.caches & CACHE_GIVES) != 0u) {
+        l = favouring_reflection(m.bsdf, l);
+    }
     let origins = ray_origins(v, m.bsdf);
     let receiver = receiver_at(v, m, origins);
     let shares = light_shares(origins.above, receiver, v.id);
-    if (leaves_diffuse && (frame.caches & CACHE_GIVES) != 0u) {
-        l = favouring_reflection(m.bsdf, l, shares.rays);
-    }
     var going_on = 1.0;
     if (leaves_diffuse) {
         going_on = leave_scattering(p, v, m, l, origins, shares.rays);

@@ -21,17 +21,17 @@ fn counts_as_diffuse(b: Bsdf, l: Lobes) -> bool {
         && (!has_layers || b.iridescence <= 0.0);
 }
 
-// Of the rays that body and reflection share, those that the body gets at most where records stand for it: they only have to find lamps and
-// the sky then, which light samples do nearly as well.
-const DIFFUSE_MOST = 0.3;
+// Of the rays that body and reflection share, those that the reflection gets at least where records stand for the body: a ray of its own
+// only has to find lamps and the sky then, which light samples do nearly as well. With more for the reflection, its rays far from where a
+// mirror would send them count for more, and leave white dots where they meet what the sun shines on.
+const REFLECTED_LEAST = 0.7;
 
-// Lobes for such a place; `enough` is the part of the body's rays that is enough there.
-fn favouring_reflection(b: Bsdf, l: Lobes, enough: f32) -> Lobes {
+fn favouring_reflection(b: Bsdf, l: Lobes) -> Lobes {
     let both = l.specular_p + l.diffuse_p;
     var changed = l;
     if (l.specular_p > 0.0 && l.diffuse_p > 0.0 && mean_alpha(b) < ROUGH_ALPHA) {
-        changed.diffuse_p = min(l.diffuse_p, DIFFUSE_MOST * enough * both);
-        changed.specular_p = both - changed.diffuse_p;
+        changed.specular_p = max(l.specular_p, REFLECTED_LEAST * both);
+        changed.diffuse_p = both - changed.specular_p;
     }
     return changed;
 }
