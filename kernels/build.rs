@@ -125,9 +125,6 @@ const SETS: &[(&[&str], &[&str])] = &[
         &["energy_compensation", "has_programs"],
     ),
     // Single scattering between microfacets alone, as glTF's formula has it.
-    (&[], &[]),
-    (&["has_textures"], &[]),
-    (&["has_textures", "has_environment"], &[]),
     (OMISSIONS, &[]),
     (OMISSIONS, &["energy_compensation"]),
     (OMISSIONS, &["energy_compensation", "has_programs"]),
@@ -147,6 +144,10 @@ const SETS: &[(&[&str], &[&str])] = &[
     (&[], &["energy_compensation", LEAVES]),
     (OMISSIONS, &["energy_compensation", LEAVES]),
     (OMISSIONS, &["energy_compensation", "has_programs", LEAVES]),
+    (
+        OMISSIONS,
+        &["energy_compensation", "has_programs", LEAVES, SPLIT],
+    ),
 ];
 
 /// Kernels that run eight invocations at a time where the processor has vectors for it. With `accumulate` nothing is gained: it

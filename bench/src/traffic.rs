@@ -190,6 +190,7 @@ mod tests {
             let mut read = fields(text, &["path_read", "path_words"]);
             for (call, field) in [
                 ("path_depth(", "STATE"),
+                ("path_is_last(", "STATE"),
                 ("alpha_coin(", "STATE"),
                 ("waiting_light(", "LIGHT"),
             ] {
@@ -198,16 +199,8 @@ mod tests {
                 }
             }
             let mut written = fields(text, &["path_write", "path_set_words"]);
-            // Only where a film keeps parts of the light apart, or a cache wants to know of surfaces.
-            for field in [
-                "FOUND",
-                "FOUND_DISKS",
-                "SHARES",
-                "CAUGHT",
-                "PLACE",
-                "DIFFUSE",
-                "LEFT",
-            ] {
+            // Only where a cache wants to know of surfaces.
+            for field in ["PLACE", "DIFFUSE", "LEFT"] {
                 read.remove(field);
                 written.remove(field);
             }

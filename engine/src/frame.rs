@@ -231,6 +231,12 @@ impl Frame {
         self.seed = seed;
     }
 
+    /// No light is taken away.
+    pub(crate) fn without_clamp(mut self) -> Self {
+        self.indirect_clamp = f32::MAX;
+        self
+    }
+
     /// Side of a pixel over its distance to the camera; 0 for parallel rays.
     pub(crate) fn pixel_side(&self) -> f32 {
         self.pixel_spread
@@ -246,8 +252,7 @@ impl Frame {
         (self.light_count, self.directional_count) = (0, 0);
         self.environment_probability = 0.0;
         self.roulette_start = u32::MAX;
-        self.indirect_clamp = f32::MAX;
-        self
+        self.without_clamp()
     }
 
     /// Columns times rows.

@@ -395,27 +395,19 @@ impl Renderer {
             &mut resources,
         )?;
         show_motion(device, &gpu_scene, scene, settings, &mut resources)?;
-        gpu_scene.features.energy_compensation = settings.energy_compensation;
+        gpu_scene.features = gpu_scene.features.with_settings(settings);
         let record_words = layers.record_words();
         if record_words > 0 && !schedule::records_layers(&*schedule) {
             let reason = "this schedule gathers no layers beside the picture";
             return Err(ScheduleError::Unsupported(reason).into());
         }
-        gpu_scene.features.film_layers = record_words > 0;
-        gpu_scene.features.splits_light = layers.split_light();
-        gpu_scene.features.catches_shadows = layers.catch_shadows();
-        gpu_scene.features.node_layers = layers.nodes().len() as u32;
-        gpu_scene.features.light_cache = settings.method.has_light_cache();
-        gpu_scene.features.irradiance_cache = settings.method.has_records();
-        gpu_scene.features.photons = settings.method.has_photons();
         if settings.method != Method::Path {
             if !schedule::has_light_cache(&*schedule) {
                 let reason = "this schedule has no cache of light";
                 return Err(ScheduleError::Unsupported(reason).into());
             }
-            if layers.split_light() {
-                let reason =
-                    "where light comes from a cache, the film can't tell parts of the light apart";
+            if layers.have_light_groups() {
+                let reason = "caches of light don't know from which lamps it comes, so there are no layers of light groups";
                 return Err(ScheduleError::Unsupported(reason).into());
             }
         }

@@ -11,8 +11,10 @@ use device::{Device, DeviceError, Resources, Usage};
 const PATH_FIELDS: u64 = 6;
 /// Words of the fields that follow where the film keeps parts of the light apart: `SPLIT_FIELDS` of `paths.wgsl`.
 pub const SPLIT_WORDS: u32 = 12;
-/// Words of the fields in their place where a cache of irradiance or photons want to know of surfaces: `shared/left.wgsl`.
+/// Words of the fields before those where caches of light or photons want to know of surfaces: `shared/left.wgsl`.
 pub const LEFT_WORDS: u32 = 12;
+/// Words of the fields behind those where there are both: `GIVEN_FIELDS` of `paths.wgsl`.
+pub const GIVEN_WORDS: u32 = 12;
 /// Words of the fields behind the results that a path has for photons: `photons/settings.wgsl`.
 pub const PHOTON_WORDS: u32 = 8;
 /// Words of a path that are there besides where the film has shadow catchers.

@@ -379,14 +379,11 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
     let by_moments = may_begin_again.then_some(
         "what is wrong with a picture of many moments isn't known; write --method cache",
     );
-    let of_paths = match method.has_light_cache() {
-        true => {
-            "a path that ends in a cache doesn't tell light that was scattered once from other light"
-        }
-        false => "what photons bring isn't the light of single paths",
-    };
+    let by_brightness = may_begin_again.then_some(
+        "light that is taken away would be missed, and looked for in vain; write --method cache",
+    );
     let refused = [
-        ("--clamp", args.clamp.is_some(), Some(of_paths)),
+        ("--clamp", args.clamp.is_some(), by_brightness),
         ("--part", args.part.is_some(), by_parts),
         ("--sample-range", args.sample_range.is_some(), by_parts),
         ("--checkpoint", args.checkpoint.is_some(), by_parts),

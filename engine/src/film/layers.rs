@@ -194,6 +194,12 @@ impl Layers {
         self.others.iter().any(|layer| layer.is_light())
     }
 
+    /// Whether groups of lights are among them, besides that of all light which is in none.
+    pub(crate) fn have_light_groups(&self) -> bool {
+        let mut groups = self.others.iter().filter_map(|layer| layer.light_group());
+        groups.any(|number| number > 0)
+    }
+
     /// Whether motion is among them.
     pub(crate) fn have_motion(&self) -> bool {
         self.others.iter().any(|layer| layer.is_of_motion())

@@ -27,6 +27,7 @@ use device::{Device, DeviceError, Resources, Usage, native::accel};
 use crate::{
     bvh::{BvhError, SceneBvh},
     scene::{LightSource, Mesh, Scene, name_id},
+    settings::RenderSettings,
     texturing::{ProgramTraits, TextureReads},
     wave,
 };
@@ -129,7 +130,7 @@ pub struct SceneFeatures {
     pub node_layers: u32,
     /// Paths end in a cache of light: asked for, too.
     pub light_cache: bool,
-    /// A cache knows the irradiance of surfaces: asked for, too, with the other cache and without parts of the light.
+    /// A cache knows the irradiance of surfaces: asked for, too, with the other cache.
     pub irradiance_cache: bool,
     /// Photons bring caustics: asked for, too, alone or with the cache of irradiance.
     pub photons: bool,
@@ -140,6 +141,22 @@ pub struct SceneFeatures {
 }
 
 impl SceneFeatures {
+    /// What is asked for besides the scene, too.
+    pub(crate) fn with_settings(self, settings: &RenderSettings) -> Self {
+        let (layers, method) = (&settings.layers, settings.method);
+        Self {
+            energy_compensation: settings.energy_compensation,
+            film_layers: layers.record_words() > 0,
+            splits_light: layers.split_light(),
+            catches_shadows: layers.catch_shadows(),
+            node_layers: layers.nodes().len() as u32,
+            light_cache: method.has_light_cache(),
+            irradiance_cache: method.has_records(),
+            photons: method.has_photons(),
+            ..self
+        }
+    }
+
     /// Words of a path, besides the results of its texture program, that not every scene needs.
     pub fn path_words(&self) -> u32 {
         let words = [
@@ -147,6 +164,10 @@ impl SceneFeatures {
             (self.catches_shadows, wave::CATCH_WORDS),
             (self.light_cache, wave::LIGHT_RECORD_WORDS),
             (self.leaves_scattering(), wave::LEFT_WORDS),
+            (
+                self.splits_light && self.leaves_scattering(),
+                wave::GIVEN_WORDS,
+            ),
             (self.photons, wave::PHOTON_WORDS),
         ];
         let needed = words.into_iter().filter(|(is_needed, _)| *is_needed);

@@ -4,15 +4,12 @@ use device::Device;
 
 use crate::{
     film::{self, Layers},
-    gpu_scene,
+    gpu_scene::{self, SceneFeatures},
     procedural::{Procedural, node_words},
     scene::Scene,
     schedule::Wavefront,
     settings::RenderSettings,
-    wave::{
-        CATCH_WORDS, LEFT_WORDS, LIGHT_RECORD_WORDS, PHOTON_WORDS, PathBytes, QUEUE_HEADER,
-        SPLIT_WORDS,
-    },
+    wave::{PathBytes, QUEUE_HEADER},
 };
 
 use super::lanes::Lanes;
@@ -91,27 +88,11 @@ fn paths(device: &Device, procedural: &Procedural, settings: &RenderSettings) ->
     let layers = &settings.layers;
     let schedule = Wavefront;
     let capacity = Lanes::capacity(device, &schedule, most_paths(device, settings));
-    let split = match layers.split_light() {
-        true => SPLIT_WORDS,
-        false => 0,
-    };
-    let caught = match layers.catch_shadows() {
-        true => CATCH_WORDS,
-        false => 0,
-    };
-    let method = settings.method;
-    let left = method.has_light_cache() || method.has_photons();
-    let caches = [
-        (method.has_light_cache(), LIGHT_RECORD_WORDS),
-        (left, LEFT_WORDS),
-        (method.has_photons(), PHOTON_WORDS),
-    ];
-    let caches = caches.into_iter().filter(|(is_needed, _)| *is_needed);
-    let record: u32 = caches.map(|(_, words)| words).sum();
+    let asked = SceneFeatures::default().with_settings(settings);
     let results = procedural
         .result_words()
         .max(node_words(layers.nodes().len()));
-    let path = PathBytes::new(results + split + caught + record).total();
+    let path = PathBytes::new(results + asked.path_words()).total();
     let recorded = 4 * u64::from(layers.record_words());
     let wave = u64::from(capacity) * (path + recorded) + 4 * QUEUE_HEADER;
     wave * (1 + Lanes::number(device, &schedule))

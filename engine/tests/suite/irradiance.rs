@@ -345,7 +345,7 @@ fn the_picture_does_not_depend_on_how_waves_are_cut() {
 
 /// A box of 4 metres, open by so much in a corner of its wall at x = 2, under a sky that is twice as bright on one side and has a sun which
 /// misses the window.
-fn room_with_window(wide: f32, high: f32) -> Scene {
+pub(crate) fn room_with_window(wide: f32, high: f32) -> Scene {
     let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
     let wall = Material {
         double_sided: true,
@@ -385,7 +385,7 @@ fn room_with_window(wide: f32, high: f32) -> Scene {
 }
 
 /// How it is seen from the wall across.
-fn seen_in_room(max_depth: u32) -> RenderSettings {
+pub(crate) fn seen_in_room(max_depth: u32) -> RenderSettings {
     let camera = camera(
         Vec3::new(-1.8, 0.0, 1.2),
         Vec3::new(1.0, 0.0, -1.0),

@@ -20,6 +20,7 @@ mod khronos;
 mod layouts;
 mod library;
 mod light_cache;
+mod light_parts;
 mod lights;
 mod looks;
 mod memory;

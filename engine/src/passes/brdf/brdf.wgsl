@@ -33,10 +33,8 @@ fn shade_vertex(slot: u32) {
     }
     p.throughput = passage.throughput;
 
-    // After the last scattering only emission matters.
-    let is_last = p.depth >= frame.max_depth;
     let is_unlit = (v.flags & MATERIAL_UNLIT) != 0u;
-    let wanted = select(0xffffffffu, 1u << TEXTURE_EMISSION, is_last && !is_unlit);
+    let wanted = select(0xffffffffu, 1u << TEXTURE_EMISSION, p.is_last && !is_unlit);
     let texels = material_textures(v.material, wanted, v.surface.triangle, v.surface.weights);
     let base_color = base_color_at(slot, v.driven, v.material, v.surface, texels[TEXTURE_BASE_COLOR]);
     if (is_unlit) {
@@ -50,7 +48,7 @@ fn shade_vertex(slot: u32) {
     }
     p.radiance = handle_emissive_intersection(p, v, hit, receiver_before, texels[TEXTURE_EMISSION]);
     path_write(PATH_RADIANCE, slot, vec4f(p.radiance, cone_width));
-    if (is_last) {
+    if (p.is_last) {
         return;
     }
 

@@ -55,10 +55,15 @@ fn leave_scattering(p: Path, v: Vertex, m: MaterialSample, l: Lobes, origins: Ra
         path_set_words(PATH_LEFT, v.slot, vec4u(0u, 0u, v.depth, LEFT_OTHER));
         return 1.0;
     }
-    var scattered = diffuse_above(m.bsdf, l, vec3f(0.0)) * (1.0 - l.cover);
+    let body = diffuse_above(m.bsdf, l, vec3f(0.0)) * (1.0 - l.cover);
+    var scattered = body;
     let has_rough = counts_as_diffuse(m.bsdf, l);
     if (has_rough) {
         scattered += rough_albedo(m.bsdf, l, dot(v.surface.wo, m.frame.normal)) / PI;
+    }
+    if (splits_light && v.depth == 0u) {
+        let words = shares_words(body / max(scattered, vec3f(1e-37)), true, 0u);
+        path_set_words(path_given_shares(), v.slot, vec4u(words, 0u, 0u));
     }
     path_set_words(PATH_PLACE, v.slot, vec4u(bitcast<vec3u>(origins.above), octahedral_encode(v.surface.shading_normal)));
     path_set_words(PATH_DIFFUSE, v.slot, vec4u(bitcast<vec3u>(p.throughput * scattered), octahedral_encode(m.frame.normal)));

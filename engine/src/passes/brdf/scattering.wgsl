@@ -88,7 +88,7 @@ fn sample_direct_light(
     }
     // What a program makes of a lamp isn't known where something is in its way.
     if (catches_shadows && v.depth == 0u && light.point.x == MISS) {
-        path_write(PATH_CAUGHT, v.slot, vec4f(contribution / weight, max_component(contribution)));
+        path_write(split_field(PATH_CAUGHT), v.slot, vec4f(contribution / weight, max_component(contribution)));
     }
     queue_append(QUEUE_SHADOW, v.slot);
     return true;

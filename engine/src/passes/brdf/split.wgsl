@@ -4,7 +4,7 @@
 
 // Notes what the path's own ray has found.
 fn note_found(p: Path, field: u32, light: vec3f, is_surface: bool, group: u32) {
-    path_set_words(field, p.slot, vec4u(bitcast<vec3u>(light), found_word(p.depth, is_surface, group)));
+    path_set_words(split_field(field), p.slot, vec4u(bitcast<vec3u>(light), found_word(p.depth, is_surface, group)));
 }
 
 // The share of diffuse scattering, sheen included, in `value`, which is f |cos| of all lobes.
@@ -30,15 +30,15 @@ fn note_light_sample(v: Vertex, b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f, value: 
     if (v.depth == 0u) {
         diffuse = diffuse_share(b, l, wo, wi, value);
     }
-    let former = path_words(PATH_SHARES, v.slot);
-    path_set_words(PATH_SHARES, v.slot, vec4u(shares_words(diffuse, wi.z > 0.0, group), former.zw));
+    let former = path_words(split_field(PATH_SHARES), v.slot);
+    path_set_words(split_field(PATH_SHARES), v.slot, vec4u(shares_words(diffuse, wi.z > 0.0, group), former.zw));
 }
 
 // Notes how the first surface scatters all light that the path will find.
 fn note_path(v: Vertex, b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f, value: vec3f) {
     if (v.depth == 0u) {
-        let former = path_words(PATH_SHARES, v.slot);
+        let former = path_words(split_field(PATH_SHARES), v.slot);
         let words = shares_words(diffuse_share(b, l, wo, wi, value), wi.z > 0.0, 0u);
-        path_set_words(PATH_SHARES, v.slot, vec4u(former.xy, words));
+        path_set_words(split_field(PATH_SHARES), v.slot, vec4u(former.xy, words));
     }
 }

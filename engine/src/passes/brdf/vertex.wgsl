@@ -18,6 +18,7 @@ struct Path {
     slot: u32,
     id: PathId,
     depth: u32, // vertices that have scattered
+    is_last: bool, // what it meets scatters no more: only emission matters
     throughput: vec3f,
     bsdf_pdf: f32, // of the ray's direction; 0 for camera rays
     radiance: vec3f, // gathered so far
@@ -27,7 +28,9 @@ struct Path {
 fn path_state(slot: u32) -> Path {
     let throughput = path_read(PATH_THROUGHPUT, slot);
     let gathered = path_read(PATH_RADIANCE, slot);
-    return Path(slot, path_id(slot), path_depth(slot), throughput.xyz, throughput.w, gathered.xyz, gathered.w);
+    return Path(
+        slot, path_id(slot), path_depth(slot), path_is_last(slot), throughput.xyz, throughput.w, gathered.xyz, gathered.w,
+    );
 }
 
 // Where a path has met a surface.
@@ -58,7 +61,7 @@ fn vertex_at(p: Path, hit: RayHit) -> Vertex {
     v.instance = hit.instance;
     v.own_material = v.surface.triangle.w & TRIANGLE_MATERIAL;
     v.material = v.own_material;
-    if (runs_program(materials[v.own_material].flags, p.depth)) {
+    if (runs_program(materials[v.own_material].flags, p.is_last)) {
         let resolved = path_words(PATH_STATE, p.slot);
         v.material = resolved.x;
         v.driven = resolved.y;

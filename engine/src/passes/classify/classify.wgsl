@@ -42,7 +42,7 @@ fn classify_hits(slot: u32) {
         return;
     }
     let material = triangles[hit].w & TRIANGLE_MATERIAL;
-    if (runs_program(materials[material].flags, path_depth(slot))) {
+    if (runs_program(materials[material].flags, path_is_last(slot))) {
         append(own_ray(slot), material, 0u);
     }
 }

@@ -30,20 +30,33 @@ fn layer_add(word: u32, bit: u32, slot: u32, value: vec3f) {
     layer_sample_set(word + 2u, slot, layer_sample(word + 2u, slot) + value.z);
 }
 
-// What the path's own ray has found, and that it has been taken.
+// What the path's own ray has found, or a cache has given, and that it has been taken.
 fn take_own(slot: u32, field: u32) {
     let words = path_words(field, slot);
     path_set_words(field, slot, vec4u(0u));
     var found: Found;
     found.light = bitcast<vec3f>(words.xyz);
     if (max_component(abs(found.light)) > 0.0) {
-        let shares = path_words(PATH_SHARES, slot).zw;
+        var shares = path_words(split_field(PATH_SHARES), slot).zw;
+        if (leaves_diffuse && (words.w & FOUND_GIVEN) != 0u) {
+            shares = path_words(path_given_shares(), slot).xy;
+        }
         found.scatterings = words.w & 3u;
         found.is_surface = (words.w & FOUND_SURFACE) != 0u;
         found.group = words.w >> FOUND_GROUP_SHIFT;
-        found.diffuse = shares_diffuse(shares);
+        found.diffuse = select(shares_diffuse(shares), vec3f(0.0), (words.w & FOUND_REST) != 0u);
         found.is_above = (shares.y & SHARES_ABOVE) != 0u;
         add_found(slot, found);
+    }
+}
+
+// All of that.
+fn take_all(slot: u32) {
+    take_own(slot, split_field(PATH_FOUND));
+    take_own(slot, split_field(PATH_FOUND_DISKS));
+    if (leaves_diffuse) {
+        take_own(slot, path_ended());
+        take_own(slot, path_given());
     }
 }
 
@@ -54,8 +67,8 @@ fn is_caught(slot: u32) -> bool {
 
 // The shadow on the first surface: what has come of its light sample.
 fn take_shadow(slot: u32, light: vec3f) {
-    let words = path_read(PATH_CAUGHT, slot);
-    path_set_words(PATH_CAUGHT, slot, vec4u(0u));
+    let words = path_read(split_field(PATH_CAUGHT), slot);
+    path_set_words(split_field(PATH_CAUGHT), slot, vec4u(0u));
     if (words.w > 0.0 && is_caught(slot)) {
         var found: Found;
         found.shadowless = words.xyz;
@@ -77,10 +90,16 @@ fn take_light_sample(slot: u32, scatterings: u32) {
     if (max_component(light) <= 0.0) {
         return;
     }
-    let words = path_words(PATH_SHARES, slot);
+    let words = path_words(split_field(PATH_SHARES), slot);
     let shares = select(words.zw, words.xy, scatterings <= 1u);
+    var diffuse = shares_diffuse(shares);
+    if (leaves_diffuse) {
+        let photons = path_words(path_given_shares(), slot).zw;
+        light *= vec3f(1.0) - shares_diffuse(photons);
+        diffuse = select(diffuse, vec3f(0.0), (photons.y & SHARES_REST) != 0u);
+    }
     add_found(slot, Found(light, min(scatterings, SCATTERINGS_MOST), true, words.y >> SHARES_GROUP_SHIFT,
-        shares_diffuse(shares), (shares.y & SHARES_ABOVE) != 0u, vec3f(0.0), vec3f(0.0)));
+        diffuse, (shares.y & SHARES_ABOVE) != 0u, vec3f(0.0), vec3f(0.0)));
 }
 
 @compute @workgroup_size(64)
@@ -95,15 +114,19 @@ fn record_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
     if (depth == 0u) {
         // Nothing has been found before the first surface, but by the path that was here in the wave before.
         set_lit_layers(slot, 0u);
-        path_set_words(PATH_FOUND, slot, vec4u(0u));
-        path_set_words(PATH_FOUND_DISKS, slot, vec4u(0u));
+        path_set_words(split_field(PATH_FOUND), slot, vec4u(0u));
+        path_set_words(split_field(PATH_FOUND_DISKS), slot, vec4u(0u));
+        if (leaves_diffuse) {
+            path_set_words(path_ended(), slot, vec4u(0u));
+            path_set_words(path_given(), slot, vec4u(0u));
+            path_set_words(path_given_shares(), slot, vec4u(0u));
+        }
         if (catches_shadows) {
-            path_set_words(PATH_CAUGHT, slot, vec4u(0u));
+            path_set_words(split_field(PATH_CAUGHT), slot, vec4u(0u));
         }
         return;
     }
-    take_own(slot, PATH_FOUND);
-    take_own(slot, PATH_FOUND_DISKS);
+    take_all(slot);
     if (!waits_for_program(slot)) {
         take_light_sample(slot, depth);
     }
@@ -117,8 +140,7 @@ fn record_last_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workg
     if (slot >= frame.wave_size) {
         return;
     }
-    take_own(slot, PATH_FOUND);
-    take_own(slot, PATH_FOUND_DISKS);
+    take_all(slot);
     if (!has_program_shadows || path_words(PATH_LIGHT_POINT, slot).x == MISS) {
         take_light_sample(slot, path_depth(slot) + 1u);
     }

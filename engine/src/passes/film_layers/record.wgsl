@@ -163,7 +163,7 @@ fn record_layers(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
     let surface = surface_at(hit);
     let own_material = surface.triangle.w & TRIANGLE_MATERIAL;
     var at = FirstSurface(slot, hit.instance, surface, own_material, 0u, false);
-    if (runs_program(materials[own_material].flags, 0u)) {
+    if (runs_program(materials[own_material].flags, frame.max_depth == 0u)) {
         let resolved = path_words(PATH_STATE, slot);
         at.material = resolved.x;
         at.driven = resolved.y;

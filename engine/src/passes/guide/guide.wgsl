@@ -29,7 +29,7 @@ fn guide(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workg
     let own_material = s.triangle.w & TRIANGLE_MATERIAL;
     var material = own_material;
     var driven = 0u;
-    if (runs_program(materials[own_material].flags, 0u)) {
+    if (runs_program(materials[own_material].flags, frame.max_depth == 0u)) {
         let resolved = path_words(PATH_STATE, slot);
         material = resolved.x;
         driven = resolved.y;

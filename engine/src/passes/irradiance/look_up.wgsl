@@ -159,8 +159,13 @@ fn go_on_whole(slot: u32, left: vec4u) {
     if ((left.w & LEFT_FEW) == 0u) {
         return;
     }
-    let light = path_words(PATH_LIGHT, slot);
-    path_set_words(PATH_LIGHT, slot, vec4u(bitcast<vec3u>(bitcast<vec3f>(light.xyz) * bitcast<f32>(left.x)), light.w));
+    let share = bitcast<f32>(left.x);
+    let light = path_read(PATH_LIGHT, slot);
+    path_write(PATH_LIGHT, slot, vec4f(light.xyz * share, light.w));
+    if (catches_shadows && left.z == 0u) {
+        let caught = path_read(split_field(PATH_CAUGHT), slot);
+        path_write(split_field(PATH_CAUGHT), slot, vec4f(caught.xyz, caught.w * share));
+    }
     let throughput = path_read(PATH_THROUGHPUT, slot);
     path_write(PATH_THROUGHPUT, slot, vec4f(throughput.xyz, throughput.w / bitcast<f32>(left.y)));
     if (irradiance_settings.photons != 0u) {
@@ -218,6 +223,15 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     }
     let scattered = limited(bitcast<vec3f>(diffuse.xyz) * found.irradiance, f32(left.z + 2u));
     path_write(PATH_RADIANCE, slot, vec4f(gathered.xyz + scattered, gathered.w));
+    if (has_photons) {
+        // Where the path has come by way of casters, this is no light that photons may have brought.
+        let kept = path_words(irradiance_settings.photons, slot);
+        path_set_words(irradiance_settings.photons, slot, vec4u(bitcast<vec3u>(bitcast<vec3f>(kept.xyz) + scattered), kept.w));
+    }
+    if (splits_light) {
+        let word = found_word(left.z + 2u, true, NO_GROUP) | select(0u, FOUND_GIVEN, left.z == 0u);
+        path_set_words(path_given(), slot, vec4u(bitcast<vec3u>(scattered), word));
+    }
     if (!goes_on) {
         return;
     }
@@ -227,7 +241,11 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     var share = vec3f(1.0);
     if (are_few) {
         if (chances.y >= few) {
-            return; // no shadow ray of it waits for a texture program, see `Lamps` of `renderer/irradiance/sky.rs`
+            // No shadow ray of it waits for a texture program, see `Lamps` of `renderer/irradiance/sky.rs`. What its light sample brings
+            // this vertex alone has scattered.
+            let state = path_words(PATH_STATE, slot);
+            path_set_words(PATH_STATE, slot, vec4u(state.xy, left.z, state.w));
+            return;
         }
         queue_append(QUEUE_ACTIVE, slot);
     } else {
@@ -240,10 +258,17 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     if (is_diffuse) {
         path_write(PATH_THROUGHPUT, slot, vec4f(throughput.xyz * share / probability, throughput.w));
         let state = path_words(PATH_STATE, slot);
-        path_set_words(PATH_STATE, slot, vec4u(state.xy, frame.max_depth, state.w));
+        path_set_words(PATH_STATE, slot, vec4u(state.xy, state.z | PATH_ENDS, state.w));
     } else {
         let rest = (vec3f(1.0) - share) / max(1.0 - probability, 1e-6);
         path_write(PATH_THROUGHPUT, slot, vec4f(throughput.xyz * rest, throughput.w));
+    }
+    if (splits_light && left.z == 0u && !are_few && any(share < vec3f(1.0))) {
+        // From now on all that the path finds the first surface has scattered one way.
+        let former = path_words(split_field(PATH_SHARES), slot);
+        let is_above = (former.w & SHARES_ABOVE) != 0u;
+        let words = shares_words(select(vec3f(0.0), vec3f(1.0), is_diffuse), is_above, 0u);
+        path_set_words(split_field(PATH_SHARES), slot, vec4u(former.xy, words));
     }
     if (has_photons) {
         let stands_for = select(vec3f(0.0), vec3f(1.0), is_diffuse);

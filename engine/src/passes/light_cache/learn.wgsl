@@ -56,7 +56,7 @@ fn note_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
         }
         path_set_words(field, slot, vec4u(bitcast<vec3u>(before), (state & ~RECORD_STATE) | RECORD_KNOWN));
     }
-    if (known_as != RECORD_NONE && known_as != RECORD_DEEP && tells_lesser() && path_depth(slot) >= frame.max_depth) {
+    if (known_as != RECORD_NONE && known_as != RECORD_DEEP && tells_lesser() && path_is_last(slot)) {
         // What has been scattered less often is all found by now.
         tell(slot, scattered_from(slot, path_read(PATH_RADIANCE, slot).xyz), light_cache_settings.lesser);
         let words = path_words(field, slot);

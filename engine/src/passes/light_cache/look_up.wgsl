@@ -1,5 +1,6 @@
 // Ends paths in the cache, or, while it learns, notes from where they go on. One thread for each active path, whose ray has been
 // traced; before any texture runs.
+//!include shared/found_light.wgsl
 //!include light_cache/ends.wgsl
 
 @compute @workgroup_size(64)
@@ -15,7 +16,7 @@ fn look_up_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
     let state = path_words(PATH_STATE, slot);
     let learns = light_cache_settings.mode == LIGHT_CACHE_LEARNS;
     if (light_cache_settings.mode == LIGHT_CACHE_IDLE || hit.triangle == MISS || throughput.w <= 0.0
-        || state.z >= frame.max_depth || waits_for_program(slot)) {
+        || path_is_last(slot) || waits_for_program(slot)) {
         return;
     }
     let record = light_cache_settings.record;
@@ -48,6 +49,9 @@ fn look_up_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
         let kept = path_words(light_cache_settings.photons, slot);
         path_set_words(light_cache_settings.photons, slot, vec4u(bitcast<vec3u>(bitcast<vec3f>(kept.xyz) + found), kept.w));
     }
-    // As if it had scattered as often as it may: what the surface emits is all that is left to be found.
-    path_set_words(PATH_STATE, slot, vec4u(state.xy, frame.max_depth, state.w));
+    if (splits_light) {
+        path_set_words(path_ended(), slot, vec4u(bitcast<vec3u>(found), found_word(state.z + 1u, true, NO_GROUP)));
+    }
+    // What the surface emits is all that is left to be found.
+    path_set_words(PATH_STATE, slot, vec4u(state.xy, state.z | PATH_ENDS, state.w));
 }

@@ -133,7 +133,7 @@ fn photon_emit(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups)
     let own = s.triangle.w & TRIANGLE_MATERIAL;
     var material = own;
     var driven = 0u;
-    if (runs_program(materials[own].flags, 0u)) {
+    if (runs_program(materials[own].flags, frame.max_depth == 0u)) {
         let resolved = path_words(PATH_STATE, slot);
         material = resolved.x;
         driven = resolved.y;

@@ -40,14 +40,23 @@ fn gather_photons(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
     let gathered = path_read(PATH_RADIANCE, slot);
     var radiance = gathered.xyz;
     var is = PATH_IS_FREE;
+    var photons = vec2u(0u); // of the light sample: see `path_given_shares`
     if (before > 0u) {
         let kept = path_words(field, slot);
         is = kept.w;
         if (is == PATH_IS_CAUSTIC) {
             radiance = with_less(bitcast<vec3f>(kept.xyz), radiance, slot);
+            if (splits_light) {
+                take_photons_part(slot, PATH_FOUND);
+                take_photons_part(slot, PATH_FOUND_DISKS);
+            }
             if (kind == LEFT_SKY && photon_settings.environment == 0u) {
                 // No photons come from an even sky: rays alone, which meet it often enough, bring all of its light.
-                radiance += bitcast<vec3f>(left.xyz) * shares_diffuse(path_words(field + 1u, slot).xy);
+                let sky = limited(bitcast<vec3f>(left.xyz) * shares_diffuse(path_words(field + 1u, slot).xy), f32(before));
+                radiance += sky;
+                if (splits_light) {
+                    note_given(slot, sky, before, path_words(field + 1u, slot).z);
+                }
             }
         }
     }
@@ -57,11 +66,14 @@ fn gather_photons(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
         let diffuse = path_words(PATH_DIFFUSE, slot);
         if (left.z + 2u <= frame.max_depth) {
             let found = photon_irradiance(bitcast<vec3f>(place.xyz), octahedral_decode(place.w), frame.max_depth - left.z - 1u);
-            brought = bitcast<vec3f>(diffuse.xyz) * found;
+            brought = limited(bitcast<vec3f>(diffuse.xyz) * found, f32(left.z + 2u));
             radiance += brought;
+            if (splits_light) {
+                note_given(slot, brought, left.z + 2u, left.z);
+            }
         }
         is = PATH_IS_DIFFUSE;
-        path_set_words(field + 1u, slot, vec4u(left.xy, 0u, 0u));
+        path_set_words(field + 1u, slot, vec4u(left.xyz, 0u));
     } else if (kind == LEFT_CASTER && is != PATH_IS_FREE) {
         is = PATH_IS_CAUSTIC;
         if (!goes_on) {
@@ -70,9 +82,18 @@ fn gather_photons(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
             let less = with_less(vec3f(0.0), bitcast<vec3f>(light.xyz), slot);
             path_set_words(PATH_LIGHT, slot, vec4u(bitcast<vec3u>(less), light.w));
             is = PATH_IS_FREE;
+            photons.y = select(0u, SHARES_REST, is_of_first_surface(slot));
         }
     } else if (kind == LEFT_OTHER) {
         is = PATH_IS_FREE;
+    }
+    if (splits_light) {
+        if (is == PATH_IS_CAUSTIC) {
+            photons = path_words(field + 1u, slot).xy;
+            photons.y = (photons.y & ~SHARES_ABOVE) | select(0u, SHARES_REST, is_of_first_surface(slot));
+        }
+        let former = path_words(path_given_shares(), slot);
+        path_set_words(path_given_shares(), slot, vec4u(former.xy, photons));
     }
     path_write(PATH_RADIANCE, slot, vec4f(radiance, gathered.w));
     path_write(PATH_DIFFUSE, slot, vec4f(brought, 0.0)); // for a cache that learns from it
@@ -83,4 +104,24 @@ fn gather_photons(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
 fn with_less(before: vec3f, after: vec3f, slot: u32) -> vec3f {
     let share = shares_diffuse(path_words(photon_settings.field + 1u, slot).xy);
     return before + (after - before) * (vec3f(1.0) - share);
+}
+
+// Whether the surface that the caustic lies on is the first one.
+fn is_of_first_surface(slot: u32) -> bool {
+    return path_words(photon_settings.field + 1u, slot).z == 0u;
+}
+
+// Leaves of what the path's own ray has found as much as isn't the photons'.
+fn take_photons_part(slot: u32, number: u32) {
+    let found = path_words(split_field(number), slot);
+    let less = with_less(vec3f(0.0), bitcast<vec3f>(found.xyz), slot);
+    let word = found.w | select(0u, FOUND_REST, is_of_first_surface(slot));
+    path_set_words(split_field(number), slot, vec4u(bitcast<vec3u>(less), word));
+}
+
+// Notes what is brought to a vertex that scatters diffusely, besides what records may have given for it; `depth` is the vertex's.
+fn note_given(slot: u32, light: vec3f, scatterings: u32, depth: u32) {
+    let given = bitcast<vec3f>(path_words(path_given(), slot).xyz) + light;
+    let word = found_word(scatterings, true, NO_GROUP) | select(0u, FOUND_GIVEN, depth == 0u);
+    path_set_words(path_given(), slot, vec4u(bitcast<vec3u>(given), word));
 }

@@ -259,7 +259,7 @@ fn run_textures(entry: u32, slot: u32) {
             // Driven or not, the next kernel asks for the opacity.
             let outputs = (flags & OUTPUTS) | select(0u, 1u << OUTPUT_OPACITY, may_pass);
             words = store_outputs(slot, material, flags, outputs);
-            path_set_words(PATH_STATE, slot, vec4u(material, outputs, depth, path_words(PATH_STATE, slot).w));
+            path_set_words(PATH_STATE, slot, vec4u(material, outputs, path_words(PATH_STATE, slot).zw));
             if (!is_driven(material, flags, OUTPUT_BUMP)) {
                 break;
             }

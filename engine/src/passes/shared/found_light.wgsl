@@ -2,14 +2,17 @@
 // its own ray has found and how the first surface has scattered it; what its shadow ray brings is in PATH_LIGHT as ever.
 //!include shared/paths.wgsl
 
-// Words of a path's fields:
+// Words of a path's fields, which `split_field` finds:
 // PATH_FOUND: rgb that the own ray has found since the last record, then `found_word`.
 // PATH_FOUND_DISKS: the same of lamps infinitely far away.
 // PATH_SHARES: `shares_words` of the light sample at hand, then of the path.
 
 const SCATTERINGS_MOST = 2u; // two and more are not told apart
 const FOUND_SURFACE = 4u;
+const FOUND_GIVEN = 8u; // a cache has given it for the first surface
+const FOUND_REST = 16u; // photons bring what of it the first surface scatters diffusely
 const FOUND_GROUP_SHIFT = 8u;
+const NO_GROUP = 0u; // of what is in no group of lights; of what caches give, too, where there are no groups
 
 fn found_word(scatterings: u32, is_surface: bool, group: u32) -> u32 {
     let surface = select(0u, FOUND_SURFACE, is_surface);
@@ -17,6 +20,7 @@ fn found_word(scatterings: u32, is_surface: bool, group: u32) -> u32 {
 }
 
 const SHARES_ABOVE = 0x10000u;
+const SHARES_REST = 0x20000u; // as FOUND_REST
 const SHARES_GROUP_SHIFT = 24u;
 
 // The share of diffuse scattering in each channel; the rest is glossy where the light came from above the surface, and

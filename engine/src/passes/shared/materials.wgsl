@@ -15,8 +15,8 @@ struct TextureSlot {
 override has_programs: bool = true;
 
 // Whether the texture program runs for a hit of this material: after the last scattering only emission matters.
-fn runs_program(flags: u32, depth: u32) -> bool {
-    return has_programs && (flags & select(MATERIAL_PROGRAM, MATERIAL_PROGRAM_LAST, depth >= frame.max_depth)) != 0u;
+fn runs_program(flags: u32, is_last: bool) -> bool {
+    return has_programs && (flags & select(MATERIAL_PROGRAM, MATERIAL_PROGRAM_LAST, is_last)) != 0u;
 }
 
 // The group of lights that what a material emits belongs to.

@@ -14,7 +14,7 @@ use crate::support::scenes::{
     settings, unlit,
 };
 
-pub(super) const SHOT: Shot = Shot {
+pub(crate) const SHOT: Shot = Shot {
     size: (32, 32),
     max_depth: 5,
     spp: 16,
@@ -45,7 +45,7 @@ fn mean(values: &[Vec3]) -> Vec3 {
 }
 
 /// One of each kind of surface and light.
-pub(super) fn everything() -> (Scene, Camera) {
+pub(crate) fn everything() -> (Scene, Camera) {
     let base = lambert(Vec3::new(0.6, 0.3, 0.2));
     let surfaces = [
         base.clone(),

@@ -13,7 +13,7 @@ mod estimators;
 mod film_layers;
 mod filters;
 mod furnace;
-mod light_layers;
+pub(crate) mod light_layers;
 mod light_mix;
 mod non_finite;
 mod seeds;

@@ -6,7 +6,7 @@ use ::device::Device;
 use engine::film::{Film, Layer, Layers};
 use engine::renderer::Renderer;
 use engine::scene::{LightKind, Material, PunctualLight, Scene};
-use engine::settings::RenderSettings;
+use engine::settings::{Method, RenderSettings};
 use glam::Vec3;
 
 use crate::support::device;
@@ -29,10 +29,21 @@ fn layers() -> Layers {
 }
 
 fn film(device: &Device, scene: &mut Scene, first_sample: u32, spp: u32) -> Film {
+    film_by(Method::Path, device, scene, first_sample, spp)
+}
+
+fn film_by(
+    method: Method,
+    device: &Device,
+    scene: &mut Scene,
+    first_sample: u32,
+    spp: u32,
+) -> Film {
     let procedural = no_textures(scene);
     let settings = RenderSettings {
         layers: layers().of_scene(scene),
         first_sample,
+        method,
         ..settings(&from_above(5.0, HALF), SHOT)
     };
     let renderer = Renderer::new(device, scene, &procedural, &settings);
@@ -96,9 +107,16 @@ fn under_one_lamp_a_shadow_is_all_or_nothing() {
     ];
     let mut scene = scene(objects, Vec3::ZERO);
     scene.lights = vec![lamp(LightKind::Directional, Vec3::splat(2.0), sun)];
-    let film = film(&device, &mut scene, 0, SHOT.spp);
-    let factor = values(&film, "shadow_catcher");
-    let kept = values(&film, "shadow_catcher_alpha");
+    for method in Method::ALL {
+        let film = film_by(method, &device, &mut scene, 0, SHOT.spp);
+        check_shadow_of_ball(&film, center, radius, sun);
+    }
+}
+
+/// Whether all that is in the ball's shadow has one, and nothing else.
+fn check_shadow_of_ball(film: &Film, center: Vec3, radius: f32, sun: Vec3) {
+    let factor = values(film, "shadow_catcher");
+    let kept = values(film, "shadow_catcher_alpha");
     let (alpha, seen) = (
         film.alpha().expect("gathered"),
         film.foreground().expect("gathered"),
@@ -107,7 +125,7 @@ fn under_one_lamp_a_shadow_is_all_or_nothing() {
     let edge = 2.0 * HALF / 32.0 * std::f32::consts::SQRT_2 + 0.06 * radius;
     let (mut in_shadow, mut in_light, mut of_ball) = (0, 0, 0);
     for pixel in 0..film.pixels() {
-        let point = place(&film, pixel);
+        let point = place(film, pixel);
         let below = Vec3::new(center.x, 0.0, center.z);
         if (point - below).length() < radius + edge {
             if (point - below).length() < radius - edge {
@@ -167,29 +185,34 @@ fn a_shadow_is_the_share_of_all_light_that_is_kept() {
         lamp(LightKind::Directional, above, Vec3::NEG_Y),
         lamp(LightKind::Directional, beside, slant),
     ];
-    let film = film(&device, &mut scene, 0, 1024);
     // Irradiance on the floor: of the sky the roof hides what lies straight above.
     let hidden = sky * (size * size / (height * height));
     let all = sky * PI + above + beside * (0.5_f32).sqrt();
     let expected = Vec3::ONE - (above + hidden) / all;
-    let factor = values(&film, "shadow_catcher");
-    let mean = factor.iter().sum::<Vec3>() / factor.len() as f32;
-    // Half a million samples of three lights.
-    assert!(
-        (mean - expected).abs().max_element() < 3e-3,
-        "{mean} {expected}"
-    );
-    for factor in factor {
+    let brightness = |c: Vec3| c.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+    let expected_alpha = brightness(above + hidden) / brightness(all);
+    for method in Method::ALL {
+        let film = film_by(method, &device, &mut scene, 0, 1024);
+        let factor = values(&film, "shadow_catcher");
+        let mean = factor.iter().sum::<Vec3>() / factor.len() as f32;
+        // Half a million samples of three lights.
         assert!(
-            (factor - expected).abs().max_element() < 0.1,
-            "{factor} {expected}"
+            (mean - expected).abs().max_element() < 3e-3,
+            "{mean} {expected}"
+        );
+        for factor in factor {
+            assert!(
+                (factor - expected).abs().max_element() < 0.1,
+                "{factor} {expected}"
+            );
+        }
+        let alpha = film.alpha().expect("gathered");
+        let alpha = alpha.iter().sum::<f32>() / alpha.len() as f32;
+        assert!(
+            (alpha - expected_alpha).abs() < 3e-3,
+            "{alpha} {expected_alpha}"
         );
     }
-    let brightness = |c: Vec3| c.dot(Vec3::new(0.2126, 0.7152, 0.0722));
-    let expected = brightness(above + hidden) / brightness(all);
-    let alpha = film.alpha().expect("gathered");
-    let alpha = alpha.iter().sum::<f32>() / alpha.len() as f32;
-    assert!((alpha - expected).abs() < 3e-3, "{alpha} {expected}");
 }
 
 #[test]
