@@ -144,6 +144,7 @@ const SETS: &[(&[&str], &[&str])] = &[
     (&[], &["energy_compensation", LEAVES]),
     (OMISSIONS, &["energy_compensation", LEAVES]),
     (OMISSIONS, &["energy_compensation", "has_programs", LEAVES]),
+    (OMISSIONS, &["energy_compensation", LEAVES, SPLIT]),
     (
         OMISSIONS,
         &["energy_compensation", "has_programs", LEAVES, SPLIT],
