@@ -30,7 +30,6 @@ use engine::session::{Inputs, Session, SessionError};
 use engine::settings::{Beside, Method};
 use engine::stats::{DeviceFacts, Stats};
 
-use crate::accuracy::Accuracy;
 use crate::failure::Failure;
 use crate::job::RenderJob;
 use crate::motion::{Frame, Sight};
@@ -49,6 +48,8 @@ use self::reel::{Reel, View as Seen};
 const ALL_CAMERAS: &str = "all";
 /// Most of the time that goes into measuring textures, where figures are asked for.
 const COSTS: Duration = Duration::from_secs(5);
+/// Most times that a picture is rendered again with finer records.
+const REFINEMENTS: u32 = 2;
 /// Most of the time that an interrupted render goes on for, so that a film is even.
 const FAREWELL: Duration = Duration::from_secs(1);
 
@@ -119,16 +120,10 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
             };
             start.render(job, division, &device, &view, &bar)?
         }
-        Err(_)
-            if job.checkpoints.is_some()
-                || job.adaptive
-                || job.accuracy == Some(Accuracy::Final) =>
-        {
-            let flag = match (job.adaptive, &job.checkpoints) {
-                (true, _) => "--adaptive",
-                (false, Some(_)) => "--checkpoint",
-                // That may begin anew.
-                (false, None) => Accuracy::Final.flag(),
+        Err(_) if job.checkpoints.is_some() || job.adaptive => {
+            let flag = match job.adaptive {
+                true => "--adaptive",
+                false => "--checkpoint",
             };
             return Err(UsageError::OneDevice { flag }.into());
         }

@@ -10,6 +10,9 @@ use crate::procedural::Procedural;
 use crate::scene::{Camera, Environment, Scene};
 use crate::settings::{Method, PATHS_AHEAD, RenderSettings};
 
+/// The setting that is said of pictures whose samples come in two halves.
+pub(crate) const HALVES: &str = "halves";
+
 /// Everything that the samples of a picture depend on, but for the device and which samples they are: each setting by
 /// name, and hashes of the scene and of its textures.
 pub fn fingerprint(
@@ -123,7 +126,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
             beside_text.clone().unwrap_or_default(),
             beside_text.is_some(),
         ),
-        ("halves", halves.to_string(), *halves),
+        (HALVES, halves.to_string(), *halves),
         ("method", method.name().to_owned(), *method != Method::Path),
         ("refinement", refinement.to_string(), *refinement != 0),
         (

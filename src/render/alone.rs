@@ -24,7 +24,8 @@ use crate::{cache, console, crash, interrupt};
 use super::limits::Watch;
 use super::reel::{Reel, View as Seen};
 use super::{
-    Ended, FAREWELL, Gathered, Rendered, Rest, adaptive, checkpoint, failure, mark, settings,
+    Ended, FAREWELL, Gathered, REFINEMENTS, Rendered, Rest, adaptive, checkpoint, failure, mark,
+    settings,
 };
 
 /// What is seen first, and what has rendered it before.
@@ -60,9 +61,6 @@ pub(super) struct Ready {
     beside: Option<Arc<Beside>>,
     seconds: f64,
 }
-
-/// Most times that a picture is rendered again with finer records.
-const REFINEMENTS: u32 = 2;
 
 /// Brings a scene to the device.
 ///
@@ -154,7 +152,7 @@ pub(super) fn render(
         beside,
         seconds,
     } = take.ready;
-    let settings_written = match take.written {
+    let mut settings_written = match take.written {
         Some(written) => written,
         None => written(
             job,
@@ -253,6 +251,9 @@ pub(super) fn render(
         bar.stage("rendering again with finer records");
         session.refine();
     };
+    if refined > 0 {
+        settings_written.push(("refinement".to_owned(), refined.to_string()));
+    }
     interrupt::writes_results();
     let is_film_wanted = !job.outputs.films.is_empty();
     // A picture may be of what goes ahead of it, but not what others go on with. (Nor is one that has been audited on the device any more.)

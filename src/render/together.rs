@@ -6,15 +6,16 @@ use std::time::{Duration, Instant};
 
 use device::Device;
 use engine::audit::{self, Audit};
-use engine::film::Film;
+use engine::film::{Film, Layers};
 use engine::fingerprint::fingerprint;
-use engine::fleet::{Fleet, Plan, Recruit};
+use engine::fleet::{Fleet, Outcome, Plan, Recruit};
 use engine::load::Loaded;
 use engine::renderer::{RenderSettings, Renderer};
 use engine::settings::Method;
 use engine::stats::DeviceFacts;
 use engine::system::System;
 
+use crate::accuracy::Accuracy;
 use crate::failure::Failure;
 use crate::job::RenderJob;
 use crate::memory::Need;
@@ -23,7 +24,7 @@ use crate::{cache, console, interrupt, memory};
 
 use super::limits::Watch;
 use super::pieces;
-use super::{Ended, FAREWELL, Gathered, Rendered, Rest, mark};
+use super::{Ended, FAREWELL, Gathered, REFINEMENTS, Rendered, Rest, mark};
 
 /// How often a signal is looked for where nothing else happens.
 const TICK: Duration = Duration::from_millis(100);
@@ -44,7 +45,7 @@ pub(super) fn render(
     if let Some(first) = devices.first() {
         bar.follow(first);
     }
-    let plan = Plan {
+    let mut plan = Plan {
         settings,
         scene: Arc::new(loaded.scene),
         procedural: Arc::new(loaded.procedural),
@@ -59,62 +60,34 @@ pub(super) fn render(
             "{failure}; a single device could render it in pieces"
         ))
     })?;
-    let fleet = Fleet::start(&plan, recruits(&plan, devices, bar)?);
-    let settings_written = fingerprint(&plan.scene, &plan.procedural, &plan.settings);
-    while !fleet.is_ready() {
-        fleet.wait(TICK);
-    }
-    let prepare_seconds = clock.elapsed().as_secs_f64();
-
-    let clock = Instant::now();
-    let mut losses = Vec::new();
-    let early = follow(&fleet, job, bar, &mut losses, &mut watch);
-    interrupt::writes_results();
-    if early.is_some() && !job.outputs.films.is_empty() {
-        // All pixels get the same samples, as a film that is to be merged should have, if that is a matter of moments.
-        fleet.stop_after_sample();
-        let farewell = Instant::now();
-        while !fleet.is_over() && farewell.elapsed() < FAREWELL {
+    let mut prepare_seconds = None;
+    let mut first = Instant::now();
+    let mut refined = 0;
+    let (fleet, ran) = loop {
+        let fleet = Fleet::start(&plan, recruits(&plan, devices, bar)?);
+        while !fleet.is_ready() {
             fleet.wait(TICK);
         }
-    }
-    if early.is_some() {
-        fleet.stop();
-    }
-    let outcome = fleet.outcome();
-    let render_seconds = clock.elapsed().as_secs_f64();
-    tell(&fleet, bar, &mut losses);
-    for device in devices {
-        // A cache that can't be written costs time at the next start, nothing else.
-        let _ = device.save_cache();
-    }
-
-    let (lowest, _) = outcome.film.sample_bounds();
-    let ended = match (early, outcome.is_complete) {
-        (Some(ended), _) => Some(ended),
-        (None, true) => None,
-        (None, false) => {
-            let reason = format!(
-                "no device is left to finish the picture:\n{}",
-                losses.join("\n")
-            );
-            if lowest == 0 {
-                return Err(Failure::Failed(reason));
-            }
-            let had = format!(
-                "{reason}\nevery pixel has at least {lowest} of {} samples",
-                job.spp
-            );
-            Some(Ended::Failed(had))
+        prepare_seconds.get_or_insert_with(|| {
+            first = Instant::now();
+            clock.elapsed().as_secs_f64()
+        });
+        let ran = run(job, &plan, &fleet, devices, bar, &mut watch)?;
+        let is_wrong = ran.audit.as_ref().is_some_and(Audit::is_wrong);
+        if !is_wrong || job.accuracy != Some(Accuracy::Final) || refined == REFINEMENTS {
+            break (fleet, ran);
         }
+        refined += 1;
+        bar.stage("rendering again with finer records");
+        plan.settings.refinement += 1;
     };
-    let audit = match plan.settings.method != Method::Path && ended.is_none() {
-        true => {
-            bar.stage("looking how right the picture is");
-            audit(&plan, devices, &outcome.film)
-        }
-        false => None,
-    };
+    let render_seconds = first.elapsed().as_secs_f64();
+    let settings_written = fingerprint(&plan.scene, &plan.procedural, &plan.settings);
+    let Run {
+        outcome,
+        ended,
+        audit,
+    } = ran;
     let title = |list: Vec<&str>| list.join("\n");
     let used = outcome.devices.iter().filter(|share| share.is_used());
     let joined = |of: fn(&DeviceFacts) -> &str| {
@@ -140,9 +113,78 @@ pub(super) fn render(
         settings: settings_written,
         audit,
         stats: outcome.stats,
-        prepare_seconds,
+        prepare_seconds: prepare_seconds.unwrap_or_default(),
         render_seconds,
         rest: Rest::Together(fleet),
+    })
+}
+
+/// What has come of a picture's samples.
+struct Run {
+    outcome: Outcome,
+    ended: Option<Ended>,
+    audit: Option<Audit>,
+}
+
+/// Waits until all samples are there, a signal comes, or no device is left; and looks how right the picture is.
+fn run(
+    job: &RenderJob,
+    plan: &Plan,
+    fleet: &Fleet,
+    devices: &[Device],
+    bar: &Bar,
+    watch: &mut Watch,
+) -> Result<Run, Failure> {
+    let mut losses = Vec::new();
+    let early = follow(fleet, job, bar, &mut losses, watch);
+    interrupt::writes_results();
+    if early.is_some() && !job.outputs.films.is_empty() {
+        // All pixels get the same samples, as a film that is to be merged should have, if that is a matter of moments.
+        fleet.stop_after_sample();
+        let farewell = Instant::now();
+        while !fleet.is_over() && farewell.elapsed() < FAREWELL {
+            fleet.wait(TICK);
+        }
+    }
+    if early.is_some() {
+        fleet.stop();
+    }
+    let outcome = fleet.outcome();
+    tell(fleet, bar, &mut losses);
+    for device in devices {
+        // A cache that can't be written costs time at the next start, nothing else.
+        let _ = device.save_cache();
+    }
+    let (lowest, _) = outcome.film.sample_bounds();
+    let ended = match (early, outcome.is_complete) {
+        (Some(ended), _) => Some(ended),
+        (None, true) => None,
+        (None, false) => {
+            let reason = format!(
+                "no device is left to finish the picture:\n{}",
+                losses.join("\n")
+            );
+            if lowest == 0 {
+                return Err(Failure::Failed(reason));
+            }
+            let had = format!(
+                "{reason}\nevery pixel has at least {lowest} of {} samples",
+                job.spp
+            );
+            Some(Ended::Failed(had))
+        }
+    };
+    let audit = match plan.settings.method != Method::Path && ended.is_none() {
+        true => {
+            bar.stage("looking how right the picture is");
+            audit(plan, devices, &outcome.film)
+        }
+        false => None,
+    };
+    Ok(Run {
+        outcome,
+        ended,
+        audit,
     })
 }
 
@@ -150,6 +192,7 @@ pub(super) fn render(
 fn audit(plan: &Plan, devices: &[Device], film: &Film) -> Option<Audit> {
     let settings = RenderSettings {
         method: Method::Path,
+        layers: Layers::default(),
         ..plan.settings.clone()
     };
     devices.iter().find_map(|device| {

@@ -123,6 +123,16 @@ fn a_draft_says_how_wrong_it_is() {
     }
     let refused = bench.run("render triangle.gltf --accuracy final --part 1/2 -o c.patina-film");
     refused.expect_error(2, "rendered again as a whole");
+    bench
+        .run(&format!(
+            "{scene} --spp 4 --checkpoint=1s -o h.exr -o h.patina-film"
+        ))
+        .expect_code(0);
+    bench
+        .run(&format!(
+            "{scene} --spp 64 --resume -o h.exr -o h.patina-film"
+        ))
+        .expect_error(1, "from 32 samples per pixel on");
     let refused = bench.run("render triangle.gltf --accuracy final --clamp 2 -o c.png");
     refused.expect_error(2, "looked for in vain");
     let groups = "environment = { color = [1.0, 1.0, 1.0], group = \"day\" }\n";
@@ -149,11 +159,16 @@ fn accuracy_chooses_how_light_is_found() {
     bench
         .run(&format!("{scene} --accuracy final --adaptive -o e.png"))
         .expect_code(0);
-    for other in ["--checkpoint", "--device native:1,native:1"] {
-        bench
-            .run(&format!("{scene} --accuracy final {other}"))
-            .expect_error(2, "--accuracy final");
+    bench
+        .run(&format!("{scene} --accuracy final --checkpoint"))
+        .expect_error(2, "--accuracy final");
+    for (device, name) in [("native", "one"), ("native:1,native:1", "two")] {
+        let line = format!("{scene} --accuracy final --device {device} -o {name}.exr");
+        bench.run(&line).expect_code(0);
     }
+    bench
+        .run("compare one.exr two.exr --max-mse 0")
+        .expect_code(0);
     bench
         .run(&format!("{scene} --accuracy final --method path"))
         .expect_error(2, "cannot be used with");

@@ -18,6 +18,8 @@ use std::path::Path;
 use flate2::{Compression, read::ZlibDecoder, write::ZlibEncoder};
 use serde::{Deserialize, Serialize};
 
+use crate::fingerprint::HALVES;
+
 use super::hash::{Hashed, Run};
 use super::{Film, Hash, Layers, MAX_SAMPLES, MAX_SIDE, PICTURE_PLANES};
 
@@ -87,6 +89,10 @@ impl Origin {
         let names = self.settings.iter().chain(&other.settings);
         for (what, _) in names {
             let [here, there] = [other, self].map(|origin| origin.setting(what));
+            if here != there && what == HALVES {
+                let is_in_halves = here.is_some();
+                return Err(PartError::Halves { is_in_halves });
+            }
             if here != there {
                 let said = |value: Option<&str>| value.unwrap_or("not said").to_owned();
                 return Err(PartError::Foreigner {
@@ -139,6 +145,16 @@ pub enum PartError {
     /// Both have these samples.
     #[error("samples {}..{} are in two of the partial renders; each sample may be merged once", .0.start, .0.end)]
     Overlap(Range<u32>),
+    /// Only one of both counts samples in two halves.
+    #[error(
+        "its samples are counted {}, the others {}: a picture is counted in two halves with --adaptive, and by any method \
+         but path from 32 samples per pixel on",
+        counted(*.is_in_halves), counted(!.is_in_halves)
+    )]
+    Halves {
+        /// Whether it is this part.
+        is_in_halves: bool,
+    },
     /// Parts of different pictures.
     #[error("it is part of another picture: {what} is {here}, but in the parts before it {there}")]
     Foreigner {
@@ -149,6 +165,13 @@ pub enum PartError {
         /// Of the others.
         there: String,
     },
+}
+
+fn counted(is_in_halves: bool) -> &'static str {
+    match is_in_halves {
+        true => "in two halves",
+        false => "as one",
+    }
 }
 
 #[derive(Serialize, Deserialize)]
