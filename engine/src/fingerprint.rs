@@ -13,6 +13,9 @@ use crate::settings::{Method, PATHS_AHEAD, RenderSettings};
 /// The setting that is said of pictures whose samples come in two halves.
 pub(crate) const HALVES: &str = "halves";
 
+/// The setting that is said of pictures that have begun anew with finer records.
+pub const REFINEMENT: &str = "refinement";
+
 /// Everything that the samples of a picture depend on, but for the device and which samples they are: each setting by
 /// name, and hashes of the scene and of its textures.
 pub fn fingerprint(
@@ -128,7 +131,7 @@ fn named(settings: &RenderSettings) -> Vec<(String, String)> {
         ),
         (HALVES, halves.to_string(), *halves),
         ("method", method.name().to_owned(), *method != Method::Path),
-        ("refinement", refinement.to_string(), *refinement != 0),
+        (REFINEMENT, refinement.to_string(), *refinement != 0),
         (
             "paths ahead",
             paths_ahead.to_string(),

@@ -386,8 +386,6 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
         ("--clamp", args.clamp.is_some(), by_brightness),
         ("--part", args.part.is_some(), by_parts),
         ("--sample-range", args.sample_range.is_some(), by_parts),
-        ("--checkpoint", args.checkpoint.is_some(), by_parts),
-        ("--resume", args.resume, by_parts),
         ("--adaptive", args.adaptive, by_blocks),
         ("--shutter", args.motion.shutter.is_some(), by_moments),
     ];

@@ -167,6 +167,7 @@ pub(super) fn render(
     let name = gpu.description().name.clone();
     let names = job.layers.names(session.scene());
     let mut writer = None;
+    let mut refined = 0;
     if let Some(checkpoints) = &job.checkpoints {
         let mut origin = Origin::new(
             &name,
@@ -175,17 +176,28 @@ pub(super) fn render(
             settings_written.clone(),
         );
         origin.names.clone_from(&names);
-        if checkpoints.resumes
-            && let Some((film, paths)) = checkpoint::read(
+        let former = match checkpoints.resumes {
+            true => checkpoint::read(
                 checkpoints,
                 &origin,
                 session.settings(),
                 session.paths_per_sample(),
-            )?
-        {
-            session.resume(&film, paths).map_err(failure)?;
+                job.accuracy == Some(Accuracy::Final),
+            )?,
+            false => None,
+        };
+        if let Some(former) = former {
+            refined = former.refined;
+            for _ in 0..refined {
+                session.refine();
+            }
+            session
+                .resume(&former.film, former.paths)
+                .map_err(failure)?;
         }
-        writer = Some(checkpoint::Writer::new(checkpoints, job, *view, origin));
+        let mut begun = checkpoint::Writer::new(checkpoints, job, *view, origin);
+        begun.tell_refined(refined);
+        writer = Some(begun);
     }
     let resumed_at = session.paths_done();
     let prepare_seconds = seconds + clock.elapsed().as_secs_f64();
@@ -212,7 +224,6 @@ pub(super) fn render(
         after_first: Some(first),
     };
     let mut reel = take.reel;
-    let mut refined = 0;
     let (mut film, ended, audit, mut stats) = loop {
         let mut ended = None;
         if job.adaptive {
@@ -250,10 +261,11 @@ pub(super) fn render(
         refined += 1;
         bar.stage("rendering again with finer records");
         session.refine();
+        if let Some(writer) = exposure.writer.as_mut() {
+            writer.tell_refined(refined);
+        }
     };
-    if refined > 0 {
-        settings_written.push(("refinement".to_owned(), refined.to_string()));
-    }
+    checkpoint::tell_refined(&mut settings_written, refined);
     interrupt::writes_results();
     let is_film_wanted = !job.outputs.films.is_empty();
     // A picture may be of what goes ahead of it, but not what others go on with. (Nor is one that has been audited on the device any more.)

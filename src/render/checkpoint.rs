@@ -6,15 +6,35 @@ use std::time::Instant;
 
 use engine::film::write::{Content, Form};
 use engine::film::{Film, Layers, Origin, Part};
+use engine::fingerprint::REFINEMENT;
 use engine::renderer::RenderSettings;
 use engine::scene::view::View;
 
+use super::REFINEMENTS;
 use crate::failure::Failure;
 use crate::job::{Checkpoints, RenderJob};
 use crate::words::Outputs;
 use crate::{console, output, picture};
 
-/// Reads what a former run has left; nothing where there is no such file.
+/// What a former run has left.
+pub(super) struct Former {
+    pub(super) film: Film,
+    /// How many of the picture's paths it has.
+    pub(super) paths: u64,
+    /// How often the picture had begun anew with finer records.
+    pub(super) refined: u32,
+}
+
+/// Says in what a picture's files tell of it that it has begun anew so often.
+pub(super) fn tell_refined(settings: &mut Vec<(String, String)>, refined: u32) {
+    settings.retain(|(name, _)| name != REFINEMENT);
+    if refined > 0 {
+        settings.push((REFINEMENT.to_owned(), refined.to_string()));
+    }
+}
+
+/// Reads what a former run has left; nothing where there is no such file. A picture that `may_be_refined` goes on with as fine records
+/// as the film has.
 ///
 /// # Errors
 /// It can't be read, is no render under way, or is one of something else.
@@ -23,7 +43,8 @@ pub(super) fn read(
     origin: &Origin,
     settings: &RenderSettings,
     paths_per_sample: u64,
-) -> Result<Option<(Film, u64)>, Failure> {
+    may_be_refined: bool,
+) -> Result<Option<Former>, Failure> {
     let RenderSettings {
         width,
         height,
@@ -47,7 +68,13 @@ pub(super) fn read(
         ))
     };
     let part = picture::film(path).map_err(|error| refused(&error))?;
-    origin.fits(&part.origin).map_err(|error| refused(&error))?;
+    let said = part.origin.setting(REFINEMENT);
+    let said = said.and_then(|refined| refined.parse().ok());
+    let refined = said.filter(|refined| may_be_refined && (1..=REFINEMENTS).contains(refined));
+    let refined = refined.unwrap_or(0);
+    let mut wanted = origin.clone();
+    tell_refined(&mut wanted.settings, refined);
+    wanted.fits(&part.origin).map_err(|error| refused(&error))?;
     // What its header says of itself may not be so.
     let is_its_film = (part.film.width, part.film.height) == size && part.film.layers() == layers;
     if !is_its_film {
@@ -74,7 +101,12 @@ pub(super) fn read(
         "resumed {}: {samples} samples per pixel",
         path.display()
     ));
-    Ok(Some((part.film, paths)))
+    let film = part.film;
+    Ok(Some(Former {
+        film,
+        paths,
+        refined,
+    }))
 }
 
 /// Writes checkpoints, one at a time, on a thread of its own.
@@ -125,6 +157,11 @@ impl<'a> Writer<'a> {
     pub(super) fn is_due(&self) -> bool {
         let is_free = self.writing.as_ref().is_none_or(JoinHandle::is_finished);
         is_free && self.last.elapsed() >= self.checkpoints.every
+    }
+
+    /// From now on they are of a picture that has begun anew so often.
+    pub(super) fn tell_refined(&mut self, refined: u32) {
+        tell_refined(&mut self.origin.settings, refined);
     }
 
     /// Begins to write one of a film with so many paths. What goes wrong is a warning: the render goes on.

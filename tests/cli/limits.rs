@@ -160,8 +160,22 @@ fn accuracy_chooses_how_light_is_found() {
         .run(&format!("{scene} --accuracy final --adaptive -o e.png"))
         .expect_code(0);
     bench
-        .run(&format!("{scene} --accuracy final --checkpoint"))
+        .run(&format!("{scene} --accuracy final --part 1/2"))
         .expect_error(2, "--accuracy final");
+    let longer = format!("{scene} --accuracy final").replace("--spp 32", "--spp 64");
+    let kept = "--checkpoint=1s -o kept.exr -o kept.patina-film";
+    bench
+        .run(&format!("{scene} --accuracy final {kept}"))
+        .expect_code(0);
+    bench
+        .run(&format!("{longer} --resume {kept}"))
+        .expect_code(0);
+    bench
+        .run(&format!("{longer} -o at-once.exr"))
+        .expect_code(0);
+    bench
+        .run("compare kept.exr at-once.exr --max-mse 0")
+        .expect_code(0);
     for (device, name) in [("native", "one"), ("native:1,native:1", "two")] {
         let line = format!("{scene} --accuracy final --device {device} -o {name}.exr");
         bench.run(&line).expect_code(0);
