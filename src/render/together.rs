@@ -81,6 +81,7 @@ pub(super) fn render(
         bar.stage("rendering again with finer records");
         plan.settings.refinement += 1;
     };
+    interrupt::writes_results();
     let render_seconds = first.elapsed().as_secs_f64();
     let settings_written = fingerprint(&plan.scene, &plan.procedural, &plan.settings);
     let Run {
@@ -137,7 +138,9 @@ fn run(
 ) -> Result<Run, Failure> {
     let mut losses = Vec::new();
     let early = follow(fleet, job, bar, &mut losses, watch);
-    interrupt::writes_results();
+    if early.is_some() {
+        interrupt::writes_results();
+    }
     if early.is_some() && !job.outputs.films.is_empty() {
         // All pixels get the same samples, as a film that is to be merged should have, if that is a matter of moments.
         fleet.stop_after_sample();

@@ -97,9 +97,8 @@ pub(super) fn clear(
 }
 
 impl Renderer {
-    /// A picture by other random numbers than this one's, so many samples per pixel of paths that end in no cache and
-    /// lose no light to a clamp, to compare with. What
-    /// has been gathered so far is gone after that, and the picture begins anew.
+    /// A picture by other random numbers than this one's, so many samples per pixel of paths that end in no cache and lose no light to a
+    /// clamp, to compare with. What has been gathered so far is gone after that, and the picture begins anew.
     ///
     /// # Errors
     /// What the driver reports.

@@ -37,7 +37,7 @@ fn split_field(number: u32) -> u32 {
     return PATH_RESULTS + select(0u, LEFT_FIELDS, leaves_diffuse) + number;
 }
 
-// Where also `leaves_diffuse`: as PATH_FOUND, what the hashed cache has given for the surface at which the path ends.
+// Behind them, where also `leaves_diffuse`: as PATH_FOUND, what the hashed cache has given for the surface at which the path ends.
 fn path_ended() -> u32 {
     return split_field(SPLIT_FIELDS + select(0u, 1u, catches_shadows));
 }
