@@ -37,6 +37,7 @@ pub(crate) use hash::Hash;
 pub use layers::{LAYERS, Layer, Layers};
 pub(crate) use mix::Multiple;
 pub use mix::{GroupFactors, LightMix};
+pub(crate) use part::HALVES;
 pub use part::{MAGIC_BYTES, Origin, Part, PartError, is_film};
 #[doc(hidden)]
 pub use part::{sealed, unpacked};

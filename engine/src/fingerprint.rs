@@ -5,13 +5,10 @@ use std::path::Path;
 use bytemuck::NoUninit;
 use device::Device;
 
-use crate::film::{Hash, Origin};
+use crate::film::{HALVES, Hash, Origin};
 use crate::procedural::Procedural;
 use crate::scene::{Camera, Environment, Scene};
 use crate::settings::{Method, PATHS_AHEAD, RenderSettings};
-
-/// The setting that is said of pictures whose samples come in two halves.
-pub(crate) const HALVES: &str = "halves";
 
 /// The setting that is said of pictures that have begun anew with finer records.
 pub const REFINEMENT: &str = "refinement";

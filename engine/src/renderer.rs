@@ -395,7 +395,7 @@ impl Renderer {
             &mut resources,
         )?;
         show_motion(device, &gpu_scene, scene, settings, &mut resources)?;
-        gpu_scene.features = gpu_scene.features.with_settings(settings);
+        gpu_scene.features = memory::with_settings(gpu_scene.features, settings);
         let record_words = layers.record_words();
         if record_words > 0 && !schedule::records_layers(&*schedule) {
             let reason = "this schedule gathers no layers beside the picture";

@@ -18,11 +18,11 @@ use std::path::Path;
 use flate2::{Compression, read::ZlibDecoder, write::ZlibEncoder};
 use serde::{Deserialize, Serialize};
 
-use crate::fingerprint::HALVES;
-
 use super::hash::{Hashed, Run};
 use super::{Film, Hash, Layers, MAX_SAMPLES, MAX_SIDE, PICTURE_PLANES};
 
+/// The setting that is said of pictures whose samples come in two halves.
+pub(crate) const HALVES: &str = "halves";
 /// What a file begins with; another layout gets another one.
 const MAGIC: &[u8; 8] = b"PATINAFZ";
 /// As it was without compression, of the picture alone.

@@ -27,7 +27,6 @@ use device::{Device, DeviceError, Resources, Usage, native::accel};
 use crate::{
     bvh::{BvhError, SceneBvh},
     scene::{LightSource, Mesh, Scene, name_id},
-    settings::RenderSettings,
     texturing::{ProgramTraits, TextureReads},
     wave,
 };
@@ -141,22 +140,6 @@ pub struct SceneFeatures {
 }
 
 impl SceneFeatures {
-    /// What is asked for besides the scene, too.
-    pub(crate) fn with_settings(self, settings: &RenderSettings) -> Self {
-        let (layers, method) = (&settings.layers, settings.method);
-        Self {
-            energy_compensation: settings.energy_compensation,
-            film_layers: layers.record_words() > 0,
-            splits_light: layers.split_light(),
-            catches_shadows: layers.catch_shadows(),
-            node_layers: layers.nodes().len() as u32,
-            light_cache: method.has_light_cache(),
-            irradiance_cache: method.has_records(),
-            photons: method.has_photons(),
-            ..self
-        }
-    }
-
     /// Words of a path, besides the results of its texture program, that not every scene needs.
     pub fn path_words(&self) -> u32 {
         let words = [

@@ -83,12 +83,28 @@ pub fn file_bytes(settings: &RenderSettings, layers: &Layers) -> u64 {
     pixels * single * (2 * channels as u64 + 2 * film::layers::MAX_CHANNELS as u64)
 }
 
+/// What a scene uses, and what is asked for besides.
+pub(super) fn with_settings(scene: SceneFeatures, settings: &RenderSettings) -> SceneFeatures {
+    let (layers, method) = (&settings.layers, settings.method);
+    SceneFeatures {
+        energy_compensation: settings.energy_compensation,
+        film_layers: layers.record_words() > 0,
+        splits_light: layers.split_light(),
+        catches_shadows: layers.catch_shadows(),
+        node_layers: layers.nodes().len() as u32,
+        light_cache: method.has_light_cache(),
+        irradiance_cache: method.has_records(),
+        photons: method.has_photons(),
+        ..scene
+    }
+}
+
 /// Bytes of the paths under way: a device with lanes has as much for each of them, and once more for what runs beside.
 fn paths(device: &Device, procedural: &Procedural, settings: &RenderSettings) -> u64 {
     let layers = &settings.layers;
     let schedule = Wavefront;
     let capacity = Lanes::capacity(device, &schedule, most_paths(device, settings));
-    let asked = SceneFeatures::default().with_settings(settings);
+    let asked = with_settings(SceneFeatures::default(), settings);
     let results = procedural
         .result_words()
         .max(node_words(layers.nodes().len()));
