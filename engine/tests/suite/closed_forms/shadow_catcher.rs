@@ -9,6 +9,7 @@ use engine::scene::{LightKind, Material, PunctualLight, Scene};
 use engine::settings::{Method, RenderSettings};
 use glam::Vec3;
 
+use crate::light_parts::methods;
 use crate::support::device;
 use crate::support::scenes::{
     Shot, faceted_sphere, floor, floor_point, from_above, lambert, no_textures, quad, scene,
@@ -107,7 +108,7 @@ fn under_one_lamp_a_shadow_is_all_or_nothing() {
     ];
     let mut scene = scene(objects, Vec3::ZERO);
     scene.lights = vec![lamp(LightKind::Directional, Vec3::splat(2.0), sun)];
-    for method in Method::ALL {
+    for &method in [Method::Path].iter().chain(methods(&device)) {
         let film = film_by(method, &device, &mut scene, 0, SHOT.spp);
         check_shadow_of_ball(&film, center, radius, sun);
     }
@@ -191,7 +192,7 @@ fn a_shadow_is_the_share_of_all_light_that_is_kept() {
     let expected = Vec3::ONE - (above + hidden) / all;
     let brightness = |c: Vec3| c.dot(Vec3::new(0.2126, 0.7152, 0.0722));
     let expected_alpha = brightness(above + hidden) / brightness(all);
-    for method in Method::ALL {
+    for &method in [Method::Path].iter().chain(methods(&device)) {
         let film = film_by(method, &device, &mut scene, 0, 1024);
         let factor = values(&film, "shadow_catcher");
         let mean = factor.iter().sum::<Vec3>() / factor.len() as f32;
