@@ -70,6 +70,8 @@ const SUM_BITS: i32 = 44;
 const SQUARE_BITS: i32 = 36;
 const LARGEST: f32 = 2_147_483_520.0;
 const LARGEST_SQUARE: f32 = 1_099_511_562_240.0;
+/// The darkest colour that light is divided by, 2^-14: of smaller numbers halves lose digits.
+const LEAST_COLOR: f32 = 1.0 / 16384.0;
 
 /// What has been gathered for each pixel, row 0 on top.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -332,7 +334,8 @@ impl Film {
         Some((0..self.pixels()).map(mean).collect())
     }
 
-    /// Makes a colour white where it is black and there is light that is divided by it: a black metal reflects at its rim.
+    /// Makes a colour white where it is black, or so dark that files of 16 bits lose its digits, and there is light that is divided
+    /// by it: a black metal reflects at its rim.
     fn shine_through(&self, color: &Layer, means: &mut [[f32; MAX_CHANNELS]]) {
         let divides = |layer: &&Layer| matches!(layer.rule, Rule::Light { color: Some(name), .. } if name == color.name);
         for layer in self.layers.iter().filter(divides) {
@@ -341,7 +344,7 @@ impl Film {
                 .zip(self.means(layer).into_iter().flatten())
             {
                 for (color, light) in color.iter_mut().zip(light) {
-                    if *color == 0.0 && light != 0.0 {
+                    if *color < LEAST_COLOR && light != 0.0 {
                         *color = 1.0;
                     }
                 }

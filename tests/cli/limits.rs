@@ -159,9 +159,6 @@ fn accuracy_chooses_how_light_is_found() {
     bench
         .run(&format!("{scene} --accuracy final --adaptive -o e.png"))
         .expect_code(0);
-    bench
-        .run(&format!("{scene} --accuracy final --part 1/2"))
-        .expect_error(2, "--accuracy final");
     let longer = format!("{scene} --accuracy final").replace("--spp 32", "--spp 64");
     let kept = "--checkpoint=1s -o kept.exr -o kept.patina-film";
     bench

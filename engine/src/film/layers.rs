@@ -388,14 +388,14 @@ mod tests {
             film.add_sample(0, [0.0; 3]);
             film.add_surface(0, sample, |layer| match layer.is_light() {
                 true => [0.5, 0.25, 0.0],
-                false => [0.25, 0.0, 0.0],
+                false => [0.25, 1e-6, 0.0],
             });
         }
         let value = |name| {
             film.values(Layer::named(name).expect("known"))
                 .expect("gathered")[0]
         };
-        // Light that has no colour to be divided by makes it white.
+        // Light that has no colour to be divided by, or next to none, makes it white.
         assert_eq!(value("glossy_color"), [0.25, 1.0, 0.0]);
         assert_eq!(value("glossy_direct"), [2.0, 0.25, 0.0]);
     }
