@@ -292,19 +292,17 @@ vectors! {
     fn load_texel(header: *const u8, texel: I, target: *mut u8, m: M) {
         let header = header.cast::<ImageHeader>().read();
         let mut store = |word: usize, x: I| own_store(target.add(4 * W * word), x, m);
-        if !matches!(header.format, Format::Rgba8Unorm | Format::Rgba8UnormSrgb) {
-            let texels = array(texel);
-            let mut words = [[0; W]; 4];
-            lanes(m, |lane| {
-                let mut four = [0; 4];
-                runtime::load_texel(&header, texels[lane], &mut four);
-                four.into_iter().zip(&mut words).for_each(|(word, words)| words[lane] = word);
-            });
-            words.into_iter().enumerate().for_each(|(word, words)| store(word, of_array(words)));
+        // An image has no more texels than 32 bits count, but more bytes. Lanes that aren't in the mask read the first.
+        let texels = array(and(texel, m));
+        if matches!(header.format, Format::Rgba32Float | Format::Rgba32Uint) {
+            let all = header.texels.cast::<__m128i>();
+            let four = |lane: usize| _mm_loadu_si128(all.add(texels[lane] as usize));
+            let both = |lane: usize| _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(four(lane)), four(lane + 4));
+            let (x, y, z, w) = transposed(both(0), both(1), both(2), both(3));
+            [x, y, z, w].into_iter().enumerate().for_each(|(word, words)| store(word, words));
             return;
         }
-        // An image has no more texels than 32 bits count, but more bytes.
-        let texels = array(and(texel, m)).map(|texel| header.texels.add(texel as usize).read());
+        let texels = texels.map(|texel| header.texels.add(texel as usize).read());
         let bytes = of_array(texels);
         let byte = |number: i32| and(_mm256_srl_epi32(bytes, _mm_cvtsi32_si128(8 * number)), words(255));
         let unit = |byte: I| float_bits(_mm256_mul_ps(_mm256_cvtepi32_ps(byte), floats(1.0 / 255.0)));

@@ -45,6 +45,37 @@ fn rounds(@builtin(global_invocation_id) id: vec3u) {
     output[id.x] = vec4u(sum, last, words.x, 2u);
 }
 
+// Conditions that all lanes see alike, and short ways that none of them goes.
+@compute @workgroup_size(64)
+fn agreed(@builtin(global_invocation_id) id: vec3u) {
+    let words = input[id.x];
+    let same = input[4].x;
+    var taken = 0u;
+    var others = 0u;
+    for (var i = 0u; i < 32u; i++) {
+        let is_set = (same >> i & 1u) == 1u;
+        if (is_set || words.x % 3u == i % 3u) {
+            taken += 1u << (i % 7u);
+        }
+        if (is_set && words.y % 2u == 0u) {
+            others += i;
+        }
+        var step = 1u;
+        if (is_set) {
+            step = 5u;
+        }
+        others = others * 3u + step;
+        var own = words.z;
+        if (!is_set) {
+            own = i;
+        } else if (i > 20u) {
+            own += 2u;
+        }
+        others ^= own;
+    }
+    output[id.x] = vec4u(taken, others, same, 1u);
+}
+
 // Ways that part and meet again; some lanes end early.
 @compute @workgroup_size(64)
 fn branches(@builtin(local_invocation_index) local: u32, @builtin(workgroup_id) group: vec3u) {

@@ -95,6 +95,14 @@ pub(super) fn guards(function: &Function, flow: &Flow) -> (Vec<Guard>, Vec<usize
     }
 }
 
+/// Has the lanes of a block looked for, whatever it costs; nothing where all go there.
+pub(super) fn test(guards: &mut [Guard], start: usize) {
+    let mut of_block = guards.iter_mut().filter(|guard| guard.start == start);
+    if let Some(guard) = of_block.find(|guard| !guard.is_loop) {
+        guard.is_tested = true;
+    }
+}
+
 /// About how long some blocks take.
 fn cost(function: &Function, flow: &Flow, blocks: std::ops::Range<usize>) -> u32 {
     let instructions = flow.starts[blocks.start]..flow.range(blocks.end - 1).end;

@@ -44,10 +44,18 @@ impl Analysis {
     /// None for what can't run in lanes: addresses that lanes know, and jumps that don't nest.
     pub fn new(function: &Function, index: Option<Variable>, passed: &[Passed]) -> Option<Self> {
         let flow = Flow::new(function)?;
-        let (guards, roots) = guards::guards(function, &flow);
+        let (mut guards, roots) = guards::guards(function, &flow);
         let live = flow.live(function);
         let free = flow.free(function, &live);
         let (kinds, uniform, converged) = kinds::kinds(function, index, passed, &flow, &free)?;
+        // What is set for all lanes mustn't be where they are all elsewhere.
+        for block in 0..flow.count() {
+            let sets_for_all = |instruction: &Instruction| matches!(*instruction, Instruction::Set { variable, .. } if !free.has(block, variable.0 as usize));
+            let instructions = &function.instructions[flow.range(block)];
+            if converged[block] && instructions.iter().any(sets_for_all) {
+                guards::test(&mut guards, roots[block]);
+            }
+        }
         let homes = homes::homes(function, &flow, &guards, &kinds, &live, &converged);
         // A scalar can't be one thing for the lanes that have left a loop, and another for those in it.
         let mut values = homes.values.iter().zip(&kinds);
