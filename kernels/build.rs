@@ -19,27 +19,49 @@ const KERNELS: &[(&str, &str)] = &[
     ("accumulate_means", "film_layers/accumulate.wgsl"),
     ("ao", "ao/ao.wgsl"),
     ("brdf", "brdf/entry.wgsl"),
+    ("by_grid", COMPARED),
+    ("by_octree", COMPARED),
+    ("by_tree", COMPARED),
     ("classify", "classify/entry.wgsl"),
+    ("count_again", "photons/map.wgsl"),
+    ("count_leaves", "photons/map.wgsl"),
+    ("count_photons", "photons/sort.wgsl"),
     ("gather_end", "irradiance/gather.wgsl"),
     ("gather_first_hit", "irradiance/first_hit.wgsl"),
     ("gather_note", "irradiance/gather.wgsl"),
+    ("gather_photons", "photons/gather.wgsl"),
     ("gather_start", "irradiance/gather.wgsl"),
+    ("give_photons", "photons/sort.wgsl"),
+    ("give_places", "photons/map.wgsl"),
+    ("join_cells", "photons/map.wgsl"),
     ("learn_light", "light_cache/learn.wgsl"),
     ("look_for_sky", "irradiance/look.wgsl"),
     ("look_up_irradiance", "irradiance/look_up.wgsl"),
     ("look_up_light", "light_cache/look_up.wgsl"),
     ("note_light", "light_cache/learn.wgsl"),
+    ("photon_arrive", "photons/fly.wgsl"),
+    ("photon_emit", "photons/emit.wgsl"),
+    ("photon_follow", "photons/fly.wgsl"),
+    ("photon_start", "photons/emit.wgsl"),
+    ("put_down", "photons/map.wgsl"),
     ("raygen", "raygen/entry.wgsl"),
     ("record_last_light", LIGHT),
     ("record_layers", "film_layers/record.wgsl"),
     ("record_light", LIGHT),
     ("solve_irradiance", "irradiance/solve.wgsl"),
+    ("sort_photons", "photons/sort.wgsl"),
+    ("split_cells", "photons/map.wgsl"),
+    ("sum_lights", "photons/lights.wgsl"),
     ("traverse_closest", "traverse/entry.wgsl"),
     ("traverse_occlusion", "traverse/entry.wgsl"),
+    ("weigh_lights", "photons/lights.wgsl"),
 ];
 
 /// The file of those kernels that there are only where the film keeps parts of the light apart.
 const LIGHT: &str = "film_layers/light.wgsl";
+
+/// Ways to find photons that the benchmarks compare.
+const COMPARED: &str = "../../../bench/src/gather/compare.wgsl";
 
 /// Where the standard functions of the texture language are, seen from this crate: they know nothing of one another's files.
 const STANDARD: &str = "../texgen/src/standard";
@@ -104,8 +126,9 @@ const SPLIT: &str = "splits_light";
 /// The constant by which a cache of irradiance knows of surfaces that scatter light diffusely.
 const LEAVES: &str = "leaves_diffuse";
 
-/// The constant by which one thread traces all rays of ambient occlusion of a hit, as suits processors.
-const PER_HIT: (&str, f64) = ("ao_thread_per_hit", 1.0);
+/// What suits processors, as `Pass::kernel` of the engine has it: one thread traces all rays of ambient occlusion of a hit, and photons
+/// are found by the grid that they are sorted into.
+const FOR_PROCESSORS: [(&str, f64); 2] = [("ao_thread_per_hit", 1.0), ("photons_by_grid", 1.0)];
 
 /// What is set, for each set of features that is compiled: those of common scenes, and those with all that may be left out,
 /// which stand for the rest.
@@ -158,22 +181,37 @@ const SETS: &[(&[&str], &[&str])] = &[
 ];
 
 /// Kernels that run eight invocations at a time where the processor has vectors for it. With `accumulate` nothing is gained: it
-/// waits for memory. The traversal calls a function of the program for each invocation, and does little beside that.
+/// waits for memory. The traversal calls a function of the program for each invocation, and does little beside that. Photons are found one place
+/// after the other: places that don't lie together have others around them, and lanes would wait for each other.
 const IN_LANES: &[&str] = &[
     "ao",
     "brdf",
     "classify",
+    "count_again",
+    "count_leaves",
+    "count_photons",
     "gather_end",
     "gather_first_hit",
     "gather_note",
     "gather_start",
+    "give_photons",
+    "give_places",
+    "join_cells",
     "learn_light",
     "look_for_sky",
     "look_up_irradiance",
     "look_up_light",
     "note_light",
+    "photon_arrive",
+    "photon_emit",
+    "photon_follow",
+    "photon_start",
+    "put_down",
     "raygen",
     "solve_irradiance",
+    "sort_photons",
+    "split_cells",
+    "weigh_lights",
 ];
 
 /// What the functions may use of a processor; `src/lib.rs` asks whether it is there.
@@ -411,7 +449,7 @@ impl Text {
         let value = |name: &str| f64::from(u8::from(set.contains(&name)));
         let names = OMISSIONS.iter().chain(OTHERS).chain([&SPLIT, &LEAVES]);
         let mut constants: Vec<(&str, f64)> = names.map(|&name| (name, value(name))).collect();
-        constants.push(PER_HIT);
+        constants.extend(FOR_PROCESSORS);
         let (module, info) =
             kernel_ir::with_constants(&self.module, &self.info, entry, &constants)?;
         let options = kernel_ir::Options {
