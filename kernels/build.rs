@@ -60,7 +60,7 @@ const KERNELS: &[(&str, &str)] = &[
 /// The file of those kernels that there are only where the film keeps parts of the light apart.
 const LIGHT: &str = "film_layers/light.wgsl";
 
-/// Ways to find photons that the benchmarks compare.
+/// Ways to find photons that `bench gather` compares: what comes compiled would be compared with what doesn't.
 const COMPARED: &str = "../../../bench/src/gather/compare.wgsl";
 
 /// Where the standard functions of the texture language are, seen from this crate: they know nothing of one another's files.

@@ -24,14 +24,44 @@ const KERNELS: [(&str, &str); 11] = [
     ("traverse_occlusion", "traverse/entry.wgsl"),
 ];
 
+/// The same of caches of light and of photons.
+const CACHES: [(&str, &str); 25] = [
+    ("count_again", "photons/map.wgsl"),
+    ("count_leaves", "photons/map.wgsl"),
+    ("count_photons", "photons/sort.wgsl"),
+    ("gather_end", "irradiance/gather.wgsl"),
+    ("gather_first_hit", "irradiance/first_hit.wgsl"),
+    ("gather_note", "irradiance/gather.wgsl"),
+    ("gather_photons", "photons/gather.wgsl"),
+    ("gather_start", "irradiance/gather.wgsl"),
+    ("give_photons", "photons/sort.wgsl"),
+    ("give_places", "photons/map.wgsl"),
+    ("join_cells", "photons/map.wgsl"),
+    ("learn_light", "light_cache/learn.wgsl"),
+    ("look_for_sky", "irradiance/look.wgsl"),
+    ("look_up_irradiance", "irradiance/look_up.wgsl"),
+    ("look_up_light", "light_cache/look_up.wgsl"),
+    ("note_light", "light_cache/learn.wgsl"),
+    ("photon_arrive", "photons/fly.wgsl"),
+    ("photon_emit", "photons/emit.wgsl"),
+    ("photon_follow", "photons/fly.wgsl"),
+    ("photon_start", "photons/emit.wgsl"),
+    ("put_down", "photons/map.wgsl"),
+    ("solve_irradiance", "irradiance/solve.wgsl"),
+    ("sort_photons", "photons/sort.wgsl"),
+    ("split_cells", "photons/map.wgsl"),
+    ("weigh_lights", "photons/lights.wgsl"),
+];
+
 fn kernel(entry: &str, file: &str, features: &SceneFeatures, options: &Options<'_>) -> Kernel {
     let text = ComposedWgsl::of(file).text;
     let module = naga::front::wgsl::parse_str(&text).expect("it is valid");
     let flags = naga::valid::ValidationFlags::all();
     let mut validator = naga::valid::Validator::new(flags, texgen::CAPABILITIES);
     let info = validator.validate(&module).expect("it is valid");
-    // A processor traces all rays of a hit in one thread.
-    let constants = [&features.constants()[..], &[("ao_thread_per_hit", 1.0)]].concat();
+    // As suits processors.
+    let own = [("ao_thread_per_hit", 1.0), ("photons_by_grid", 1.0)];
+    let constants = [&features.constants()[..], &own].concat();
     Kernel::new(&module, &info, entry, &constants, options).expect("it can be compiled")
 }
 
@@ -83,7 +113,8 @@ fn every_set_of_features_finds_its_kernels() {
                 energy_compensation: true,
                 ..SceneFeatures::default()
             };
-            for (entry, file) in KERNELS {
+            let caches = CACHES.iter().filter(|_| light_cache);
+            for (entry, file) in KERNELS.iter().chain(caches) {
                 let kernel = kernel(entry, file, &features, &ahead());
                 assert!(kernel.is_ahead(), "{entry} with {features:?}");
             }

@@ -16,7 +16,7 @@ pub struct Guard {
     pub end: usize,
     /// Whether it runs again until no lane waits at its head.
     pub is_loop: bool,
-    /// Whether it is worth looking if there are lanes.
+    /// Whether it is worth looking if there are lanes, or has to be done.
     pub is_tested: bool,
 }
 
@@ -95,8 +95,8 @@ pub(super) fn guards(function: &Function, flow: &Flow) -> (Vec<Guard>, Vec<usize
     }
 }
 
-/// Has the lanes of a block looked for, whatever it costs; nothing where all go there.
-pub(super) fn test(guards: &mut [Guard], start: usize) {
+/// Has the guard that begins with a block look for lanes, however little work it is. There is none where all lanes go.
+pub(super) fn always_look(guards: &mut [Guard], start: usize) {
     let mut of_block = guards.iter_mut().filter(|guard| guard.start == start);
     if let Some(guard) = of_block.find(|guard| !guard.is_loop) {
         guard.is_tested = true;

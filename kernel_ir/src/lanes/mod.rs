@@ -48,12 +48,14 @@ impl Analysis {
         let live = flow.live(function);
         let free = flow.free(function, &live);
         let (kinds, uniform, converged) = kinds::kinds(function, index, passed, &flow, &free)?;
-        // What is set for all lanes mustn't be where they are all elsewhere.
-        for block in 0..flow.count() {
-            let sets_for_all = |instruction: &Instruction| matches!(*instruction, Instruction::Set { variable, .. } if !free.has(block, variable.0 as usize));
-            let instructions = &function.instructions[flow.range(block)];
-            if converged[block] && instructions.iter().any(sets_for_all) {
-                guards::test(&mut guards, roots[block]);
+        // All lanes run such a block together, or none. What it sets for all mustn't be set where they are elsewhere.
+        for block in (0..flow.count()).filter(|&block| converged[block]) {
+            let is_needed = |set: &Instruction| matches!(*set, Instruction::Set { variable, .. } if !free.has(block, variable.0 as usize));
+            if function.instructions[flow.range(block)]
+                .iter()
+                .any(is_needed)
+            {
+                guards::always_look(&mut guards, roots[block]);
             }
         }
         let homes = homes::homes(function, &flow, &guards, &kinds, &live, &converged);
