@@ -318,7 +318,7 @@ fn write(
         console::note(&summary);
     }
     if let Some(audit) = &rendered.audit {
-        console::note(&limits::bias(audit));
+        console::note(&limits::bias(audit, job.clamp.is_some()));
     }
     let look = job.look.as_deref();
     let mut origin = Origin::new(&rendered.device, &job.scene, look, rendered.settings);

@@ -231,12 +231,6 @@ impl Frame {
         self.seed = seed;
     }
 
-    /// No light is taken away.
-    pub(crate) fn without_clamp(mut self) -> Self {
-        self.indirect_clamp = f32::MAX;
-        self
-    }
-
     /// Side of a pixel over its distance to the camera; 0 for parallel rays.
     pub(crate) fn pixel_side(&self) -> f32 {
         self.pixel_spread
@@ -247,12 +241,13 @@ impl Frame {
         2.0 * self.half_height / (self.crop_whole >> 16).max(1) as f32
     }
 
-    /// Nothing samples lights, and no path ends by chance.
+    /// Nothing samples lights, no path ends by chance, and no light is taken away.
     pub(crate) fn without_lights(mut self) -> Self {
         (self.light_count, self.directional_count) = (0, 0);
         self.environment_probability = 0.0;
         self.roulette_start = u32::MAX;
-        self.without_clamp()
+        self.indirect_clamp = f32::MAX;
+        self
     }
 
     /// Columns times rows.

@@ -374,16 +374,13 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
     let by_parts = may_begin_again.then_some(
         "such a picture may be rendered again as a whole, with finer records; --method cache isn't",
     );
-    let by_blocks =
-        (method.has_photons()).then_some("photons are sent out for one sample of all pixels");
+    let by_blocks = (method.has_photons()).then_some(
+        "photons are sent out for one sample of all pixels, and would take as long for some of them",
+    );
     let by_moments = may_begin_again.then_some(
         "what is wrong with a picture of many moments isn't known; write --method cache",
     );
-    let by_brightness = may_begin_again.then_some(
-        "light that is taken away would be missed, and looked for in vain; write --method cache",
-    );
     let refused = [
-        ("--clamp", args.clamp.is_some(), by_brightness),
         ("--part", args.part.is_some(), by_parts),
         ("--sample-range", args.sample_range.is_some(), by_parts),
         ("--adaptive", args.adaptive, by_blocks),

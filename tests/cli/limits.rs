@@ -93,10 +93,9 @@ fn a_draft_says_how_wrong_it_is() {
     // Devices and parts each find out what they need, so all of that goes.
     for method in ["draft", "cache", "photons", "cache+photons"] {
         let scene = scene.replace("draft", method);
-        let flag = format!("--method {method}");
         let distributed = bench.run(&format!("{scene} --adaptive --spp 64 -o f.png"));
         match method.contains("photons") {
-            true => distributed.expect_error(2, &flag),
+            true => distributed.expect_error(2, &format!("--method {method}")),
             false => distributed.expect_code(0),
         };
         bench
@@ -133,8 +132,11 @@ fn a_draft_says_how_wrong_it_is() {
             "{scene} --spp 64 --resume -o h.exr -o h.patina-film"
         ))
         .expect_error(1, "from 32 samples per pixel on");
-    let refused = bench.run("render triangle.gltf --accuracy final --clamp 2 -o c.png");
-    refused.expect_error(2, "looked for in vain");
+    let clamped = bench.run(
+        &format!("{scene} --spp 32 --clamp 2 -o c.png").replace("method draft", "accuracy final"),
+    );
+    let said = &clamped.expect_code(0).stdout;
+    assert!(said.contains("beside what --clamp takes away"), "{said}");
     let groups = "environment = { color = [1.0, 1.0, 1.0], group = \"day\" }\n";
     fs::write(bench.path("groups.look.toml"), groups).expect("written");
     let grouped = scene.replace("sky.look.toml", "groups.look.toml");

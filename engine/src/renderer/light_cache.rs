@@ -97,15 +97,14 @@ pub(super) fn clear(
 }
 
 impl Renderer {
-    /// A picture by other random numbers than this one's, so many samples per pixel of paths that end in no cache and lose no light to a
-    /// clamp, to compare with. What has been gathered so far is gone after that, and the picture begins anew.
+    /// A picture by other random numbers than this one's, so many samples per pixel of paths that end in no cache and lose to a clamp
+    /// what paths do, to compare with. What has been gathered so far is gone after that, and the picture begins anew.
     ///
     /// # Errors
     /// What the driver reports.
     pub fn trace_apart(&mut self, seed: u32, spp: u32) -> Result<Film, RenderError> {
         self.restart();
         let own = self.frame;
-        self.frame = own.without_clamp();
         self.frame.set_seed(own.seed().wrapping_add(seed));
         self.is_apart = true;
         let film = self.render(spp).and_then(|()| self.film());
