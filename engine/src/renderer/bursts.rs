@@ -4,16 +4,19 @@
 //!
 //! A burst is that many samples of all pixels, block by block. Between two bursts all pixels have the same samples, as ever; within
 //! one the film itself says which blocks have them already, so that a film can be gone on with at any time.
+//! Paths that go ahead of the picture come likewise.
 
 use crate::film::Film;
-use crate::frame::BLOCK_PIXELS;
+use crate::frame::{BLOCK_PIXELS, LOT_BLOCKS};
 
 use super::{Lot, RenderError, Renderer};
 
 /// Most samples of a burst: more hardly save anything.
 const MOST_SAMPLES: u32 = 16;
-/// Most waves of a burst, so that no part of a picture is far ahead of the others for long.
+/// Most waves of a burst, so that no part of a picture is far ahead of the others for long; more where it has no more than so much of what all
+/// parts have already.
 const MOST_WAVES: u64 = 8;
+const AHEAD: u64 = 4;
 
 /// The burst that a renderer is in.
 #[derive(Debug, Clone, Copy, Default)]
@@ -78,6 +81,29 @@ impl Renderer {
         Ok(true)
     }
 
+    /// The next blocks of samples of all pixels that go ahead of the picture, of which so many paths are done, each with its first sample, and how
+    /// many each gets; none where samples don't come in bursts.
+    pub(super) fn burst_ahead(
+        &self,
+        done: u64,
+        first_sample: u32,
+        samples: u32,
+    ) -> Option<(Vec<[u32; 2]>, u32)> {
+        if self.lanes.is_empty() {
+            return None;
+        }
+        let padded = u64::from(self.frame.padded_pixels);
+        let most = MOST_SAMPLES.min(self.capacity / BLOCK_PIXELS).max(1);
+        let before = (done / (u64::from(most) * padded)) as u32 * most;
+        let at_once = most.min(samples - before);
+        let block_paths = u64::from(at_once * BLOCK_PIXELS);
+        let from = (done - u64::from(before) * padded) / block_paths;
+        let count = (u64::from(self.next_wave_size()) / block_paths).clamp(1, LOT_BLOCKS as u64);
+        let blocks = from..(padded / u64::from(BLOCK_PIXELS)).min(from + count);
+        let blocks = blocks.map(|block| [block as u32, first_sample + before]);
+        Some((blocks.collect(), at_once))
+    }
+
     /// Samples of the burst that begins now.
     fn next_burst(&self, target_spp: u32) -> u32 {
         if !self.has_bursts() {
@@ -87,7 +113,7 @@ impl Renderer {
         let left = u64::from(target_spp) * padded - self.position;
         let left = self.until_more_rays(left) / padded;
         // As many paths as so many waves have at the speed that is known by now.
-        let room = MOST_WAVES * u64::from(self.wave_size) / padded;
+        let room = (MOST_WAVES * u64::from(self.wave_size)).max(self.position / AHEAD) / padded;
         room.min(u64::from(MOST_SAMPLES)).min(left) as u32
     }
 }

@@ -24,7 +24,7 @@ mod smooth;
 use bytemuck::{Pod, Zeroable};
 use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Usage};
 
-use crate::{gpu_scene::SceneFeatures, passes::irradiance, settings::Method};
+use crate::{frame::BLOCK_PIXELS, gpu_scene::SceneFeatures, passes::irradiance, settings::Method};
 
 use super::{Purpose, RenderError, Renderer, Work, clear_picture};
 
@@ -466,10 +466,20 @@ impl Renderer {
         first_sample: u32,
         samples: u32,
     ) -> Result<(u64, bool), RenderError> {
-        let total = u64::from(samples) * u64::from(self.frame.padded_pixels);
-        let paths = u64::from(self.next_wave_size()).min(total - done);
         let mut frame = self.frame;
         frame.set_seed(frame.seed().wrapping_add(SEED));
+        let total = u64::from(samples) * u64::from(self.frame.padded_pixels);
+        if let Some((blocks, samples)) = self.burst_ahead(done, first_sample, samples) {
+            frame.set_lot(&blocks, samples);
+            let work = Work::Lot {
+                blocks: &blocks,
+                samples,
+            };
+            self.play_wave(&frame, work, purpose)?;
+            let done = done + blocks.len() as u64 * u64::from(samples * BLOCK_PIXELS);
+            return Ok((done, done == total));
+        }
+        let paths = u64::from(self.next_wave_size()).min(total - done);
         frame.set_wave(done, paths as u32, first_sample, samples);
         let work = Work::Range {
             position: done,
