@@ -13,9 +13,9 @@ use super::{Lot, RenderError, Renderer};
 
 /// Most samples of a burst: more hardly save anything.
 const MOST_SAMPLES: u32 = 16;
-/// Most waves of a burst, so that no part of a picture is far ahead of the others for long; more where it has no more than so much of what all
-/// parts have already.
+/// Most waves of a burst, so that no part of a picture is far ahead of the others for long.
 const MOST_WAVES: u64 = 8;
+/// One over the share of what all parts have already that a burst may be however many waves that takes.
 const AHEAD: u64 = 4;
 
 /// The burst that a renderer is in.
@@ -70,7 +70,7 @@ impl Renderer {
         }
         let first_sample = self.settings.first_sample + (start / padded) as u32;
         let first_block = (self.position - start) / self.burst.block_paths();
-        let blocks = first_block..padded / u64::from(BLOCK_PIXELS);
+        let blocks = (first_block..padded / u64::from(BLOCK_PIXELS)).take(LOT_BLOCKS);
         let lot = Lot {
             blocks: blocks.map(|block| [block as u32, first_sample]).collect(),
             samples,
