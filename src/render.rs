@@ -50,6 +50,8 @@ const ALL_CAMERAS: &str = "all";
 const COSTS: Duration = Duration::from_secs(5);
 /// Most times that a picture is rendered again with finer records.
 const REFINEMENTS: u32 = 2;
+/// What is done meanwhile.
+const REFINING: &str = "rendering again with finer records";
 /// Most of the time that an interrupted render goes on for, so that a film is even.
 const FAREWELL: Duration = Duration::from_secs(1);
 
@@ -270,6 +272,12 @@ enum Ended {
     Interrupted,
     /// There is no device left.
     Failed(String),
+}
+
+/// Whether a picture is as it was to be, and so worth a look at how right it is: after a signal nobody waits for that, nor when the
+/// time is over.
+fn is_as_wanted(ended: Option<&Ended>) -> bool {
+    matches!(ended, None | Some(Ended::Enough(Limit::Noise(_))))
 }
 
 /// What rendered, while it is still there.

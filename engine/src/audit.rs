@@ -43,6 +43,17 @@ struct Block {
     square: f64,
 }
 
+impl Block {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            picture: self.picture + other.picture,
+            truth: self.truth + other.truth,
+            square: self.square + other.square,
+        }
+    }
+}
+
 /// Largest error of the brightness, and of blocks, of a picture that is taken for right: of the mean radiance.
 const FINE: [f64; 2] = [0.01, 0.03];
 
@@ -56,28 +67,65 @@ impl Audit {
     /// Of a picture whose samples come in halves, by two others of the same size. `None` where there is nothing to compare: too few
     /// samples or pixels, or all is black.
     pub fn new(picture: &Film, truth: [&Film; 2]) -> Option<Self> {
-        let blocks = blocks(picture, truth)?;
-        if blocks.len() < LEAST_BLOCKS {
+        let mut comparison = Comparison::default();
+        comparison.add(picture, truth);
+        comparison.audit()
+    }
+}
+
+/// Most blocks that a comparison holds: of more, neighbours are taken together.
+const MOST_BLOCKS: usize = 1 << 16;
+
+/// A picture beside two others, that may come piece by piece. However large the picture is, this is not.
+#[derive(Debug, Clone, Default)]
+pub struct Comparison {
+    blocks: Vec<Block>,
+    /// How many of the picture's each stands for is two to this power.
+    doublings: u32,
+    /// Of the next one, and how many of the picture's it has.
+    begun: (Block, u32),
+    /// A piece had too few samples for two halves.
+    is_unknown: bool,
+}
+
+impl Comparison {
+    /// Adds a piece whose samples come in halves, and what two others of the same size show there. One with too few samples leaves the
+    /// whole unknown.
+    pub fn add(&mut self, picture: &Film, truth: [&Film; 2]) {
+        match blocks(picture, truth) {
+            Some(blocks) => blocks.into_iter().for_each(|block| self.push(block)),
+            None => self.is_unknown = true,
+        }
+    }
+
+    fn push(&mut self, block: Block) {
+        let (sums, count) = self.begun;
+        self.begun = (sums.plus(block), count + 1);
+        if self.begun.1 < 1 << self.doublings {
+            return;
+        }
+        self.blocks.push(std::mem::take(&mut self.begun).0);
+        if self.blocks.len() == MOST_BLOCKS {
+            let pairs = self.blocks.chunks(2);
+            let pairs = pairs.map(|pair| pair.iter().copied().fold(Block::default(), Block::plus));
+            self.blocks = pairs.collect();
+            self.doublings += 1;
+        }
+    }
+
+    /// What is wrong with all that was added; `None` as for [`Audit::new`].
+    pub fn audit(&self) -> Option<Audit> {
+        let mut blocks = self.blocks.clone();
+        blocks.extend(Some(self.begun.0).filter(|_| self.begun.1 > 0));
+        if self.is_unknown || blocks.len() < LEAST_BLOCKS {
             return None;
         }
-        let brightness = |blocks: &mut dyn Iterator<Item = Block>| {
-            let (picture, truth) = blocks.fold((0.0, 0.0), |(a, b), block| {
-                (a + block.picture, b + block.truth)
-            });
-            picture / truth - 1.0
-        };
-        let off = |blocks: &mut dyn Iterator<Item = Block>| {
-            let sum = |sums: Block, block: Block| Block {
-                count: sums.count + block.count,
-                truth: sums.truth + block.truth,
-                square: sums.square + block.square,
-                ..sums
-            };
-            let sums = blocks.fold(Block::default(), sum);
-            // Of what is nearly right the square may come out below 0.
+        let brightness = |sums: Block| sums.picture / sums.truth - 1.0;
+        // Of what is nearly right the square may come out below 0.
+        let off = |sums: Block| {
             (sums.square / sums.count).max(0.0).sqrt() / (sums.truth / sums.count)
         };
-        let audit = Self {
+        let audit = Audit {
             brightness: certain(&blocks, brightness),
             blocks: certain(&blocks, off),
         };
@@ -128,7 +176,7 @@ fn blocks(picture: &Film, [a, b]: [&Film; 2]) -> Option<Vec<Block>> {
 }
 
 /// Between what bounds a number lies that depends on all blocks, with 95 % certainty.
-fn certain(blocks: &[Block], of: impl Fn(&mut dyn Iterator<Item = Block>) -> f64) -> Range<f64> {
+fn certain(blocks: &[Block], of: impl Fn(Block) -> f64) -> Range<f64> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut draw = || {
         // A step of Knuth's generator; its upper bits are random enough to pick blocks.
@@ -138,7 +186,7 @@ fn certain(blocks: &[Block], of: impl Fn(&mut dyn Iterator<Item = Block>) -> f64
         blocks[((state >> 33) as usize) % blocks.len()]
     };
     let mut draws: Vec<f64> = (0..DRAWS)
-        .map(|_| of(&mut (0..blocks.len()).map(|_| draw())))
+        .map(|_| of((0..blocks.len()).fold(Block::default(), |sums, _| sums.plus(draw()))))
         .collect();
     draws.sort_by(f64::total_cmp);
     draws[LEFT_OUT]..draws[DRAWS - 1 - LEFT_OUT]
@@ -150,16 +198,24 @@ mod tests {
 
     /// A film of noise around a brightness, in runs of both halves.
     fn noise(seed: u64, brightness: f32, spread: f32, samples: u32) -> Film {
-        let mut film = Film::new(64, 64);
+        noise_in(0..64, seed, [brightness, spread], samples)
+    }
+
+    /// Some rows of it.
+    fn noise_in(rows: Range<u32>, seed: u64, [brightness, spread]: [f32; 2], samples: u32) -> Film {
+        let mut film = Film::new(64, rows.end - rows.start);
+        let (first, pixels) = (64 * rows.start as usize, film.pixels());
         let mut state = seed << 40;
-        for pixel in 0..film.pixels() {
+        for pixel in 0..first + pixels {
             for number in 0..samples {
                 // SplitMix64 (Steele, Lea and Flood 2014).
                 state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
                 let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
                 let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
                 let uniform = (mixed >> 40) as f32 / 16_777_216.0 - 0.5;
-                film.add_sample_of_half(pixel, number, [brightness + spread * uniform; 3]);
+                if let Some(pixel) = pixel.checked_sub(first) {
+                    film.add_sample_of_half(pixel, number, [brightness + spread * uniform; 3]);
+                }
             }
         }
         film
@@ -183,6 +239,43 @@ mod tests {
             right.blocks.start < 0.01 && right.blocks.end < 0.04,
             "{right:?}"
         );
+    }
+
+    #[test]
+    fn pieces_say_what_the_whole_does() {
+        let films = |rows: Range<u32>| {
+            [(3, 32), (1, 2), (2, 2)].map(|(seed, spp)| noise_in(rows.clone(), seed, [1.0, 2.0], spp))
+        };
+        let [picture, a, b] = films(0..64);
+        let whole = Audit::new(&picture, [&a, &b]);
+        let mut pieces = Comparison::default();
+        for rows in [0..16, 16..48, 48..64] {
+            let [picture, a, b] = films(rows);
+            pieces.add(&picture, [&a, &b]);
+        }
+        assert_eq!(pieces.audit(), whole);
+        pieces.add(&Film::new(64, 8), [&Film::new(64, 8), &Film::new(64, 8)]);
+        assert_eq!(pieces.audit(), None, "a piece without samples");
+    }
+
+    #[test]
+    fn however_many_blocks_there_are_few_are_held() {
+        let mut many = Comparison::default();
+        let block = Block {
+            count: 192.0,
+            picture: 101.0,
+            truth: 100.0,
+            square: 0.5,
+        };
+        for _ in 0..3 * MOST_BLOCKS + 1 {
+            many.push(block);
+        }
+        assert!(many.blocks.len() < MOST_BLOCKS, "{}", many.blocks.len());
+        let held = many.blocks.iter().chain([&many.begun.0]);
+        let sums = held.copied().fold(Block::default(), Block::plus);
+        assert_eq!(sums.count, 192.0 * (3 * MOST_BLOCKS + 1) as f64);
+        let audit = many.audit().expect("there is light");
+        assert!((audit.brightness.start - 0.01).abs() < 1e-9, "{audit:?}");
     }
 
     #[test]

@@ -546,10 +546,6 @@ impl Renderer {
     /// Renders a wave from a path on, of a picture of so many samples per pixel.
     fn wave_at(&mut self, position: u64, paths: u32, spp: u32) -> Result<(), RenderError> {
         let first_sample = self.settings.first_sample;
-        let purpose = match self.is_apart {
-            true => Purpose::Apart,
-            false => Purpose::Picture,
-        };
         self.frame.set_wave(position, paths, first_sample, spp);
         let frame = self.frame;
         let work = Work::Range {
@@ -557,7 +553,15 @@ impl Renderer {
             first_sample,
             spp,
         };
-        self.play_wave(&frame, work, purpose)
+        self.play_wave(&frame, work, self.purpose())
+    }
+
+    /// Of waves whose samples are the picture's.
+    fn purpose(&self) -> Purpose {
+        match self.is_apart {
+            true => Purpose::Apart,
+            false => Purpose::Picture,
+        }
     }
 
     /// Renders the wave of a frame.

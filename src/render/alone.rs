@@ -12,7 +12,7 @@ use engine::renderer::{Progress, RenderSettings};
 use engine::scene::view::View;
 use engine::session::Session;
 use engine::settings::{Beside, Method};
-use engine::stats::DeviceFacts;
+use engine::stats::{DeviceFacts, Stats};
 
 use crate::accuracy::Accuracy;
 use crate::failure::Failure;
@@ -24,8 +24,8 @@ use crate::{cache, console, crash, interrupt};
 use super::limits::Watch;
 use super::reel::{Reel, View as Seen};
 use super::{
-    Ended, FAREWELL, Gathered, REFINEMENTS, Rendered, Rest, adaptive, checkpoint, failure, mark,
-    settings,
+    Ended, FAREWELL, Gathered, REFINEMENTS, REFINING, Rendered, Rest, adaptive, checkpoint, failure,
+    is_as_wanted, mark, settings,
 };
 
 /// What is seen first, and what has rendered it before.
@@ -48,7 +48,7 @@ pub(super) struct Take<'a> {
     pub(super) reel: Option<&'a mut Reel>,
     /// What the picture is rendered from, where that is known.
     pub(super) written: Option<Vec<(String, String)>>,
-    /// It is a piece of a picture: then nobody judges how right that is.
+    /// It is a piece of a picture: then whoever renders all of them judges how right that is.
     pub(super) is_piece: bool,
 }
 
@@ -60,6 +60,13 @@ pub(super) struct Ready {
     is_new: bool,
     beside: Option<Arc<Beside>>,
     seconds: f64,
+}
+
+impl Ready {
+    /// What renders, whose kernels have run.
+    pub(super) fn into_session(self) -> Box<Session> {
+        self.session
+    }
 }
 
 /// Brings a scene to the device.
@@ -224,7 +231,8 @@ pub(super) fn render(
         after_first: Some(first),
     };
     let mut reel = take.reel;
-    let (mut film, ended, audit, mut stats) = loop {
+    let is_film_wanted = !job.outputs.films.is_empty();
+    let (done, audit) = loop {
         let mut ended = None;
         if job.adaptive {
             ended = exposure.distribute(&mut session)?;
@@ -246,54 +254,72 @@ pub(super) fn render(
                 break;
             }
         }
-        let film = session.snapshot().map_err(failure)?.film;
-        let stats = session.stats().map_err(failure)?;
+        if !is_as_wanted(ended.as_ref()) {
+            interrupt::writes_results();
+        }
+        let mut film = session.snapshot().map_err(failure)?.film;
+        // A picture may be of what goes ahead of it, but not what others go on with.
+        let is_preview = ended.is_some() && session.is_preview();
+        if is_film_wanted && is_preview {
+            film = Film::with_layers(job.width, job.height, job.layers.clone());
+        } else if ended.is_some() && is_film_wanted && !job.adaptive {
+            let (_, most) = film.sample_bounds();
+            complete_sample(&mut session, most)?;
+            film = session.snapshot().map_err(failure)?.film;
+        }
+        let done = Done {
+            paths: paths_of(job, &film, &session),
+            stats: session.stats().map_err(failure)?,
+            film,
+            ended,
+            is_preview,
+            is_awaited: session.records_awaited().is_some(),
+        };
         // Paths would be those of the last moment alone.
         let is_judged = job.method != Method::Path && take.others.is_empty() && !take.is_piece;
-        let audit = match is_judged && ended.is_none() {
-            true => audit(&mut session, &film)?,
+        let audit = match is_judged && is_as_wanted(done.ended.as_ref()) {
+            true => {
+                bar.stage("looking how right the picture is");
+                Audit::new(&done.film, truth(&mut session)?.each_ref())
+            }
             false => None,
         };
         let is_wrong = audit.as_ref().is_some_and(Audit::is_wrong);
         if !is_wrong || job.accuracy != Some(Accuracy::Final) || refined == REFINEMENTS {
-            break (film, ended, audit, stats);
+            break (done, audit);
         }
         refined += 1;
-        bar.stage("rendering again with finer records");
+        bar.stage(REFINING);
         session.refine();
+        exposure.watch.begin_anew();
         if let Some(writer) = exposure.writer.as_mut() {
             writer.tell_refined(refined);
         }
     };
     checkpoint::tell_refined(&mut settings_written, refined);
     interrupt::writes_results();
-    let is_film_wanted = !job.outputs.films.is_empty();
-    // A picture may be of what goes ahead of it, but not what others go on with. (Nor is one that has been audited on the device any more.)
-    let is_preview = ended.is_some() && session.is_preview();
+    let Done {
+        film,
+        paths,
+        stats,
+        ended,
+        is_preview,
+        is_awaited,
+    } = done;
     if let (Some(writer), false) = (&mut writer, is_film_wanted || is_preview) {
-        writer.write(film.clone(), paths_of(job, &film, &session));
+        writer.write(film.clone(), paths);
         writer.finish();
     }
     drop(writer);
-    let is_awaited = ended.is_some() && session.records_awaited().is_some();
-    if is_awaited && resumed_at > 0 && session.paths_done() == resumed_at {
+    if ended.is_some() && is_awaited && resumed_at > 0 && paths == resumed_at {
         bar.suspend(|| {
             console::warning(
                 "nothing was added: the resumed picture had to find out about the light anew, which was not done in time",
             );
         });
     }
-    if is_film_wanted && is_preview {
-        film = Film::with_layers(job.width, job.height, film.layers().clone());
-    } else if ended.is_some() && is_film_wanted && !job.adaptive {
-        let (_, most) = film.sample_bounds();
-        complete_sample(&mut session, most)?;
-        film = session.snapshot().map_err(failure)?.film;
-        stats = session.stats().map_err(failure)?;
-    }
     let render_seconds = clock.elapsed().as_secs_f64();
     let (_, most) = film.sample_bounds();
-    let paths = paths_of(job, &film, &session);
     Ok(Rendered {
         gathered: Gathered::Whole(film),
         samples: job.first_sample..job.first_sample + most,
@@ -324,11 +350,26 @@ pub(super) fn written(
     written
 }
 
-/// What a few paths say of a biased picture, which is gone from the device after that.
-fn audit(session: &mut Session, film: &Film) -> Result<Option<Audit>, Failure> {
-    let a = session.trace_apart(1, audit::SAMPLES).map_err(failure)?;
-    let b = session.trace_apart(2, audit::SAMPLES).map_err(failure)?;
-    Ok(Audit::new(film, [&a, &b]))
+/// A picture that is done, as well as that went.
+struct Done {
+    film: Film,
+    /// How far it is.
+    paths: u64,
+    stats: Stats,
+    ended: Option<Ended>,
+    /// It is of what goes ahead of the picture.
+    is_preview: bool,
+    /// It waited for what is found out about the light.
+    is_awaited: bool,
+}
+
+/// Two pictures of a few paths each, to compare a biased one with. That one is gone from the device after that.
+///
+/// # Errors
+/// What the device refuses.
+pub(super) fn truth(session: &mut Session) -> Result<[Film; 2], Failure> {
+    let mut paths = |seed| session.trace_apart(seed, audit::SAMPLES).map_err(failure);
+    Ok([paths(1)?, paths(2)?])
 }
 
 /// How far a film is that may be gone on with.

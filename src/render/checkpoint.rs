@@ -33,6 +33,14 @@ pub(super) fn tell_refined(settings: &mut Vec<(String, String)>, refined: u32) {
     }
 }
 
+/// How often a picture had begun anew with finer records, as its files tell.
+pub(super) fn told_refined(origin: &Origin) -> u32 {
+    let said = origin.setting(REFINEMENT);
+    let said = said.and_then(|refined| refined.parse().ok());
+    said.filter(|refined| (1..=REFINEMENTS).contains(refined))
+        .unwrap_or(0)
+}
+
 /// Reads what a former run has left; nothing where there is no such file. A picture that `may_be_refined` goes on with as fine records
 /// as the film has.
 ///
@@ -68,10 +76,10 @@ pub(super) fn read(
         ))
     };
     let part = picture::film(path).map_err(|error| refused(&error))?;
-    let said = part.origin.setting(REFINEMENT);
-    let said = said.and_then(|refined| refined.parse().ok());
-    let refined = said.filter(|refined| may_be_refined && (1..=REFINEMENTS).contains(refined));
-    let refined = refined.unwrap_or(0);
+    let refined = match may_be_refined {
+        true => told_refined(&part.origin),
+        false => 0,
+    };
     let mut wanted = origin.clone();
     tell_refined(&mut wanted.settings, refined);
     wanted.fits(&part.origin).map_err(|error| refused(&error))?;

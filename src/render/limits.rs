@@ -75,6 +75,11 @@ impl Watch {
         self.brightness
     }
 
+    /// The picture begins anew, but for the time that it has.
+    pub(super) fn begin_anew(&mut self) {
+        (self.next, self.error) = (FEWEST, None);
+    }
+
     /// The error that is compared with the limit.
     pub(super) fn error_of(film: &Film, brightness: Option<f64>) -> f64 {
         let tally = Tally::of(film);

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use device::Device;
+use engine::audit::{Audit, Comparison};
 use engine::film::write::Format;
 use engine::film::{Crop, Film, Origin, Tally};
 use engine::scene::view::View;
@@ -31,10 +32,13 @@ use self::division::Piece;
 pub(super) use self::gathered::Pieces;
 use self::store::Store;
 
-use super::alone::{self, Scene, Take};
+use super::alone::{self, Ready, Scene, Take};
 use super::limits::{Limit, Watch};
-use super::reel::View as Seen;
-use super::{Ended, Gathered, Rendered, Rest, Start, failure, settings};
+use super::reel::{Reel, View as Seen};
+use super::{
+    Ended, Gathered, REFINEMENTS, REFINING, Rendered, Rest, Start, checkpoint, failure,
+    is_as_wanted, settings,
+};
 
 /// Pixels of a piece where the memory allows it, about: enough to keep a device busy, and the same however large the picture is.
 const PIXELS: u32 = 512 * 512;
@@ -134,25 +138,15 @@ fn indivisible(job: &RenderJob) -> Option<String> {
         return Some("--refresh writes the whole picture again and again; leave it out".to_owned());
     }
     let flag = job.accuracy.map_or(method_flag(job.method), |a| a.flag());
-    let (because, instead) = match (job.method, job.accuracy) {
-        (Method::Path | Method::Photons, _) => return None,
-        (Method::Cache, Some(Accuracy::Final)) => (
-            "how right a picture is shows in the whole of it alone",
-            "cache",
-        ),
-        (Method::Draft | Method::Cache | Method::CachePhotons, _)
-            if job.motion.shutter.is_some() =>
-        {
-            (
-                "light would be found out about anew for each moment of each piece",
-                "path",
-            )
-        }
-        (Method::Draft | Method::Cache | Method::CachePhotons, _) => return None,
+    let is_learned = match job.method {
+        Method::Path | Method::Photons => false,
+        Method::Draft | Method::Cache | Method::CachePhotons => true,
     };
-    Some(format!(
-        "with {flag} {because}; render with --method {instead}"
-    ))
+    (is_learned && job.motion.shutter.is_some()).then(|| {
+        format!(
+            "with {flag} light would be found out about anew for each moment of each piece; render with --method path"
+        )
+    })
 }
 
 impl RenderJob {
@@ -194,10 +188,10 @@ pub(super) fn render(
     let Start {
         scene,
         others,
-        mut reel,
+        reel,
         clock,
     } = start;
-    let (seen, mut session) = match scene {
+    let (seen, session) = match scene {
         Scene::New(seen) => (seen, None),
         Scene::Next(seen, session) => (seen, Some(session)),
         Scene::Same(_) => {
@@ -211,87 +205,52 @@ pub(super) fn render(
         sight,
         beside,
     } = Described::new(job, &seen);
-    let mut seen = Some(seen);
     let device = gpu.description().name.clone();
-    let mut origin = Origin::new(&device, &job.scene, job.look.as_deref(), written.clone());
+    let mut origin = Origin::new(&device, &job.scene, job.look.as_deref(), written);
     origin.names.clone_from(&names);
     let mut pieces = Pieces::new(division, Store::open(job)?);
-    let mut found = Found::default();
-    let mut brightness = None;
-    let mut resumed = 0;
-    for piece in division.pieces() {
-        let origin = origin_of(&origin, job, &piece);
-        if let Some(film) = pieces.store().former(&piece, &origin)? {
-            check_film(&film, job, &piece)?;
-            pieces.add(job, &film);
-            resumed += 1;
-            continue;
-        }
-        if found.ended_early() || interrupt::requested() {
-            found.ended = Some(Ended::Interrupted);
-            pieces.misses(&piece);
-            continue;
-        }
-        let own = job.piece(&piece);
-        let scene = match (seen.take(), session.take(), reel.as_deref_mut()) {
-            (Some(seen), None, _) => Scene::New(seen),
-            (Some(seen), Some(session), _) => Scene::Next(seen, session),
-            // Back to the moment at which the shutter opens.
-            (None, Some(session), Some(reel)) if !others.is_empty() => {
-                let mut seen = reel.at(&sight)?;
-                seen.beside.clone_from(&beside);
-                Scene::Next(seen, session)
-            }
-            (None, Some(session), _) => Scene::Same(session),
-            (None, None, _) => {
-                let what = "the renderer of the piece before is gone";
-                return Err(Failure::Failed(what.to_owned()));
-            }
-        };
-        let mut ready = alone::prepare(&own, scene, gpu, bar)?;
-        learn(job, &mut ready.session, bar)?;
-        if job.limits.noise.is_some() && brightness.is_none() {
-            bar.stage("finding out how bright the picture is");
-            brightness = Some(preview(job, &own, &mut ready.session)?);
-        }
-        bar.piece(piece.number, division.count());
-        let limits = Limits {
-            time: time_of_piece(job.limits.time, &clock, division.count() - piece.number),
-            ..job.limits
-        };
-        let known = brightness.filter(|&brightness| brightness > 0.0);
-        let take = Take {
-            ready,
+    let mut refined = match job.accuracy {
+        Some(Accuracy::Final) => pieces.store().refined(&division)?,
+        _ => 0,
+    };
+    let mut work = Work {
+        job,
+        gpu,
+        view,
+        bar,
+        clock,
+        renderer: Renderer {
+            seen: Some(seen),
+            session,
+            sight,
+            beside,
             others,
-            reel: reel.as_deref_mut(),
-            written: Some(written.clone()),
-            is_piece: true,
-        };
-        let watch = Watch::of_piece(limits, clock, known);
-        let rendered = alone::render(&own, take, gpu, view, bar, watch)?;
-        let Gathered::Whole(film) = rendered.gathered else {
-            continue; // there are no pieces of pieces
-        };
-        if let Some(Ended::Interrupted) = rendered.ended {
-            pieces.misses(&piece);
-        } else {
-            pieces.add(job, &film);
-            pieces.keep(&piece, film, rendered.samples, origin)?;
+            reel,
+            refined,
+        },
+        brightness: None,
+        resumed: 0,
+    };
+    let (found, audit) = loop {
+        checkpoint::tell_refined(&mut origin.settings, refined);
+        let (found, audit) = work.all(&mut pieces, &origin)?;
+        let is_wrong = audit.as_ref().is_some_and(Audit::is_wrong);
+        if !is_wrong || job.accuracy != Some(Accuracy::Final) || refined == REFINEMENTS {
+            break (found, audit);
         }
-        found.add(job, rendered.ended, rendered.stats);
-        found.prepare_seconds += rendered.prepare_seconds;
-        found.render_seconds += rendered.render_seconds;
-        if let Rest::Alone(used) = rendered.rest {
-            session = Some(used);
-        }
-    }
+        refined += 1;
+        bar.stage(REFINING);
+        pieces.begin_anew()?;
+        work.renderer.refine(refined);
+    };
     interrupt::writes_results();
+    let mut session = work.renderer.session;
     if let (Some(session), false) = (&mut session, job.stats || job.stats_json.is_some()) {
         // The film of the last piece is on the disk, and files take as much.
         session.resize(1, 1).map_err(failure)?;
     }
-    if resumed > 0 {
-        let count = division.count();
+    if work.resumed > 0 {
+        let (resumed, count) = (work.resumed, division.count());
         bar.suspend(|| {
             console::note(&format!("{resumed} of {count} pieces were there already"));
         });
@@ -311,13 +270,170 @@ pub(super) fn render(
         facts: DeviceFacts::new(gpu.description()),
         device,
         shares: Vec::new(),
-        settings: written,
-        audit: None,
+        settings: origin.settings,
+        audit,
         stats,
         prepare_seconds: found.prepare_seconds,
         render_seconds: found.render_seconds,
         rest: session.map_or(Rest::Nothing, Rest::Alone),
     })
+}
+
+/// What all pieces are rendered by, one after the other.
+struct Renderer<'a> {
+    /// What is seen first, where it isn't on the device yet.
+    seen: Option<Seen>,
+    session: Option<Box<Session>>,
+    sight: Sight,
+    beside: Option<Arc<Beside>>,
+    /// The further moments of an open shutter, and where they come from.
+    others: &'a [Sight],
+    reel: Option<&'a mut Reel>,
+    /// How often the picture has begun anew with finer records.
+    refined: u32,
+}
+
+impl Renderer<'_> {
+    /// Goes to a piece.
+    fn ready(&mut self, own: &RenderJob, gpu: &Device, bar: &Bar) -> Result<Ready, Failure> {
+        let is_new = self.session.is_none();
+        let scene = match (self.seen.take(), self.session.take(), &mut self.reel) {
+            (Some(seen), None, _) => Scene::New(seen),
+            (Some(seen), Some(session), _) => Scene::Next(seen, session),
+            // Back to the moment at which the shutter opens.
+            (None, Some(session), Some(reel)) if !self.others.is_empty() => {
+                let mut seen = reel.at(&self.sight)?;
+                seen.beside.clone_from(&self.beside);
+                Scene::Next(seen, session)
+            }
+            (None, Some(session), _) => Scene::Same(session),
+            (None, None, _) => {
+                let what = "the renderer of the piece before is gone";
+                return Err(Failure::Failed(what.to_owned()));
+            }
+        };
+        let mut ready = alone::prepare(own, scene, gpu, bar)?;
+        // A former run may have begun anew.
+        (0..self.refined)
+            .filter(|_| is_new)
+            .for_each(|_| ready.session.refine());
+        Ok(ready)
+    }
+
+    /// The next pieces have finer records.
+    fn refine(&mut self, refined: u32) {
+        self.refined = refined;
+        if let Some(session) = &mut self.session {
+            session.refine();
+        }
+    }
+}
+
+/// A picture that is rendered in pieces.
+struct Work<'a> {
+    job: &'a RenderJob,
+    gpu: &'a Device,
+    view: &'a View,
+    bar: &'a Bar,
+    clock: Instant,
+    renderer: Renderer<'a>,
+    /// Mean radiance of the whole, where pieces have to know it and do.
+    brightness: Option<f64>,
+    /// Pieces that were there already.
+    resumed: u32,
+}
+
+impl Work<'_> {
+    /// Renders all pieces that aren't there, and looks how right all are.
+    fn all(
+        &mut self,
+        pieces: &mut Pieces,
+        origin: &Origin,
+    ) -> Result<(Found, Option<Audit>), Failure> {
+        let job = self.job;
+        let mut found = Found::default();
+        let is_judged = job.method != Method::Path && self.renderer.others.is_empty();
+        let mut comparison = is_judged.then(Comparison::default);
+        for piece in pieces.division().pieces() {
+            let origin = origin_of(origin, job, &piece);
+            let own = job.piece(&piece);
+            if let Some(film) = pieces.store().former(&piece, &origin)? {
+                check_film(&film, job, &piece)?;
+                if let Some(comparison) = comparison.as_mut().filter(|_| !interrupt::requested()) {
+                    let mut ready = self.renderer.ready(&own, self.gpu, self.bar)?;
+                    comparison.add(&film, alone::truth(&mut ready.session)?.each_ref());
+                    self.renderer.session = Some(ready.into_session());
+                }
+                pieces.add(job, &film);
+                self.resumed += 1;
+                continue;
+            }
+            if found.ended_early() || interrupt::requested() {
+                found.ended = Some(Ended::Interrupted);
+                pieces.misses(&piece);
+                continue;
+            }
+            let rendered = self.piece(&piece, &own, &origin, &pieces.division())?;
+            let Gathered::Whole(film) = rendered.gathered else {
+                continue; // there are no pieces of pieces
+            };
+            let mut session = match rendered.rest {
+                Rest::Alone(session) => Some(session),
+                Rest::Together(_) | Rest::Nothing => None,
+            };
+            match (&mut comparison, &mut session) {
+                (Some(comparison), Some(session)) if is_as_wanted(rendered.ended.as_ref()) => {
+                    comparison.add(&film, alone::truth(session)?.each_ref());
+                }
+                _ => comparison = None,
+            }
+            self.renderer.session = session;
+            if let Some(Ended::Interrupted) = rendered.ended {
+                pieces.misses(&piece);
+            } else {
+                pieces.add(job, &film);
+                pieces.keep(&piece, film, rendered.samples, origin)?;
+            }
+            found.add(job, rendered.ended, rendered.stats);
+            found.prepare_seconds += rendered.prepare_seconds;
+            found.render_seconds += rendered.render_seconds;
+        }
+        let comparison = comparison.filter(|_| is_as_wanted(found.ended.as_ref()));
+        Ok((found, comparison.and_then(|comparison| comparison.audit())))
+    }
+
+    /// Renders one.
+    fn piece(
+        &mut self,
+        piece: &Piece,
+        own: &RenderJob,
+        origin: &Origin,
+        division: &Division,
+    ) -> Result<Rendered, Failure> {
+        let (job, bar) = (self.job, self.bar);
+        let mut ready = self.renderer.ready(own, self.gpu, bar)?;
+        learn(job, &mut ready.session, bar)?;
+        if job.limits.noise.is_some() && self.brightness.is_none() {
+            bar.stage("finding out how bright the picture is");
+            self.brightness = Some(preview(job, own, &mut ready.session)?);
+        }
+        bar.piece(piece.number, division.count());
+        let limits = Limits {
+            time: time_of_piece(job.limits.time, &self.clock, division.count() - piece.number),
+            ..job.limits
+        };
+        let known = self.brightness.filter(|&brightness| brightness > 0.0);
+        let renderer = &mut self.renderer;
+        let take = Take {
+            ready,
+            others: renderer.others,
+            reel: renderer.reel.as_deref_mut(),
+            written: Some(origin.settings.clone()),
+            is_piece: true,
+        };
+        let watch = Watch::of_piece(limits, self.clock, known);
+        alone::render(own, take, self.gpu, self.view, bar, watch)
+    }
 }
 
 /// What is told of the picture.

@@ -24,7 +24,7 @@ use crate::{cache, console, interrupt, memory};
 
 use super::limits::Watch;
 use super::pieces;
-use super::{Ended, FAREWELL, Gathered, REFINEMENTS, Rendered, Rest, mark};
+use super::{Ended, FAREWELL, Gathered, REFINEMENTS, REFINING, Rendered, Rest, is_as_wanted, mark};
 
 /// How often a signal is looked for where nothing else happens.
 const TICK: Duration = Duration::from_millis(100);
@@ -78,7 +78,8 @@ pub(super) fn render(
             break (fleet, ran);
         }
         refined += 1;
-        bar.stage("rendering again with finer records");
+        bar.stage(REFINING);
+        watch.begin_anew();
         plan.settings.refinement += 1;
     };
     interrupt::writes_results();
@@ -177,7 +178,7 @@ fn run(
             Some(Ended::Failed(had))
         }
     };
-    let audit = match plan.settings.method != Method::Path && ended.is_none() {
+    let audit = match plan.settings.method != Method::Path && is_as_wanted(ended.as_ref()) {
         true => {
             bar.stage("looking how right the picture is");
             audit(plan, devices, &outcome.film)

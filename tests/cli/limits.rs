@@ -161,6 +161,13 @@ fn accuracy_chooses_how_light_is_found() {
     bench
         .run(&format!("{scene} --accuracy final --adaptive -o e.png"))
         .expect_code(0);
+    for flags in ["", "--adaptive"] {
+        let line = format!("{scene} --accuracy final {flags} --noise 0.5 -o e.png");
+        let ended = bench.run(&line.replace("--spp 32", "--spp 256"));
+        let said = &ended.expect_code(0).stdout;
+        assert!(said.contains("ended by --noise 0.5"), "{said}");
+        assert_eq!(said.contains("biased:"), !flags.is_empty(), "{said}");
+    }
     let longer = format!("{scene} --accuracy final").replace("--spp 32", "--spp 64");
     let kept = "--checkpoint=1s -o kept.exr -o kept.patina-film";
     bench

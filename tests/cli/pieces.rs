@@ -137,6 +137,43 @@ fn finished_pieces_are_taken_up() {
     assert_eq!(fs::read_dir(&folder).expect("there").count(), 1);
 }
 
+/// The line that says how right a biased picture is.
+fn bias(run: Outcome) -> String {
+    let said = run.expect_code(0).stdout;
+    let line = said.lines().find(|line| line.starts_with("biased: "));
+    line.unwrap_or_else(|| panic!("nobody looked how right it is: {said}"))
+        .to_owned()
+}
+
+#[test]
+fn how_right_a_picture_is_shows_in_all_pieces_together() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let bytes = |name: &str| fs::read(bench.path(name)).expect("it was written");
+    let line = "render triangle.gltf --look sky.look.toml --size 100x800 --spp 32 --accuracy final -o a.exr";
+    let memory = memory(&bench, line);
+    let whole = bias(bench.run(line));
+    let picture = bytes("a.exr");
+    let line = format!("{line} {memory}");
+    assert_eq!(bias(bench.run(&line)), whole);
+    assert!(bytes("a.exr") == picture);
+    // Pieces of a former run are looked at, too.
+    let mut killed = bench.command(&line).spawn().expect("patina starts");
+    let second = bench.path("a.patina-pieces").join("00001.patina-film");
+    let start = Instant::now();
+    while !second.exists() && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    killed.kill().expect("it can be killed");
+    killed.wait().expect("it ends");
+    assert_eq!(bias(bench.run(&format!("{line} --resume"))), whole);
+    assert!(bytes("a.exr") == picture);
+    let noise = line.replace("--spp 32", "--spp 256 --noise 0.1");
+    bias(bench.run(&noise));
+}
+
 #[test]
 fn limits_end_each_piece() {
     if !device() {
@@ -187,7 +224,6 @@ fn what_needs_the_whole_picture_is_refused() {
             "-o a.png --method draft --turntable 2 --shutter 0.5 --motion-samples 1",
             "for each moment",
         ),
-        ("-o a.png --accuracy final", "--accuracy final"),
         ("-o a.png --device native:1,native:1", "a single device"),
     ] {
         bench

@@ -98,19 +98,25 @@ pub(super) fn clear(
 
 impl Renderer {
     /// A picture by other random numbers than this one's, so many samples per pixel of paths that end in no cache and lose to a clamp
-    /// what paths do, to compare with. What has been gathered so far is gone after that, and the picture begins anew.
+    /// what paths do, to compare with. What has been gathered so far is gone after that, and the picture begins anew; what is known
+    /// of [the whole](Self::learn_of_whole) stays.
     ///
     /// # Errors
     /// What the driver reports.
     pub fn trace_apart(&mut self, seed: u32, spp: u32) -> Result<Film, RenderError> {
-        self.restart();
+        let begin_anew = match self.knows_whole() {
+            true => Self::begin_anew,
+            false => Self::restart,
+        };
+        begin_anew(self);
         let own = self.frame;
         self.frame.set_seed(own.seed().wrapping_add(seed));
+        self.frame.set_known_sky(false);
         self.is_apart = true;
         let film = self.render(spp).and_then(|()| self.film());
         self.is_apart = false;
         self.frame = own;
-        self.restart();
+        begin_anew(self);
         film
     }
 

@@ -3,7 +3,7 @@
 use crate::frame::{BLOCK_PIXELS, LOT_BLOCKS};
 
 use super::lanes::Work;
-use super::{Purpose, RenderError, Renderer};
+use super::{RenderError, Renderer};
 
 /// Blocks of 8 x 8 pixels that get the same number of further samples.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -56,7 +56,7 @@ impl Renderer {
                 blocks: &from_here,
                 samples,
             };
-            self.play_wave(&frame, work, Purpose::Picture)?;
+            self.play_wave(&frame, work, self.purpose())?;
             done += samples;
         }
         Ok(blocks.len())

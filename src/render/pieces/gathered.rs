@@ -37,6 +37,21 @@ impl Pieces {
         }
     }
 
+    /// How the picture is divided.
+    pub(super) fn division(&self) -> Division {
+        self.division
+    }
+
+    /// Forgets all that are there, to begin anew.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub(super) fn begin_anew(&mut self) -> Result<(), Failure> {
+        self.store.clear()?;
+        (self.tally, self.extents) = (Tally::default(), Extents::default());
+        Ok(())
+    }
+
     /// Where they lie.
     pub(super) fn store(&self) -> &Store {
         &self.store

@@ -14,6 +14,8 @@ use crate::output;
 use crate::picture;
 use crate::words::FILM_EXTENSION;
 
+use crate::render::checkpoint;
+
 use super::division::{Division, Piece};
 
 /// What the folder of `room.exr` is called: `room.patina-pieces`.
@@ -106,6 +108,30 @@ impl Store {
         let part = picture::film(&path).map_err(|error| refused(&path, &error))?;
         (origin.fits(&part.origin)).map_err(|error| refused(&path, &error))?;
         Ok(Some(part.film))
+    }
+
+    /// How often the picture had begun anew with finer records, as the first piece of a former run that is gone on with says.
+    ///
+    /// # Errors
+    /// It can't be read.
+    pub(super) fn refined(&self, division: &Division) -> Result<u32, Failure> {
+        let paths = division.pieces().map(|piece| file(&self.folder, piece.number));
+        let Some(path) = paths.filter(|_| self.resumes).find(|path| path.exists()) else {
+            return Ok(0);
+        };
+        let part = picture::film(&path).map_err(|error| refused(&path, &error))?;
+        Ok(checkpoint::told_refined(&part.origin))
+    }
+
+    /// Removes all pieces.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub(super) fn clear(&self) -> Result<(), Failure> {
+        clear(&self.folder).map_err(|error| {
+            let text = format!("cannot remove pieces in {}: {error}", self.folder.display());
+            Failure::Failed(text)
+        })
     }
 
     /// A piece of this run, or of a former one that was read by it; `None` where there is none.
