@@ -12,7 +12,8 @@
 //! cells also know what they would be told if light could go on once less.
 //!
 //! The sums of cells are whole numbers, so that what a cell holds doesn't depend on the order of the paths, and the picture not on
-//! how it was cut. (Where so many cells are needed that the table is full, which ones are there does depend on it.)
+//! how it was cut. (Where so many cells are needed that the table is full, which ones are there does depend on it. So only the
+//! first paths begin cells: what they don't come by, few others do.)
 
 use std::ops::RangeInclusive;
 
@@ -54,7 +55,8 @@ struct Settings {
     photons: u32,
     lesser: u32,
     ends: u32,
-    unused: [u32; 3],
+    begins: u32,
+    unused: [u32; 2],
 }
 
 /// Bytes of its table: what cells know, and what they know of light that goes on once less.
@@ -155,7 +157,8 @@ impl Renderer {
             photons: self.photon_field(purpose),
             lesser: CELLS * (CELL_BYTES / 4) as u32,
             ends: u32::from(purpose == Purpose::Learn { ends: true }),
-            unused: [0; 3],
+            begins: u32::from(self.begins_cells(purpose)),
+            unused: [0; 2],
         };
         let uniform = self.resources.buffer("light_cache_settings");
         self.device.write(uniform, 0, bytemuck::bytes_of(&words));

@@ -17,9 +17,9 @@ struct LightCacheSettings {
     photons: u32, // field of a path's state that is the photons' own, 0 where there are none
     lesser: u32, // words from a cell to what it knows of light that goes on once less
     ends: u32, // while the cache learns: whether paths end in what it knows of such light, or go on to their end
+    begins: u32, // while the cache learns: whether cells that aren't there are begun
     unused_0: u32,
     unused_1: u32,
-    unused_2: u32,
 }
 
 // Paths go on, and are learned from.
@@ -42,8 +42,9 @@ const CELL_COUNT = 1u;
 const CELL_SUMS = 2u;
 const CELL_BITS = 24;
 const LARGEST_CELL_SAMPLE = 16777216.0;
-// Places that are looked at for a cell.
-const CELL_PROBES = 32u;
+// Places that are looked at for a cell, farther and farther apart: side by side they would fill up in long runs, and a cell whose run is too
+// long has room or not by which came first. So few are only reached where nearly all places are taken.
+const CELL_PROBES = 128u;
 const NO_CELL = 0xffffffffu;
 
 // The side of the cells at a point: a power of two that grows with the distance to the camera.
@@ -68,7 +69,7 @@ fn cell_at(position: vec3f, normal: vec3f, view: vec3f, side: f32, begins: bool)
         hash2(direction, bitcast<u32>(side)));
     let number = max(hash(known_by ^ 0x5bd1e995u), 1u);
     for (var i = 0u; i < CELL_PROBES; i++) {
-        let cell = ((known_by + i) & light_cache_settings.mask) * CELL_WORDS;
+        let cell = ((known_by + i * (i + 1u) / 2u) & light_cache_settings.mask) * CELL_WORDS;
         var found = atomicLoad(&light_cache[cell]);
         if (found == 0u && begins) {
             let former = atomicCompareExchangeWeak(&light_cache[cell], 0u, number);

@@ -31,8 +31,9 @@ fn look_up_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
         return;
     }
     if (begins) {
-        let cell = cell_of_place(place, true);
-        let wider = wider_cell_of_place(place, true);
+        let is_begun = light_cache_settings.begins != 0u;
+        let cell = cell_of_place(place, is_begun);
+        let wider = wider_cell_of_place(place, is_begun);
         path_set_words(record, slot, vec4u(cell, bitcast<vec3u>(throughput.xyz)));
         path_set_words(record + 1u, slot, vec4u(0u, 0u, 0u, select(wider, NO_WIDER_CELL, wider == NO_CELL) | RECORD_BEGUN));
         return;
