@@ -122,9 +122,8 @@ impl Comparison {
         }
         let brightness = |sums: Block| sums.picture / sums.truth - 1.0;
         // Of what is nearly right the square may come out below 0.
-        let off = |sums: Block| {
-            (sums.square / sums.count).max(0.0).sqrt() / (sums.truth / sums.count)
-        };
+        let off =
+            |sums: Block| (sums.square / sums.count).max(0.0).sqrt() / (sums.truth / sums.count);
         let audit = Audit {
             brightness: certain(&blocks, brightness),
             blocks: certain(&blocks, off),
@@ -244,7 +243,8 @@ mod tests {
     #[test]
     fn pieces_say_what_the_whole_does() {
         let films = |rows: Range<u32>| {
-            [(3, 32), (1, 2), (2, 2)].map(|(seed, spp)| noise_in(rows.clone(), seed, [1.0, 2.0], spp))
+            [(3, 32), (1, 2), (2, 2)]
+                .map(|(seed, spp)| noise_in(rows.clone(), seed, [1.0, 2.0], spp))
         };
         let [picture, a, b] = films(0..64);
         let whole = Audit::new(&picture, [&a, &b]);

@@ -24,8 +24,8 @@ use crate::{cache, console, crash, interrupt};
 use super::limits::Watch;
 use super::reel::{Reel, View as Seen};
 use super::{
-    Ended, FAREWELL, Gathered, REFINEMENTS, REFINING, Rendered, Rest, adaptive, checkpoint, failure,
-    is_as_wanted, mark, settings,
+    Ended, FAREWELL, Gathered, REFINEMENTS, REFINING, Rendered, Rest, adaptive, checkpoint,
+    failure, is_as_wanted, mark, settings,
 };
 
 /// What is seen first, and what has rendered it before.

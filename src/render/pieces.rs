@@ -419,7 +419,11 @@ impl Work<'_> {
         }
         bar.piece(piece.number, division.count());
         let limits = Limits {
-            time: time_of_piece(job.limits.time, &self.clock, division.count() - piece.number),
+            time: time_of_piece(
+                job.limits.time,
+                &self.clock,
+                division.count() - piece.number,
+            ),
             ..job.limits
         };
         let known = self.brightness.filter(|&brightness| brightness > 0.0);

@@ -115,7 +115,9 @@ impl Store {
     /// # Errors
     /// It can't be read.
     pub(super) fn refined(&self, division: &Division) -> Result<u32, Failure> {
-        let paths = division.pieces().map(|piece| file(&self.folder, piece.number));
+        let paths = division
+            .pieces()
+            .map(|piece| file(&self.folder, piece.number));
         let Some(path) = paths.filter(|_| self.resumes).find(|path| path.exists()) else {
             return Ok(0);
         };
