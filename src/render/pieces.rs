@@ -230,6 +230,8 @@ pub(super) fn render(
         },
         brightness: None,
         resumed: 0,
+        prepare_seconds: 0.0,
+        render_seconds: 0.0,
     };
     let (found, audit) = loop {
         checkpoint::tell_refined(&mut origin.settings, refined);
@@ -273,8 +275,8 @@ pub(super) fn render(
         settings: origin.settings,
         audit,
         stats,
-        prepare_seconds: found.prepare_seconds,
-        render_seconds: found.render_seconds,
+        prepare_seconds: work.prepare_seconds,
+        render_seconds: work.render_seconds,
         rest: session.map_or(Rest::Nothing, Rest::Alone),
     })
 }
@@ -296,7 +298,7 @@ struct Renderer<'a> {
 impl Renderer<'_> {
     /// Goes to a piece.
     fn ready(&mut self, own: &RenderJob, gpu: &Device, bar: &Bar) -> Result<Ready, Failure> {
-        let is_new = self.session.is_none();
+        let is_begun = self.seen.is_none();
         let scene = match (self.seen.take(), self.session.take(), &mut self.reel) {
             (Some(seen), None, _) => Scene::New(seen),
             (Some(seen), Some(session), _) => Scene::Next(seen, session),
@@ -315,7 +317,7 @@ impl Renderer<'_> {
         let mut ready = alone::prepare(own, scene, gpu, bar)?;
         // A former run may have begun anew.
         (0..self.refined)
-            .filter(|_| is_new)
+            .filter(|_| !is_begun)
             .for_each(|_| ready.session.refine());
         Ok(ready)
     }
@@ -341,6 +343,8 @@ struct Work<'a> {
     brightness: Option<f64>,
     /// Pieces that were there already.
     resumed: u32,
+    prepare_seconds: f64,
+    render_seconds: f64,
 }
 
 impl Work<'_> {
@@ -359,7 +363,10 @@ impl Work<'_> {
             let own = job.piece(&piece);
             if let Some(film) = pieces.store().former(&piece, &origin)? {
                 check_film(&film, job, &piece)?;
-                if let Some(comparison) = comparison.as_mut().filter(|_| !interrupt::requested()) {
+                if interrupt::requested() {
+                    comparison = None;
+                }
+                if let Some(comparison) = &mut comparison {
                     let mut ready = self.renderer.ready(&own, self.gpu, self.bar)?;
                     comparison.add(&film, alone::truth(&mut ready.session)?.each_ref());
                     self.renderer.session = Some(ready.into_session());
@@ -395,8 +402,8 @@ impl Work<'_> {
                 pieces.keep(&piece, film, rendered.samples, origin)?;
             }
             found.add(job, rendered.ended, rendered.stats);
-            found.prepare_seconds += rendered.prepare_seconds;
-            found.render_seconds += rendered.render_seconds;
+            self.prepare_seconds += rendered.prepare_seconds;
+            self.render_seconds += rendered.render_seconds;
         }
         let comparison = comparison.filter(|_| is_as_wanted(found.ended.as_ref()));
         Ok((found, comparison.and_then(|comparison| comparison.audit())))
@@ -540,8 +547,6 @@ fn preview(job: &RenderJob, piece: &RenderJob, session: &mut Session) -> Result<
 struct Found {
     ended: Option<Ended>,
     stats: Stats,
-    prepare_seconds: f64,
-    render_seconds: f64,
 }
 
 impl Found {

@@ -166,7 +166,7 @@ fn accuracy_chooses_how_light_is_found() {
         let ended = bench.run(&line.replace("--spp 32", "--spp 256"));
         let said = &ended.expect_code(0).stdout;
         assert!(said.contains("ended by --noise 0.5"), "{said}");
-        assert_eq!(said.contains("biased:"), !flags.is_empty(), "{said}");
+        assert!(said.contains("biased:"), "{said}");
     }
     let longer = format!("{scene} --accuracy final").replace("--spp 32", "--spp 64");
     let kept = "--checkpoint=1s -o kept.exr -o kept.patina-film";
