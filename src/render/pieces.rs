@@ -315,10 +315,10 @@ impl Renderer<'_> {
             }
         };
         let mut ready = alone::prepare(own, scene, gpu, bar)?;
-        // A former run may have begun anew.
-        (0..self.refined)
-            .filter(|_| !is_begun)
-            .for_each(|_| ready.session.refine());
+        if !is_begun {
+            // A former run may have begun anew.
+            (0..self.refined).for_each(|_| ready.session.refine());
+        }
         Ok(ready)
     }
 

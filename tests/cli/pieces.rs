@@ -90,6 +90,19 @@ fn pictures_in_pieces_are_those_rendered_at_once() {
     }
 }
 
+/// Renders `a.exr` in pieces, and ends that from outside.
+fn kill_after_two_pieces(bench: &Bench, line: &str) {
+    let mut killed = bench.command(line).spawn().expect("patina starts");
+    let second = bench.path("a.patina-pieces").join("00001.patina-film");
+    let start = Instant::now();
+    while !second.exists() && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    killed.kill().expect("it can be killed");
+    killed.wait().expect("it ends");
+    assert!(second.exists(), "it was killed in the middle");
+}
+
 #[test]
 fn finished_pieces_are_taken_up() {
     if !device() {
@@ -102,16 +115,8 @@ fn finished_pieces_are_taken_up() {
     let whole = bytes("a.exr");
     let memory = memory(&bench, line);
     let line = format!("{line} {memory}");
-    let mut killed = bench.command(&line).spawn().expect("patina starts");
+    kill_after_two_pieces(&bench, &line);
     let folder = bench.path("a.patina-pieces");
-    let second = folder.join("00001.patina-film");
-    let start = Instant::now();
-    while !second.exists() && start.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    killed.kill().expect("it can be killed");
-    killed.wait().expect("it ends");
-    assert!(second.exists(), "it was killed in the middle");
     bench
         .run(&format!("{line} --resume --seed 1"))
         .expect_error(1, "seed");
@@ -160,14 +165,7 @@ fn how_right_a_picture_is_shows_in_all_pieces_together() {
     assert_eq!(bias(bench.run(&line)), whole);
     assert!(bytes("a.exr") == picture);
     // Pieces of a former run are looked at, too.
-    let mut killed = bench.command(&line).spawn().expect("patina starts");
-    let second = bench.path("a.patina-pieces").join("00001.patina-film");
-    let start = Instant::now();
-    while !second.exists() && start.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    killed.kill().expect("it can be killed");
-    killed.wait().expect("it ends");
+    kill_after_two_pieces(&bench, &line);
     assert_eq!(bias(bench.run(&format!("{line} --resume"))), whole);
     assert!(bytes("a.exr") == picture);
     let noise = line.replace("--spp 32", "--spp 256 --noise 0.1");

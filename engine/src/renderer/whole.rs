@@ -19,7 +19,7 @@ impl Renderer {
     /// [`Self::set_part`] and [`Self::step`] or [`Self::render_lot`], each with at most so many samples of each pixel; false where it is
     /// known, and where there is no such picture. The film stays as large as it is, however large the picture. Other than in a picture at once, where
     /// it grows with the samples, the first of them know as much as the last. Whatever has the picture begin anew, but for another part of
-    /// it, has that forgotten.
+    /// it and [`Self::trace_apart`], has that forgotten.
     ///
     /// # Errors
     /// A size that can't be rendered, a part beyond the picture, or what the driver reports.
