@@ -9,6 +9,7 @@ use engine::film::write::Format;
 use engine::procedural::Procedural;
 use engine::renderer::{DeviceMemory, RenderSettings, file_bytes, snapshot_bytes};
 use engine::scene::Scene;
+use pictures::seen::noise_bytes;
 
 use crate::console;
 use crate::failure::Failure;
@@ -24,7 +25,7 @@ pub(crate) struct Need {
     devices: Vec<OnDevice>,
     /// Copies of the film that are handed around.
     film: u64,
-    /// What files are made from.
+    /// What files are made from, or the noise is looked at with.
     files: u64,
 }
 
@@ -62,11 +63,14 @@ impl Need {
             Format::Png | Format::Jpeg => SHOWN * pixels,
         };
         let pictures = job.outputs.pictures.iter();
+        let size = [settings.width, settings.height].map(u64::from);
+        let look = job.limits.flip.map(|_| noise_bytes(size));
         Self {
             devices: devices.iter().map(on_device).collect(),
             film: copies * snapshot_bytes(settings),
             files: pictures
                 .map(|output| file(output.format))
+                .chain(look)
                 .max()
                 .unwrap_or_default(),
         }

@@ -137,7 +137,7 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
             } = first;
             let loaded = opening.into_loaded();
             let settings = settings(job, &loaded.camera, &sight, beside);
-            let watch = Watch::new(job.limits, clock);
+            let watch = Watch::new(job.limits, view, clock);
             together::render(job, loaded, settings, &devices, &bar, watch)?
         }
     };
@@ -216,7 +216,7 @@ impl Start<'_> {
             written: None,
             is_piece: false,
         };
-        let watch = Watch::new(job.limits, self.clock);
+        let watch = Watch::new(job.limits, *view, self.clock);
         alone::render(job, take, gpu, view, bar, watch)
     }
 }
@@ -277,7 +277,10 @@ enum Ended {
 /// Whether a picture is as it was to be, and so worth a look at how right it is: after a signal nobody waits for that, nor when the
 /// time is over.
 fn is_as_wanted(ended: Option<&Ended>) -> bool {
-    matches!(ended, None | Some(Ended::Enough(Limit::Noise(_))))
+    matches!(
+        ended,
+        None | Some(Ended::Enough(Limit::Noise(_) | Limit::Flip(_)))
+    )
 }
 
 /// What rendered, while it is still there.
@@ -322,7 +325,11 @@ fn write(
         Ended::Enough(limit) => Some(limit),
         Ended::Interrupted | Ended::Failed(_) => None,
     });
-    if let Some(summary) = limits::summary(job, limit, &tally) {
+    let seen = match (&rendered.gathered, job.limits.flip) {
+        (Gathered::Whole(film), Some(most)) => limits::seen(film, view, most),
+        _ => None,
+    };
+    if let Some(summary) = limits::summary(job, limit, &tally, seen) {
         console::note(&summary);
     }
     if let Some(audit) = &rendered.audit {
@@ -480,6 +487,7 @@ fn settings(
         sampler: job.sampler,
         // Both are of use where the error has to be known well; the second half begins late. All parts of a picture have to agree.
         halves: job.adaptive
+            || job.limits.flip.is_some()
             || job.method != Method::Path && job.whole_spp >= engine::adaptive::GRAIN,
         method: job.method,
         layers: job.layers.clone(),

@@ -2,7 +2,7 @@
 //!
 //! Each method renders the picture anew with more and more samples per pixel, all of it timed, what it prepares before included. What comes
 //! of it is compared with a converged picture by what people see (FLIP: Andersson et al., "FLIP: A Difference Evaluator for Alternating
-//! Images", 2020). A picture is *final* where FLIP is small on average and nowhere large over an area that one notices.
+//! Images", 2020). What is *final* says [`pictures::seen`].
 //!
 //! Methods take turns at each number of samples; one that is final is done.
 
@@ -15,17 +15,11 @@ use engine::procedural::Procedural;
 use engine::renderer::{RenderError, Renderer};
 use engine::scene::Scene;
 use engine::settings::{Method, RenderSettings};
+use pictures::seen::{FINAL, Seen};
 use pictures::{Distance, Layer};
 use serde::Serialize;
 
 use crate::spread::Spread;
-
-/// Largest mean of FLIP of a picture that is final.
-pub const FINAL_FLIP: f64 = 0.03;
-/// FLIP of a pixel that one notices.
-pub const NOTICED: f32 = 0.15;
-/// Largest connected area of such pixels in a picture that is final, of all of it.
-pub const FINAL_AREA: f64 = 0.001;
 
 /// A way to render.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -127,7 +121,8 @@ pub struct Point {
 impl Point {
     /// Whether the picture is good enough.
     pub fn is_final(&self) -> bool {
-        self.flip < FINAL_FLIP && self.area <= FINAL_AREA
+        let Self { flip, area, .. } = *self;
+        Seen { flip, area }.is_below(FINAL)
     }
 }
 
@@ -262,7 +257,7 @@ pub fn measure(
                 spp,
                 seconds: Spread::of(seconds),
                 flip: median(&|d| d.flip.unwrap_or(1.0)),
-                area: median(&|d| largest_area(&d.map, size[0])),
+                area: median(&|d| Seen::of(&d.map, size[0], FINAL).area),
                 relative_mse: median(&|d| d.relative_mse),
                 mse: median(&|d| d.mse),
             });
@@ -371,14 +366,10 @@ fn final_seconds(points: &[Point]) -> Option<f64> {
     let at = points.iter().position(Point::is_final)?;
     let last = &points[at];
     let before = at.checked_sub(1).map(|at| &points[at]);
-    let Some(before) = before.filter(|before| before.flip > FINAL_FLIP) else {
+    let Some(before) = before.filter(|before| before.flip > FINAL) else {
         return Some(last.seconds.median);
     };
-    Some(seconds_between(
-        [before, last],
-        |point| point.flip,
-        FINAL_FLIP,
-    ))
+    Some(seconds_between([before, last], |point| point.flip, FINAL))
 }
 
 /// When something that falls reached a value, on the line between the logarithms of two points.
@@ -404,37 +395,6 @@ fn error_speedup(paths: &[Point], own: &[Point]) -> Option<f64> {
     Some(seconds(paths)? / seconds(own)?)
 }
 
-/// The largest area of pixels above [`NOTICED`] that hang together by their sides, of all pixels.
-fn largest_area(map: &[f32], width: usize) -> f64 {
-    let mut is_open: Vec<bool> = map.iter().map(|&flip| flip > NOTICED).collect();
-    let mut largest = 0;
-    let mut stack = Vec::new();
-    for first in 0..map.len() {
-        if !std::mem::take(&mut is_open[first]) {
-            continue;
-        }
-        stack.push(first);
-        let mut area = 0;
-        while let Some(at) = stack.pop() {
-            area += 1;
-            let column = at % width;
-            let neighbours = [
-                (column > 0).then(|| at - 1),
-                (column + 1 < width).then(|| at + 1),
-                at.checked_sub(width),
-                (at + width < map.len()).then(|| at + width),
-            ];
-            for neighbour in neighbours.into_iter().flatten() {
-                if std::mem::take(&mut is_open[neighbour]) {
-                    stack.push(neighbour);
-                }
-            }
-        }
-        largest = largest.max(area);
-    }
-    largest as f64 / map.len().max(1) as f64
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -448,17 +408,6 @@ mod tests {
             relative_mse: 0.0,
             mse: flip * flip,
         }
-    }
-
-    #[test]
-    fn areas_hang_together_by_sides() {
-        let rows = ["##..#", "#..##", "..#..", "....#"];
-        let map: Vec<f32> = rows
-            .iter()
-            .flat_map(|row| row.chars().map(|c| f32::from(c == '#')))
-            .collect();
-        assert_eq!(largest_area(&map, 5), 3.0 / 20.0);
-        assert_eq!(largest_area(&[0.0; 20], 5), 0.0);
     }
 
     #[test]

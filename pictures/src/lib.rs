@@ -2,7 +2,7 @@
 //!
 //! For whoever asks about pictures, be they Patina's or not: [`Picture::read`] gives all layers of a file as floats, [`Facts::read`]
 //! what its header says, and [`Distance::between`] compares two layers: mean squared errors, and the difference that people
-//! see ([`flip`]), with a map of it ([`heat`]).
+//! see ([`flip`]), with a map of it ([`heat`]). How much of a picture's noise is seen while its truth isn't known, [`seen`] tells.
 //!
 //! The crate opens no files: it is given bytes. They are foreign input, so that none of them leads to a panic, and memory is bounded
 //! by their number. Of how a picture was rendered it knows nothing; films are turned into a [`Picture`] by their owner.
@@ -27,6 +27,7 @@ pub mod flip;
 pub mod heat;
 mod layer;
 mod read;
+pub mod seen;
 
 pub use distance::{Distance, DistanceError};
 pub use error::PictureError;

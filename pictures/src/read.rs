@@ -88,7 +88,7 @@ fn pixels(decoder: impl ImageDecoder, bytes: usize) -> Result<Picture, PictureEr
 }
 
 /// IEC 61966-2-1.
-fn srgb_to_linear(encoded: f32) -> f32 {
+pub(crate) fn srgb_to_linear(encoded: f32) -> f32 {
     match encoded <= 0.04045 {
         true => encoded / 12.92,
         false => ((encoded + 0.055) / 1.055).powf(2.4),

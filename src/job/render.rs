@@ -121,6 +121,8 @@ pub(crate) struct RenderJob {
 pub(crate) struct Limits {
     /// Relative error of the picture: [`engine::film::Film::relative_error`].
     pub(crate) noise: Option<f64>,
+    /// How much of its noise is seen: [`pictures::seen`].
+    pub(crate) flip: Option<f64>,
     /// From the program's start.
     pub(crate) time: Option<Duration>,
 }
@@ -154,22 +156,7 @@ impl RenderJob {
         };
         let form = form::parse(&args.form)?;
         let outputs = Outputs::from_paths(args.outputs.clone(), Some(&args.scene))?;
-        let noise = (args.noise.as_deref())
-            .map(|most| {
-                parse_decimal("--noise", most, "greater than 0, as 0.02 for 2 %", |x| {
-                    x > 0.0
-                })
-            })
-            .transpose()?;
-        let limits = Limits {
-            // As it is written, not as the nearest single.
-            noise: noise
-                .and(args.noise.as_deref())
-                .and_then(|most| most.parse().ok()),
-            time: (args.time.as_deref())
-                .map(|time| parse_duration("--time", time))
-                .transpose()?,
-        };
+        let limits = limits(&args)?;
         let samples = match &args.sample_range {
             Some(range) => parse_sample_range("--sample-range", range)?,
             None => match &args.spp {
@@ -287,6 +274,26 @@ impl RenderJob {
     }
 }
 
+/// What ends the picture.
+fn limits(args: &RenderArgs) -> Result<Limits, UsageError> {
+    let decimal = |flag, text: &Option<String>, range, is_in: fn(f32) -> bool| {
+        let text = text.as_deref();
+        let parsed = text.map(|most| parse_decimal(flag, most, range, is_in));
+        // As it is written, not as the nearest single.
+        let exact = parsed.transpose()?.and(text);
+        Ok(exact.and_then(|most| most.parse().ok()))
+    };
+    let noise = "greater than 0, as 0.02 for 2 %";
+    let flip = "greater than 0 and less than 1, as 0.03";
+    Ok(Limits {
+        noise: decimal("--noise", &args.noise, noise, |x| x > 0.0)?,
+        flip: decimal("--flip", &args.flip, flip, |x| x > 0.0 && x < 1.0)?,
+        time: (args.time.as_deref())
+            .map(|time| parse_duration("--time", time))
+            .transpose()?,
+    })
+}
+
 /// The size of the picture.
 fn scaled(args: &RenderArgs) -> Result<(u32, u32), UsageError> {
     let (width, height) = parse_sides(&args.size)?;
@@ -342,7 +349,7 @@ fn motion(args: &RenderArgs, limits: &Limits, spp: u32) -> Result<MotionJob, Usa
     }
     if *limits != Limits::default() {
         let because = "a picture that ends early would lack the last moments; say how many samples it gets, with --spp";
-        return apart("--shutter", "--noise or --time", because);
+        return apart("--shutter", "--noise, --flip or --time", because);
     }
     if args.adaptive {
         let because = "each moment has its share of a pixel's samples";

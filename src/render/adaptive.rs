@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 
 use super::alone::Exposure;
-use super::limits::Limit;
+use super::limits::{Limit, Noise};
 use super::{Ended, failure};
 
 /// What the film of such a picture says of how far it is: as many paths as if all pixels had the samples of that with the most.
@@ -32,7 +32,15 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
         loop {
             let film = session.snapshot().map_err(failure)?.film;
             let round = next_round(&film, &goal);
-            self.watch.has_error(round.spp, round.error);
+            let noise = Noise {
+                error: Some(round.error),
+                seen: self.watch.look().seen(&film),
+            };
+            let reached = self.watch.knows(round.spp, noise);
+            // Whether the error is small enough the round says itself, which knows what it needs for that.
+            if let Some(limit @ Limit::Flip(_)) = reached {
+                return Ok(Some(Ended::Enough(limit)));
+            }
             if round.lots.is_empty() {
                 let limit = goal.error.filter(|_| round.is_clean);
                 return Ok(limit.map(|limit| Ended::Enough(Limit::Noise(limit))));

@@ -21,7 +21,7 @@ use crate::motion::{self, Sight};
 use crate::progress::{Bar, Reached};
 use crate::{cache, console, crash, interrupt};
 
-use super::limits::Watch;
+use super::limits::{Look, Watch};
 use super::reel::{Reel, View as Seen};
 use super::{
     Ended, FAREWELL, Gathered, REFINEMENTS, REFINING, Rendered, Rest, adaptive, checkpoint,
@@ -417,12 +417,11 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
                 return Ok(Some(Ended::Interrupted));
             }
             let samples = progress.samples_done as f64 / pixels;
-            let brightness = self.watch.brightness();
-            let error = || {
+            let noise = |look: &Look| {
                 let film = session.snapshot().map_err(failure)?.film;
-                Ok(Some(Watch::error_of(&film, brightness)))
+                Ok(Some(look.at(&film)))
             };
-            if let Some(limit) = self.watch.reached::<Failure>(samples, error)? {
+            if let Some(limit) = self.watch.reached::<Failure>(samples, noise)? {
                 return Ok(Some(Ended::Enough(limit)));
             }
             match session.records_awaited() {

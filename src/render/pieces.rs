@@ -442,7 +442,7 @@ impl Work<'_> {
             written: Some(origin.settings.clone()),
             is_piece: true,
         };
-        let watch = Watch::of_piece(limits, self.clock, known);
+        let watch = Watch::new(limits, *self.view, self.clock).of_piece(known);
         alone::render(own, take, self.gpu, self.view, bar, watch)
     }
 }
@@ -481,6 +481,9 @@ fn origin_of(origin: &Origin, job: &RenderJob, piece: &Piece) -> Origin {
     }
     if let Some(noise) = job.limits.noise {
         end += &format!(", or at an error of {noise}");
+    }
+    if let Some(flip) = job.limits.flip {
+        end += &format!(", or where {flip} of noise is seen");
     }
     let mut origin = origin.clone();
     let own = [("piece", place), ("end", end)];

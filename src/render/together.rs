@@ -22,7 +22,7 @@ use crate::memory::Need;
 use crate::progress::Bar;
 use crate::{cache, console, interrupt, memory};
 
-use super::limits::Watch;
+use super::limits::{Look, Watch};
 use super::pieces;
 use super::{Ended, FAREWELL, Gathered, REFINEMENTS, REFINING, Rendered, Rest, is_as_wanted, mark};
 
@@ -256,7 +256,8 @@ fn follow(
         if interrupt::requested() {
             return Some(Ended::Interrupted);
         }
-        let Ok(limit) = watch.reached(samples, || Ok::<_, Infallible>(fleet.relative_error()));
+        let noise = |look: &Look| Ok::<_, Infallible>(fleet.look(|film| look.at(film)));
+        let Ok(limit) = watch.reached(samples, noise);
         if let Some(limit) = limit {
             return Some(Ended::Enough(limit));
         }

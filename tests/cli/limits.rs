@@ -40,6 +40,49 @@ fn noise_and_time_end_a_render_and_say_so() {
 }
 
 #[test]
+fn a_render_ends_when_little_of_its_noise_is_seen() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let scene = "render triangle.gltf --look sky.look.toml --size 64x48";
+    bench
+        .run(&format!("{scene} --spp 4096 --seed 9 -o truth.exr"))
+        .expect_code(0);
+    for flags in ["", "--device native:1,native:1", "--adaptive"] {
+        let line = format!("{scene} --flip 0.01 {flags} -o a.exr");
+        let ended = bench.run(&line).expect_code(0);
+        let said = &ended.stdout;
+        assert!(said.contains("ended by --flip 0.01"), "{flags}: {said}");
+        let claim = said.split(" of the noise seen (FLIP)").next();
+        let claim = claim.and_then(|text| text.split_whitespace().last());
+        let claim: f64 = claim.expect("said").parse().expect("a number");
+        let compared = bench.run("compare a.exr truth.exr").expect_code(0);
+        let line = compared.stdout.lines().find(|line| line.contains("FLIP"));
+        let known = line.and_then(|line| line.split_whitespace().last());
+        let known: f64 = known.expect("said").parse().expect("a number");
+        assert!(claim < 0.01, "{flags}: {claim}");
+        // The noise has one seed, and the truth has some, too.
+        let off = (known - claim).abs();
+        assert!(off < 0.3 * claim + 0.0005, "{flags}: {claim}, {known}");
+    }
+    let line = format!("{scene} --flip 1e-9 --spp 40 -o c.png");
+    let ended = bench.run(&line).expect_code(0);
+    assert!(
+        ended.stdout.contains("after 40 samples"),
+        "{}",
+        ended.stdout
+    );
+    let refused = bench.run("render triangle.gltf --flip 3").expect_code(2);
+    assert!(refused.stderr.contains("less than 1"), "{}", refused.stderr);
+    for other in ["--part 1/2", "--shutter 0.5"] {
+        bench
+            .run(&format!("render triangle.gltf --flip 0.1 {other}"))
+            .expect_code(2);
+    }
+}
+
+#[test]
 fn an_adaptive_render_says_where_it_ended() {
     if !device() {
         return;

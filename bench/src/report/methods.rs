@@ -8,13 +8,14 @@ use engine::film::write;
 use engine::scene::view::View;
 use engine::stats::grouped;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use pictures::seen::{AREA, FINAL, NOTICED};
 use plotters::prelude::*;
 use serde::Serialize;
 
 use super::charts::{self, ChartError};
 use super::conditions::Conditions;
 use super::page::{PageError, STYLE};
-use crate::methods::{Curve, FINAL_AREA, FINAL_FLIP, How, MethodsReport, NOTICED};
+use crate::methods::{Curve, How, MethodsReport};
 
 const SIZE: (u32, u32) = (820, 460);
 const FONT: (&str, u32) = ("sans-serif", 14);
@@ -147,7 +148,7 @@ impl MethodsFigures {
                 })
         };
         let x = bounds(&mut points().map(|point| point.seconds.median));
-        let y = bounds(&mut points().map(|point| point.flip).chain([FINAL_FLIP]));
+        let y = bounds(&mut points().map(|point| point.flip).chain([FINAL]));
         let x = match x.0 <= x.1 {
             true => x.0 * 0.8..x.1 * 1.25,
             false => 0.1..1.0,
@@ -166,7 +167,7 @@ impl MethodsFigures {
                 .bold_line_style(BLACK.mix(0.12))
                 .label_style(FONT)
                 .draw()?;
-            let limit = [(x.start, FINAL_FLIP), (x.end, FINAL_FLIP)];
+            let limit = [(x.start, FINAL), (x.end, FINAL)];
             chart.draw_series(LineSeries::new(limit, BLACK.mix(0.5)))?;
             for curve in &self.report.curves {
                 let color = color(curve.how);
@@ -270,8 +271,9 @@ impl MethodsFigures {
 /// What is meant by it.
 fn final_means() -> String {
     format!(
-        "final: mean FLIP below {FINAL_FLIP}, and no connected area of more than {} % of the picture above {NOTICED}; \
+        "final: mean FLIP below {FINAL}, and no connected area of more than {} % of the picture above {}; \
          by error: seconds of paths over its own, until the least mean squared error that both have reached",
-        100.0 * FINAL_AREA
+        100.0 * AREA,
+        NOTICED * FINAL
     )
 }

@@ -218,9 +218,9 @@ impl Fleet {
         (u128::from(paths) * pixels / padded.max(1)) as u64
     }
 
-    /// [`Film::relative_error`] of what devices have handed over so far; `None` while there is nothing.
-    pub fn relative_error(&self) -> Option<f64> {
-        self.shared.with_film(Film::relative_error)
+    /// What one sees in what devices have handed over so far; `None` while there is nothing. None hands over more meanwhile.
+    pub fn look<T>(&self, look: impl FnOnce(&Film) -> T) -> Option<T> {
+        self.shared.with_film(look)
     }
 
     /// Whether a device has begun to render, or none ever will.
