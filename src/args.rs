@@ -239,8 +239,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "I/N", conflicts_with_all = ["sample_range", "noise", "flip"])]
     pub(crate) part: Option<String>,
 
-    /// Samples go where the picture is noisiest: --spp is then their number on average over the picture. The error that --noise
-    /// compares with is known better, so that such a render ends sooner.
+    /// Samples go where the picture is noisiest, or with --flip where noise is seen: --spp is then their number on average over the
+    /// picture. The error that --noise compares with is known better, so that such a render ends sooner.
     #[arg(long, conflicts_with_all = ["sample_range", "part"])]
     pub(crate) adaptive: bool,
 

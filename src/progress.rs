@@ -13,6 +13,7 @@ use engine::renderer::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::console;
+use crate::usage::MAX_SPP;
 
 /// How often the bar is drawn anew while nothing else happens.
 const TICK: Duration = Duration::from_millis(200);
@@ -215,13 +216,19 @@ impl Bar {
 
     /// Shows how far a render of at most so many samples per pixel is.
     pub(crate) fn update(&self, reached: &Reached, spp: u32) {
+        let has_end = spp < MAX_SPP;
         let spp = f64::from(spp);
         let mut state = self.shared.lock();
         let is_of_samples = reached.share * spp <= reached.samples + 0.05;
-        state.samples = (!is_of_samples).then_some(reached.samples);
+        state.samples = (!is_of_samples || !has_end).then_some(reached.samples);
+        // Of what else will end it nothing is known yet: nobody asked for that many samples.
+        let own = match is_of_samples && !has_end {
+            true => 0.0,
+            false => reached.share,
+        };
         let share = match state.piece {
-            Some((number, count)) => (f64::from(number) + reached.share) / f64::from(count),
-            None => reached.share,
+            Some((number, count)) => (f64::from(number) + own) / f64::from(count),
+            None => own,
         };
         drop(state);
         self.advance(share * spp, spp, Unit::SamplesPerPixel);
@@ -465,11 +472,14 @@ mod tests {
     #[test]
     fn where_time_ends_a_render_its_samples_are_those_that_it_has() {
         let bar = Bar::read_by(Reader::People, "loading");
-        let text = |samples, share| {
-            bar.update(&Reached { samples, share }, 64);
+        let text = |samples, share, spp| {
+            bar.update(&Reached { samples, share }, spp);
             bar.shared.lock().text()
         };
-        assert!(text(16.0, 0.25).starts_with("16.0 of 64 samples per pixel, "));
-        assert!(text(17.0, 0.75).starts_with("17.0 samples per pixel, "));
+        assert!(text(16.0, 0.25, 64).starts_with("16.0 of 64 samples per pixel, "));
+        assert!(text(17.0, 0.75, 64).starts_with("17.0 samples per pixel, "));
+        // Where nobody said how many there are to be, they say nothing of the end.
+        let share = 16.0 / f64::from(MAX_SPP);
+        assert_eq!(text(16.0, share, MAX_SPP), "16.0 samples per pixel, 0 s");
     }
 }

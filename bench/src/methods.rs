@@ -317,11 +317,7 @@ impl Runner {
         self.renderer.restart();
         let start = Instant::now();
         if self.how == How::Adaptive {
-            let goal = Goal {
-                error: None,
-                brightness: None,
-                spp,
-            };
+            let goal = Goal::of_samples(spp);
             loop {
                 let round = next_round(&self.renderer.film()?, &goal);
                 if round.lots.is_empty() {

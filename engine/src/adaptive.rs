@@ -7,6 +7,9 @@
 //! are done cost nothing any more, and those that are left keep the device busy with many samples of each: the distribution of work
 //! over blocks of Frolov's thesis ("Methods for solving the global illumination problem on GPUs", 2014), with another rule.
 //!
+//! Where it is what is seen of the noise that is to be small, FLIP of each block takes the place of its error squared. It falls with the power
+//! 0.35 of the samples, and the sum of q/N^p is least where N is proportional to q^(1/(1 + p)), of which Neyman's rule is the case of p = 1.
+//!
 //! What is decided depends on the film alone, whose sums are exact, and is decided only between rounds. So the picture
 //! depends neither on the device's speed nor on how work was cut, and a film that was kept between two rounds can be gone on with.
 //!
@@ -30,16 +33,40 @@ const EVEN: f64 = 0.1;
 
 /// How far a picture is to be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Goal {
+pub struct Goal<'p> {
     /// [`Film::relative_error`] that is small enough; `None` if only the samples end it.
     pub error: Option<f64>,
     /// Mean radiance of the picture that this film is a part of, to which its error is relative; `None` where it is all of it.
     pub brightness: Option<f64>,
     /// Samples per pixel at most, on average over the picture.
     pub spp: u32,
+    /// What is seen of the noise, where that is to be small and not the error.
+    pub seen: Option<SeenNoise<'p>>,
 }
 
-impl Goal {
+/// What is seen of a picture's noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeenNoise<'p> {
+    /// FLIP of each pixel between the picture and the one without its noise, row by row.
+    pub map: &'p [f32],
+    /// What its mean is to be.
+    pub most: f64,
+}
+
+/// FLIP of a picture's noise falls with this power of its samples: less than its error does, for FLIP makes small differences large.
+pub const FLIP_FALL: f64 = 0.35;
+
+impl Goal<'_> {
+    /// That only the samples end: so many per pixel.
+    pub fn of_samples(spp: u32) -> Self {
+        Self {
+            error: None,
+            brightness: None,
+            spp,
+            seen: None,
+        }
+    }
+
     /// Samples that all pixels begin with.
     fn first(&self) -> u32 {
         (self.spp / 4 / GRAIN * GRAIN).clamp(GRAIN, FIRST)
@@ -66,17 +93,24 @@ struct Block {
     pixels: f64,
     /// Samples of each of them.
     samples: u32,
-    /// Of a pixel's samples, on average over pixels and channels.
-    variance: f64,
+    /// How noisy a pixel of one sample is, on average over the pixels: what the picture's noise is the sum of, with so many
+    /// samples less. See [`fall`].
+    noise: f64,
+}
+
+/// The power of the samples with which noise falls.
+fn fall(goal: &Goal<'_>) -> f64 {
+    goal.seen.map_or(1.0, |_| FLIP_FALL)
 }
 
 /// What comes next for a picture whose samples come in halves and whose blocks have multiples of [`GRAIN`].
 ///
 /// # Panics
 /// Never; a film whose pixels have other numbers of samples gives rounds that make little sense.
-pub fn next_round(film: &Film, goal: &Goal) -> Round {
+pub fn next_round(film: &Film, goal: &Goal<'_>) -> Round {
     let columns = film.width.div_ceil(BLOCK);
-    let blocks = blocks(film);
+    let fall = fall(goal);
+    let blocks = blocks(film, goal);
     let samples = |block: &Block| block.pixels * f64::from(block.samples);
     let pixels = film.pixels() as f64;
     let total: f64 = blocks.iter().map(samples).sum();
@@ -105,18 +139,30 @@ pub fn next_round(film: &Film, goal: &Goal) -> Round {
     if round.is_clean || budget < pixels.min(f64::from(GRAIN * BLOCK * BLOCK)) {
         return round;
     }
-    let shares = shares(&blocks, columns as usize);
-    // How much of the error squared has to go.
-    let keep = goal
-        .error
-        .map_or(0.0, |limit| 0.97 * (limit / round.error).powi(2));
-    let wanted = distribute(&blocks, &shares, budget, keep);
+    let shares = shares(&blocks, columns as usize, fall);
+    // How much of the noise may stay.
+    let of_error = goal.error.map(|limit| (limit / round.error).powi(2));
+    let of_seen = goal.seen.map(|seen| {
+        let sum: f64 = seen.map.iter().copied().map(f64::from).sum();
+        seen.most * seen.map.len() as f64 / sum
+    });
+    // A mean that is small enough may leave spots that aren't.
+    let keep = of_seen.or(of_error).filter(|&keep| keep < 1.0);
+    let wanted = distribute(
+        &blocks,
+        &shares,
+        &Rule {
+            budget,
+            keep: 0.97 * keep.unwrap_or_default(),
+            fall,
+        },
+    );
     round.lots = lots(&blocks, &wanted, round.spp);
     round
 }
 
 /// The blocks of a film, row by row.
-fn blocks(film: &Film) -> Vec<Block> {
+fn blocks(film: &Film, goal: &Goal<'_>) -> Vec<Block> {
     let (columns, rows) = (film.width.div_ceil(BLOCK), film.height.div_ceil(BLOCK));
     let block = |at: u32| {
         let (left, top) = (at % columns * BLOCK, at / columns * BLOCK);
@@ -130,12 +176,15 @@ fn blocks(film: &Film) -> Vec<Block> {
             let pixel = y as usize * film.width as usize + x as usize;
             block.pixels += 1.0;
             block.samples = block.samples.min(film.samples(pixel));
-            if let Some(of_mean) = film.variance_by_halves(pixel) {
-                let n = f64::from(film.samples(pixel));
-                block.variance += n * of_mean.iter().sum::<f64>() / 3.0;
-            }
+            let n = f64::from(film.samples(pixel));
+            block.noise += match goal.seen {
+                Some(seen) => n.powf(FLIP_FALL) * f64::from(seen.map[pixel]),
+                None => film
+                    .variance_by_halves(pixel)
+                    .map_or(0.0, |of_mean| n * of_mean.iter().sum::<f64>() / 3.0),
+            };
         }
-        block.variance /= block.pixels;
+        block.noise /= block.pixels;
         block
     };
     (0..columns * rows).map(block).collect()
@@ -143,7 +192,7 @@ fn blocks(film: &Film) -> Vec<Block> {
 
 /// What number of samples each block should have, but for a factor: the spread of its samples, in which its neighbours' are seen,
 /// too, and some of everybody's.
-fn shares(blocks: &[Block], columns: usize) -> Vec<f64> {
+fn shares(blocks: &[Block], columns: usize, fall: f64) -> Vec<f64> {
     let rows = blocks.len() / columns.max(1);
     let spread = |at: usize| {
         let (x, y) = (at % columns, at / columns);
@@ -152,11 +201,13 @@ fn shares(blocks: &[Block], columns: usize) -> Vec<f64> {
             for u in x.saturating_sub(1)..(x + 2).min(columns) {
                 // Binomial: a quarter of the sum is the block's own.
                 let weight = [2.0, 1.0][x.abs_diff(u)] * [2.0, 1.0][y.abs_diff(v)];
-                sum += weight * blocks[v * columns + u].variance;
+                sum += weight * blocks[v * columns + u].noise;
                 weights += weight;
             }
         }
-        (sum / weights).max(blocks[at].variance * 0.5).sqrt()
+        (sum / weights)
+            .max(blocks[at].noise * 0.5)
+            .powf(1.0 / (1.0 + fall))
     };
     let spreads: Vec<f64> = (0..blocks.len()).map(spread).collect();
     let mean = spreads.iter().sum::<f64>() / spreads.len().max(1) as f64;
@@ -164,9 +215,19 @@ fn shares(blocks: &[Block], columns: usize) -> Vec<f64> {
     spreads.into_iter().map(|spread| spread + least).collect()
 }
 
-/// How many grains each block gets: as many samples of pixels in all as the budget has, or as are needed for so much of the error
-/// squared to be left.
-fn distribute(blocks: &[Block], shares: &[f64], budget: f64, keep: f64) -> Vec<u32> {
+/// How much is distributed.
+struct Rule {
+    /// Samples of pixels in all, at most.
+    budget: f64,
+    /// As many of them as are needed for so much of the noise to be left.
+    keep: f64,
+    /// The power of the samples with which noise falls.
+    fall: f64,
+}
+
+/// How many grains each block gets.
+fn distribute(blocks: &[Block], shares: &[f64], rule: &Rule) -> Vec<u32> {
+    let &Rule { budget, keep, fall } = rule;
     let grain = f64::from(GRAIN);
     let target = |block: &Block, share: f64, scale: f64| {
         (scale * share).clamp(f64::from(block.samples), f64::from(MAX_SAMPLES - GRAIN))
@@ -177,11 +238,11 @@ fn distribute(blocks: &[Block], shares: &[f64], budget: f64, keep: f64) -> Vec<u
             .sum()
     };
     let cost = |block: &Block, n: f64| block.pixels * (n - f64::from(block.samples));
-    let error = |block: &Block, n: f64| block.pixels * block.variance / n.max(1.0);
-    let now = with(&error, 0.0);
+    let noise = |block: &Block, n: f64| block.pixels * block.noise / n.max(1.0).powf(fall);
+    let now = with(&noise, 0.0);
     // The largest scale that the budget allows, unless a smaller one does. Both sums are monotonic in it.
     let (mut low, mut high) = (0.0, 1.0);
-    let is_too_much = |scale: f64| with(&cost, scale) > budget || with(&error, scale) < keep * now;
+    let is_too_much = |scale: f64| with(&cost, scale) > budget || with(&noise, scale) < keep * now;
     while high < 1e30 && !is_too_much(high) {
         high *= 2.0;
     }
@@ -304,11 +365,7 @@ mod tests {
     #[test]
     fn all_begin_with_the_same_samples() {
         let empty = Film::new(20, 9);
-        let goal = Goal {
-            error: None,
-            brightness: None,
-            spp: 1024,
-        };
+        let goal = Goal::of_samples(1024);
         let round = next_round(&empty, &goal);
         let blocks = (0..6).map(|at| [at, 0]).collect();
         assert_eq!(
@@ -328,11 +385,7 @@ mod tests {
         let mut spreads = [0.05_f32; 12];
         spreads[5] = 4.0;
         let film = film(&spreads, FIRST);
-        let goal = Goal {
-            error: None,
-            brightness: None,
-            spp: 1024,
-        };
+        let goal = Goal::of_samples(1024);
         let round = next_round(&film, &goal);
         assert!((round.spp - 64.0).abs() < 1e-9 && !round.is_clean);
         let samples = spp(&film, &round.lots);
@@ -355,8 +408,7 @@ mod tests {
         assert!((error - 1.0 / 8.0).abs() < 1e-3, "{error}");
         let goal = Goal {
             error: Some(0.13),
-            brightness: None,
-            spp: 4096,
+            ..Goal::of_samples(4096)
         };
         let round = next_round(&film, &goal);
         assert!(round.is_clean && round.lots.is_empty());
@@ -368,39 +420,70 @@ mod tests {
         let samples = spp(&film, &next_round(&film, &goal).lots);
         assert_eq!(samples, [96; 4]);
         // And the samples end it, too.
-        let goal = Goal {
-            error: None,
-            brightness: None,
-            spp: 64,
-        };
+        let goal = Goal::of_samples(64);
         assert!(next_round(&film, &goal).lots.is_empty());
     }
 
     #[test]
     fn neyman_is_reached_in_the_end() {
-        // Blocks far apart, so that neighbours say nothing: 4 times the spread is 4 times the samples.
-        let spreads = [1.0, 1.0, 1.0, 1.0, 4.0, 4.0, 4.0, 4.0];
+        // 4 times the spread is 4 times the samples; with a tenth of the mean for all: (4 + 0.25) / (1 + 0.25).
+        let ratio = in_the_end(1.0);
+        assert!((3.0..3.8).contains(&ratio), "{ratio}");
+        // 16^(1/1.35) is 7.8: (7.8 + 0.44) / (1 + 0.44).
+        let ratio = in_the_end(FLIP_FALL);
+        assert!((5.0..6.2).contains(&ratio), "{ratio}");
+    }
+
+    /// How many times the samples blocks have that are 16 times as noisy.
+    fn in_the_end(fall: f64) -> f64 {
+        // Blocks far apart, so that neighbours say nothing.
+        let noise = [1.0, 1.0, 1.0, 1.0, 16.0, 16.0, 16.0, 16.0];
         let mut samples = [64_u32; 8];
         for _ in 0..20 {
             let mut blocks: Vec<Block> = Vec::new();
-            for (&spread, &n) in spreads.iter().zip(&samples) {
+            for (&noise, &n) in noise.iter().zip(&samples) {
                 blocks.push(Block {
                     pixels: 64.0,
                     samples: n,
-                    variance: spread * spread,
+                    noise,
                 });
             }
             let total: u32 = samples.iter().sum();
             let total = f64::from(total);
             let budget = 64.0 * (8.0 * 1024.0 - total).clamp(0.0, GROWTH * total);
-            let grains = distribute(&blocks, &shares(&blocks, 8), budget, 0.0);
+            let rule = Rule {
+                budget,
+                keep: 0.0,
+                fall,
+            };
+            let grains = distribute(&blocks, &shares(&blocks, 8, fall), &rule);
             for (n, grains) in samples.iter_mut().zip(grains) {
                 *n += GRAIN * grains;
             }
         }
-        let ratio = f64::from(samples[7]) / f64::from(samples[0]);
-        // With a tenth of the mean for all: (4 + 0.25) / (1 + 0.25).
-        assert!((3.0..3.8).contains(&ratio), "{samples:?}");
+        f64::from(samples[7]) / f64::from(samples[0])
+    }
+
+    #[test]
+    fn samples_go_where_noise_is_seen() {
+        // All blocks are as noisy, and in one of them it shows.
+        let film = film(&[1.0; 8], FIRST);
+        let map: Vec<f32> = (0..film.pixels())
+            .map(|pixel| [0.02, 0.2][usize::from(pixel % 64 / 8 == 5)])
+            .collect();
+        let seen = |most| Goal {
+            seen: Some(SeenNoise { map: &map, most }),
+            ..Goal::of_samples(4096)
+        };
+        let samples = spp(&film, &next_round(&film, &seen(0.03)).lots);
+        assert!(
+            samples[5] > samples[4] && samples[4] >= samples[1],
+            "{samples:?}"
+        );
+        // The mean is 0.0425: what is just missing is added.
+        let few = spp(&film, &next_round(&film, &seen(0.042)).lots);
+        let added = |samples: &[u32]| samples.iter().map(|n| n - 64).sum::<u32>();
+        assert!(added(&few) < added(&samples), "{few:?}, {samples:?}");
     }
 
     #[test]
@@ -408,8 +491,7 @@ mod tests {
         let film = film(&[0.0; 4], 64);
         let goal = Goal {
             error: Some(0.01),
-            brightness: None,
-            spp: 4096,
+            ..Goal::of_samples(4096)
         };
         let round = next_round(&film, &goal);
         assert!(round.is_clean, "{round:?}");

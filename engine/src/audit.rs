@@ -133,22 +133,25 @@ impl Comparison {
             return None;
         }
         let brightness = |sums: Block, stray: f64| (sums.picture + stray) / sums.truth - 1.0;
-        // Of what is nearly right the square may come out below 0.
-        let off = |sums: Block, stray: f64| {
-            ((sums.square + stray) / sums.count).max(0.0).sqrt() / (sums.truth / sums.count)
+        let square = |sums: Block, stray: f64| {
+            (sums.square + stray) / sums.count / (sums.truth / sums.count).powi(2)
         };
         let sums = blocks.iter().copied().fold(Block::default(), Block::plus);
         let [brightness_stray, square_stray] =
             [sums.brightness_variance, sums.square_variance].map(|v| WITHIN * v.sqrt());
+        let squares = hull(
+            certain(&blocks, |sums| square(sums, 0.0)),
+            square(sums, -square_stray)..square(sums, square_stray),
+        );
+        // Of what is nearly right the square may come out below 0, by luck: as far above is no less likely.
+        let luck = square(sums, 0.0).min(0.0);
+        let off = |square: f64| (square - luck).max(0.0).sqrt();
         let audit = Audit {
             brightness: hull(
                 certain(&blocks, |sums| brightness(sums, 0.0)),
                 brightness(sums, -brightness_stray)..brightness(sums, brightness_stray),
             ),
-            blocks: hull(
-                certain(&blocks, |sums| off(sums, 0.0)),
-                off(sums, -square_stray)..off(sums, square_stray),
-            ),
+            blocks: off(squares.start)..off(squares.end),
         };
         let ends = [&audit.brightness, &audit.blocks];
         let is_known = ends

@@ -1,9 +1,10 @@
 //! A picture whose samples go where they help most: see [`engine::adaptive`].
 
-use engine::adaptive::{Goal, next_round};
+use engine::adaptive::{Goal, SeenNoise, next_round};
 use engine::film::Film;
 use engine::renderer::Progress;
 use engine::session::Session;
+use pictures::seen::Seen;
 
 use crate::failure::Failure;
 use crate::interrupt;
@@ -23,18 +24,23 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
     /// of it meanwhile is as it is between two rounds, so that it is gone on with as if nothing had come between.
     pub(super) fn distribute(&mut self, session: &mut Session) -> Result<Option<Ended>, Failure> {
         let job = self.job;
-        let goal = Goal {
-            error: job.limits.noise,
-            brightness: self.watch.brightness(),
-            spp: job.spp.get(),
-        };
         let pixels = f64::from(job.width) * f64::from(job.height);
         loop {
             let film = session.snapshot().map_err(failure)?.film;
+            let seen = self.watch.look().seen(&film);
+            let seen = seen
+                .as_ref()
+                .map(|(map, most)| SeenNoise { map, most: *most });
+            let goal = Goal {
+                error: job.limits.noise,
+                brightness: self.watch.brightness(),
+                spp: job.spp.get(),
+                seen,
+            };
             let round = next_round(&film, &goal);
             let noise = Noise {
                 error: Some(round.error),
-                seen: self.watch.look().seen(&film),
+                seen: seen.map(|seen| Seen::of(seen.map, film.width as usize, seen.most)),
             };
             let reached = self.watch.knows(round.spp, noise);
             // Whether the error is small enough the round says itself, which knows what it needs for that.
@@ -66,10 +72,10 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
                     }
                     let progress = Progress {
                         samples_done: done as u64,
-                        samples_total: (pixels * f64::from(goal.spp)) as u64,
+                        samples_total: (pixels * f64::from(job.spp.get())) as u64,
                     };
                     let reached = self.watch.reached_so_far(&progress, done / pixels);
-                    self.bar.update(&reached, goal.spp);
+                    self.bar.update(&reached, job.spp.get());
                 }
             }
         }

@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use engine::adaptive::FLIP_FALL;
 use engine::audit::Audit;
 use engine::film::{Film, Tally};
 use engine::renderer::Progress;
@@ -17,8 +18,6 @@ use crate::progress::Reached;
 
 /// Samples before the error is looked at: with fewer, light that is seldom met may not have been met at all.
 const FEWEST: f64 = 16.0;
-/// FLIP of noise falls with this power of the samples: less than its error, for FLIP makes small differences large.
-const FALL: f64 = 0.35;
 /// The error is looked at again after so many times the samples, at the least and at the most.
 const SOONEST: f64 = 1.1;
 const LATEST: f64 = 2.0;
@@ -72,21 +71,26 @@ impl Look {
         };
         Noise {
             error: self.limits.noise.map(|_| error()),
-            seen: self.seen(film),
+            seen: (self.limits.flip).and_then(|most| seen(film, &self.view, most)),
         }
     }
 
-    /// What is seen of a film's noise, if that has a limit.
-    pub(super) fn seen(&self, film: &Film) -> Option<Seen> {
-        self.limits
-            .flip
-            .and_then(|most| seen(film, &self.view, most))
+    /// FLIP of each pixel of a film's noise, and what its mean is to be, if that has a limit.
+    pub(super) fn seen(&self, film: &Film) -> Option<(Vec<f32>, f64)> {
+        let most = self.limits.flip?;
+        Some((seen_map(film, &self.view)?, most))
     }
 }
 
 /// How much of a film's noise is seen where it is shown like that, against a limit. `None` where it isn't known: not all pixels have samples
 /// of both halves.
 pub(super) fn seen(film: &Film, view: &View, most: f64) -> Option<Seen> {
+    let map = seen_map(film, view)?;
+    Some(Seen::of(&map, film.width as usize, most))
+}
+
+/// The same of each pixel.
+fn seen_map(film: &Film, view: &View) -> Option<Vec<f32>> {
     let is_unknown = AtomicBool::new(false);
     let pixel = |pixel: usize| {
         let halves = film.half_means(pixel);
@@ -106,7 +110,7 @@ pub(super) fn seen(film: &Film, view: &View, most: f64) -> Option<Seen> {
     let encoder = ViewEncoder::new(view);
     let size = [film.width as usize, film.height as usize];
     let map = seen::noise(size, pixel, |rgb| encoder.encode(rgb));
-    (!is_unknown.into_inner()).then(|| Seen::of(&map, size[0], most))
+    (!is_unknown.into_inner()).then_some(map)
 }
 
 /// Watches a render.
@@ -186,7 +190,7 @@ impl Watch {
         } = self.look.limits;
         // The error falls with the root of the number of samples, or faster.
         let error = error.zip(noise.error).map(|(most, is)| (is / most).powi(2));
-        let flip = (flip.zip(noise.seen)).map(|(most, is)| (is.flip / most).powf(1.0 / FALL));
+        let flip = (flip.zip(noise.seen)).map(|(most, is)| (is.flip / most).powf(1.0 / FLIP_FALL));
         [error, flip]
             .into_iter()
             .flatten()

@@ -65,7 +65,7 @@ impl Ball {
             .expect("the scene renders")
     }
 
-    fn adaptive(&self, device: &Device, goal: &Goal, capacity: u32) -> Film {
+    fn adaptive(&self, device: &Device, goal: &Goal<'_>, capacity: u32) -> Film {
         let mut renderer = self.renderer(device, capacity);
         loop {
             let film = renderer.film().expect("the device reads");
@@ -125,9 +125,8 @@ fn the_picture_does_not_depend_on_how_waves_are_cut() {
     let Some(device) = device::open() else { return };
     let ball = ball((83, 45));
     let goal = Goal {
-        brightness: None,
         error: Some(0.003),
-        spp: 160,
+        ..Goal::of_samples(160)
     };
     let films = [512, 1 << 14].map(|capacity| ball.adaptive(&device, &goal, capacity));
     let (fewest, most) = films[0].sample_bounds();
@@ -187,9 +186,8 @@ fn the_error_is_what_it_is_said_to_be() {
     let reference = reference.mean();
     ball.settings.halves = true;
     let goal = Goal {
-        brightness: None,
         error: Some(0.01),
-        spp: 4096,
+        ..Goal::of_samples(4096)
     };
     let (mut errors, mut claims, mut offsets) = (Vec::new(), Vec::new(), Vec::new());
     for seed in 0..20 {
@@ -230,11 +228,7 @@ fn the_error_is_what_it_is_said_to_be() {
 fn uneven_pictures_have_less_noise_for_as_many_samples() {
     let Some(device) = device::open() else { return };
     let mut ball = ball((112, 80));
-    let goal = Goal {
-        brightness: None,
-        error: None,
-        spp: 128,
-    };
+    let goal = Goal::of_samples(128);
     let adaptive = ball.adaptive(&device, &goal, 1 << 14);
     ball.settings.seed = 5;
     let mut even = ball.renderer(&device, 1 << 14);
