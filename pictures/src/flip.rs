@@ -97,7 +97,7 @@ impl Seen {
     fn of(rgb: &[[f32; 3]]) -> Self {
         let opponents: Vec<[f32; 3]> = rgb.par_iter().map(|&rgb| opponents(rgb)).collect();
         Self(std::array::from_fn(|channel| {
-            opponents.iter().map(|pixel| pixel[channel]).collect()
+            opponents.par_iter().map(|pixel| pixel[channel]).collect()
         }))
     }
 
@@ -115,7 +115,7 @@ impl Seen {
 
     /// How much of an edge and of a point each pixel is.
     fn features(&self, size: [usize; 2]) -> Vec<[f32; 2]> {
-        let grey: Plane = self.0[0].iter().map(|y| (y + 16.0) / 116.0).collect();
+        let grey: Plane = self.0[0].par_iter().map(|y| (y + 16.0) / 116.0).collect();
         let deviation = 0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE;
         let radius = (3.0 * deviation).ceil() as i32;
         let gauss = |x: f32| (-x * x / (2.0 * deviation * deviation)).exp();
@@ -130,10 +130,11 @@ impl Seen {
         let size_of = |across: &[f32]| -> Plane {
             let x = convolved(&grey, size, across, &along);
             let y = convolved(&grey, size, &along, across);
-            x.iter().zip(&y).map(|(x, y)| x.hypot(*y)).collect()
+            let pixels = x.par_iter().zip(&y);
+            pixels.map(|(x, y)| x.hypot(*y)).collect()
         };
         let (edges, points) = (size_of(&edge), size_of(&point));
-        let pixels = edges.into_iter().zip(points);
+        let pixels = edges.into_par_iter().zip(points);
         pixels.map(|(edge, point)| [edge, point]).collect()
     }
 }
@@ -157,7 +158,7 @@ fn sensed(plane: &[f32], size: [usize; 2], gaussians: [(f32, f32); 2]) -> Plane 
     let mut sensed = vec![0.0; plane.len()];
     for (weight, kernel) in parts.iter().filter(|(weight, _)| *weight > 0.0) {
         let blurred = convolved(plane, size, kernel, kernel);
-        let sums = sensed.iter_mut().zip(&blurred);
+        let sums = sensed.par_iter_mut().zip(&blurred);
         sums.for_each(|(sum, value)| *sum += weight / total * value);
     }
     sensed
