@@ -147,7 +147,7 @@ pub enum PartError {
     Overlap(Range<u32>),
     /// Only one of both counts samples in two halves.
     #[error(
-        "its samples are counted {}, the others {}: a picture is counted in two halves with --adaptive, and by any method \
+        "its samples are counted {}, the others {}: a picture is counted in two halves with --adaptive or --flip, and by any method \
          but path from 32 samples per pixel on",
         counted(*.is_in_halves), counted(!.is_in_halves)
     )]
