@@ -178,8 +178,6 @@ pub enum Runtime {
     Tan,
     Asin,
     Acos,
-    Atan,
-    Atan2,
     Sinh,
     Cosh,
     Tanh,

@@ -500,3 +500,33 @@ fn packing() {
         &[127.0, 1.0, 255.0, 128.0],
     );
 }
+
+#[test]
+fn angles_of_all_octants_are_right() {
+    let angle = |y: f32, x: f32| {
+        let found = words("f32", "atan2(a, b)", [y, x, 0.0, 0.0], [0; 2], [0; 2])[0];
+        let expected = f64::from(y).atan2(f64::from(x)) as f32;
+        let off = f32::from_bits(found).to_bits().abs_diff(expected.to_bits());
+        assert!(
+            off <= 3,
+            "{y}, {x}: {} for {expected}",
+            f32::from_bits(found)
+        );
+    };
+    for step in 0..48 {
+        let turn = 7.5_f32.to_radians() * step as f32 + 0.01;
+        angle(3.0 * turn.sin(), 3.0 * turn.cos());
+    }
+    for (y, x) in [
+        (0.0, 1.0),
+        (0.0, -1.0),
+        (-0.0, -1.0),
+        (1.0, 0.0),
+        (-1.0, 0.0),
+        (0.0, 0.0),
+        (1e-30, 1e30),
+        (1.0, 1.0),
+    ] {
+        angle(y, x);
+    }
+}

@@ -255,8 +255,6 @@ fn call(function: Runtime, arguments: &[Value], name: &dyn Fn(Value) -> String) 
         Runtime::Tan => "tan",
         Runtime::Asin => "asin",
         Runtime::Acos => "acos",
-        Runtime::Atan => "atan",
-        Runtime::Atan2 => "atan2",
         Runtime::Sinh => "sinh",
         Runtime::Cosh => "cosh",
         Runtime::Tanh => "tanh",

@@ -301,7 +301,6 @@ pub(in super::super) fn numbers(function: Runtime) -> Option<Helper> {
         | Runtime::Tan
         | Runtime::Asin
         | Runtime::Acos
-        | Runtime::Atan
         | Runtime::Sinh
         | Runtime::Cosh
         | Runtime::Tanh
@@ -313,7 +312,7 @@ pub(in super::super) fn numbers(function: Runtime) -> Option<Helper> {
         | Runtime::Log
         | Runtime::Log2
         | Runtime::FrexpFraction => float_of_float,
-        Runtime::Atan2 | Runtime::Pow => float_of_floats,
+        Runtime::Pow => float_of_floats,
         Runtime::Ldexp => float_of_float_and_word,
         Runtime::FrexpExponent | Runtime::FloatToHalf => word_of_float,
         Runtime::HalfToFloat => float_of_word,

@@ -41,8 +41,6 @@ functions! {
     tan(x) = libm::tanf;
     asin(x) = libm::asinf;
     acos(x) = libm::acosf;
-    atan(x) = libm::atanf;
-    atan2(y, x) = libm::atan2f;
     sinh(x) = libm::sinhf;
     cosh(x) = libm::coshf;
     tanh(x) = libm::tanhf;
@@ -202,8 +200,6 @@ pub(super) fn signature(function: Runtime) -> Signature {
         Runtime::Tan => (tan as *const u8, &[F32], Some(F32)),
         Runtime::Asin => (asin as *const u8, &[F32], Some(F32)),
         Runtime::Acos => (acos as *const u8, &[F32], Some(F32)),
-        Runtime::Atan => (atan as *const u8, &[F32], Some(F32)),
-        Runtime::Atan2 => (atan2 as *const u8, &[F32, F32], Some(F32)),
         Runtime::Sinh => (sinh as *const u8, &[F32], Some(F32)),
         Runtime::Cosh => (cosh as *const u8, &[F32], Some(F32)),
         Runtime::Tanh => (tanh as *const u8, &[F32], Some(F32)),
