@@ -93,8 +93,8 @@ struct Block {
     pixels: f64,
     /// Samples of each of them.
     samples: u32,
-    /// How noisy a pixel of one sample is, on average over the pixels: what the picture's noise is the sum of, with so many
-    /// samples less. See [`fall`].
+    /// How noisy a pixel of one sample would be, on average over the pixels: with N of them it is as noisy as this by N to the
+    /// power of [`fall`].
     noise: f64,
 }
 

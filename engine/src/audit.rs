@@ -289,7 +289,7 @@ mod tests {
 
     #[test]
     fn a_highlight_that_few_paths_find_is_no_error() {
-        // In half of the blocks one path in 16000 brings a tenth of the light; the truth has 8192 paths there.
+        // In four of the 64 blocks one path in 500 brings a fourth of all light, and the truth's 1024 paths there find it twice.
         let film = |seed, samples| {
             film_of(0..64, seed, samples, |pixel, uniform| {
                 let (x, y) = (pixel % 64, pixel / 64);
