@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use engine::adaptive::FLIP_FALL;
+use engine::adaptive::{FLIP_FALL, GRAIN};
 use engine::audit::Audit;
 use engine::film::{Film, Tally};
 use engine::renderer::Progress;
@@ -18,6 +18,8 @@ use crate::progress::Reached;
 
 /// Samples before the error is looked at: with fewer, light that is seldom met may not have been met at all.
 const FEWEST: f64 = 16.0;
+/// Samples before it is known what is seen: the second half begins late, and has at least half of the first one's from here on.
+const FEWEST_SEEN: f64 = GRAIN as f64;
 /// The error is looked at again after so many times the samples, at the least and at the most.
 const SOONEST: f64 = 1.1;
 const LATEST: f64 = 2.0;
@@ -82,8 +84,8 @@ impl Look {
     }
 }
 
-/// How much of a film's noise is seen where it is shown like that, against a limit. `None` where it isn't known: not all pixels have samples
-/// of both halves.
+/// How much of a film's noise is seen where it is shown like that, against a limit. `None` where it isn't known: pixels have too few samples,
+/// or they don't come in halves.
 pub(super) fn seen(film: &Film, view: &View, most: f64) -> Option<Seen> {
     let map = seen_map(film, view)?;
     Some(Seen::of(&map, film.width as usize, most))
@@ -91,6 +93,9 @@ pub(super) fn seen(film: &Film, view: &View, most: f64) -> Option<Seen> {
 
 /// The same of each pixel.
 fn seen_map(film: &Film, view: &View) -> Option<Vec<f32>> {
+    if f64::from(film.sample_bounds().0) < FEWEST_SEEN {
+        return None;
+    }
     let is_unknown = AtomicBool::new(false);
     let pixel = |pixel: usize| {
         let halves = film.half_means(pixel);
@@ -111,6 +116,14 @@ fn seen_map(film: &Film, view: &View) -> Option<Vec<f32>> {
     let size = [film.width as usize, film.height as usize];
     let map = seen::noise(size, pixel, |rgb| encoder.encode(rgb));
     (!is_unknown.into_inner()).then_some(map)
+}
+
+/// Samples before there is anything to look at.
+fn fewest(limits: &Limits) -> f64 {
+    match limits.noise {
+        Some(_) => FEWEST,
+        None => FEWEST_SEEN,
+    }
 }
 
 /// Watches a render.
@@ -136,7 +149,7 @@ impl Watch {
                 brightness: None,
             },
             start,
-            next: FEWEST,
+            next: fewest(&limits),
             noise: None,
             least: 0.0,
         }
@@ -166,7 +179,7 @@ impl Watch {
 
     /// The picture begins anew, but for the time that it has.
     pub(super) fn begin_anew(&mut self) {
-        (self.next, self.noise) = (FEWEST, None);
+        (self.next, self.noise) = (fewest(&self.look.limits), None);
     }
 
     /// How far a render is that may end before all samples are taken, by the limit that will be reached first. `spp` are the samples of
