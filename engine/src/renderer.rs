@@ -411,9 +411,9 @@ impl Renderer {
                 return Err(ScheduleError::Unsupported(reason).into());
             }
         }
-        light_cache::allocate(device, settings.method, &mut resources)?;
+        light_cache::allocate(device, settings, &mut resources)?;
         let features = &gpu_scene.features;
-        let irradiance = Irradiance::new(device, settings.method, features, &mut resources)?;
+        let irradiance = Irradiance::new(device, settings, features, &mut resources)?;
         let photons = Photons::new(device, settings, features, &mut resources)?;
         wave::allocate_layer_words(device, &layers_wgsl::record_words(layers), &mut resources)?;
         // What was refused so far isn't the paths' fault.

@@ -24,7 +24,12 @@ mod smooth;
 use bytemuck::{Pod, Zeroable};
 use device::{Device, DeviceError, Extent, Kernel, Recording, Resources, Usage};
 
-use crate::{frame::BLOCK_PIXELS, gpu_scene::SceneFeatures, passes::irradiance, settings::Method};
+use crate::{
+    frame::BLOCK_PIXELS,
+    gpu_scene::SceneFeatures,
+    passes::irradiance,
+    settings::{Method, RenderSettings},
+};
 
 use super::{Purpose, RenderError, Renderer, Work, clear_picture};
 
@@ -45,8 +50,11 @@ const STRATA: [u32; 2] = [12, 40];
 /// The same where records are at most so many pixels apart: what one of them is wrong by is seen less than what a large one is.
 const FEWER_STRATA: [u32; 2] = [8, 24];
 const FEWER_BELOW: f32 = 5.0;
+/// Both where turns come in halves, twice as many as else.
+const STRATA_OF_HALVES: [u32; 2] = [8, 30];
+const FEWER_STRATA_OF_HALVES: [u32; 2] = [6, 16];
 /// How often they are gathered for each record, at most, and rays of all records for each pixel until which it is more than once.
-const MOST_TURNS: u64 = 4;
+const MOST_TURNS: u32 = 4;
 const RAYS_OF_PIXEL: u64 = 64;
 /// A smaller picture has rays as if it had so many pixels.
 const LEAST_PIXELS: u64 = 1 << 15;
@@ -97,12 +105,17 @@ struct Settings {
     sectors: u32,
     points: u32,
     left: f32,
-    unused: u32,
+    solved: u32,
 }
 
 /// How often what a record says that is better left to paths is left to them, by how often more has been learned: their noise is the larger error
 /// in a short picture, what lies between records in a long one.
 const LEFT_TO_PATHS: [f32; 4] = [0.0, 0.0, 0.5, 1.0];
+
+/// What has been gathered when records are made: as in `settings.wgsl`.
+const SOLVE_WHOLE: u32 = 0;
+const SOLVE_FIRST_HALF: u32 = 1;
+const SOLVE_HALVES: u32 = 2;
 
 /// What paths do with the cache: as in `settings.wgsl`.
 const IDLE: u32 = 0;
@@ -160,6 +173,8 @@ pub(super) struct Irradiance {
     /// Slots of the grid less one.
     mask: u32,
     falloff: f32,
+    /// Whether the rays of records come in two halves, as the picture's samples do.
+    has_halves: bool,
     sky: Sky,
     /// None where the method has no records.
     solve: Option<Kernel>,
@@ -175,7 +190,10 @@ fn at_once(device: &Device) -> u32 {
 fn buffers(at_once: u32) -> [(&'static str, u64); 5] {
     let references = u64::from(REFERENCES) * size_of::<Reference>() as u64;
     [
-        ("irradiance_records", u64::from(RECORDS) * 128),
+        (
+            "irradiance_records",
+            u64::from(RECORDS) * size_of::<Record>() as u64,
+        ),
         (
             "irradiance_grid",
             u64::from(SLOTS) * size_of::<Slot>() as u64,
@@ -194,11 +212,13 @@ fn rays_of([rings, sectors]: [u32; 2]) -> u32 {
     rings * sectors
 }
 
-/// Rings and sectors of the records of a pass.
-fn strata(pass: usize) -> [u32; 2] {
-    match DISTANCES[pass] > FEWER_BELOW {
-        true => STRATA,
-        false => FEWER_STRATA,
+/// Rings and sectors of the records of a pass, whose turns come in halves or don't.
+fn strata(pass: usize, has_halves: bool) -> [u32; 2] {
+    match (DISTANCES[pass] > FEWER_BELOW, has_halves) {
+        (true, false) => STRATA,
+        (true, true) => STRATA_OF_HALVES,
+        (false, false) => FEWER_STRATA,
+        (false, true) => FEWER_STRATA_OF_HALVES,
     }
 }
 
@@ -217,10 +237,11 @@ impl Irradiance {
     /// Makes its buffers; nothing where the method needs none.
     pub(super) fn new(
         device: &Device,
-        method: Method,
+        render: &RenderSettings,
         features: &SceneFeatures,
         resources: &mut Resources,
     ) -> Result<Option<Self>, DeviceError> {
+        let method = render.method;
         if !method.has_light_cache() {
             return Ok(None);
         }
@@ -248,6 +269,7 @@ impl Irradiance {
             levels: 0,
             mask: 0,
             falloff: 1.0,
+            has_halves: render.halves,
             sky: Sky::new(device, resources)?,
             solve,
         }))
@@ -277,7 +299,24 @@ impl Irradiance {
     /// Rays of all records of a pass, each gathered once.
     fn rays_once(&self, pass: usize) -> u64 {
         let records = self.passes[pass].end - self.first(pass);
-        u64::from(rays_of(strata(pass))) * u64::from(records)
+        u64::from(rays_of(self.strata(pass))) * u64::from(records)
+    }
+
+    /// Rings and sectors of the records of a pass.
+    fn strata(&self, pass: usize) -> [u32; 2] {
+        strata(pass, self.has_halves)
+    }
+
+    /// Halves that the rays of a record come in.
+    fn halves(&self) -> u32 {
+        1 + u32::from(self.has_halves)
+    }
+
+    /// How often rays are gathered, as often for either half, where there is one after all; `once`: rays of one turn.
+    fn turns_for(&self, rays: u64, once: u64) -> u32 {
+        let halves = self.halves();
+        let of_half = rays / (u64::from(halves) * once);
+        halves * of_half.clamp(1, 1 << 20) as u32
     }
 
     /// Has rays of a pass's records gathered, so many times.
@@ -338,6 +377,12 @@ impl Renderer {
     /// Whether the film has samples of the picture already.
     pub(super) fn is_begun(&self) -> bool {
         self.position > 0 || self.rendered > 0
+    }
+
+    /// To which half of the rays those of a turn belong.
+    pub(super) fn half_of_turn(&self, turn: u32) -> u32 {
+        let turns = self.irradiance.as_ref().map_or(0, |cache| cache.turns);
+        u32::from(2 * turn >= turns)
     }
 
     /// Takes a step towards what a sample of the picture is made with; false where it is there, or isn't needed.
@@ -519,7 +564,7 @@ impl Renderer {
         let once = cache.rays_once(pass);
         let pixels = u64::from(self.frame.padded_pixels).max(LEAST_PIXELS);
         let left = (RAYS_OF_PIXEL * pixels).saturating_sub(cache.rays);
-        let turns = (left / once).clamp(1, MOST_TURNS) as u32;
+        let turns = cache.turns_for(left, once).min(MOST_TURNS * cache.halves());
         let records = self.resources.buffer("irradiance_records");
         self.device
             .write(records, 0, bytemuck::cast_slice(&cache.records));
@@ -556,9 +601,10 @@ impl Renderer {
         let last = known.end;
         let end = last.min(from + cache.at_once);
         let turns = u64::from(cache.turns);
-        let of_record = u64::from(rays_of(strata(pass)));
+        let of_record = u64::from(rays_of(cache.strata(pass)));
         let of_turn = of_record * u64::from(end - from);
         let (turn, position) = ((done / of_turn) as u32, done % of_turn);
+        let half_of_turns = cache.has_halves.then_some(of_turn * turns / 2);
         let rays = u64::from(self.next_wave_size()).min(of_turn - position);
         let mut frame = self.frame;
         let number = (known.turns + turn).wrapping_mul(0x9e37_79b9);
@@ -578,8 +624,12 @@ impl Renderer {
             turn,
         };
         self.play_wave(&frame, work, purpose)?;
-        if done + rays < of_turn * turns {
-            return Ok(Phase::Gathering(from, done + rays));
+        let done = done + rays;
+        if half_of_turns == Some(done) {
+            self.play_solve(from, end, turn)?;
+        }
+        if done < of_turn * turns {
+            return Ok(Phase::Gathering(from, done));
         }
         self.solve(from, end)?;
         if end < last {
@@ -595,23 +645,32 @@ impl Renderer {
         })
     }
 
-    /// Makes records of what has been gathered for them.
-    fn solve(&mut self, first: u32, end: u32) -> Result<(), RenderError> {
-        self.set_irradiance(Purpose::Gather {
-            first,
-            end,
-            turn: 0,
-        });
-        let Some(cache) = &mut self.irradiance else {
-            return Ok(());
-        };
-        let Some(kernel) = &cache.solve else {
+    /// Has the device make records of what has been gathered for them in so many turns: of the first half of them only what the records will
+    /// know of that.
+    fn play_solve(&self, first: u32, end: u32, turn: u32) -> Result<(), RenderError> {
+        self.set_irradiance(Purpose::Gather { first, end, turn });
+        let Some(kernel) = self
+            .irradiance
+            .as_ref()
+            .and_then(|cache| cache.solve.as_ref())
+        else {
             return Ok(());
         };
         let kernel = kernel.bind(&self.device, &self.resources);
         let mut recording = Recording::new("records of irradiance");
         recording.dispatch(&kernel, Extent::Threads(end - first));
-        self.device.play(&recording)?;
+        Ok(self.device.play(&recording)?)
+    }
+
+    /// Makes records of what has been gathered for them.
+    fn solve(&mut self, first: u32, end: u32) -> Result<(), RenderError> {
+        let Some(turns) = self.irradiance.as_ref().map(|cache| cache.turns) else {
+            return Ok(());
+        };
+        self.play_solve(first, end, turns)?;
+        let Some(cache) = &mut self.irradiance else {
+            return Ok(());
+        };
         let size = size_of::<Record>() as u64;
         let buffer = self.resources.buffer("irradiance_records");
         let bytes = u64::from(end - first) * size;
@@ -642,6 +701,11 @@ impl Renderer {
             Purpose::Gather { first, end, turn } => [first, end, turn],
             _ => [0; 3],
         };
+        let solved = match (cache.has_halves, turn < cache.turns) {
+            (false, _) => SOLVE_WHOLE,
+            (true, true) => SOLVE_FIRST_HALF,
+            (true, false) => SOLVE_HALVES,
+        };
         // What is wrong between records grows with the square of their radii.
         let finer = 0.5_f32.sqrt().powi(self.settings.refinement.min(20) as i32);
         let words = Settings {
@@ -660,11 +724,11 @@ impl Renderer {
             photons: self.photon_field(purpose),
             turn,
             turns: cache.turns,
-            rings: strata(cache.pass)[0],
-            sectors: strata(cache.pass)[1],
+            rings: cache.strata(cache.pass)[0],
+            sectors: cache.strata(cache.pass)[1],
             points: self.frame.seed() ^ grid::hash(cache.passes[cache.pass].turns),
             left: LEFT_TO_PATHS[(cache.steps as usize).min(LEFT_TO_PATHS.len() - 1)],
-            unused: 0,
+            solved,
         };
         let uniform = self.resources.buffer("irradiance_settings");
         self.device.write(uniform, 0, bytemuck::bytes_of(&words));

@@ -11,6 +11,9 @@
 //! is known better by those together that went before and on to their end than by one. They have scattered once more than these had by then, so
 //! cells also know what they would be told if light could go on once less.
 //!
+//! Where the picture's samples come in halves, so does what is known: half of the paths teach cells of which the first half of the samples is
+//! made, the rest those of the second, so that what the halves differ by is all the noise that there is, that of the cache as well.
+//!
 //! The sums of cells are whole numbers, so that what a cell holds doesn't depend on the order of the paths, and the picture not on
 //! how it was cut. (Where so many cells are needed that the table is full, which ones are there does depend on it. So only the
 //! first paths begin cells: what they don't come by, few others do.)
@@ -20,11 +23,15 @@ use std::ops::RangeInclusive;
 use bytemuck::{Pod, Zeroable};
 use device::{Device, DeviceError, Recording, Resources, Usage};
 
-use crate::{film::Film, settings::Method, wave};
+use crate::{
+    film::Film,
+    settings::{Method, RenderSettings},
+    wave,
+};
 
 use super::{Purpose, RenderError, Renderer};
 
-/// Cells of the table, 32 bytes each.
+/// Cells of the table, 32 bytes each, of each half where the picture's samples come in halves.
 const CELLS: u32 = 1 << 20;
 /// Bytes of a cell.
 const CELL_BYTES: u64 = 32;
@@ -56,13 +63,24 @@ struct Settings {
     lesser: u32,
     ends: u32,
     begins: u32,
-    unused: [u32; 2],
+    half: u32,
+    unused: u32,
+}
+
+/// To which half of what is known of the light a path belongs: as in `cells.wgsl`.
+const HALF_ONE: u32 = 0;
+const HALF_OF_SAMPLE: u32 = 2;
+const HALF_BY_TURNS: u32 = 3;
+
+/// Cells of its table.
+fn cells(settings: &RenderSettings) -> u32 {
+    CELLS << u32::from(settings.halves)
 }
 
 /// Bytes of its table: what cells know, and what they know of light that goes on once less.
-pub(super) fn bytes(method: Method) -> u64 {
-    match method.has_light_cache() {
-        true => 2 * u64::from(CELLS) * CELL_BYTES,
+pub(super) fn bytes(settings: &RenderSettings) -> u64 {
+    match settings.method.has_light_cache() {
+        true => 2 * u64::from(cells(settings)) * CELL_BYTES,
         false => 0,
     }
 }
@@ -70,13 +88,13 @@ pub(super) fn bytes(method: Method) -> u64 {
 /// Makes its buffers, where the method needs them.
 pub(super) fn allocate(
     device: &Device,
-    method: Method,
+    render: &RenderSettings,
     resources: &mut Resources,
 ) -> Result<(), DeviceError> {
-    if !method.has_light_cache() {
+    if !render.method.has_light_cache() {
         return Ok(());
     }
-    let cells = device.buffer("light cache", Usage::Storage, bytes(method))?;
+    let cells = device.buffer("light cache", Usage::Storage, bytes(render))?;
     resources.set_buffer("light_cache", cells);
     let bytes = size_of::<Settings>() as u64;
     let settings = device.buffer("light cache settings", Usage::Uniform, bytes)?;
@@ -147,18 +165,26 @@ impl Renderer {
             Purpose::Gather { .. } | Purpose::Picture => ENDS,
             _ => IDLE,
         };
+        let cells = cells(&self.settings);
+        let half = match purpose {
+            _ if !self.settings.halves => HALF_ONE,
+            Purpose::Learn { .. } => HALF_BY_TURNS,
+            Purpose::Gather { turn, .. } => self.half_of_turn(turn),
+            _ => HALF_OF_SAMPLE,
+        };
         let words = Settings {
             mode,
-            mask: CELLS - 1,
+            mask: cells - 1,
             record: self.light_record(),
             least_count: LEAST_COUNT,
             scale: (SIDE * self.frame.pixel_side()).clamp(*SIDES.start(), *SIDES.end()),
             least_side: (1e-4 * self.scene.radius).max(1e-6),
             photons: self.photon_field(purpose),
-            lesser: CELLS * (CELL_BYTES / 4) as u32,
+            lesser: cells * (CELL_BYTES / 4) as u32,
             ends: u32::from(purpose == Purpose::Learn { ends: true }),
             begins: u32::from(self.begins_cells(purpose)),
-            unused: [0; 2],
+            half,
+            unused: 0,
         };
         let uniform = self.resources.buffer("light_cache_settings");
         self.device.write(uniform, 0, bytemuck::bytes_of(&words));

@@ -54,7 +54,7 @@ impl DeviceMemory {
 /// Bytes of what knows light from before.
 fn caches(device: &Device, settings: &RenderSettings) -> u64 {
     let method = settings.method;
-    light_cache::bytes(method)
+    light_cache::bytes(settings)
         + irradiance::bytes(device, method)
         + photons::bytes(device, settings)
 }

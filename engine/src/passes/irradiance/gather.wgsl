@@ -51,7 +51,7 @@ fn gather_start(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
         return;
     }
     let place = irradiance_records[record * RECORD_WORDS];
-    let width = bitcast<f32>(irradiance_records[record * RECORD_WORDS + 7u].w);
+    let width = bitcast<f32>(irradiance_records[record * RECORD_WORDS + 8u].w);
     path_write(PATH_RADIANCE, slot, vec4f(0.0, 0.0, 0.0, width));
     let stratum = ray % gather_rays();
     let ring = stratum / irradiance_settings.sectors;

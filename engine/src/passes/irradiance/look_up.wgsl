@@ -37,9 +37,9 @@ struct Gradient {
 }
 
 fn record_gradient(at: u32) -> Gradient {
-    let a = bitcast<vec4f>(irradiance_records[at + 2u]);
-    let b = bitcast<vec4f>(irradiance_records[at + 3u]);
-    return Gradient(a.xyz, vec3f(a.w, b.xy), vec3f(b.zw, bitcast<f32>(irradiance_records[at + 4u].x)));
+    let a = bitcast<vec4f>(irradiance_records[at + 3u]);
+    let b = bitcast<vec4f>(irradiance_records[at + 4u]);
+    return Gradient(a.xyz, vec3f(a.w, b.xy), vec3f(b.zw, bitcast<f32>(irradiance_records[at + 5u].x)));
 }
 
 fn along(gradient: Gradient, offset: vec3f) -> vec3f {
@@ -50,10 +50,10 @@ fn along(gradient: Gradient, offset: vec3f) -> vec3f {
 fn record_irradiance(at: u32, is_turned: bool, toward: array<f32, 9>) -> vec3f {
     var irradiance = bitcast<vec3f>(irradiance_records[at + 1u].xyz);
     if (is_turned) {
-        let c = irradiance_records[at + 4u];
-        let d = irradiance_records[at + 5u];
-        let e = irradiance_records[at + 6u];
-        let f = irradiance_records[at + 7u];
+        let c = irradiance_records[at + 5u];
+        let d = irradiance_records[at + 6u];
+        let e = irradiance_records[at + 7u];
+        let f = irradiance_records[at + 8u];
         let last = vec3f(unpack2x16snorm(f.y), unpack2x16snorm(f.z).x);
         let all = two_harmonics(c.yzw, 1.0, toward[1]) + two_harmonics(d.xyz, toward[2], toward[3])
             + two_harmonics(vec3u(d.w, e.xy), toward[4], toward[5]) + two_harmonics(vec3u(e.zw, f.x), toward[6], toward[7])
@@ -81,8 +81,11 @@ struct Known {
 // trapezoidal rule), which is about the mean of all. With a record's own gradient alone, light that bends would be wrong by the mean
 // square of the distances: a ceiling in the middle of which it is brightest, too bright everywhere. So it is wrong by the square of the mean offset, next to
 // nothing where records lie all around.
-fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f) -> Known {
+// What half of a record's rays find more than all is added to it as often as `side_of_half` says: 1 for the samples of the first half, -1 for those of
+// the second, 0 where samples don't come in halves.
+fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f, side_of_half: f32) -> Known {
     var sum = vec4f(0.0);
+    var differences = vec3f(0.0);
     var left = 0.0;
     var offsets = vec3f(0.0);
     var gradients = Gradient(vec3f(0.0), vec3f(0.0), vec3f(0.0));
@@ -122,6 +125,7 @@ fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f) -> Known {
                 let moved = weight * side * offset;
                 sum += weight * vec4f(record_irradiance(at, is_turned, toward), 1.0);
                 sum += vec4f(0.5 * along(gradient, moved), 0.0);
+                differences += weight * bitcast<vec3f>(irradiance_records[at + 2u].xyz);
                 offsets += moved;
                 gradients.red += weight * gradient.red;
                 gradients.green += weight * gradient.green;
@@ -131,7 +135,10 @@ fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f) -> Known {
     }
     let scale = 1.0 / max(sum.w, 1e-6);
     let bent = along(gradients, (0.5 * scale) * offsets);
-    return Known(max((sum.xyz + bent) * scale, vec3f(0.0)), sum.w, left * scale);
+    let irradiance = max((sum.xyz + bent) * scale, vec3f(0.0));
+    // Both halves have light: what one has more, the other has less.
+    let difference = clamp(differences * scale, -irradiance, irradiance);
+    return Known(irradiance + side_of_half * difference, sum.w, left * scale);
 }
 
 // Weights that a place needs to be covered.
@@ -205,7 +212,9 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     let diffuse = path_words(PATH_DIFFUSE, slot);
     let goes_on = (left.w & LEFT_ON) != 0u;
     let facing = octahedral_decode(place.w);
-    let found = irradiance_at(bitcast<vec3f>(place.xyz), facing, octahedral_decode(diffuse.w));
+    let in_halves = frame.has_halves != 0u && mode == IRRADIANCE_USE;
+    let side_of_half = select(0.0, select(-1.0, 1.0, is_first_half(path_id(slot).number)), in_halves);
+    let found = irradiance_at(bitcast<vec3f>(place.xyz), facing, octahedral_decode(diffuse.w), side_of_half);
     let gathered = path_read(PATH_RADIANCE, slot);
     if (mode == IRRADIANCE_FIND) {
         if (found.weight < LEAST_WEIGHT) {

@@ -7,17 +7,17 @@
 //!include irradiance/settings.wgsl
 //!include shared/vectors.wgsl
 
-// Eight of each:
+// Nine of each:
 //  0: position, radius
 //  1: irradiance rgb, octahedral normal
-//  2..4.x: gradient in space, red, green, blue: nine numbers
-//  4.y..7.z: what the nine harmonics of the irradiance are multiplied by, rgb each, in units of MOST_HARMONIC times the largest of rgb of the
+//  2: by how much half of its rays find more than all, rgb; the irradiance's standard error, of itself
+//  3..5.x: gradient in space, red, green, blue: nine numbers
+//  5.y..8.z: what the nine harmonics of the irradiance are multiplied by, rgb each, in units of MOST_HARMONIC times the largest of rgb of the
 //     irradiance: 27 numbers of 16 bits. In place of the first, what all normals have in common: such that the irradiance at the record's own
 //     normal comes out
-//  7.z, upper half: the irradiance's standard error, of itself
-//  7.w: width of a pixel there, but for its last eight bits: how far the record would reach if it might be smaller than it may, in 255ths of
+//  8.w: width of a pixel there, but for its last eight bits: how far the record would reach if it might be smaller than it may, in 255ths of
 //     how far it reaches
-const RECORD_WORDS = 8u;
+const RECORD_WORDS = 9u;
 const MOST_HARMONIC = 16.0;
 
 // A record's weight falls with the angle between the normals, too: this is where it has fallen to nothing, as sqrt(1 - cosine).

@@ -19,7 +19,7 @@ struct IrradianceSettings {
     sectors: u32, // of each ring
     points: u32, // stream of the points in their strata
     left: f32, // how often what is better left to paths is left to them
-    unused: u32,
+    solved: u32, // what has been gathered when records are made
 }
 
 @group(0) @binding(50) var<uniform> irradiance_settings: IrradianceSettings;
@@ -30,6 +30,13 @@ const IRRADIANCE_IDLE = 0u;
 const IRRADIANCE_FIND = 1u;
 // What surfaces scatter diffusely is taken from the records.
 const IRRADIANCE_USE = 2u;
+
+// All rays.
+const SOLVE_WHOLE = 0u;
+// Those of the first half of turns.
+const SOLVE_FIRST_HALF = 1u;
+// Both halves, the first of which is known.
+const SOLVE_HALVES = 2u;
 
 // Gather rays of a record at a time.
 fn gather_rays() -> u32 {

@@ -11,6 +11,10 @@
 const LEAST_WIDTHS = 1.5;
 const MOST_WIDTHS = 48.0;
 
+// Rays of the first half of turns and those of the second know nothing of each other: what the two find differs by noise, theirs and that of the
+// cells that they end in. So records know both, and each half of a picture's samples takes its own: the picture's halves differ by the records'
+// noise, too.
+
 // What the rays of a stratum have found on average: radiance, and the distance as harmonic mean.
 fn gathered(ray: u32) -> vec4f {
     let sum = irradiance_gathered[ray];
@@ -33,6 +37,14 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     }
     let at = record * RECORD_WORDS;
     let first = index * gather_rays();
+    if (irradiance_settings.solved == SOLVE_FIRST_HALF) {
+        var sum = vec3f(0.0);
+        for (var ray = 0u; ray < gather_rays(); ray++) {
+            sum += irradiance_gathered[first + ray].xyz;
+        }
+        irradiance_records[at + 2u] = vec4u(bitcast<vec3u>(sum), 0u);
+        return;
+    }
     let normal = octahedral_decode(irradiance_records[at + 1u].w);
     let tangent = any_perpendicular(normal);
     let bitangent = cross(normal, tangent);
@@ -80,7 +92,7 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
         along_y += outward * middle.y + across * border.x;
     }
     let irradiance = sum * (PI / f32(gather_rays()));
-    let width = max(bitcast<f32>(irradiance_records[at + 7u].w), 1e-9);
+    let width = max(bitcast<f32>(irradiance_records[at + 8u].w), 1e-9);
     var radius = irradiance_settings.radius_share * f32(gather_rays()) / max(inverse, 1e-30);
     let steepest = max(length(vec2f(luminance(along_x), luminance(along_y))), 1e-30);
     radius = min(radius, irradiance_settings.most_change * luminance(irradiance) / steepest);
@@ -93,8 +105,16 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     let red = (tangent * along_x.x + bitangent * along_y.x) * calmer;
     let green = (tangent * along_x.y + bitangent * along_y.y) * calmer;
     let blue = (tangent * along_x.z + bitangent * along_y.z) * calmer;
-    irradiance_records[at + 2u] = bitcast<vec4u>(vec4f(red, green.x));
-    irradiance_records[at + 3u] = bitcast<vec4u>(vec4f(green.yz, blue.xy));
+    // Were neighbouring strata alike but for their noise, the irradiance would be wrong by this: standard error, of itself.
+    let error = sqrt(0.5 * unlike) * (PI / f32(gather_rays())) / max(luminance(irradiance), 1e-30);
+    var difference = vec3f(0.0);
+    if (irradiance_settings.solved == SOLVE_HALVES) {
+        let of_half = bitcast<vec3f>(irradiance_records[at + 2u].xyz) * (2.0 * PI / f32(gather_rays() * irradiance_settings.turns));
+        difference = of_half - irradiance;
+    }
+    irradiance_records[at + 2u] = bitcast<vec4u>(vec4f(difference, min(error, 1.0)));
+    irradiance_records[at + 3u] = bitcast<vec4u>(vec4f(red, green.x));
+    irradiance_records[at + 4u] = bitcast<vec4u>(vec4f(green.yz, blue.xy));
     // Radiance to irradiance, band by band, over the irradiance itself.
     let scale = 1.0 / max(max_component(irradiance), 1e-30);
     let own = harmonics(normal);
@@ -112,11 +132,8 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
         let number = pack2x16snorm(vec2f(bands[band][i % 3u] / MOST_HARMONIC, 0.0));
         words[1u + i / 2u] |= (number & 0xffffu) << (16u * (i & 1u));
     }
-    // Were neighbouring strata alike but for their noise, the irradiance would be wrong by this: standard error, of itself.
-    let error = sqrt(0.5 * unlike) * (PI / f32(gather_rays())) / max(luminance(irradiance), 1e-30);
-    words[14] |= u32(min(error, 1.0) * 65535.0) << 16u;
     words[15] = (bitcast<u32>(width) & 0xffffff00u) | u32(255.0 * calmer);
     for (var i = 0u; i < 4u; i++) {
-        irradiance_records[at + 4u + i] = vec4u(words[4u * i], words[4u * i + 1u], words[4u * i + 2u], words[4u * i + 3u]);
+        irradiance_records[at + 5u + i] = vec4u(words[4u * i], words[4u * i + 1u], words[4u * i + 2u], words[4u * i + 3u]);
     }
 }

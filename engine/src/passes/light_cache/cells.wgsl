@@ -18,9 +18,18 @@ struct LightCacheSettings {
     lesser: u32, // words from a cell to what it knows of light that goes on once less
     ends: u32, // while the cache learns: whether paths end in what it knows of such light, or go on to their end
     begins: u32, // while the cache learns: whether cells that aren't there are begun
-    unused_0: u32,
-    unused_1: u32,
+    half: u32, // to which half of all that is known of the light paths belong
+    unused: u32,
 }
+
+// What is known of the light comes in halves that know nothing of each other, where the picture's samples do, each with cells of its own. To which
+// a path belongs: to this,
+const HALF_ONE = 0u;
+const HALF_OTHER = 1u;
+// to that of its sample,
+const HALF_OF_SAMPLE = 2u;
+// or, of neighbouring pixels, and of samples of a pixel, by turns to one and to the other.
+const HALF_BY_TURNS = 3u;
 
 // Paths go on, and are learned from.
 const LIGHT_CACHE_LEARNS = 1u;
@@ -59,14 +68,14 @@ const VIEW_STEPS = 4.0;
 
 // The first word of the cell for a point of a surface that scatters to `view`, which is 0 where it doesn't matter, or NO_CELL where
 // there is none. A cell that isn't there is begun where that is wanted and there is room.
-fn cell_at(position: vec3f, normal: vec3f, view: vec3f, side: f32, begins: bool) -> u32 {
+fn cell_at(position: vec3f, normal: vec3f, view: vec3f, side: f32, half: u32, begins: bool) -> u32 {
     let place = vec3i(floor(position / side));
     // Surfaces of other directions have cells of their own, thin walls one on each side.
     let toward = vec3i(round(normal * 2.0)) + 2;
     let seen_from = vec3i(round(view * VIEW_STEPS)) + i32(VIEW_STEPS);
     let direction = u32(toward.x + 5 * toward.y + 25 * toward.z + 125 * (seen_from.x + 9 * seen_from.y + 81 * seen_from.z));
     let known_by = hash2(hash2(hash2(bitcast<u32>(place.x), bitcast<u32>(place.y)), bitcast<u32>(place.z)),
-        hash2(direction, bitcast<u32>(side)));
+        hash2(direction + (half << 20u), bitcast<u32>(side)));
     let number = max(hash(known_by ^ 0x5bd1e995u), 1u);
     for (var i = 0u; i < CELL_PROBES; i++) {
         let cell = ((known_by + i * (i + 1u) / 2u) & light_cache_settings.mask) * CELL_WORDS;
@@ -123,10 +132,21 @@ fn cell_add(cell: u32, value: vec3f) {
     }
 }
 
-// Where a cell isn't known well, a wider one helps out, with a side so many times as long: in a mean of both it counts as much as so many
-// paths.
+// To which half of what is known a path belongs.
+fn half_of(path: PathId) -> u32 {
+    let half = light_cache_settings.half;
+    if (half == HALF_OF_SAMPLE) {
+        return u32(!is_first_half(path.number));
+    }
+    if (half == HALF_BY_TURNS) {
+        return (path.number ^ path.pixel ^ (path.pixel >> 1u)) & 1u;
+    }
+    return half;
+}
+
+// Where a cell isn't known well, a wider one helps out, with a side so many times as long: in a mean of both it counts as much as the least count
+// of paths.
 const WIDER = 4.0;
-const WIDER_COUNT = 8.0;
 // Above so many times that, the cell is known well.
 const WELL_KNOWN = 32.0;
 

@@ -40,6 +40,7 @@ struct CachedPlace {
     offset: vec3f, // by which its cell is moved
     side: f32, // of its cell
     spread: f32, // area that the path has spread over
+    half: u32, // to which the path belongs
 }
 
 // The place at a path's hit. `depth` is how often the path has scattered.
@@ -59,6 +60,7 @@ fn end_at(slot: u32, hit: RayHit, depth: u32) -> CachedPlace {
     place.is_one = place.spread > LEAST_SPREAD * place.side * place.side;
     // Cells are looked up, and learn, all around: no border shows.
     let id = path_id(slot);
+    place.half = half_of(id);
     let turned = independent2(id.sample, hash2(id.key, 0x1f123bb5u + depth)) - 0.5;
     let tangent = any_perpendicular(s.geometric_normal);
     place.offset = place.side * (turned.x * tangent + turned.y * cross(s.geometric_normal, tangent));
@@ -66,11 +68,11 @@ fn end_at(slot: u32, hit: RayHit, depth: u32) -> CachedPlace {
 }
 
 fn cell_of_place(place: CachedPlace, begins: bool) -> u32 {
-    return cell_at(place.position + place.offset, place.normal, place.view, place.side, begins);
+    return cell_at(place.position + place.offset, place.normal, place.view, place.side, place.half, begins);
 }
 
 fn wider_cell_of_place(place: CachedPlace, begins: bool) -> u32 {
-    return cell_at(place.position + WIDER * place.offset, place.normal, place.view, WIDER * place.side, begins);
+    return cell_at(place.position + WIDER * place.offset, place.normal, place.view, WIDER * place.side, place.half, begins);
 }
 
 // What surfaces scatter there on average, and in w whether enough is known of it; `lesser` as for `cell_mean`.
@@ -78,10 +80,10 @@ fn known_mean(place: CachedPlace, lesser: u32) -> vec4f {
     let least = f32(light_cache_settings.least_count);
     let mean = cell_mean(cell_of_place(place, false), lesser);
     let is_wide = place.spread > LEAST_SPREAD * WIDER * WIDER * place.side * place.side;
-    if (is_wide && mean.w < WELL_KNOWN * WIDER_COUNT) {
+    if (is_wide && mean.w < WELL_KNOWN * least) {
         let wider = cell_mean(wider_cell_of_place(place, false), lesser);
         if (wider.w >= least) {
-            return vec4f(mix(wider.xyz, mean.xyz, mean.w / (mean.w + WIDER_COUNT)), 1.0);
+            return vec4f(mix(wider.xyz, mean.xyz, mean.w / (mean.w + least)), 1.0);
         }
     }
     return vec4f(mean.xyz, f32(mean.w >= least));

@@ -216,7 +216,9 @@ impl Irradiance {
         let once: u64 = (0..DISTANCES.len()).map(|pass| self.rays_once(pass)).sum();
         let wanted = (RAYS_SHARE * (Pace::of(self).after(self.steps) * pixels) as f64) as u64;
         let is_worth_it = once > 0 && (knows_more || wanted >= self.rays);
-        is_worth_it.then(|| ((wanted + once / 2) / once).max(1) as u32)
+        // The nearest number of turns, by halves.
+        let nearest = wanted + u64::from(self.halves()) * once / 2;
+        is_worth_it.then(|| self.turns_for(nearest, once))
     }
 
     /// Has all records made anew.

@@ -22,9 +22,13 @@ pub(super) struct Record {
     pub(super) irradiance: Vec3,
     /// Octahedral.
     pub(super) normal: u32,
+    /// By how much half of its rays find more than all, W/m2; the other half finds as much less.
+    pub(super) difference: Vec3,
+    /// Standard error of the irradiance's luminance, of itself.
+    pub(super) relative_error: f32,
     /// How each colour changes from place to place, W/m3.
     pub(super) gradients: [[f32; 3]; 3],
-    /// What only the kernels read, relative to the irradiance; and its standard error in the last 16 bits.
+    /// What only the kernels read, relative to the irradiance.
     pub(super) inner: [u32; 14],
     /// Of a pixel there, metres, but for the last eight bits: see [`Record::fits`].
     pub(super) width: f32,
@@ -48,6 +52,7 @@ impl Record {
     /// Makes it so many times as bright.
     fn scale(&mut self, factor: f32) {
         self.irradiance *= factor;
+        self.difference *= factor;
         for number in self.gradients.iter_mut().flatten() {
             *number *= factor;
         }
@@ -55,7 +60,7 @@ impl Record {
 
     /// Standard error of the irradiance's luminance, W/m2.
     pub(super) fn error(&self) -> f32 {
-        luminance(self.irradiance) * (self.inner[13] >> 16) as f32 / 65535.0
+        luminance(self.irradiance) * self.relative_error
     }
 
     /// How far it would reach if it might be smaller than it may, over how far it does; 1 where it is as small as that.
@@ -77,9 +82,11 @@ impl Record {
 
     /// With such an error.
     #[cfg(test)]
-    pub(super) fn with_error(mut self, relative: f32) -> Self {
-        self.inner[13] = ((relative * 65535.0) as u32) << 16;
-        self
+    pub(super) fn with_error(self, relative_error: f32) -> Self {
+        Self {
+            relative_error,
+            ..self
+        }
     }
 
     /// Its normal, of length 1.

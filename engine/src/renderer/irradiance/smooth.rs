@@ -61,9 +61,13 @@ fn smoothed(record: &Record, records: &[Record], grid: &Grid) -> Record {
     let more_trust = |surface: &Surface| (trust(surface.square_error) - own_trust).max(0.0);
     let surfaces = || surfaces.iter().flatten();
     let all = own_trust + surfaces().map(more_trust).sum::<f32>();
-    let others = surfaces().map(|surface| (more_trust(surface) / all) * surface.level);
+    let mixed = |own: Vec3, of: fn(&Surface) -> Vec3| {
+        let others = surfaces().map(|surface| (more_trust(surface) / all) * of(surface));
+        (own_trust / all) * own + others.sum::<Vec3>()
+    };
     Record {
-        irradiance: (own_trust / all) * record.irradiance + others.sum::<Vec3>(),
+        irradiance: mixed(record.irradiance, |surface| surface.level),
+        difference: mixed(record.difference, |surface| surface.difference),
         ..*record
     }
 }
@@ -76,6 +80,8 @@ struct Neighbour {
     apart: f32,
     /// What it says about the record in the middle, W/m2.
     irradiance: Vec3,
+    /// By how much half of its rays find more, W/m2.
+    difference: Vec3,
     /// Variance of its luminance.
     noise: f32,
 }
@@ -97,6 +103,7 @@ impl Neighbour {
             place: tangents.map(|tangent| offset.dot(tangent) / record.radius),
             apart,
             irradiance: other.irradiance - Vec3::from(change),
+            difference: other.difference,
             noise: NOISE * other.error().powi(2),
         })
     }
@@ -128,6 +135,8 @@ const CURVED: usize = 6;
 struct Surface {
     /// W/m2.
     level: Vec3,
+    /// By how much half of the rays of all find more, W/m2.
+    difference: Vec3,
     /// Square of what its luminance is likely to be off by.
     square_error: f32,
 }
@@ -167,6 +176,7 @@ fn fitted<const N: usize>(neighbours: &[Neighbour], reach: f32) -> Option<Surfac
     let colours = [0, 1, 2].map(|colour| root.solve(sums.map(|sum| sum[colour])));
     let numbers: [Vec3; N] = std::array::from_fn(|i| Vec3::from(colours.map(|of| of[i])));
     let (mut unlike, mut noise, mut left) = (0.0, 0.0, 0.0);
+    let mut difference = Vec3::ZERO;
     for (neighbour, weight, terms) in asked() {
         let found: Vec3 = (terms.iter().zip(numbers))
             .map(|(term, of)| *term * of)
@@ -178,12 +188,14 @@ fn fitted<const N: usize>(neighbours: &[Neighbour], reach: f32) -> Option<Surfac
         noise += weight * neighbour.noise;
         let share: f32 = (terms.iter().zip(of_height)).map(|(a, b)| a * b).sum();
         left += (weight * share).powi(2) * neighbour.noise;
+        difference += weight * share * neighbour.difference;
     }
     let bias = IN_THE_MIDDLE * (unlike - noise).max(0.0) / weights;
     let (level, square_error) = (numbers[0], bias + left);
     let says_something = level.is_finite() && level.min_element() >= 0.0;
     (says_something && square_error.is_finite()).then_some(Surface {
         level,
+        difference,
         square_error,
     })
 }
