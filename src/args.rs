@@ -197,7 +197,7 @@ pub(crate) struct RenderArgs {
     #[arg(short, long = "output", value_name = "FILE", action = ArgAction::Append)]
     pub(crate) outputs: Vec<PathBuf>,
 
-    /// Samples (camera paths) per pixel: 64, or with --noise, --flip or --time as many as these want.
+    /// Samples (camera paths) per pixel: 64, or with --noise, --flip, --time or --accuracy final as many as these want.
     #[arg(long, value_name = "N")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) spp: Option<String>,
@@ -311,7 +311,8 @@ pub(crate) struct RenderArgs {
     pub(crate) method: String,
 
     /// How right a picture has to be: reference (as --method path), final (as --method cache, rendered again with finer records where the
-    /// audit finds more wrong than one sees) or draft (as --method draft).
+    /// audit finds more wrong than one sees; without --spp, --noise or --flip until --flip 0.03, of 4096 samples at most) or draft (as
+    /// --method draft).
     #[arg(long, value_name = "NAME", conflicts_with = "method")]
     #[arg(value_parser = words(Accuracy::ALL.map(Accuracy::name)))]
     pub(crate) accuracy: Option<String>,

@@ -12,6 +12,7 @@ use engine::scene::Scene;
 use engine::scene::view::ViewChoice;
 use engine::session::Edit;
 use engine::settings::{Divided, Estimator, Method, Sampler};
+use pictures::seen::FINAL;
 
 use crate::accuracy::{Accuracy, method_flag};
 use crate::args::RenderArgs;
@@ -28,6 +29,8 @@ use crate::words::{
 
 /// Samples per pixel where nothing else ends a render.
 const DEFAULT_SPP: u32 = 64;
+/// Most samples per pixel of a picture that ends where one sees no more noise.
+const FINAL_SPP: u32 = 4096;
 /// How often a render is kept where nothing else is said.
 const CHECKPOINTS: Duration = Duration::from_secs(60);
 
@@ -156,11 +159,24 @@ impl RenderJob {
         };
         let form = form::parse(&args.form)?;
         let outputs = Outputs::from_paths(args.outputs.clone(), Some(&args.scene))?;
-        let limits = limits(&args)?;
+        let accuracy = args
+            .accuracy
+            .as_deref()
+            .map(|word| parse_word("--accuracy", word, Accuracy::ALL, Accuracy::name));
+        let accuracy = accuracy.transpose()?;
+        let method = method(&args, accuracy)?;
+        let mut limits = limits(&args)?;
+        let ends_by_itself = accuracy == Some(Accuracy::Final)
+            && args.spp.is_none()
+            && limits.noise.or(limits.flip).is_none();
+        if ends_by_itself {
+            limits.flip = Some(FINAL);
+        }
         let samples = match &args.sample_range {
             Some(range) => parse_sample_range("--sample-range", range)?,
             None => match &args.spp {
                 Some(spp) => 0..parse_number("--spp", spp, 1, MAX_SPP)?,
+                None if ends_by_itself => 0..FINAL_SPP,
                 None if limits == Limits::default() => 0..DEFAULT_SPP,
                 None => 0..MAX_SPP,
             },
@@ -183,12 +199,6 @@ impl RenderJob {
             args.look_at.as_deref(),
         )?;
         let shown_layers = parse_layers(&args.layers, &outputs)?;
-        let accuracy = args
-            .accuracy
-            .as_deref()
-            .map(|word| parse_word("--accuracy", word, Accuracy::ALL, Accuracy::name));
-        let accuracy = accuracy.transpose()?;
-        let method = method(&args, accuracy)?;
         form.check(&shown_layers)
             .map_err(|error| form::refused("--exr-compression", &error))?;
         let filter = parse_word(

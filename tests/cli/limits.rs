@@ -211,6 +211,14 @@ fn accuracy_chooses_how_light_is_found() {
         assert!(said.contains("ended by --noise 0.5"), "{said}");
         assert!(said.contains("biased:"), "{said}");
     }
+    let by_itself = format!(
+        "{} --accuracy final -o f.png",
+        scene.replace("--spp 32", "")
+    );
+    let ended = bench.run(&by_itself).expect_code(0);
+    let said = &ended.stdout;
+    assert!(said.contains("ended by --flip 0.03"), "{said}");
+    assert!(said.contains("biased:"), "{said}");
     let longer = format!("{scene} --accuracy final").replace("--spp 32", "--spp 64");
     let kept = "--checkpoint=1s -o kept.exr -o kept.patina-film";
     bench

@@ -264,6 +264,52 @@ fn noise_of_records_falls_with_the_samples() {
     assert!(late < 0.5 * early, "{late} is not much less than {early}");
 }
 
+/// Samples' two halves know nothing of each other's light: what they differ by is all the noise of a picture, that of caches as well.
+#[test]
+fn halves_differ_by_the_noise_of_caches_too() {
+    let Some(device) = device::open() else { return };
+    let (width, size) = (48, (48, 36));
+    // By means of 12 x 12 pixels, whose own noise is small.
+    let block = |pixels: &[Vec3], x: usize, y: usize| -> Vec3 {
+        let all = (0..144).map(|i| pixels[(12 * y + i / 12) * width + 12 * x + i % 12]);
+        all.sum::<Vec3>() / 144.0
+    };
+    let blocks = || (0..12).map(|i| (i % 4, i / 4));
+    for method in [Method::Draft, Method::Cache] {
+        let (mut told, mut sums, mut squares) = (0.0, [Vec3::ZERO; 12], 0.0);
+        let seeds = 10;
+        for seed in 0..seeds {
+            let settings = RenderSettings {
+                paths_ahead: 1 << 13,
+                halves: true,
+                ..seen(size, seed, method)
+            };
+            let film = film(&device, room(), &settings, 32);
+            let means = (0..film.pixels()).map(|pixel| film.half_means(pixel).expect("halves"));
+            let [first, second]: [Vec<Vec3>; 2] = means
+                .map(|halves| halves.map(|half| Vec3::from(half.map(|x| x as f32))))
+                .map(|[first, second]| (first, second))
+                .unzip::<_, _, Vec<_>, Vec<_>>()
+                .into();
+            for (i, (x, y)) in blocks().enumerate() {
+                let [one, other] = [&first, &second].map(|half| block(half, x, y));
+                told += (0.5 * (one - other)).length_squared();
+                let mean = 0.5 * (one + other);
+                sums[i] += mean;
+                squares += mean.length_squared();
+            }
+        }
+        let of_means: f32 = sums.iter().map(|sum| sum.length_squared()).sum();
+        let strays = (squares - of_means / seeds as f32) / (seeds - 1) as f32;
+        let told = told / seeds as f32;
+        println!("{}: {told} told, {strays} there", method.name());
+        assert!(
+            (0.6..1.6).contains(&(told / strays)),
+            "{told} is not {strays}"
+        );
+    }
+}
+
 /// Samples may go where they are needed, with a cache as without.
 #[test]
 fn blocks_get_their_samples_with_a_cache_too() {
