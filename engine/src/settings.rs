@@ -51,7 +51,8 @@ pub struct RenderSettings {
     /// Where random numbers come from.
     pub sampler: Sampler,
     /// Whether samples come in two halves whose random numbers have nothing in common, so that the film knows its error rightly
-    /// instead of rather too large; where no samples are left out between them. A smooth picture has a little more noise for it.
+    /// instead of rather too large; where no samples are left out between them. A smooth picture has a little more noise for it. So does what
+    /// caches know of the light, each half of the samples with its own.
     pub halves: bool,
     /// How light that is scattered more than once is found.
     pub method: Method,

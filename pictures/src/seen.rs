@@ -50,8 +50,8 @@ impl Seen {
 }
 
 /// FLIP of each pixel between a picture and the one without its noise, which isn't known: noise of the same size is put upon the
-/// picture, blurred. `pixel` gives the linear Rec.709 of one, counted row by row, and a difference as large as its noise, independent from pixel
-/// to pixel, such as half of what two halves of its samples differ by. `show` gives the sRGB codes that a screen shows of a colour.
+/// picture, blurred. `pixel` gives the linear Rec.709 of one, counted row by row, and a difference as large as its noise, which pixels
+/// share as they share that, such as half of what two halves of its samples differ by. `show` gives the sRGB codes that a screen shows of a colour.
 ///
 /// Edges of the picture are blurred on both sides of the comparison, so that they neither count as noise nor hide any; what is left in
 /// the blurred picture of the noise itself counts for little.

@@ -13,6 +13,9 @@
 //! Radii follow the harmonic mean of the distances to what a record sees, and how steeply its light changes; they shrink where a
 //! neighbour has found something closer, and where many records overlap. In the end what records differ by from their neighbours is taken out
 //! of them as far as it is noise ([`smooth`](self::smooth)).
+//!
+//! Where the picture's samples come in halves, so do the rays of records, as what they end in does: a record knows what each half has found, and
+//! gives either to the half of the samples that it is for. Else all samples would share its noise, and the picture wouldn't know of it.
 
 mod grid;
 mod growth;
