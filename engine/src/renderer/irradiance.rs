@@ -215,16 +215,6 @@ fn rays_of([rings, sectors]: [u32; 2]) -> u32 {
     rings * sectors
 }
 
-/// Rings and sectors of the records of a pass, whose turns come in halves or don't.
-fn strata(pass: usize, has_halves: bool) -> [u32; 2] {
-    match (DISTANCES[pass] > FEWER_BELOW, has_halves) {
-        (true, false) => STRATA,
-        (true, true) => STRATA_OF_HALVES,
-        (false, false) => FEWER_STRATA,
-        (false, true) => FEWER_STRATA_OF_HALVES,
-    }
-}
-
 /// Bytes of its buffers.
 pub(super) fn bytes(device: &Device, method: Method) -> u64 {
     let buffers = buffers(at_once(device));
@@ -307,7 +297,12 @@ impl Irradiance {
 
     /// Rings and sectors of the records of a pass.
     fn strata(&self, pass: usize) -> [u32; 2] {
-        strata(pass, self.has_halves)
+        match (DISTANCES[pass] > FEWER_BELOW, self.has_halves) {
+            (true, false) => STRATA,
+            (true, true) => STRATA_OF_HALVES,
+            (false, false) => FEWER_STRATA,
+            (false, true) => FEWER_STRATA_OF_HALVES,
+        }
     }
 
     /// Halves that the rays of a record come in.
