@@ -68,11 +68,26 @@ const STEEPNESS = 12.0;
 // Normals that are farther apart, as the square of the distance of their ends, are two (0.8 degrees).
 const LEAST_TURN2 = 2e-4;
 
+// A sample of the picture asks one in so many references of a cell at most, which counts for these; another one than the sample before,
+// so that as many samples have asked all of them.
+const MOST_THINNED = 4u;
+// So many it asks at least, as far as there are.
+const FEW_REFERENCES = 4u;
+
 // What records say of a place.
 struct Known {
     irradiance: vec3f, // weighed from all that reach there
     weight: f32, // of all of them
     left: f32, // how much is better left to paths
+}
+
+// Of how many references of a cell one is asked, a power of two.
+fn thinned_to(count: u32, most: u32) -> u32 {
+    var thinned = 1u;
+    while (thinned < most && count >= 2u * FEW_REFERENCES * thinned) {
+        thinned *= 2u;
+    }
+    return thinned;
 }
 
 // `facing` is the normal by which records are chosen, `normal` the one that light falls on.
@@ -83,7 +98,8 @@ struct Known {
 // nothing where records lie all around.
 // What half of a record's rays find more than all is added to it as often as `side_of_half` says: 1 for the samples of the first half, -1 for those of
 // the second, 0 where samples don't come in halves.
-fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f, side_of_half: f32) -> Known {
+// One in `most_thinned` references of a cell is asked at least, and which, goes by the number of the sample.
+fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f, side_of_half: f32, most_thinned: u32, sample: u32) -> Known {
     var sum = vec4f(0.0);
     var differences = vec3f(0.0);
     var left = 0.0;
@@ -101,7 +117,8 @@ fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f, side_of_half: f3
         let scaled = position * power_of_two(-side_log2);
         let cell = floor(scaled);
         let references = references_of(vec3i(cell), level);
-        for (var i = references.x; i < references.y; i++) {
+        let thinned = thinned_to(references.y - references.x, most_thinned);
+        for (var i = references.x + sample % thinned; i < references.y; i += thinned) {
             let reference = irradiance_references[i];
             let reaches = reference_reach(reference);
             let offset = scaled - cell - reference_place(reference);
@@ -117,7 +134,7 @@ fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f, side_of_half: f3
             let apart2 = max(beside2, height * height) / (reaches * reaches);
             let distance2 = max(apart2, turn_scale * turn2);
             if (distance2 < 1.0) {
-                let weight = 1.0 - sqrt(distance2);
+                let weight = (1.0 - sqrt(distance2)) * f32(thinned);
                 let is_turned = is_bumped || turn2 > LEAST_TURN2;
                 let at = reference_record(reference);
                 left += weight * reference_left(reference);
@@ -214,7 +231,14 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     let facing = octahedral_decode(place.w);
     let in_halves = frame.has_halves != 0u && mode == IRRADIANCE_USE;
     let side_of_half = select(0.0, select(-1.0, 1.0, is_first_half(path_id(slot).number)), in_halves);
-    let found = irradiance_at(bitcast<vec3f>(place.xyz), facing, octahedral_decode(diffuse.w), side_of_half);
+    var found: Known;
+    // Where what one sample asks hardly reaches, it asks all.
+    for (var most_thinned = select(1u, MOST_THINNED, mode == IRRADIANCE_USE);; most_thinned = 1u) {
+        found = irradiance_at(bitcast<vec3f>(place.xyz), facing, octahedral_decode(diffuse.w), side_of_half, most_thinned, path_id(slot).number);
+        if (most_thinned == 1u || found.weight >= LEAST_WEIGHT) {
+            break;
+        }
+    }
     let gathered = path_read(PATH_RADIANCE, slot);
     if (mode == IRRADIANCE_FIND) {
         if (found.weight < LEAST_WEIGHT) {
