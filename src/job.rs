@@ -168,7 +168,9 @@ impl MergeJob {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::words::{Devices, Format, Output, parse_devices, parse_memory, parse_size};
+    use crate::words::{
+        Devices, Format, Output, parse_devices, parse_memory, parse_scale, parse_size,
+    };
     use engine::film::Layers;
     use engine::scene::view::{View, ViewTransform};
     use std::path::Path;
@@ -424,6 +426,18 @@ mod tests {
         assert_eq!(parse_device(Some("native:3")), Ok(DeviceChoice::Native(3)));
         let error = parse_device(Some("native:0")).unwrap_err().to_string();
         assert!(error.contains("from 1 to 1024"), "{error}");
+        let error = parse_device(Some("native:1,native:1")).unwrap_err();
+        assert!(error.to_string().contains("one device"), "{error}");
+    }
+
+    #[test]
+    fn a_scale_of_fifty_is_no_factor() {
+        for good in ["50%", "0.5", "2", "250 %"] {
+            assert!(parse_scale(good).is_ok(), "{good}");
+        }
+        for bad in ["50", "0", "-1", "nan", "20000%", "half"] {
+            assert!(parse_scale(bad).is_err(), "{bad}");
+        }
     }
 
     #[test]

@@ -56,6 +56,11 @@ impl Frames {
 
 /// Which of so many frames part `I/N` has: as many as the others, but for one.
 fn parse_frame_part(given: &str, frames: u32) -> Result<Range<u32>, UsageError> {
+    if frames == 0 {
+        return Err(UsageError::FramePartOfNone {
+            given: given.to_owned(),
+        });
+    }
     let part = given.split_once('/').and_then(|(part, parts)| {
         let (part, parts) = (part.trim().parse().ok()?, parts.trim().parse().ok()?);
         ((1..=parts).contains(&part) && parts <= frames).then(|| part_of(frames, part, parts))

@@ -248,6 +248,8 @@ struct Rendered {
     paths: Option<u64>,
     /// Why it isn't complete, if it isn't.
     ended: Option<Ended>,
+    /// Whether it is of paths that go ahead of the picture, which isn't begun.
+    is_preview: bool,
     /// Names of the devices.
     device: String,
     facts: DeviceFacts,
@@ -300,13 +302,24 @@ fn write(
     denoiser: Option<&Denoiser>,
     load_seconds: f64,
 ) -> (Result<(), Failure>, Rest) {
-    let tally = rendered.gathered.tally();
+    let tally = match rendered.is_preview {
+        true => Tally::default(),
+        false => rendered.gathered.tally(),
+    };
     let (lowest, _) = tally.sample_bounds();
-    if let (Some(Ended::Enough(_)), 0) = (&rendered.ended, tally.samples()) {
+    if rendered.is_preview {
+        let reason = match &rendered.ended {
+            Some(Ended::Enough(_)) => "the time was over",
+            Some(Ended::Interrupted) => "interrupted",
+            Some(Ended::Failed(_)) | None => "it ended",
+        };
+        console::warning(&format!(
+            "{reason} before the first sample: what is written shows paths that go ahead of the picture"
+        ));
+    } else if let (Some(Ended::Enough(_)), 0) = (&rendered.ended, tally.samples()) {
         let text = "the time was over before the first sample: nothing is written".to_owned();
         return (Err(Failure::Failed(text)), rendered.rest);
-    }
-    if let Some(Ended::Interrupted) = &rendered.ended {
+    } else if let Some(Ended::Interrupted) = &rendered.ended {
         if tally.samples() == 0 {
             // A black picture would take the place of a former one.
             console::warning(interrupt::NOTHING);
@@ -326,10 +339,14 @@ fn write(
         Ended::Interrupted | Ended::Failed(_) => None,
     });
     let seen = match (&rendered.gathered, job.limits.flip) {
-        (Gathered::Whole(film), Some(most)) => limits::seen(film, view, most),
+        (Gathered::Whole(film), Some(most)) if !rendered.is_preview => {
+            limits::seen(film, view, most)
+        }
         _ => None,
     };
-    if let Some(summary) = limits::summary(job, limit, &tally, seen) {
+    if !rendered.is_preview
+        && let Some(summary) = limits::summary(job, limit, &tally, seen)
+    {
         console::note(&summary);
     }
     if let Some(audit) = &rendered.audit {
@@ -486,9 +503,12 @@ fn settings(
         roulette: job.roulette,
         sampler: job.sampler,
         // Both are of use where the error has to be known well; the second half begins late. All parts of a picture have to agree.
+        // What moves isn't the same in samples of one half and of the other, which would look like noise.
         halves: job.adaptive
             || job.limits.flip.is_some()
-            || job.method != Method::Path && job.whole_spp >= engine::adaptive::GRAIN,
+            || job.method != Method::Path
+                && job.whole_spp >= engine::adaptive::GRAIN
+                && job.motion.shutter.is_none(),
         method: job.method,
         layers: job.layers.clone(),
         crop: job.crop,

@@ -51,7 +51,8 @@ pub(crate) enum UsageError {
     },
     /// Not a time.
     #[error(
-        "{flag} {given}: write a time with its unit, as in {flag} 90s, {flag} 10m or {flag} 1h30m"
+        "{flag} {given}: write a time above 0 with its unit, as in {flag}{sign}90s, {flag}{sign}10m or {flag}{sign}1h30m",
+        sign = sign_behind(.flag)
     )]
     Time {
         /// The flag's name.
@@ -271,7 +272,7 @@ pub(crate) enum UsageError {
     },
     /// Not a part of the picture.
     #[error(
-        "--crop {given}: write the part's first column and row, its width and its height, as in --crop 100,50,640,360; it must lie          in the picture of {width} x {height}"
+        "--crop {given}: write the part's first column and row, its width and its height, as in --crop 100,50,640,360; it must lie in the picture of {width} x {height}"
     )]
     Crop {
         /// As typed.
@@ -324,4 +325,24 @@ pub(crate) enum UsageError {
         /// As typed.
         given: String,
     },
+    /// Several where one does the work.
+    #[error("--device {given}: this works on one device; name one, as in --device native")]
+    SeveralDevices {
+        /// As typed.
+        given: String,
+    },
+    /// A part of no frames.
+    #[error("--frame-part {given}: say of which frames, with --frames or --turntable")]
+    FramePartOfNone {
+        /// As typed.
+        given: String,
+    },
+}
+
+/// What stands between a flag and its value.
+fn sign_behind(flag: &str) -> char {
+    match flag {
+        "--checkpoint" => '=', // it goes without a value, too
+        _ => ' ',
+    }
 }

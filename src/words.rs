@@ -245,8 +245,10 @@ pub(crate) fn parse_scale(given: &str) -> Result<f64, UsageError> {
         .parse::<f64>()
         .map(|number| number * unit)
         .ok();
+    // A larger one without its sign is more likely to be meant as percent.
+    let most = if unit < 1.0 { 100.0 } else { 10.0 };
     scale
-        .filter(|scale| (0.001..=100.0).contains(scale))
+        .filter(|scale| (0.001..=most).contains(scale))
         .ok_or_else(|| UsageError::Decimal {
             flag: "--scale",
             given: given.to_owned(),
@@ -353,6 +355,9 @@ pub(crate) fn parse_device(given: Option<&str>) -> Result<DeviceChoice, UsageErr
     match given.map(str::trim) {
         None => Ok(DeviceChoice::Best),
         Some("") => Err(UsageError::EmptyDevice),
+        Some(text) if text.contains(',') => Err(UsageError::SeveralDevices {
+            given: text.to_owned(),
+        }),
         Some(text) => Ok(match (text.parse(), text.split_once(':')) {
             (Ok(index), _) => DeviceChoice::Index(index),
             (_, Some((name, threads))) if name.eq_ignore_ascii_case(NATIVE) => {

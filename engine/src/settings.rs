@@ -20,7 +20,7 @@ pub struct RenderSettings {
     /// Rows.
     pub height: u32,
     /// Where these columns and rows lie in a larger picture, of which nothing else is rendered; `None` where they are all. They get
-    /// the samples that they have there, to the last bit.
+    /// the samples that they have there, by [`Method::Path`] to the last bit.
     pub crop: Option<Crop>,
     /// At most this many surface vertices scatter along a path; 1 is direct light only.
     pub max_depth: u32,

@@ -326,6 +326,7 @@ pub(super) fn render(
         names,
         paths: Some(paths),
         ended,
+        is_preview: is_preview && most > 0,
         device: name,
         facts: DeviceFacts::new(gpu.description()),
         shares: Vec::new(),

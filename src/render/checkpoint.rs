@@ -5,7 +5,7 @@ use std::thread::JoinHandle;
 use std::time::Instant;
 
 use engine::film::write::{Content, Form};
-use engine::film::{Film, Layers, Origin, Part};
+use engine::film::{Film, Layers, Origin, Part, PartError};
 use engine::fingerprint::REFINEMENT;
 use engine::renderer::RenderSettings;
 use engine::scene::view::View;
@@ -23,6 +23,16 @@ pub(super) struct Former {
     pub(super) paths: u64,
     /// How often the picture had begun anew with finer records.
     pub(super) refined: u32,
+}
+
+/// In what a film isn't the one to be gone on with.
+pub(super) fn differing(error: PartError) -> String {
+    match error {
+        PartError::Foreigner { what, here, there } => {
+            format!("it is of another picture: {what} was {here} and is now {there}")
+        }
+        error => error.to_string(),
+    }
 }
 
 /// Says in what a picture's files tell of it that it has begun anew so often.
@@ -82,7 +92,9 @@ pub(super) fn read(
     };
     let mut wanted = origin.clone();
     tell_refined(&mut wanted.settings, refined);
-    wanted.fits(&part.origin).map_err(|error| refused(&error))?;
+    wanted
+        .fits(&part.origin)
+        .map_err(|error| refused(&differing(error)))?;
     // What its header says of itself may not be so.
     let is_its_film = (part.film.width, part.film.height) == size && part.film.layers() == layers;
     if !is_its_film {

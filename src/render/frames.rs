@@ -107,7 +107,8 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
     }
     if skipped > 0 {
         let all = frames.len();
-        console::note(&format!("{skipped} of {all} frames were there already"));
+        let were = if skipped == 1 { "was" } else { "were" };
+        console::note(&format!("{skipped} of {all} frames {were} there already"));
     }
     Ok(())
 }

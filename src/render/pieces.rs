@@ -254,7 +254,8 @@ pub(super) fn render(
     if work.resumed > 0 {
         let (resumed, count) = (work.resumed, division.count());
         bar.suspend(|| {
-            console::note(&format!("{resumed} of {count} pieces were there already"));
+            let were = if resumed == 1 { "was" } else { "were" };
+            console::note(&format!("{resumed} of {count} pieces {were} there already"));
         });
     }
     let mut stats = found.stats;
@@ -269,6 +270,7 @@ pub(super) fn render(
         names,
         paths: None,
         ended: found.ended,
+        is_preview: false,
         facts: DeviceFacts::new(gpu.description()),
         device,
         shares: Vec::new(),

@@ -110,6 +110,7 @@ pub(super) fn render(
         names: job.layers.names(&plan.scene),
         paths: None,
         ended,
+        is_preview: false,
         facts,
         shares: outcome.devices,
         settings: settings_written,

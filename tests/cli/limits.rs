@@ -451,7 +451,8 @@ fn what_was_kept_is_gone_on_with_where_it_fits() {
             .run(&format!("{other} --resume -o d.png"))
             .expect_code(1);
         assert!(
-            refused.stderr.contains("cannot resume") && refused.stderr.contains(named),
+            refused.stderr.contains("cannot resume")
+                && refused.stderr.contains(&format!("{named} was ")),
             "{}",
             refused.stderr
         );

@@ -67,9 +67,10 @@ impl MethodsFigures {
             ..
         } = self.conditions;
         format!(
-            "{}: {} triangles, {width}x{height} pixels, depth {max_depth}, {runs} runs in turn",
+            "{}: {} triangles, {width}x{height} pixels, depth {max_depth}, {runs} {} in turn",
             self.scene,
-            grouped(self.triangles)
+            grouped(self.triangles),
+            if runs == 1 { "run" } else { "runs" }
         )
     }
 

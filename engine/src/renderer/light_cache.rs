@@ -182,7 +182,7 @@ impl Renderer {
             photons: self.photon_field(purpose),
             lesser: cells * (CELL_BYTES / 4) as u32,
             ends: u32::from(purpose == Purpose::Learn { ends: true }),
-            begins: u32::from(self.begins_cells(purpose)),
+            begins: self.begins_cells(purpose),
             half,
             unused: 0,
         };

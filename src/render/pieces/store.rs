@@ -106,7 +106,8 @@ impl Store {
             return Ok(None);
         }
         let part = picture::film(&path).map_err(|error| refused(&path, &error))?;
-        (origin.fits(&part.origin)).map_err(|error| refused(&path, &error))?;
+        (origin.fits(&part.origin))
+            .map_err(|error| refused(&path, &checkpoint::differing(error)))?;
         Ok(Some(part.film))
     }
 

@@ -98,8 +98,8 @@ fn thinned_to(count: u32, most: u32) -> u32 {
 // nothing where records lie all around.
 // What half of a record's rays find more than all is added to it as often as `side_of_half` says: 1 for the samples of the first half, -1 for those of
 // the second, 0 where samples don't come in halves.
-// One in `most_thinned` references of a cell is asked at least, and which, goes by the number of the sample.
-fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f, side_of_half: f32, most_thinned: u32, sample: u32) -> Known {
+// One in `most_thinned` references of a cell is asked at least, and which, goes by `turn`.
+fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f, side_of_half: f32, most_thinned: u32, turn: u32) -> Known {
     var sum = vec4f(0.0);
     var differences = vec3f(0.0);
     var left = 0.0;
@@ -118,7 +118,7 @@ fn irradiance_at(position: vec3f, facing: vec3f, normal: vec3f, side_of_half: f3
         let cell = floor(scaled);
         let references = references_of(vec3i(cell), level);
         let thinned = thinned_to(references.y - references.x, most_thinned);
-        for (var i = references.x + sample % thinned; i < references.y; i += thinned) {
+        for (var i = references.x + turn % thinned; i < references.y; i += thinned) {
             let reference = irradiance_references[i];
             let reaches = reference_reach(reference);
             let offset = scaled - cell - reference_place(reference);
@@ -232,9 +232,11 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     let in_halves = frame.has_halves != 0u && mode == IRRADIANCE_USE;
     let side_of_half = select(0.0, select(-1.0, 1.0, is_first_half(path_id(slot).number)), in_halves);
     var found: Known;
+    // Neighbours ask differently, or pictures of one sample would show the cells.
+    let id = path_id(slot);
     // Where what one sample asks hardly reaches, it asks all.
     for (var most_thinned = select(1u, MOST_THINNED, mode == IRRADIANCE_USE);; most_thinned = 1u) {
-        found = irradiance_at(bitcast<vec3f>(place.xyz), facing, octahedral_decode(diffuse.w), side_of_half, most_thinned, path_id(slot).number);
+        found = irradiance_at(bitcast<vec3f>(place.xyz), facing, octahedral_decode(diffuse.w), side_of_half, most_thinned, id.number + id.key);
         if (most_thinned == 1u || found.weight >= LEAST_WEIGHT) {
             break;
         }

@@ -95,6 +95,7 @@ fn solve_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgr
     let width = max(bitcast<f32>(irradiance_records[at + 8u].w), 1e-9);
     var radius = irradiance_settings.radius_share * f32(gather_rays()) / max(inverse, 1e-30);
     let steepest = max(length(vec2f(luminance(along_x), luminance(along_y))), 1e-30);
+    // As small as may be where no ray has found anything: beside it may lie what the sun throws there by way of a table.
     radius = min(radius, irradiance_settings.most_change * luminance(irradiance) / steepest);
     let kept = clamp(radius, LEAST_WIDTHS * width, MOST_WIDTHS * width);
     // Where the radius had to grow, what is near would make the gradient too steep for it.

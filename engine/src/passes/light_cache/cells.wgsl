@@ -17,7 +17,7 @@ struct LightCacheSettings {
     photons: u32, // field of a path's state that is the photons' own, 0 where there are none
     lesser: u32, // words from a cell to what it knows of light that goes on once less
     ends: u32, // while the cache learns: whether paths end in what it knows of such light, or go on to their end
-    begins: u32, // while the cache learns: whether cells that aren't there are begun
+    begins: u32, // while the cache learns: of 2^32 paths how many begin cells that aren't there, or all
     half: u32, // to which half of all that is known of the light paths belong
     unused: u32,
 }
@@ -130,6 +130,14 @@ fn cell_add(cell: u32, value: vec3f) {
             atomicAdd(&light_cache[cell + CELL_SUMS + 2u * i + 1u], high);
         }
     }
+}
+
+const ALL_BEGIN = 0xffffffffu;
+
+// Whether a path begins cells that aren't there.
+fn begins_cells(path: PathId) -> bool {
+    let begins = light_cache_settings.begins;
+    return begins == ALL_BEGIN || hash2(path.key, path.number ^ 0x2545f491u) < begins;
 }
 
 // To which half of what is known a path belongs.

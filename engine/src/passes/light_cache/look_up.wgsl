@@ -31,7 +31,7 @@ fn look_up_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
         return;
     }
     if (begins) {
-        let is_begun = light_cache_settings.begins != 0u;
+        let is_begun = begins_cells(path_id(slot));
         let cell = cell_of_place(place, is_begun);
         let wider = wider_cell_of_place(place, is_begun);
         path_set_words(record, slot, vec4u(cell, bitcast<vec3u>(throughput.xyz)));

@@ -38,6 +38,9 @@ const ENOUGH_LOOKED: u64 = 1 << 23;
 /// Paths that teach it after which no more begin cells of their own. In a furnished room 1.8 million of them take 0.44 of the table, 7.4
 /// million, as many as go ahead of a picture of 1280x720, 0.87 of it, and thirty million would want more than there is.
 const ENOUGH_CELLS: u64 = 1 << 22;
+/// Most paths that begin cells, of those of a step that begins before the former are enough: a very large picture has one path for each pixel at
+/// least.
+const MOST_CELLS: u64 = 1 << 23;
 /// By how many times as many paths more must be known before it is worth the while.
 const WORTH: u32 = 2;
 /// Of so many paths that teach it one goes on to its end.
@@ -144,12 +147,18 @@ impl Renderer {
         self.scene.environment.emits && self.learned_from(ends) < ENOUGH_LOOKED
     }
 
-    /// Whether the next wave begins cells of that cache.
-    pub(in crate::renderer) fn begins_cells(&self, purpose: Purpose) -> bool {
-        match purpose {
-            Purpose::Learn { ends } => self.learned_from(ends) < ENOUGH_CELLS,
-            _ => false,
+    /// Of 2^32 paths of the next wave how many begin cells of that cache, where `u32::MAX` is all.
+    pub(in crate::renderer) fn begins_cells(&self, purpose: Purpose) -> u32 {
+        let Purpose::Learn { ends } = purpose else {
+            return 0;
+        };
+        let before = self.learned_from(ends);
+        if before >= ENOUGH_CELLS {
+            return 0;
         }
+        let (_, samples) = self.samples_to_learn(ends);
+        let paths = u64::from(samples) * u64::from(self.frame.padded_pixels);
+        share_of((MOST_CELLS - before).min(paths), paths)
     }
 
     /// What comes once the cache of scattered light has learned.
@@ -209,6 +218,14 @@ impl Renderer {
     }
 }
 
+/// So many of some paths, of 2^32; `u32::MAX` is all.
+fn share_of(some: u64, paths: u64) -> u32 {
+    match some < paths {
+        true => (some as f64 / paths as f64 * f64::from(u32::MAX)) as u32,
+        false => u32::MAX,
+    }
+}
+
 impl Irradiance {
     /// How often rays of all records are to be gathered anew by now; none where that isn't worth it. `knows_more`: whether what they end in
     /// has become better.
@@ -262,6 +279,15 @@ impl Irradiance {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn all_or_some_begin_cells() {
+        let large = 16_384 * 16_384;
+        let many = u64::from(share_of(MOST_CELLS, large)) * large >> 32;
+        assert!(many.abs_diff(MOST_CELLS) < 1000, "{many}");
+        assert_eq!([share_of(7, 7), share_of(0, 7)], [u32::MAX, 0]);
+        assert_eq!(share_of(0, 0), u32::MAX);
+    }
 
     #[test]
     fn more_is_learned_at_powers_of_two() {
