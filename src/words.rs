@@ -355,7 +355,7 @@ pub(crate) fn parse_device(given: Option<&str>) -> Result<DeviceChoice, UsageErr
     match given.map(str::trim) {
         None => Ok(DeviceChoice::Best),
         Some("") => Err(UsageError::EmptyDevice),
-        Some(text) if text.contains(',') => Err(UsageError::SeveralDevices {
+        Some(text) if words_of(text).len() > 1 => Err(UsageError::SeveralDevices {
             given: text.to_owned(),
         }),
         Some(text) => Ok(match (text.parse(), text.split_once(':')) {
