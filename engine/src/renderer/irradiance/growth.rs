@@ -283,7 +283,7 @@ mod tests {
     #[test]
     fn all_or_some_begin_cells() {
         let large = 16_384 * 16_384;
-        let many = u64::from(share_of(MOST_CELLS, large)) * large >> 32;
+        let many = (u64::from(share_of(MOST_CELLS, large)) * large) >> 32;
         assert!(many.abs_diff(MOST_CELLS) < 1000, "{many}");
         assert_eq!([share_of(7, 7), share_of(0, 7)], [u32::MAX, 0]);
         assert_eq!(share_of(0, 0), u32::MAX);
