@@ -8,9 +8,10 @@
 
 use device::native::compile::{Ahead, AheadFunction};
 
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(target_arch = "x86_64", not(any(clippy, doc))))]
 mod lanes;
 
+#[cfg(not(any(clippy, doc)))]
 mod compiled {
     use core::sync::atomic::{AtomicI32, AtomicU32, Ordering::Relaxed};
 
@@ -20,6 +21,18 @@ mod compiled {
     use super::lanes;
 
     include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
+}
+
+/// In place of it for lints and documentation, which have nothing to say of what the build wrote and would take minutes to read it.
+#[cfg(any(clippy, doc))]
+mod compiled {
+    use device::native::compile::{Ahead, AheadFunction};
+
+    pub(super) const OMISSIONS: &[&str] = &[];
+    pub(super) const NAMES: &[&str] = &[];
+    pub(super) static ALL: [Ahead; 0] = [];
+    pub(super) static FUNCTIONS: [AheadFunction; 0] = [];
+    pub(super) static FUNCTIONS_IN_LANES: [AheadFunction; 0] = [];
 }
 
 /// Override constants by which a kernel leaves out what a scene doesn't have, and does the same as with them set. What is
