@@ -129,7 +129,7 @@ pub fn next_round(film: &Film, goal: &Goal<'_>) -> Round {
     if blocks.iter().any(|block| block.samples < first) {
         let wanted: Vec<u32> = blocks
             .iter()
-            .map(|block| first.saturating_sub(block.samples) / GRAIN)
+            .map(|block| first.saturating_sub(block.samples).div_ceil(GRAIN))
             .collect();
         round.lots = lots(&blocks, &wanted, round.spp);
         return round;

@@ -16,7 +16,7 @@ pub fn convert(
     files: &dyn Files,
     wanted: &Wanted,
 ) -> Result<Converted, Diagnostics> {
-    let mut converter = Converter::new(document, files, &wanted.folder);
+    let mut converter = Converter::new(document, files, wanted);
     let found = shader::materials(document);
     let names: Vec<&str> = found
         .iter()

@@ -1,4 +1,4 @@
-//! MaterialX documents (.mtlx, versions 1.37 to 1.39) as nodes and materials of Patina's looks.
+//! MaterialX documents (.mtlx, versions 1.38 and 1.39) as nodes and materials of Patina's looks.
 //!
 //! [`Document`] is a file as it is written, with what it includes; [`convert`] turns it into what a look has, so that every value
 //! remains one that can be edited; [`look_text`] writes that down. [`textures`] are what the nodes of MaterialX's standard library

@@ -205,8 +205,21 @@ fn start_tag(text: &str, node: &Node<'_, '_>) -> std::ops::Range<usize> {
     range.start..range.start + end
 }
 
-/// Where elements first stand deeper in each other than they may. A rough count of tags: what it gets wrong is no valid XML, or
-/// stands in comments, which count for nothing.
+/// Where a tag ends, which begins a text: values of attributes may contain `>`.
+fn end_of_tag(text: &str) -> Option<usize> {
+    let mut quote = None;
+    for (at, byte) in text.bytes().enumerate() {
+        match (quote, byte) {
+            (None, b'>') => return Some(at + 1),
+            (None, b'"' | b'\'') => quote = Some(byte),
+            (Some(open), _) if open == byte => quote = None,
+            _ => {}
+        }
+    }
+    None
+}
+
+/// Where elements first stand deeper in each other than they may. A rough count of tags: what it gets wrong is no valid XML.
 fn too_deep(text: &str) -> Option<usize> {
     let mut depth = 0usize;
     let mut at = 0;
@@ -215,7 +228,8 @@ fn too_deep(text: &str) -> Option<usize> {
         let rest = &text[start..];
         let end = match rest.starts_with("<!--") {
             true => rest.find("-->").map(|end| end + 3),
-            false => rest.find('>').map(|end| end + 1),
+            false if rest.starts_with("<![CDATA[") => rest.find("]]>").map(|end| end + 3),
+            false => end_of_tag(rest),
         };
         let Some(end) = end else { break };
         let tag = &rest[..end];

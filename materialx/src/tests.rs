@@ -378,3 +378,28 @@ fn reflections_are_as_wide_as_the_models() {
         "{along} {across}"
     );
 }
+
+#[test]
+fn texts_with_brackets_are_not_deep() {
+    let many = r#"<constant name="c" type="float" doc="a > b"/>"#.repeat(200);
+    let converted = imported(&Memory::default(), &many, "");
+    assert_eq!(converted.materials.len(), 1);
+}
+
+#[test]
+fn inputs_of_atan2_have_their_former_names_too() {
+    let input = r#"<input name="specular_rotation" type="float" nodename="a"/>"#;
+    let of = |names: [&str; 2]| {
+        let given = |name| format!(r#"<input name="{name}" type="float" value="0.25"/>"#);
+        let node = format!(
+            r#"<atan2 name="a" type="float">{}{}</atan2>"#,
+            given(names[0]),
+            given(names[1])
+        );
+        let converted = imported(&Memory::default(), &node, input);
+        let said = converted.warnings.render();
+        assert!(!said.contains("no effect"), "{said}");
+        look_text(&converted)
+    };
+    assert_eq!(of(["in1", "in2"]), of(["iny", "inx"]));
+}

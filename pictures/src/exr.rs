@@ -9,13 +9,24 @@ use exr::image::FlatSamples;
 use exr::math::Vec2;
 use exr::meta::MetaData;
 use exr::meta::header::Header;
-use exr::prelude::{ReadChannels as _, ReadLayers as _};
+use exr::prelude::{ReadChannels as _, ReadLayers as _, Text};
 
 use crate::error::{PictureError, check_size};
 use crate::{Channel, Layer};
 
 /// How such files begin.
 pub(crate) const MAGIC: [u8; 4] = [0x76, 0x2F, 0x31, 0x01];
+
+/// A text of a header.
+pub(crate) fn text(text: &Text) -> String {
+    decoded(text.as_slice())
+}
+
+/// Bytes of a text: UTF-8, as programs write it, else Latin-1.
+pub(crate) fn decoded(bytes: &[u8]) -> String {
+    let latin1 = || bytes.iter().map(|&byte| char::from(byte)).collect();
+    String::from_utf8(bytes.to_vec()).unwrap_or_else(|_| latin1())
+}
 
 /// The headers of all parts, which claim nothing that the file can't hold.
 pub(crate) fn headers(bytes: &[u8]) -> Result<Vec<Header>, PictureError> {
@@ -57,11 +68,11 @@ pub(crate) fn layers(bytes: &[u8]) -> Result<Vec<Layer>, PictureError> {
     let mut layers: Vec<Layer> = Vec::new();
     for part in image.layer_data {
         let title = part.attributes.layer_name.as_ref();
-        let title = title.map(ToString::to_string).unwrap_or_default();
+        let title = title.map(text).unwrap_or_default();
         let size = [part.size.0, part.size.1];
         let mut groups: Vec<(String, Vec<Channel>)> = Vec::new();
         for channel in part.channel_data.list {
-            let name = channel.name.to_string();
+            let name = text(&channel.name);
             let (layer, name) = split(&title, &name);
             let values = match channel.sample_data {
                 FlatSamples::F32(values) => values,

@@ -6,6 +6,7 @@ use image::ImageDecoder;
 use serde::Serialize;
 
 use crate::error::PictureError;
+use crate::exr::{decoded, text};
 use crate::read::{Kind, decoder, hdr};
 
 /// A file of a picture.
@@ -101,17 +102,15 @@ fn of_exr(bytes: &[u8]) -> Result<Facts, PictureError> {
 
 fn part(header: &Header) -> PartFacts {
     let channel = |channel: &ChannelDescription| ChannelFacts {
-        name: channel.name.to_string(),
+        name: text(&channel.name),
         kind: match channel.sample_type {
             SampleType::F16 => "half",
             SampleType::F32 => "float",
             SampleType::U32 => "32 bits",
         },
     };
-    // Names are Latin-1.
-    let named = |name: &[u8]| name.iter().map(|&byte| char::from(byte)).collect();
     let mut metadata: Vec<(String, String)> = (header.all_named_attributes())
-        .map(|(name, value)| (named(name), value))
+        .map(|(name, value)| (decoded(name), value))
         .filter(|(name, _): &(String, _)| !LAYOUT.contains(&name.as_str()))
         .filter_map(|(name, value)| Some((name, shown(&value)?)))
         .collect();
@@ -119,7 +118,7 @@ fn part(header: &Header) -> PartFacts {
     let compression = header.compression.to_string();
     let position = header.own_attributes.layer_position;
     PartFacts {
-        name: (header.own_attributes.layer_name.as_ref()).map(ToString::to_string),
+        name: (header.own_attributes.layer_name.as_ref()).map(text),
         width: header.layer_size.0,
         height: header.layer_size.1,
         position: ((position.0, position.1) != (0, 0)).then_some([position.0, position.1]),
@@ -132,9 +131,9 @@ fn part(header: &Header) -> PartFacts {
 /// The value of an attribute, for people; none of those that are only bytes.
 fn shown(value: &AttributeValue) -> Option<String> {
     let mut text = match value {
-        AttributeValue::Text(text) => text.to_string(),
+        AttributeValue::Text(value) => text(value),
         AttributeValue::TextVector(texts) => {
-            let texts: Vec<_> = texts.iter().map(ToString::to_string).collect();
+            let texts: Vec<_> = texts.iter().map(text).collect();
             texts.join(", ")
         }
         AttributeValue::I32(number) => number.to_string(),

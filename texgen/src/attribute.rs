@@ -122,7 +122,7 @@ named_enum! {
     Normal vector "Shading normal in the world, unit length, on the side of the viewer; w = 0.",
     GeomNormal vector "Normal of the triangle itself in the world, unit length, on the side of the viewer; w = 0.",
     LocalNormal vector "Shading normal in the object's own space, unit length; w = 0.",
-    Tangent vector "Tangent in the world, unit length; w = handedness of the bitangent, +1 or -1.",
+    Tangent vector "Tangent in the world, unit length, the mesh's or along its first texture coordinates; w = handedness of the bitangent, +1 or -1.",
     Bitangent vector "Bitangent in the world, unit length; w = 0.",
     TexCoord0 vector "First texture coordinates (u, v, 0, 1); v = 0 is the top row of an image.",
     TexCoord1 vector "Second texture coordinates (u, v, 0, 1); equal to the first where the mesh has one set only.",

@@ -229,14 +229,11 @@ impl Emitter {
         }
     }
 
-    /// A texture's source under a title.
+    /// A texture's source under a title. Where its file lies is left out: the same textures make the same kernel on each machine, and so
+    /// parts of one picture.
     pub(crate) fn section(&mut self, texture: &TextureType, name: &str) {
         self.line("");
-        self.line(&format!(
-            "// ==== {} ==== {}",
-            comment_safe(texture.name()),
-            comment_safe(texture.file().path())
-        ));
+        self.line(&format!("// ==== {} ====", comment_safe(texture.name())));
         self.line("");
         self.source(texture, name);
     }

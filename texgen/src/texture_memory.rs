@@ -32,15 +32,12 @@ pub struct FunctionMemory {
 impl PrivateMemory {
     /// Works it out from the texture's source.
     pub fn of(texture: &TextureType) -> Self {
-        let text = texture.file().text();
-        let text = match text.strip_prefix('\u{feff}') {
-            Some(rest) => format!("   {rest}"),
-            None => text.to_owned(),
-        };
-        let outline = Outline::new(&text);
+        // With the files that it uses.
+        let file = &texture.whole().file;
+        let outline = Outline::new(file.text());
         let custom = custom_names(texture.attributes());
         // It was parsed before, so it can be parsed again.
-        let Ok(module) = parse::parse(texture.file(), &outline, &custom, &[]) else {
+        let Ok(module) = parse::parse(file, &outline, &custom, &[]) else {
             return Self::default();
         };
         let mut sizes: HashMap<Handle<Function>, u32> = HashMap::new();

@@ -147,8 +147,8 @@ pub enum PartError {
     Overlap(Range<u32>),
     /// Only one of both counts samples in two halves.
     #[error(
-        "its samples are counted {}, the others {}: a picture is counted in two halves with --adaptive or --flip, and by any method \
-         but path from 32 samples per pixel on",
+        "its samples are counted {}, the others {}: a picture is counted in two halves with --adaptive or --flip, and, unless its \
+         shutter is open, by any method but path from 32 samples per pixel on",
         counted(*.is_in_halves), counted(!.is_in_halves)
     )]
     Halves {

@@ -269,6 +269,23 @@ pub fn save_shown(path: &Path, format: Format, size: [u32; 2], rgba: &[u8]) -> i
     aside::replace(path, |file| encode(file, format, size, &rgb))
 }
 
+/// Saves 8-bit RGBA of a texture, row 0 on top, as it is: with its alpha where it has one and the format does, too, which is told.
+///
+/// # Errors
+/// As [`save_shown`].
+pub fn save_texture(path: &Path, format: Format, size: [u32; 2], rgba: &[u8]) -> io::Result<bool> {
+    let is_opaque = rgba.chunks_exact(4).all(|texel| texel[3] == u8::MAX);
+    if is_opaque || format != Format::Png {
+        return save_shown(path, format, size, rgba).map(|()| is_opaque);
+    }
+    let shown = Shown {
+        bytes: rgba.to_vec(),
+        has_alpha: true,
+    };
+    aside::replace(path, |file| encode(file, format, size, &shown))?;
+    Ok(true)
+}
+
 /// Linear Rec.709 radiance, row 0 on top, as a JPEG file in memory, as `view` shows it.
 ///
 /// # Errors

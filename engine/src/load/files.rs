@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use crate::procedural::expanded;
 use crate::scene::import::referenced_files;
 use crate::scene::look::{EnvironmentLook, Field, Look, MODEL_IMAGE, Value};
 use crate::system::{Disk, Files};
@@ -40,6 +41,9 @@ pub fn files_from(files: &dyn Files, scene: &Path, look: Option<&Look>) -> Vec<P
         }
         found.push(path);
     }
+    // What their nodes name is read, too. Where they can't be read, that is said elsewhere.
+    let whole = expanded(look, files);
+    let look = whole.as_ref().map_or(look, |(whole, _)| whole);
     let mut names = Vec::new();
     for field in look.nodes.iter().flat_map(|node| &node.params) {
         image_names(&field.value.value, &mut names);

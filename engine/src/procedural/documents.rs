@@ -1,6 +1,7 @@
 //! `[[materialx]]` of a look: what its documents give, as if it were written in the look.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 
 use materialx::{Document, Wanted};
 use texgen::{Diagnostic, Diagnostics};
@@ -23,8 +24,9 @@ pub(crate) fn expanded<'l>(
     }
     let mut whole = look.clone();
     let mut problems = Diagnostics::new();
+    let mut given = Given::default();
     for document in std::mem::take(&mut whole.materialx) {
-        match add(&mut whole, &document, files) {
+        match add(&mut whole, &document, &mut given, files) {
             Ok(found) => warnings.append(found),
             Err(found) => problems.append(found),
         }
@@ -35,9 +37,17 @@ pub(crate) fn expanded<'l>(
     }
 }
 
+/// Names of what documents have given so far.
+#[derive(Default)]
+struct Given {
+    nodes: HashSet<String>,
+    materials: HashSet<String>,
+}
+
 fn add(
     look: &mut Look,
     wanted: &MaterialxLook,
+    given: &mut Given,
     files: &dyn Files,
 ) -> Result<Diagnostics, Diagnostics> {
     let path = look.resolve(&wanted.file.value);
@@ -56,11 +66,15 @@ fn add(
         material: text(&wanted.material),
         name: text(&wanted.name),
         folder: look.resolve(""),
+        // What the look itself calls so is meant to stand for a document's node; what another document does, is not.
+        taken: given.nodes.clone(),
     };
     let document = Document::open(files, &path, wanted.drafts)?;
     let converted = materialx::convert(&document, files, &options)?;
     let span = &wanted.file.span;
+    let mut warnings = converted.warnings;
     for node in converted.nodes {
+        given.nodes.insert(node.name.clone());
         if look.nodes.iter().any(|known| known.name.value == node.name) {
             continue;
         }
@@ -72,6 +86,12 @@ fn add(
     }
     for material in converted.materials {
         let name = material.name;
+        if !given.materials.insert(name.clone()) {
+            let message = format!("another document gives `{name}` already, and that one holds");
+            let warning = Diagnostic::warning(message).with_label(&look.file, span.clone(), "");
+            warnings.push(warning.with_note("`name` calls a material of a document otherwise"));
+            continue;
+        }
         let parameters = material.parameters.into_iter();
         let fields = fields(parameters.map(|(key, value)| (key.to_owned(), value)), span);
         let section = Section::Material(name.clone());
@@ -87,7 +107,7 @@ fn add(
             None => look.materials.push(*read),
         }
     }
-    Ok(converted.warnings)
+    Ok(warnings)
 }
 
 /// Keys and values, all of which stand at one place of the look.
@@ -127,6 +147,7 @@ mod tests {
 
     use super::*;
     use crate::input::Disk;
+    use crate::scene::look::Input;
 
     const DOCUMENT: &str = r#"<materialx version="1.39">
         <noise3d name="noise" type="float"><input name="amplitude" type="float" value="0.5"/></noise3d>
@@ -169,6 +190,29 @@ mod tests {
             error.contains("no file") && error.contains("a.look.toml:2"),
             "{error}"
         );
+        // A second document's nodes are its own, whatever they are called.
+        let other = DOCUMENT
+            .replace("0.5\"/></noise3d>", "0.125\"/></noise3d>")
+            .replace("name=\"M\"", "name=\"N\"");
+        std::fs::write(folder.path().join("c.mtlx"), other).expect("a file");
+        let both = "[[materialx]]\nfile = 'a.mtlx'\n[[materialx]]\nfile = 'c.mtlx'\n";
+        let look = read(both);
+        let (whole, _) = expanded(&look, &Disk).unwrap_or_else(|p| panic!("{}", p.render()));
+        let nodes: Vec<&str> = whole.nodes.iter().map(|n| n.name.value.as_str()).collect();
+        assert_eq!(nodes.len(), 2, "{nodes:?}");
+        let links: HashSet<String> = (whole.materials.iter())
+            .flat_map(|material| material.inputs())
+            .filter_map(|input| match &input.value {
+                Input::Link(link) => Some(link.node.clone()),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(links, nodes.iter().map(|&n| n.to_owned()).collect());
+        let twice = "[[materialx]]\nfile = 'a.mtlx'\n[[materialx]]\nfile = 'a.mtlx'\n";
+        let look = read(twice);
+        let (whole, warnings) = expanded(&look, &Disk).unwrap_or_else(|p| panic!("{}", p.render()));
+        assert_eq!(whole.materials.len(), 1);
+        assert!(warnings.render().contains("another document gives `M`"));
         let nothing = read("");
         let (same, _) = expanded(&nothing, &Disk).expect("nothing to read");
         assert_eq!(same.path, Path::new(&path));

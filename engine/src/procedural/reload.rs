@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 
-use texgen::{Diagnostic, Diagnostics, GraphError, Library, SourceFile, TextureType};
+use texgen::{
+    Diagnostic, Diagnostics, GraphError, Library, ParameterType, SourceFile, TextureType,
+};
 
 use super::build::{DEFAULT_AO, reads_ao};
 use super::sources::{SourcesError, TextureSources};
@@ -57,6 +59,28 @@ impl Procedural {
             true => Err(problems),
             false => Library::new(textures).map_err(Diagnostics::from),
         }
+    }
+
+    /// Whether another library's textures read the images of nodes as they were loaded: as colours or as data, with mip levels or
+    /// without.
+    pub(crate) fn reads_images_as(&self, library: &Library) -> bool {
+        let graph = self.graph();
+        let mut used = graph.ids().map(|node| graph.texture(node));
+        used.all(|texture| match library.get(texture.name()) {
+            Some(now) => {
+                let read = |texture: &TextureType| {
+                    let parameters = texture.parameters().iter();
+                    let images =
+                        parameters.filter(|parameter| parameter.ty == ParameterType::Image);
+                    let images = images.map(|image| (image.name.clone(), image.is_data));
+                    (texture.reads_levels(), images.collect::<Vec<_>>())
+                };
+                let (old, new) = (read(texture), read(now));
+                // Without images there is nothing to be read.
+                old.1.is_empty() && new.1.is_empty() || old == new
+            }
+            None => true,
+        })
     }
 
     /// The same nodes, values, links and materials over another library. Parameters that are new have their defaults,

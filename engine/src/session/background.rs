@@ -113,8 +113,11 @@ impl Session {
     fn begin_kernel(&mut self, files: Vec<texgen::SourceFile>) {
         let procedural = self.renderer.procedural();
         match procedural.library_with(files) {
-            // Attributes of meshes are uploaded with the geometry.
-            Ok(library) if library.custom_attributes() != procedural.reads().attributes => {
+            // Attributes of meshes are uploaded with the geometry, and images as they are read.
+            Ok(library)
+                if library.custom_attributes() != procedural.reads().attributes
+                    || !procedural.reads_images_as(&library) =>
+            {
                 self.rebuild();
             }
             Ok(library) => self.job = Some(Job::Kernel(self.renderer.begin_reload_of(library))),

@@ -36,9 +36,13 @@ pub(super) fn difference(before: &[Field], after: &[Field]) -> Option<Vec<TableC
         _ => false,
     };
     let names = |fields| -> Vec<&String> { tables(fields, "ao").map(|f| &f.key.value).collect() };
-    // Includes and lights are read with the scene. The place of an AO table among the others is part of what is
+    // Includes, documents and lights are read with the scene. The place of an AO table among the others is part of what is
     // random about it.
-    if !is_same("include") || !is_same("light") || names(before) != names(after) {
+    if !is_same("include")
+        || !is_same("materialx")
+        || !is_same("light")
+        || names(before) != names(after)
+    {
         return None;
     }
     let mut changes = Vec::new();

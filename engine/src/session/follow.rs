@@ -3,7 +3,7 @@
 use texgen::{Diagnostic, Diagnostics, SourceFile};
 
 use crate::load::{self, StandIn};
-use crate::procedural::UpdateError;
+use crate::procedural::{UpdateError, expanded};
 use crate::renderer::Touched;
 use crate::scene::look::{
     EnvironmentLook, Field, Look, LookDocument, MaterialLook, Section, Spanned, Table, find,
@@ -16,6 +16,9 @@ use super::difference::{TableChange, difference};
 use super::edit::{Edit, summary};
 use super::moment::has_keys;
 use super::{Session, SessionError};
+
+/// Tables of documents that give a look materials.
+const DOCUMENTS: &str = "materialx";
 
 /// What following may change of the scene.
 struct Before {
@@ -272,6 +275,15 @@ impl Session {
             touched.lights = true;
             return self.follow_light(file, name, change);
         }
+        let is_kept = before.is_some() && after.is_some();
+        if matches!(section, Section::Node(_)) && !is_kept && self.document.has(DOCUMENTS) {
+            // A document may have a node of that name, whose place it takes.
+            return Err(UpdateError::Rebuild);
+        }
+        let given = match section {
+            Section::Material(name) => self.document_material(name)?,
+            _ => None,
+        };
         let read = |file| table(file, section, fields, span).map_err(UpdateError::Refused);
         if let (Section::Frame(_), None) = (section, after) {
             return Ok(());
@@ -281,7 +293,8 @@ impl Session {
             return procedural.release_node(name);
         }
         if let (Section::Material(name), None) = (section, after) {
-            let table = MaterialLook::new(Spanned::new(name.clone(), span.clone()));
+            let bare = || MaterialLook::new(Spanned::new(name.clone(), span.clone()));
+            let table = given.unwrap_or_else(bare);
             touched.materials = true;
             return procedural.update_material(&mut self.scene, file, &table);
         }
@@ -292,7 +305,10 @@ impl Session {
             (_, Table::Node(node)) => {
                 procedural.update_node(file, before.as_deref().unwrap_or_default(), &node)
             }
-            (_, Table::Material(material)) => {
+            (_, Table::Material(mut material)) => {
+                if let Some(given) = given {
+                    material.stand_over(given);
+                }
                 touched.materials = true;
                 procedural.update_material(&mut self.scene, file, &material)
             }
@@ -325,6 +341,24 @@ impl Session {
             }
             _ => Err(UpdateError::Rebuild),
         }
+    }
+
+    /// What the look's documents give a material, whatever the look itself says of it.
+    fn document_material(&self, name: &str) -> Result<Option<MaterialLook>, UpdateError> {
+        if !self.document.has(DOCUMENTS) {
+            return Ok(None);
+        }
+        // What is wrong with it is told where all is built.
+        let path = self.look_path();
+        let look = Look::parse(&path, &self.document.text()).map_err(|_| UpdateError::Rebuild)?;
+        let documents = Look {
+            materialx: look.materialx,
+            ..Look::empty(&path, look.file)
+        };
+        let given = expanded(&documents, &*self.system.files);
+        let (given, _) = given.map_err(|_| UpdateError::Rebuild)?;
+        let mut materials = given.into_owned().materials.into_iter();
+        Ok(materials.find(|material| material.name.value == name))
     }
 
     fn follow_environment(&mut self, wanted: &EnvironmentLook) -> Result<(), UpdateError> {

@@ -206,10 +206,7 @@ impl Converter<'_> {
         let document = self.document;
         for &child in document.children(id) {
             let name = document.element(child).name().to_ascii_lowercase();
-            let is_known = texture
-                .parameters()
-                .iter()
-                .any(|p| written_name(&p.name) == name);
+            let is_known = texture.parameters().iter().any(|p| is_name(&p.name, &name));
             if !is_known && !SILENT.contains(&&*name) {
                 self.warn(child, format!("the input `{name}` has no effect here"));
             }
@@ -305,14 +302,23 @@ fn written_name(parameter: &str) -> String {
     }
 }
 
+/// Whether an input, in small letters, is a parameter's, by its name now or in version 1.38.
+fn is_name(parameter: &str, name: &str) -> bool {
+    let former = match parameter {
+        "iny" => Some("in1"),
+        "inx" => Some("in2"),
+        _ => None,
+    };
+    written_name(parameter) == name || former == Some(name)
+}
+
 /// The input of a node that a parameter has, as it is written there.
 fn input_name(document: &crate::Document, id: ElementId, parameter: &str) -> Option<String> {
-    let wanted = written_name(parameter);
     let names = document
         .children(id)
         .iter()
         .map(|&child| document.element(child).name());
-    let mut same = names.filter(|name| name.eq_ignore_ascii_case(&wanted));
+    let mut same = names.filter(|name| is_name(parameter, &name.to_ascii_lowercase()));
     same.next().map(str::to_owned)
 }
 

@@ -61,6 +61,8 @@ pub struct Wanted {
     pub name: Option<String>,
     /// Folder of the look, which paths of images are relative to.
     pub folder: PathBuf,
+    /// Names that other documents' nodes have.
+    pub taken: HashSet<String>,
 }
 
 /// More nodes a document doesn't become: graphs in graphs could multiply without end.
@@ -92,13 +94,13 @@ pub(crate) struct Converter<'d> {
 }
 
 impl<'d> Converter<'d> {
-    pub(crate) fn new(document: &'d Document, files: &'d dyn Files, folder: &'d Path) -> Self {
+    pub(crate) fn new(document: &'d Document, files: &'d dyn Files, wanted: &'d Wanted) -> Self {
         Self {
             document,
             files,
-            folder,
+            folder: &wanted.folder,
             out: Converted::default(),
-            names: HashSet::new(),
+            names: wanted.taken.clone(),
             done: HashMap::new(),
             open: Vec::new(),
             depth: 0,

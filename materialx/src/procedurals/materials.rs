@@ -135,13 +135,22 @@ const SLOTS: [Slot; 14] = [
 ];
 
 /// Numbers that no texture multiplies.
-const NUMBERS: [(&str, &str); 4] = [
+const NUMBERS: [(&str, &str); 6] = [
     ("ior", "/extensions/KHR_materials_ior/ior"),
     (
         "emissive_strength",
         "/extensions/KHR_materials_emissive_strength/emissiveStrength",
     ),
     ("alpha_cutoff", "/alphaCutoff"),
+    // Whether it is a body.
+    (
+        "thickness",
+        "/extensions/KHR_materials_volume/thicknessFactor",
+    ),
+    (
+        "anisotropy_rotation",
+        "/extensions/KHR_materials_anisotropy/anisotropyRotation",
+    ),
     (
         "iridescence_ior",
         "/extensions/KHR_materials_iridescence/iridescenceIor",
@@ -163,7 +172,8 @@ impl Builder<'_> {
         for (number, material) in materials.enumerate() {
             let name = match material["name"].as_str() {
                 Some(name) if !name.is_empty() => name.to_owned(),
-                _ => format!("material_{number}"),
+                // As the scene calls it.
+                _ => format!("material {number}"),
             };
             self.material(&name, material)?;
         }
@@ -200,6 +210,19 @@ impl Builder<'_> {
                 let attributes = [("name", input), ("type", "float"), ("value", &*value)];
                 self.add("input", Some(shader), &attributes, at.clone());
             }
+        }
+        let film = &material["extensions"]["KHR_materials_iridescence"];
+        if !film.is_null() {
+            let thickness = film["iridescenceThicknessMaximum"]
+                .as_f64()
+                .unwrap_or(400.0);
+            let value = thickness.to_string();
+            let attributes = [
+                ("name", "iridescence_thickness"),
+                ("type", "float"),
+                ("value", &*value),
+            ];
+            self.add("input", Some(shader), &attributes, at.clone());
         }
         let mode = match material["alphaMode"].as_str() {
             Some("MASK") => "1",

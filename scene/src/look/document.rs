@@ -135,6 +135,11 @@ impl LookDocument {
         fields(self.document.as_table(), 0)
     }
 
+    /// Whether something of that name stands outside of all tables, or is a table itself.
+    pub fn has(&self, key: &str) -> bool {
+        self.document.contains_key(key)
+    }
+
     /// The keys of a table, without places; `None` where there is no such table.
     pub fn table(&self, section: &Section) -> Option<Vec<Field>> {
         let (key, name) = section.place();

@@ -54,12 +54,14 @@ impl Graph {
                 remedy,
             });
         }
-        if let Some(path) = self.path(source, node) {
+        let may_close = node == source || self.nodes[node.index()].was_read;
+        if let Some(path) = may_close.then(|| self.path(source, node)).flatten() {
             let mut nodes: Vec<String> = path.iter().map(|&id| self.name(id).to_owned()).collect();
             nodes.insert(0, self.name(node).to_owned());
             return Err(GraphError::Cycle { nodes });
         }
         let link = Some(Link { source, swizzle });
+        self.nodes[source.index()].was_read = true;
         let input = &mut self.nodes[node.index()].inputs[place];
         let program = std::mem::replace(&mut input.link, link) != link;
         Ok(Edit {

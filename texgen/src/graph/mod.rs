@@ -69,6 +69,9 @@ pub(crate) struct Node {
     /// Offset of its block in the fake stack.
     pub(crate) block: u32,
     pub(crate) inputs: Vec<Input>,
+    /// Something has read it. What nothing reads closes no circle, whatever it reads itself: so chains are built in time in proportion
+    /// to their length.
+    was_read: bool,
 }
 
 /// What a node's parameter gets.
@@ -188,6 +191,7 @@ impl Graph {
                 .stack
                 .push_block(args::block_words(texture_type.parameters()).max(1)),
             inputs: vec![Input::default(); texture_type.parameters().len()],
+            was_read: false,
         });
         self.by_name.insert(name.to_owned(), id);
         for (place, parameter) in texture_type.parameters().iter().enumerate() {

@@ -139,7 +139,7 @@ fn channels(
     described(content, metadata, |layer, names, values| {
         let most = largest(layer, &values);
         let samples = content.form.samples(layer, values, most);
-        let names = names.iter().map(|name| latin1(name));
+        let names = names.iter().map(|name| utf8(name));
         channels.extend(names.zip(samples));
     });
     channels.sort_unstable_by(|(a, _), (b, _)| a.cmp(b));
@@ -233,8 +233,8 @@ fn cryptomatte(layer: &film::Layer, metadata: &Metadata) -> Vec<(Text, Attribute
     ];
     facts.extend((metadata.names.get(layer.name)).map(|names| ("manifest", manifest(names))));
     let facts = facts.into_iter().map(|(fact, value)| {
-        let name = latin1(&format!("cryptomatte/{}/{fact}", &key[..7]));
-        (name, AttributeValue::Text(latin1(&value)))
+        let name = utf8(&format!("cryptomatte/{}/{fact}", &key[..7]));
+        (name, AttributeValue::Text(utf8(&value)))
     });
     facts.collect()
 }
@@ -262,25 +262,25 @@ fn manifest(names: &[String]) -> String {
 
 fn attributes(content: &Content<'_>, metadata: &Metadata) -> LayerAttributes {
     let mut attributes = LayerAttributes {
-        software_name: Some(latin1(concat!("patina ", env!("CARGO_PKG_VERSION")))),
+        software_name: Some(utf8(concat!("patina ", env!("CARGO_PKG_VERSION")))),
         ..LayerAttributes::default()
     };
     for (name, fact) in &metadata.facts {
         let value = match fact {
             Fact::Count(count) => AttributeValue::I32(i32::try_from(*count).unwrap_or(i32::MAX)),
-            Fact::Text(text) => AttributeValue::Text(latin1(text)),
+            Fact::Text(text) => AttributeValue::Text(utf8(text)),
         };
-        attributes.other.insert(latin1(name), value);
+        attributes.other.insert(utf8(name), value);
     }
     for (name, value) in &content.form.facts {
-        let value = latin1(value);
+        let value = utf8(value);
         match name.as_str() {
             "owner" => attributes.owner = Some(value),
             "comments" => attributes.comments = Some(value),
             "capDate" => attributes.capture_date = Some(value),
             _ => {
                 let value = AttributeValue::Text(value);
-                attributes.other.insert(latin1(name), value);
+                attributes.other.insert(utf8(name), value);
             }
         }
     }
@@ -292,10 +292,10 @@ fn attributes(content: &Content<'_>, metadata: &Metadata) -> LayerAttributes {
     attributes
 }
 
-fn latin1(text: &str) -> Text {
-    let is_latin1 = |c: char| u8::try_from(u32::from(c)).is_ok();
-    let shown = |c| if is_latin1(c) { c } else { '?' };
-    Text::new_or_none(text.chars().map(shown).collect::<String>()).unwrap_or_default()
+/// A text as OpenEXR has it: the bytes of UTF-8, each of which the library takes for a character.
+fn utf8(text: &str) -> Text {
+    let bytes: String = text.bytes().map(char::from).collect();
+    Text::new_or_none(bytes).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -230,13 +230,14 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
     let goes_on = (left.w & LEFT_ON) != 0u;
     let facing = octahedral_decode(place.w);
     let in_halves = frame.has_halves != 0u && mode == IRRADIANCE_USE;
-    let side_of_half = select(0.0, select(-1.0, 1.0, is_first_half(path_id(slot).number)), in_halves);
-    var found: Known;
-    // Neighbours ask differently, or pictures of one sample would show the cells.
     let id = path_id(slot);
+    let side_of_half = select(0.0, select(-1.0, 1.0, is_first_half(id.number)), in_halves);
+    // Each pixel begins with a turn of its own, or pictures of one sample would show the cells.
+    let turn = id.number + id.key;
+    var found: Known;
     // Where what one sample asks hardly reaches, it asks all.
     for (var most_thinned = select(1u, MOST_THINNED, mode == IRRADIANCE_USE);; most_thinned = 1u) {
-        found = irradiance_at(bitcast<vec3f>(place.xyz), facing, octahedral_decode(diffuse.w), side_of_half, most_thinned, id.number + id.key);
+        found = irradiance_at(bitcast<vec3f>(place.xyz), facing, octahedral_decode(diffuse.w), side_of_half, most_thinned, turn);
         if (most_thinned == 1u || found.weight >= LEAST_WEIGHT) {
             break;
         }
@@ -251,7 +252,7 @@ fn look_up_irradiance(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_work
         }
         return;
     }
-    let chances = random2(path_id(slot), vertex_dimension(left.z, DIMENSION_HUE));
+    let chances = random2(id, vertex_dimension(left.z, DIMENSION_HUE));
     if (found.weight <= 0.0 || chances.x < found.left * irradiance_settings.left) {
         go_on_whole(slot, left);
         return; // the path finds it out by itself

@@ -63,22 +63,42 @@ fn surface_at(hit: RayHit) -> Surface {
     return Surface(position, wo, geometric, shading, weights, triangle, front, area_scale, lift);
 }
 
-// Unit tangent in the world and handedness of the bitangent, perpendicular to `normal`. For meshes without tangents
-// an arbitrary one.
+// Along the first texture coordinates of a triangle, in the object and of any length, and the handedness of the bitangent, as
+// MikkTSpace has it; zero where it has none.
+fn tangent_by_uv(triangle: vec4u) -> vec4f {
+    if ((triangle.w & TRIANGLE_HAS_UV) == 0u) {
+        return vec4f(0.0);
+    }
+    let a = bitcast<vec3f>(vertices[triangle.x].xyz);
+    let edge1 = bitcast<vec3f>(vertices[triangle.y].xyz) - a;
+    let edge2 = bitcast<vec3f>(vertices[triangle.z].xyz) - a;
+    let uv = bitcast<vec2f>(vertices[triangle.x + 1u].xy);
+    let uv1 = bitcast<vec2f>(vertices[triangle.y + 1u].xy) - uv;
+    let uv2 = bitcast<vec2f>(vertices[triangle.z + 1u].xy) - uv;
+    // v grows down the picture, and the bitangent points up.
+    let handedness = select(1.0, -1.0, uv1.x * uv2.y - uv2.x * uv1.y > 0.0);
+    return vec4f((edge2 * uv1.y - edge1 * uv2.y) * handedness, handedness);
+}
+
+// Unit tangent in the world and handedness of the bitangent, perpendicular to `normal`: the mesh's, or along its texture coordinates where
+// its file has none; an arbitrary one without either.
 fn surface_tangent(s: Surface, instance: u32, normal: vec3f) -> vec4f {
+    var along: vec4f;
     if ((s.triangle.w & TRIANGLE_HAS_TANGENT) != 0u) {
         let pa = vertices[s.triangle.x + 1u].zw;
         let pb = vertices[s.triangle.y + 1u].zw;
         let pc = vertices[s.triangle.z + 1u].zw;
         let object_tangent = octahedral_decode(pa.x) * s.weights.x + octahedral_decode(pb.x) * s.weights.y
             + octahedral_decode(pc.x) * s.weights.z;
-        let sign = select(-1.0, 1.0, (pa.y & 1u) != 0u) * instances[instance].handedness;
-        let world_tangent = transform_vector(instances[instance].world_from_object, object_tangent);
-        let across = world_tangent - normal * dot(world_tangent, normal);
-        let across_length = length(across);
-        if (across_length > 1e-20) {
-            return vec4f(across / across_length, sign);
-        }
+        along = vec4f(object_tangent, select(-1.0, 1.0, (pa.y & 1u) != 0u));
+    } else {
+        along = tangent_by_uv(s.triangle);
+    }
+    let world_tangent = transform_vector(instances[instance].world_from_object, along.xyz);
+    let across = world_tangent - normal * dot(world_tangent, normal);
+    let across_length = length(across);
+    if (across_length > 1e-20) {
+        return vec4f(across / across_length, along.w * instances[instance].handedness);
     }
     return vec4f(any_perpendicular(normal), 1.0);
 }

@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use engine::scene::look::Value;
-use engine::session::{Edit, SessionError, merge};
+use engine::scene::look::{Section, Value};
+use engine::session::{Edit, Session, SessionError, merge};
 
 use super::look::{LOOK, RINGS, SQUARES, TEXTURES, TINT};
 use super::stage::{Stage, film, is_same, read, settle};
@@ -365,4 +365,102 @@ fn edits_and_what_others_wrote_are_brought_together() {
     session.look_changed_beside_edits();
     assert!(!session.problems().is_empty());
     assert_eq!(session.saved_text(), expected);
+}
+
+#[test]
+fn documents_of_materials_stay_below_what_the_look_says() {
+    if device::open().is_none() {
+        return;
+    }
+    const DOCUMENT: &str = r#"<materialx version="1.39">
+        <noise3d name="noise" type="float"><input name="amplitude" type="float" value="0.5"/></noise3d>
+        <standard_surface name="s" type="surfaceshader">
+          <input name="base_color" type="color3" value="0.1, 0.7, 0.2"/>
+          <input name="specular_roughness" type="float" nodename="noise"/>
+        </standard_surface>
+        <surfacematerial name="M" type="material"><input name="surfaceshader" type="surfaceshader" nodename="s"/></surfacematerial>
+        </materialx>"#;
+    let look = |more: &str| {
+        format!(
+            "[environment]\ncolor = [1.0, 1.0, 1.0]\n[[materialx]]\nfile = 'a.mtlx'\nname = 'Floor'\n{more}"
+        )
+    };
+    let stage = Stage::new("", &[]);
+    stage.write("a.mtlx", DOCUMENT);
+    stage.write("scene.look.toml", &look(""));
+    let mut session = stage.open("scene.look.toml");
+    let mut shown = film(&mut session);
+    let mut follows = |session: &mut Session, text: &str| {
+        stage.replace("scene.look.toml", text);
+        session.look_changed();
+        settle(session);
+        assert!(session.problems().is_empty(), "{}", session.problems());
+        let new = film(session);
+        assert!(!is_same(&shown, &new), "{text}");
+        assert!(is_same(&new, &stage.fresh(text)), "{text}");
+        shown = new;
+    };
+    // Keys of a material come, change and go; what the document says stays.
+    follows(&mut session, &look("[material.Floor]\nmetallic = 0.5\n"));
+    follows(&mut session, &look("[material.Floor]\nmetallic = 0.9\n"));
+    follows(&mut session, &look("[material.Wall]\nroughness = 0.1\n"));
+    // So do nodes that stand for those of the document.
+    let node = "[node.noise]\ntexture = 'mx_noise3d_float'\namplitude = 0.1\n";
+    follows(&mut session, &look(node));
+    follows(&mut session, &look(""));
+    // And documents themselves.
+    let other = look("").replace("'Floor'", "'Wall'");
+    follows(&mut session, &other);
+    // An edit of the panel's.
+    let edit = Edit::Set {
+        section: Section::Material("Wall".to_owned()),
+        key: "metallic".to_owned(),
+        value: Value::Float(0.75),
+    };
+    session
+        .edit(&edit)
+        .unwrap_or_else(|error| panic!("{error}"));
+    settle(&mut session);
+    let edited = film(&mut session);
+    assert!(is_same(&edited, &stage.fresh(&session.look_text())));
+    assert!(session.files().contains(&stage.path("a.mtlx")));
+}
+
+#[test]
+fn tangents_follow_texture_coordinates() {
+    if device::open().is_none() {
+        return;
+    }
+    let read = |attribute: &str| {
+        format!("fn userProc() -> vec3f {{ return 0.5 + 0.5 * readAttr({attribute}).xyz; }}")
+    };
+    let constant = |color: [f32; 3]| {
+        let [r, g, b] = color.map(|x| format!("{x:?}"));
+        format!("fn userProc() -> vec3f {{ return vec3f({r}, {g}, {b}); }}")
+    };
+    let look = "[environment]\ncolor = [1.0, 1.0, 1.0]\n[node.along]\ntexture = 'along'\n[material.Floor]\nbase_color = 'along'\n";
+    let shown = |text: &str, is_turned: bool| {
+        let stage = Stage::new(look, &[("along", text)]);
+        if is_turned {
+            let mut bytes = fs::read(stage.path("squares.bin")).expect("it is there");
+            // u towards the camera, and v to the left.
+            let uvs: [[f32; 2]; 4] = [[1.0, 1.0], [1.0, 0.0], [0.0, 0.0], [0.0, 1.0]];
+            bytes[48..80].copy_from_slice(bytemuck::cast_slice(&uvs));
+            fs::write(stage.path("squares.bin"), bytes).expect("written");
+        }
+        film(&mut stage.open("scene.look.toml"))
+    };
+    let (plus, minus) = (1.0, 0.0);
+    for (is_turned, attribute, color) in [
+        (false, "Tangent", [plus, 0.5, 0.5]),
+        (false, "Bitangent", [0.5, 0.5, minus]),
+        (true, "Tangent", [0.5, 0.5, plus]),
+        (true, "Bitangent", [plus, 0.5, 0.5]),
+    ] {
+        let (read, known) = (read(attribute), constant(color));
+        assert!(
+            is_same(&shown(&read, is_turned), &shown(&known, is_turned)),
+            "{attribute}, turned: {is_turned}"
+        );
+    }
 }

@@ -17,6 +17,9 @@ use crate::import::error::{At as _, Fault, ImportError};
 /// The name in files.
 const EXTENSION: &str = "KHR_draco_mesh_compression";
 
+/// What decoding a byte takes from the file's budget, beside what comes out.
+const DECODING: u64 = 8;
+
 /// What an accessor stands for, as it would lie in a buffer.
 struct Decoded {
     accessor: usize,
@@ -70,6 +73,8 @@ impl Document {
         let view = stream.get("bufferView").and_then(Value::as_u64);
         let view = view.ok_or_else(|| fault("has no bufferView"))?;
         let (bytes, _) = self.view(usize::try_from(view).unwrap_or(usize::MAX))?;
+        // A stream may be named as often as there are primitives: each time it is decoded costs some of what a file may become.
+        self.budget.take(bytes.len() as u64, DECODING)?;
         let limits = DecodeLimits::default()
             .with_max_faces(self.budget.left() / 12)
             .with_max_decoded_bytes(self.budget.left());

@@ -81,7 +81,7 @@ fn a_picture_keeps_every_bit_and_says_how_it_was_made() {
     assert_eq!(facts.len(), metadata().facts.len());
     let fact = |name| facts.get(&Text::from(name));
     assert_eq!(fact("samplesPerPixel"), Some(&AttributeValue::I32(64)));
-    let device = AttributeValue::Text(latin1("Gerät ?"));
+    let device = AttributeValue::Text(utf8("Gerät 世"));
     assert_eq!(fact("device"), Some(&device));
 }
 
