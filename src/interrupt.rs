@@ -56,6 +56,11 @@ pub(crate) fn writes_results() {
     IS_WRITING.store(true, Ordering::SeqCst);
 }
 
+/// Says that they are written, and that another picture is begun: a driver that hangs is not waited for any more.
+pub(crate) fn goes_on() {
+    IS_WRITING.store(false, Ordering::SeqCst);
+}
+
 /// Whether the end has been asked for.
 pub(crate) fn requested() -> bool {
     SIGNAL.load(Ordering::SeqCst) != 0

@@ -79,6 +79,7 @@ pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
         transparent: job.transparent,
         form: &job.form,
         view: &view,
+        is_frame: false,
     };
     let denoised = (denoiser.as_ref())
         .map(|denoiser| denoise::film(denoiser, &results.content()).map_err(Failure::because))

@@ -7,6 +7,7 @@
 mod identity;
 mod salvage;
 
+use std::env;
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
@@ -18,6 +19,7 @@ use engine::scene::view::View;
 use thiserror::Error;
 
 pub(crate) use self::identity::refuse_overwriting;
+pub(crate) use self::salvage::picture_flags;
 use crate::console;
 use crate::denoise::Denoised;
 use crate::failure::Failure;
@@ -37,6 +39,8 @@ pub(crate) struct Results<'a> {
     pub(crate) form: &'a Form,
     /// How PNG and JPEG show it; EXR keeps the radiance.
     pub(crate) view: &'a View,
+    /// It is one of several, whose pictures say that it is done.
+    pub(crate) is_frame: bool,
 }
 
 impl Results<'_> {
@@ -172,6 +176,19 @@ pub(crate) fn write_shown(output: &Output, size: [u32; 2], rgba: &[u8]) -> Resul
     written.map_err(|reason| OutputError::new(&output.path, reason))
 }
 
+/// Writes 8-bit RGBA of a texture, and tells whether it has all its channels there: see [`write::save_texture`].
+///
+/// # Errors
+/// As [`write()`].
+pub(crate) fn write_texture(
+    output: &Output,
+    size: [u32; 2],
+    rgba: &[u8],
+) -> Result<bool, OutputError> {
+    let written = write::save_texture(&output.path, output.format, size, rgba);
+    written.map_err(|reason| OutputError::new(&output.path, reason))
+}
+
 /// Writes the files of a merge: its pictures, and its sums.
 ///
 /// # Errors
@@ -202,11 +219,14 @@ pub(crate) fn write_or_keep(outputs: &Outputs, results: &Results<'_>) -> Result<
         Some(film) => Some(film.clone()),
         None => salvage::keep(results.part, first),
     };
+    let given: Vec<String> = env::args_os()
+        .map(|word| word.to_string_lossy().into_owned())
+        .collect();
     let hint = match &kept {
         Some(film) => format!(
             "the samples are in {}; what is missing is written by: {}",
             film.display(),
-            salvage::command(film, &lost, results.denoised.is_some(), results.transparent)
+            salvage::command(film, &lost, &given)
         ),
         None => "nor could the samples be kept anywhere else".to_owned(),
     };
@@ -221,20 +241,22 @@ fn try_all(outputs: &Outputs, results: &Results<'_>) -> Vec<(PathBuf, OutputErro
     if let Some(denoised) = results.denoised {
         metadata = metadata.denoised_by(&denoised.by);
     }
-    let pictures = outputs.pictures.iter().map(|output| {
-        let written = save(output, content, &metadata, results.view);
-        (&output.path, written)
-    });
-    let films = outputs.films.iter().map(|path| {
-        let written = write_aside(path, |file| part.write(file));
-        (path, written)
-    });
     let mut failed = Vec::new();
-    for (path, outcome) in pictures.chain(films) {
-        match outcome {
-            Ok(()) => console::note(&format!("wrote {}", path.display())),
-            Err(error) => failed.push((path.clone(), error)),
-        }
+    let note = |failed: &mut Vec<_>, path: &Path, written: Result<(), OutputError>| match written {
+        Ok(()) => console::note(&format!("wrote {}", path.display())),
+        Err(error) => failed.push((path.to_owned(), error)),
+    };
+    for path in &outputs.films {
+        let written = write_aside(path, |file| part.write(file));
+        note(&mut failed, path, written);
+    }
+    // A frame that has its pictures is taken for done.
+    if results.is_frame && !failed.is_empty() {
+        return failed;
+    }
+    for output in &outputs.pictures {
+        let written = save(output, content, &metadata, results.view);
+        note(&mut failed, &output.path, written);
     }
     failed
 }

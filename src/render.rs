@@ -79,8 +79,13 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
         return picture(job);
     }
     let names = cameras::file_names(&scene.cameras);
-    for (number, name) in names.iter().enumerate() {
-        picture(&job.through(number, name))?;
+    for (camera, name) in scene.cameras.iter().zip(&names) {
+        // What comes while one is written must not cost the next one's file.
+        if interrupt::requested() {
+            return Err(Failure::Interrupted);
+        }
+        interrupt::goes_on();
+        picture(&job.through(camera, name))?;
     }
     Ok(())
 }
@@ -412,6 +417,7 @@ fn write_part(
         transparent: job.transparent,
         form: &job.form,
         view,
+        is_frame: job.motion.is_sequence(),
     };
     let denoised = denoiser.map(|denoiser| denoise::film(denoiser, &results.content()));
     let (denoised, given_up) = match denoised.transpose() {

@@ -232,8 +232,13 @@ fn named(output: &Output, role: Role) -> Output {
 }
 
 fn write_bytes(output: &Output, size: u32, rgba: &[u8]) -> Result<(), Failure> {
-    output::write_shown(output, [size; 2], rgba).map_err(Failure::because)?;
-    console::note(&format!("wrote {}", output.path.display()));
+    let path = &output.path;
+    let has_all = output::write_texture(output, [size; 2], rgba).map_err(Failure::because)?;
+    console::note(&format!("wrote {}", path.display()));
+    if !has_all {
+        let path = path.display();
+        console::warning(&format!("{path} can't hold its fourth channel; write .png"));
+    }
     Ok(())
 }
 

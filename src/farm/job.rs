@@ -24,6 +24,13 @@ pub(crate) struct ExportJob {
     pub(crate) missing_only: bool,
 }
 
+/// The words of `patina render` that render a part.
+pub(super) fn part_words(scene: &str, flags: &[String], samples: &str, film: &str) -> Vec<String> {
+    let end = ["--sample-range", samples, "-o", film, "--", scene].map(str::to_owned);
+    let start = std::iter::once("--quiet".to_owned());
+    start.chain(flags.iter().cloned()).chain(end).collect()
+}
+
 impl ExportJob {
     /// Validates a command line; `check` says whether `patina render` takes some words.
     ///
@@ -44,7 +51,11 @@ impl ExportJob {
             "-o",
             "--output",
             "--noise",
+            "--flip",
             "--time",
+            "--frames",
+            "--frame-part",
+            "--turntable",
             "--resume",
             "--checkpoint",
             "--refresh",
@@ -62,11 +73,9 @@ impl ExportJob {
             return Err(UsageError::FarmFlag { flag });
         }
         // What the farm would refuse hours later is refused now.
-        let film = format!("part.{FILM_EXTENSION}");
-        let words = ["--output", film.as_str()].map(str::to_owned);
-        let words = words.into_iter().chain(args.flags.iter().cloned());
-        let words = words.chain(["--".to_owned(), args.scene.display().to_string()]);
-        check(&words.collect::<Vec<_>>())?;
+        let (samples, film) = (format!("0..{spp}"), format!("part.{FILM_EXTENSION}"));
+        let scene = args.scene.display().to_string();
+        check(&part_words(&scene, &args.flags, &samples, &film))?;
         Ok(Self {
             scheduler: args.to,
             scene: args.scene,

@@ -59,11 +59,9 @@ impl Plan {
     /// The words that render a part.
     fn render(&self, samples: &str, film: &str) -> Vec<String> {
         let scene = self.scene.display().to_string();
-        let start = ["patina", "render", "--quiet"]
-            .map(str::to_owned)
-            .into_iter();
-        let end = ["--sample-range", samples, "-o", film, "--", &scene].map(str::to_owned);
-        start.chain(self.flags.iter().cloned()).chain(end).collect()
+        let words = job::part_words(&scene, &self.flags, samples, film);
+        let start = ["patina", "render"].map(str::to_owned).into_iter();
+        start.chain(words).collect()
     }
 
     /// The words that make the picture of all parts.
@@ -178,7 +176,7 @@ fn plan(job: &ExportJob) -> Result<Plan, Failure> {
             .into_owned(),
         scene: job.scene.clone(),
         here: std::env::current_dir().map_err(Failure::because)?,
-        merge_flags: merge_flags(&job.flags),
+        merge_flags: output::picture_flags(&job.flags),
         flags: job.flags.clone(),
         results: job
             .results
@@ -190,34 +188,6 @@ fn plan(job: &ExportJob) -> Result<Plan, Failure> {
         films,
         spp: job.spp,
     })
-}
-
-/// The flags of a render that its merge takes, too.
-fn merge_flags(flags: &[String]) -> Vec<String> {
-    const WITH_VALUE: [&str; 8] = [
-        "--look",
-        "--view",
-        "--exposure",
-        "--white-balance",
-        "--exr-compression",
-        "--exr-half",
-        "--exr-float",
-        "--metadata",
-    ];
-    let mut words = Vec::new();
-    let mut flags = flags.iter();
-    while let Some(flag) = flags.next() {
-        let name = flag.split('=').next().unwrap_or_default();
-        if matches!(flag.as_str(), "--denoise" | "--transparent")
-            || (WITH_VALUE.contains(&name) && name != flag)
-        {
-            words.push(flag.clone());
-        } else if WITH_VALUE.contains(&name) {
-            words.push(flag.clone());
-            words.extend(flags.next().cloned());
-        }
-    }
-    words
 }
 
 /// The films in a folder, with the samples that they have. Those that were ended early are left out: their samples are rendered
@@ -266,14 +236,6 @@ fn without(ranges: &[Range<u32>], taken: &Range<u32>) -> Samples {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_merge_shows_the_picture_as_the_render_would() {
-        let line = "--size 8x8 --look a.toml --view=agx --denoise --seed 3 --exposure -1";
-        let flags: Vec<String> = line.split(' ').map(str::to_owned).collect();
-        let expected = "--look a.toml --view=agx --denoise --exposure -1";
-        assert_eq!(merge_flags(&flags).join(" "), expected);
-    }
 
     fn whole(end: u32) -> Samples {
         Samples::from([Range { start: 0, end }])

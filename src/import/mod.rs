@@ -25,6 +25,7 @@ pub(crate) fn run(job: &ImportJob) -> Result<(), Failure> {
         material: job.material.clone(),
         name: job.name.clone(),
         folder: job.output.parent().unwrap_or(Path::new("")).to_owned(),
+        ..Wanted::default()
     };
     let converted = materialx::convert(&document, &Disk, &wanted)?;
     console::diagnostics(&converted.warnings);

@@ -33,22 +33,42 @@ pub(super) fn keep(part: &Part, lost: &Path) -> Option<PathBuf> {
     })
 }
 
+/// Those of the words of `patina render` that say what is made of the samples: `patina merge` has them too.
+pub(crate) fn picture_flags(flags: &[String]) -> Vec<String> {
+    const WITH_VALUE: [&str; 8] = [
+        "--look",
+        "--view",
+        "--exposure",
+        "--white-balance",
+        "--exr-compression",
+        "--exr-half",
+        "--exr-float",
+        "--metadata",
+    ];
+    let mut words = Vec::new();
+    let mut flags = flags.iter();
+    while let Some(flag) = flags.next() {
+        let name = flag.split('=').next().unwrap_or_default();
+        if matches!(flag.as_str(), "--denoise" | "--transparent")
+            || (WITH_VALUE.contains(&name) && name != flag)
+        {
+            words.push(flag.clone());
+        } else if WITH_VALUE.contains(&name) {
+            words.push(flag.clone());
+            words.extend(flags.next().cloned());
+        }
+    }
+    words
+}
+
 /// The command that writes what could not be written.
-pub(super) fn command(
-    film: &Path,
-    lost: &[&Path],
-    is_denoised: bool,
-    is_transparent: bool,
-) -> String {
+pub(super) fn command(film: &Path, lost: &[&Path], rendered_by: &[String]) -> String {
     let mut line = format!("patina merge {}", quoted(film));
     for path in lost {
         line += &format!(" -o {}", quoted(path));
     }
-    if is_denoised {
-        line += " --denoise";
-    }
-    if is_transparent {
-        line += " --transparent";
+    for flag in picture_flags(rendered_by) {
+        line += &format!(" {}", quoted(Path::new(&flag)));
     }
     line
 }
@@ -73,10 +93,22 @@ mod tests {
         let line = command(
             Path::new("/tmp/a.kept.patina-film"),
             &[Path::new("b.png")],
-            false,
-            false,
+            &[
+                "render",
+                "a.glb",
+                "--exposure",
+                "1.5",
+                "--view=agx",
+                "--spp",
+                "9",
+                "--denoise",
+            ]
+            .map(str::to_owned),
         );
-        assert_eq!(line, "patina merge /tmp/a.kept.patina-film -o b.png");
+        assert_eq!(
+            line,
+            "patina merge /tmp/a.kept.patina-film -o b.png --exposure 1.5 --view=agx --denoise"
+        );
         if !cfg!(windows) {
             assert_eq!(quoted(Path::new("it's $x.png")), "'it'\\''s $x.png'");
         }

@@ -189,7 +189,7 @@ pub(super) fn render(
                 &origin,
                 session.settings(),
                 session.paths_per_sample(),
-                job.accuracy == Some(Accuracy::Final),
+                job,
             )?,
             false => None,
         };
@@ -306,7 +306,10 @@ pub(super) fn render(
         is_preview,
         is_awaited,
     } = done;
-    if let (Some(writer), false) = (&mut writer, is_film_wanted || is_preview) {
+    // A frame that was interrupted isn't written, not even its film: what there is of it is here.
+    let is_frame = job.motion.is_sequence() && matches!(ended, Some(Ended::Interrupted));
+    let is_written = is_film_wanted && !is_frame;
+    if let (Some(writer), false) = (&mut writer, is_written || is_preview) {
         writer.write(film.clone(), paths);
         writer.finish();
     }

@@ -33,9 +33,10 @@ pub(super) fn file_names(cameras: &[Camera]) -> Vec<String> {
 
 impl RenderJob {
     /// The same through the camera of this number: `room.exr` becomes `room-Door.exr`.
-    pub(super) fn through(&self, number: usize, name: &str) -> Self {
+    pub(super) fn through(&self, camera: &Camera, name: &str) -> Self {
         let mut job = self.renamed(|path| named(path, name));
-        job.camera = Some(number.to_string());
+        // By its name, which no other one has: a number may be the name of another.
+        job.camera = Some(camera.name.clone());
         job
     }
 

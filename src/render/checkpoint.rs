@@ -4,6 +4,7 @@
 use std::thread::JoinHandle;
 use std::time::Instant;
 
+use engine::adaptive::GRAIN;
 use engine::film::write::{Content, Form};
 use engine::film::{Film, Layers, Origin, Part, PartError};
 use engine::fingerprint::REFINEMENT;
@@ -11,6 +12,7 @@ use engine::renderer::RenderSettings;
 use engine::scene::view::View;
 
 use super::REFINEMENTS;
+use crate::accuracy::Accuracy;
 use crate::failure::Failure;
 use crate::job::{Checkpoints, RenderJob};
 use crate::words::Outputs;
@@ -51,7 +53,7 @@ pub(super) fn told_refined(origin: &Origin) -> u32 {
         .unwrap_or(0)
 }
 
-/// Reads what a former run has left; nothing where there is no such file. A picture that `may_be_refined` goes on with as fine records
+/// Reads what a former run has left; nothing where there is no such file. A picture that may be refined goes on with as fine records
 /// as the film has.
 ///
 /// # Errors
@@ -61,7 +63,7 @@ pub(super) fn read(
     origin: &Origin,
     settings: &RenderSettings,
     paths_per_sample: u64,
-    may_be_refined: bool,
+    job: &RenderJob,
 ) -> Result<Option<Former>, Failure> {
     let RenderSettings {
         width,
@@ -86,9 +88,9 @@ pub(super) fn read(
         ))
     };
     let part = picture::film(path).map_err(|error| refused(&error))?;
-    let refined = match may_be_refined {
-        true => told_refined(&part.origin),
-        false => 0,
+    let refined = match job.accuracy {
+        Some(Accuracy::Final) => told_refined(&part.origin),
+        _ => 0,
     };
     let mut wanted = origin.clone();
     tell_refined(&mut wanted.settings, refined);
@@ -115,7 +117,12 @@ pub(super) fn read(
             origin.device
         ));
     }
-    let (fewest, _) = part.film.sample_bounds();
+    let (fewest, most) = part.film.sample_bounds();
+    // A picture whose samples go everywhere has a burst of difference while it is under way.
+    if !job.adaptive && most - fewest >= GRAIN {
+        let error = format!("its pixels have {fewest} to {most} samples, as --adaptive gives them");
+        return Err(refused(&error));
+    }
     let samples = console::grouped(u64::from(fewest));
     console::note(&format!(
         "resumed {}: {samples} samples per pixel",

@@ -104,6 +104,7 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
         if interrupt::requested() {
             return Err(Failure::Interrupted);
         }
+        interrupt::goes_on();
     }
     if skipped > 0 {
         let all = frames.len();
@@ -113,10 +114,12 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Whether all pictures of a frame are there. Where only films are written, each is gone on with.
+/// Whether all files of a frame are there, of which pictures are written last. Where only films are written, each is gone on with.
 fn is_done(job: &RenderJob) -> bool {
-    let mut pictures = job.outputs.pictures.iter();
-    !job.outputs.pictures.is_empty() && pictures.all(|picture| picture.path.exists())
+    let outputs = &job.outputs;
+    let mut files =
+        (outputs.films.iter()).chain(outputs.pictures.iter().map(|picture| &picture.path));
+    !outputs.pictures.is_empty() && files.all(|path| path.exists())
 }
 
 /// Takes away what was kept of a frame while it was under way, where nobody has asked for it.

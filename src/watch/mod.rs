@@ -85,7 +85,10 @@ pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
             update.coming = None;
         }
         look_view = session.look_view();
-        tell_problems(&session, &mut told);
+        if tell_problems(&session, &mut told) {
+            // A file that isn't there mends them when it comes.
+            watcher.set_files(&session.files(), job.look.as_deref());
+        }
         let target = update.next.min(job.spp.get());
         let progress = session.step(target)?;
         is_written &= update.next > job.spp.get();
@@ -254,16 +257,16 @@ fn tell_doubts(
     Ok(())
 }
 
-/// Says what is wrong when that has changed.
-fn tell_problems(session: &Session, told: &mut String) {
+/// Says what is wrong when that has changed; whether something is.
+fn tell_problems(session: &Session, told: &mut String) -> bool {
     // While something is built it may turn out otherwise.
     if session.is_building() {
-        return;
+        return false;
     }
     let problems = session.problems();
     let text = problems.render();
     if text == *told {
-        return;
+        return false;
     }
     if problems.is_empty() {
         console::print("no more problems");
@@ -271,4 +274,5 @@ fn tell_problems(session: &Session, told: &mut String) {
         console::diagnostics(&problems);
     }
     *told = text;
+    !problems.is_empty()
 }

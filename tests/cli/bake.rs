@@ -65,6 +65,31 @@ fn materials_and_nodes_become_pictures() {
 }
 
 #[test]
+fn pictures_have_the_opacity_in_alpha() {
+    let bench = Bench::new();
+    square(&bench);
+    let look = "[node.squares]\ntexture = \"checker\"\nscale = 4.0\n[material.Paint]\nopacity = \"squares.x\"\n";
+    fs::write(bench.path("l.toml"), look).expect("written");
+    let flags = "--scene square.gltf --look l.toml --device native --size 32";
+    bench
+        .run(&format!("bake Paint {flags} -o p.png"))
+        .expect_code(0);
+    let open = |name: &str| image::open(bench.path(name)).expect("a picture");
+    let picture = open("p_base_color.png");
+    assert!(picture.color().has_alpha());
+    let alphas: std::collections::HashSet<_> =
+        picture.to_rgba8().pixels().map(|p| p.0[3]).collect();
+    assert!(alphas.len() >= 2, "a checkerboard: {alphas:?}");
+    assert!(!open("p_normal.png").color().has_alpha());
+    let run = bench.run(&format!("bake Paint {flags} -o p.jpg"));
+    let said = run.expect_code(0).stderr;
+    assert!(
+        said.contains("p_base_color.jpg can't hold its fourth channel"),
+        "{said}"
+    );
+}
+
+#[test]
 fn what_cannot_be_baked_is_said() {
     let bench = Bench::new();
     square(&bench);

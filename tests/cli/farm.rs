@@ -98,6 +98,13 @@ fn each_scheduler_gets_files_and_senseless_jobs_are_refused() {
         "-- --nonsense",
         "-- --size 0x0",
         "-- -o x.png",
+        // What parts would fail by, or end with fewer samples.
+        "-- --flip 0.1",
+        "-- --adaptive",
+        "-- --frames 0..4",
+        "-- --turntable 4",
+        "-- --accuracy final",
+        "-- --quiet",
     ] {
         bench
             .run(&format!(

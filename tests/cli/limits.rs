@@ -116,6 +116,23 @@ fn an_adaptive_render_says_where_it_ended() {
 }
 
 #[test]
+fn even_films_go_on_adaptively_and_not_the_other_way_round() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let scene = "render triangle.gltf --look sky.look.toml --size 52x40 --flip 0.0001";
+    let run = |flags: &str| bench.run(&format!("{scene} {flags} -o a.exr -o a.patina-film"));
+    // Neither a multiple of what blocks get at once, nor as many as they begin with.
+    run("--spp 40").expect_code(0);
+    let ended = run("--spp 256 --adaptive --resume").expect_code(0);
+    let said = &ended.stdout;
+    assert!(said.contains("on average"), "{said}");
+    assert!(!said.contains("40 to"), "{said}");
+    run("--spp 512 --resume").expect_error(1, "as --adaptive gives them");
+}
+
+#[test]
 fn a_draft_says_how_wrong_it_is() {
     if !device() {
         return;

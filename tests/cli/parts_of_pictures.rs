@@ -124,3 +124,80 @@ fn memory_is_stated_before_a_render_and_refused_where_it_is_too_much() {
     let refused = bench.run(&format!("{render} --size 4096x4096 --memory 2M"));
     refused.expect_error(1, "pieces of 4096x8");
 }
+
+#[test]
+fn parts_fit_wherever_the_textures_lie() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    for folder in ["here", "there"] {
+        let textures = bench.path(folder).join("user_textures");
+        fs::create_dir_all(&textures).expect("a folder");
+        let texture = "fn userProc() -> vec3f { return vec3f(0.25); }";
+        fs::write(textures.join("gray.wgsl"), texture).expect("written");
+        let look = "[node.g]\ntexture = 'gray'\n[material.Glow]\nbase_color = 'g'\n";
+        fs::write(bench.path(folder).join("a.look.toml"), look).expect("written");
+    }
+    let there = bench.path("there/a.look.toml");
+    for (look, part) in [
+        ("here/a.look.toml", "1/3"),
+        ("./here/a.look.toml", "2/3"),
+        (&*there.display().to_string(), "3/3"),
+    ] {
+        let name = &part[..1];
+        bench
+            .run(&format!(
+                "render triangle.gltf --size 8x8 --spp 3 --look {look} --part {part} -o {name}.patina-film"
+            ))
+            .expect_code(0);
+    }
+    bench
+        .run("merge 1.patina-film 2.patina-film 3.patina-film -o whole.png")
+        .expect_code(0);
+}
+
+#[test]
+fn each_camera_is_rendered_whatever_it_is_called() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let scene = fs::read_to_string(bench.path("triangle.gltf")).expect("it is there");
+    let mut scene: serde_json::Value = serde_json::from_str(&scene).expect("JSON");
+    scene["cameras"] = serde_json::Value::Array(Vec::new());
+    for node in scene["nodes"].as_array_mut().expect("nodes") {
+        let _ = node.as_object_mut().map(|node| node.remove("camera"));
+    }
+    for name in ["1", "2"] {
+        let number = scene["cameras"].as_array().map_or(0, Vec::len);
+        let angle = 0.3 + 0.5 * number as f32;
+        let camera = serde_json::json!({
+            "name": name, "type": "perspective", "perspective": { "yfov": angle, "znear": 0.1 }
+        });
+        let node = serde_json::json!({ "camera": number, "translation": [0.2, 0.2, 2.0] });
+        let place = scene["nodes"].as_array().map_or(0, Vec::len);
+        for (list, value) in [("cameras", camera), ("nodes", node)] {
+            scene[list].as_array_mut().expect("a list").push(value);
+        }
+        let nodes = scene["scenes"][0]["nodes"].as_array_mut();
+        nodes.expect("a list").push(place.into());
+    }
+    fs::write(bench.path("two.gltf"), scene.to_string()).expect("written");
+    let line = "render two.gltf --size 16x16 --spp 1";
+    bench
+        .run(&format!("{line} --camera all -o a.png"))
+        .expect_code(0);
+    for name in ["1", "2"] {
+        bench
+            .run(&format!("{line} --camera {name} -o {name}.png"))
+            .expect_code(0);
+        let bytes = |file: String| fs::read(bench.path(&file)).expect("it was written");
+        assert!(
+            bytes(format!("a-{name}.png")) == bytes(format!("{name}.png")),
+            "{name}"
+        );
+    }
+    let bytes = |name: &str| fs::read(bench.path(name)).expect("it was written");
+    assert!(bytes("1.png") != bytes("2.png"));
+}

@@ -65,6 +65,8 @@ pub enum Command {
     CancelPicture,
     /// Render other files.
     Open(Files),
+    /// It is known that files were opened: what comes from now on is meant for them, what came before was meant for others.
+    HasOpened,
     /// Search textures in this folder, too.
     TextureFolder(PathBuf),
     /// Files may have changed.
@@ -144,6 +146,18 @@ pub struct Files {
     pub look: Option<PathBuf>,
     /// A camera of the scene in place of the look's.
     pub camera: Option<String>,
+}
+
+impl Files {
+    /// The same from whatever folder.
+    pub fn absolute(&self) -> Self {
+        let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
+        Self {
+            scene: absolute(&self.scene),
+            look: self.look.as_ref().map(absolute),
+            camera: self.camera.clone(),
+        }
+    }
 }
 
 /// What is to be framed.

@@ -10,6 +10,7 @@ mod picture;
 mod publish;
 mod size;
 
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -120,6 +121,8 @@ impl RenderThread {
                     outside: 0,
                     end: None,
                     is_stuck: false,
+                    is_unheard: false,
+                    recovered: None,
                     published: publish::Published::default(),
                 };
                 lock(&render.board).recent = render.host.recent().into();
@@ -191,6 +194,10 @@ struct Render {
     end: Option<f64>,
     /// There were so many that nothing is tried until something changes.
     is_stuck: bool,
+    /// Other files were opened than those that the window knows of.
+    is_unheard: bool,
+    /// Where the look was kept when the render ended.
+    recovered: Option<PathBuf>,
     published: publish::Published,
 }
 
@@ -210,6 +217,8 @@ struct Pending {
     changes: ChangeQueue,
     /// Of the last change that has come.
     number: u64,
+    /// Of the last one that was made.
+    made: u64,
     view: Option<Option<Camera>>,
     moment: Option<Moment>,
     since: Option<Instant>,
@@ -435,6 +444,7 @@ impl Render {
         let moved = moment.map_or(Ok(()), |moment| session.set_moment(&moment));
         let changes = self.pending.changes.take();
         let sent = changes.iter().try_for_each(|change| session.apply(change));
+        self.pending.made = self.pending.number;
         if !changes.is_empty() {
             self.publish_look();
         }

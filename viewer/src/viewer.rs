@@ -414,10 +414,12 @@ impl Viewer {
     fn follow_saved(&mut self) {
         let files = &self.scene.files;
         let is_saved = self.saved_as.is_some() && self.saved_as == files.look;
+        let files = files.absolute();
         if let Some(last) = self.preferences.files.as_mut().filter(|_| is_saved)
             && last.scene == files.scene
         {
-            last.look = self.saved_as.take();
+            last.look = files.look;
+            self.saved_as = None;
         }
     }
 
@@ -453,6 +455,7 @@ impl Viewer {
                 self.send_view(view);
             }
             Reply::Opened(files) => {
+                self.link.send(Command::HasOpened);
                 self.viewport = Viewport::default();
                 self.timeline = Timeline::default();
                 self.forget_mix();
@@ -464,11 +467,12 @@ impl Viewer {
                     true => self.editor.reopen(),
                     false => {
                         self.editor.forget();
-                        self.begin_look(last.as_ref() == Some(&files));
+                        self.begin_look(last == Some(files.absolute()));
                     }
                 }
                 self.material = None;
-                self.preferences.files = Some(files);
+                // Found again from whatever folder the window is opened next.
+                self.preferences.files = Some(files.absolute());
             }
         }
     }

@@ -349,7 +349,7 @@ fn details(ui: &mut Ui, label: &str, ramp: &mut Ramp, selected: &mut usize) -> b
     let can_delete = ramp.stops.len() > 1;
     let delete = ui.add_enabled(can_delete, egui::Button::new("Delete stop"));
     name(&delete, &format!("{label} delete stop"));
-    let is_hovered = ui.rect_contains_pointer(ui.min_rect());
+    let is_hovered = ui.rect_contains_pointer(ui.min_rect()) && !ui.text_edit_focused();
     let by_key = is_hovered && ui.input(|input| input.key_pressed(Key::Delete));
     if can_delete && (delete.clicked() || by_key) {
         ramp.stops.remove(i);

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use engine::load::StandIn;
+use engine::procedural::TextureSources;
 use engine::scene::{Moment, Motion};
 use engine::session::{Session, SessionError};
 
@@ -11,11 +12,35 @@ use crate::link::{Command, Extent, Hit, PickPurpose, Reply};
 
 use super::{Render, lock_size, publish};
 
+/// Whether a command is meant for the files that are shown, and would do something else to others.
+fn is_of_files(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Change(..)
+            | Command::View(_)
+            | Command::Moment(_)
+            | Command::Region(_)
+            | Command::Pick(..)
+            | Command::Outline(_)
+            | Command::KeepBefore(_)
+            | Command::MixLights(_)
+            | Command::Save(_)
+            | Command::SavePicture(_)
+    )
+}
+
 impl Render {
     pub(super) fn take(&mut self, command: Command) {
         self.worked = Instant::now();
         self.is_stuck &= matches!(command, Command::LookForChanges);
+        if self.is_unheard && is_of_files(&command) {
+            return;
+        }
         match command {
+            Command::HasOpened => self.is_unheard = false,
+            Command::Change(change, _) if self.recovered.is_some() => {
+                self.recover(change.text());
+            }
             Command::Change(change, number) => {
                 self.pending.changes.push(change);
                 self.pending.number = number;
@@ -165,6 +190,21 @@ impl Render {
         }
     }
 
+    /// What a look that was saved elsewhere will lack when it is opened there: textures beside its former file.
+    fn without_textures(&self) -> Option<String> {
+        let session = self.session.as_ref()?;
+        let look = session.inputs().look.as_deref();
+        let sources = TextureSources::search(&self.host.texture_folders(look).ok()?).ok()?;
+        let textures = session.procedural().graph().library().textures();
+        let lost = textures
+            .iter()
+            .find(|texture| sources.read(texture.name()).is_none())?;
+        let (name, path) = (lost.name(), lost.file().path());
+        Some(format!(
+            "its texture `{name}` isn't found from there: copy {path}"
+        ))
+    }
+
     fn save(&mut self, path: Option<PathBuf>) {
         self.apply_all();
         let Some(session) = &mut self.session else {
@@ -177,7 +217,13 @@ impl Render {
         let name = session.inputs().look.clone().unwrap_or_default();
         match saved {
             Ok(()) => {
-                self.reply(Reply::Done(format!("saved {}", name.display())));
+                let mut text = format!("saved {}", name.display());
+                if path.is_some()
+                    && let Some(lost) = self.without_textures()
+                {
+                    text += &format!("; {lost}");
+                }
+                self.reply(Reply::Done(text));
                 match path.is_some() {
                     true => {
                         self.publish_scene();

@@ -1,8 +1,10 @@
 //! Failures: those that may pass are told, those that don't stop the render until something changes, and a device that is lost ends
 //! it and keeps the edits.
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
+use engine::aside;
 use engine::session::SessionError;
 
 use crate::link::{Reply, lock};
@@ -47,23 +49,33 @@ It is tried again as soon as something changes."
         if lock(&self.board).status.fatal.is_some() {
             return;
         }
-        if let Some(mut session) = self.session.take()
-            && session.has_unsaved_edits()
-        {
+        if let Some(session) = self.session.take() {
             let look = session.inputs().look.clone();
             let beside = look.unwrap_or_else(|| session.inputs().scene.with_extension("look.toml"));
             let mut name = beside.into_os_string();
             name.push(".recovered");
-            let path = PathBuf::from(name);
-            text = match session.save(Some(&path)) {
-                Ok(()) => format!("{text}\nYour edits are in {}", path.display()),
-                Err(why) => format!(
-                    "{text}\nYour edits could not be kept: {}",
-                    publish::message(&why)
-                ),
+            self.recovered = Some(PathBuf::from(name));
+            // What waits is the whole look, too.
+            let waiting = self.pending.changes.take();
+            let edited = match waiting.last() {
+                Some(change) => Some(change.text().to_owned()),
+                None => (session.has_unsaved_edits()).then(|| session.look_text()),
             };
+            if let Some(said) = edited.and_then(|edited| self.recover(&edited)) {
+                text = format!("{text}\n{said}");
+            }
         }
         lock(&self.board).status.fatal = Some(text);
         (self.wake)();
+    }
+
+    /// Keeps a look beside its file, and says so; also what the user went on to do until it was said.
+    pub(super) fn recover(&self, text: &str) -> Option<String> {
+        let path = self.recovered.as_ref()?;
+        let kept = aside::replace(path, |file| file.write_all(text.as_bytes()));
+        Some(match kept {
+            Ok(()) => format!("Your edits are in {}", path.display()),
+            Err(why) => format!("Your edits could not be kept: {}: {why}", path.display()),
+        })
     }
 }

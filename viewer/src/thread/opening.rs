@@ -1,6 +1,5 @@
 //! How files are opened, and what becomes of those that can't be.
 
-use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -26,6 +25,8 @@ impl Render {
         match self.opened(&files) {
             Ok(session) => {
                 self.end = end(&session).unwrap_or_default();
+                self.is_unheard = self.session.is_some();
+                self.recovered = None;
                 self.session = Some(session);
                 self.run = Run::default();
                 self.run.cause = Some(Instant::now());
@@ -56,12 +57,7 @@ impl Render {
 
     /// Puts files in front of those that have been shown.
     fn remember(&self, files: &Files) {
-        let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
-        let files = Files {
-            scene: absolute(&files.scene),
-            look: files.look.as_ref().map(absolute),
-            camera: files.camera.clone(),
-        };
+        let files = files.absolute();
         let former = Arc::clone(&lock(&self.board).recent);
         let others = former.iter().filter(|other| **other != files).cloned();
         let list: Vec<Files> = [files.clone()]

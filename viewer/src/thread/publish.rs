@@ -320,7 +320,13 @@ impl Render {
             status.problems.clone_from(&state.problems);
         }
         drop(board);
-        let is_news = self.published.state.as_ref() != Some(&state);
+        let former = self.published.state.take();
+        let told = former.as_ref().map_or("", |former| &former.problems);
+        if !state.problems.is_empty() && state.problems != told {
+            // A file that isn't there mends them when it comes.
+            self.watch();
+        }
+        let is_news = former.as_ref() != Some(&state);
         self.published.state = Some(state);
         is_news
     }
@@ -353,7 +359,7 @@ impl Render {
             text: session.look_text().into(),
             saved: session.saved_text().into(),
             outside: self.outside,
-            heard: self.pending.number,
+            heard: self.pending.made,
             materials: Arc::new(session.scene().materials.clone()),
             has_stand_in_light: session.has_stand_in_light(),
             own_materials: session.procedural().scene_materials(),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::text::{CCursor, CCursorRange};
-use egui::{Id, Key, Modal, Ui};
+use egui::{Id, Key, Modal, Response, Ui};
 
 use engine::film::MAX_SIDE;
 use engine::scene::import::FORMATS;
@@ -201,8 +201,13 @@ impl Dialog {
     }
 }
 
-/// The file, and the look of a scene, each with a button that opens the system's dialog.
-fn file_fields(ui: &mut Ui, dialog: &mut Dialog, browser: &mut Browser) {
+/// The file, and the look of a scene, each with a button that opens the system's dialog. Whether one of them was ended by Enter.
+fn file_fields(ui: &mut Ui, dialog: &mut Dialog, browser: &mut Browser) -> bool {
+    // Enter means what has the keyboard; in a button that is the button, and in the frame that opens the dialog another one.
+    let ends_by_enter = |field: &Response| {
+        field.lost_focus() && field.ctx.input(|input| input.key_pressed(Key::Enter))
+    };
+    let mut is_done = false;
     let has_system = browser.has_system();
     let width = move |ui: &Ui| match has_system {
         true => ui.available_width() - BROWSE - ui.spacing().item_spacing.x,
@@ -213,6 +218,7 @@ fn file_fields(ui: &mut Ui, dialog: &mut Dialog, browser: &mut Browser) {
         let edit = egui::TextEdit::singleline(&mut dialog.path).desired_width(width(ui));
         let mut shown = edit.show(ui);
         let path = shown.response.response.clone().labelled_by(label.id);
+        is_done |= ends_by_enter(&path);
         if std::mem::take(&mut dialog.is_new) {
             path.request_focus();
             // What is typed takes its place.
@@ -230,7 +236,8 @@ fn file_fields(ui: &mut Ui, dialog: &mut Dialog, browser: &mut Browser) {
         let label = ui.label("Look (may be empty)");
         ui.horizontal(|ui| {
             let edit = egui::TextEdit::singleline(&mut dialog.look).desired_width(width(ui));
-            ui.add(edit).labelled_by(label.id);
+            let look = ui.add(edit).labelled_by(label.id);
+            is_done |= ends_by_enter(&look);
             let request = || dialog.look_request();
             if let Some(path) = browser.button(ui, "Browse ...", "the look of the scene", request) {
                 dialog.look = path.display().to_string();
@@ -243,6 +250,7 @@ fn file_fields(ui: &mut Ui, dialog: &mut Dialog, browser: &mut Browser) {
     if let Some(why) = &dialog.refusal {
         ui.colored_label(ui.visuals().warn_fg_color, why);
     }
+    is_done
 }
 
 /// How large and how fine a picture is, and how it is shown.
@@ -327,7 +335,7 @@ impl Viewer {
         let shown = Modal::new(Id::unique("file dialog")).show(ui.ctx(), |ui| {
             ui.set_width(460.0);
             ui.heading(dialog.title());
-            file_fields(ui, &mut dialog, &mut self.browser);
+            let enter = file_fields(ui, &mut dialog, &mut self.browser);
             if dialog.what == What::Picture {
                 picture_fields(ui, &mut dialog);
             }
@@ -338,7 +346,6 @@ impl Viewer {
             ui.horizontal(|ui| {
                 let is_named = !dialog.path.trim().is_empty();
                 let button = egui::Button::new(dialog.button());
-                let enter = ui.input(|input| input.key_pressed(Key::Enter));
                 is_done = ui.add_enabled(is_named, button).clicked() || is_named && enter;
                 is_cancelled = ui.button("Cancel").clicked();
             });

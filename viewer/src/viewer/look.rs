@@ -201,6 +201,10 @@ impl Viewer {
     }
 
     pub(super) fn look_panel(&mut self, ui: &mut Ui) {
+        // What is edited now would be gone with the files that are shown.
+        if self.status.is_loading {
+            ui.disable();
+        }
         let Editor {
             document: Some(document),
             panel,
@@ -241,6 +245,9 @@ impl Viewer {
 
     /// The graph in a panel of its own.
     pub(super) fn graph_panel(&mut self, ui: &mut Ui) {
+        if self.status.is_loading {
+            ui.disable();
+        }
         let Editor {
             document: Some(document),
             panel,

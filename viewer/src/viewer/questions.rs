@@ -40,7 +40,11 @@ enum Stage {
     Asked,
     /// As soon as they have been saved.
     OnceSaved,
-    /// Whatever becomes of them.
+    /// A picture is being finished that would be lost: it is asked whether it may.
+    PictureAsked,
+    /// As soon as that is written.
+    OnceFinished,
+    /// Whatever becomes of all that.
     Now,
 }
 
@@ -65,9 +69,10 @@ impl Viewer {
         self.questions.leaving = None;
     }
 
-    /// Something failed: a look that could not be saved isn't left.
+    /// Something failed: a look that could not be saved isn't left, nor a picture that could not be written.
     pub(super) fn stay_if_unsaved(&mut self) {
-        if matches!(self.questions.leaving, Some((_, Stage::OnceSaved))) {
+        let waits = [Stage::OnceSaved, Stage::OnceFinished];
+        if (self.questions.leaving.as_ref()).is_some_and(|(_, stage)| waits.contains(stage)) {
             self.stay();
         }
     }
@@ -92,24 +97,39 @@ impl Viewer {
         let is_asked = ui.input(|input| input.viewport().close_requested());
         let is_unsaved = self.has_unsaved_edits();
         let is_closing_now = self.questions.leaving == Some((Leaving::Close, Stage::Now));
-        if is_asked && !is_closing_now && is_unsaved {
+        if is_asked && !is_closing_now && (is_unsaved || self.is_finishing()) {
             ui.ctx().send_viewport_cmd(ViewportCommand::CancelClose);
-            self.questions.leaving = Some((Leaving::Close, Stage::Asked));
+            let stage = match is_unsaved {
+                true => Stage::Asked,
+                false => Stage::PictureAsked,
+            };
+            self.questions.leaving = Some((Leaving::Close, stage));
         }
         match self.questions.leaving.take() {
             Some((leaving, Stage::OnceSaved)) if !is_unsaved => self.leave(ui, leaving),
+            Some((_, Stage::OnceFinished)) if !self.is_finishing() => self.close_now(ui),
             waiting => self.questions.leaving = waiting,
         }
     }
 
     fn leave(&mut self, ui: &Ui, leaving: Leaving) {
         match leaving {
-            Leaving::Close => {
-                self.questions.leaving = Some((Leaving::Close, Stage::Now));
-                ui.ctx().send_viewport_cmd(ViewportCommand::Close);
+            Leaving::Close if self.is_finishing() => {
+                self.questions.leaving = Some((leaving, Stage::PictureAsked));
             }
+            Leaving::Close => self.close_now(ui),
             Leaving::Open(files) => self.link.send(Command::Open(files)),
         }
+    }
+
+    fn close_now(&mut self, ui: &Ui) {
+        self.questions.leaving = Some((Leaving::Close, Stage::Now));
+        ui.ctx().send_viewport_cmd(ViewportCommand::Close);
+    }
+
+    /// Whether a picture is being finished that closing the window would lose.
+    fn is_finishing(&self) -> bool {
+        self.status.saving.is_some() && self.status.fatal.is_none()
     }
 
     pub(super) fn questions(&mut self, ui: &Ui) {
@@ -117,8 +137,30 @@ impl Viewer {
             self.conflict_question(ui);
         } else if self.questions.overwrites {
             self.overwrite_question(ui);
+        } else if let Some((_, Stage::PictureAsked)) = self.questions.leaving {
+            self.finishing_question(ui);
         } else {
             self.leaving_question(ui);
+        }
+    }
+
+    fn finishing_question(&mut self, ui: &Ui) {
+        let shown = Modal::new(Id::unique("leaving a picture")).show(ui.ctx(), |ui| {
+            ui.heading("A picture is being finished");
+            ui.horizontal(|ui| {
+                if ui.button("Close once it is written").clicked() {
+                    self.questions.leaving = Some((Leaving::Close, Stage::OnceFinished));
+                }
+                if ui.button("Close without it").clicked() {
+                    self.close_now(ui);
+                }
+                if ui.button("Stay").clicked() {
+                    self.stay();
+                }
+            });
+        });
+        if shown.should_close() {
+            self.stay();
         }
     }
 

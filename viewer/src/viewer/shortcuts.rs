@@ -112,6 +112,8 @@ impl Viewer {
             return;
         }
         // The longer ones first: Ctrl Shift S is also Ctrl S.
+        // A field has an undo of its own.
+        let is_writing = ctx.text_edit_focused();
         let pressed = |shortcut| ctx.input_mut(|input| input.consume_shortcut(shortcut));
         if pressed(&SAVE_AS) {
             self.dialog = Some(Dialog::save_as(&self.scene.files));
@@ -119,15 +121,15 @@ impl Viewer {
             self.save();
         } else if pressed(&SAVE_PICTURE) {
             self.ask_for_picture();
-        } else if pressed(&REDO) || pressed(&REDO_TOO) {
+        } else if !is_writing && (pressed(&REDO) || pressed(&REDO_TOO)) {
             self.redo();
-        } else if pressed(&UNDO) {
+        } else if !is_writing && pressed(&UNDO) {
             self.undo();
         } else if pressed(&OPEN) {
             self.dialog = Some(Dialog::open(&self.scene.files));
         }
         // What is written into a field or over an open menu is no shortcut.
-        if ctx.text_edit_focused() || Popup::is_any_open(ctx) {
+        if is_writing || Popup::is_any_open(ctx) {
             return;
         }
         // By what was typed: where the question mark is depends on the keyboard.

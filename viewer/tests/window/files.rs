@@ -7,7 +7,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 use engine::scene::look::Value;
 use engine::session::Edit;
-use patina_viewer::link::{Command, Files, LookFacts, Reply, SceneFacts};
+use patina_viewer::link::{Command, Files, LookFacts, Reply, Saving, SceneFacts};
 
 use super::Stage;
 
@@ -183,7 +183,8 @@ fn what_was_done_counts_for_the_file_that_the_look_is_saved_as() {
             drop(board);
             stage.reply(Reply::Done("saved".to_owned()));
             let kept = stage.harness.state_mut().kept().files.clone();
-            assert_eq!(kept, Some(files.clone()), "the next start opens it");
+            // From whatever folder it is.
+            assert_eq!(kept, Some(files.absolute()), "the next start opens it");
         } else {
             stage.reply(Reply::Failed("the disk is full".to_owned()));
         }
@@ -269,4 +270,53 @@ fn the_title_marks_edits_that_are_not_saved() {
         .undo();
     let saved = ["lamp.glb with lamp.look.toml - Patina"];
     assert_eq!(titles(&mut stage), saved);
+}
+
+#[test]
+fn closing_asks_about_a_picture_that_is_being_finished() {
+    let mut stage = Stage::new();
+    let saving = Some(Saving {
+        path: "a.png".into(),
+        spp: 1.0,
+        target: 64,
+    });
+    stage.board.lock().unwrap().status.saving = saving;
+    stage.harness.run_steps(2);
+    // Whether the window closes in the next two frames, where that is asked for or not.
+    let closes = |stage: &mut Stage, is_asked: bool| {
+        let root = egui::ViewportId::ROOT;
+        if is_asked {
+            let viewport = stage.harness.input_mut().viewports.entry(root).or_default();
+            viewport.events.push(egui::ViewportEvent::Close);
+        }
+        let mut closes = false;
+        for _ in 0..2 {
+            stage.harness.step();
+            let commands = &stage.harness.output().viewport_output[&root].commands;
+            let is_kept = commands.contains(&egui::ViewportCommand::CancelClose);
+            assert!(!is_kept || is_asked);
+            closes |= commands.contains(&egui::ViewportCommand::Close);
+            stage
+                .harness
+                .input_mut()
+                .viewports
+                .entry(root)
+                .or_default()
+                .events
+                .clear();
+        }
+        closes
+    };
+    let question = "A picture is being finished";
+    assert!(!closes(&mut stage, true));
+    stage.harness.run_steps(2);
+    assert!(stage.harness.query_by_label(question).is_some());
+    stage.click("Stay");
+    assert!(stage.harness.query_by_label(question).is_none());
+    assert!(!closes(&mut stage, true));
+    stage.harness.run_steps(2);
+    stage.click("Close once it is written");
+    assert!(!closes(&mut stage, false));
+    stage.board.lock().unwrap().status.saving = None;
+    assert!(closes(&mut stage, false));
 }
