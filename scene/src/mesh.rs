@@ -14,7 +14,8 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Unit length, object space.
     pub normals: Vec<Vec3>,
-    /// Unit tangent and handedness (+1 or -1) as glTF defines; present where a material has a normal map or the file had tangents.
+    /// Unit tangent and handedness (+1 or -1) as glTF defines; present where the file had tangents, where a
+    /// material has a normal map, and where something of a look lies along them.
     pub tangents: Vec<Vec4>,
     /// TEXCOORD_0.
     pub uv0: Vec<Vec2>,

@@ -154,7 +154,7 @@ pub fn load_from(
 /// A scene with all that belongs to it, under a light if there is none.
 fn finish(
     mut scene: Scene,
-    procedural: Procedural,
+    mut procedural: Procedural,
     applied: Applied,
     look: Option<Look>,
     warnings: Vec<String>,
@@ -164,6 +164,7 @@ fn finish(
         given_lights,
         has_given_environment,
     } = applied;
+    procedural.give_tangents(&mut scene);
     let mut warnings: Diagnostics = warnings.into_iter().map(Diagnostic::warning).collect();
     if let Some(look) = &look {
         warnings.extend(look.warnings.iter().cloned());

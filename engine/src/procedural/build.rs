@@ -75,6 +75,7 @@ impl Procedural {
             images_with_levels: builder.images.with_levels.into_iter().collect(),
             textures: builder.images.textures,
             files: builder.files,
+            along_tangents: HashSet::new(),
             stack_slots: MIN_STACK_SLOTS,
             changed_args: RangeSet::default(),
             shows_args: false,

@@ -64,7 +64,7 @@ mod values;
 mod wiring;
 mod written;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -130,6 +130,8 @@ pub struct Procedural {
     images_with_levels: Vec<u32>,
     /// As [`texgen::Library::custom_attributes`].
     custom_attributes: Vec<String>,
+    /// The materials whose meshes have tangents, as far as there are texture coordinates for them.
+    along_tangents: HashSet<u32>,
     stack_slots: u32,
     changed_args: RangeSet,
     /// Some of these are of nodes that a material needs.

@@ -2,10 +2,13 @@
 
 use std::collections::{BTreeSet, HashSet};
 
-use texgen::{Attribute, Diagnostic};
+use rayon::prelude::*;
+use texgen::{Attribute, BuiltinAttribute, Diagnostic, TextureType};
 
-use super::Procedural;
-use crate::scene::Scene;
+use super::wiring::Wiring;
+use super::{Output, Procedural};
+use crate::scene::import::give_tangents;
+use crate::scene::{Material, Mesh, Scene};
 use crate::texturing::TextureReads;
 
 impl Procedural {
@@ -43,15 +46,51 @@ impl Procedural {
         }
     }
 
+    /// Gives meshes tangents where something lies along them and their file has none: by their first texture coordinates, as glTF has it
+    /// for normal maps. A kernel knows such directions of each triangle by itself; these are smooth.
+    pub(crate) fn give_tangents(&mut self, scene: &mut Scene) {
+        self.along_tangents = self.are_along_tangents(&scene.materials);
+        let lie_along = &self.along_tangents;
+        if lie_along.is_empty() {
+            return;
+        }
+        let needs = |mesh: &&mut Mesh| {
+            let mut materials = mesh.triangle_materials.iter();
+            mesh.tangents.is_empty()
+                && !mesh.uv0.is_empty()
+                && materials.any(|material| lie_along.contains(material))
+        };
+        scene.meshes.par_iter_mut().filter(needs).for_each(|mesh| {
+            give_tangents(mesh);
+            // Vertices are split by how they lie now.
+            mesh.unbent = None;
+        });
+    }
+
+    /// Whether a mesh may lack tangents that something lies along now.
+    pub(crate) fn lacks_tangents(&self, materials: &[Material]) -> bool {
+        let lie_along = self.are_along_tangents(materials);
+        !lie_along.is_subset(&self.along_tangents)
+    }
+
+    /// The materials that lie along tangents: their programs read them, or they stretch reflections.
+    fn are_along_tangents(&self, materials: &[Material]) -> HashSet<u32> {
+        self.readers(|material, wiring| {
+            let material = materials.get(material as usize);
+            let mut textures = wiring.nodes.iter().map(|&node| self.graph.texture(node));
+            material.is_some_and(|material| material.anisotropy != 0.0)
+                || wiring.output(Output::ANISOTROPY).is_some()
+                || textures.any(reads_tangents)
+        })
+    }
+
     /// The materials whose programs read an attribute, themselves or in what they blend, and the textures that do it.
     fn readers_of<'a>(
         &'a self,
         attribute: &Attribute,
         textures: &mut BTreeSet<&'a str>,
     ) -> HashSet<u32> {
-        let mut readers = HashSet::new();
-        for &material in &self.order {
-            let wiring = &self.wiring[material as usize];
+        self.readers(|_, wiring| {
             let mut reads = false;
             for &node in &wiring.nodes {
                 let texture = self.graph.texture(node);
@@ -60,6 +99,16 @@ impl Procedural {
                     textures.insert(texture.name());
                 }
             }
+            reads
+        })
+    }
+
+    /// The materials of which something is true, and those that blend them.
+    fn readers<'a>(&'a self, mut reads: impl FnMut(u32, &'a Wiring) -> bool) -> HashSet<u32> {
+        let mut readers = HashSet::new();
+        for &material in &self.order {
+            let wiring = &self.wiring[material as usize];
+            let reads = reads(material, wiring);
             let below = wiring.blend.as_ref();
             let below = below.map_or([material; 2], |blend| [blend.base, blend.over]);
             if reads || below.iter().any(|m| readers.contains(m)) {
@@ -68,4 +117,11 @@ impl Procedural {
         }
         readers
     }
+}
+
+/// Whether a texture reads directions along the surface.
+pub(super) fn reads_tangents(texture: &TextureType) -> bool {
+    let directions = [BuiltinAttribute::Tangent, BuiltinAttribute::Bitangent];
+    let directions = directions.map(Attribute::Builtin);
+    (texture.attributes().iter()).any(|attribute| directions.contains(attribute))
 }

@@ -8,6 +8,7 @@ use texgen::{
 };
 
 use super::build::{DEFAULT_AO, reads_ao};
+use super::reads::reads_tangents;
 use super::sources::{SourcesError, TextureSources};
 use super::wiring::{CompileError, check_driver};
 use super::{EditError, Kind, Output, Procedural};
@@ -61,9 +62,9 @@ impl Procedural {
         }
     }
 
-    /// Whether another library's textures read the images of nodes as they were loaded: as colours or as data, with mip levels or
-    /// without.
-    pub(crate) fn reads_images_as(&self, library: &Library) -> bool {
+    /// Whether another library's textures read what was loaded: the images of nodes as colours or as data, with mip levels or without;
+    /// tangents.
+    pub(crate) fn reads_as_loaded(&self, library: &Library) -> bool {
         let graph = self.graph();
         let mut used = graph.ids().map(|node| graph.texture(node));
         used.all(|texture| match library.get(texture.name()) {
@@ -77,7 +78,8 @@ impl Procedural {
                 };
                 let (old, new) = (read(texture), read(now));
                 // Without images there is nothing to be read.
-                old.1.is_empty() && new.1.is_empty() || old == new
+                let has_images = !(old.1.is_empty() && new.1.is_empty());
+                !(reads_tangents(now) && !reads_tangents(texture) || has_images && old != new)
             }
             None => true,
         })

@@ -113,10 +113,10 @@ impl Session {
     fn begin_kernel(&mut self, files: Vec<texgen::SourceFile>) {
         let procedural = self.renderer.procedural();
         match procedural.library_with(files) {
-            // Attributes of meshes are uploaded with the geometry, and images as they are read.
+            // Attributes of meshes are uploaded with the geometry, and tangents and images as they are read.
             Ok(library)
                 if library.custom_attributes() != procedural.reads().attributes
-                    || !procedural.reads_images_as(&library) =>
+                    || !procedural.reads_as_loaded(&library) =>
             {
                 self.rebuild();
             }

@@ -130,6 +130,9 @@ impl Session {
         if touched.materials && !is_told && self.has_no_lamp() != self.was_without_lamp {
             return Err(UpdateError::Rebuild);
         }
+        if (self.renderer.procedural()).lacks_tangents(&self.scene.materials) {
+            return Err(UpdateError::Rebuild);
+        }
         let camera = self.view.as_ref().unwrap_or(&self.camera);
         let restarts = self.renderer.restarts();
         match self.renderer.update(&self.scene, camera, touched) {

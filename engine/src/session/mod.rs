@@ -23,7 +23,7 @@
 //! | `[graph.NAME]` | nothing at all: it is of whoever shows the look as a graph |
 //! | keys of nodes, materials, AO tables; the sky's intensity and rotation; lights but for rectangles; the camera | writes to buffers (`follow.rs`) |
 //! | the source of a texture; a node of another texture | the texture kernel is built in the background, then swapped |
-//! | what is made from the whole look (includes, images, which materials blend), the scene, image files | the renderer is built anew in the background, then swapped |
+//! | what is made from the whole look (includes, documents of materials, images, which materials blend, tangents that something lies along for the first time), the scene, image files | the renderer is built anew in the background, then swapped |
 //!
 //! Until the swap the old picture goes on; if the build fails it stays, and [`Session::problems`] tells why. Nothing
 //! here knows windows, watches files, or looks at the time: whoever does calls [`Session`]. Files are read, and work is done

@@ -60,6 +60,14 @@ const TEXTURES: &[(&str, &str)] = &[
         }",
     ),
     (
+        "along",
+        "fn userProc() -> vec3f { return 0.5 + 0.5 * readAttr(Tangent).xyz; }",
+    ),
+    (
+        "across",
+        "fn userProc() -> vec3f { return 0.5 + 0.5 * readAttr(Bitangent).xyz; }",
+    ),
+    (
         "slope",
         "fn userProc(slope: vec2f) -> f32 { return dot(slope, readAttr(TexCoord0).xy); }",
     ),
@@ -535,4 +543,28 @@ fn a_bump_seen_from_the_back_is_a_dent() {
     let normal = Vec3::new(0.25, 1.0, 0.0).normalize();
     let expected = normal.dot(from.normalize()) / PI;
     assert_shows("bump from behind", &film, |_| Vec3::splat(expected));
+}
+
+/// Files' meshes are given tangents where something reads them; a kernel does without.
+#[test]
+fn a_triangle_knows_tangents_by_its_texture_coordinates() {
+    let Some(device) = device::open() else {
+        return;
+    };
+    let shot = Shot {
+        size: (16, 12),
+        max_depth: 2,
+        spp: 4,
+    };
+    // v grows to the back, so that up in a picture is to the front.
+    for (texture, color) in [("along", "[1.0, 0.5, 0.5]"), ("across", "[0.5, 0.5, 1.0]")] {
+        let seen = |node: &str| {
+            let look = format!("[node.n]\n{node}\n[material.'material 0']\nbase_color = 'n'\n");
+            let mut scene = scene([(floor(1.0), lambert(Vec3::ONE))], Vec3::ONE);
+            view(&device, &mut scene, &look, &oblique(), shot)
+        };
+        let read = seen(&format!("texture = '{texture}'"));
+        let known = seen(&format!("texture = 'three'\nvalue = {color}"));
+        assert!(read == known, "{texture}");
+    }
 }

@@ -464,3 +464,42 @@ fn tangents_follow_texture_coordinates() {
         );
     }
 }
+
+#[test]
+fn what_lies_along_tangents_has_smooth_ones() {
+    if device::open().is_none() {
+        return;
+    }
+    const ALONG: &str = "fn userProc() -> vec3f { return 0.5 + 0.5 * readAttr(Tangent).xyz; }";
+    const PLAIN: &str = "fn userProc() -> vec3f { return vec3f(0.5); }";
+    let sky = "[environment]\ncolor = [1.0, 1.0, 1.0]\n";
+    let look =
+        format!("{sky}[node.along]\ntexture = 'along'\n[material.Floor]\nbase_color = 'along'\n");
+    let stage = Stage::new(&look, &[("along", ALONG)]);
+    let read = engine::scene::look::Look::load(&stage.path("scene.look.toml"));
+    let textures = [stage.path("textures")];
+    let loaded = engine::load::load_with(
+        &stage.path("scene.gltf"),
+        Some(read.expect("it is right")),
+        &textures,
+    );
+    let meshes = loaded.expect("all is there").scene.meshes;
+    let has = meshes.iter().map(|mesh| !mesh.tangents.is_empty());
+    assert_eq!(has.collect::<Vec<_>>(), [true, false]);
+    // Where something begins to lie along them, they come.
+    let mut session = stage.open("scene.look.toml");
+    let brushed = format!("{look}[material.Wall]\nmetallic = 1.0\nanisotropy = 0.8\n");
+    for text in [&brushed, &look, sky, &look] {
+        stage.replace("scene.look.toml", text);
+        session.look_changed();
+        settle(&mut session);
+        assert!(session.problems().is_empty(), "{}", session.problems());
+        assert!(is_same(&film(&mut session), &stage.fresh(text)), "{text}");
+    }
+    for text in [PLAIN, ALONG] {
+        stage.write("textures/along.wgsl", text);
+        session.sources_changed();
+        settle(&mut session);
+        assert!(is_same(&film(&mut session), &stage.fresh(&look)), "{text}");
+    }
+}
