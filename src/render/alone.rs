@@ -307,8 +307,8 @@ pub(super) fn render(
         is_awaited,
     } = done;
     // A frame that was interrupted isn't written, not even its film: what there is of it is here.
-    let is_frame = job.motion.is_sequence() && matches!(ended, Some(Ended::Interrupted));
-    let is_written = is_film_wanted && !is_frame;
+    let is_dropped = job.motion.is_sequence() && matches!(ended, Some(Ended::Interrupted));
+    let is_written = is_film_wanted && !is_dropped;
     if let (Some(writer), false) = (&mut writer, is_written || is_preview) {
         writer.write(film.clone(), paths);
         writer.finish();
