@@ -302,7 +302,7 @@ impl BuiltMesh {
 
     fn is_base_of(&self, unbent: &Arc<Vec<Vec3>>) -> bool {
         let mut base = self.base.iter();
-        base.any(|(positions, _)| Arc::ptr_eq(positions, unbent))
+        base.any(|(positions, _)| Arc::ptr_eq(positions, unbent) || positions == unbent)
     }
 }
 

@@ -262,7 +262,7 @@ fn sameness(a: &Mesh, b: &Mesh) -> Sameness {
     let mut customs = a.custom.iter().zip(&b.custom);
     let is_unbent = |a: &Option<Arc<_>>, b: &Option<Arc<_>>| match (a, b) {
         (None, None) => true,
-        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b) || a == b,
         _ => false,
     };
     let has_same_triangles = bytes(&a.triangles) == bytes(&b.triangles)

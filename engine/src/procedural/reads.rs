@@ -47,8 +47,7 @@ impl Procedural {
     }
 
     /// Gives meshes tangents where something lies along them and their file has none: by their first texture coordinates, as glTF has it
-    /// for normal maps. A kernel knows such directions of each triangle by itself; these are smooth. Meshes that bend are left to it: their
-    /// vertices would be split otherwise at each moment, and motion is told by vertices.
+    /// for normal maps. A kernel knows such directions of each triangle by itself; these are smooth.
     pub(crate) fn give_tangents(&mut self, scene: &mut Scene) {
         self.along_tangents = self.are_along_tangents(&scene.materials);
         let lie_along = &self.along_tangents;
@@ -59,7 +58,6 @@ impl Procedural {
             let mut materials = mesh.triangle_materials.iter();
             mesh.tangents.is_empty()
                 && !mesh.uv0.is_empty()
-                && mesh.unbent.is_none()
                 && materials.any(|material| lie_along.contains(material))
         };
         let meshes = scene.meshes.par_iter_mut().filter(needs);

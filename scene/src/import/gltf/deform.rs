@@ -17,6 +17,8 @@ pub(super) struct Pose {
     pub(super) weights: Vec<f32>,
     /// Bind pose to world, per joint; empty for a mesh without a skin.
     pub(super) joints: Vec<Affine3A>,
+    /// It is one of many: all of them have the same vertices.
+    pub(super) bends: bool,
 }
 
 /// Reads positions, normals and tangents of a primitive in a pose.

@@ -156,7 +156,7 @@ impl Builder<'_> {
         mesh.triangles = list;
         read_attributes(&attributes, &used, &mut mesh, &mut built.dropped)?;
         self.read_normals(&attributes, &source, &used, &mut mesh, &mut built.dropped)?;
-        self.make_tangents(material, &mut mesh, place, &mut built.warnings)?;
+        self.make_tangents(material, pose, &mut mesh, place, &mut built.warnings)?;
         Ok(Some(mesh))
     }
 
@@ -170,7 +170,7 @@ impl Builder<'_> {
         dropped: &mut Dropped,
     ) -> Result<(), Fault> {
         let Some(given) = attributes.get(Semantic::Normals, &[3])? else {
-            return normals::make_flat(mesh, &self.document.budget);
+            return normals::make_flat(mesh, source.pose.bends, &self.document.budget);
         };
         mesh.normals = source.normals(&given, used)?;
         normals::repair(mesh, dropped);
@@ -188,6 +188,7 @@ impl Builder<'_> {
     fn make_tangents(
         &self,
         material: usize,
+        pose: &Pose,
         mesh: &mut Mesh,
         place: &dyn Fn() -> String,
         warnings: &mut Warnings,
@@ -198,7 +199,7 @@ impl Builder<'_> {
         let Some(texture) = normal_map.filter(|_| mesh.tangents.is_empty()) else {
             return Ok(());
         };
-        if !tangents::make(mesh, texture.uv_set, &self.document.budget)? {
+        if !tangents::make(mesh, texture.uv_set, pose.bends, &self.document.budget)? {
             warnings.push(format!(
                 "{}: has a normal map but no TEXCOORD_{} to place it",
                 place(),

@@ -39,6 +39,7 @@ fn list<'t>(tree: &'t mut Value, name: &str) -> &'t mut Vec<Value> {
 /// Adds numbers as an accessor; its number.
 fn accessor(tree: &mut Value, numbers: &[f32], kind: &str) -> usize {
     let width = match kind {
+        "VEC2" => 2,
         "VEC3" => 3,
         "VEC4" => 4,
         _ => 1,
@@ -329,4 +330,48 @@ fn one_moment_after_the_other_is_each_as_if_alone() {
         (&*animations[0].nodes, animations[0].channels),
         (&["node 0".to_owned()][..], [1, 0, 0, 0])
     );
+}
+
+/// With a normal map and no normals, both of which part corners by how a mesh lies.
+#[test]
+fn what_bends_has_the_same_vertices_at_all_moments() {
+    let mut tree = square();
+    tree["asset"] = json!({ "version": "2.0" });
+    let primitive = |tree: &mut Value, key: &str, value: Value| {
+        tree["meshes"][0]["primitives"][0][key] = value;
+    };
+    let up = [0.0, 0.0, 0.0].repeat(3).into_iter().chain([0.0, 0.0, 1.0]);
+    let target = accessor(&mut tree, &up.collect::<Vec<_>>(), "VEC3");
+    primitive(&mut tree, "targets", json!([{ "POSITION": target }]));
+    let turned = [0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0];
+    let uv = accessor(&mut tree, &turned, "VEC2");
+    tree["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(uv);
+    let pixel = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNoaPgPAAODAgAApfuJAAAAAElFTkSuQmCC";
+    tree["images"] = json!([{ "uri": pixel }]);
+    tree["textures"] = json!([{ "source": 0 }]);
+    tree["materials"] = json!([{ "normalTexture": { "index": 0 } }]);
+    primitive(&mut tree, "material", json!(0));
+    animate(&mut tree, 0, "weights", &[0.0, 1.0], &[0.0, 1.0]);
+    let text = serde_json::to_vec(&tree).expect("it is JSON");
+    let mut importer = Importer::from_files(Arc::new(Counting(text, Default::default())));
+    let mut meshes = [0.0, 0.5, 1.0].map(|seconds| {
+        importer.begin(usual(seconds));
+        let read = importer.load(Path::new("a.gltf"));
+        read.expect("it is read").scene.meshes.remove(0)
+    });
+    for mesh in &meshes {
+        assert_eq!(mesh.triangles, meshes[0].triangles);
+        assert_eq!(mesh.uv0, meshes[0].uv0);
+        assert_eq!(mesh.tangents.len(), 6, "flat triangles share none");
+        assert_eq!(mesh.unbent.as_deref(), Some(&meshes[0].positions));
+    }
+    // What is given tangents later is split alike before and after it is bent.
+    for mesh in &mut meshes {
+        mesh.tangents.clear();
+        crate::import::give_tangents(mesh);
+    }
+    for mesh in &meshes {
+        assert_eq!(mesh.triangles, meshes[0].triangles);
+        assert_eq!(mesh.unbent.as_deref(), Some(&meshes[0].positions));
+    }
 }

@@ -75,7 +75,11 @@ impl Kept {
         let unbent = match known {
             Some(unbent) => unbent,
             None => {
-                let built = builder.build(number, &Pose::default())?.mesh;
+                let at_rest = Pose {
+                    bends: true,
+                    ..Pose::default()
+                };
+                let built = builder.build(number, &at_rest)?.mesh;
                 let unbent = Unbent {
                     positions: built.positions.into(),
                     triangles: built.triangles.into(),
@@ -120,7 +124,11 @@ pub(super) fn instances(
             if let Some(built) = kept.and_then(|kept| kept.get(request)) {
                 return Ok(built);
             }
-            let pose = pose(document, nodes, request)?;
+            let bends = stage.places.is_moved && request.moves();
+            let pose = Pose {
+                bends,
+                ..pose(document, nodes, request)?
+            };
             let mut built = builder.build(request.mesh, &pose)?;
             match kept {
                 Some(kept) => kept.put(request, &built),
@@ -394,7 +402,11 @@ fn pose(document: &Document, nodes: &Nodes, request: &Request) -> Result<Pose, I
         .budget
         .take((joints.len() + weights.len()) as u64, 64)
         .at(&document.path, || format!("mesh {}", request.mesh))?;
-    Ok(Pose { weights, joints })
+    Ok(Pose {
+        weights,
+        joints,
+        bends: false,
+    })
 }
 
 /// Bind pose to world for each joint of a skin (glTF 2.0, section 3.7.3.3).

@@ -7,8 +7,13 @@ use crate::import::budget::Budget;
 use crate::import::error::Fault;
 use glam::Vec3;
 
-/// Gives each triangle its own normal (glTF 2.0, section 3.7.2.1: without normals, shading is flat).
-pub(in crate::import) fn make_flat(mesh: &mut Mesh, budget: &Budget) -> Result<(), Fault> {
+/// Gives each triangle its own normal (glTF 2.0, section 3.7.2.1: without normals, shading is flat). In a mesh that `bends`
+/// triangles share no vertices, however it is bent.
+pub(in crate::import) fn make_flat(
+    mesh: &mut Mesh,
+    bends: bool,
+    budget: &Budget,
+) -> Result<(), Fault> {
     let normals: Vec<Vec3> = mesh
         .triangles
         .iter()
@@ -16,9 +21,11 @@ pub(in crate::import) fn make_flat(mesh: &mut Mesh, budget: &Budget) -> Result<(
         .collect();
     budget.take(3 * normals.len() as u64, vertex_bytes(mesh))?;
     let mut list = std::mem::take(&mut mesh.triangles);
-    let (sources, normals) = split_vertices(mesh.positions.len(), &mut list, |t, _| normals[t]);
+    let (sources, normals) = split_vertices(mesh.positions.len(), &mut list, |t, _| {
+        (normals[t], if bends { t } else { 0 })
+    });
     reorder(mesh, &sources);
-    mesh.normals = normals;
+    mesh.normals = normals.into_iter().map(|(normal, _)| normal).collect();
     mesh.triangles = list;
     Ok(())
 }
@@ -64,12 +71,22 @@ mod tests {
     #[test]
     fn flat_triangles_share_no_vertices_across_an_edge() {
         let mut mesh = corner();
-        make_flat(&mut mesh, &Budget::new(1 << 20)).unwrap();
+        make_flat(&mut mesh, false, &Budget::new(1 << 20)).unwrap();
         assert_eq!((mesh.positions.len(), mesh.normals.len()), (6, 6));
         for (triangle, normal) in mesh.triangles.iter().zip([Vec3::Z, Vec3::Y]) {
             assert!(triangle.iter().all(|&v| mesh.normals[v as usize] == normal));
         }
-        make_flat(&mut corner(), &Budget::new(100)).unwrap_err();
+        make_flat(&mut corner(), false, &Budget::new(100)).unwrap_err();
+    }
+
+    #[test]
+    fn triangles_that_bend_share_no_vertices_while_they_are_flat() {
+        for (bends, vertices) in [(false, 4), (true, 6)] {
+            let mut mesh = corner();
+            mesh.positions[3] = -Vec3::Y;
+            make_flat(&mut mesh, bends, &Budget::new(1 << 20)).unwrap();
+            assert_eq!(mesh.normals, vec![Vec3::Z; vertices]);
+        }
     }
 
     #[test]

@@ -2,6 +2,8 @@
 //!
 //! Flat normals and MikkTSpace tangents belong to corners, not to vertices. A vertex whose corners agree stays one.
 
+use std::sync::Arc;
+
 use crate::Mesh;
 
 /// Longest list of copies of one vertex that is searched for an equal one. A vertex with more different values just
@@ -67,6 +69,9 @@ pub(in crate::import) fn reorder(mesh: &mut Mesh, sources: &[u32]) {
     pick(&mut mesh.colors, sources);
     for attribute in &mut mesh.custom {
         pick(&mut attribute.values, sources);
+    }
+    if let Some(unbent) = &mut mesh.unbent {
+        pick(Arc::make_mut(unbent), sources);
     }
 }
 
