@@ -11,18 +11,12 @@ use super::value::{Field, Span, Spanned, Value};
 const KEYS: &str = "keys";
 /// Keys that a look may have, all together.
 const MOST: usize = 100_000;
+/// Values that may have to be read, of tables with keys once for each key.
+const MOST_READ: usize = 4_000_000;
+/// Where a look's tables have names.
+const NAMED: [&str; 5] = ["node", "material", "light", "ao", "graph"];
 const FORM: &str =
     "write pairs of a time in seconds and a value, as in { keys = [[0.0, 0.1], [2.0, 0.9]] }";
-
-/// When values are wanted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum When {
-    /// Seconds.
-    At(f64),
-    /// At the key of this number of each, or its last one: what is right at all keys is right between them, where it is a matter
-    /// of ranges.
-    Key(usize),
-}
 
 /// A keyed value, and where it stands.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,27 +79,159 @@ fn collect(
     }
 }
 
-/// The fields with values in place of keys; those that make no sense stay as they are.
-pub(super) fn resolve(fields: &mut [Field], when: When) {
+/// The fields with the values of a time in place of keys, seconds; those that make no sense stay as they are.
+pub(super) fn resolve(fields: &mut [Field], seconds: f64) {
     for Field { value, .. } in fields {
-        resolve_value(value, when);
+        resolve_value(value, seconds);
     }
 }
 
-fn resolve_value(value: &mut Spanned<Value>, when: When) {
+fn resolve_value(value: &mut Spanned<Value>, seconds: f64) {
     if let Some(list) = list_of(&value.value) {
-        if let Ok(keys) = read(list, &value.span) {
-            value.value = at(&keys, when);
+        if read(list, &value.span).is_ok()
+            && let Some(now) = at(list, seconds, false)
+        {
+            value.value = now;
         }
         return;
     }
     match &mut value.value {
-        Value::Table(fields) => resolve(fields, when),
+        Value::Table(fields) => resolve(fields, seconds),
         Value::List(items) => items
             .iter_mut()
             .filter(|item| matches!(item.value, Value::Table(_)))
-            .for_each(|item| resolve_value(item, when)),
+            .for_each(|item| resolve_value(item, seconds)),
         _ => {}
+    }
+}
+
+/// A table of a look with keyed values.
+pub(super) struct Part<'f> {
+    key: &'f Spanned<String>,
+    /// What of the key's value it is, where that has others beside it.
+    whole: &'f Spanned<Value>,
+    own: Own<'f>,
+    /// Of all its keys, seconds, in order.
+    pub(super) times: Vec<f64>,
+}
+
+enum Own<'f> {
+    Whole,
+    Named(&'f Field),
+    Item(&'f Spanned<Value>),
+}
+
+/// The tables that have keyed values. What they say is right at all times where it is at those of their keys, as far as it is a matter of
+/// ranges.
+///
+/// # Errors
+/// There are so many keys, and so much beside them, that reading all would take too long.
+pub(super) fn parts(fields: &[Field]) -> Result<Vec<Part<'_>>, Problem> {
+    let (mut parts, mut read) = (Vec::new(), 0_usize);
+    for Field { key, value } in fields {
+        let found: Vec<_> = match &value.value {
+            Value::Table(named) if NAMED.contains(&key.value.as_str()) => (named.iter())
+                .map(|field| (Own::Named(field), &field.value))
+                .collect(),
+            Value::List(items) => items.iter().map(|item| (Own::Item(item), item)).collect(),
+            _ => vec![(Own::Whole, value)],
+        };
+        for (own, of) in found {
+            let mut times = Vec::new();
+            add_times(&of.value, &mut times);
+            times.sort_by(f64::total_cmp);
+            times.dedup();
+            if !times.is_empty() {
+                read = (times.len().saturating_mul(size(&of.value))).saturating_add(read);
+                parts.push(Part {
+                    key,
+                    whole: value,
+                    own,
+                    times,
+                });
+            }
+        }
+    }
+    match read > MOST_READ {
+        true => Err((
+            0..0,
+            format!(
+                "tables with keys may have {MOST_READ} values, at all keys together, these have {read}"
+            ),
+        )),
+        false => Ok(parts),
+    }
+}
+
+impl Part<'_> {
+    /// As it is at a time, seconds. Where whole numbers would be none between their keys, as they are at the key before: it may be that
+    /// nobody looks at that moment.
+    pub(super) fn at(&self, seconds: f64) -> Field {
+        let value = match self.own {
+            Own::Whole => steady(self.whole, seconds),
+            Own::Named(Field { key, value }) => self.whole.with(Value::Table(vec![Field {
+                key: key.clone(),
+                value: steady(value, seconds),
+            }])),
+            Own::Item(item) => self.whole.with(Value::List(vec![steady(item, seconds)])),
+        };
+        Field {
+            key: self.key.clone(),
+            value,
+        }
+    }
+}
+
+fn steady(value: &Spanned<Value>, seconds: f64) -> Spanned<Value> {
+    if let Some(list) = list_of(&value.value) {
+        return value.with(at(list, seconds, true).unwrap_or_else(|| value.value.clone()));
+    }
+    match &value.value {
+        Value::Table(fields) => {
+            let field = |Field { key, value }: &Field| Field {
+                key: key.clone(),
+                value: steady(value, seconds),
+            };
+            value.with(Value::Table(fields.iter().map(field).collect()))
+        }
+        Value::List(items) => {
+            let item = |item: &Spanned<Value>| match item.value {
+                Value::Table(_) => steady(item, seconds),
+                _ => item.clone(),
+            };
+            value.with(Value::List(items.iter().map(item).collect()))
+        }
+        _ => value.clone(),
+    }
+}
+
+/// The times of all keys in it.
+fn add_times(value: &Value, times: &mut Vec<f64>) {
+    if let Some(list) = list_of(value) {
+        times.extend(list.iter().filter_map(|item| Some(pair(item)?.0)));
+        return;
+    }
+    match value {
+        Value::Table(fields) => {
+            (fields.iter()).for_each(|field| add_times(&field.value.value, times));
+        }
+        Value::List(items) => items
+            .iter()
+            .filter(|item| matches!(item.value, Value::Table(_)))
+            .for_each(|item| add_times(&item.value, times)),
+        _ => {}
+    }
+}
+
+/// How many values there are where each keyed one has one of its keys.
+fn size(value: &Value) -> usize {
+    match (list_of(value), value) {
+        (Some(list), _) => list.first().map_or(1, |pair| size(&pair.value)),
+        (None, Value::Table(fields)) => {
+            1 + fields.iter().map(|f| size(&f.value.value)).sum::<usize>()
+        }
+        (None, Value::List(items)) => 1 + items.iter().map(|i| size(&i.value)).sum::<usize>(),
+        _ => 1,
     }
 }
 
@@ -160,37 +286,50 @@ fn read(list: &[Spanned<Value>], span: &Span) -> Result<Vec<(f64, Spanned<Value>
     }
 }
 
-/// The value at some time: linear between two keys, that of the first or the last one outside of them.
-fn at(keys: &[(f64, Spanned<Value>)], when: When) -> Value {
-    let last = keys.len() - 1;
-    let seconds = match when {
-        When::Key(number) => return keys[number.min(last)].1.value.clone(),
-        When::At(seconds) => seconds,
-    };
-    let next = keys.partition_point(|(time, _)| *time <= seconds);
+/// A key: its time, and its value.
+fn pair(item: &Spanned<Value>) -> Option<(f64, &Value)> {
+    match &item.value {
+        Value::List(pair) => match pair.as_slice() {
+            [time, value] => Some((time.value.as_number()?, &value.value)),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// The value at some time: linear between two keys, that of the first or the last one outside of them. A value of whole numbers that is
+/// none then is as at the key before, where it `stays`. None for keys that make no sense.
+fn at(list: &[Spanned<Value>], seconds: f64, stays: bool) -> Option<Value> {
+    let next = list.partition_point(|item| pair(item).is_some_and(|(time, _)| time <= seconds));
+    let key = |number: usize| pair(list.get(number)?);
     if next == 0 {
-        return keys[0].1.value.clone();
+        return Some(key(0)?.1.clone());
     }
-    let (from, before) = &keys[next - 1];
-    if next > last || *from == seconds {
-        return before.value.clone();
-    }
-    let (to, after) = &keys[next];
+    let (from, before) = key(next - 1)?;
+    let Some((to, after)) = key(next).filter(|_| from < seconds) else {
+        return Some(before.clone());
+    };
     let share = (seconds - from) / (to - from);
-    match (numbers(&before.value), numbers(&after.value)) {
-        (Some(before), Some(after)) => mixed(&before, &after, share),
-        // They were looked at when they were read.
-        _ => before.value.clone(),
+    let (first, last) = (numbers(before)?, numbers(after)?);
+    let mixed = mixed(&first, &last, share);
+    Some(match stays && is_whole(&first) && !is_whole(&mixed) {
+        true => before.clone(),
+        false => mixed,
+    })
+}
+
+fn is_whole(value: &Value) -> bool {
+    match value {
+        Value::List(items) => items.iter().all(|item| is_whole(&item.value)),
+        value => matches!(value, Value::Integer(_)),
     }
 }
 
 /// A number, or lists of numbers; colours as linear ones.
 fn numbers(value: &Value) -> Option<Value> {
     match value {
-        Value::Integer(_) | Value::Float(_) => {
-            let number = value.as_number().filter(|number| number.is_finite())?;
-            Some(Value::Float(number))
-        }
+        Value::Integer(_) => Some(value.clone()),
+        Value::Float(number) => number.is_finite().then(|| value.clone()),
         Value::Text(text) => {
             let rgba = color_from_hex(text)?;
             // Without an alpha that nobody wrote.
@@ -239,7 +378,14 @@ fn mixed(from: &Value, to: &Value, share: f64) -> Value {
             Value::List(mixed.collect())
         }
         _ => match (from.as_number(), to.as_number()) {
-            (Some(from), Some(to)) => Value::Float(from + (to - from) * share),
+            (Some(a), Some(b)) => {
+                let between = a + (b - a) * share;
+                // Whole numbers stay such where they are.
+                match is_whole(from) && is_whole(to) && between.fract() == 0.0 {
+                    true => Value::Integer(between as i64),
+                    false => Value::Float(between),
+                }
+            }
             _ => from.clone(),
         },
     }
@@ -252,9 +398,9 @@ mod tests {
     use glam::Vec3;
     use std::path::Path;
 
-    fn value(text: &str, when: When) -> Value {
+    fn value(text: &str, seconds: f64) -> Value {
         let mut value = parse_value(text).expect("it is TOML");
-        resolve_value(&mut value, when);
+        resolve_value(&mut value, seconds);
         value.value
     }
 
@@ -262,24 +408,26 @@ mod tests {
     fn values_lie_between_keys_and_stay_outside_of_them() {
         let text = "{ keys = [[1, 0.5], [3.0, 1.5], [4, 0]] }";
         for (seconds, wanted) in [(0.0, 0.5), (1.0, 0.5), (2.0, 1.0), (3.5, 0.75), (9.0, 0.0)] {
-            assert_eq!(
-                value(text, When::At(seconds)).as_number(),
-                Some(wanted),
-                "{seconds}"
-            );
+            assert_eq!(value(text, seconds).as_number(), Some(wanted), "{seconds}");
         }
-        assert_eq!(value(text, When::Key(1)).as_number(), Some(1.5));
-        assert_eq!(value(text, When::Key(7)).as_number(), Some(0.0));
-        let lists = value("{ keys = [[0, [0, 2]], [2, [4, 0]]] }", When::At(0.5));
-        assert!(lists.is_same(&Value::numbers(&[1.0, 1.5])), "{lists:?}");
+        // Whole where whole numbers are so, and as before where they would be none.
+        let whole = "{ keys = [[0, 3], [2, 3], [4, 5]] }";
+        assert_eq!(value(whole, 1.0), Value::Integer(3));
+        assert_eq!(value(whole, 3.0), Value::Integer(4));
+        assert_eq!(value(whole, 3.5), Value::Float(4.5));
+        let keyed = parse_value(whole).expect("it is TOML");
+        assert_eq!(steady(&keyed, 3.5).value, Value::Integer(3));
+        let lists = value("{ keys = [[0, [0, 2]], [2, [4, 0]]] }", 0.5);
+        let wanted = parse_value("[1, 1.5]").expect("it is TOML").value;
+        assert!(lists.is_same(&wanted), "{lists:?}");
         // In linear light.
-        let colours = value("{ keys = [[0, '#000'], [1, [0, 1, 0.5]]] }", When::At(0.5));
+        let colours = value("{ keys = [[0, '#000'], [1, [0, 1, 0.5]]] }", 0.5);
         assert!(
             colours.is_same(&Value::numbers(&[0.0, 0.5, 0.25])),
             "{colours:?}"
         );
         assert_eq!(
-            value("{ keys = [[0, '#123']] }", When::At(3.0)),
+            value("{ keys = [[0, '#123']] }", 3.0),
             Value::Text("#123".to_owned())
         );
     }
@@ -314,6 +462,44 @@ mod tests {
             look("[camera]\ny_fov = 30", 1.0).expect("a look").key_times,
             None
         );
+    }
+
+    /// Each key is read once, whatever else there is.
+    #[test]
+    fn many_keys_are_read_in_no_time() {
+        let keys = |count: usize| {
+            let list: Vec<String> = (0..count).map(|i| format!("[{i},30]")).collect();
+            format!("{{ keys = [{}] }}", list.join(","))
+        };
+        let read = look(&format!("[camera]\ny_fov = {}", keys(MOST)), 0.5);
+        assert_eq!(
+            read.expect("it is right").key_times,
+            Some([0.0, (MOST - 1) as f64])
+        );
+        let beside: String = (0..1000).map(|i| format!("a{i} = {i}\n")).collect();
+        let text = format!(
+            "[node.A]\ntexture = 'fbm'\nscale = {}\n{beside}",
+            keys(5000)
+        );
+        let error = look(&text, 0.5).expect_err("too many");
+        assert!(error.contains("at all keys together"), "{error}");
+        // What other tables have is read once.
+        let others = text.replace(&beside, &format!("[node.B]\ntexture = 'fbm'\n{beside}"));
+        look(&others, 0.5).expect("few values beside the keys");
+    }
+
+    #[test]
+    fn what_belongs_together_is_looked_at_at_the_same_time() {
+        let text = "[light.A]\ntype = 'spot'\nposition = [0, 0, 0]\n\
+            inner_cone_angle = { keys = [[0, 10], [1, 80]] }\n\
+            outer_cone_angle = { keys = [[0, 20], [0.5, 50], [1, 90]] }";
+        look(text, 0.0).unwrap_or_else(|error| panic!("{error}"));
+        look(&text.replace("50]", "40]"), 0.0).expect_err("half way they cross");
+        // Whole numbers only have to be so at moments that are looked at.
+        let text = "[camera]\nblades = { keys = [[0, 5], [2, 7]] }\n\
+            focus_distance = { keys = [[0, 1], [0.5, 2], [2, 3]] }\naperture_radius = 0.1";
+        look(text, 1.0).unwrap_or_else(|error| panic!("{error}"));
+        look(text, 0.5).expect_err("five and a half blades");
     }
 
     #[test]

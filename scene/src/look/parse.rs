@@ -3,6 +3,7 @@
 //! Names of materials, textures, parameters and files are not checked here, nor is any file opened. Names that the
 //! look itself declares (nodes, AO tables) are.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use glam::{Affine3A, EulerRot, Quat, Vec3};
@@ -13,7 +14,7 @@ use crate::view::ViewChoice;
 
 use super::document::Section;
 use super::frame::{FrameLook, frame};
-use super::keys::{self, Keyed, When};
+use super::keys::{self, Keyed};
 use super::lamp::light;
 use super::light::{environment, environment_group};
 use super::material::{MaterialLook, material};
@@ -66,21 +67,26 @@ fn whole(reader: &mut Reader, look: &mut Look, written: Vec<Field>, seconds: f64
         }
     };
     if keyed.is_empty() {
-        return root(reader, look, &written);
+        root(reader, look, &written);
+        return check_names(reader, look);
     }
-    let at = |when| {
-        let mut fields = written.clone();
-        keys::resolve(&mut fields, when);
-        fields
-    };
-    root(reader, look, &at(When::At(seconds)));
-    let most = keyed.iter().map(|keyed| keyed.keys.len()).max();
-    for number in 0..most.unwrap_or(0) {
-        if !reader.problems.is_empty() {
-            break;
+    let mut now = written.clone();
+    keys::resolve(&mut now, seconds);
+    root(reader, look, &now);
+    check_names(reader, look);
+    match keys::parts(&written) {
+        Ok(parts) => {
+            for part in parts {
+                for &seconds in &part.times {
+                    if !reader.problems.is_empty() {
+                        break;
+                    }
+                    let mut other = Look::empty(&look.path, look.file.clone());
+                    root(reader, &mut other, &[part.at(seconds)]);
+                }
+            }
         }
-        let mut other = Look::empty(&look.path, look.file.clone());
-        root(reader, &mut other, &at(When::Key(number)));
+        Err((span, problem)) => reader.problem(&span, problem),
     }
     let times = || keyed.iter().flat_map(|keyed| &keyed.keys).map(|key| key.0);
     look.key_times = Some([
@@ -135,7 +141,6 @@ fn root(reader: &mut Reader, look: &mut Look, root: &[Field]) {
         );
         look.ao.truncate(MAX_AO);
     }
-    check_names(reader, look);
 }
 
 /// All tables of a text with their places; none where it is no TOML.
@@ -158,7 +163,7 @@ pub fn table(
     let mut reader = Reader::new(file.clone());
     // Where a look is edited, time stands still.
     let mut fields = fields.to_vec();
-    keys::resolve(&mut fields, When::At(0.0));
+    keys::resolve(&mut fields, 0.0);
     let fields = &*fields;
     let whole = || Spanned::new(Value::Table(fields.to_vec()), span.clone());
     let named = |name: &str| Spanned::new(name.to_owned(), span.clone());
@@ -524,45 +529,61 @@ fn check_name(reader: &mut Reader, name: &Spanned<String>, what: &str) {
 
 /// Links and `occlusion` must refer to what the look declares.
 fn check_names(reader: &mut Reader, look: &Look) {
+    let names = Names::of(look.ao.iter().map(|a| a.name.value.as_str()));
     for node in &look.nodes {
         for wanted in [&node.occlusion, &node.occlusion1].into_iter().flatten() {
-            let names = look.ao.iter().map(|a| a.name.value.as_str());
-            unknown_name(reader, wanted, "AO table", "[ao.NAME]", names);
+            unknown_name(reader, wanted, "AO table", "[ao.NAME]", &names);
         }
     }
     // Names of nodes that come from documents are known when these are read.
     if !look.materialx.is_empty() {
         return;
     }
+    let names = Names::of(look.nodes.iter().map(|n| n.name.value.as_str()));
     for material in &look.materials {
         let mask = material.blend.as_ref().map(|b| &b.value.mask);
         for input in material.inputs().chain(mask) {
             if let Input::Link(link) = &input.value {
-                let names = look.nodes.iter().map(|n| n.name.value.as_str());
-                unknown_name(
-                    reader,
-                    &input.with(link.node.clone()),
-                    "node",
-                    "[node.NAME]",
-                    names,
-                );
+                let wanted = input.with(link.node.clone());
+                unknown_name(reader, &wanted, "node", "[node.NAME]", &names);
             }
         }
     }
 }
 
-fn unknown_name<'n>(
+/// Most problems that are told with the nearest right name, which takes long to find among thousands.
+const MOST_SUGGESTED: usize = 100;
+
+/// Names that a look declares, in its order and by themselves.
+struct Names<'n> {
+    in_order: Vec<&'n str>,
+    known: HashSet<&'n str>,
+}
+
+impl<'n> Names<'n> {
+    fn of(names: impl Iterator<Item = &'n str>) -> Self {
+        let in_order: Vec<_> = names.collect();
+        let known = in_order.iter().copied().collect();
+        Self { in_order, known }
+    }
+}
+
+fn unknown_name(
     reader: &mut Reader,
     wanted: &Spanned<String>,
     what: &str,
     header: &str,
-    names: impl Iterator<Item = &'n str> + Clone,
+    names: &Names<'_>,
 ) {
-    if names.clone().any(|n| n == wanted.value) {
+    if names.known.contains(wanted.value.as_str()) {
         return;
     }
     let message = format!("there is no {what} called `{}`", wanted.value);
-    let note = match (unquoted(&wanted.value), did_you_mean(&wanted.value, names)) {
+    let near = || did_you_mean(&wanted.value, names.in_order.iter().copied());
+    let near = (reader.problems.len() < MOST_SUGGESTED)
+        .then(near)
+        .flatten();
+    let note = match (unquoted(&wanted.value), near) {
         (Some(remedy), _) => remedy,
         (None, Some(near)) => format!("did you mean `{near}`?"),
         (None, None) => format!("declare it with {header}"),

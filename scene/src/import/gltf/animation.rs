@@ -88,10 +88,11 @@ impl Tracks {
                 }
             }
         };
+        let mut taken = HashSet::new();
         for number in chosen {
             let before = tracks.channels.len();
-            let taken: HashSet<_> = tracks.channels.iter().map(|c| (c.node, c.path)).collect();
             let is_alone = tracks.add(document, number, &taken)?;
+            taken.extend(tracks.channels[before..].iter().map(|c| (c.node, c.path)));
             if !is_alone {
                 tracks.channels.truncate(before);
                 // The first one alone: part of several would be a pose that nobody has made.

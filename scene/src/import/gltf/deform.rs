@@ -19,6 +19,16 @@ pub(super) struct Pose {
     pub(super) joints: Vec<Affine3A>,
     /// It is one of many: all of them have the same vertices.
     pub(super) bends: bool,
+    /// Joints mirror the mesh: its triangles go round the other way then, so that their fronts stay outside.
+    pub(super) is_mirrored: bool,
+}
+
+impl Pose {
+    /// Whether most of some joints mirror.
+    pub(super) fn mirror(joints: &[Affine3A]) -> bool {
+        let mirroring = joints.iter().filter(|j| j.matrix3.determinant() < 0.0);
+        2 * mirroring.count() > joints.len()
+    }
 }
 
 /// Reads positions, normals and tangents of a primitive in a pose.
@@ -65,6 +75,10 @@ impl PosedPrimitive<'_> {
             .zip(self.skinning(accessor.count(), used)?)
         {
             *normal = cofactor(matrix.matrix3) * *normal;
+            if self.pose.is_mirrored {
+                // By its sign as well, it is the inverse transpose.
+                *normal = -*normal;
+            }
         }
         Ok(normals)
     }
@@ -90,10 +104,11 @@ impl PosedPrimitive<'_> {
         {
             *direction = matrix.transform_vector3(*direction);
         }
+        let handed = if self.pose.is_mirrored { -1.0 } else { 1.0 };
         Ok(directions
             .into_iter()
             .zip(signs)
-            .map(|(d, sign)| d.extend(sign))
+            .map(|(d, sign)| d.extend(handed * sign))
             .collect())
     }
 
@@ -200,7 +215,7 @@ fn add_scaled(sum: &mut Affine3A, matrix: &Affine3A, weight: f32) {
     sum.translation += matrix.translation * weight;
 }
 
-/// Transforms normals like the inverse transpose does, up to length, and exists for singular matrices too.
+/// Transforms normals like the inverse transpose does, up to length, and sign where it mirrors; exists for singular matrices too.
 fn cofactor(m: Mat3A) -> Mat3A {
     Mat3A::from_cols(
         m.y_axis.cross(m.z_axis),

@@ -117,6 +117,9 @@ impl Builder<'_> {
             .budget
             .take(indices.triangle_count(mode), 16)?;
         let mut list = indices.triangles(mode, vertex_count)?;
+        if pose.is_mirrored {
+            list.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
         if indices.left_over(mode) {
             built
                 .warnings

@@ -332,6 +332,37 @@ fn one_moment_after_the_other_is_each_as_if_alone() {
     );
 }
 
+/// As a node that mirrors what hangs on it does: fronts stay outside, at rest too.
+#[test]
+fn skins_that_mirror_stay_right_side_out() {
+    let mut tree = square();
+    let normals = accessor(&mut tree, &[0.0, 0.0, 1.0].repeat(4), "VEC3");
+    let joints = accessor(&mut tree, &[0.0; 16], "VEC4");
+    tree["accessors"][joints]["componentType"] = json!(5123);
+    let weights = accessor(&mut tree, &[1.0, 0.0, 0.0, 0.0].repeat(4), "VEC4");
+    let attributes = &mut tree["meshes"][0]["primitives"][0]["attributes"];
+    attributes["NORMAL"] = json!(normals);
+    attributes["JOINTS_0"] = json!(joints);
+    attributes["WEIGHTS_0"] = json!(weights);
+    tree["skins"] = json!([{ "joints": [1] }]);
+    tree["nodes"] = json!([{ "mesh": 0, "skin": 0 }, { "scale": [-1, 1, 1] }]);
+    animate(&mut tree, 1, "translation", &[0.0, 1.0], &RIGHT);
+    let rest = import(tree.clone()).expect("it is sound").scene;
+    for scene in [rest, at(&tree, 0.5)] {
+        let mesh = &scene.meshes[0];
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
+            let normal = (b - a).cross(c - a).normalize();
+            assert_eq!(normal, Vec3::Z);
+            assert!(
+                triangle
+                    .iter()
+                    .all(|&v| mesh.normals[v as usize] == Vec3::Z)
+            );
+        }
+    }
+}
+
 /// With a normal map and no normals, both of which part corners by how a mesh lies.
 #[test]
 fn what_bends_has_the_same_vertices_at_all_moments() {

@@ -41,8 +41,8 @@ impl Request {
 #[derive(Debug, Default)]
 pub(super) struct Kept {
     built: Mutex<HashMap<Request, Built>>,
-    /// Those that bend, by their numbers.
-    unbent: Mutex<HashMap<usize, Unbent>>,
+    /// Those that bend, by their numbers, and whether they are mirrored.
+    unbent: Mutex<HashMap<(usize, bool), Unbent>>,
 }
 
 /// A mesh as it is before it is bent.
@@ -66,17 +66,18 @@ impl Kept {
     /// Tells a mesh where its vertices are before they are bent, where it has the same triangles then.
     fn unbend(
         &self,
-        number: usize,
+        (number, is_mirrored): (usize, bool),
         builder: &Builder<'_>,
         mesh: &mut Mesh,
     ) -> Result<(), ImportError> {
         let lock = || self.unbent.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = lock().get(&number).cloned();
+        let known = lock().get(&(number, is_mirrored)).cloned();
         let unbent = match known {
             Some(unbent) => unbent,
             None => {
                 let at_rest = Pose {
                     bends: true,
+                    is_mirrored,
                     ..Pose::default()
                 };
                 let built = builder.build(number, &at_rest)?.mesh;
@@ -84,7 +85,7 @@ impl Kept {
                     positions: built.positions.into(),
                     triangles: built.triangles.into(),
                 };
-                lock().insert(number, unbent.clone());
+                lock().insert((number, is_mirrored), unbent.clone());
                 unbent
             }
         };
@@ -134,7 +135,7 @@ pub(super) fn instances(
                 Some(kept) => kept.put(request, &built),
                 None => {
                     if let Some(kept) = stage.kept.filter(|_| stage.places.is_moved) {
-                        kept.unbend(request.mesh, &builder, &mut built.mesh)?;
+                        kept.unbend((request.mesh, pose.is_mirrored), &builder, &mut built.mesh)?;
                     }
                 }
             }
@@ -404,6 +405,7 @@ fn pose(document: &Document, nodes: &Nodes, request: &Request) -> Result<Pose, I
         .at(&document.path, || format!("mesh {}", request.mesh))?;
     Ok(Pose {
         weights,
+        is_mirrored: Pose::mirror(&joints),
         joints,
         bends: false,
     })

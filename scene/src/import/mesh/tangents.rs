@@ -85,9 +85,11 @@ pub(in crate::import) fn make(
         mesh.tangents = mesh.normals.iter().map(along).collect();
         return Ok(false);
     }
-    budget.take(3 * mesh.triangles.len() as u64, vertex_bytes(mesh))?;
+    // Of corners first; then of the vertices that are made of them, few more than there were.
+    budget.take(3 * mesh.triangles.len() as u64, size_of::<Vec4>() as u64)?;
     let mut list = std::mem::take(&mut mesh.triangles);
     let (sources, tangents) = generate(&mesh.positions, &mesh.normals, uv, bends, &mut list);
+    budget.take(sources.len() as u64, vertex_bytes(mesh))?;
     reorder(mesh, &sources);
     mesh.tangents = tangents;
     mesh.triangles = list;
