@@ -22,6 +22,9 @@ struct State {
     waiting: u32,
 }
 
+/// Code is written by recursion along what it is made of.
+const STACK_BYTES: usize = 8 << 20;
+
 /// Something that is not done yet.
 struct UnderWay(Later);
 
@@ -45,7 +48,9 @@ impl Later {
             drop(changed.wait_timeout_while(under_way.0.state(), AFTER, calm));
             work();
         };
-        let named = std::thread::Builder::new().name("better code".to_owned());
+        let named = std::thread::Builder::new()
+            .name("better code".to_owned())
+            .stack_size(STACK_BYTES);
         if named.spawn(after).is_err() {
             self.state().under_way -= 1;
         }

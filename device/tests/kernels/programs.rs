@@ -534,3 +534,101 @@ fn what_does_not_fit_is_not_bound() {
     };
     assert!(mismatch(bind(Some(beyond), numbers())));
 }
+
+/// Runs `fn f(x: f32, y: f32) -> f32` of a text for 64 pairs of numbers, alone and in lanes.
+#[cfg(target_arch = "x86_64")]
+fn both(declarations: &str, input: &[f32; 128]) -> [Vec<u32>; 2] {
+    let text = format!(
+        "{HEAD}{declarations}
+        @compute @workgroup_size(64) fn main(@builtin(local_invocation_index) i: u32) {{
+            output[i] = bitcast<u32>(f(bitcast<f32>(input[2u * i]), bitcast<f32>(input[2u * i + 1u])));
+        }}"
+    );
+    let options = Options::default();
+    let alone = compile(&text, &options).unwrap_or_else(|error| panic!("{text}: {error}"));
+    let in_lanes = alone.clone();
+    let input = input.map(f32::to_bits);
+    let expected = run(&alone, &input, 64, 1);
+    let (module, info) = parse(&text);
+    let added = in_lanes.add_lanes(&module, &info, "main", &[], &options, &|_| false);
+    added.unwrap_or_else(|error| panic!("{text}: {error}"));
+    [expected, run(&in_lanes, &input, 64, 1)]
+}
+
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn lanes_follow_no_address_that_none_of_them_has_made() {
+    let function = "
+        fn f(x: f32, y: f32) -> f32 {
+            var a = array<f32, 4>(0.1, 0.2, 0.3, 0.4);
+            if (x > 0.0) { return 0.5; }
+            for (var i = 0u; i < 4u; i++) {
+                let p = &a[i];
+                if (y < *p) { return *p; }
+            }
+            return 1.0;
+        }";
+    // Eight lanes that have all gone, eight of which half have, and others.
+    let mut input = [0.0; 128];
+    for (i, pair) in input.chunks_exact_mut(2).enumerate() {
+        let has_gone = i < 8 || (i < 16 && i % 2 == 0);
+        pair[0] = if has_gone { 1.0 } else { -1.0 };
+        pair[1] = i as f32 * 0.01;
+    }
+    let [expected, found] = both(function, &input);
+    assert_eq!(found, expected);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn what_has_too_many_loops_for_lanes_is_refused_in_no_time() {
+    let calls: Vec<String> = (0..300).map(|i| format!("n(x + {i}.0)")).collect();
+    let text = format!(
+        "{HEAD}
+        fn n(x: f32) -> f32 {{
+            var sum = 0.0;
+            var y = x;
+            while (y > 1.0) {{ y *= 0.5; if (y > 3.0) {{ sum += 1.0; }} if (y > 300.0) {{ return sum; }} }}
+            return sum;
+        }}
+        @compute @workgroup_size(8) fn main() {{
+            let x = bitcast<f32>(input[0]);
+            output[0] = bitcast<u32>({});
+        }}",
+        calls.join(" + ")
+    );
+    let options = Options::default();
+    let kernel = compile(&text, &options).unwrap_or_else(|error| panic!("{error}"));
+    let (module, info) = parse(&text);
+    let added = kernel.add_lanes(&module, &info, "main", &[], &options, &|_| false);
+    assert!(added.is_err(), "billions of steps");
+}
+
+/// Each is called once, so that all would be inlined: on a thread with a stack of two megabytes.
+#[test]
+fn functions_may_call_each_other_a_thousand_deep() {
+    let mut functions = "fn f0(x: u32) -> u32 { return x; }\n".to_owned();
+    for i in 1..1000 {
+        let before = i - 1;
+        functions += &format!(
+            "fn f{i}(x: u32) -> u32 {{ if (x > 7u) {{ return f{before}(x) + 1u; }} return x; }}\n"
+        );
+    }
+    let text = single(&functions, "output[0] = f999(input[0]);");
+    let compiled = std::thread::Builder::new()
+        .stack_size(2 << 20)
+        .spawn(move || {
+            let kernel =
+                compile(&text, &Options::default()).unwrap_or_else(|error| panic!("{error}"));
+            run(&kernel, &[8], 1, 1)
+        });
+    let found = compiled.expect("a thread").join().expect("it ends");
+    assert_eq!(found, [8 + 999]);
+}
+
+#[test]
+fn a_result_behind_an_endless_loop_is_never_asked_for() {
+    let declarations = "fn endless() -> u32 { loop {} return 1u; }";
+    let body = "output[0] = 5u; if (input[0] == 1u) { output[0] = endless() + 1u; }";
+    assert_eq!(output(declarations, body, &[0], 1), [5]);
+}

@@ -87,6 +87,7 @@ pub(super) fn groups(function: &Function, flow: &Flow, kinds: &[Kind]) -> Groups
                 }
                 Instruction::Atomic { .. }
                 | Instruction::CompareExchange { .. }
+                | Instruction::Call { .. }
                 | Instruction::CallRuntime {
                     function: Runtime::Copy | Runtime::Zero | Runtime::StoreTexel | Runtime::Host,
                     ..

@@ -130,6 +130,7 @@ fn cost(function: &Function, flow: &Flow, blocks: std::ops::Range<usize>) -> u32
         Instruction::Store { .. }
         | Instruction::Atomic { .. }
         | Instruction::CompareExchange { .. }
+        | Instruction::Call { .. }
         | Instruction::CallRuntime { .. } => 100,
         _ => 1,
     };

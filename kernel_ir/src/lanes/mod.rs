@@ -19,6 +19,10 @@ pub use guards::Guard;
 pub use homes::{Homes, ValueHome};
 pub use kinds::{Kind, Passed, Pointer, pointer};
 
+/// Most bits of sets of blocks, one set for each block and loop: what is known of ways between blocks takes as much memory, and about as
+/// many steps. The renderer's kernels have some millions.
+const MOST_SETS: usize = 1 << 28;
+
 /// A function as lanes see it.
 #[derive(Debug)]
 pub struct Analysis {
@@ -41,9 +45,17 @@ pub struct Analysis {
 
 impl Analysis {
     /// Of a function with these parameters; `index` is the variable that says which invocation runs, if it is an entry point.
-    /// None for what can't run in lanes: addresses that lanes know, and jumps that don't nest.
+    /// None for what can't run in lanes: addresses that lanes know, jumps that don't nest, and so many blocks that finding out would
+    /// take too long.
     pub fn new(function: &Function, index: Option<Variable>, passed: &[Passed]) -> Option<Self> {
         let flow = Flow::new(function)?;
+        let blocks = flow.count();
+        let bits = blocks
+            .saturating_mul(blocks)
+            .saturating_mul(1 + flow.loops.len());
+        if bits > MOST_SETS {
+            return None;
+        }
         let (mut guards, roots) = guards::guards(function, &flow);
         let live = flow.live(function);
         let free = flow.free(function, &live);
@@ -59,6 +71,32 @@ impl Analysis {
             }
         }
         let homes = homes::homes(function, &flow, &guards, &kinds, &live, &converged);
+        // Where no lane has made an address, none may be followed: what is done with those of other guards is done for lanes alone.
+        let mut made = vec![0; function.value_types.len()];
+        for block in 0..flow.count() {
+            let instructions = &function.instructions[flow.range(block)];
+            for to in instructions.iter().filter_map(Instruction::result) {
+                made[to.0 as usize] = block;
+            }
+        }
+        for block in (0..flow.count()).filter(|&block| !converged[block]) {
+            let is_of_others = |value: Value| {
+                let home = homes.values[value.0 as usize];
+                let shared = pointer(&kinds, value).is_some_and(|p| !p.varies);
+                shared && !home.is_local && !converged[made[value.0 as usize]]
+            };
+            let follows = |instruction: &Instruction| {
+                let mut instruction = instruction.clone();
+                let mut values = instruction.operands().into_iter();
+                values.any(|value| {
+                    let base = pointer(&kinds, *value).map(|pointer| pointer.base);
+                    is_of_others(*value) || base.is_some_and(is_of_others)
+                })
+            };
+            if function.instructions[flow.range(block)].iter().any(follows) {
+                guards::always_look(&mut guards, roots[block]);
+            }
+        }
         // A scalar can't be one thing for the lanes that have left a loop, and another for those in it.
         let mut values = homes.values.iter().zip(&kinds);
         let is_two = |(home, kind): (&ValueHome, &Kind)| {

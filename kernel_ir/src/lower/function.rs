@@ -124,7 +124,7 @@ impl<'m> Lowering<'m> {
             true => Exit::Direct(None),
             false => Exit::Jump {
                 results: self.code.variables(&parts),
-                parts,
+                parts: parts.clone(),
                 label: self.code.new_label(),
                 jumps: 0,
             },
@@ -140,6 +140,17 @@ impl<'m> Lowering<'m> {
         let falls = self.block(&mut frame, &function.body)?;
         self.targets = targets;
         let results = match frame.exit {
+            // The one return is behind what never ends. What is written after that never runs.
+            Exit::Direct(None) if !falls => {
+                self.code.known.clear();
+                let label = self.code.new_label();
+                self.code.label(label);
+                let Variable(first) = self.code.variables(&parts);
+                (first..)
+                    .take(parts.len())
+                    .map(|variable| self.code.get(Variable(variable)))
+                    .collect()
+            }
             Exit::Direct(results) => results.unwrap_or_default(),
             Exit::Memory(_) => Vec::new(),
             Exit::Jump {

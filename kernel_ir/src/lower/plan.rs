@@ -15,6 +15,10 @@ use crate::Options;
 /// more than once: else the size of code would grow with each level of calls.
 const MOST_INLINED: usize = 3000;
 
+/// Functions that are nested more deeply than this, in calls that are inlined and in blocks, are compiled apart: code is written by
+/// recursion along both. A call counts as two blocks.
+const MOST_NESTED: usize = 200;
+
 /// Variables of more scalars than this lie in memory: each scalar would be a variable of its own.
 const MOST_VARIABLES: u64 = 64;
 
@@ -209,6 +213,7 @@ fn separate(
     let mut separate = HashSet::new();
     // What a call costs where it stands.
     let mut sizes: HashMap<Handle<Function>, usize> = HashMap::new();
+    let mut depths: HashMap<Handle<Function>, usize> = HashMap::new();
     let mut waits = HashSet::new();
     for (handle, function) in module.functions.iter() {
         if host.contains(&handle) {
@@ -229,14 +234,28 @@ fn separate(
         }
         let name = function.name.as_deref().unwrap_or_default();
         let large = size > MOST_INLINED && times.get(&handle).is_some_and(|&times| times > 1);
-        let apart =
-            !of_workgroup && times.contains_key(&handle) && (large || (options.separate)(name));
+        let depth = nesting(&function.body, &depths);
+        let is_better_apart = large || depth > MOST_NESTED || (options.separate)(name);
+        let apart = !of_workgroup && times.contains_key(&handle) && is_better_apart;
         if apart {
             separate.insert(handle);
         }
         sizes.insert(handle, if apart { 5 } else { size });
+        depths.insert(handle, if apart { 0 } else { depth });
     }
     separate
+}
+
+/// How deeply blocks are nested, those of calls among them: `depths` are those of functions.
+fn nesting(block: &Block, depths: &HashMap<Handle<Function>, usize>) -> usize {
+    let of = |statement: &Statement| match statement {
+        Statement::Call { function, .. } => 2 + depths.get(function).copied().unwrap_or(0),
+        _ => (blocks_of(statement).into_iter())
+            .map(|inner| 1 + nesting(inner, depths))
+            .max()
+            .unwrap_or(0),
+    };
+    block.iter().map(of).max().unwrap_or(0)
 }
 
 /// The blocks within a statement.

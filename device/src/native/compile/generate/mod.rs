@@ -154,6 +154,10 @@ pub(super) fn compile_lanes(
     once: &dyn Fn(&str) -> bool,
 ) -> Result<Code, CompileError> {
     let cannot = || refused("the kernel", "not in lanes");
+    let threads: u32 = program.workgroup_size.iter().product();
+    if !threads.is_multiple_of(lanes::LANES) {
+        return Err(cannot());
+    }
     for function in &program.functions {
         let bytes = u64::from(function.stack_bytes) * u64::from(lanes::LANES);
         check_stack(bytes, options)?;
