@@ -268,6 +268,11 @@ impl Film {
         }
         let n = f64::from(count);
         let (sum, squares) = (self.sum(pixel), self.sum_squares(pixel));
+        // Squares lose less than a unit each. Where nothing is there of larger ones, samples come in halves, and all are of the second.
+        let lost = n * f64::from(-SQUARE_BITS).exp2();
+        if (0..3).any(|c| squares[c] == 0.0 && sum[c] * sum[c] / n > 2.0 * lost) {
+            return [f32::INFINITY; 3];
+        }
         std::array::from_fn(|c| {
             let mean = sum[c] / n;
             let variance = (squares[c] / n - mean * mean).max(0.0) * n / (n - 1.0);
@@ -670,6 +675,15 @@ mod tests {
         let mut film = Film::new(1, 1);
         film.add_sample_of_half(0, 0, [1.0; 3]);
         assert_eq!(film.relative_error(), f64::INFINITY);
+        let mut film = Film::new(1, 1);
+        for number in HALF_RUN..2 * HALF_RUN {
+            film.add_sample_of_half(0, number, [1.0; 3]);
+        }
+        assert_eq!(film.relative_error(), f64::INFINITY);
+        // Light so faint that nothing is left of its squares is no second half.
+        let mut film = Film::new(1, 1);
+        (0..4).for_each(|_| film.add_sample(0, [1e-7; 3]));
+        assert_eq!(film.standard_error(), [[0.0; 3]]);
     }
 
     #[test]

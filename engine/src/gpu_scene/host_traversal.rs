@@ -308,11 +308,13 @@ impl BuiltMesh {
 
 /// The hierarchies of another moment.
 pub(super) struct Former<'a> {
-    pub(super) traversal: &'a HostTraversal,
+    traversal: &'a HostTraversal,
     /// Whether a mesh, by its number, is the same.
-    pub(super) is_same: &'a (dyn Fn(u32) -> bool + Sync),
+    is_same: &'a (dyn Fn(u32) -> bool + Sync),
     /// Whether its triangles and materials are; it may be bent otherwise.
-    pub(super) has_same_triangles: &'a (dyn Fn(u32) -> bool + Sync),
+    has_same_triangles: &'a (dyn Fn(u32) -> bool + Sync),
+    /// The first group with a mesh as its first one: it is alone, or in no other group.
+    by_first: HashMap<u32, usize>,
 }
 
 /// What there is of a hierarchy from another moment.
@@ -325,12 +327,34 @@ enum Kept<'a> {
 }
 
 impl<'a> Former<'a> {
+    /// Of a traversal; the others say of each mesh, by its number, what is as it was.
+    pub(super) fn new(
+        traversal: &'a HostTraversal,
+        is_same: &'a (dyn Fn(u32) -> bool + Sync),
+        has_same_triangles: &'a (dyn Fn(u32) -> bool + Sync),
+    ) -> Self {
+        let mut by_first = HashMap::new();
+        for (at, group) in traversal.groups.iter().enumerate() {
+            if let Some(mesh) = group.meshes().next() {
+                by_first.entry(mesh).or_insert(at);
+            }
+        }
+        Self {
+            traversal,
+            is_same,
+            has_same_triangles,
+            by_first,
+        }
+    }
+
     fn kept(&self, group: &Group) -> Kept<'a> {
-        let Some(at) =
-            (self.traversal.groups.iter()).position(|former| former.has_meshes_of(group))
-        else {
+        let first = group.meshes().next();
+        let Some(&at) = first.and_then(|mesh| self.by_first.get(&mesh)) else {
             return Kept::Nothing;
         };
+        if !self.traversal.groups[at].has_meshes_of(group) {
+            return Kept::Nothing;
+        }
         let built = &self.traversal.meshes[at];
         if group.meshes().all(self.is_same) {
             Kept::Whole(built)

@@ -181,11 +181,8 @@ impl GpuScene {
         let former = self.uploaded.traversal.take();
         let is_same = |mesh| same.is(mesh as usize);
         let has_same_triangles = |mesh| same.has_triangles_of(mesh as usize);
-        let former = former.as_deref().map(|traversal| Former {
-            traversal,
-            is_same: &is_same,
-            has_same_triangles: &has_same_triangles,
-        });
+        let former = former.as_deref();
+        let former = former.map(|traversal| Former::new(traversal, &is_same, &has_same_triangles));
         let traversal: Result<_, BuildError> =
             HostTraversal::with(scene, &bvh, &rules, device.activity(), former.as_ref());
         self.uploaded.traversal = Some(Arc::new(traversal?));

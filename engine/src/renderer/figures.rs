@@ -63,10 +63,9 @@ impl Renderer {
                 0.0
             }
         };
-        let padded = u64::from(self.frame.padded_pixels);
-        let samples =
-            self.rendered * u64::from(self.settings.width) * u64::from(self.settings.height)
-                / padded;
+        let padded = u128::from(self.frame.padded_pixels);
+        let pixels = u128::from(self.settings.width) * u128::from(self.settings.height);
+        let samples = (u128::from(self.rendered) * pixels / padded) as u64;
         let mut sizes = BTreeMap::<&str, u64>::new();
         for (name, bytes) in self
             .resources

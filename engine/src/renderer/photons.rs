@@ -147,6 +147,12 @@ fn radius(sample: u32) -> f64 {
     FIRST_RADIUS * (exact * rest).sqrt()
 }
 
+/// Those that belong to no wave.
+fn kernels(device: &Device, features: &SceneFeatures) -> Result<Vec<Kernel>, DeviceError> {
+    let passes = passes::APART.iter();
+    passes.map(|pass| pass.kernel(device, features)).collect()
+}
+
 impl Photons {
     /// Makes their buffers; nothing where the method has none.
     pub(super) fn new(
@@ -167,13 +173,21 @@ impl Photons {
         let bytes = size_of::<PhotonSettings>() as u64;
         let uniform = device.buffer("photon settings", Usage::Uniform, bytes)?;
         resources.set_buffer("photon_settings", uniform);
-        let kernels = passes::APART.iter();
-        let kernels = kernels.map(|pass| pass.kernel(device, features));
         Ok(Some(Self {
             phase: Phase::Begun,
             sizes,
-            kernels: kernels.collect::<Result<_, _>>()?,
+            kernels: kernels(device, features)?,
         }))
+    }
+
+    /// Has the kernels of a scene with other features.
+    pub(super) fn compile(
+        &mut self,
+        device: &Device,
+        features: &SceneFeatures,
+    ) -> Result<(), DeviceError> {
+        self.kernels = kernels(device, features)?;
+        Ok(())
     }
 
     /// Forgets the map.

@@ -127,6 +127,9 @@ impl Renderer {
             )?;
             self.is_warm = false;
         }
+        if let (Some(photons), true) = (&mut self.photons, features != self.scene.features) {
+            photons.compile(&device, &self.scene.features)?;
+        }
         self.resize_programs(&former)?;
         self.settings = settings.clone();
         self.bind();

@@ -15,7 +15,7 @@ use crate::system::{Assets, Task};
 
 use super::difference::TableChange;
 use super::moment::timeline;
-use super::{Inputs, Record, Recorder, Session, SessionError};
+use super::{Again, Inputs, Record, Recorder, Session, SessionError};
 
 /// Something in the making.
 pub(super) enum Job {
@@ -25,6 +25,8 @@ pub(super) enum Job {
         text: String,
         /// It was begun for the sake of the look, which couldn't be followed.
         is_for_look: bool,
+        /// It was begun while the look wasn't what is shown: what is wrong with files may be its fault.
+        blames_look: bool,
         /// Nothing where the files are what is shown.
         task: Task<Result<Option<Box<Rebuilt>>, SessionError>>,
     },
@@ -106,7 +108,7 @@ impl Session {
         match files {
             // What doesn't fit what was loaded needs all of it anew; what can't be read is told at its place in the look.
             Ok(Some(files)) => self.begin_kernel(files),
-            _ => self.rebuild(),
+            _ => self.rebuild_for_look(),
         }
     }
 
@@ -127,11 +129,25 @@ impl Session {
 
     /// Builds another renderer of the files and the look as they are now.
     pub(super) fn rebuild(&mut self) {
+        self.rebuild_for(false);
+    }
+
+    /// The same for an edit of the look, which is for nothing once that is undone.
+    pub(super) fn rebuild_for_look(&mut self) {
+        self.rebuild_for(true);
+    }
+
+    fn rebuild_for(&mut self, is_for_look: bool) {
         if self.job.is_some() {
             self.again.rebuild = true;
             return;
         }
-        self.rebuild_unless(None);
+        // All that had to be looked at, but for the textures.
+        self.again = Again {
+            sources: self.again.sources,
+            ..Again::default()
+        };
+        self.rebuild_unless(None, is_for_look);
     }
 
     /// Scene or images may have changed: all is read again in the background, unless they are what is shown.
@@ -141,17 +157,17 @@ impl Session {
             return;
         }
         let known = self.is_up_to_date().then(|| self.read.clone());
-        self.rebuild_unless(known);
+        self.rebuild_unless(known, false);
     }
 
     /// Builds another renderer unless files are what was read once.
-    fn rebuild_unless(&mut self, known: Option<Record>) {
+    fn rebuild_unless(&mut self, known: Option<Record>, is_for_look: bool) {
         let text = self.document.text();
         let (inputs, files) = (self.inputs.clone(), Arc::clone(&self.system.files));
         let (stand_in, moment, look) = (self.stand_in, self.moment.clone(), text.clone());
         // Files may be others by now.
         self.timeline = None;
-        self.build(text, move || {
+        self.build(text, is_for_look, move || {
             if known.is_some_and(|known| known.is_of(&*files)) {
                 return Ok(None);
             }
@@ -181,13 +197,14 @@ impl Session {
             has_given_environment: self.has_given_environment,
             warnings: self.warnings.clone(),
         };
-        self.build(text, move || Ok(Some((loaded, None))));
+        self.build(text, false, move || Ok(Some((loaded, None))));
     }
 
     /// Builds another renderer in the background, of what was read by a look's text.
     fn build(
         &mut self,
         text: String,
+        is_for_look: bool,
         read: impl FnOnce() -> Result<Option<(Loaded, Option<Record>)>, LoadError> + Send + 'static,
     ) {
         let (device, system) = (self.renderer.device().clone(), self.system.clone());
@@ -212,10 +229,10 @@ impl Session {
         };
         match Task::start(&*self.system.threads, "another renderer", build) {
             Ok(task) => {
-                let is_for_look = self.shown.is_some();
                 self.job = Some(Job::Rebuild {
                     text,
                     is_for_look,
+                    blames_look: self.shown.is_some(),
                     task,
                 });
             }
@@ -234,6 +251,7 @@ impl Session {
             Some(Job::Rebuild {
                 text,
                 is_for_look,
+                blames_look,
                 task,
             }) => {
                 let built = task.wait().unwrap_or_else(|_| {
@@ -243,7 +261,7 @@ impl Session {
                 // The look has been mended, and what is shown is what is wanted.
                 let is_outdated = is_for_look && self.shown.is_none();
                 if !is_outdated {
-                    self.finish_rebuild(text, built);
+                    self.finish_rebuild(text, blames_look, built);
                 }
             }
             None => {}
@@ -253,6 +271,11 @@ impl Session {
             if again.rebuild {
                 self.rebuild();
                 return;
+            }
+            if again.moment
+                && let Err(error) = self.go_to_moment()
+            {
+                self.problems.scene = Diagnostic::error(error.to_string()).into();
             }
             if again.assets {
                 self.assets_changed();
@@ -288,10 +311,15 @@ impl Session {
         }
     }
 
-    fn finish_rebuild(&mut self, text: String, built: Result<Option<Box<Rebuilt>>, SessionError>) {
+    fn finish_rebuild(
+        &mut self,
+        text: String,
+        blames_look: bool,
+        built: Result<Option<Box<Rebuilt>>, SessionError>,
+    ) {
         match built {
             // Whatever was wrong with the files has been mended.
-            Ok(None) => self.problems.look = Diagnostics::new(),
+            Ok(None) => (self.problems.look, self.problems.scene) = Default::default(),
             Ok(Some(built)) => {
                 let Rebuilt {
                     loaded,
@@ -306,7 +334,9 @@ impl Session {
                 if let Some(view) = &self.view {
                     self.renderer.set_camera(view);
                 }
-                (self.problems.look, self.problems.sources) = Default::default();
+                self.problems.look = Diagnostics::new();
+                self.problems.scene = Diagnostics::new();
+                self.problems.sources = Diagnostics::new();
                 self.generation += 1;
                 self.shown = Some(placed_fields(&text));
                 self.catch_up();
@@ -315,13 +345,16 @@ impl Session {
             Err(SessionError::Load(LoadError::Look(LookError::Invalid(problems)))) => {
                 self.problems.look = problems;
             }
-            Err(error) => self.problems.look = Diagnostic::error(error.to_string()).into(),
+            Err(error) if blames_look => {
+                self.problems.look = Diagnostic::error(error.to_string()).into();
+            }
+            Err(error) => self.problems.scene = Diagnostic::error(error.to_string()).into(),
         }
     }
 }
 
-impl super::Again {
+impl Again {
     fn is_empty(self) -> bool {
-        !self.sources && !self.assets && !self.rebuild
+        !self.sources && !self.assets && !self.rebuild && !self.moment
     }
 }

@@ -180,7 +180,7 @@ impl Session {
         let wanted = placed_fields(&text);
         let Some(changes) = difference(&shown, &wanted) else {
             self.shown = Some(shown);
-            return self.rebuild();
+            return self.rebuild_for_look();
         };
         if changes.is_empty() {
             return self.caught_up();
@@ -202,7 +202,7 @@ impl Session {
                         self.problems.look = problems;
                     }
                     // A link may fit only after another table has changed: from the start there is no such order.
-                    _ => self.rebuild(),
+                    _ => self.rebuild_for_look(),
                 }
             }
         }

@@ -2,7 +2,7 @@
 //!
 //! An [`Edit`] is an object. `do` says what is done; `table` names the table of the look, as the list of its key and,
 //! where the table has one, its name: `["camera"]`, `["environment"]`, `["view"]`, `["node", "rings"]`, `["material", "Red paint"]`,
-//! `["ao", "near"]`, `["light", "Sun"]`.
+//! `["ao", "near"]`, `["light", "Sun"]`, `["graph", "Frame"]`.
 //!
 //! | `do` | other members | what happens |
 //! |---|---|---|

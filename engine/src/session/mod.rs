@@ -134,6 +134,8 @@ struct Again {
     sources: bool,
     assets: bool,
     rebuild: bool,
+    /// The moment that is wanted isn't that of what is shown.
+    moment: bool,
 }
 
 /// What is wrong now, by where it was found.
@@ -142,6 +144,8 @@ struct Problems {
     /// The look's file can't be read, or understood: the look is a former one.
     file: Diagnostics,
     look: Diagnostics,
+    /// Files of the scene that were read because they had changed: what is shown is of former ones, whatever becomes of the look.
+    scene: Diagnostics,
     sources: Diagnostics,
 }
 
@@ -221,10 +225,11 @@ impl Session {
         let Problems {
             file,
             look,
+            scene,
             sources,
         } = &self.problems;
-        let all = file.iter().chain(look.iter()).chain(sources.iter());
-        all.cloned().collect()
+        let all = [file, look, scene, sources].into_iter();
+        all.flat_map(Diagnostics::iter).cloned().collect()
     }
 
     /// What is odd about what is shown.

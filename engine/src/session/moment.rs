@@ -39,9 +39,20 @@ impl Session {
         if self.job.is_some() {
             // What is being built is of the former moment.
             self.moment = moment.clone();
-            self.again.rebuild = true;
+            self.again.moment = true;
             return Ok(());
         }
+        let former = std::mem::replace(&mut self.moment, moment.clone());
+        let gone = self.go_to_moment();
+        if gone.is_err() && self.job.is_none() {
+            self.moment = former;
+        }
+        gone
+    }
+
+    /// Shows what is wanted.
+    pub(super) fn go_to_moment(&mut self) -> Result<(), SessionError> {
+        let moment = self.moment.clone();
         let text = self.document.text();
         let former = self.timeline.take().filter(|(of, ..)| *of == text);
         let (mut timeline, files) = match former {
@@ -51,14 +62,13 @@ impl Session {
                 (timeline(&files, &self.inputs, &text), files)
             }
         };
-        let mut loaded = timeline.at(moment)?;
+        let mut loaded = timeline.at(&moment)?;
         let read = files.record();
         self.timeline = Some((text.clone(), timeline, files));
         if let Some(name) = &self.inputs.camera {
             loaded.camera = loaded.camera_named(name)?;
         }
         loaded.lit_by(self.stand_in);
-        self.moment = moment.clone();
         let settings = RenderSettings {
             camera: self.view.as_ref().unwrap_or(&loaded.camera).clone(),
             time: moment.seconds as f32,

@@ -343,3 +343,44 @@ fn an_open_shutter_gathers_what_each_moment_would() {
         }
     }
 }
+
+/// A sky that is black at first sends no photons then, and is not taken for one that never does.
+#[test]
+fn a_sky_that_lights_up_sends_photons() {
+    let stage = Stage::new();
+    // Bright in one of eight texels.
+    let texels = (0..8).flat_map(|at| {
+        if at == 1 {
+            [128, 128, 128, 134]
+        } else {
+            [128, 128, 128, 125]
+        }
+    });
+    let mut sky = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n".to_vec();
+    sky.extend(texels);
+    let write = |name: &str, bytes: &[u8]| {
+        fs::write(stage.folder.path().join(name), bytes).expect("written");
+    };
+    write("sky.hdr", &sky);
+    write(
+        "moving.look.toml",
+        b"environment = { image = 'sky.hdr', intensity = { keys = [[0.0, 0.0], [1.0, 1.0]] } }
+[material.Painted]
+metallic = 1.0
+roughness = 0.0
+",
+    );
+    let Some(device) = device::open() else { return };
+    let mut sequence = stage.sequence();
+    let opening = sequence.at(&moment(0.0)).expect("it is read");
+    let first = by(Method::Photons, &opening, 0.0, 0);
+    let mut session = started_with(&device, opening, first);
+    film(&mut session, 2);
+    let opening = sequence.at(&moment(1.0)).expect("it is read");
+    let second = by(Method::Photons, &opening, 1.0, 0);
+    session.show(opening, &second, false).expect("it is shown");
+    let found = film(&mut session, 8);
+    let opening = stage.at(1.0);
+    let alone = film(&mut started_with(&device, opening, second), 8);
+    assert!(found == alone);
+}

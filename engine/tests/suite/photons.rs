@@ -182,6 +182,20 @@ fn the_light_of_every_kind_of_lamp_counts_once() {
                 ..beside_a_mirror(0.3)
             },
         ),
+        // What falls off towards its range does so on the way to the mirror, not to the pane.
+        ("a point with a range behind a pane", {
+            let mut scene = lit(LightKind::Point, Vec3::splat(5.0));
+            scene.lights[0].range = 3.0;
+            let pane = Material {
+                transmission: 1.0,
+                metallic: 0.0,
+                roughness: 0.0,
+                ..Material::default()
+            };
+            let (y, z) = (Vec3::Y * 3.0, Vec3::Z * 4.0);
+            add(&mut scene, quad(Vec3::new(0.5, 0.1, -2.0), z, y), pane);
+            scene
+        }),
         // Of which only the panel sends photons.
         (
             "an even sky and a panel",
@@ -214,6 +228,25 @@ fn caustics_of_glass_are_those_of_paths() {
         film(device, below_glass(), &seen_below(seed, method), spp)
     };
     agree("glass", &device, of, 0.05);
+}
+
+/// Radiance is denser in glass, and scattered as such; the flux of a photon that begins there is what it is.
+#[test]
+fn a_lamp_in_glass_is_as_bright_as_by_paths() {
+    let Some(device) = device::open() else { return };
+    let mut scene = below_glass();
+    // The one above is seen through the new one's back, which hides nothing, but not past its front: no path is its own way back.
+    scene.materials[2].emission = Vec3::ZERO;
+    let panel = quad(Vec3::new(-0.15, 0.8, -0.15), Vec3::X * 0.3, Vec3::Z * 0.3);
+    add(&mut scene, panel, lamp(Vec3::splat(100.0)));
+    let of = |device: &Device, method| {
+        let (seed, spp) = match method {
+            Method::Photons => (1, 256),
+            _ => (5, 4096),
+        };
+        film(device, scene.clone(), &seen_below(seed, method), spp)
+    };
+    agree("a lamp in glass", &device, of, 0.05);
 }
 
 /// What is noise and what is bias: both fall, as the 2/3 power of the number of photons in the square.

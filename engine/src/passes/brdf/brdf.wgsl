@@ -28,7 +28,7 @@ fn shade_vertex(slot: u32) {
     let v = vertex_at(p, hit);
     let passage = sample_passage(v, attenuated(p.throughput, v, hit));
     if (passage.passes) {
-        pass_on(p, passage.throughput, hit.t_max);
+        pass_on(p, passage, hit.t_max);
         return;
     }
     p.throughput = passage.throughput;

@@ -55,7 +55,8 @@ fn handle_escaped_ray(p: Path, hit: RayHit, receiver_before: u32) -> vec3f {
 
 // The radiance with what the surface emits.
 fn handle_emissive_intersection(p: Path, v: Vertex, hit: RayHit, receiver_before: u32, texel: vec4f) -> vec3f {
-    if (!v.surface.front && (v.flags & MATERIAL_DOUBLE_SIDED) == 0u) {
+    // The base of a blend says whether there is a back, as it does for rays and light samples.
+    if (!v.surface.front && (materials[v.own_material].flags & MATERIAL_DOUBLE_SIDED) == 0u) {
         return p.radiance;
     }
     let emission = emission_at(p.slot, v.driven, v.material, texel);

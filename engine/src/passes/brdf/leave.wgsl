@@ -67,7 +67,7 @@ fn leave_scattering(p: Path, v: Vertex, m: MaterialSample, l: Lobes, origins: Ra
     }
     path_set_words(PATH_PLACE, v.slot, vec4u(bitcast<vec3u>(origins.above), octahedral_encode(v.surface.shading_normal)));
     path_set_words(PATH_DIFFUSE, v.slot, vec4u(bitcast<vec3u>(p.throughput * scattered), octahedral_encode(m.frame.normal)));
-    let is_all = has_rough || l.specular_p + l.coat_p <= 0.0;
+    let is_all = l.through_p <= 0.0 && (has_rough || l.specular_p + l.coat_p <= 0.0);
     if ((frame.caches & CACHE_GIVES) == 0u || !is_all || enough >= 1.0) {
         path_set_words(PATH_LEFT, v.slot, vec4u(0u, 0u, v.depth, LEFT_DIFFUSE));
         return 1.0;

@@ -7,7 +7,8 @@ fn stretched_tangent(s: Surface, material: u32, instance: u32, normal: vec3f, an
         return any_perpendicular(normal);
     }
     let along = surface_tangent(s, instance, normal);
-    let across = cross(normal, along.xyz) * along.w;
+    // The bitangent is of the surface, from whichever side it is seen.
+    let across = cross(select(-normal, normal, s.front), along.xyz) * along.w;
     var direction = unit_circle(angle / (2.0 * PI));
     if ((materials[material].texture_mask & (1u << (FIRST_LAYER_TEXTURE + LAYER_ANISOTROPY))) != 0u) {
         let texel = map.xy * 2.0 - 1.0;

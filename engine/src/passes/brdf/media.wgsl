@@ -1,8 +1,9 @@
 // The bodies that a path travels through, and the surfaces that it passes as if they weren't there.
 
 // Sends the path on behind the surface that it met, as if nothing were there.
-fn pass_on(p: Path, throughput: vec3f, t: f32) {
-    path_write(PATH_THROUGHPUT, p.slot, vec4f(throughput, p.bsdf_pdf));
+fn pass_on(p: Path, passage: Passage, t: f32) {
+    // What stops shadow rays leaves all of a lamp behind it to the path's own.
+    path_write(PATH_THROUGHPUT, p.slot, vec4f(passage.throughput, select(p.bsdf_pdf, 0.0, passage.is_alone)));
     path_write(PATH_RADIANCE, p.slot, vec4f(p.radiance, p.cone_width));
     rays[own_ray(p.slot)].t_min = t;
     rays[own_ray(p.slot)].t_max = 1e30;
@@ -21,6 +22,7 @@ fn attenuated(throughput: vec3f, v: Vertex, hit: RayHit) -> vec3f {
 struct Passage {
     passes: bool, // goes on as if nothing were there
     throughput: vec3f,
+    is_alone: bool, // shadow rays don't
 }
 
 // A random number for a surface, by numbers of triangle and instance that no device's order changes.
@@ -35,12 +37,12 @@ fn sample_passage(v: Vertex, throughput: vec3f) -> Passage {
     if (gives(v.slot, v.driven, OUTPUT_OPACITY)) {
         let coin = passage_coin(v);
         if (coin >= scalar_or(v.slot, v.driven, OUTPUT_OPACITY, 1.0)) {
-            return Passage(true, throughput);
+            return Passage(true, throughput, false);
         }
     }
     if (v.is_solid && medium_among(v.beyond) == v.medium) {
         path_set_words(PATH_MEDIA, v.slot, v.beyond);
-        return Passage(true, throughput);
+        return Passage(true, throughput, true);
     }
     if (v.is_clear) {
         // What goes straight through meets the lights as if the wall were only a filter, as shadow rays do.
@@ -48,11 +50,11 @@ fn sample_passage(v: Vertex, throughput: vec3f) -> Passage {
         let passing = clear_transmittance(v.material, v.surface.triangle, v.surface.weights, cosine);
         let chance = max_component(passing);
         if (passage_coin(v) < chance) {
-            return Passage(true, throughput * passing / chance);
+            return Passage(true, throughput * passing / chance, false);
         }
-        return Passage(false, throughput / (1.0 - chance));
+        return Passage(false, throughput / (1.0 - chance), false);
     }
-    return Passage(false, throughput);
+    return Passage(false, throughput, false);
 }
 
 // The index of refraction of a medium for the path's hue: 1 + material, 0 for air. `own` is the material at hand, whose
@@ -101,6 +103,12 @@ fn medium_border(v: Vertex, ior: f32, throughput: vec3f) -> MediumBorder {
     if (abs(ratio) < 1e-4) {
         border.eta = 1.0;
         border.matched = 0.0;
+    }
+    if (ior == 0.0) {
+        // KHR_materials_ior: all is reflected.
+        border.eta = 1.0;
+        border.f0 = 1.0;
+        border.matched = 1.0;
     }
     return border;
 }

@@ -101,7 +101,7 @@ pub const EMIT: Pass = Pass {
     ..START
 };
 
-/// Keeps those that come from casters, where they arrive.
+/// Notes those that come from casters, where they arrive.
 pub const ARRIVE: Pass = Pass {
     name: "photon_arrive",
     file: "photons/fly.wgsl",
@@ -115,16 +115,16 @@ pub const ARRIVE: Pass = Pass {
         "triangles",
         "vertices",
     ],
-    writes: &["paths", "photons_arrived"],
+    writes: &["paths"],
     ..GATHER
 };
 
-/// Ends them at whatever isn't a caster.
+/// Keeps them, and ends them at whatever isn't a caster.
 pub const FOLLOW: Pass = Pass {
     name: "photon_follow",
     file: "photons/fly.wgsl",
-    reads: &["frame", "queues"],
-    writes: &["paths", "rays"],
+    reads: &["frame", "materials", "photon_settings", "queues"],
+    writes: &["paths", "photons_arrived", "rays"],
     ..GATHER
 };
 

@@ -141,6 +141,10 @@ fn lobes(b: Bsdf, wo: vec3f) -> Lobes {
         let f = b.specular * (b.dielectric_f0 * table.x + table.y);
         let film = with_film(b, f);
         l.body = vec3f(1.0) - min(film * (vec3f(1.0) + with_film(b, b.specular * b.dielectric_f0) * lost), vec3f(1.0));
+        if (has_transmission && b.eta < 1.0 && b.eta > 0.0) {
+            // The table knows no critical angle, towards which more is reflected from the inside.
+            l.body = min(l.body, vec3f(1.0) - dielectric_fresnel(b, wo.z));
+        }
     }
     if (!energy_compensation) {
         table = rough_albedo_estimate(wo.z, roughness);

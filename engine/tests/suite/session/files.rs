@@ -503,3 +503,29 @@ fn what_lies_along_tangents_has_smooth_ones() {
         assert!(is_same(&film(&mut session), &stage.fresh(&look)), "{text}");
     }
 }
+
+/// What is wrong with the scene's file stays so, whatever becomes of the look.
+#[test]
+fn a_broken_scene_is_told_of_until_it_is_mended() {
+    if device::open().is_none() {
+        return;
+    }
+    let sky = |color: &str| format!("[environment]\ncolor = {color}\n");
+    let stage = Stage::new(&sky("[1.0, 1.0, 1.0]"), &[]);
+    let whole = std::fs::read_to_string(stage.path("scene.gltf")).expect("it is there");
+    let mut session = stage.open("scene.look.toml");
+    stage.replace("scene.gltf", "{");
+    session.assets_changed();
+    settle(&mut session);
+    assert!(!session.problems().is_empty());
+    let other = sky("[0.5, 1.0, 1.0]");
+    stage.replace("scene.look.toml", &other);
+    session.look_changed();
+    settle(&mut session);
+    assert!(!session.problems().is_empty(), "the scene is as broken");
+    stage.replace("scene.gltf", &whole);
+    session.assets_changed();
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert!(is_same(&film(&mut session), &stage.fresh(&other)));
+}
