@@ -278,8 +278,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) environment: Option<PathBuf>,
 
-    /// In place of what the look says: NODE.PARAMETER=VALUE, material.NAME.KEY=VALUE, environment.KEY=VALUE, camera.KEY=VALUE; the value
-    /// as in a look. May be given several times.
+    /// In place of what the look says: NODE.PARAMETER=VALUE, material.NAME.KEY=VALUE (so with light and ao), environment.KEY=VALUE,
+    /// camera.KEY=VALUE, view.KEY=VALUE; the value as in a look. May be given several times.
     #[arg(long, value_name = "KEY=VALUE", action = ArgAction::Append)]
     pub(crate) set: Vec<String>,
 

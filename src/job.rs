@@ -102,7 +102,7 @@ impl Job {
             Command::Watch(args) => Self::Watch(WatchJob::from_args(*args)?),
             Command::View(args) => Self::View(ViewJob::from_args(*args)?),
             Command::Merge(args) => Self::Merge(MergeJob::from_args(args)?),
-            Command::Farm { what } => Self::Farm(ExportJob::from_args(what, render_is_understood)?),
+            Command::Farm { what } => Self::Farm(ExportJob::from_args(what, renders_a_part)?),
             Command::Compare(args) => Self::Compare(CompareJob::from_args(args)?),
             Command::Info(args) => Self::Info(InfoJob::from_args(args)),
             Command::Bake(args) => Self::Bake(Box::new(BakeJob::from_args(args)?)),
@@ -131,14 +131,22 @@ impl Job {
     }
 }
 
-/// Whether `patina render` takes these words.
-fn render_is_understood(words: &[String]) -> Result<(), UsageError> {
+/// Whether `patina render` takes these words, and writes nothing but one film.
+fn renders_a_part(words: &[String]) -> Result<(), UsageError> {
     let start = ["patina", "render"].map(str::to_owned);
     let words = start.iter().chain(words);
     let args = Args::try_parse_from(words).map_err(|error| UsageError::FarmFlags {
         message: error.render().to_string(),
     })?;
-    Job::from_args(args).map(drop)
+    if let Job::Render(job) = Job::from_args(args)? {
+        let several = job.outputs.paths().nth(1).map(|_| "-o");
+        if let Some(flag) = several.or(job.stats_json.as_ref().map(|_| "--stats-json")) {
+            return Err(UsageError::FarmFlag {
+                flag: flag.to_owned(),
+            });
+        }
+    }
+    Ok(())
 }
 
 impl MergeJob {
@@ -265,7 +273,7 @@ mod tests {
         let error = job("merge a.patina-film -o a.patina-film").unwrap_err();
         assert!(matches!(error, UsageError::OverwritesInput { .. }));
         let error = job("merge a.patina-film -o a.tiff").unwrap_err();
-        assert!(matches!(error, UsageError::Extension { .. }));
+        assert!(matches!(error, UsageError::ExtensionOfFilm { .. }));
     }
 
     #[test]

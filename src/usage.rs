@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use engine::film::MAX_SIDE;
 use engine::scene::view::WhiteBalance;
 use thiserror::Error;
 
@@ -20,6 +21,14 @@ pub(crate) enum UsageError {
         given: String,
         /// What is wrong with it.
         problem: String,
+    },
+    /// A scale that makes no size.
+    #[error("--scale {given}: the picture would be {sides} pixels; sides are from 1 to {MAX_SIDE}")]
+    Scale {
+        /// As typed.
+        given: String,
+        /// Width and height, with an x between them.
+        sides: String,
     },
     /// Not a whole number in the range.
     #[error("{flag} {given}: must be a whole number from {low} to {high}")]
@@ -91,6 +100,15 @@ pub(crate) enum UsageError {
         path.display()
     )]
     Extension {
+        /// As typed.
+        path: PathBuf,
+    },
+    /// The extension says no format of a picture or a film.
+    #[error(
+        "-o {}: the file name must end in .png or .jpg (8-bit sRGB), .exr (linear float) or .patina-film (to be gone on with and merged)",
+        path.display()
+    )]
+    ExtensionOfFilm {
         /// As typed.
         path: PathBuf,
     },

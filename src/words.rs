@@ -66,7 +66,10 @@ impl Outputs {
         Ok(Self {
             pictures: pictures
                 .into_iter()
-                .map(parse_output)
+                .map(|path| match Format::of(&path) {
+                    Some(format) => Ok(Output { path, format }),
+                    None => Err(UsageError::ExtensionOfFilm { path }),
+                })
                 .collect::<Result<_, _>>()?,
             films,
         })

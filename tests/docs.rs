@@ -26,16 +26,42 @@ fn links(text: &str) -> impl Iterator<Item = &str> {
         .filter_map(|rest| rest.split(')').next())
 }
 
+/// What headings of a page are called in addresses.
+fn anchors(page: &Path) -> Vec<String> {
+    let text = fs::read_to_string(page).unwrap_or_default();
+    let headings = text.lines().filter(|line| line.starts_with('#'));
+    headings
+        .map(|line| {
+            let words = line.trim_start_matches('#').trim().to_lowercase();
+            words
+                .chars()
+                .filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'))
+                .map(|c| if c == ' ' { '-' } else { c })
+                .collect()
+        })
+        .collect()
+}
+
 #[test]
-fn links_lead_to_files_that_exist() {
+fn links_lead_to_headings_of_files_that_exist() {
     let mut broken = Vec::new();
     for document in documents() {
         let text = fs::read_to_string(&document).expect("a document is UTF-8");
         let folder = document.parent().expect("a file lies in a folder");
         for link in links(&text) {
-            let file = link.split('#').next().unwrap_or_default();
-            let elsewhere = link.contains("://") || file.is_empty();
-            if !elsewhere && !folder.join(file).exists() {
+            if link.contains("://") {
+                continue;
+            }
+            let (file, heading) = link.split_once('#').unwrap_or((link, ""));
+            let target = match file.is_empty() {
+                true => document.clone(),
+                false => folder.join(file),
+            };
+            let is_there = match heading.is_empty() {
+                true => target.exists(),
+                false => anchors(&target).contains(&heading.to_owned()),
+            };
+            if !is_there {
                 broken.push(format!("{}: {link}", document.display()));
             }
         }

@@ -85,8 +85,8 @@ pub struct Setup<'a> {
     pub settings: RenderSettings,
     /// The ways.
     pub methods: Vec<How>,
-    /// What they are compared with; rendered by paths where there is none.
-    pub reference: Option<Vec<[f32; 3]>>,
+    /// Columns and rows of what they are compared with, and its colours; rendered by paths where there is none.
+    pub reference: Option<([usize; 2], Vec<[f32; 3]>)>,
     /// Samples of each pixel of that.
     pub reference_spp: u32,
     /// Most samples of each pixel.
@@ -163,8 +163,8 @@ pub enum MethodsError {
     #[error(transparent)]
     Render(#[from] RenderError),
     /// The reference is another picture.
-    #[error("the reference has {0} pixels, the picture {1}: they have to be of one size")]
-    Reference(usize, usize),
+    #[error("the reference has {}x{} pixels, the picture {}x{}: they have to be of one size", .0[0], .0[1], .1[0], .1[1])]
+    Reference([usize; 2], [usize; 2]),
 }
 
 /// What [`measure`] calls the picture that others are compared with.
@@ -188,9 +188,10 @@ pub fn measure(
     mut progress: impl FnMut(&str),
 ) -> Result<MethodsReport, MethodsError> {
     let (width, height) = (setup.settings.width, setup.settings.height);
-    let pixels = width as usize * height as usize;
+    let size = [width as usize, height as usize];
     let reference = match &setup.reference {
-        Some(reference) => reference.clone(),
+        Some((other, _)) if *other != size => return Err(MethodsError::Reference(*other, size)),
+        Some((_, reference)) => reference.clone(),
         None => {
             progress(REFERENCE);
             // Other random numbers than those of the pictures.
@@ -201,10 +202,6 @@ pub fn measure(
             renderer.film()?.mean()
         }
     };
-    if reference.len() != pixels {
-        return Err(MethodsError::Reference(reference.len(), pixels));
-    }
-    let size = [width as usize, height as usize];
     let truth = Layer::rgb("", size, &reference);
     let start = Instant::now();
     let mut runners = Vec::new();

@@ -15,8 +15,22 @@ use crate::policy::Policy;
 use crate::{licences, platform, root};
 
 /// Folders of the checkout that go with the program: what it can be tried with and how textures and looks are written.
-const FOLDERS: [&str; 3] = ["docs", "examples/demo", "examples/gallery"];
-const FILES: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT"];
+const FOLDERS: [&str; 5] = [
+    "docs",
+    "examples/demo",
+    "examples/gallery",
+    "examples/window_room",
+    "user_textures",
+];
+const FILES: [&str; 7] = [
+    "README.md",
+    "CHANGELOG.md",
+    "LICENSE-APACHE",
+    "LICENSE-MIT",
+    "examples/render_gltf.rs",
+    "examples/sponza-rust.look.toml",
+    "examples/sponza-scratches.look.toml",
+];
 
 /// Packs a program that has been built, and returns the archive's path.
 ///
@@ -47,10 +61,14 @@ pub(crate) fn pack(program: &Path, folder: &Path) -> Result<PathBuf> {
     let written =
         write_manuals(program, &manuals).and_then(|()| add(&manuals, Path::new(""), &mut files));
     let path = folder.join(format!("{name}.tar.gz"));
+    // A former archive stays whole until the new one is.
+    let aside = folder.join(format!("{name}.tar.gz.part"));
     let packed = written.and_then(|()| {
-        write(&path, Path::new(&name), &files)
+        write(&aside, Path::new(&name), &files)
+            .and_then(|()| Ok(fs::rename(&aside, &path)?))
             .with_context(|| format!("cannot write {}", path.display()))
     });
+    let _ = fs::remove_file(&aside);
     let _ = fs::remove_dir_all(&manuals);
     packed.map(|()| path)
 }
@@ -189,6 +207,14 @@ mod tests {
             "docs/look-file.md",
         ] {
             assert!(root.join(file).is_file(), "{file}");
+        }
+        let readme = fs::read_to_string(root.join("README.md")).expect("it is packed");
+        let links = readme
+            .split("](")
+            .skip(1)
+            .filter_map(|rest| rest.split([')', '#']).next());
+        for link in links.filter(|link| !link.is_empty() && !link.contains("://")) {
+            assert!(root.join(link).exists(), "{link}");
         }
         let program = root.join(built.file_name().expect("a name"));
         let list = run(&program, empty.path(), "texture list").expect("textures");

@@ -23,9 +23,9 @@ pub struct Distance {
     /// Share of the pixels that are not the same.
     pub changed: f64,
     /// Peak signal-to-noise ratio of the colours that are shown, 0 to 1 and encoded as sRGB, decibels: infinite where there is no
-    /// difference. Of layers of colours only, like [`Self::flip`].
+    /// difference, minus infinity where a difference is infinite. Of layers of colours only, like [`Self::flip`].
     pub psnr: Option<f64>,
-    /// Mean of [`flip`], 0 to 1.
+    /// Mean of [`flip`], 0 to 1; infinite where a difference is.
     pub flip: Option<f64>,
     /// Of each pixel: its FLIP, 0 to 1. Of other layers than colours the largest difference of its channels, by the largest of all.
     #[serde(skip)]
@@ -89,9 +89,16 @@ impl Distance {
         let shown = (layer.displayed(exposure)).zip(reference.displayed(exposure));
         match shown {
             Some((here, there)) => {
-                distance.psnr = Some(psnr(&here, &there));
                 distance.map = flip::map(layer.size, &there, &here);
-                distance.flip = Some(mean(&distance.map));
+                (distance.psnr, distance.flip) = match largest.is_finite() {
+                    true => (Some(psnr(&here, &there)), Some(mean(&distance.map))),
+                    false => (Some(f64::NEG_INFINITY), Some(f64::INFINITY)),
+                };
+                for (value, difference) in distance.map.iter_mut().zip(&differences) {
+                    if difference.is_infinite() {
+                        *value = 1.0;
+                    }
+                }
             }
             None => {
                 let share = |&d: &f64| match d.is_finite() && largest.is_finite() {
@@ -190,6 +197,11 @@ mod tests {
         let broken = broken.expect("alike");
         assert_eq!((broken.mse, broken.largest), (f64::INFINITY, f64::INFINITY));
         assert_eq!(broken.map, [0.0, 1.0]);
+        // Not a number would be shown as black, as the other is.
+        let [nothing, black] = [f32::NAN, 0.0].map(|v| Layer::rgb("", [1, 1], &[[v; 3]]));
+        let broken = Distance::between(&nothing, &black, 0.0).expect("alike");
+        assert_eq!(broken.flip, Some(f64::INFINITY));
+        assert_eq!(broken.map, [1.0]);
     }
 
     #[test]

@@ -356,13 +356,13 @@ pub(crate) struct EffortArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub(crate) spp: Option<String>,
 
-    /// Width and height of the picture in pixels. Usually 512x512; for textures 256x256 without a GPU, 1280x720 on
-    /// one.
+    /// Width and height of the picture in pixels. Usually 512x512; for methods 256x256; for textures 256x256 without a GPU,
+    /// 1280x720 on one.
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub(crate) size: Option<String>,
 
     /// Timed runs of each case, in turn: A B C A B C. One more comes first and isn't counted. Usually 3; for textures 5
-    /// without a GPU, 9 on one.
+    /// without a GPU, 9 on one; for methods 1, and none comes first.
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub(crate) runs: Option<String>,
 

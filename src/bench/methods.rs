@@ -112,13 +112,14 @@ pub(super) fn run(job: &MethodsJob) -> Result<(), Failure> {
     }
 }
 
-/// A converged picture.
-fn reference(path: &Path) -> Result<Vec<[f32; 3]>, Failure> {
+/// A converged picture: columns and rows, and colours.
+fn reference(path: &Path) -> Result<([usize; 2], Vec<[f32; 3]>), Failure> {
     let layer = picture::layer(path, None)?;
     let [Some(red), Some(green), Some(blue)] = [0, 1, 2].map(|at| layer.channels.get(at)) else {
         let path = path.display();
         return Err(Failure::Failed(format!("{path}: it has no colours")));
     };
     let pixels = red.values.iter().zip(&green.values).zip(&blue.values);
-    Ok(pixels.map(|((&r, &g), &b)| [r, g, b]).collect())
+    let colours = pixels.map(|((&r, &g), &b)| [r, g, b]).collect();
+    Ok((layer.size, colours))
 }

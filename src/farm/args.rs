@@ -10,7 +10,7 @@ Examples:
     patina farm export --to slurm -o job --result a.exr a.glb -- --size 640x360
     sh job/submit.sh
   What is missing after a machine was lost:
-    patina farm export --to slurm --missing -o job --result a.exr a.glb
+    patina farm export --to slurm --missing -o job --result a.exr a.glb -- --size 640x360
 
 Everything behind `--` is handed to `patina render`. Parts that are there already are not rendered again.";
 

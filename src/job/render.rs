@@ -313,7 +313,11 @@ fn scaled(args: &RenderArgs) -> Result<(u32, u32), UsageError> {
     let factor = parse_scale(scale)?;
     let side = |pixels: u32| (f64::from(pixels) * factor).round().max(1.0);
     // The same limits as for a size that is typed.
-    parse_sides(&format!("{}x{}", side(width), side(height)))
+    let sides = format!("{}x{}", side(width), side(height));
+    parse_sides(&sides).map_err(|_| UsageError::Scale {
+        given: scale.clone(),
+        sides,
+    })
 }
 
 /// When the scene is seen, and whether all else can be done so.

@@ -50,7 +50,12 @@ impl WatchJob {
     /// The first flag that makes no sense.
     pub(crate) fn from_args(args: WatchArgs) -> Result<Self, UsageError> {
         let (width, height) = parse_size(&args.size)?;
-        let outputs = Outputs::from_paths(args.outputs, Some(&args.scene))?;
+        let outputs =
+            Outputs::from_paths(args.outputs, Some(&args.scene)).map_err(|error| match error {
+                // Films aren't written while files change.
+                UsageError::ExtensionOfFilm { path } => UsageError::Extension { path },
+                error => error,
+            })?;
         refuse_overwriting(
             outputs.paths(),
             [Some(&args.scene), args.look.as_ref()]

@@ -62,11 +62,9 @@ pub(crate) fn run() -> Result<()> {
     patina(export.chain(rest).chain(FLAGS))?;
 
     let slurm = Slurm::start(&out)?;
-    slurm
-        .command("sh")
-        .arg(job.join("submit.sh"))
-        .status()
-        .context("sh can't be started")?;
+    let submitted =
+        (slurm.command("sh").arg(job.join("submit.sh")).status()).context("sh can't be started")?;
+    ensure!(submitted.success(), "submit.sh: {submitted}");
     slurm.wait(
         || {
             slurm
