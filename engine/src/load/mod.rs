@@ -282,7 +282,8 @@ fn apply(
     }
 }
 
-/// Makes environments of what a look says of them, and remembers the last one: another moment has the same, as a rule.
+/// Makes environments of what a look says of them, and remembers the last one: another moment has the same, as a rule, or at least its
+/// picture.
 #[derive(Debug, Default)]
 struct EnvironmentMaker {
     last: Option<(EnvironmentLook, Environment, Option<PunctualLight>)>,
@@ -297,9 +298,10 @@ impl EnvironmentMaker {
         wanted: &Spanned<EnvironmentLook>,
         scene: &mut Scene,
     ) -> Result<Vec<String>, Diagnostic> {
-        let warnings = match &self.last {
-            Some((of, ..)) if *of == wanted.value => Vec::new(),
-            _ => {
+        let is_last = matches!(&self.last, Some((of, ..)) if *of == wanted.value);
+        let warnings = match is_last || self.turn_to(&wanted.value) {
+            true => Vec::new(),
+            false => {
                 let (environment, sun, warnings) = environment_of(files, look, wanted)?;
                 self.last = Some((wanted.value.clone(), environment, sun));
                 warnings
@@ -315,6 +317,33 @@ impl EnvironmentMaker {
         scene.environment.clone_from(environment);
         scene.lights.extend(sun.clone());
         Ok(warnings)
+    }
+
+    /// Changes how the last picture is shown, if that is the one that is wanted.
+    fn turn_to(&mut self, wanted: &EnvironmentLook) -> bool {
+        let Some((of, shown, _)) = &mut self.last else {
+            return false;
+        };
+        match (&*of, wanted, shown) {
+            (
+                EnvironmentLook::Image { image: last, .. },
+                EnvironmentLook::Image {
+                    image,
+                    rotation,
+                    intensity,
+                },
+                Environment::Image {
+                    rotation: shown_rotation,
+                    intensity: shown_intensity,
+                    ..
+                },
+            ) if last.value == image.value => {
+                (*shown_rotation, *shown_intensity) = (*rotation, *intensity);
+                *of = wanted.clone();
+                true
+            }
+            _ => false,
+        }
     }
 }
 
