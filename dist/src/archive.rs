@@ -15,12 +15,12 @@ use crate::policy::Policy;
 use crate::{licences, platform, root};
 
 /// Folders of the checkout that go with the program: what it can be tried with and how textures and looks are written.
-const FOLDERS: [&str; 5] = [
+/// Without the library's textures, which are in the program: beside it they would count as the user's own.
+const FOLDERS: [&str; 4] = [
     "docs",
     "examples/demo",
     "examples/gallery",
     "examples/window_room",
-    "user_textures",
 ];
 const FILES: [&str; 7] = [
     "README.md",
